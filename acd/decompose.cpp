@@ -1,0 +1,1 @@
+#include "acd/decompose.h"

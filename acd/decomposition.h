@@ -1,0 +1,64 @@
+#pragma once
+
+#include "geometry/tri_mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+using PointIndex = std::int32_t;  ///< a mesh vertex (< vertexCount) or a cut point (>= vertexCount)
+using PartIndex = std::int32_t;
+
+/// Positions of one mesh in several keyframes, borrowed: keyframeCount x vertexCount, keyframe-major [m].
+struct PoseView {
+  std::span<const Vec3> positions;
+  int vertexCount = 0;
+
+  [[nodiscard]] int keyframeCount() const {
+    return vertexCount == 0 ? 0 : static_cast<int>(positions.size()) / vertexCount;
+  }
+  [[nodiscard]] std::span<const Vec3> keyframe(int k) const {
+    return positions.subspan(static_cast<std::size_t>(k) * vertexCount, vertexCount);
+  }
+};
+
+/// A vertex made by a cut: position = lambda * p[first] + (1 - lambda) * p[second] in every pose (Eq. 10).
+/// Both ends are older points, so walking cut points in order reconstructs all of them.
+struct CutPoint {
+  PointIndex first = 0;
+  PointIndex second = 0;
+  double lambda = 0.0;
+};
+
+/// One cut: which part it split and where the second half went. Every prefix of the cuts is a decomposition.
+struct Cut {
+  PartIndex part = 0;   ///< the part that was split; keeps one half
+  int keyframe = 0;     ///< r*, the keyframe in which the plane was chosen
+  Vec3 normal;          ///< of the plane in that keyframe, unit
+  double offset = 0.0;  ///< plane: normal . x = offset
+};
+
+/// A closed submesh of the decomposed mesh.
+struct Part {
+  std::vector<Triangle> triangles;           ///< over PointIndex: surface pieces and caps
+  std::vector<std::int32_t> sourceTriangle;  ///< for each triangle, the mesh triangle it came from; -1 on caps
+  std::vector<PointIndex> points;            ///< every point that its triangles use, ascending
+};
+
+/// An approximate convex decomposition that carries to any pose of its mesh. Immutable once made.
+struct Decomposition {
+  int vertexCount = 0;  ///< of the mesh it was made from
+  int triangleCount = 0;
+  std::vector<CutPoint> cutPoints;  ///< PointIndex = vertexCount + position in this list
+  std::vector<Cut> cuts;            ///< in order; cuts.size() + 1 parts
+  std::vector<Part> parts;
+
+  [[nodiscard]] int pointCount() const { return vertexCount + static_cast<int>(cutPoints.size()); }
+};
+
+/// 64-bit hash over everything in the decomposition, bit for bit; equal results have equal hashes on every machine.
+[[nodiscard]] std::uint64_t hashOf(const Decomposition& decomposition);
+
+}  // namespace lorica

@@ -1,0 +1,1 @@
+#include "capture/confidence_hold.h"

@@ -1,0 +1,1 @@
+#include "capture/joint_csv.h"

@@ -1,0 +1,1 @@
+#include "capture/skeleton_frame.h"

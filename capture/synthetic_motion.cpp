@@ -1,0 +1,1 @@
+#include "capture/synthetic_motion.h"

@@ -1,0 +1,1 @@
+# Placeholder: export set and package files.

@@ -1,0 +1,41 @@
+# One way to declare a folder's library and a folder's tests, so that flags and include paths are said once.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+# Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
+function(lorica_flags target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
+                                           $<$<BOOL:${LORICA_WERROR}>:-Werror>)
+endfunction()
+
+# lorica_library(acd SOURCES a.cpp b.cpp HEADERS a.h b.h LINKS lorica::geometry PRIVATE_LINKS TBB::tbb)
+function(lorica_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(lorica_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
+  add_library(lorica::${name} ALIAS lorica_${name})
+  set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(lorica_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lorica>)
+  target_link_libraries(lorica_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  lorica_flags(lorica_${name})
+  foreach(header ${ARG_HEADERS})
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lorica/${name})
+  endforeach()
+  install(TARGETS lorica_${name} EXPORT loricaTargets)
+endfunction()
+
+# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest.
+function(lorica_tests name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name}_tests ${ARG_SOURCES})
+  target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
+  lorica_flags(${name}_tests)
+  gtest_discover_tests(${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,1 @@
+#include "collision/live_body.h"

@@ -1,0 +1,1 @@
+#include "geometry/tri_mesh.h"

@@ -1,0 +1,1 @@
+#include "skinning/character.h"

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "geometry/tri_mesh.h"
+#include "skinning/skeleton.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+struct Influence {
+  JointIndex joint = 0;
+  double weight = 0.0;
+};
+
+/// A skinned character. `mesh` is the bind pose in model space; influences of vertex v are
+/// influences[influenceBegin[v] .. influenceBegin[v + 1]) and their weights sum to 1.
+struct Character {
+  std::string name;
+  TriMesh mesh;
+  Skeleton skeleton;
+  std::vector<Affine3> jointFromModel;  ///< inverse bind matrices, one a joint
+  std::vector<Influence> influences;
+  std::vector<std::uint32_t> influenceBegin;  ///< vertexCount + 1 entries
+  double height = 0.0;                        ///< of the mesh in the bind pose [m]
+};
+
+/// Checks everything that skinning trusts: counts agree, joints in range, weights finite, >= 0, summing to 1 +- 0.001.
+[[nodiscard]] Result<void> checkCharacter(const Character& character);
+
+}  // namespace lorica

@@ -1,0 +1,1 @@
+#include "skinning/linear_blend.h"

@@ -1,0 +1,1 @@
+#include "skinning/mannequin.h"

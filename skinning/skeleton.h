@@ -1,0 +1,122 @@
+#pragma once
+
+#include "geometry/math.h"
+#include "geometry/result.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lorica {
+
+using JointIndex = std::int32_t;
+inline constexpr JointIndex kNoJoint = -1;
+
+/// The humanoid bones of VRM 1.0 (https://github.com/vrm-c/vrm-specification, humanoid.md), eyes and jaw left out.
+enum class HumanBone : std::uint8_t {
+  kHips,
+  kSpine,
+  kChest,
+  kUpperChest,
+  kNeck,
+  kHead,
+  kLeftUpperLeg,
+  kLeftLowerLeg,
+  kLeftFoot,
+  kLeftToes,
+  kRightUpperLeg,
+  kRightLowerLeg,
+  kRightFoot,
+  kRightToes,
+  kLeftShoulder,
+  kLeftUpperArm,
+  kLeftLowerArm,
+  kLeftHand,
+  kRightShoulder,
+  kRightUpperArm,
+  kRightLowerArm,
+  kRightHand,
+  kLeftThumbMetacarpal,
+  kLeftThumbProximal,
+  kLeftThumbDistal,
+  kLeftIndexProximal,
+  kLeftIndexIntermediate,
+  kLeftIndexDistal,
+  kLeftMiddleProximal,
+  kLeftMiddleIntermediate,
+  kLeftMiddleDistal,
+  kLeftRingProximal,
+  kLeftRingIntermediate,
+  kLeftRingDistal,
+  kLeftLittleProximal,
+  kLeftLittleIntermediate,
+  kLeftLittleDistal,
+  kRightThumbMetacarpal,
+  kRightThumbProximal,
+  kRightThumbDistal,
+  kRightIndexProximal,
+  kRightIndexIntermediate,
+  kRightIndexDistal,
+  kRightMiddleProximal,
+  kRightMiddleIntermediate,
+  kRightMiddleDistal,
+  kRightRingProximal,
+  kRightRingIntermediate,
+  kRightRingDistal,
+  kRightLittleProximal,
+  kRightLittleIntermediate,
+  kRightLittleDistal,
+};
+inline constexpr int kHumanBoneCount = static_cast<int>(HumanBone::kRightLittleDistal) + 1;
+
+/// VRM's name: "leftUpperArm".
+[[nodiscard]] std::string_view nameOf(HumanBone bone);
+[[nodiscard]] std::optional<HumanBone> humanBoneNamed(std::string_view name);
+
+/// Local transform of a joint in its parent: translate, then rotate, then scale.
+struct JointTransform {
+  Vec3 translation = Vec3::Zero();  ///< [m]
+  Quat rotation = Quat::Identity();
+  Vec3 scale = Vec3::Ones();
+
+  [[nodiscard]] Affine3 matrix() const { return Eigen::Translation3d(translation) * rotation * Eigen::Scaling(scale); }
+};
+
+struct Joint {
+  std::string name;
+  JointIndex parent = kNoJoint;
+  JointTransform rest;  ///< parentFromJoint in the rest pose
+  std::optional<HumanBone> bone;
+};
+
+/// Joints in an order where parents precede children; at least one.
+class Skeleton {
+ public:
+  /// @return the skeleton, or which joint names a parent that does not precede it
+  static Result<Skeleton> create(std::vector<Joint> joints);
+
+  [[nodiscard]] std::span<const Joint> joints() const { return joints_; }
+  [[nodiscard]] int jointCount() const { return static_cast<int>(joints_.size()); }
+  [[nodiscard]] const Joint& joint(JointIndex i) const { return joints_[static_cast<std::size_t>(i)]; }
+  /// kNoJoint when the skeleton lacks it.
+  [[nodiscard]] JointIndex jointOf(HumanBone bone) const { return jointOfBone_[static_cast<std::size_t>(bone)]; }
+
+ private:
+  std::vector<Joint> joints_;
+  std::array<JointIndex, kHumanBoneCount> jointOfBone_{};
+};
+
+/// One local transform for each joint of a skeleton.
+using Pose = std::vector<JointTransform>;
+
+[[nodiscard]] Pose restPose(const Skeleton& skeleton);
+
+/// Forward kinematics. @param worldFromJoint  jointCount transforms, written
+void computeWorldFromJoint(const Skeleton& skeleton, std::span<const JointTransform> pose,
+                           std::span<Affine3> worldFromJoint);
+
+}  // namespace lorica

@@ -1,0 +1,38 @@
+#include "tests/support/datasets.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace lorica::test {
+
+std::filesystem::path dataset(std::string_view relative) {
+  const std::filesystem::path root = LORICA_DATASETS;
+  if (root.empty()) return {};
+  const std::filesystem::path file = root / relative;
+  return std::filesystem::exists(file) ? file : std::filesystem::path{};
+}
+
+std::filesystem::path recordingsFolder() {
+  return std::filesystem::path(LORICA_SOURCE_DIR) / "recordings";
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "lorica-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) std::abort();
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::filesystem::path TemporaryFolder::write(std::string_view name, std::string_view content) const {
+  const std::filesystem::path file = path_ / name;
+  std::ofstream(file, std::ios::binary) << content;
+  return file;
+}
+
+}  // namespace lorica::test

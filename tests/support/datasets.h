@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace lorica::test {
+
+/// A file of the third-party data (CMake option LORICA_DATASETS); empty when it is not there.
+[[nodiscard]] std::filesystem::path dataset(std::string_view relative);
+
+/// The recordings that ship with Lorica.
+[[nodiscard]] std::filesystem::path recordingsFolder();
+
+/// A fresh folder that is removed when this goes out of scope.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Writes a file into the folder and returns where.
+  std::filesystem::path write(std::string_view name, std::string_view content) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace lorica::test
+
+/// Skips the test, saying why, when a third-party file is absent. Declares `const std::filesystem::path name`.
+#define LORICA_REQUIRE_DATASET(name, relative)                          \
+  const std::filesystem::path name = ::lorica::test::dataset(relative); \
+  if (name.empty()) GTEST_SKIP() << relative << " is absent: pass -DLORICA_DATASETS=<folder> to CMake"

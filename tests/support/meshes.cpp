@@ -1,0 +1,99 @@
+#include "tests/support/meshes.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace lorica::test {
+
+TriMesh makeBox(const Vec3& min, const Vec3& max) {
+  TriMesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.vertices.emplace_back((i & 1) ? max.x() : min.x(), (i & 2) ? max.y() : min.y(), (i & 4) ? max.z() : min.z());
+  }
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+TriMesh makeTetrahedron() {
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+}
+
+TriMesh makeLShape() {
+  //  5---4
+  //  |   |        the profile in xy, counter-clockwise; extruded from z = 0 to z = 1
+  //  |   3---2    vertex 3 = (1, 1) is the concave corner
+  //  |       |
+  //  0-------1
+  const std::array<std::array<double, 2>, 6> profile = {{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}};
+  TriMesh mesh;
+  for (double z : {0.0, 1.0}) {
+    for (const auto& p : profile) mesh.vertices.emplace_back(p[0], p[1], z);
+  }
+  const std::array<Triangle, 4> cap = {{{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}}};
+  for (const Triangle& t : cap) {
+    mesh.triangles.push_back({t[0], t[2], t[1]});
+    mesh.triangles.push_back({t[0] + 6, t[1] + 6, t[2] + 6});
+  }
+  for (int i = 0; i < 6; ++i) {
+    const int j = (i + 1) % 6;
+    mesh.triangles.push_back({i, j, j + 6});
+    mesh.triangles.push_back({i, j + 6, i + 6});
+  }
+  return mesh;
+}
+
+TriMesh makeTorus(double majorRadius, double minorRadius, int majorSegments, int minorSegments) {
+  TriMesh mesh;
+  for (int i = 0; i < majorSegments; ++i) {
+    const double u = 2.0 * std::numbers::pi * i / majorSegments;
+    for (int j = 0; j < minorSegments; ++j) {
+      const double v = 2.0 * std::numbers::pi * j / minorSegments;
+      const double r = majorRadius + minorRadius * std::cos(v);
+      mesh.vertices.emplace_back(r * std::cos(u), minorRadius * std::sin(v), r * std::sin(u));
+    }
+  }
+  const auto at = [&](int i, int j) { return (i % majorSegments) * minorSegments + j % minorSegments; };
+  for (int i = 0; i < majorSegments; ++i) {
+    for (int j = 0; j < minorSegments; ++j) {
+      mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
+      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i + 1, j)});
+    }
+  }
+  return mesh;
+}
+
+TriMesh makeSphere(double radius, int rings, int segments) {
+  TriMesh mesh;
+  mesh.vertices.emplace_back(0, radius, 0);
+  for (int i = 1; i < rings; ++i) {
+    const double theta = std::numbers::pi * i / rings;
+    for (int j = 0; j < segments; ++j) {
+      const double phi = 2.0 * std::numbers::pi * j / segments;
+      mesh.vertices.emplace_back(radius * std::sin(theta) * std::cos(phi), radius * std::cos(theta),
+                                 radius * std::sin(theta) * std::sin(phi));
+    }
+  }
+  mesh.vertices.emplace_back(0, -radius, 0);
+  const int south = static_cast<int>(mesh.vertices.size()) - 1;
+  const auto at = [&](int ring, int j) { return 1 + (ring - 1) * segments + j % segments; };
+  for (int j = 0; j < segments; ++j) {
+    mesh.triangles.push_back({0, at(1, j + 1), at(1, j)});
+    mesh.triangles.push_back({south, at(rings - 1, j), at(rings - 1, j + 1)});
+    for (int i = 1; i + 1 < rings; ++i) {
+      mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
+      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i + 1, j)});
+    }
+  }
+  return mesh;
+}
+
+TriMesh joined(const TriMesh& a, const TriMesh& b) {
+  TriMesh mesh = a;
+  const auto shift = static_cast<VertexIndex>(a.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const Triangle& t : b.triangles) mesh.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  return mesh;
+}
+
+}  // namespace lorica::test

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "geometry/tri_mesh.h"
+
+namespace lorica::test {
+
+/// Axis-aligned box from min to max, 8 vertices, 12 triangles, closed and outward.
+[[nodiscard]] TriMesh makeBox(const Vec3& min, const Vec3& max);
+
+/// The corner tetrahedron 0, x, y, z: volume 1/6.
+[[nodiscard]] TriMesh makeTetrahedron();
+
+/// An L-shaped prism of unit thickness: three unit squares, volume 3, one concave edge.
+[[nodiscard]] TriMesh makeLShape();
+
+/// Torus about Y: closed, genus 1.
+[[nodiscard]] TriMesh makeTorus(double majorRadius, double minorRadius, int majorSegments, int minorSegments);
+
+/// Unit-radius UV sphere scaled; closed.
+[[nodiscard]] TriMesh makeSphere(double radius, int rings, int segments);
+
+/// Both meshes in one, vertices of b after those of a.
+[[nodiscard]] TriMesh joined(const TriMesh& a, const TriMesh& b);
+
+}  // namespace lorica::test

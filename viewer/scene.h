@@ -1,0 +1,49 @@
+#pragma once
+
+#include "acd/decomposition.h"
+#include "collision/live_body.h"
+#include "collision/world.h"
+#include "geometry/math.h"
+#include "geometry/tri_mesh.h"
+#include "skinning/skeleton.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// What one picture shows, borrowed from whoever owns it. Knows nothing of sessions or files.
+struct Scene {
+  std::span<const Vec3> vertices;  ///< posed mesh [m]
+  std::span<const Triangle> triangles;
+  std::span<const PartIndex> partOfTriangle;  ///< for colouring the skin; empty = one colour
+  std::span<const LivePart> parts;            ///< hull overlay
+  std::span<const Prop> props;
+  std::span<const Contact> contacts;
+  const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
+  std::span<const Affine3> worldFromJoint;
+};
+
+/// What is drawn of it.
+struct SceneOptions {
+  bool skin = true;
+  bool colorSkinByPart = true;
+  bool hulls = true;  ///< translucent faces with edges
+  bool bones = false;
+  bool props = true;
+  bool contacts = true;
+  bool ground = true;
+  std::string caption;  ///< one line of text at the lower left; empty = none
+};
+
+struct Camera {
+  Vec3 eye{1.8, 1.6, 3.6};
+  Vec3 target{0.0, 0.95, 0.0};
+  double verticalFov = 0.6;  ///< [rad]
+};
+
+/// Distinct colour of a part, the same in every picture; linear RGB.
+[[nodiscard]] Vec3f partColor(PartIndex part);
+
+}  // namespace lorica
