@@ -1,1 +1,138 @@
 #include "geometry/files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+namespace lorica {
+
+namespace {
+
+/// Owns a file descriptor.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] bool valid() const { return fd_ >= 0; }
+  /// Closes now and says whether that worked: some file systems report a full disk only here.
+  [[nodiscard]] bool close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return ::close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
+
+Error unreadable(const std::filesystem::path& file, int error) {
+  const ErrorCode code = error == ENOENT || error == ENOTDIR ? ErrorCode::kNotFound : ErrorCode::kUnreadable;
+  return {code, fmt::format("{}: cannot be read: {}", file.string(), reason(error))};
+}
+
+Error unwritable(const std::filesystem::path& file, int error) {
+  return {ErrorCode::kUnwritable, fmt::format("{}: cannot be written: {}", file.string(), reason(error))};
+}
+
+/// Opens a new file beside the target, so that the rename stays on one file system. O_EXCL keeps two writers apart.
+int openBeside(const std::filesystem::path& target, mode_t mode, std::string& temporary) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    temporary = fmt::format("{}.tmp-{}-{}", target.string(), ::getpid(), counter.fetch_add(1));
+    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (fd >= 0 || errno != EEXIST) return fd;
+  }
+  return -1;
+}
+
+/// Writes everything, through short writes and interruptions. @return 0, or errno
+int writeAll(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Result<std::string> readFile(const std::filesystem::path& file) {
+  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!in.valid()) return unreadable(file, errno);
+  struct stat status {};
+  if (::fstat(in.get(), &status) != 0) return unreadable(file, errno);
+  if (S_ISDIR(status.st_mode)) return unreadable(file, EISDIR);
+
+  // The size is a hint only: pipes have none, and a file may grow while it is read.
+  std::string content;
+  std::size_t length = 0;
+  content.resize(S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) + 1 : 65536);
+  while (true) {
+    if (length == content.size()) content.resize(2 * content.size());
+    const ssize_t got = ::read(in.get(), content.data() + length, content.size() - length);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return unreadable(file, errno);
+    if (got == 0) break;
+    length += static_cast<std::size_t>(got);
+  }
+  content.resize(length);
+  return content;
+}
+
+Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content) {
+  // A symbolic link stays one: what it points to is replaced. A device or folder is never replaced by a file.
+  std::error_code ignored;
+  std::filesystem::path target = file;
+  if (std::filesystem::is_symlink(file, ignored)) {
+    const std::filesystem::path resolved = std::filesystem::weakly_canonical(file, ignored);
+    if (!ignored) target = resolved;
+  }
+  struct stat status {};
+  const bool exists = ::stat(target.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
+  if (exists && !S_ISREG(status.st_mode)) {
+    return Error{ErrorCode::kUnwritable, fmt::format("{}: cannot be written: not a regular file", file.string())};
+  }
+
+  std::string temporary;
+  Descriptor out(openBeside(target, 0666, temporary));
+  if (!out.valid()) return unwritable(file, errno);
+  int error = exists && ::fchmod(out.get(), status.st_mode & 07777) != 0 ? errno : 0;
+  if (error == 0) error = writeAll(out.get(), content);
+  if (error == 0 && ::fsync(out.get()) != 0) error = errno;
+  if (!out.close() && error == 0) error = errno;
+  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+  if (error != 0) {
+    ::unlink(temporary.c_str());
+    return unwritable(file, error);
+  }
+  return {};
+}
+
+std::uint64_t contentHash(std::string_view bytes, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
+std::string hexDigits(std::uint64_t value) {
+  return fmt::format("{:016x}", value);
+}
+
+}  // namespace lorica

@@ -32,8 +32,17 @@ struct Components {
 };
 [[nodiscard]] Components connectedComponents(std::size_t vertexCount, std::span<const Triangle> triangles);
 
+/// Number of edges that belong to exactly one triangle; 0 for a mesh that is closed. Indices must be in range.
+[[nodiscard]] std::size_t openEdgeCount(const TriMesh& mesh);
+
+/// Makes one vertex of those at exactly equal positions: the first of them stays, order is kept. Triangles that lose
+/// a corner by that are dropped. Indices must be in range.
+/// @return how many vertices were removed
+std::size_t weldEqualVertices(TriMesh& mesh);
+
 /// Checks what decomposition needs of a mesh: indices in range, finite positions, every edge shared by exactly
-/// two triangles that run along it in opposite directions, no triangle with a repeated vertex, volume above zero.
+/// two triangles that run along it in opposite directions, no triangle with a repeated vertex, volume above zero
+/// (1e-12 of the diagonal's cube) and not inside out. A vertex where two fans of triangles meet is accepted.
 /// @return success, or a sentence naming the first offending vertex, edge or triangle and how many there are
 [[nodiscard]] Result<void> checkClosedTwoManifold(const TriMesh& mesh);
 
