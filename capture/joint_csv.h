@@ -3,17 +3,20 @@
 #include "capture/skeleton_frame.h"
 
 #include <filesystem>
+#include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace lorica {
 
-/// Reads Lorica's joint CSV (recordings/FORMAT.md) whole and checks it whole.
-/// @return frames in time order, at least one, or a sentence with file, line, column, found and expected
+/// Reads Lorica's joint CSV (recordings/FORMAT.md) whole and checks it whole, the rows of every user.
+/// @return frames of one user in time order, at least one: the user with the most frames, of equals the one seen
+///         first; or a sentence with file, line, column, found and expected
 [[nodiscard]] Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& file);
 
-/// Writes it, whole or not at all.
+/// Writes it, whole or not at all. Reading it again gives the same numbers to the last bit, unless a
+/// quaternion is off unit length by more than 1e-12: it is read normalised.
+/// @param frames  at least one; refused when readJointCsv would refuse the file
 [[nodiscard]] Result<void> writeJointCsv(const std::filesystem::path& file, std::span<const SkeletonFrame> frames);
 
 /// A SkeletonSource over frames held in memory.
