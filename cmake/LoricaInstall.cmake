@@ -1,1 +1,24 @@
-# Placeholder: export set and package files.
+# cmake --install: the command, the libraries with their headers, the recordings, and what find_package(lorica) reads.
+
+include(CMakePackageConfigHelpers)
+
+set(lorica_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lorica)
+
+# lorica::lorica stands for all folders.
+add_library(lorica_all INTERFACE)
+add_library(lorica::lorica ALIAS lorica_all)
+set_target_properties(lorica_all PROPERTIES EXPORT_NAME lorica)
+target_link_libraries(lorica_all INTERFACE lorica::viewer lorica::session lorica::collision lorica::capture
+                                           lorica::skinning lorica::acd lorica::geometry)
+install(TARGETS lorica_all EXPORT loricaTargets)
+
+install(EXPORT loricaTargets NAMESPACE lorica:: DESTINATION ${lorica_package_dir})
+configure_package_config_file(cmake/lorica-config.cmake.in ${PROJECT_BINARY_DIR}/lorica-config.cmake
+                              INSTALL_DESTINATION ${lorica_package_dir} PATH_VARS CMAKE_INSTALL_DATADIR)
+# Below 1.0 a minor version may change the interface.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/lorica-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/lorica-config.cmake ${PROJECT_BINARY_DIR}/lorica-config-version.cmake
+        DESTINATION ${lorica_package_dir})
+
+install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings)
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -9,6 +9,20 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
 
+# ccache makes a second build of the same files fast. A launcher that was named on the command line wins.
+find_program(LORICA_CCACHE ccache)
+mark_as_advanced(LORICA_CCACHE)
+if(LORICA_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${LORICA_CCACHE})
+endif()
+
+# Everything is compiled and linked with the sanitizers or nothing is: see the presets asan-ubsan and tsan.
+set(LORICA_SANITIZE "" CACHE STRING "Sanitizers for the whole build, as for -fsanitize=: address,undefined or thread")
+if(LORICA_SANITIZE)
+  add_compile_options(-fsanitize=${LORICA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${LORICA_SANITIZE})
+endif()
+
 # Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
 function(lorica_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
@@ -37,5 +51,9 @@ function(lorica_tests name)
   add_executable(${name}_tests ${ARG_SOURCES})
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
   lorica_flags(${name}_tests)
-  gtest_discover_tests(${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  set(timeout 300)
+  if(LORICA_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug")
+    set(timeout 1500)
+  endif()
+  gtest_discover_tests(${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${timeout})
 endfunction()
