@@ -1,1 +1,80 @@
 #include "skinning/character.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lorica {
+
+namespace {
+
+constexpr double kWeightSumTolerance = 1e-3;
+
+[[nodiscard]] Error badMesh(std::string message) {
+  return {ErrorCode::kBadMesh, std::move(message)};
+}
+
+}  // namespace
+
+Result<void> checkCharacter(const Character& character) {
+  const std::size_t vertexCount = character.mesh.vertices.size();
+  const int jointCount = character.skeleton.jointCount();
+
+  // Counts first: everything after indexes by them.
+  if (jointCount < 1) return badMesh("the character has no joints, expected at least one");
+  if (vertexCount < 1) return badMesh("the character has no vertices, expected at least one");
+  if (character.jointFromModel.size() != static_cast<std::size_t>(jointCount)) {
+    return badMesh(fmt::format("{} inverse bind matrices for {} joints, expected one each",
+                               character.jointFromModel.size(), jointCount));
+  }
+  if (character.influenceBegin.size() != vertexCount + 1) {
+    return badMesh(fmt::format("{} entries in influenceBegin for {} vertices, expected {}",
+                               character.influenceBegin.size(), vertexCount, vertexCount + 1));
+  }
+  if (character.influenceBegin.front() != 0 || character.influenceBegin.back() != character.influences.size()) {
+    return badMesh(fmt::format("influenceBegin runs from {} to {}, expected 0 to {}", character.influenceBegin.front(),
+                               character.influenceBegin.back(), character.influences.size()));
+  }
+
+  for (std::size_t j = 0; j < character.jointFromModel.size(); ++j) {
+    if (!character.jointFromModel[j].matrix().allFinite()) {
+      return badMesh(fmt::format("joint {} '{}': its inverse bind matrix is not finite", j,
+                                 character.skeleton.joint(static_cast<JointIndex>(j)).name));
+    }
+  }
+  for (std::size_t t = 0; t < character.mesh.triangles.size(); ++t) {
+    for (const VertexIndex v : character.mesh.triangles[t]) {
+      if (v < 0 || static_cast<std::size_t>(v) >= vertexCount) {
+        return badMesh(fmt::format("triangle {}: vertex {}, expected 0 to {}", t, v, vertexCount - 1));
+      }
+    }
+  }
+  for (std::size_t v = 0; v < vertexCount; ++v) {
+    if (!character.mesh.vertices[v].allFinite())
+      return badMesh(fmt::format("vertex {}: its position is not finite", v));
+    const std::uint32_t begin = character.influenceBegin[v];
+    const std::uint32_t end = character.influenceBegin[v + 1];
+    if (begin > end || end > character.influences.size()) {
+      return badMesh(fmt::format("vertex {}: influences {} to {}, expected a rising range within {}", v, begin, end,
+                                 character.influences.size()));
+    }
+    double sum = 0.0;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Influence& influence = character.influences[i];
+      if (influence.joint < 0 || influence.joint >= jointCount) {
+        return badMesh(fmt::format("vertex {}: joint {}, expected 0 to {}", v, influence.joint, jointCount - 1));
+      }
+      if (!std::isfinite(influence.weight) || influence.weight < 0.0) {
+        return badMesh(fmt::format("vertex {}: weight {} of joint {}, expected a finite number, 0 or more", v,
+                                   influence.weight, influence.joint));
+      }
+      sum += influence.weight;
+    }
+    if (std::abs(sum - 1.0) > kWeightSumTolerance) {
+      return badMesh(fmt::format("vertex {}: weights sum to {}, expected 1 +- {}", v, sum, kWeightSumTolerance));
+    }
+  }
+  return {};
+}
+
+}  // namespace lorica

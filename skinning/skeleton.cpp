@@ -1,1 +1,139 @@
 #include "skinning/skeleton.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+
+namespace {
+
+constexpr std::array<std::string_view, kHumanBoneCount> kBoneNames = {
+    "hips",
+    "spine",
+    "chest",
+    "upperChest",
+    "neck",
+    "head",
+    "leftUpperLeg",
+    "leftLowerLeg",
+    "leftFoot",
+    "leftToes",
+    "rightUpperLeg",
+    "rightLowerLeg",
+    "rightFoot",
+    "rightToes",
+    "leftShoulder",
+    "leftUpperArm",
+    "leftLowerArm",
+    "leftHand",
+    "rightShoulder",
+    "rightUpperArm",
+    "rightLowerArm",
+    "rightHand",
+    "leftThumbMetacarpal",
+    "leftThumbProximal",
+    "leftThumbDistal",
+    "leftIndexProximal",
+    "leftIndexIntermediate",
+    "leftIndexDistal",
+    "leftMiddleProximal",
+    "leftMiddleIntermediate",
+    "leftMiddleDistal",
+    "leftRingProximal",
+    "leftRingIntermediate",
+    "leftRingDistal",
+    "leftLittleProximal",
+    "leftLittleIntermediate",
+    "leftLittleDistal",
+    "rightThumbMetacarpal",
+    "rightThumbProximal",
+    "rightThumbDistal",
+    "rightIndexProximal",
+    "rightIndexIntermediate",
+    "rightIndexDistal",
+    "rightMiddleProximal",
+    "rightMiddleIntermediate",
+    "rightMiddleDistal",
+    "rightRingProximal",
+    "rightRingIntermediate",
+    "rightRingDistal",
+    "rightLittleProximal",
+    "rightLittleIntermediate",
+    "rightLittleDistal",
+};
+
+[[nodiscard]] bool isFinite(const JointTransform& t) {
+  return t.translation.allFinite() && t.rotation.coeffs().allFinite() && t.scale.allFinite();
+}
+
+}  // namespace
+
+std::string_view nameOf(HumanBone bone) {
+  const auto i = static_cast<std::size_t>(bone);
+  CHECK(i < kBoneNames.size(), "a HumanBone outside the enum");
+  return kBoneNames[i];
+}
+
+std::optional<HumanBone> humanBoneNamed(std::string_view name) {
+  const auto found = std::find(kBoneNames.begin(), kBoneNames.end(), name);
+  if (found == kBoneNames.end()) return std::nullopt;
+  return static_cast<HumanBone>(found - kBoneNames.begin());
+}
+
+Result<Skeleton> Skeleton::create(std::vector<Joint> joints) {
+  if (joints.empty()) return Error{ErrorCode::kInvalidArgument, "the skeleton has no joints, expected at least one"};
+
+  Skeleton skeleton;
+  skeleton.jointOfBone_.fill(kNoJoint);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Joint& joint = joints[i];
+    if (joint.parent != kNoJoint && (joint.parent < 0 || static_cast<std::size_t>(joint.parent) >= i)) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("joint {} '{}': its parent is joint {}, expected one that precedes it, or {} for a root",
+                               i, joint.name, joint.parent, kNoJoint)};
+    }
+    if (!isFinite(joint.rest)) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("joint {} '{}': its rest transform is not finite", i, joint.name)};
+    }
+    const double norm = joint.rest.rotation.norm();
+    if (std::abs(norm - 1.0) > 1e-3) {
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("joint {} '{}': its rest rotation has norm {}, expected 1 +- 0.001", i, joint.name, norm)};
+    }
+    if (!joint.bone) continue;
+    JointIndex& slot = skeleton.jointOfBone_[static_cast<std::size_t>(*joint.bone)];
+    if (slot != kNoJoint) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("joints {} and {} '{}' are both the bone {}, expected one",
+                                                            slot, i, joint.name, nameOf(*joint.bone))};
+    }
+    slot = static_cast<JointIndex>(i);
+  }
+  skeleton.joints_ = std::move(joints);
+  return skeleton;
+}
+
+Pose restPose(const Skeleton& skeleton) {
+  Pose pose;
+  pose.reserve(skeleton.joints().size());
+  for (const Joint& joint : skeleton.joints()) pose.push_back(joint.rest);
+  return pose;
+}
+
+void computeWorldFromJoint(const Skeleton& skeleton, std::span<const JointTransform> pose,
+                           std::span<Affine3> worldFromJoint) {
+  const std::span<const Joint> joints = skeleton.joints();
+  CHECK(pose.size() == joints.size(), "a pose of another skeleton");
+  CHECK(worldFromJoint.size() == joints.size(), "the caller sizes worldFromJoint: one transform a joint");
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Affine3 parentFromJoint = pose[i].matrix();
+    const JointIndex parent = joints[i].parent;
+    worldFromJoint[i] =
+        parent == kNoJoint ? parentFromJoint : worldFromJoint[static_cast<std::size_t>(parent)] * parentFromJoint;
+  }
+}
+
+}  // namespace lorica
