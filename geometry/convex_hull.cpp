@@ -1,1 +1,370 @@
 #include "geometry/convex_hull.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace lorica {
+namespace {
+
+// Quickhull (Barber, Dobkin, Huhdanpaa 1996) with exact visibility.
+//
+// Points are snapped to an integer grid of 2^40 steps along the longest side of their box, 1e-12 of it. On the grid an
+// orientation determinant fits into 128 bits, so its sign is exact: a floating-point filter decides nearly all cases,
+// the integer evaluation the rest. Two thresholds serve two purposes:
+//   - a point is worth adding when it lies more than kTolerance of the diagonal above a face;
+//   - a face is removed when the new point is above it or exactly on its plane. This weak visibility drops coplanar
+//     faces together, so no face without area can arise, and the horizon is one simple loop.
+
+constexpr double kTolerance = 1e-10;  // of the diagonal
+constexpr int kGridBits = 40;
+constexpr double kUnitRoundoff = 1.1102230246251565e-16;
+constexpr int kNone = -1;
+
+using Int128 = __int128;
+
+struct Face {
+  std::array<int, 3> vertex{};
+  std::array<int, 3> neighbour{};  // across the edge vertex[i] -> vertex[i + 1]
+  Vec3 normal = Vec3::Zero();      // not unit: (b - a) x (c - a) on the grid
+  double filter = 0.0;             // largest error of normal . (p - a)
+  double addThreshold = 0.0;       // determinant above which a point is worth adding
+  int outside = kNone;             // head of the list of points above this face
+  int farthest = kNone;
+  double farthestValue = 0.0;
+  int visitedBy = kNone;  // last apex that asked whether it sees this face
+  bool visible = false;
+  bool alive = true;
+};
+
+class HullBuilder {
+ public:
+  // Leaves the hull's faces in faces_; false when the points have no volume.
+  bool build(std::span<const Vec3> points, bool verify) {
+    points_ = points;
+    faces_.clear();
+    free_.clear();
+    pending_.clear();
+    near_.clear();
+    if (points.size() < 4 || !snap() || !makeSimplex()) return false;
+    drain();
+    if (verify) addMissed();
+    return true;
+  }
+
+  [[nodiscard]] double volume() const {
+    const Vec3& origin = points_[static_cast<std::size_t>(simplex_[0])];
+    double sum = 0.0;
+    for (const Face& f : faces_) {
+      if (!f.alive) continue;
+      sum += (point(f.vertex[0]) - origin).dot((point(f.vertex[1]) - origin).cross(point(f.vertex[2]) - origin));
+    }
+    return sum / 6.0;
+  }
+
+  [[nodiscard]] ConvexHull extract() {
+    ConvexHull hull;
+    hull.volume = volume();
+    std::vector<int>& vertexOfPoint = scratch_;  // all kNone between calls
+    for (const Face& f : faces_) {
+      if (!f.alive) continue;
+      Triangle t;
+      for (int i = 0; i < 3; ++i) {
+        int& slot = vertexOfPoint[static_cast<std::size_t>(f.vertex[i])];
+        if (slot == kNone) {
+          slot = static_cast<int>(hull.vertices.size());
+          hull.pointOfVertex.push_back(f.vertex[i]);
+          hull.vertices.push_back(point(f.vertex[i]));
+        }
+        t[i] = slot;
+      }
+      hull.triangles.push_back(t);
+    }
+    for (VertexIndex p : hull.pointOfVertex) vertexOfPoint[static_cast<std::size_t>(p)] = kNone;
+    return hull;
+  }
+
+ private:
+  [[nodiscard]] const Vec3& point(int i) const { return points_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const Vec3& grid(int i) const { return grid_[static_cast<std::size_t>(i)]; }
+
+  bool snap() {
+    const Aabb box = boundsOf(points_);
+    const double extent = (box.max - box.min).maxCoeff();
+    if (!(extent > 0.0) || !std::isfinite(extent)) return false;
+    // A power of two, so that snapping only drops bits and axis-aligned planes stay planes.
+    const double scale = std::ldexp(1.0, kGridBits - 1 - std::ilogb(extent));
+    grid_.resize(points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Vec3 p = (points_[i] - box.min) * scale;
+      grid_[i] = Vec3(std::nearbyint(p.x()), std::nearbyint(p.y()), std::nearbyint(p.z()));
+    }
+    diagonal_ = box.diagonal() * scale;
+    next_.resize(points_.size());
+    scratch_.resize(points_.size(), kNone);
+    return true;
+  }
+
+  // Four points that span a volume: farthest pair of the axis extremes, farthest from their line, from their plane.
+  bool makeSimplex() {
+    const int count = static_cast<int>(points_.size());
+    std::array<int, 6> extreme{};
+    for (int i = 1; i < count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (grid(i)[axis] < grid(extreme[2 * axis])[axis]) extreme[2 * axis] = i;
+        if (grid(i)[axis] > grid(extreme[2 * axis + 1])[axis]) extreme[2 * axis + 1] = i;
+      }
+    }
+    double best = 0.0;
+    for (int i : extreme) {
+      for (int j : extreme) {
+        const double distanceSq = (grid(i) - grid(j)).squaredNorm();
+        if (distanceSq > best) {
+          best = distanceSq;
+          simplex_[0] = i;
+          simplex_[1] = j;
+        }
+      }
+    }
+    if (best == 0.0) return false;
+    const Vec3 a = grid(simplex_[0]);
+    const Vec3 direction = (grid(simplex_[1]) - a).normalized();
+    best = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double distanceSq = (grid(i) - a).cross(direction).squaredNorm();
+      if (distanceSq > best) {
+        best = distanceSq;
+        simplex_[2] = i;
+      }
+    }
+    if (std::sqrt(best) <= kTolerance * diagonal_) return false;
+    const Vec3 normal = direction.cross(grid(simplex_[2]) - a).normalized();
+    best = 0.0;
+    double side = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double distance = normal.dot(grid(i) - a);
+      if (std::abs(distance) > best) {
+        best = std::abs(distance);
+        side = distance;
+        simplex_[3] = i;
+      }
+    }
+    if (best <= kTolerance * diagonal_) return false;
+    if (side > 0.0) std::swap(simplex_[1], simplex_[2]);  // the fourth point below the face 0 1 2
+
+    const auto [p, q, r, s] = simplex_;
+    const std::array<int, 4> f = {newFace(p, q, r), newFace(p, s, q), newFace(q, s, r), newFace(r, s, p)};
+    faces_[f[0]].neighbour = {f[1], f[2], f[3]};
+    faces_[f[1]].neighbour = {f[3], f[2], f[0]};
+    faces_[f[2]].neighbour = {f[1], f[3], f[0]};
+    faces_[f[3]].neighbour = {f[2], f[1], f[0]};
+    created_.assign(f.begin(), f.end());
+    for (int i = 0; i < count; ++i) assign(i);
+    for (int face : created_) {
+      if (faces_[face].outside != kNone) pending_.push_back(face);
+    }
+    return true;
+  }
+
+  int newFace(int a, int b, int c) {
+    int index;
+    if (free_.empty()) {
+      index = static_cast<int>(faces_.size());
+      faces_.emplace_back();
+    } else {
+      index = free_.back();
+      free_.pop_back();
+      faces_[index] = Face();
+    }
+    Face& f = faces_[index];
+    f.vertex = {a, b, c};
+    const Vec3 ab = grid(b) - grid(a);
+    const Vec3 ac = grid(c) - grid(a);
+    f.normal = ab.cross(ac);
+    f.filter = 16.0 * kUnitRoundoff * std::sqrt(ab.squaredNorm() * ac.squaredNorm()) * diagonal_;
+    f.addThreshold = kTolerance * diagonal_ * f.normal.norm();
+    return index;
+  }
+
+  [[nodiscard]] double determinant(const Face& f, int p) const { return f.normal.dot(grid(p) - grid(f.vertex[0])); }
+
+  [[nodiscard]] Int128 exactDeterminant(const Face& f, int p) const {
+    const Vec3& a = grid(f.vertex[0]);
+    const auto difference = [&](int i) {
+      const Vec3 d = grid(i) - a;  // integers below 2^41: exact
+      return std::array<Int128, 3>{static_cast<std::int64_t>(d.x()), static_cast<std::int64_t>(d.y()),
+                                   static_cast<std::int64_t>(d.z())};
+    };
+    const auto u = difference(f.vertex[1]);
+    const auto v = difference(f.vertex[2]);
+    const auto w = difference(p);
+    return (u[1] * v[2] - u[2] * v[1]) * w[0] + (u[2] * v[0] - u[0] * v[2]) * w[1] + (u[0] * v[1] - u[1] * v[0]) * w[2];
+  }
+
+  [[nodiscard]] bool sees(int p, const Face& f) const {
+    const double value = determinant(f, p);
+    if (value > f.filter) return true;
+    if (value < -f.filter) return false;
+    return exactDeterminant(f, p) >= 0;
+  }
+
+  // Puts a point on the list of the first new face that it lies clearly above.
+  void assign(int p) {
+    bool barelyAbove = false;
+    for (int index : created_) {
+      Face& f = faces_[index];
+      double value = determinant(f, p);
+      if (value < f.addThreshold - f.filter) {
+        barelyAbove |= value > 0.0;
+        continue;
+      }
+      if (value <= f.addThreshold + f.filter) {
+        value = static_cast<double>(exactDeterminant(f, p));
+        if (value <= f.addThreshold) {
+          barelyAbove |= value > 0.0;
+          continue;
+        }
+      }
+      next_[static_cast<std::size_t>(p)] = f.outside;
+      f.outside = p;
+      if (value > f.farthestValue) {
+        f.farthestValue = value;
+        f.farthest = p;
+      }
+      return;
+    }
+    // Above one new face by less than the tolerance, it may be farther above an old one: addMissed looks again.
+    if (barelyAbove) near_.push_back(p);
+  }
+
+  void drain() {
+    while (!pending_.empty()) {
+      const int face = pending_.back();
+      pending_.pop_back();
+      if (faces_[face].alive && faces_[face].outside != kNone) addPoint(face, faces_[face].farthest);
+    }
+  }
+
+  void addPoint(int seed, int apex) {
+    // The faces that the apex sees, found from the seed over neighbours, and the horizon around them.
+    visible_.assign(1, seed);
+    horizon_.clear();
+    faces_[seed].visitedBy = apex;
+    faces_[seed].visible = true;
+    for (std::size_t i = 0; i < visible_.size(); ++i) {
+      const Face f = faces_[visible_[i]];
+      for (int e = 0; e < 3; ++e) {
+        Face& other = faces_[f.neighbour[e]];
+        if (other.visitedBy != apex) {
+          other.visitedBy = apex;
+          other.visible = sees(apex, other);
+          if (other.visible) visible_.push_back(f.neighbour[e]);
+        }
+        if (!other.visible) horizon_.push_back({f.vertex[e], f.vertex[(e + 1) % 3], f.neighbour[e]});
+      }
+    }
+
+    // A cone of new faces from the apex over the horizon; neighbours meet at the horizon's vertices.
+    created_.clear();
+    for (const HorizonEdge& h : horizon_) {
+      const int face = newFace(h.from, h.to, apex);
+      created_.push_back(face);
+      faces_[face].neighbour[0] = h.beyond;
+      Face& beyond = faces_[h.beyond];
+      for (int e = 0; e < 3; ++e) {
+        if (beyond.vertex[e] == h.to && beyond.vertex[(e + 1) % 3] == h.from) beyond.neighbour[e] = face;
+      }
+      scratch_[static_cast<std::size_t>(h.from)] = face;
+    }
+    for (std::size_t i = 0; i < horizon_.size(); ++i) {
+      const int following = scratch_[static_cast<std::size_t>(horizon_[i].to)];
+      CHECK(following != kNone, "the horizon of an exactly visible region is a closed loop");
+      faces_[created_[i]].neighbour[1] = following;
+      faces_[following].neighbour[2] = created_[i];
+    }
+    for (const HorizonEdge& h : horizon_) scratch_[static_cast<std::size_t>(h.from)] = kNone;
+
+    // Points above the removed faces find a new one or are inside.
+    for (int index : visible_) {
+      int p = faces_[index].outside;
+      faces_[index].outside = kNone;
+      faces_[index].alive = false;
+      while (p != kNone) {
+        const int following = next_[static_cast<std::size_t>(p)];
+        if (p != apex) assign(p);
+        p = following;
+      }
+    }
+    free_.insert(free_.end(), visible_.begin(), visible_.end());
+    for (int face : created_) {
+      if (faces_[face].outside != kNone) pending_.push_back(face);
+    }
+  }
+
+  // A point that was barely above one face when it was dropped may be well above another one.
+  void addMissed() {
+    std::vector<int> candidates;
+    std::swap(candidates, near_);
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    for (int p : candidates) {
+      for (std::size_t i = 0; i < faces_.size(); ++i) {
+        const Face& f = faces_[i];
+        if (!f.alive || determinant(f, p) <= f.addThreshold + f.filter) continue;
+        addPoint(static_cast<int>(i), p);
+        drain();
+        break;
+      }
+    }
+  }
+
+  struct HorizonEdge {
+    int from, to, beyond;
+  };
+  std::span<const Vec3> points_;
+  std::vector<Vec3> grid_;
+  std::vector<Face> faces_;
+  std::vector<int> free_, pending_, next_, scratch_, visible_, created_, near_;
+  std::vector<HorizonEdge> horizon_;
+  std::array<int, 4> simplex_{};
+  double diagonal_ = 0.0;
+};
+
+// One builder for each thread keeps its memory from call to call.
+thread_local HullBuilder builder;
+
+}  // namespace
+
+ConvexHull convexHull(std::span<const Vec3> points) {
+  if (builder.build(points, true)) return builder.extract();
+  ConvexHull flat;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    flat.pointOfVertex.push_back(static_cast<VertexIndex>(i));
+    flat.vertices.push_back(points[i]);
+  }
+  return flat;
+}
+
+double convexHullVolume(std::span<const Vec3> points) {
+  return builder.build(points, false) ? builder.volume() : 0.0;
+}
+
+double largestViolation(const ConvexHull& hull, std::span<const Vec3> points) {
+  const double diagonal = boundsOf(hull.vertices).diagonal();
+  double worst = 0.0;
+  for (const Triangle& t : hull.triangles) {
+    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
+    const Vec3 ab = hull.vertices[static_cast<std::size_t>(t[1])] - a;
+    const Vec3 ac = hull.vertices[static_cast<std::size_t>(t[2])] - a;
+    const Vec3 normal = ab.cross(ac);
+    const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
+    // The plane of a sliver is noise; its neighbours across the long edges bound the same place.
+    if (normal.norm() <= 1e-7 * diagonal * longest) continue;
+    const Vec3 unit = normal.normalized();
+    for (const Vec3& p : points) worst = std::max(worst, unit.dot(p - a));
+  }
+  return worst;
+}
+
+}  // namespace lorica

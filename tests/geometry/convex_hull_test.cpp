@@ -1,0 +1,187 @@
+#include "geometry/convex_hull.h"
+
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+
+namespace lorica {
+namespace {
+
+std::vector<Vec3> randomPoints(int count, unsigned seed, bool onSphere) {
+  std::mt19937_64 random(seed);
+  std::vector<Vec3> points;
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2.0 - 1.0; };
+  while (static_cast<int>(points.size()) < count) {
+    const Vec3 p(uniform(), uniform(), uniform());
+    if (p.norm() > 1.0 || p.norm() < 0.1) continue;
+    points.push_back(onSphere ? p.normalized() : p);
+  }
+  return points;
+}
+
+/// Closed, oriented, Euler's formula, and no point outside.
+void expectValid(const ConvexHull& hull, std::span<const Vec3> points) {
+  ASSERT_FALSE(hull.degenerate());
+  std::map<std::pair<int, int>, int> edges;
+  for (const Triangle& t : hull.triangles) {
+    for (int e = 0; e < 3; ++e) ++edges[{t[e], t[(e + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    EXPECT_TRUE(edges.contains({edge.second, edge.first})) << "open edge " << edge.first << "-" << edge.second;
+  }
+  const auto v = static_cast<long>(hull.vertices.size());
+  const auto f = static_cast<long>(hull.triangles.size());
+  EXPECT_EQ(v - static_cast<long>(edges.size()) / 2 + f, 2);
+  EXPECT_NEAR(hull.volume, signedVolume(hull.vertices, hull.triangles), 1e-12 * std::abs(hull.volume));
+  EXPECT_LE(largestViolation(hull, points), 1e-9 * boundsOf(points).diagonal());
+  for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
+    EXPECT_EQ(hull.vertices[i], points[static_cast<std::size_t>(hull.pointOfVertex[i])]);
+  }
+}
+
+/// Independent slow truth: a triangle of points is a facet when every other point is on one side.
+double bruteForceVolume(std::span<const Vec3> points) {
+  Vec3 inside = Vec3::Zero();
+  for (const Vec3& p : points) inside += p / static_cast<double>(points.size());
+  double volume = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      for (std::size_t k = j + 1; k < points.size(); ++k) {
+        const Vec3 n = (points[j] - points[i]).cross(points[k] - points[i]);
+        int above = 0, below = 0;
+        for (std::size_t l = 0; l < points.size(); ++l) {
+          if (l == i || l == j || l == k) continue;
+          (n.dot(points[l] - points[i]) > 0 ? above : below) += 1;
+        }
+        if (above == 0 || below == 0) volume += std::abs(n.dot(points[i] - inside)) / 6.0;
+      }
+    }
+  }
+  return volume;
+}
+
+TEST(ConvexHull, FewerThanFourPointsAreDegenerate) {
+  EXPECT_TRUE(convexHull({}).degenerate());
+  const std::vector<Vec3> three = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_TRUE(convexHull(three).degenerate());
+  EXPECT_EQ(convexHullVolume(three), 0.0);
+}
+
+TEST(ConvexHull, EqualCollinearAndCoplanarPointsAreDegenerate) {
+  EXPECT_TRUE(convexHull(std::vector<Vec3>(10, Vec3(1, 2, 3))).degenerate());
+  std::vector<Vec3> line, plane;
+  for (int i = 0; i < 20; ++i) {
+    line.emplace_back(0.1 * i, 0.2 * i, -0.3 * i);
+    plane.emplace_back(std::cos(i), std::sin(i), 0.5 * std::cos(i) - 0.25 * std::sin(i));
+  }
+  EXPECT_TRUE(convexHull(line).degenerate());
+  EXPECT_TRUE(convexHull(plane).degenerate());
+  EXPECT_EQ(convexHull(plane).vertices.size(), plane.size());
+}
+
+TEST(ConvexHull, TetrahedronHasAllFourCornersAndVolumeOneSixth) {
+  const TriMesh t = test::makeTetrahedron();
+  const ConvexHull hull = convexHull(t.vertices);
+  expectValid(hull, t.vertices);
+  EXPECT_EQ(hull.vertices.size(), 4u);
+  EXPECT_DOUBLE_EQ(hull.volume, 1.0 / 6.0);
+}
+
+TEST(ConvexHull, GridPointsOfACubeLeaveOnlyItsEightCorners) {
+  std::vector<Vec3> points;
+  for (int x = 0; x <= 6; ++x) {
+    for (int y = 0; y <= 6; ++y) {
+      for (int z = 0; z <= 6; ++z) points.emplace_back(x, y, z);
+    }
+  }
+  const ConvexHull hull = convexHull(points);
+  expectValid(hull, points);
+  EXPECT_EQ(hull.vertices.size(), 8u);
+  EXPECT_EQ(hull.triangles.size(), 12u);
+  EXPECT_DOUBLE_EQ(hull.volume, 216.0);
+}
+
+TEST(ConvexHull, CoplanarFacesInAnyOrientationContainTheirPoints) {
+  // Rounding makes turned planes not quite flat: the case that folds hulls built with one absolute tolerance.
+  std::mt19937_64 random(7);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Quat q = Quat(std::cos(trial), std::sin(trial * 1.3), std::cos(trial * 0.7), 0.3).normalized();
+    std::vector<Vec3> points;
+    for (int i = 0; i < 400; ++i) {
+      Vec3 p(static_cast<double>(random() % 11), static_cast<double>(random() % 11),
+             static_cast<double>(random() % 11));
+      p[static_cast<int>(random() % 3)] = random() % 2 ? 0.0 : 10.0;
+      points.push_back(q * p * 0.1 + Vec3(3, 2, 1));
+    }
+    expectValid(convexHull(points), points);
+  }
+}
+
+TEST(ConvexHull, AgreesWithBruteForce) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const std::vector<Vec3> points = randomPoints(24, seed, seed % 2 == 0);
+    EXPECT_NEAR(convexHullVolume(points), bruteForceVolume(points), 1e-12) << "seed " << seed;
+  }
+}
+
+TEST(ConvexHull, EveryPointOnASphereIsAVertex) {
+  const std::vector<Vec3> points = randomPoints(3000, 5, true);
+  const ConvexHull hull = convexHull(points);
+  expectValid(hull, points);
+  EXPECT_EQ(hull.vertices.size(), points.size());
+  EXPECT_NEAR(hull.volume, 4.0 / 3.0 * std::numbers::pi, 0.03);
+}
+
+TEST(ConvexHull, RandomSetsAtEveryScaleAreValid) {
+  for (const double scale : {1e-9, 1e-3, 1.0, 1e6, 1e12}) {
+    std::vector<Vec3> points = randomPoints(2000, 11, false);
+    for (Vec3& p : points) p = p * scale + Vec3(5, -3, 2) * scale;
+    expectValid(convexHull(points), points);
+  }
+}
+
+TEST(ConvexHull, RigidMotionKeepsTheVolume) {
+  const std::vector<Vec3> points = randomPoints(500, 3, false);
+  std::vector<Vec3> moved;
+  const Quat q = Quat(0.3, -0.5, 0.2, 0.7).normalized();
+  for (const Vec3& p : points) moved.push_back(q * p + Vec3(1, 2, 3));
+  EXPECT_NEAR(convexHullVolume(points), convexHullVolume(moved), 1e-12);
+}
+
+TEST(ConvexHull, ThinSlabsAndNeedlesAreValid) {
+  for (const double thickness : {1e-3, 1e-5, 1e-7}) {
+    std::vector<Vec3> points = randomPoints(800, 13, false);
+    for (Vec3& p : points) p.y() *= thickness;
+    expectValid(convexHull(points), points);
+    for (Vec3& p : points) p.z() *= thickness;
+    expectValid(convexHull(points), points);
+  }
+}
+
+TEST(ConvexHull, DuplicatedPointsChangeNothing) {
+  std::vector<Vec3> points = randomPoints(200, 17, false);
+  const double volume = convexHullVolume(points);
+  const std::vector<Vec3> copy = points;
+  points.insert(points.end(), copy.begin(), copy.end());
+  expectValid(convexHull(points), points);
+  EXPECT_DOUBLE_EQ(convexHullVolume(points), volume);
+}
+
+TEST(ConvexHull, SameCallTwiceIsBitEqual) {
+  const std::vector<Vec3> points = randomPoints(1000, 23, false);
+  const ConvexHull a = convexHull(points);
+  (void)convexHull(randomPoints(5000, 1, true));
+  const ConvexHull b = convexHull(points);
+  EXPECT_EQ(a.pointOfVertex, b.pointOfVertex);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.volume, b.volume);
+}
+
+}  // namespace
+}  // namespace lorica
