@@ -1,1 +1,54 @@
 #include "geometry/mesh_files.h"
+
+#include "geometry/files.h"
+#include "geometry/mesh_formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+
+namespace {
+
+using Parser = Result<TriMesh> (*)(std::string_view content, const std::string& fileName);
+
+Parser parserFor(std::string extension) {
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  if (extension == ".off") return parseOff;
+  if (extension == ".obj") return parseObj;
+  if (extension == ".ply") return parsePly;
+  if (extension == ".stl") return parseStl;
+  return nullptr;
+}
+
+/// Files split vertices for normals or texture seams, and then a closed surface looks open.
+void weldIfThatClosesEdges(TriMesh& mesh) {
+  const std::size_t openBefore = openEdgeCount(mesh);
+  if (openBefore == 0) return;
+  TriMesh welded = mesh;
+  if (weldEqualVertices(welded) > 0 && openEdgeCount(welded) < openBefore) mesh = std::move(welded);
+}
+
+}  // namespace
+
+Result<TriMesh> readMesh(const std::filesystem::path& file) {
+  const Parser parse = parserFor(file.extension().string());
+  if (parse == nullptr) {
+    return Error{ErrorCode::kUnsupported, fmt::format("{}: the name ends in '{}', expected .off, .obj, .ply or .stl",
+                                                      file.string(), file.extension().string())};
+  }
+  const Result<std::string> content = readFile(file);
+  if (!content) return content.error();
+  Result<TriMesh> mesh = parse(*content, file.string());
+  if (!mesh) return mesh;
+  if (mesh->triangles.empty()) {
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: {} vertices and no face, expected a surface", file.string(), mesh->vertices.size())};
+  }
+  weldIfThatClosesEdges(*mesh);
+  return mesh;
+}
+
+}  // namespace lorica

@@ -1,0 +1,156 @@
+#include "geometry/files.h"
+#include "geometry/line_scanner.h"
+#include "geometry/mesh_formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace lorica {
+
+namespace {
+
+/// Triangles from one `o` or `g` statement up to the next.
+struct Section {
+  std::string name;
+  std::size_t firstTriangle = 0;
+};
+
+struct ObjFile {
+  TriMesh mesh;  ///< all of the file
+  std::vector<Section> sections;
+};
+
+/// Statements that say nothing about the surface. What is neither here nor read is refused: curves and free-form
+/// surfaces must not vanish in silence.
+constexpr std::array<std::string_view, 17> kIgnoredStatements = {
+    "vn", "vt",     "vp",         "s",         "l",   "p",     "mtllib",   "usemtl",  "maplib",
+    "mg", "usemap", "shadow_obj", "trace_obj", "lod", "bevel", "c_interp", "d_interp"};
+
+/// One corner "7", "7/1", "7//3" or "7/1/3"; counted from 1, or from the newest vertex backwards when negative.
+Result<VertexIndex> parseCorner(std::string_view word, std::size_t vertexCount, const LineScanner& scanner) {
+  std::int64_t index = 0;
+  std::string_view rest = word;
+  for (int field = 0; field < 3; ++field) {
+    const std::size_t slash = std::min(rest.find('/'), rest.size());
+    const std::string_view digits = rest.substr(0, slash);
+    std::int64_t value = 0;
+    const bool mayBeEmpty = field > 0;
+    if (!(mayBeEmpty && digits.empty()) && !parseInteger(digits, value)) {
+      return scanner.fail(fmt::format("corner {}, expected v, v/vt, v//vn or v/vt/vn", quotedWord(word)));
+    }
+    if (field == 0) index = value;
+    if (slash == rest.size()) {
+      rest = {};
+      break;
+    }
+    rest.remove_prefix(slash + 1);
+  }
+  if (!rest.empty()) return scanner.fail(fmt::format("corner {}, expected v, v/vt, v//vn or v/vt/vn", quotedWord(word)));
+  const auto count = static_cast<std::int64_t>(vertexCount);
+  if (index == 0 || index > count || index < -count) {
+    return scanner.fail(
+        fmt::format("vertex index {} is out of range, expected 1 to {} or -{} to -1 ({} vertices so far)", index, count,
+                    count, count));
+  }
+  return static_cast<VertexIndex>(index > 0 ? index - 1 : count + index);
+}
+
+Result<ObjFile> parse(std::string_view content, const std::string& fileName) {
+  LineScanner scanner(content, fileName, '#');
+  ObjFile obj;
+  obj.sections.push_back({std::filesystem::path(fileName).stem().string(), 0});
+  std::vector<VertexIndex> corners;
+  while (scanner.nextLine()) {
+    const std::string_view statement = scanner.word();
+    if (statement == "v") {
+      Vec3 p;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!scanner.real(p[axis])) {
+          return scanner.error(fmt::format("{} of vertex {}", "xyz"[axis], obj.mesh.vertices.size() + 1));
+        }
+      }
+      obj.mesh.vertices.push_back(p);  // a weight or a colour may follow on the line
+    } else if (statement == "f") {
+      corners.clear();
+      for (std::string_view word = scanner.word(); !word.empty(); word = scanner.word()) {
+        const Result<VertexIndex> corner = parseCorner(word, obj.mesh.vertices.size(), scanner);
+        if (!corner) return corner.error();
+        corners.push_back(*corner);
+      }
+      if (corners.size() < 3) {
+        return scanner.fail(fmt::format("a face of {} corners, expected 3 or more", corners.size()));
+      }
+      appendPolygon(corners, obj.mesh.triangles);
+    } else if (statement == "o" || statement == "g") {
+      obj.sections.push_back({std::string(scanner.rest()), obj.mesh.triangles.size()});
+    } else if (std::find(kIgnoredStatements.begin(), kIgnoredStatements.end(), statement) == kIgnoredStatements.end()) {
+      return scanner.fail(
+          fmt::format("statement {} is not one that Lorica knows, such as v, f, o or g", quotedWord(statement)));
+    }
+  }
+  return obj;
+}
+
+/// The vertices that some triangles use, in the file's order, and those triangles over them.
+TriMesh submesh(const TriMesh& mesh, std::span<const Triangle> triangles, std::vector<VertexIndex>& renumbered) {
+  std::vector<VertexIndex> used;
+  used.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) used.insert(used.end(), t.begin(), t.end());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  TriMesh sub;
+  for (const VertexIndex v : used) {
+    renumbered[v] = static_cast<VertexIndex>(sub.vertices.size());
+    sub.vertices.push_back(mesh.vertices[v]);
+  }
+  for (const Triangle& t : triangles) sub.triangles.push_back({renumbered[t[0]], renumbered[t[1]], renumbered[t[2]]});
+  return sub;
+}
+
+}  // namespace
+
+Result<TriMesh> parseObj(std::string_view content, const std::string& fileName) {
+  Result<ObjFile> obj = parse(content, fileName);
+  if (!obj) return obj.error();
+  return std::move(obj->mesh);
+}
+
+Result<std::vector<NamedMesh>> readObjObjects(const std::filesystem::path& file) {
+  const Result<std::string> content = readFile(file);
+  if (!content) return content.error();
+  const Result<ObjFile> obj = parse(*content, file.string());
+  if (!obj) return obj.error();
+
+  std::vector<NamedMesh> objects;
+  std::vector<VertexIndex> renumbered(obj->mesh.vertices.size());
+  const std::span<const Triangle> triangles = obj->mesh.triangles;
+  for (std::size_t i = 0; i < obj->sections.size(); ++i) {
+    const std::size_t first = obj->sections[i].firstTriangle;
+    const std::size_t end = i + 1 < obj->sections.size() ? obj->sections[i + 1].firstTriangle : triangles.size();
+    if (first == end) continue;
+    objects.push_back({obj->sections[i].name, submesh(obj->mesh, triangles.subspan(first, end - first), renumbered)});
+  }
+  return objects;
+}
+
+Result<void> writeObjObjects(const std::filesystem::path& file, const std::vector<NamedMesh>& objects) {
+  std::string text;
+  std::size_t firstVertex = 1;
+  for (const NamedMesh& object : objects) {
+    std::string name = object.name;
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+    text += fmt::format("o {}\n", name);
+    // The shortest digits that read back as the same double.
+    for (const Vec3& p : object.mesh.vertices) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+    for (const Triangle& t : object.mesh.triangles) {
+      text += fmt::format("f {} {} {}\n", t[0] + firstVertex, t[1] + firstVertex, t[2] + firstVertex);
+    }
+    firstVertex += object.mesh.vertices.size();
+  }
+  return writeFileAtomically(file, text);
+}
+
+}  // namespace lorica

@@ -1,0 +1,403 @@
+#include "geometry/line_scanner.h"
+#include "geometry/little_endian.h"
+#include "geometry/mesh_formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace lorica {
+
+namespace {
+
+enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+struct Property {
+  std::string name;
+  Scalar type = Scalar::kFloat32;
+  std::optional<Scalar> countType;  ///< of a list
+};
+
+struct Element {
+  std::string name;
+  std::int64_t count = 0;
+  std::vector<Property> properties;
+};
+
+enum class Encoding { kAscii, kLittleEndian, kBigEndian };
+
+struct Header {
+  std::optional<Encoding> encoding;
+  std::vector<Element> elements;
+};
+
+std::optional<Scalar> scalarNamed(std::string_view name) {
+  constexpr std::array<std::array<std::string_view, 2>, 8> kNames = {{{"char", "int8"},
+                                                                      {"uchar", "uint8"},
+                                                                      {"short", "int16"},
+                                                                      {"ushort", "uint16"},
+                                                                      {"int", "int32"},
+                                                                      {"uint", "uint32"},
+                                                                      {"float", "float32"},
+                                                                      {"double", "float64"}}};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i][0] || name == kNames[i][1]) return static_cast<Scalar>(i);
+  }
+  return std::nullopt;
+}
+
+bool isInteger(Scalar type) {
+  return type < Scalar::kFloat32;
+}
+
+std::size_t sizeOf(Scalar type) {
+  constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+Result<Property> readProperty(LineScanner& scanner) {
+  Property property;
+  std::string_view word = scanner.word();
+  if (word == "list") {
+    word = scanner.word();
+    property.countType = scalarNamed(word);
+    if (!property.countType || !isInteger(*property.countType)) {
+      return scanner.fail(
+          fmt::format("found {} as type of a list's count, expected an integer type such as uchar", quotedWord(word)));
+    }
+    word = scanner.word();
+  }
+  const std::optional<Scalar> type = scalarNamed(word);
+  if (!type) return scanner.fail(fmt::format("found {}, expected a type such as float or int", quotedWord(word)));
+  property.type = *type;
+  property.name = std::string(scanner.word());
+  if (property.name.empty()) return scanner.fail("the line ends before the property's name");
+  return property;
+}
+
+/// Reads up to and with the line end_header.
+Result<Header> readHeader(LineScanner& scanner) {
+  if (!scanner.nextLine()) return scanner.failAtEnd("expected the word ply");
+  if (const std::string_view word = scanner.word(); word != "ply") {
+    return scanner.fail(fmt::format("found {}, expected the word ply", quotedWord(word)));
+  }
+  Header header;
+  while (true) {
+    if (!scanner.nextLine()) return scanner.failAtEnd("expected end_header");
+    const std::string_view keyword = scanner.word();
+    if (keyword == "end_header") break;
+    if (keyword == "comment" || keyword == "obj_info") continue;
+    if (keyword == "format") {
+      const std::string_view name = scanner.word();
+      if (name == "ascii") header.encoding = Encoding::kAscii;
+      if (name == "binary_little_endian") header.encoding = Encoding::kLittleEndian;
+      if (name == "binary_big_endian") header.encoding = Encoding::kBigEndian;
+      if (!header.encoding) {
+        return scanner.fail(
+            fmt::format("format {}, expected ascii, binary_little_endian or binary_big_endian", quotedWord(name)));
+      }
+    } else if (keyword == "element") {
+      Element element;
+      element.name = std::string(scanner.word());
+      if (!scanner.integer(element.count))
+        return scanner.error(fmt::format("the count of {}", quotedWord(element.name)));
+      if (element.count < 0 || element.count > std::numeric_limits<VertexIndex>::max()) {
+        return scanner.fail(fmt::format("element {} has a count of {}, expected 0 to {}", element.name, element.count,
+                                        std::numeric_limits<VertexIndex>::max()));
+      }
+      for (const Element& other : header.elements) {
+        if (other.name == element.name) return scanner.fail(fmt::format("a second element {}", element.name));
+      }
+      header.elements.push_back(std::move(element));
+    } else if (keyword == "property") {
+      if (header.elements.empty()) return scanner.fail("a property before the first element");
+      Result<Property> property = readProperty(scanner);
+      if (!property) return property.error();
+      header.elements.back().properties.push_back(std::move(*property));
+    } else {
+      return scanner.fail(
+          fmt::format("found {} in the header, expected element, property or end_header", quotedWord(keyword)));
+    }
+  }
+  if (!header.encoding) return scanner.fail("the header has no format line");
+  return header;
+}
+
+/// The numbers of a text body: one element on each line.
+class TextBody {
+ public:
+  explicit TextBody(LineScanner& scanner) : scanner_(scanner) {}
+
+  std::optional<Error> checkSize(const Element&) { return std::nullopt; }
+  [[nodiscard]] std::size_t atMost(std::int64_t count) const {
+    return std::min<std::size_t>(count, scanner_.bytesLeft() / 6 + 1);
+  }
+  std::optional<Error> beginItem(const Element& element, std::int64_t index) {
+    if (scanner_.nextLine()) return std::nullopt;
+    return scanner_.failAtEnd(
+        fmt::format("{} of element {} were announced, {} are there", element.count, element.name, index));
+  }
+  std::optional<Error> endItem(const Element& element, std::int64_t index) {
+    if (scanner_.atLineEnd()) return std::nullopt;
+    return scanner_.fail(fmt::format("found {} after {} {}, expected the end of the line", quotedWord(scanner_.word()),
+                                     element.name, index));
+  }
+  std::optional<Error> endBody() {
+    if (!scanner_.nextLine()) return std::nullopt;
+    return scanner_.fail(
+        fmt::format("found {} after the last element, expected the end of the file", quotedWord(scanner_.word())));
+  }
+  bool read(Scalar type, double& value) {
+    if (!isInteger(type)) return scanner_.real(value);
+    std::int64_t integer = 0;
+    if (!scanner_.integer(integer)) return false;
+    value = static_cast<double>(integer);
+    return true;
+  }
+  bool skip(Scalar, std::int64_t count) {
+    double missing = 0.0;
+    for (std::int64_t i = 0; i < count; ++i) {
+      // Any word will do: nan is fine in a normal that nobody uses.
+      if (scanner_.atLineEnd()) return scanner_.real(missing);
+      (void)scanner_.word();
+    }
+    return true;
+  }
+  [[nodiscard]] Error error(std::string_view what) const { return scanner_.error(what); }
+  [[nodiscard]] Error fail(std::string_view message) const { return scanner_.fail(message); }
+
+ private:
+  LineScanner& scanner_;
+};
+
+/// The numbers of a binary body, one after the other.
+class BinaryBody {
+ public:
+  BinaryBody(std::string_view bytes, std::size_t fileSize, std::endian order, std::string fileName)
+      : bytes_(bytes), fileSize_(fileSize), order_(order), fileName_(std::move(fileName)) {}
+
+  /// Refuses a count that the rest of the file cannot hold, before anything is allocated.
+  std::optional<Error> checkSize(const Element& element) {
+    std::size_t least = 0;
+    for (const Property& p : element.properties) least += sizeOf(p.countType.value_or(p.type));
+    const std::size_t needed = least * static_cast<std::size_t>(element.count);
+    if (needed <= bytes_.size()) return std::nullopt;
+    return fail(fmt::format("{} of element {} need at least {} bytes, {} are left", element.count, element.name, needed,
+                            bytes_.size()));
+  }
+  [[nodiscard]] std::size_t atMost(std::int64_t count) const { return static_cast<std::size_t>(count); }
+  std::optional<Error> beginItem(const Element&, std::int64_t) { return std::nullopt; }
+  std::optional<Error> endItem(const Element&, std::int64_t) { return std::nullopt; }
+  std::optional<Error> endBody() {
+    if (bytes_.empty()) return std::nullopt;
+    return fail(fmt::format("{} bytes are left after the last element, expected the end of the file", bytes_.size()));
+  }
+  bool read(Scalar type, double& value) {
+    if (sizeOf(type) > bytes_.size()) return false;
+    const char* at = bytes_.data();
+    switch (type) {
+      case Scalar::kInt8:
+        value = loadBytes<std::int8_t>(at, order_);
+        break;
+      case Scalar::kUint8:
+        value = loadBytes<std::uint8_t>(at, order_);
+        break;
+      case Scalar::kInt16:
+        value = loadBytes<std::int16_t>(at, order_);
+        break;
+      case Scalar::kUint16:
+        value = loadBytes<std::uint16_t>(at, order_);
+        break;
+      case Scalar::kInt32:
+        value = loadBytes<std::int32_t>(at, order_);
+        break;
+      case Scalar::kUint32:
+        value = loadBytes<std::uint32_t>(at, order_);
+        break;
+      case Scalar::kFloat32:
+        value = loadBytes<float>(at, order_);
+        break;
+      case Scalar::kFloat64:
+        value = loadBytes<double>(at, order_);
+        break;
+    }
+    if (!std::isfinite(value)) return false;
+    bytes_.remove_prefix(sizeOf(type));
+    return true;
+  }
+  bool skip(Scalar type, std::int64_t count) {
+    if (static_cast<std::uint64_t>(count) > bytes_.size() / sizeOf(type)) return false;
+    bytes_.remove_prefix(sizeOf(type) * static_cast<std::size_t>(count));
+    return true;
+  }
+  [[nodiscard]] Error error(std::string_view what) const {
+    return fail(fmt::format("{}: expected a finite number, {} bytes are left", what, bytes_.size()));
+  }
+  [[nodiscard]] Error fail(std::string_view message) const {
+    return {ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", fileName_, fileSize_ - bytes_.size(), message)};
+  }
+
+ private:
+  std::string_view bytes_;
+  std::size_t fileSize_;
+  std::endian order_;
+  std::string fileName_;
+};
+
+/// Length of a list, which must not be negative.
+template <typename Body>
+std::optional<Error> readLength(Body& body, const Property& property, const Element& element, std::int64_t index,
+                                std::int64_t& length) {
+  double value = 0.0;
+  if (!body.read(*property.countType, value)) {
+    return body.error(fmt::format("the length of {} of {} {}", property.name, element.name, index));
+  }
+  if (value < 0.0) {
+    return body.fail(
+        fmt::format("{} of {} {} has length {}, expected 0 or more", property.name, element.name, index, value));
+  }
+  length = static_cast<std::int64_t>(value);
+  return std::nullopt;
+}
+
+/// Reads past a property that the mesh does not need.
+template <typename Body>
+std::optional<Error> skipProperty(Body& body, const Property& property, const Element& element, std::int64_t index) {
+  std::int64_t count = 1;
+  if (property.countType) {
+    if (auto error = readLength(body, property, element, index, count)) return error;
+  }
+  if (body.skip(property.type, count)) return std::nullopt;
+  return body.error(fmt::format("{} of {} {}", property.name, element.name, index));
+}
+
+template <typename Body>
+std::optional<Error> readVertices(Body& body, const Element& element, TriMesh& mesh) {
+  mesh.vertices.reserve(body.atMost(element.count));
+  for (std::int64_t i = 0; i < element.count; ++i) {
+    if (auto error = body.beginItem(element, i)) return error;
+    Vec3 p;
+    for (const Property& property : element.properties) {
+      const bool isCoordinate = property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z';
+      if (!isCoordinate) {
+        if (auto error = skipProperty(body, property, element, i)) return error;
+      } else if (!body.read(property.type, p[property.name[0] - 'x'])) {
+        return body.error(fmt::format("{} of vertex {}", property.name, i));
+      }
+    }
+    if (auto error = body.endItem(element, i)) return error;
+    mesh.vertices.push_back(p);
+  }
+  return std::nullopt;
+}
+
+bool isCornerList(const Property& property) {
+  return property.name == "vertex_indices" || property.name == "vertex_index";
+}
+
+template <typename Body>
+std::optional<Error> readFaces(Body& body, const Element& element, std::int64_t vertexCount, TriMesh& mesh) {
+  mesh.triangles.reserve(body.atMost(element.count));
+  std::vector<VertexIndex> corners;
+  for (std::int64_t i = 0; i < element.count; ++i) {
+    if (auto error = body.beginItem(element, i)) return error;
+    for (const Property& property : element.properties) {
+      if (!isCornerList(property)) {
+        if (auto error = skipProperty(body, property, element, i)) return error;
+        continue;
+      }
+      std::int64_t length = 0;
+      if (auto error = readLength(body, property, element, i, length)) return error;
+      if (length < 3) return body.fail(fmt::format("face {} has {} corners, expected 3 or more", i, length));
+      corners.clear();
+      for (std::int64_t k = 0; k < length; ++k) {
+        double index = 0.0;
+        if (!body.read(property.type, index)) {
+          return body.error(fmt::format("corner {} of {} of face {}", k, length, i));
+        }
+        if (index < 0.0 || index >= static_cast<double>(vertexCount)) {
+          return body.fail(fmt::format("face {}: vertex index {} is out of range, expected 0 to {} ({} vertices)", i,
+                                       index, vertexCount - 1, vertexCount));
+        }
+        corners.push_back(static_cast<VertexIndex>(index));
+      }
+      appendPolygon(corners, mesh.triangles);
+    }
+    if (auto error = body.endItem(element, i)) return error;
+  }
+  return std::nullopt;
+}
+
+template <typename Body>
+Result<TriMesh> readBody(Body body, const Header& header, std::int64_t vertexCount) {
+  TriMesh mesh;
+  for (const Element& element : header.elements) {
+    if (element.properties.empty()) continue;  // takes no space, whatever its count
+    if (auto error = body.checkSize(element)) return *error;
+    if (element.name == "vertex") {
+      if (auto error = readVertices(body, element, mesh)) return *error;
+    } else if (element.name == "face") {
+      if (auto error = readFaces(body, element, vertexCount, mesh)) return *error;
+    } else {
+      for (std::int64_t i = 0; i < element.count; ++i) {
+        if (auto error = body.beginItem(element, i)) return *error;
+        for (const Property& property : element.properties) {
+          if (auto error = skipProperty(body, property, element, i)) return *error;
+        }
+        if (auto error = body.endItem(element, i)) return *error;
+      }
+    }
+  }
+  if (auto error = body.endBody()) return *error;
+  return mesh;
+}
+
+/// The header names what a mesh needs: vertices with x, y, z and faces with a list of corners.
+std::optional<std::string> missingInHeader(const Header& header) {
+  const auto find = [&](std::string_view name) {
+    return std::find_if(header.elements.begin(), header.elements.end(),
+                        [&](const Element& e) { return e.name == name; });
+  };
+  const auto vertex = find("vertex");
+  const auto face = find("face");
+  if (vertex == header.elements.end()) return "the header has no element vertex";
+  if (face == header.elements.end())
+    return "the header has no element face: triangle strips and point clouds are not read";
+  for (const std::string_view axis : {"x", "y", "z"}) {
+    const auto count = std::count_if(vertex->properties.begin(), vertex->properties.end(),
+                                     [&](const Property& p) { return p.name == axis && !p.countType; });
+    const auto all = std::count_if(vertex->properties.begin(), vertex->properties.end(),
+                                   [&](const Property& p) { return p.name == axis; });
+    if (count != 1 || all != 1)
+      return fmt::format("element vertex has {} properties {}, expected one number", all, axis);
+  }
+  const auto lists = std::count_if(face->properties.begin(), face->properties.end(), isCornerList);
+  const auto good = std::count_if(face->properties.begin(), face->properties.end(), [](const Property& p) {
+    return isCornerList(p) && p.countType && isInteger(p.type);
+  });
+  if (lists != 1 || good != 1) {
+    return fmt::format("element face has {} properties vertex_indices or vertex_index, expected one list of integers",
+                       lists);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<TriMesh> parsePly(std::string_view content, const std::string& fileName) {
+  LineScanner scanner(content, fileName, 0);
+  const Result<Header> header = readHeader(scanner);
+  if (!header) return header.error();
+  if (const auto missing = missingInHeader(*header)) return scanner.fail(*missing);
+  std::int64_t vertexCount = 0;
+  for (const Element& element : header->elements) {
+    if (element.name == "vertex") vertexCount = element.count;
+  }
+  if (*header->encoding == Encoding::kAscii) return readBody(TextBody(scanner), *header, vertexCount);
+  const std::endian order = *header->encoding == Encoding::kBigEndian ? std::endian::big : std::endian::little;
+  return readBody(BinaryBody(scanner.afterLine(), content.size(), order, fileName), *header, vertexCount);
+}
+
+}  // namespace lorica
