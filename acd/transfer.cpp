@@ -1,1 +1,46 @@
 #include "acd/transfer.h"
+
+#include <algorithm>
+
+namespace lorica {
+
+void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, std::span<Vec3> points) {
+  CHECK(posed.size() == static_cast<std::size_t>(decomposition.vertexCount), "posed holds one position a mesh vertex");
+  CHECK(points.size() == static_cast<std::size_t>(decomposition.pointCount()), "points holds vertices and cut points");
+  if (posed.data() != points.data()) std::copy(posed.begin(), posed.end(), points.begin());
+  Vec3* next = points.data() + posed.size();
+  for (const CutPoint& c : decomposition.cutPoints) {
+    *next++ = c.lambda * points[static_cast<std::size_t>(c.first)] +
+              (1.0 - c.lambda) * points[static_cast<std::size_t>(c.second)];
+  }
+}
+
+ConvexHull partHull(const Part& part, std::span<const Vec3> points) {
+  std::vector<Vec3> own;
+  own.reserve(part.points.size());
+  for (PointIndex p : part.points) own.push_back(points[static_cast<std::size_t>(p)]);
+  return convexHull(own);
+}
+
+std::vector<ConvexHull> partHulls(const Decomposition& decomposition, std::span<const Vec3> points) {
+  std::vector<ConvexHull> hulls;
+  hulls.reserve(decomposition.parts.size());
+  for (const Part& part : decomposition.parts) hulls.push_back(partHull(part, points));
+  return hulls;
+}
+
+PoseError errorInPose(const Decomposition& decomposition, const TriMesh& mesh, std::span<const Vec3> posed) {
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  transfer(decomposition, posed, points);
+  PoseError error;
+  error.meshVolume = signedVolume(posed, mesh.triangles);
+  std::vector<Vec3> own;
+  for (const Part& part : decomposition.parts) {
+    own.clear();
+    for (PointIndex p : part.points) own.push_back(points[static_cast<std::size_t>(p)]);
+    error.hullVolume += convexHullVolume(own);
+  }
+  return error;
+}
+
+}  // namespace lorica

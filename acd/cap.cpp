@@ -1,0 +1,300 @@
+#include "acd/cap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lorica {
+namespace {
+
+using Loop = std::vector<int>;
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Twice the signed area of a, b, c; positive when counter-clockwise.
+double orientation(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return cross(b - a, c - a);
+}
+
+class CapTriangulator {
+ public:
+  CapTriangulator(std::span<const Vec2> vertices, std::span<const CapEdge> edges) : vertices_(vertices) {
+    traceLoops(edges);
+  }
+
+  std::vector<Triangle> run() {
+    // Loops that run counter-clockwise bound a region, clockwise ones are holes in the smallest region around them.
+    std::vector<double> area(loops_.size());
+    for (std::size_t i = 0; i < loops_.size(); ++i) area[i] = signedArea(loops_[i]);
+    std::vector<std::vector<std::size_t>> holesOf(loops_.size());
+    std::vector<bool> isHole(loops_.size(), false);
+    for (std::size_t h = 0; h < loops_.size(); ++h) {
+      if (area[h] >= 0.0) continue;
+      std::size_t best = loops_.size();
+      for (std::size_t o = 0; o < loops_.size(); ++o) {
+        if (area[o] <= -area[h] || !contains(loops_[o], loops_[h])) continue;
+        if (best == loops_.size() || area[o] < area[best]) best = o;
+      }
+      if (best == loops_.size()) continue;  // a clockwise loop in no region (crossing loops): closed by itself
+      isHole[h] = true;
+      holesOf[best].push_back(h);
+    }
+    for (std::size_t o = 0; o < loops_.size(); ++o) {
+      if (isHole[o]) continue;
+      if (area[o] < 0.0) {
+        // Clip it the other way round and turn the triangles back.
+        const std::size_t first = triangles_.size();
+        clipEars(Loop(loops_[o].rbegin(), loops_[o].rend()));
+        for (std::size_t t = first; t < triangles_.size(); ++t) std::swap(triangles_[t][1], triangles_[t][2]);
+      } else {
+        clipEars(withHoles(loops_[o], holesOf[o]));
+      }
+    }
+    return std::move(triangles_);
+  }
+
+ private:
+  [[nodiscard]] const Vec2& at(int v) const { return vertices_[static_cast<std::size_t>(v)]; }
+
+  // Where several edges leave a vertex, the first one clockwise from where we came keeps the region on the left, so
+  // loops that touch in a vertex come apart there.
+  void traceLoops(std::span<const CapEdge> edges) {
+    std::vector<int> order(edges.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return edges[a] < edges[b]; });
+    std::vector<int> firstFrom(vertices_.size() + 1, 0);
+    for (const CapEdge& e : edges) ++firstFrom[static_cast<std::size_t>(e[0]) + 1];
+    std::partial_sum(firstFrom.begin(), firstFrom.end(), firstFrom.begin());
+    std::vector<bool> used(edges.size(), false);
+    for (int start : order) {
+      if (used[start]) continue;
+      Loop loop;
+      int edge = start;
+      while (!used[edge]) {
+        used[edge] = true;
+        const int from = edges[edge][0];
+        const int here = edges[edge][1];
+        loop.push_back(from);
+        int next = -1;
+        double smallest = 0.0;
+        for (int i = firstFrom[here]; i < firstFrom[here + 1]; ++i) {
+          const int candidate = order[i];
+          if (used[candidate] && candidate != start) continue;
+          const double turn = clockwiseAngle(at(from) - at(here), at(edges[candidate][1]) - at(here));
+          if (next < 0 || turn < smallest) {
+            next = candidate;
+            smallest = turn;
+          }
+        }
+        if (next < 0) break;
+        edge = next;
+      }
+      appendSimple(loop);
+    }
+  }
+
+  // A walk that comes back to a vertex before its end is several loops.
+  void appendSimple(const Loop& walk) {
+    Loop open;
+    for (int v : walk) {
+      const auto seen = std::find(open.begin(), open.end(), v);
+      if (seen != open.end()) {
+        Loop closed(seen, open.end());
+        open.erase(seen, open.end());
+        if (closed.size() >= 3) loops_.push_back(std::move(closed));
+      }
+      open.push_back(v);
+    }
+    if (open.size() >= 3) loops_.push_back(std::move(open));
+  }
+
+  static double clockwiseAngle(const Vec2& from, const Vec2& to) {
+    const double angle = std::atan2(-cross(from, to), from.dot(to));
+    return angle > 0.0 ? angle : angle + 2.0 * M_PI;
+  }
+
+  [[nodiscard]] double signedArea(const Loop& loop) const {
+    double sum = 0.0;
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i) sum += orientation(at(loop[0]), at(loop[i]), at(loop[i + 1]));
+    return 0.5 * sum;
+  }
+
+  // Whether the inner loop lies inside: judged by its first vertex that is not on the outer loop's vertices.
+  [[nodiscard]] bool contains(const Loop& outer, const Loop& inner) const {
+    for (int v : inner) {
+      if (std::find(outer.begin(), outer.end(), v) != outer.end()) continue;
+      const Vec2& p = at(v);
+      bool inside = false;
+      for (std::size_t i = 0, j = outer.size() - 1; i < outer.size(); j = i++) {
+        const Vec2& a = at(outer[i]);
+        const Vec2& b = at(outer[j]);
+        if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) {
+          inside = !inside;
+        }
+      }
+      return inside;
+    }
+    return true;
+  }
+
+  // Joins holes to their region by bridges walked both ways, those with the rightmost vertex first (Held 2001).
+  Loop withHoles(Loop ring, const std::vector<std::size_t>& holes) const {
+    struct Hole {
+      const Loop* loop;
+      std::size_t rightmost;
+    };
+    std::vector<Hole> sorted;
+    for (std::size_t h : holes) {
+      const Loop& loop = loops_[h];
+      std::size_t best = 0;
+      for (std::size_t i = 1; i < loop.size(); ++i) {
+        if (at(loop[i]).x() > at(loop[best]).x()) best = i;
+      }
+      sorted.push_back({&loop, best});
+    }
+    std::stable_sort(sorted.begin(), sorted.end(), [&](const Hole& a, const Hole& b) {
+      return at((*a.loop)[a.rightmost]).x() > at((*b.loop)[b.rightmost]).x();
+    });
+    for (const Hole& hole : sorted) {
+      const std::size_t bridge = visibleFrom(ring, at((*hole.loop)[hole.rightmost]));
+      Loop joined(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(bridge) + 1);
+      for (std::size_t i = 0; i <= hole.loop->size(); ++i) {
+        joined.push_back((*hole.loop)[(hole.rightmost + i) % hole.loop->size()]);
+      }
+      joined.insert(joined.end(), ring.begin() + static_cast<std::ptrdiff_t>(bridge), ring.end());
+      ring = std::move(joined);
+    }
+    return ring;
+  }
+
+  // The ring vertex to bridge to from p: walk right from p to the nearest ring edge; its right end sees p unless reflex
+  // vertices lie between, and then the one closest in angle does.
+  [[nodiscard]] std::size_t visibleFrom(const Loop& ring, const Vec2& p) const {
+    double nearestX = std::numeric_limits<double>::infinity();
+    std::size_t candidate = ring.size();
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const std::size_t j = (i + 1) % ring.size();
+      const Vec2& a = at(ring[i]);
+      const Vec2& b = at(ring[j]);
+      if ((a.y() > p.y()) == (b.y() > p.y()) && a.y() != p.y() && b.y() != p.y()) continue;
+      if (std::min(a.y(), b.y()) > p.y() || std::max(a.y(), b.y()) < p.y()) continue;
+      const double x =
+          a.y() == b.y() ? std::max(a.x(), b.x()) : a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+      if (x < p.x() || x >= nearestX) continue;
+      nearestX = x;
+      candidate = a.x() > b.x() ? i : j;
+    }
+    if (candidate == ring.size()) return nearestVertex(ring, p);
+    const Vec2 hit(nearestX, p.y());
+    const Vec2& end = at(ring[candidate]);
+    double bestSlope = std::numeric_limits<double>::infinity();
+    double bestDistanceSq = std::numeric_limits<double>::infinity();
+    std::size_t best = candidate;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec2& q = at(ring[i]);
+      if (q == end || q.x() < p.x() || !inTriangle(p, hit, end, q)) continue;
+      const double slope = std::abs(q.y() - p.y()) / std::max(q.x() - p.x(), 1e-300);
+      const double distanceSq = (q - p).squaredNorm();
+      if (slope < bestSlope || (slope == bestSlope && distanceSq < bestDistanceSq)) {
+        bestSlope = slope;
+        bestDistanceSq = distanceSq;
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] std::size_t nearestVertex(const Loop& ring, const Vec2& p) const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < ring.size(); ++i) {
+      if ((at(ring[i]) - p).squaredNorm() < (at(ring[best]) - p).squaredNorm()) best = i;
+    }
+    return best;
+  }
+
+  static bool inTriangle(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& p) {
+    const double d0 = orientation(a, b, p);
+    const double d1 = orientation(b, c, p);
+    const double d2 = orientation(c, a, p);
+    return (d0 >= 0.0 && d1 >= 0.0 && d2 >= 0.0) || (d0 <= 0.0 && d1 <= 0.0 && d2 <= 0.0);
+  }
+
+  // Ear clipping. Should no true ear be left (crossing or degenerate loops), any convex corner goes, then any corner.
+  void clipEars(const Loop& ring) {
+    const int count = static_cast<int>(ring.size());
+    if (count < 3) return;
+    std::vector<int> previous(count), next(count);
+    for (int i = 0; i < count; ++i) {
+      previous[i] = (i + count - 1) % count;
+      next[i] = (i + 1) % count;
+    }
+    const auto corner = [&](int i) { return orientation(at(ring[previous[i]]), at(ring[i]), at(ring[next[i]])); };
+    std::vector<bool> reflex(count);
+    for (int i = 0; i < count; ++i) reflex[i] = corner(i) <= 0.0;
+
+    const auto isEar = [&](int i) {
+      if (reflex[i]) return false;
+      const Vec2& a = at(ring[previous[i]]);
+      const Vec2& b = at(ring[i]);
+      const Vec2& c = at(ring[next[i]]);
+      const Vec2 low = a.cwiseMin(b).cwiseMin(c);
+      const Vec2 high = a.cwiseMax(b).cwiseMax(c);
+      for (int j = next[next[i]]; j != previous[i]; j = next[j]) {
+        if (!reflex[j]) continue;
+        const Vec2& p = at(ring[j]);
+        if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) continue;
+        if (p == a || p == b || p == c) continue;
+        if (inTriangle(a, b, c, p)) return false;
+      }
+      return true;
+    };
+
+    int remaining = count;
+    int current = 0;
+    int sinceLastEar = 0;
+    int leniency = 0;  // 0 true ears, 1 convex corners, 2 any corner
+    while (remaining > 3) {
+      const bool take = leniency == 0 ? isEar(current) : leniency == 1 ? !reflex[current] : true;
+      if (!take) {
+        current = next[current];
+        if (++sinceLastEar > remaining) {
+          ++leniency;
+          sinceLastEar = 0;
+        }
+        continue;
+      }
+      emit(ring[previous[current]], ring[current], ring[next[current]]);
+      const int before = previous[current];
+      const int after = next[current];
+      next[before] = after;
+      previous[after] = before;
+      reflex[before] = corner(before) <= 0.0;
+      reflex[after] = corner(after) <= 0.0;
+      --remaining;
+      sinceLastEar = 0;
+      leniency = 0;
+      current = next[after];  // skipping one spreads the ears instead of fanning from one corner
+    }
+    emit(ring[previous[current]], ring[current], ring[next[current]]);
+  }
+
+  // Both ends of a bridge are twice in a ring; a triangle over them alone has no area and its sides cancel.
+  void emit(int a, int b, int c) {
+    if (a != b && b != c && c != a) triangles_.push_back({a, b, c});
+  }
+
+  std::span<const Vec2> vertices_;
+  std::vector<Loop> loops_;
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace
+
+std::vector<Triangle> triangulateCap(std::span<const Vec2> vertices, std::span<const CapEdge> edges) {
+  return CapTriangulator(vertices, edges).run();
+}
+
+}  // namespace lorica

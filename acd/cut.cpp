@@ -1,0 +1,218 @@
+#include "acd/cut.h"
+
+#include "acd/cap.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace lorica {
+namespace {
+
+std::uint64_t edgeKey(PointIndex a, PointIndex b) {
+  if (a > b) std::swap(a, b);
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
+}
+
+/// Gives one half its triangles; polygons of three or four corners come from clipped triangles.
+class Half {
+ public:
+  void add(const Triangle& t, std::int32_t source) {
+    part_.triangles.push_back(t);
+    part_.sourceTriangle.push_back(source);
+  }
+  void addPolygon(std::span<const PointIndex> corners, std::int32_t source) {
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) add({corners[0], corners[i], corners[i + 1]}, source);
+  }
+  [[nodiscard]] const std::vector<Triangle>& triangles() const { return part_.triangles; }
+  Part take() {
+    part_.points = pointsUsedBy(part_.triangles);
+    return std::move(part_);
+  }
+
+ private:
+  Part part_;
+};
+
+}  // namespace
+
+void PlaneSides::classify(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance) {
+  if (side_.size() < points.size()) {
+    side_.resize(points.size());
+    distance_.resize(points.size());
+  }
+  anyAbove_ = anyBelow_ = false;
+  for (PointIndex p : part.points) {
+    const auto i = static_cast<std::size_t>(p);
+    const double distance = plane.normal.dot(points[i]) - plane.offset;
+    distance_[i] = distance;
+    side_[i] = distance > tolerance ? 1 : distance < -tolerance ? -1 : 0;
+    anyAbove_ |= side_[i] > 0;
+    anyBelow_ |= side_[i] < 0;
+  }
+}
+
+CutPoint PlaneSides::crossing(PointIndex a, PointIndex b) const {
+  if (a > b) std::swap(a, b);
+  const double da = distanceOf(a);
+  const double db = distanceOf(b);
+  return {a, b, db / (db - da)};
+}
+
+int PlaneSides::sideOf(const Triangle& t, std::span<const Vec3> points, const Plane& plane) const {
+  for (PointIndex p : t) {
+    if (sideOf(p) != 0) return sideOf(p);
+  }
+  const Vec3& a = points[static_cast<std::size_t>(t[0])];
+  const Vec3& b = points[static_cast<std::size_t>(t[1])];
+  const Vec3& c = points[static_cast<std::size_t>(t[2])];
+  return (b - a).cross(c - a).dot(plane.normal) > 0.0 ? -1 : 1;
+}
+
+bool sketchCut(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance, PlaneSides& sides,
+               CutSketch& sketch) {
+  sides.classify(part, points, plane, tolerance);
+  if (!sides.splits()) return false;
+  sketch.above.clear();
+  sketch.below.clear();
+  sketch.crossings.clear();
+  // A point on the plane belongs to the halves whose triangles use it: bit 0 above, bit 1 below.
+  thread_local std::vector<std::uint8_t> usedBy;
+  if (usedBy.size() < points.size()) usedBy.resize(points.size());
+  for (PointIndex p : part.points) {
+    const int side = sides.sideOf(p);
+    usedBy[static_cast<std::size_t>(p)] = side > 0 ? 1 : side < 0 ? 2 : 0;
+  }
+  for (const Triangle& t : part.triangles) {
+    const int s0 = sides.sideOf(t[0]);
+    const int s1 = sides.sideOf(t[1]);
+    const int s2 = sides.sideOf(t[2]);
+    if (s0 == s1 && s1 == s2 && s0 != 0) continue;
+    const int low = std::min({s0, s1, s2});
+    const int high = std::max({s0, s1, s2});
+    const bool flat = low == 0 && high == 0;
+    const int flatSide = flat ? sides.sideOf(t, points, plane) : 0;
+    const auto halves =
+        static_cast<std::uint8_t>((high > 0 || flatSide > 0 ? 1 : 0) | (low < 0 || flatSide < 0 ? 2 : 0));
+    const std::array<int, 3> s = {s0, s1, s2};
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3;
+      if (s[i] == 0) usedBy[static_cast<std::size_t>(t[i])] |= halves;
+      // Each edge runs once each way in a closed part: take it where it ascends.
+      if (s[i] * s[j] < 0 && t[i] < t[j]) sketch.crossings.push_back(sides.crossing(t[i], t[j]));
+    }
+  }
+  for (PointIndex p : part.points) {
+    const std::uint8_t halves = usedBy[static_cast<std::size_t>(p)];
+    if (halves & 1) sketch.above.push_back(p);
+    if (halves & 2) sketch.below.push_back(p);
+  }
+  return true;
+}
+
+CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance,
+                  PointIndex firstNewPoint) {
+  PlaneSides sides;
+  sides.classify(part, points, plane, tolerance);
+  CutResult result;
+  std::unordered_map<std::uint64_t, PointIndex> cutPointOfEdge;
+  const auto cutPoint = [&](PointIndex a, PointIndex b) {
+    const auto [entry, isNew] =
+        cutPointOfEdge.try_emplace(edgeKey(a, b), firstNewPoint + static_cast<PointIndex>(result.newPoints.size()));
+    if (isNew) result.newPoints.push_back(sides.crossing(a, b));
+    return entry->second;
+  };
+
+  // Every triangle goes to one half or is clipped into a piece for each.
+  Half above, below;
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    const Triangle& t = part.triangles[i];
+    const std::int32_t source = part.sourceTriangle[i];
+    const std::array<int, 3> s = {sides.sideOf(t[0]), sides.sideOf(t[1]), sides.sideOf(t[2])};
+    if (std::min({s[0], s[1], s[2]}) >= 0 || std::max({s[0], s[1], s[2]}) <= 0) {
+      (sides.sideOf(t, points, plane) > 0 ? above : below).add(t, source);
+      continue;
+    }
+    std::array<PointIndex, 4> upper{}, lower{};
+    std::size_t upperCount = 0, lowerCount = 0;
+    for (int e = 0; e < 3; ++e) {
+      const int f = (e + 1) % 3;
+      if (s[e] >= 0) upper[upperCount++] = t[e];
+      if (s[e] <= 0) lower[lowerCount++] = t[e];
+      if (s[e] * s[f] < 0) upper[upperCount++] = lower[lowerCount++] = cutPoint(t[e], t[f]);
+    }
+    above.addPolygon({upper.data(), upperCount}, source);
+    below.addPolygon({lower.data(), lowerCount}, source);
+  }
+
+  // What is left open of the upper half, all of it on the plane, bounds the cap.
+  const auto onPlane = [&](PointIndex p) { return p >= firstNewPoint || sides.sideOf(p) == 0; };
+  std::vector<std::array<PointIndex, 2>> open;
+  {
+    std::unordered_map<std::uint64_t, int> balance;  // runs ascending minus runs descending
+    std::vector<std::array<PointIndex, 2>> seen;
+    for (const Triangle& t : above.triangles()) {
+      for (int e = 0; e < 3; ++e) {
+        const PointIndex a = t[e];
+        const PointIndex b = t[(e + 1) % 3];
+        if (!onPlane(a) || !onPlane(b)) continue;
+        balance[edgeKey(a, b)] += a < b ? 1 : -1;
+        seen.push_back({a, b});
+      }
+    }
+    for (const auto& [a, b] : seen) {
+      int& left = balance[edgeKey(a, b)];
+      const int direction = a < b ? 1 : -1;
+      if (left * direction <= 0) continue;
+      left -= direction;
+      open.push_back({a, b});
+    }
+  }
+
+  // Plane coordinates with the normal towards the reader: the upper half's border runs counter-clockwise round the cap.
+  const Vec3 u = plane.normal.unitOrthogonal();
+  const Vec3 v = plane.normal.cross(u);
+  std::unordered_map<PointIndex, int> capVertexOf;
+  std::vector<PointIndex> pointOf;
+  std::vector<Vec2> flat;
+  const auto positionOf = [&](PointIndex p) -> Vec3 {
+    if (p < firstNewPoint) return points[static_cast<std::size_t>(p)];
+    const CutPoint& c = result.newPoints[static_cast<std::size_t>(p - firstNewPoint)];
+    return c.lambda * points[static_cast<std::size_t>(c.first)] +
+           (1.0 - c.lambda) * points[static_cast<std::size_t>(c.second)];
+  };
+  std::vector<CapEdge> edges;
+  for (const auto& edge : open) {
+    CapEdge local{};
+    for (int i = 0; i < 2; ++i) {
+      const auto [entry, isNew] = capVertexOf.try_emplace(edge[i], static_cast<int>(pointOf.size()));
+      if (isNew) {
+        pointOf.push_back(edge[i]);
+        const Vec3 p = positionOf(edge[i]);
+        flat.emplace_back(u.dot(p), v.dot(p));
+      }
+      local[i] = entry->second;
+    }
+    edges.push_back(local);
+  }
+  for (const Triangle& t : triangulateCap(flat, edges)) {
+    const PointIndex a = pointOf[static_cast<std::size_t>(t[0])];
+    const PointIndex b = pointOf[static_cast<std::size_t>(t[1])];
+    const PointIndex c = pointOf[static_cast<std::size_t>(t[2])];
+    below.add({a, b, c}, -1);
+    above.add({a, c, b}, -1);
+  }
+  result.above = above.take();
+  result.below = below.take();
+  return result;
+}
+
+std::vector<PointIndex> pointsUsedBy(std::span<const Triangle> triangles) {
+  std::vector<PointIndex> points;
+  points.reserve(triangles.size() * 3);
+  for (const Triangle& t : triangles) points.insert(points.end(), t.begin(), t.end());
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+}  // namespace lorica
