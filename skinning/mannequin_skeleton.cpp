@@ -1,0 +1,114 @@
+#include "skinning/mannequin_skeleton.h"
+
+#include <algorithm>
+
+namespace lorica {
+
+namespace {
+
+using enum HumanBone;
+
+struct Placement {
+  HumanBone bone;
+  HumanBone parent;
+  double x, y, z;  ///< of the joint in T-pose [m]
+};
+
+// Parents first. Lengths follow an adult of 1.75 m: thigh 0.43, shin 0.40, upper arm 0.28, forearm 0.245, hand 0.19.
+constexpr Placement kPlacements[] = {
+    {kHips, kHips, 0.0, 0.950, -0.010},
+    {kSpine, kHips, 0.0, 1.040, -0.015},
+    {kChest, kSpine, 0.0, 1.150, -0.020},
+    {kUpperChest, kChest, 0.0, 1.280, -0.025},
+    {kNeck, kUpperChest, 0.0, 1.475, -0.030},
+    {kHead, kNeck, 0.0, 1.560, -0.012},
+
+    {kLeftUpperLeg, kHips, 0.092, 0.915, -0.008},
+    {kLeftLowerLeg, kLeftUpperLeg, 0.097, 0.490, -0.002},
+    {kLeftFoot, kLeftLowerLeg, 0.099, 0.090, -0.035},
+    {kLeftToes, kLeftFoot, 0.107, 0.022, 0.098},
+
+    {kLeftShoulder, kUpperChest, 0.030, 1.435, -0.010},
+    {kLeftUpperArm, kLeftShoulder, 0.175, 1.418, -0.018},
+    {kLeftLowerArm, kLeftUpperArm, 0.455, 1.413, -0.022},
+    {kLeftHand, kLeftLowerArm, 0.700, 1.412, -0.015},
+
+    {kLeftThumbMetacarpal, kLeftHand, 0.722, 1.403, 0.012},
+    {kLeftThumbProximal, kLeftThumbMetacarpal, 0.753, 1.397, 0.055},
+    {kLeftThumbDistal, kLeftThumbProximal, 0.774, 1.394, 0.081},
+    {kLeftIndexProximal, kLeftHand, 0.786, 1.411, 0.018},
+    {kLeftIndexIntermediate, kLeftIndexProximal, 0.828, 1.410, 0.021},
+    {kLeftIndexDistal, kLeftIndexIntermediate, 0.853, 1.409, 0.023},
+    {kLeftMiddleProximal, kLeftHand, 0.790, 1.412, -0.003},
+    {kLeftMiddleIntermediate, kLeftMiddleProximal, 0.836, 1.411, -0.003},
+    {kLeftMiddleDistal, kLeftMiddleIntermediate, 0.865, 1.410, -0.003},
+    {kLeftRingProximal, kLeftHand, 0.786, 1.411, -0.024},
+    {kLeftRingIntermediate, kLeftRingProximal, 0.828, 1.410, -0.027},
+    {kLeftRingDistal, kLeftRingIntermediate, 0.855, 1.409, -0.029},
+    {kLeftLittleProximal, kLeftHand, 0.774, 1.408, -0.044},
+    {kLeftLittleIntermediate, kLeftLittleProximal, 0.807, 1.406, -0.050},
+    {kLeftLittleDistal, kLeftLittleIntermediate, 0.827, 1.405, -0.0535},
+};
+
+[[nodiscard]] int indexOf(HumanBone bone) {
+  return static_cast<int>(bone);
+}
+
+[[nodiscard]] bool isBetween(HumanBone bone, HumanBone first, HumanBone last) {
+  return bone >= first && bone <= last;
+}
+
+}  // namespace
+
+HumanBone mirrored(HumanBone bone) {
+  const auto shifted = [&](HumanBone from, HumanBone to) {
+    return static_cast<HumanBone>(indexOf(bone) - indexOf(from) + indexOf(to));
+  };
+  if (isBetween(bone, kLeftUpperLeg, kLeftToes)) return shifted(kLeftUpperLeg, kRightUpperLeg);
+  if (isBetween(bone, kRightUpperLeg, kRightToes)) return shifted(kRightUpperLeg, kLeftUpperLeg);
+  if (isBetween(bone, kLeftShoulder, kLeftHand)) return shifted(kLeftShoulder, kRightShoulder);
+  if (isBetween(bone, kRightShoulder, kRightHand)) return shifted(kRightShoulder, kLeftShoulder);
+  if (isBetween(bone, kLeftThumbMetacarpal, kLeftLittleDistal)) {
+    return shifted(kLeftThumbMetacarpal, kRightThumbMetacarpal);
+  }
+  if (isBetween(bone, kRightThumbMetacarpal, kRightLittleDistal)) {
+    return shifted(kRightThumbMetacarpal, kLeftThumbMetacarpal);
+  }
+  return bone;
+}
+
+Vec3 mannequinJoint(HumanBone bone) {
+  for (const Placement& p : kPlacements) {
+    if (p.bone == bone) return {p.x, p.y, p.z};
+    if (mirrored(p.bone) == bone) return {-p.x, p.y, p.z};
+  }
+  CHECK(false, "every human bone has a placement");
+  return Vec3::Zero();
+}
+
+Skeleton makeMannequinSkeleton() {
+  std::vector<Joint> joints;
+  std::array<JointIndex, kHumanBoneCount> indexOfBone{};
+  const auto add = [&](HumanBone bone, HumanBone parent) {
+    Joint joint;
+    joint.name = nameOf(bone);
+    joint.bone = bone;
+    joint.rest.translation = mannequinJoint(bone);
+    if (bone != parent) {
+      joint.parent = indexOfBone[static_cast<std::size_t>(parent)];
+      joint.rest.translation -= mannequinJoint(parent);
+    }
+    indexOfBone[static_cast<std::size_t>(bone)] = static_cast<JointIndex>(joints.size());
+    joints.push_back(std::move(joint));
+  };
+  for (const Placement& p : kPlacements) add(p.bone, p.parent);
+  for (const Placement& p : kPlacements) {
+    if (mirrored(p.bone) != p.bone) add(mirrored(p.bone), mirrored(p.parent));
+  }
+  // The root stands where its rest translation says; the hips' x and z are kept, so that T-pose needs no offset.
+  Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
+  CHECK(skeleton.ok(), "the mannequin's bones are listed parents first");
+  return std::move(*skeleton);
+}
+
+}  // namespace lorica

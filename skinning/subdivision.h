@@ -1,0 +1,27 @@
+#pragma once
+
+#include "geometry/math.h"
+
+#include <Eigen/SparseCore>
+
+#include <vector>
+
+namespace lorica {
+
+/// Faces of a closed polygon mesh: corners counter-clockwise from outside; every edge in two faces, both ways once.
+using PolygonFaces = std::vector<std::vector<int>>;
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// One step of Catmull-Clark subdivision (Catmull and Clark 1978) as a linear map, so that positions and blend
+/// weights are refined alike.
+struct Refinement {
+  PolygonFaces faces;           ///< all quads; those of one coarse face are neighbours, in the coarse faces' order
+  SparseMatrix fineFromCoarse;  ///< fineCount x coarseCount, rows sum to 1; coarse vertices keep their indices
+};
+[[nodiscard]] Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces);
+
+/// Where the vertices of a mesh of quads end up after infinitely many steps (Halstead, Kass and DeRose 1993):
+/// vertexCount x vertexCount, rows sum to 1.
+[[nodiscard]] SparseMatrix limitFromVertices(int vertexCount, const PolygonFaces& quads);
+
+}  // namespace lorica
