@@ -1,0 +1,219 @@
+#include "capture/retarget_rig.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr std::array kNeeded = {HumanBone::kHips,      HumanBone::kLeftUpperArm,  HumanBone::kLeftLowerArm,
+                                HumanBone::kLeftHand,  HumanBone::kRightUpperArm, HumanBone::kRightLowerArm,
+                                HumanBone::kRightHand, HumanBone::kLeftUpperLeg,  HumanBone::kLeftLowerLeg,
+                                HumanBone::kLeftFoot,  HumanBone::kRightUpperLeg, HumanBone::kRightLowerLeg,
+                                HumanBone::kRightFoot};
+constexpr std::array kSpineBones = {HumanBone::kSpine, HumanBone::kChest, HumanBone::kUpperChest};
+
+/// Shorter than this a bone has no direction [m].
+constexpr double kShortestBone = 1e-3;
+
+bool descends(const Skeleton& skeleton, JointIndex joint, JointIndex ancestor) {
+  while (joint != kNoJoint && joint != ancestor) joint = skeleton.joint(joint).parent;
+  return joint == ancestor;
+}
+
+Error refused(std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message)};
+}
+
+Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> place) {
+  std::string missing;
+  for (const HumanBone bone : kNeeded) {
+    if (skeleton.jointOf(bone) != kNoJoint) continue;
+    missing += (missing.empty() ? "" : ", ") + std::string(nameOf(bone));
+  }
+  bool hasSpine = false;
+  for (const HumanBone bone : kSpineBones) hasSpine = hasSpine || skeleton.jointOf(bone) != kNoJoint;
+  if (!hasSpine) missing += (missing.empty() ? "" : ", ") + std::string("spine (or chest)");
+  if (!missing.empty()) {
+    return refused(fmt::format("the skeleton lacks humanoid bones that retargeting needs: {}", missing));
+  }
+
+  const auto checkPair = [&](HumanBone child, HumanBone parent) -> Result<void> {
+    if (!descends(skeleton, skeleton.jointOf(child), skeleton.jointOf(parent))) {
+      return refused(fmt::format("the bone {} does not descend from {}", nameOf(child), nameOf(parent)));
+    }
+    return {};
+  };
+  const auto checkLength = [&](HumanBone child, HumanBone parent) -> Result<void> {
+    const double length = (place[static_cast<std::size_t>(skeleton.jointOf(child))] -
+                           place[static_cast<std::size_t>(skeleton.jointOf(parent))])
+                              .norm();
+    if (!(length >= kShortestBone)) {
+      return refused(fmt::format("the bone {} is {:.3g} m long in the rest pose, expected {} m or more", nameOf(parent),
+                                 length, kShortestBone));
+    }
+    return {};
+  };
+  for (const LimbBones& limb : limbs()) {
+    for (const Result<void>& result :
+         {checkPair(limb.upper, HumanBone::kHips), checkPair(limb.lower, limb.upper), checkPair(limb.end, limb.lower),
+          checkLength(limb.lower, limb.upper), checkLength(limb.end, limb.lower)}) {
+      if (!result) return result.error();
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+const std::array<LimbBones, kLimbCount>& limbs() {
+  using B = HumanBone;
+  using J = BodyJoint;
+  // Palms down, the forearm folds forward: about -Y on the left. The shin folds back: about +X.
+  static const std::array<LimbBones, kLimbCount> all = {{
+      {B::kLeftUpperArm, B::kLeftLowerArm, B::kLeftHand, J::kLeftShoulder, J::kLeftElbow, J::kLeftHand, Vec3::UnitX(),
+       -Vec3::UnitY()},
+      {B::kRightUpperArm, B::kRightLowerArm, B::kRightHand, J::kRightShoulder, J::kRightElbow, J::kRightHand,
+       -Vec3::UnitX(), Vec3::UnitY()},
+      {B::kLeftUpperLeg, B::kLeftLowerLeg, B::kLeftFoot, J::kLeftHip, J::kLeftKnee, J::kLeftFoot, -Vec3::UnitY(),
+       Vec3::UnitX()},
+      {B::kRightUpperLeg, B::kRightLowerLeg, B::kRightFoot, J::kRightHip, J::kRightKnee, J::kRightFoot, -Vec3::UnitY(),
+       Vec3::UnitX()},
+  }};
+  return all;
+}
+
+std::span<const HumanBone> bonesNeededToRetarget() {
+  return kNeeded;
+}
+
+std::optional<Quat> frameAlongLeft(const Vec3& left, const Vec3& up) {
+  const Vec3 forward = left.cross(up);
+  constexpr double kSmallestSine = 0.1;
+  if (left.norm() < kShortestBone || up.norm() < kShortestBone) return std::nullopt;
+  if (forward.norm() < kSmallestSine * left.norm() * up.norm()) return std::nullopt;
+  Mat3 axes;
+  axes.col(0) = left.normalized();
+  axes.col(2) = forward.normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  return Quat(axes).normalized();
+}
+
+std::optional<Quat> frameAlongUp(const Vec3& left, const Vec3& up) {
+  return frameAlongLeft(left - left.dot(up) / std::max(up.squaredNorm(), 1e-12) * up, up);
+}
+
+Quat swingBetween(const Vec3& from, const Vec3& to, const Vec3& spare) {
+  const double cosine = from.dot(to);
+  if (cosine < -1.0 + 1e-9) {
+    const Vec3 axis = spare - spare.dot(from) * from;
+    return Quat(Eigen::AngleAxisd(EIGEN_PI, axis.normalized()));
+  }
+  // Half-angle form: w = 1 + cos, v = from x to, both scaled by 2 cos(angle / 2).
+  const Vec3 v = from.cross(to);
+  return Quat(1.0 + cosine, v.x(), v.y(), v.z()).normalized();
+}
+
+Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
+  const auto count = static_cast<std::size_t>(skeleton.jointCount());
+  const Pose rest = restPose(skeleton);
+  std::vector<Affine3> worldFromJoint(count);
+  computeWorldFromJoint(skeleton, rest, worldFromJoint);
+  std::vector<Vec3> place(count);
+  std::vector<Quat> worldRotation(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[static_cast<std::size_t>(parent)];
+    worldRotation[j] = (above * rest[j].rotation).normalized();
+    place[j] = worldFromJoint[j].translation();
+  }
+  if (Result<void> checked = checkBones(skeleton, place); !checked) return checked.error();
+
+  const auto has = [&](HumanBone bone) { return skeleton.jointOf(bone) != kNoJoint; };
+  const auto at = [&](HumanBone bone) -> const Vec3& {
+    return place[static_cast<std::size_t>(skeleton.jointOf(bone))];
+  };
+  const auto mid = [&](HumanBone a, HumanBone b) -> Vec3 { return 0.5 * (at(a) + at(b)); };
+
+  // The trunk's frames in the rest pose. A tracker's torso lies on the line from the hips to the neck, so the curve
+  // of the character's spine belongs to its rest pose and that line alone says where up is.
+  const Vec3 middleHip = mid(HumanBone::kLeftUpperLeg, HumanBone::kRightUpperLeg);
+  const Vec3 middleShoulder = mid(HumanBone::kLeftUpperArm, HumanBone::kRightUpperArm);
+  const Vec3 up = (has(HumanBone::kNeck) ? at(HumanBone::kNeck) : middleShoulder) - middleHip;
+  const Vec3 hipLine = at(HumanBone::kLeftUpperLeg) - at(HumanBone::kRightUpperLeg);
+  const Vec3 shoulderLine = at(HumanBone::kLeftUpperArm) - at(HumanBone::kRightUpperArm);
+  const std::optional<Quat> hipsFrame = frameAlongLeft(hipLine, up);
+  const std::optional<Quat> chestFrame = frameAlongUp(shoulderLine, up);
+  const std::optional<Quat> groundFrame = frameAlongUp(hipLine, Vec3::UnitY());
+  if (!hipsFrame || !chestFrame || !groundFrame) {
+    return refused("the skeleton's rest pose has no upright trunk: hips, shoulders and neck lie on a line");
+  }
+
+  RetargetRig rig;
+  rig.skeleton = skeleton;
+  rig.tposeFromJoint.assign(count, Quat::Identity());
+  rig.spineShare.assign(count, 0.0);
+  const auto index = [&](HumanBone bone) { return static_cast<std::size_t>(skeleton.jointOf(bone)); };
+  const auto set = [&](HumanBone bone, const Quat& tposeFromRest) {
+    if (has(bone)) rig.tposeFromJoint[index(bone)] = (tposeFromRest * worldRotation[index(bone)]).normalized();
+  };
+
+  // Trunk: the bend from hips to chest is shared out, most of it at and above the waist.
+  rig.hips = skeleton.jointOf(HumanBone::kHips);
+  set(HumanBone::kHips, hipsFrame->conjugate());
+  std::vector<HumanBone> spine;
+  for (const HumanBone bone : kSpineBones) {
+    if (has(bone)) spine.push_back(bone);
+  }
+  constexpr std::array<std::array<double, 3>, 3> kShares = {{{1.0, 0.0, 0.0}, {0.4, 1.0, 0.0}, {0.3, 0.75, 1.0}}};
+  for (std::size_t i = 0; i < spine.size(); ++i) {
+    const double share = kShares[spine.size() - 1][i];
+    rig.spineShare[index(spine[i])] = share;
+    set(spine[i], hipsFrame->slerp(share, *chestFrame).conjugate());
+  }
+  rig.chest = skeleton.jointOf(spine.back());
+  const Quat tposeFromRest = chestFrame->conjugate();
+  for (const HumanBone bone :
+       {HumanBone::kNeck, HumanBone::kHead, HumanBone::kLeftShoulder, HumanBone::kRightShoulder}) {
+    set(bone, tposeFromRest);
+  }
+  if (has(HumanBone::kNeck) && has(HumanBone::kHead)) {
+    const Vec3 neck = at(HumanBone::kHead) - at(HumanBone::kNeck);
+    if (neck.norm() >= kShortestBone) rig.neckAxis = tposeFromRest * neck.normalized();
+  }
+
+  // Limbs: swung into the T-pose one after the other, so that a bent rest elbow is straight there.
+  for (std::size_t i = 0; i < kLimbCount; ++i) {
+    const LimbBones& limb = limbs()[i];
+    const bool leg = i >= kFirstLeg;
+    const Quat body = (leg ? *hipsFrame : *chestFrame).conjugate();
+    const Vec3 upper = (at(limb.lower) - at(limb.upper)).normalized();
+    const Vec3 lower = (at(limb.end) - at(limb.lower)).normalized();
+    const Quat upperSwing = swingBetween(body * upper, limb.axis, limb.hinge) * body;
+    const Quat lowerSwing = swingBetween(upperSwing * lower, limb.axis, limb.hinge) * upperSwing;
+    set(limb.upper, upperSwing);
+    set(limb.lower, lowerSwing);
+    // A hand goes along with its forearm; a foot stays as flat on the ground as it was.
+    set(limb.end, leg ? groundFrame->conjugate() : lowerSwing);
+    if (!leg) continue;
+    const std::size_t side = i - kFirstLeg;
+    rig.legLength += 0.5 * ((at(limb.lower) - at(limb.upper)).norm() + (at(limb.end) - at(limb.lower)).norm());
+    rig.restAnkleHeight[side] = at(limb.end).y();
+    const HumanBone toes = side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes;
+    if (has(toes)) rig.restToesHeight[side] = at(toes).y();
+  }
+
+  rig.restHips = at(HumanBone::kHips);
+  const JointIndex hipsParent = skeleton.joint(rig.hips).parent;
+  if (hipsParent != kNoJoint) {
+    const Affine3& worldFromParent = worldFromJoint[static_cast<std::size_t>(hipsParent)];
+    if (!(std::abs(worldFromParent.linear().determinant()) > 1e-18)) {
+      return refused(fmt::format("the joints above {} are scaled to nothing", skeleton.joint(rig.hips).name));
+    }
+    rig.hipsParentFromWorld = worldFromParent.inverse();
+  }
+  return rig;
+}
+
+}  // namespace lorica

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+#include "skinning/skeleton.h"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// An upper and a lower limb bone with what hangs from them, and where the joints are tracked.
+struct LimbBones {
+  HumanBone upper;
+  HumanBone lower;
+  HumanBone end;  ///< hand or foot
+  BodyJoint upperJoint;
+  BodyJoint lowerJoint;
+  BodyJoint endJoint;
+  Vec3 axis;   ///< along the limb in T-pose, facing +Z
+  Vec3 hinge;  ///< about which elbow or knee bends, in T-pose
+};
+inline constexpr int kLimbCount = 4;  ///< left arm, right arm, left leg, right leg
+inline constexpr int kFirstLeg = 2;
+
+[[nodiscard]] const std::array<LimbBones, kLimbCount>& limbs();
+
+/// Rotation whose columns are left, up and forward: exactly along `left`, `up` as near as that allows.
+/// Nothing when the two are short or nearly parallel.
+[[nodiscard]] std::optional<Quat> frameAlongLeft(const Vec3& left, const Vec3& up);
+/// The same, exactly along `up`.
+[[nodiscard]] std::optional<Quat> frameAlongUp(const Vec3& left, const Vec3& up);
+
+/// The smallest rotation from one unit vector to another; about `spare`, which is perpendicular to `from` or nearly,
+/// when they are opposite.
+[[nodiscard]] Quat swingBetween(const Vec3& from, const Vec3& to, const Vec3& spare);
+
+/// What retargeting needs to know of a skeleton, whatever its rest pose, joint axes and size.
+///
+/// The pivot is the T-pose, facing +Z, of the orientations in TrackedJoint. `tposeFromJoint` of a bone is its world
+/// rotation when the character stands so: the rest pose turned to face +Z, its arms swung level and its legs swung
+/// straight. Then an orientation q in TrackedJoint's sense makes the world rotation q * tposeFromJoint.
+struct RetargetRig {
+  Skeleton skeleton;
+  std::vector<Quat> tposeFromJoint;  ///< one a joint; identity where no tracked bone is
+  std::vector<double> spineShare;    ///< one a joint: 0 turns with the hips, 1 with the chest
+  JointIndex hips = kNoJoint;
+  JointIndex chest = kNoJoint;    ///< the uppermost of upperChest, chest and spine
+  Vec3 neckAxis = Vec3::UnitY();  ///< neck to head in T-pose
+  Affine3 hipsParentFromWorld = Affine3::Identity();
+  Vec3 restHips = Vec3::Zero();             ///< world [m]
+  double legLength = 0.0;                   ///< thigh and shin, mean of both legs [m]
+  std::array<double, 2> restAnkleHeight{};  ///< left, right, world [m]
+  std::array<double, 2> restToesHeight{};   ///< where the skeleton has toes
+
+  /// @return the rig, or which humanoid bones are missing, out of order or of no length
+  static Result<RetargetRig> create(const Skeleton& skeleton);
+};
+
+/// The bones that every skeleton must have to be retargeted; besides these one of spine, chest and upperChest.
+[[nodiscard]] std::span<const HumanBone> bonesNeededToRetarget();
+
+}  // namespace lorica
