@@ -1,1 +1,118 @@
 #include "acd/score.h"
+
+#include "acd/coverage.h"
+#include "acd/nearest_triangle.h"
+#include "acd/random_bits.h"
+#include "geometry/convex_hull.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lorica {
+
+namespace {
+
+Error invalid(std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message)};
+}
+
+/// What distances are taken to: the hull's faces; of a flat part its own triangles, or else its points.
+void appendSurface(const TriMesh& part, const ConvexHull& hull, std::vector<std::array<Vec3, 3>>& surface) {
+  for (const Triangle& t : hull.triangles) {
+    surface.push_back({hull.vertices[t[0]], hull.vertices[t[1]], hull.vertices[t[2]]});
+  }
+  if (!hull.degenerate()) return;
+  for (const Triangle& t : part.triangles) {
+    surface.push_back({part.vertices[t[0]], part.vertices[t[1]], part.vertices[t[2]]});
+  }
+  if (!part.triangles.empty()) return;
+  for (const Vec3& p : part.vertices) surface.push_back({p, p, p});
+}
+
+/// Mean distance from the mesh's surface: its area laid out as one strip, cut into equal pieces, a point in each.
+double meanDistance(const TriMesh& mesh, const NearestTriangle& surface, int samples, std::uint64_t seed) {
+  std::vector<double> areaUpTo;
+  areaUpTo.reserve(mesh.triangles.size());
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    area += 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+    areaUpTo.push_back(area);
+  }
+  double sum = 0.0;
+  std::size_t k = 0;
+  for (int i = 0; i < samples; ++i) {
+    const auto counter = 3 * static_cast<std::uint64_t>(i);
+    const double at = (i + randomUnit(seed, counter)) * area / samples;
+    while (k + 1 < areaUpTo.size() && areaUpTo[k] <= at) ++k;
+    const Triangle& t = mesh.triangles[k];
+    // The square root turns a uniform number into the distance from a corner under which equal areas lie.
+    const double r = std::sqrt(randomUnit(seed, counter + 1));
+    const double u = r * randomUnit(seed, counter + 2);
+    sum += surface.distance((1.0 - r) * mesh.vertices[t[0]] + (r - u) * mesh.vertices[t[1]] + u * mesh.vertices[t[2]]);
+  }
+  return sum / samples;
+}
+
+Result<void> checkParts(std::span<const TriMesh> parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const TriMesh& part = parts[i];
+    for (std::size_t v = 0; v < part.vertices.size(); ++v) {
+      if (part.vertices[v].allFinite()) continue;
+      return Error{ErrorCode::kBadMesh, fmt::format("part {}: vertex {} is not finite", i, v)};
+    }
+    for (std::size_t k = 0; k < part.triangles.size(); ++k) {
+      for (const VertexIndex v : part.triangles[k]) {
+        if (v >= 0 && static_cast<std::size_t>(v) < part.vertices.size()) continue;
+        return Error{ErrorCode::kBadMesh,
+                     fmt::format("part {}: triangle {}: vertex index {} is out of range ({} vertices)", i, k, v,
+                                 part.vertices.size())};
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const ScoreSettings& settings) {
+  if (settings.volumeSamples < 16) {
+    return invalid(fmt::format("volumeSamples is {}, expected 16 or more", settings.volumeSamples));
+  }
+  if (settings.surfaceSamples < 1) {
+    return invalid(fmt::format("surfaceSamples is {}, expected 1 or more", settings.surfaceSamples));
+  }
+  if (const auto checked = checkClosedTwoManifold(mesh); !checked) return checked.error();
+  if (const auto checked = checkParts(parts); !checked) return checked.error();
+
+  std::vector<ConvexHull> hulls;
+  std::vector<std::array<Vec3, 3>> surface;
+  double hullVolume = 0.0;
+  for (const TriMesh& part : parts) {
+    hulls.push_back(convexHull(part.vertices));
+    hullVolume += hulls.back().volume;
+    appendSurface(part, hulls.back(), surface);
+  }
+  if (!(hullVolume > 0.0)) return invalid(fmt::format("none of the {} parts has a volume", parts.size()));
+
+  Score result;
+  const double meshVolume = signedVolume(mesh.vertices, mesh.triangles);
+  result.score17 = meshVolume / hullVolume;
+
+  // Eq. 16 with f the covered fraction: f V / ((1 - f) V + H), and its slope for the error.
+  const Coverage coverage = estimateCoverage(mesh, hulls, settings.volumeSamples, settings.seed);
+  const double below = (1.0 - coverage.fraction) * meshVolume + hullVolume;
+  result.score16 = coverage.fraction * meshVolume / below;
+  result.score16StandardError = coverage.standardError * meshVolume * (meshVolume + hullVolume) / (below * below);
+  result.uncoveredFraction = 1.0 - coverage.fraction;
+
+  const NearestTriangle nearest(std::move(surface));
+  result.distance = meanDistance(mesh, nearest, settings.surfaceSamples, randomBits(settings.seed, 1u << 20));
+  result.distancePercentDiagonal = 100.0 * result.distance / surfaceBounds(mesh).diagonal();
+  return result;
+}
+
+}  // namespace lorica

@@ -168,11 +168,7 @@ Result<void> checkEdges(const TriMesh& mesh) {
 }
 
 Result<void> checkVolume(const TriMesh& mesh) {
-  Aabb box;
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexIndex v : t) box.extend(mesh.vertices[v]);
-  }
-  const double diagonal = box.diagonal();
+  const double diagonal = surfaceBounds(mesh).diagonal();
   const double cube = diagonal * diagonal * diagonal;
   if (!std::isfinite(cube) || cube < std::numeric_limits<double>::min()) {
     return badMesh(fmt::format("the mesh's diagonal is {:g}: too {} to measure a volume", diagonal,
@@ -242,6 +238,14 @@ double surfaceArea(std::span<const Vec3> vertices, std::span<const Triangle> tri
     twofold += (vertices[t[1]] - a).cross(vertices[t[2]] - a).norm();
   }
   return 0.5 * twofold;
+}
+
+Aabb surfaceBounds(const TriMesh& mesh) {
+  Aabb box;
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) box.extend(mesh.vertices[v]);
+  }
+  return box;
 }
 
 Components connectedComponents(std::size_t vertexCount, std::span<const Triangle> triangles) {

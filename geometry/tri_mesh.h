@@ -25,6 +25,9 @@ struct TriMesh {
 /// Sum of the triangles' areas [m^2].
 [[nodiscard]] double surfaceArea(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
+/// Bounds of the vertices that triangles use.
+[[nodiscard]] Aabb surfaceBounds(const TriMesh& mesh);
+
 /// Number of connected components over shared vertices, and each triangle's component, in order of first appearance.
 struct Components {
   int count = 0;
