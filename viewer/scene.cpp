@@ -1,1 +1,41 @@
 #include "viewer/scene.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace lorica {
+namespace {
+
+/// OKLCH to linear sRGB (B. Ottosson, "A perceptual color space for image processing", 2020); may leave 0 to 1.
+Vec3 linearFromOklch(double lightness, double chroma, double hue) {
+  const double a = chroma * std::cos(hue);
+  const double b = chroma * std::sin(hue);
+  const double l = std::pow(lightness + 0.3963377774 * a + 0.2158037573 * b, 3);
+  const double m = std::pow(lightness - 0.1055613458 * a - 0.0638541728 * b, 3);
+  const double s = std::pow(lightness - 0.0894841775 * a - 1.2914855480 * b, 3);
+  return {4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+          -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+          -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
+}
+
+}  // namespace
+
+Vec3f partColor(PartIndex part) {
+  // The golden angle spaces any number of hues well; lightness and chroma walk through steps of their own, so hues
+  // that come close after many parts still differ.
+  constexpr std::array<double, 3> kLightness = {0.72, 0.58, 0.84};
+  constexpr std::array<double, 3> kChroma = {0.15, 0.16, 0.11};
+  const double goldenAngle = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const auto i = static_cast<std::uint32_t>(part);
+  const double hue = 0.6 + goldenAngle * i;
+  const double lightness = kLightness[i % 3];
+  Vec3 color = Vec3::Zero();
+  for (double chroma = kChroma[i % 3]; chroma > 0.0; chroma -= 0.01) {
+    color = linearFromOklch(lightness, chroma, hue);
+    if (color.minCoeff() >= 0.0 && color.maxCoeff() <= 1.0) break;
+  }
+  return color.cwiseMax(0.0).cwiseMin(1.0).cast<float>();
+}
+
+}  // namespace lorica

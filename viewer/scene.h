@@ -35,6 +35,7 @@ struct SceneOptions {
   bool contacts = true;
   bool ground = true;
   std::string caption;  ///< one line of text at the lower left; empty = none
+  std::string panel;    ///< lines of text at the upper left; empty = none
 };
 
 struct Camera {

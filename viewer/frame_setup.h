@@ -1,0 +1,37 @@
+#pragma once
+
+#include "viewer/scene.h"
+
+#include <array>
+
+namespace lorica {
+
+/// The uniform block "Frame" of the shaders (std140): everything about camera, light and floor of one picture.
+struct FrameUniforms {
+  Eigen::Matrix4f clipFromWorld;
+  Eigen::Matrix4f shadowFromWorld;
+  Eigen::Vector4f eye;
+  Eigen::Vector4f rayForward;
+  Eigen::Vector4f rayRight;
+  Eigen::Vector4f rayUp;
+  Eigen::Vector4f toLight;
+  Eigen::Vector4f contactArea;
+  Eigen::Vector4f floorFade;
+  Eigen::Vector4f viewport;
+};
+static_assert(sizeof(FrameUniforms) == 2 * 64 + 8 * 16);
+
+struct FrameSetup {
+  FrameUniforms uniforms;
+  /// Floor around the subject that shadows can reach, in xz [m].
+  Eigen::Vector2f shadedMin, shadedMax;
+  float floorHalfSide = 0;  ///< of the whole floor around uniforms.floorFade [m]
+};
+
+/// Places camera and key light. The light's area follows the subject in whole shadow texels and grows in steps, so
+/// shadows do not crawl while the subject moves.
+/// @param shadowSize  texels on a side of the shadow map
+[[nodiscard]] FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Camera& camera, int width,
+                                    int height, int shadowSize);
+
+}  // namespace lorica

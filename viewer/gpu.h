@@ -1,0 +1,51 @@
+#pragma once
+
+#include "viewer/gl_functions.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A buffer that is filled anew each frame and grows when it must.
+struct StreamBuffer {
+  GLuint id = 0;
+  std::size_t capacity = 0;  ///< [bytes]
+};
+
+/// The function table of one context and every object made through it; all are deleted with it, so destroy it while
+/// that context is current.
+class Gpu {
+ public:
+  explicit Gpu(const GlFunctions& functions) : gl(functions) {}
+  ~Gpu();
+  Gpu(const Gpu&) = delete;
+  Gpu& operator=(const Gpu&) = delete;
+
+  GLuint makeBuffer();
+  GLuint makeVertexArray();
+  GLuint makeFramebuffer();
+  GLuint makeRenderbuffer();
+  /// A 2D texture, bound to unit 0, clamped to its edge.
+  GLuint makeTexture(GLint filter);
+
+  /// Compiles and links; the uniform block "Frame", where used, is bound to point 0.
+  /// @return the program, or the compiler's first words under this name
+  [[nodiscard]] Result<GLuint> makeProgram(const char* name, const std::string& vertex, const std::string& fragment);
+
+  /// Binds the buffer to GL_ARRAY_BUFFER and writes the bytes at its start.
+  void upload(StreamBuffer& buffer, const void* data, std::size_t bytes) const;
+
+  template <typename T>
+  void upload(StreamBuffer& buffer, const std::vector<T>& data) const {
+    upload(buffer, data.data(), data.size() * sizeof(T));
+  }
+
+  const GlFunctions gl;
+
+ private:
+  std::vector<GLuint> buffers_, vertexArrays_, framebuffers_, renderbuffers_, textures_, programs_;
+};
+
+}  // namespace lorica

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "collision/world.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// A shape that all props of one kind share. The vertex shader places a vertex at
+/// corner * (halfExtents - bevel) + normal * bevel, so one mesh serves boxes of any proportion with equal bevels.
+struct PropMesh {
+  struct Vertex {
+    Vec3f corner;  ///< signs of the box corner it belongs to; zero on a sphere
+    Vec3f normal;
+  };
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+/// Box with bevelled edges: 96 vertices, 108 triangles.
+[[nodiscard]] PropMesh makeBevelledBox();
+
+/// Sphere of 360 vertices and 624 triangles.
+[[nodiscard]] PropMesh makePropSphere();
+
+/// What the vertex shader needs of one prop.
+struct PropInstance {
+  Vec3f x, y, z, origin;  ///< columns of worldFromProp
+  Vec3f extents;          ///< half extents less the bevel; zero for a sphere [m]
+  float bevel;            ///< the radius for a sphere [m]
+  Vec3f color;            ///< linear RGB
+};
+
+/// Every prop of one shape; those with numbers that are not finite are left out.
+void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances);
+
+}  // namespace lorica

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+
+namespace lorica {
+
+/// GLSL 3.30 sources, put together from shared pieces.
+namespace shaders {
+
+/// What of the scene a surface is drawn for.
+enum class Pass {
+  kLit,      ///< the picture itself
+  kShadow,   ///< depth seen from the key light
+  kContact,  ///< nearness to the ground seen from below: the contact shadow
+};
+/// Skin: attributes position 0, normal 1, color 2.
+std::string skinVertex(Pass pass);
+/// Props: attributes corner 0, normal 1; an instance's columns 2 to 5, extents and bevel 6, color 7.
+std::string propVertex(Pass pass);
+std::string surfaceFragment(Pass pass);
+
+std::string skyVertex();
+std::string skyFragment();
+/// The floor; attribute 0 is its place in xz.
+std::string groundVertex();
+/// @param shaded  with grid, shadow and contact shadow; else the plain far floor
+std::string groundFragment(bool shaded);
+
+/// Hulls and bones: OverlayVertex.
+std::string overlayVertex();
+std::string overlayFragment();
+/// Contact markers: center 0, corner 1; discs that face the viewer. Uniform "tint" holds their alpha.
+std::string markerVertex();
+std::string markerFragment();
+
+/// A triangle over the whole target, and one over the rectangle in uniform "rectangle" (clip space).
+std::string fullVertex();
+std::string blurFragment();
+std::string panelVertex();
+std::string panelFragment();
+
+}  // namespace shaders
+}  // namespace lorica

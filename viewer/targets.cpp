@@ -1,0 +1,86 @@
+#include "viewer/targets.h"
+
+#include <fmt/format.h>
+
+namespace lorica {
+
+Result<void> Targets::create(Gpu& gpu) {
+  const GlFunctions& gl = gpu.gl;
+  GLint most = 0;
+  gl.GetIntegerv(GL_MAX_SAMPLES, &most);
+  samples = most >= 4 ? 4 : 0;
+
+  shadowMap = gpu.makeTexture(GL_LINEAR);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT16, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT,
+                GL_UNSIGNED_SHORT, nullptr);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  // Outside the map everything is lit.
+  const GLfloat far[] = {1, 1, 1, 1};
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+  gl.TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, far);
+  shadow = gpu.makeFramebuffer();
+  gl.BindFramebuffer(GL_FRAMEBUFFER, shadow);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, shadowMap, 0);
+  gl.DrawBuffer(GL_NONE);
+  gl.ReadBuffer(GL_NONE);
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    return Error{ErrorCode::kNoDisplay, "the OpenGL driver has no 16-bit depth texture to draw shadows into"};
+  }
+
+  for (int i = 0; i < 2; ++i) {
+    contactMap[i] = gpu.makeTexture(GL_LINEAR);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, kContactSize, kContactSize, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
+    // Beyond its rim the contact shadow is none, whatever touches the rim.
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    contact[i] = gpu.makeFramebuffer();
+    gl.BindFramebuffer(GL_FRAMEBUFFER, contact[i]);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, contactMap[i], 0);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      return Error{ErrorCode::kNoDisplay, "the OpenGL driver cannot draw into an 8-bit texture"};
+    }
+  }
+
+  picture = gpu.makeFramebuffer();
+  pictureColor = gpu.makeRenderbuffer();
+  pictureDepth = gpu.makeRenderbuffer();
+  resolved = gpu.makeFramebuffer();
+  resolvedColor = gpu.makeRenderbuffer();
+  resize(gpu, 16, 16);
+  for (const GLuint framebuffer : {picture, resolved}) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    const GLenum status = gl.CheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (status != GL_FRAMEBUFFER_COMPLETE) {
+      return Error{ErrorCode::kNoDisplay,
+                   fmt::format("the OpenGL driver refuses a framebuffer with {} samples (0x{:x})", samples, status)};
+    }
+  }
+  return {};
+}
+
+void Targets::resize(const Gpu& gpu, int newWidth, int newHeight) {
+  if (newWidth == width && newHeight == height) return;
+  width = newWidth;
+  height = newHeight;
+  const GlFunctions& gl = gpu.gl;
+  const auto storage = [&](GLuint renderbuffer, GLenum format, int sampleCount) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, renderbuffer);
+    if (sampleCount > 0) {
+      gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, sampleCount, format, width, height);
+    } else {
+      gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+    }
+  };
+  storage(pictureColor, GL_RGBA8, samples);
+  storage(pictureDepth, GL_DEPTH_COMPONENT24, samples);
+  storage(resolvedColor, GL_RGBA8, 0);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, picture);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, pictureColor);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, pictureDepth);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, resolved);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, resolvedColor);
+}
+
+}  // namespace lorica

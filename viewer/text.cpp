@@ -1,0 +1,124 @@
+#include "viewer/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr int kOversampling = 4;
+constexpr double kCapHeight = 22.0;        // of the font at scale 1 [pixels]
+constexpr double kCapPerLine = 0.52;       // capitals take this share of a line
+constexpr double kStrokePerCap = 0.115;    // thickness of a stroke
+constexpr double kBaselinePerLine = 0.74;  // from the top of a line
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kLikeness = {{{"\u2013", "-"},
+                                                                                      {"\u2014", "-"},
+                                                                                      {"\u2212", "-"},
+                                                                                      {"\u00b7", "-"},
+                                                                                      {"\u00d7", "x"},
+                                                                                      {"\u00b5", "u"},
+                                                                                      {"\u03bc", "u"},
+                                                                                      {"\u00b1", "+-"},
+                                                                                      {"\u2018", "'"},
+                                                                                      {"\u2019", "'"},
+                                                                                      {"\u2026", "..."},
+                                                                                      {"\u00b0", " deg"}}};
+
+}  // namespace
+
+std::string drawableText(std::string_view utf8) {
+  std::string ascii;
+  for (std::size_t i = 0; i < utf8.size();) {
+    const auto byte = static_cast<unsigned char>(utf8[i]);
+    if (byte < 0x80) {
+      ascii += byte == '\n' || (byte >= 0x20 && byte < 0x7f) ? static_cast<char>(byte) : ' ';
+      ++i;
+      continue;
+    }
+    const auto* like = std::find_if(kLikeness.begin(), kLikeness.end(),
+                                    [&](const auto& pair) { return utf8.substr(i).starts_with(pair.first); });
+    if (like != kLikeness.end()) {
+      ascii += like->second;
+      i += like->first.size();
+    } else {
+      ascii += '?';
+      do ++i;
+      while (i < utf8.size() && (static_cast<unsigned char>(utf8[i]) & 0xc0) == 0x80);
+    }
+  }
+  return ascii;
+}
+
+TextMask drawText(std::string_view text, int lineHeight) {
+  const std::string ascii = drawableText(text);
+  std::vector<std::string> lines(1);
+  for (const char c : ascii) {
+    if (c == '\n') {
+      lines.emplace_back();
+    } else {
+      lines.back() += c;
+    }
+  }
+
+  // Drawn four times too large and shrunk by area: OpenCV's own anti-aliasing of small strokes is uneven.
+  const int line = std::max(lineHeight, 6) * kOversampling;
+  const double cap = kCapPerLine * line;
+  const double scale = cap / kCapHeight;
+  const int stroke = std::max(1, static_cast<int>(kStrokePerCap * cap + 0.5));
+  int width = 0;
+  for (const std::string& l : lines) {
+    int baseline = 0;
+    width = std::max(width, cv::getTextSize(l, kFont, scale, stroke, &baseline).width);
+  }
+  TextMask mask;
+  mask.width = (width + 2 * stroke + kOversampling - 1) / kOversampling;
+  mask.height = static_cast<int>(lines.size()) * line / kOversampling;
+  cv::Mat large(mask.height * kOversampling, mask.width * kOversampling, CV_8U, cv::Scalar(0));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int y = static_cast<int>(i) * line + static_cast<int>(kBaselinePerLine * line);
+    cv::putText(large, lines[i], {stroke, y}, kFont, scale, cv::Scalar(255), stroke, cv::LINE_AA);
+  }
+  mask.coverage.resize(static_cast<std::size_t>(mask.width) * mask.height);
+  cv::Mat small(mask.height, mask.width, CV_8U, mask.coverage.data());
+  cv::resize(large, small, small.size(), 0, 0, cv::INTER_AREA);
+  return mask;
+}
+
+Image drawTextPanel(std::string_view text, int lineHeight) {
+  constexpr double kPlateAlpha = 0.72;
+  const TextMask mask = drawText(text, lineHeight);
+  const int margin = std::max(2, lineHeight / 3);
+  const double radius = 0.9 * margin;
+  Image panel;
+  panel.width = mask.width + 2 * margin;
+  panel.height = mask.height + margin;
+  panel.rgba.assign(static_cast<std::size_t>(panel.width) * panel.height * 4, 0);
+  const std::array<double, 3> ink = {38, 44, 54};
+  for (int y = 0; y < panel.height; ++y) {
+    for (int x = 0; x < panel.width; ++x) {
+      // Distance to the plate shrunk by its corner radius gives an anti-aliased rim.
+      const double dx = std::max({radius - (x + 0.5), x + 0.5 - (panel.width - radius), 0.0});
+      const double dy = std::max({radius - (y + 0.5), y + 0.5 - (panel.height - radius), 0.0});
+      const double plate = kPlateAlpha * std::clamp(radius - std::hypot(dx, dy) + 0.5, 0.0, 1.0);
+      const int tx = x - margin;
+      const int ty = y - margin / 2;
+      const bool inside = tx >= 0 && ty >= 0 && tx < mask.width && ty < mask.height;
+      const double cover =
+          inside ? mask.coverage[static_cast<std::size_t>(ty) * mask.width + static_cast<std::size_t>(tx)] / 255.0
+                 : 0.0;
+      std::uint8_t* pixel = panel.rgba.data() + (static_cast<std::size_t>(y) * panel.width + x) * 4;
+      for (std::size_t c = 0; c < 3; ++c) {
+        pixel[c] = static_cast<std::uint8_t>(std::lround(ink[c] * cover + 255.0 * plate * (1.0 - cover)));
+      }
+      pixel[3] = static_cast<std::uint8_t>(std::lround(255.0 * (cover + plate * (1.0 - cover))));
+    }
+  }
+  return panel;
+}
+
+}  // namespace lorica
