@@ -1,1 +1,341 @@
 #include "collision/world.h"
+
+#include "geometry/result.h"
+
+// All of Bullet that Lorica uses is behind this file.
+#include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+// Beyond this a part did not move but jumped: the fastest kicks and punches of people stay below 20 m/s.
+constexpr double kTeleportSpeed = 25.0;
+// Hulls are inflated by this; GJK keeps touching shapes apart with it. Boxes and balls have their margin inside.
+constexpr btScalar kPartMargin = 0.001f;
+// A hull that changed by less keeps its old shape, and with it the contacts of what rests on it.
+constexpr double kShapeTolerance = 0.0005;
+constexpr double kSamePlace = 0.02;
+// The sweep-and-prune grid. Things outside are still handled, only less sharply told apart.
+constexpr btScalar kGridHalfSize = 64.0f;
+constexpr unsigned short kMaxBodies = 8192;
+
+enum CollisionGroup : int { kFloorGroup = 1, kPropGroup = 2, kPartGroup = 4 };
+
+btVector3 toBullet(const Vec3& v) {
+  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+}
+
+btTransform toBullet(const Quat& rotation, const Vec3& origin) {
+  const btQuaternion q(static_cast<btScalar>(rotation.x()), static_cast<btScalar>(rotation.y()),
+                       static_cast<btScalar>(rotation.z()), static_cast<btScalar>(rotation.w()));
+  return btTransform(q.normalized(), toBullet(origin));
+}
+
+Vec3 fromBullet(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Isometry3 fromBullet(const btTransform& t) {
+  const btQuaternion q = t.getRotation();
+  Isometry3 result = Isometry3::Identity();
+  result.linear() = Quat(q.w(), q.x(), q.y(), q.z()).normalized().toRotationMatrix();
+  result.translation() = fromBullet(t.getOrigin());
+  return result;
+}
+
+/// Bullet would take the velocities of kinematic bodies from the difference of single-precision transforms over one
+/// substep, where a turn slower than 10 degrees a second drowns in rounding. Ours are set before each substep instead.
+class DynamicsWorld : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+ protected:
+  void saveKinematicState(btScalar /*timeStep*/) override {}
+};
+
+/// A part's motion within one frame: the origin goes straight, the rotation turns evenly about one axis.
+struct Sweep {
+  Vec3 origin = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+  Vec3 travel = Vec3::Zero();  ///< over the whole frame [m]
+  Vec3 axis = Vec3::UnitX();   ///< world, unit
+  double angle = 0.0;          ///< over the whole frame [rad]
+
+  [[nodiscard]] btTransform at(double fraction) const {
+    return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
+  }
+};
+
+Sweep sweepOf(const LivePart& part, double seconds) {
+  const Isometry3& begin = part.previousWorldFromPart;
+  const Isometry3& end = part.worldFromPart;
+  const Eigen::AngleAxisd turn(Quat(Mat3(end.linear() * begin.linear().transpose())).normalized());
+
+  Sweep sweep;
+  sweep.origin = begin.translation();
+  sweep.rotation = Quat(begin.linear());
+  sweep.travel = end.translation() - begin.translation();
+  sweep.axis = turn.axis();
+  sweep.angle = turn.angle();
+
+  double radiusSq = 0.0;
+  for (const Vec3& p : part.residual) radiusSq = std::max(radiusSq, p.squaredNorm());
+  const double path = sweep.travel.norm() + std::abs(sweep.angle) * std::sqrt(radiusSq);
+  if (path > kTeleportSpeed * seconds) {
+    sweep = Sweep();
+    sweep.origin = end.translation();
+    sweep.rotation = Quat(end.linear());
+  }
+  return sweep;
+}
+
+struct PartBody {
+  btAlignedObjectArray<btVector3> points;  ///< the shape reads them in place
+  std::vector<VertexIndex> pointOfVertex;
+  btConvexPointCloudShape shape;
+  std::unique_ptr<btRigidBody> body;
+  bool inWorld = false;
+  Sweep sweep;
+};
+
+struct PropBody {
+  std::unique_ptr<btConvexInternalShape> shape;
+  std::unique_ptr<btRigidBody> body;
+};
+
+/// The collision shape must follow: other corners, or one that moved visibly since the shape was taken.
+bool shapeDiffers(const PartBody& body, const LivePart& part) {
+  if (body.pointOfVertex != part.hull.pointOfVertex) return true;
+  if (body.points.size() != static_cast<int>(part.residual.size())) return true;
+  for (std::size_t v = 0; v < part.residual.size(); ++v) {
+    const Vec3 held = fromBullet(body.points[static_cast<int>(v)]);
+    if ((part.residual[v] - held).squaredNorm() > kShapeTolerance * kShapeTolerance) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+struct World::Impl {
+  Settings settings;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  // Not the usual btDbvtBroadphase: its tree is balanced by comparing addresses, so the order of contacts, and with it
+  // the motion, would differ from run to run.
+  btAxisSweep3 broadphase{btVector3(-kGridHalfSize, -kGridHalfSize, -kGridHalfSize),
+                          btVector3(kGridHalfSize, kGridHalfSize, kGridHalfSize), kMaxBodies, nullptr, true};
+  btSequentialImpulseConstraintSolver solver;
+  DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
+  std::unique_ptr<btRigidBody> floor;
+  std::vector<std::unique_ptr<PartBody>> parts;
+  std::vector<PropBody> propBodies;
+  std::vector<Prop> props;
+  std::vector<Contact> contacts;
+
+  explicit Impl(const Settings& s);
+  ~Impl();
+  void addProp(const Prop& prop);
+  void setPartCount(std::size_t count);
+  void takePart(PartBody& body, const LivePart& part, double seconds);
+  void collectContacts();
+  void noteContact(const Contact& contact);
+  void readProps();
+};
+
+World::Impl::Impl(const Settings& s) : settings(s) {
+  CHECK(settings.substepSeconds > 0.0, "a world needs substeps longer than nothing");
+  // Without polyhedral features a pair yields one point at a time; tilting the shapes slightly finds the others at
+  // once, so that a box lies still on a hull whose contacts are forgotten with each change of its shape.
+  configuration.setConvexConvexMultipointIterations();
+  configuration.setPlaneConvexMultipointIterations();
+  world.getDispatchInfo().m_deterministicOverlappingPairs = true;
+  btContactSolverInfo& info = world.getSolverInfo();
+  info.m_solverMode &= ~SOLVER_RANDMIZE_ORDER;
+  // Overlaps are undone by moving apart, not by a velocity that stays: a deforming hull must not kick. Only the first
+  // two millimetres are left to velocity, 0.1 m/s at most, because stacks stand firmer so.
+  info.m_splitImpulse = 1;
+  info.m_splitImpulsePenetrationThreshold = -0.002f;
+  info.m_numIterations = 20;
+  world.setGravity(toBullet(settings.gravity));
+
+  btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &floorShape);
+  construction.m_friction = 1.0f;  // the product with a prop's own is taken, so the prop decides
+  construction.m_restitution = 1.0f;
+  floor = std::make_unique<btRigidBody>(construction);
+  world.addRigidBody(floor.get(), kFloorGroup, kPropGroup);
+}
+
+World::Impl::~Impl() {
+  setPartCount(0);
+  for (PropBody& prop : propBodies) world.removeRigidBody(prop.body.get());
+  world.removeRigidBody(floor.get());
+}
+
+void World::Impl::addProp(const Prop& prop) {
+  CHECK(prop.mass > 0.0 && prop.halfExtents.minCoeff() > 0.0, "a prop needs mass and extents above zero");
+  CHECK(props.size() < kMaxBodies / 2, "more props than the broad phase has room for");
+  PropBody body;
+  if (prop.shape == PropShape::kSphere) {
+    body.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(prop.halfExtents.x()));
+  } else {
+    body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
+  }
+  const auto mass = static_cast<btScalar>(prop.mass);
+  btVector3 inertia;
+  body.shape->calculateLocalInertia(mass, inertia);
+  btRigidBody::btRigidBodyConstructionInfo construction(mass, nullptr, body.shape.get(), inertia);
+  construction.m_friction = static_cast<btScalar>(prop.friction);
+  construction.m_restitution = static_cast<btScalar>(prop.restitution);
+  construction.m_startWorldTransform = toBullet(Quat(prop.worldFromProp.linear()), prop.worldFromProp.translation());
+  // Bullet lets things sleep below 0.8 m/s, which freezes what still visibly drifts.
+  construction.m_linearSleepingThreshold = 0.03f;
+  construction.m_angularSleepingThreshold = 0.1f;
+  if (prop.shape == PropShape::kSphere) construction.m_rollingFriction = 0.002f;  // else balls never stop
+  body.body = std::make_unique<btRigidBody>(construction);
+  body.body->setLinearVelocity(toBullet(prop.velocity));
+  body.body->setUserIndex(static_cast<int>(props.size()));
+  world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
+  propBodies.push_back(std::move(body));
+  props.push_back(prop);
+}
+
+void World::Impl::setPartCount(std::size_t count) {
+  while (parts.size() > count) {
+    if (parts.back()->inWorld) world.removeRigidBody(parts.back()->body.get());
+    parts.pop_back();
+  }
+  while (parts.size() < count) {
+    auto part = std::make_unique<PartBody>();
+    part->shape.setMargin(kPartMargin);
+    btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &part->shape);
+    construction.m_friction = 1.0f;
+    construction.m_restitution = 1.0f;
+    part->body = std::make_unique<btRigidBody>(construction);
+    part->body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    part->body->setActivationState(DISABLE_DEACTIVATION);
+    part->body->setUserIndex(static_cast<int>(parts.size()));
+    parts.push_back(std::move(part));
+  }
+}
+
+void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds) {
+  if (live.hull.degenerate()) {
+    if (part.inWorld) world.removeRigidBody(part.body.get());
+    part.inWorld = false;
+    return;
+  }
+  part.sweep = sweepOf(live, seconds);
+  part.body->setWorldTransform(part.sweep.at(0.0));
+
+  if (shapeDiffers(part, live)) {
+    part.pointOfVertex = live.hull.pointOfVertex;
+    part.points.resizeNoInitialize(static_cast<int>(live.residual.size()));
+    for (std::size_t v = 0; v < live.residual.size(); ++v) {
+      part.points[static_cast<int>(v)] = toBullet(live.residual[v]);
+    }
+    part.shape.setPoints(&part.points[0], part.points.size());
+    // Contacts of the old shape would hold up what rested on it, for ever.
+    if (part.inWorld) {
+      broadphase.getOverlappingPairCache()->cleanProxyFromPairs(part.body->getBroadphaseProxy(), &dispatcher);
+    }
+  }
+  if (!part.inWorld) {
+    world.addRigidBody(part.body.get(), kPartGroup, kPropGroup);
+    part.inWorld = true;
+  }
+}
+
+void World::Impl::collectContacts() {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
+    const btCollisionObject* a = manifold->getBody0();
+    const btCollisionObject* b = manifold->getBody1();
+    if (a->isKinematicObject() == b->isKinematicObject()) continue;
+    const bool partIsA = a->isKinematicObject();
+    for (int i = 0; i < manifold->getNumContacts(); ++i) {
+      const btManifoldPoint& point = manifold->getContactPoint(i);
+      if (point.getDistance() > 0.0f && point.getAppliedImpulse() <= 0.0f) continue;
+      Contact contact;
+      contact.part = (partIsA ? a : b)->getUserIndex();
+      contact.prop = (partIsA ? b : a)->getUserIndex();
+      contact.point = fromBullet(partIsA ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
+      contact.normal = fromBullet(partIsA ? -point.m_normalWorldOnB : point.m_normalWorldOnB);
+      contact.depth = -static_cast<double>(point.getDistance());
+      contact.impulse = point.getAppliedImpulse();
+      noteContact(contact);
+    }
+  }
+}
+
+void World::Impl::noteContact(const Contact& contact) {
+  for (Contact& known : contacts) {
+    if (known.part != contact.part || known.prop != contact.prop) continue;
+    if ((known.point - contact.point).squaredNorm() > kSamePlace * kSamePlace) continue;
+    const double impulse = known.impulse + contact.impulse;
+    if (contact.depth >= known.depth) known = contact;
+    known.impulse = impulse;
+    return;
+  }
+  contacts.push_back(contact);
+}
+
+void World::Impl::readProps() {
+  for (std::size_t i = 0; i < props.size(); ++i) {
+    props[i].worldFromProp = fromBullet(propBodies[i].body->getWorldTransform());
+    props[i].velocity = fromBullet(propBodies[i].body->getLinearVelocity());
+  }
+}
+
+World::World() : World(Settings()) {}
+World::World(const Settings& settings) : impl_(std::make_unique<Impl>(settings)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+int World::addProp(const Prop& prop) {
+  impl_->addProp(prop);
+  return static_cast<int>(impl_->props.size()) - 1;
+}
+
+void World::step(std::span<const LivePart> parts, double seconds) {
+  CHECK(seconds >= 0.0 && std::isfinite(seconds), "a world cannot step back in time");
+  impl_->contacts.clear();
+  impl_->setPartCount(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) impl_->takePart(*impl_->parts[i], parts[i], seconds);
+
+  const int substeps =
+      seconds == 0.0 ? 0 : std::max(1, static_cast<int>(std::ceil(seconds / impl_->settings.substepSeconds - 1e-6)));
+  for (int k = 0; k < substeps; ++k) {
+    // Parts stand where they are at the start of the substep, as props do, and their velocity says where they go.
+    for (const std::unique_ptr<PartBody>& part : impl_->parts) {
+      part->body->setWorldTransform(part->sweep.at(static_cast<double>(k) / substeps));
+      part->body->setLinearVelocity(toBullet(Vec3(part->sweep.travel / seconds)));
+      part->body->setAngularVelocity(toBullet(Vec3(part->sweep.axis * (part->sweep.angle / seconds))));
+    }
+    impl_->world.stepSimulation(static_cast<btScalar>(seconds / substeps), 0);
+    impl_->collectContacts();
+  }
+  for (const std::unique_ptr<PartBody>& part : impl_->parts) part->body->setWorldTransform(part->sweep.at(1.0));
+
+  std::sort(impl_->contacts.begin(), impl_->contacts.end(), [](const Contact& a, const Contact& b) {
+    return std::make_tuple(a.part, a.prop, a.point.x(), a.point.y(), a.point.z()) <
+           std::make_tuple(b.part, b.prop, b.point.x(), b.point.y(), b.point.z());
+  });
+  impl_->readProps();
+}
+
+std::span<const Prop> World::props() const {
+  return impl_->props;
+}
+std::span<const Contact> World::contacts() const {
+  return impl_->contacts;
+}
+
+}  // namespace lorica

@@ -24,23 +24,24 @@ struct Prop {
   Vec3f color = Vec3f(0.8f, 0.5f, 0.2f);  ///< linear RGB, 0 to 1
 };
 
-/// A place where a part of the avatar touches a prop.
+/// A place where a part of the avatar touched a prop during the last step. Hits shorter than the step are here too.
 struct Contact {
   PartIndex part = 0;
   int prop = 0;
   Vec3 point = Vec3::Zero();   ///< world [m]
   Vec3 normal = Vec3::Zero();  ///< from the part to the prop, unit
-  double depth = 0.0;          ///< penetration [m], > 0 when they overlap
-  double impulse = 0.0;        ///< [N s]
+  double depth = 0.0;          ///< deepest penetration in the step [m], > 0 when they overlap
+  double impulse = 0.0;        ///< along the normal, summed over the step [N s]
 };
 
-/// Rigid-body world with a floor at y = 0, props, and the avatar's parts as kinematic bodies. Bullet, single
-/// precision, fixed substeps: the same inputs give the same motion.
+/// Rigid-body world with a floor at y = 0, props, and the avatar's parts as kinematic bodies: they push props, and
+/// nothing pushes them. Parts touch props only, neither each other nor the floor. Bullet, single precision, equal
+/// substeps: the same inputs give the same motion, bit for bit.
 class World {
  public:
   struct Settings {
-    Vec3 gravity{0.0, -9.81, 0.0};  ///< [m/s^2]
-    double substepSeconds = 1.0 / 240.0;
+    Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
+    double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame is cut into equal ones
   };
   World();
   explicit World(const Settings& settings);
@@ -48,16 +49,21 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
+  /// @param prop  mass and extents above zero
+  /// @return its index in props() and in Contact::prop; they count up from 0
   int addProp(const Prop& prop);
 
   /// Moves the world from the last frame to this one; the parts sweep from their previous to their present motion.
-  /// @param parts    the avatar; the same number in every call; may be empty
-  /// @param seconds  length of the frame [s]
+  /// A part faster than 25 m/s (a tracker's jump) is put in its new place without sweeping; a part with a degenerate
+  /// hull touches nothing in this frame.
+  /// @param parts    the avatar; the same parts in every call, or none
+  /// @param seconds  length of the frame [s]; 0 moves the parts only
   void step(std::span<const LivePart> parts, double seconds);
 
   /// Props with their present place and velocity.
   [[nodiscard]] std::span<const Prop> props() const;
-  /// Contacts between the avatar and props in the last step; one an avatar part, prop and manifold point.
+  /// Contacts between the avatar and props in the last step, by part, then prop. A pair has a contact for each place
+  /// where it touched; touches within 2 cm of each other are one place.
   [[nodiscard]] std::span<const Contact> contacts() const;
 
  private:

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "collision/live_body.h"
+
+#include <random>
+#include <span>
+
+namespace lorica::test {
+
+/// A live part in the shape of a box about its own origin, at rest in `worldFromPart`.
+[[nodiscard]] LivePart makeBoxPart(const Vec3& halfExtents, const Isometry3& worldFromPart);
+
+/// Gives a part other corners, in its own frame, and their hull in its present place.
+void reshape(LivePart& part, std::span<const Vec3> corners);
+void reshapeToBox(LivePart& part, const Vec3& halfExtents);
+
+/// The next frame: the part goes from where it is to `worldFromPart`.
+void moveTo(LivePart& part, const Isometry3& worldFromPart);
+
+[[nodiscard]] Isometry3 at(double x, double y, double z);
+
+/// Uniform rotation, and numbers from [low, high): the same on every machine.
+[[nodiscard]] double uniform(std::mt19937_64& random, double low, double high);
+[[nodiscard]] Vec3 uniformVec3(std::mt19937_64& random, double low, double high);
+[[nodiscard]] Quat uniformRotation(std::mt19937_64& random);
+
+}  // namespace lorica::test

@@ -1,0 +1,138 @@
+#include "collision/rigid_fit.h"
+
+#include "tests/collision/parts.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+using test::uniform;
+using test::uniformRotation;
+using test::uniformVec3;
+
+std::vector<Vec3> centered(std::vector<Vec3> points) {
+  const Vec3 center = centroidOf(points);
+  for (Vec3& p : points) p -= center;
+  return points;
+}
+
+std::vector<Vec3> cloud(std::mt19937_64& random, int count, const Vec3& size) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) points.push_back(uniformVec3(random, -1.0, 1.0).cwiseProduct(size));
+  return centered(points);
+}
+
+std::vector<Vec3> moved(const std::vector<Vec3>& points, const Isometry3& motion) {
+  std::vector<Vec3> result;
+  for (const Vec3& p : points) result.push_back(motion * p);
+  return result;
+}
+
+double squaredError(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const Isometry3& motion) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) sum += (motion * from[i] - to[i]).squaredNorm();
+  return sum;
+}
+
+Isometry3 motionOf(const Quat& rotation, const Vec3& translation) {
+  return Eigen::Translation3d(translation) * rotation;
+}
+
+TEST(RigidFit, RecoversKnownMotions) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<Vec3> points = cloud(random, 4 + i, uniformVec3(random, 0.01, 1.0));
+    const Isometry3 truth = motionOf(uniformRotation(random), uniformVec3(random, -5.0, 5.0));
+    const Isometry3 fit = fitRigidMotion(points, moved(points, truth), uniformRotation(random).toRotationMatrix());
+    // The pull towards the previous rotation is weighed against the thinnest axis: (1 / 0.01)^2 * 1e-9.
+    EXPECT_LT((fit.matrix() - truth.matrix()).cwiseAbs().maxCoeff(), 2e-5) << "case " << i;
+    EXPECT_LT(squaredError(points, moved(points, truth), fit), 1e-9) << "case " << i;
+  }
+}
+
+TEST(RigidFit, RecoversHalfTurns) {
+  std::mt19937_64 random(2);
+  const std::vector<Vec3> points = cloud(random, 40, Vec3(0.3, 0.2, 0.1));
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0.6, 0, 0.8)}) {
+    const Isometry3 truth = motionOf(Quat(Eigen::AngleAxisd(std::numbers::pi, axis)), Vec3(1, 2, 3));
+    const Isometry3 fit = fitRigidMotion(points, moved(points, truth), Mat3::Identity());
+    EXPECT_LT((fit.matrix() - truth.matrix()).cwiseAbs().maxCoeff(), 1e-7);
+  }
+}
+
+TEST(RigidFit, FlatSetsHaveOneAnswer) {
+  std::mt19937_64 random(3);
+  const std::vector<Vec3> points = cloud(random, 30, Vec3(0.4, 0.3, 0.0));
+  for (int i = 0; i < 100; ++i) {
+    Quat rotation = uniformRotation(random);
+    if (i == 0) rotation = Quat(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()));
+    const Isometry3 truth = motionOf(rotation, uniformVec3(random, -1.0, 1.0));
+    const Isometry3 fit = fitRigidMotion(points, moved(points, truth), Mat3::Identity());
+    EXPECT_LT((fit.matrix() - truth.matrix()).cwiseAbs().maxCoeff(), 1e-7) << "case " << i;
+    EXPECT_NEAR(fit.linear().determinant(), 1.0, 1e-12);
+  }
+}
+
+TEST(RigidFit, MirroredPointsStillGiveTheBestProperRotation) {
+  std::mt19937_64 random(4);
+  const std::vector<Vec3> points = cloud(random, 50, Vec3(0.3, 0.25, 0.2));
+  std::vector<Vec3> mirrored = points;
+  for (Vec3& p : mirrored) p.y() = -p.y();
+  const Isometry3 fit = fitRigidMotion(points, mirrored, Mat3::Identity());
+  EXPECT_NEAR(fit.linear().determinant(), 1.0, 1e-12);
+  const double best = squaredError(points, mirrored, fit);
+  for (int i = 0; i < 20000; ++i) {
+    EXPECT_GE(squaredError(points, mirrored, motionOf(uniformRotation(random), Vec3::Zero())), best - 1e-7);
+  }
+}
+
+TEST(RigidFit, NoNearbyMotionFitsDeformedPointsBetter) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<Vec3> points = cloud(random, 60, Vec3(0.3, 0.2, 0.1));
+    std::vector<Vec3> deformed = moved(points, motionOf(uniformRotation(random), uniformVec3(random, -1.0, 1.0)));
+    for (Vec3& p : deformed) p += uniformVec3(random, -0.05, 0.05);
+    const Isometry3 fit = fitRigidMotion(points, deformed, Mat3::Identity());
+    const double best = squaredError(points, deformed, fit);
+    for (int k = 0; k < 500; ++k) {
+      const double size = uniform(random, 1e-4, 0.1);
+      const Quat turn(Eigen::AngleAxisd(size, uniformRotation(random) * Vec3::UnitX()));
+      const Isometry3 other = motionOf(turn, uniformVec3(random, -size, size)) * fit;
+      EXPECT_GE(squaredError(points, deformed, other), best - 1e-9);
+    }
+  }
+}
+
+TEST(RigidFit, PointsOnALineTurnNoMoreThanTheLineDoes) {
+  std::vector<Vec3> line;
+  for (int i = -5; i <= 5; ++i) line.emplace_back(0.0, 0.1 * i, 0.0);
+  std::mt19937_64 random(6);
+  for (int i = 0; i < 50; ++i) {
+    const Quat previous = uniformRotation(random);
+    const Quat turn(Eigen::AngleAxisd(uniform(random, 0.0, 2.5), uniformRotation(random) * Vec3::UnitX()));
+    const Isometry3 truth = motionOf(turn * previous, Vec3(0.5, 1.0, 0.0));
+    const Isometry3 fit = fitRigidMotion(line, moved(line, truth), previous.toRotationMatrix());
+    EXPECT_LT(squaredError(line, moved(line, truth), fit), 1e-12);
+    const Vec3 before = previous * Vec3::UnitY();
+    const Vec3 after = turn * before;
+    const double least = std::acos(std::clamp(before.dot(after), -1.0, 1.0));
+    EXPECT_NEAR(Quat(fit.linear()).angularDistance(previous), least, 1e-6);
+  }
+}
+
+TEST(RigidFit, PointsInOnePlaceKeepTheRotation) {
+  std::mt19937_64 random(7);
+  const Quat previous = uniformRotation(random);
+  const std::vector<Vec3> from(5, Vec3::Zero());
+  const std::vector<Vec3> to(5, Vec3(1.0, 2.0, 3.0));
+  const Isometry3 fit = fitRigidMotion(from, to, previous.toRotationMatrix());
+  EXPECT_LT((fit.linear() - previous.toRotationMatrix()).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((fit.translation() - Vec3(1.0, 2.0, 3.0)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace lorica
