@@ -1,0 +1,75 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+
+#include <array>
+
+/// The figure behind the shipped motions: an adult of about 1.75 m as a chain of rigid bones.
+namespace lorica::motion {
+
+// Lengths in T-pose [m]; hips at kAnkle + kThigh + kShin = 0.925.
+inline constexpr double kHipHalfWidth = 0.09;
+inline constexpr double kThigh = 0.42;
+inline constexpr double kShin = 0.42;
+inline constexpr double kLeg = kThigh + kShin;
+inline constexpr double kAnkle = 0.085;      ///< height of the foot joint above the sole
+inline constexpr double kHeelBehind = 0.05;  ///< of the foot joint, along the sole
+inline constexpr double kBallAhead = 0.125;
+inline constexpr double kToeAhead = 0.185;
+inline constexpr double kHipsToTorso = 0.25;
+inline constexpr double kTorsoToNeck = 0.285;
+inline constexpr double kNeckToHead = 0.165;
+inline constexpr double kShoulderHalfWidth = 0.18;
+inline constexpr double kShoulderDrop = 0.035;  ///< below the neck joint
+inline constexpr double kUpperArm = 0.29;
+inline constexpr double kForearm = 0.26;
+
+enum Side { kLeft = 0, kRight = 1 };
+
+/// An arm, always written for the left: the right one is its mirror image.
+struct ArmPose {
+  Vec3 swing = Vec3::Zero();  ///< rotation vector of the upper arm in the chest, zero in T-pose [rad]
+  double elbow = 0.0;         ///< flexion [rad]
+  double twist = 0.0;         ///< of the hand about the forearm; positive turns the palm down (pronation)
+  double bend = 0.0;          ///< of the wrist toward the palm
+};
+
+struct FootPose {
+  Vec3 ankle = Vec3::Zero();  ///< world [m]
+  Quat rotation = Quat::Identity();
+  bool planted = true;       ///< some part of the sole carries weight
+  double follow = 0.0;       ///< 0: rotation holds; 1: the foot hangs from the shin instead
+  double followPitch = 0.0;  ///< then this far toes-down from square to the shin [rad]
+};
+
+/// All that fixes a figure at one instant.
+struct FigurePose {
+  Vec3 pelvis = Vec3(0.0, kAnkle + kLeg, 0.0);  ///< midway between the hips, world [m]
+  Quat worldFromPelvis = Quat::Identity();
+  Quat pelvisFromChest = Quat::Identity();
+  Quat worldFromHead = Quat::Identity();
+  double shrug = 0.0;  ///< lift of both shoulders beyond what the arms bring [rad]
+  std::array<ArmPose, 2> arms;
+  std::array<FootPose, 2> feet;
+  std::array<double, 2> kneeOut{};  ///< turns the knees outward [rad]
+};
+
+/// Rotation by angles about Y, X and Z in this order from the outside: turn left, bend forward, lean right.
+[[nodiscard]] Quat turned(double yaw, double pitch, double roll);
+
+/// The arm whose hand reaches a point.
+/// @param hand       from the shoulder, in the chest frame of a left arm [m]; pulled in where the arm is too short
+/// @param elbowPole  where the elbow points, not parallel to hand
+[[nodiscard]] ArmPose reach(const Vec3& hand, const Vec3& elbowPole);
+
+/// The arm from angles [rad]: swung forward and out from hanging straight.
+[[nodiscard]] ArmPose swungArm(double forward, double out, double elbow);
+
+/// Forward kinematics of trunk and arms, two-bone inverse kinematics of the legs. Every confidence is 1.
+/// A planted foot out of reach is pulled in, so that bones keep their length; clips must not let that happen.
+[[nodiscard]] SkeletonFrame solve(const FigurePose& pose, double time);
+
+/// Centre of mass with the segment masses of an average adult (Winter, Biomechanics and Motor Control, table 4.1).
+[[nodiscard]] Vec3 centreOfMass(const SkeletonFrame& frame);
+
+}  // namespace lorica::motion
