@@ -190,21 +190,29 @@ class CapTriangulator {
     if (candidate == ring.size()) return nearestVertex(ring, p);
     const Vec2 hit(nearestX, p.y());
     const Vec2& end = at(ring[candidate]);
-    double bestSlope = std::numeric_limits<double>::infinity();
-    double bestDistanceSq = std::numeric_limits<double>::infinity();
+    const auto slopeTo = [&](const Vec2& q) { return std::abs(q.y() - p.y()) / std::max(q.x() - p.x(), 1e-300); };
     std::size_t best = candidate;
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Vec2& q = at(ring[i]);
       if (q == end || q.x() < p.x() || !inTriangle(p, hit, end, q)) continue;
-      const double slope = std::abs(q.y() - p.y()) / std::max(q.x() - p.x(), 1e-300);
-      const double distanceSq = (q - p).squaredNorm();
-      if (slope < bestSlope || (slope == bestSlope && distanceSq < bestDistanceSq)) {
-        bestSlope = slope;
-        bestDistanceSq = distanceSq;
-        best = i;
-      }
+      const Vec2& sofar = at(ring[best]);
+      const double slope = slopeTo(q);
+      const double bestSlope = slopeTo(sofar);
+      if (slope < bestSlope || (slope == bestSlope && (q - p).squaredNorm() < (sofar - p).squaredNorm())) best = i;
     }
-    return best;
+    return facing(ring, best, p);
+  }
+
+  // Bridges walk through a vertex more than once: the occurrence whose corner opens towards p takes the next one.
+  [[nodiscard]] std::size_t facing(const Loop& ring, std::size_t chosen, const Vec2& p) const {
+    const Vec2& here = at(ring[chosen]);
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      if (at(ring[i]) != here) continue;
+      const Vec2 toPrevious = at(ring[(i + ring.size() - 1) % ring.size()]) - here;
+      const Vec2 toNext = at(ring[(i + 1) % ring.size()]) - here;
+      if (clockwiseAngle(toPrevious, p - here) < clockwiseAngle(toPrevious, toNext)) return i;
+    }
+    return chosen;
   }
 
   [[nodiscard]] std::size_t nearestVertex(const Loop& ring, const Vec2& p) const {

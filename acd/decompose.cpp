@@ -5,6 +5,7 @@
 #include "geometry/convex_hull.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -256,6 +257,10 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     }
   }
   Decomposer decomposer(mesh, keyframes, settings);
+  // More threads than cores are allowed, so that tests can show that the result does not depend on them.
+  const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
+                                    std::max(known, static_cast<std::size_t>(settings.threads)));
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   std::optional<Result<Decomposition>> result;
   arena.execute([&] { result.emplace(decomposer.run()); });

@@ -15,7 +15,7 @@ struct DecomposeSettings {
   int candidateEdges = 8;  ///< C: concave edges tried for each cut, those furthest from the hull
   int planesPerEdge = 5;   ///< R: plane orientations for each of them
   int threads = 0;         ///< 0 = as many as the machine has; the result does not depend on it
-  DecomposeProgress progress;
+  DecomposeProgress progress = {};
 };
 
 /// Cuts an animated mesh into parts whose hulls stay close to the surface in every keyframe.

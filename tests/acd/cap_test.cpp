@@ -1,0 +1,136 @@
+#include "acd/cap.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace lorica {
+namespace {
+
+double areaOf(std::span<const Vec2> v, std::span<const Triangle> triangles) {
+  double sum = 0.0;
+  for (const Triangle& t : triangles) {
+    const Vec2 a = v[t[1]] - v[t[0]];
+    const Vec2 b = v[t[2]] - v[t[0]];
+    sum += 0.5 * (a.x() * b.y() - a.y() * b.x());
+  }
+  return sum;
+}
+
+double areaOf(std::span<const Vec2> v, std::span<const CapEdge> edges) {
+  double sum = 0.0;
+  for (const CapEdge& e : edges) sum += 0.5 * (v[e[0]].x() * v[e[1]].y() - v[e[0]].y() * v[e[1]].x());
+  return sum;
+}
+
+/// The triangles' border is exactly the given edges, and none of them is turned over.
+void expectFills(std::span<const Vec2> v, std::span<const CapEdge> edges, bool allPositive = true) {
+  const std::vector<Triangle> triangles = triangulateCap(v, edges);
+  std::map<std::pair<int, int>, int> border;
+  for (const Triangle& t : triangles) {
+    for (int e = 0; e < 3; ++e) {
+      const int a = t[e], b = t[(e + 1) % 3];
+      ++border[{a, b}];
+      --border[{b, a}];
+    }
+    if (allPositive) {
+      EXPECT_GE(areaOf(v, std::span(&t, 1)), 0.0);
+    }
+  }
+  for (const CapEdge& e : edges) {
+    --border[{e[0], e[1]}];
+    ++border[{e[1], e[0]}];
+  }
+  for (const auto& [edge, count] : border) EXPECT_EQ(count, 0) << edge.first << "-" << edge.second;
+  EXPECT_NEAR(areaOf(v, triangles), areaOf(v, edges), 1e-12);
+}
+
+void addLoop(std::vector<Vec2>& v, std::vector<CapEdge>& edges, const std::vector<Vec2>& loop) {
+  const int first = static_cast<int>(v.size());
+  const int count = static_cast<int>(loop.size());
+  v.insert(v.end(), loop.begin(), loop.end());
+  for (int i = 0; i < count; ++i) edges.push_back({first + i, first + (i + 1) % count});
+}
+
+std::vector<Vec2> circle(Vec2 center, double radius, int count, bool clockwise) {
+  std::vector<Vec2> loop;
+  for (int i = 0; i < count; ++i) {
+    const double a = 2.0 * std::numbers::pi * i / count * (clockwise ? -1 : 1);
+    loop.push_back(center + radius * Vec2(std::cos(a), std::sin(a)));
+  }
+  return loop;
+}
+
+TEST(Cap, ConvexAndStarShapedLoops) {
+  std::vector<Vec2> v;
+  std::vector<CapEdge> edges;
+  addLoop(v, edges, circle({0, 0}, 1, 17, false));
+  expectFills(v, edges);
+  std::vector<Vec2> star = circle({0, 0}, 1, 24, false);
+  for (std::size_t i = 0; i < star.size(); ++i) star[i] = (i % 2 ? 1.0 : 0.3) * star[i] + Vec2(5, 0);
+  addLoop(v, edges, star);
+  expectFills(v, edges);
+}
+
+TEST(Cap, HolesAndAnIslandInAHole) {
+  std::vector<Vec2> v;
+  std::vector<CapEdge> edges;
+  addLoop(v, edges, circle({0, 0}, 10, 40, false));
+  addLoop(v, edges, circle({-4, 0}, 2, 12, true));
+  addLoop(v, edges, circle({4, 0}, 3, 9, true));
+  addLoop(v, edges, circle({4, 0}, 1, 8, false));
+  addLoop(v, edges, circle({0, 5}, 1, 6, true));
+  addLoop(v, edges, circle({0, -5}, 1, 6, true));
+  expectFills(v, edges);
+}
+
+TEST(Cap, ManyHolesInAGrid) {
+  std::vector<Vec2> v;
+  std::vector<CapEdge> edges;
+  addLoop(v, edges, {{-1, -1}, {21, -1}, {21, 21}, {-1, 21}});
+  for (int x = 0; x < 10; ++x) {
+    for (int y = 0; y < 10; ++y)
+      addLoop(v, edges,
+              {{2.0 * x, 2.0 * y}, {2.0 * x, 2.0 * y + 1}, {2.0 * x + 1, 2.0 * y + 1}, {2.0 * x + 1, 2.0 * y}});
+  }
+  expectFills(v, edges);
+}
+
+TEST(Cap, LoopsThatTouchInAVertexComeApart) {
+  //  two squares that share the vertex 2
+  const std::vector<Vec2> v = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {2, 1}, {2, 2}, {1, 2}};
+  const std::vector<CapEdge> edges = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {2, 4}, {4, 5}, {5, 6}, {6, 2}};
+  expectFills(v, edges);
+  EXPECT_EQ(triangulateCap(v, edges).size(), 4u);
+}
+
+TEST(Cap, CollinearVerticesAllKeepTheirEdges) {
+  std::vector<Vec2> v;
+  std::vector<CapEdge> edges;
+  std::vector<Vec2> loop;
+  for (int i = 0; i < 10; ++i) loop.emplace_back(i, 0);
+  for (int i = 0; i < 10; ++i) loop.emplace_back(10, i);
+  for (int i = 0; i < 10; ++i) loop.emplace_back(10 - i, 10);
+  for (int i = 0; i < 10; ++i) loop.emplace_back(0, 10 - i);
+  addLoop(v, edges, loop);
+  expectFills(v, edges);
+}
+
+TEST(Cap, CrossingLoopsStillClose) {
+  std::vector<Vec2> v;
+  std::vector<CapEdge> edges;
+  addLoop(v, edges, circle({0, 0}, 2, 20, false));
+  addLoop(v, edges, circle({1.5, 0}, 2, 20, false));
+  addLoop(v, edges, {{0, 0}, {1, 1}, {1, 0}, {0, 1}});  // a bow-tie
+  addLoop(v, edges, circle({9, 9}, 1, 5, true));        // a hole in nothing
+  expectFills(v, edges, false);
+}
+
+TEST(Cap, NoEdgesGiveNoTriangles) {
+  EXPECT_TRUE(triangulateCap({}, {}).empty());
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,328 @@
+#include "acd/decompose.h"
+
+#include "acd/concavity.h"
+#include "acd/cut.h"
+#include "acd/transfer.h"
+#include "geometry/mesh_files.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+namespace lorica {
+namespace {
+
+Decomposition decomposed(const TriMesh& mesh, const DecomposeSettings& settings) {
+  Result<Decomposition> result = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, settings);
+  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
+  return std::move(*result);
+}
+
+std::vector<Vec3> carried(const Decomposition& d, std::span<const Vec3> posed) {
+  std::vector<Vec3> points(static_cast<std::size_t>(d.pointCount()));
+  transfer(d, posed, points);
+  return points;
+}
+
+/// Every part closed and positive, volumes adding up to the mesh's, every vertex inside a hull, sources tracked.
+void expectSound(const TriMesh& mesh, std::span<const Vec3> posed, const Decomposition& d) {
+  const std::vector<Vec3> points = carried(d, posed);
+  const double meshVolume = signedVolume(posed, mesh.triangles);
+  const double diagonal = boundsOf(posed).diagonal();
+  double sum = 0.0;
+  std::vector<bool> covered(posed.size(), false);
+  for (const Part& part : d.parts) {
+    std::map<std::pair<PointIndex, PointIndex>, int> balance;
+    for (const Triangle& t : part.triangles) {
+      for (int e = 0; e < 3; ++e) {
+        ++balance[{t[e], t[(e + 1) % 3]}];
+        --balance[{t[(e + 1) % 3], t[e]}];
+      }
+    }
+    for (const auto& [edge, count] : balance) ASSERT_EQ(count, 0) << "open edge";
+    sum += signedVolume(points, part.triangles);
+    ASSERT_EQ(part.sourceTriangle.size(), part.triangles.size());
+    ASSERT_EQ(part.points, pointsUsedBy(part.triangles));
+    std::vector<Vec3> own;
+    for (PointIndex p : part.points) {
+      own.push_back(points[static_cast<std::size_t>(p)]);
+      if (p < d.vertexCount) covered[static_cast<std::size_t>(p)] = true;
+    }
+    const ConvexHull hull = partHull(part, points);
+    EXPECT_LE(largestViolation(hull, own), 1e-6 * diagonal);
+  }
+  EXPECT_NEAR(sum, meshVolume, 1e-9 * std::abs(meshVolume));
+  for (std::size_t i = 0; i < covered.size(); ++i) EXPECT_TRUE(covered[i]) << "vertex " << i << " is in no part";
+  for (std::size_t i = 0; i < d.cutPoints.size(); ++i) {
+    const PointIndex self = d.vertexCount + static_cast<PointIndex>(i);
+    EXPECT_LT(d.cutPoints[i].first, self);
+    EXPECT_LT(d.cutPoints[i].second, self);
+    EXPECT_GT(d.cutPoints[i].lambda, 0.0);
+    EXPECT_LT(d.cutPoints[i].lambda, 1.0);
+  }
+  EXPECT_EQ(d.cuts.size() + 1, d.parts.size());
+}
+
+TEST(Decompose, RefusesWhatIsNotClosed) {
+  TriMesh open = test::makeLShape();
+  open.triangles.pop_back();
+  const auto result = decompose(open, {open.vertices, static_cast<int>(open.vertices.size())}, {});
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().code, ErrorCode::kBadMesh);
+}
+
+TEST(Decompose, RefusesSettingsOutOfRange) {
+  const TriMesh mesh = test::makeLShape();
+  const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
+  for (const DecomposeSettings& bad : {DecomposeSettings{.maxParts = -1}, DecomposeSettings{.candidateEdges = 0},
+                                       DecomposeSettings{.planesPerEdge = 0}, DecomposeSettings{.threads = -1}}) {
+    EXPECT_EQ(decompose(mesh, pose, bad).error().code, ErrorCode::kInvalidArgument);
+  }
+  const PoseView wrongCount{std::span(mesh.vertices).subspan(1), static_cast<int>(mesh.vertices.size()) - 1};
+  EXPECT_EQ(decompose(mesh, wrongCount, {}).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Decompose, AConvexMeshIsNotCut) {
+  for (const TriMesh& mesh :
+       {test::makeBox({0, 0, 0}, {1, 2, 3}), test::makeTetrahedron(), test::makeSphere(1, 12, 20)}) {
+    EXPECT_EQ(decomposed(mesh, {.maxParts = 8}).parts.size(), 1u);
+  }
+}
+
+TEST(Decompose, TheLShapeFallsIntoTwoExactBoxes) {
+  const TriMesh mesh = test::makeLShape();
+  const Decomposition d = decomposed(mesh, {.maxParts = 0});
+  expectSound(mesh, mesh.vertices, d);
+  ASSERT_EQ(d.parts.size(), 2u);
+  EXPECT_NEAR(errorInPose(d, mesh, mesh.vertices).relative(), 0.0, 1e-12);
+  // The one concave edge is at x = y = 1; both halves touch there.
+  EXPECT_NEAR(d.cuts[0].normal.x() + d.cuts[0].normal.y() - d.cuts[0].offset, 0.0, 1e-12);
+}
+
+TEST(Decompose, SeparateBoxesAreTakenApartByAPlaneBetweenThem) {
+  const TriMesh mesh = test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({2, 0.3, 0.2}, {3, 1, 1}));
+  const Decomposition d = decomposed(mesh, {.maxParts = 2});
+  expectSound(mesh, mesh.vertices, d);
+  ASSERT_EQ(d.parts.size(), 2u);
+  EXPECT_NEAR(errorInPose(d, mesh, mesh.vertices).relative(), 0.0, 1e-12);
+  EXPECT_TRUE(d.cutPoints.empty());
+}
+
+TEST(Decompose, ACavityIsCutOpenNotLeftInsideOut) {
+  TriMesh cavity = test::makeBox({1, 1, 1}, {2, 2, 2});
+  for (Triangle& t : cavity.triangles) std::swap(t[1], t[2]);
+  const TriMesh mesh = test::joined(test::makeBox({0, 0, 0}, {3, 3, 3}), cavity);
+  const Decomposition d = decomposed(mesh, {.maxParts = 0});
+  expectSound(mesh, mesh.vertices, d);
+  EXPECT_NEAR(errorInPose(d, mesh, mesh.vertices).relative(), 0.0, 1e-9);
+  EXPECT_GE(d.parts.size(), 4u);
+}
+
+TEST(Decompose, ATorusOpensAndStaysClosed) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.3, 24, 12);
+  double last = 1e9;
+  for (int parts = 1; parts <= 12; ++parts) {
+    const Decomposition d = decomposed(mesh, {.maxParts = parts});
+    EXPECT_EQ(static_cast<int>(d.parts.size()), parts);
+    expectSound(mesh, mesh.vertices, d);
+    const double error = errorInPose(d, mesh, mesh.vertices).relative();
+    EXPECT_LE(error, last + 1e-12) << "error rose at " << parts << " parts";
+    last = error;
+  }
+}
+
+TEST(Decompose, OneThreadEqualsFour) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 40, 20);
+  const std::uint64_t once = hashOf(decomposed(mesh, {.maxParts = 10, .threads = 1}));
+  EXPECT_EQ(once, hashOf(decomposed(mesh, {.maxParts = 10, .threads = 4})));
+  EXPECT_EQ(once, hashOf(decomposed(mesh, {.maxParts = 10, .threads = 1})));
+}
+
+TEST(Decompose, PrefixOfTheCutsIsTheSmallerDecomposition) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
+  const Decomposition few = decomposed(mesh, {.maxParts = 4});
+  const Decomposition many = decomposed(mesh, {.maxParts = 9});
+  for (std::size_t i = 0; i < few.cuts.size(); ++i) {
+    EXPECT_EQ(few.cuts[i].part, many.cuts[i].part);
+    EXPECT_EQ(few.cuts[i].normal, many.cuts[i].normal);
+  }
+}
+
+TEST(Decompose, CancellingStopsIt) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
+  DecomposeSettings settings{.maxParts = 12};
+  settings.progress = [](int done, int) { return done < 5; };
+  const auto result = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, settings);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().code, ErrorCode::kCancelled);
+}
+
+TEST(Decompose, ScaleAndRigidMotionKeepTheError) {
+  // Without a symmetry: equal candidates would be told apart by rounding.
+  TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
+  for (Vec3& v : mesh.vertices)
+    v += 0.15 * Vec3(std::sin(2 * v.z() + 1), std::sin(1.7 * v.x()), std::cos(1.3 * v.x() + 0.4 * v.z()));
+  const double error = errorInPose(decomposed(mesh, {.maxParts = 6}), mesh, mesh.vertices).relative();
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    TriMesh moved = mesh;
+    const Quat q = Quat(0.2, 0.5, -0.4, 0.7).normalized();
+    for (Vec3& v : moved.vertices) v = scale * (q * v + Vec3(1, 2, 3));
+    const Decomposition d = decomposed(moved, {.maxParts = 6});
+    expectSound(moved, moved.vertices, d);
+    EXPECT_NEAR(errorInPose(d, moved, moved.vertices).relative(), error, 1e-9);
+  }
+}
+
+/// A bar of two halves that bends about the middle by an angle: the closed form of an elbow.
+std::vector<Vec3> bent(const TriMesh& bar, double angle) {
+  std::vector<Vec3> posed;
+  for (const Vec3& v : bar.vertices) {
+    const double t = std::clamp(v.x() + 0.5, 0.0, 1.0) * angle;
+    posed.push_back(Eigen::AngleAxisd(t, Vec3::UnitZ()) * v);
+  }
+  return posed;
+}
+
+TriMesh makeBar() {
+  TriMesh bar = test::makeSphere(0.5, 16, 16);
+  for (Vec3& v : bar.vertices) {
+    // A capsule along x.
+    v = Vec3(v.y(), v.z(), v.x());
+    v.x() += v.x() > 0 ? 1.5 : -1.5;
+  }
+  return bar;
+}
+
+TEST(DecomposeAnimated, TheBendIsCutAlthoughTheFirstKeyframeIsStraight) {
+  const TriMesh bar = makeBar();
+  std::vector<Vec3> keyframes;
+  for (const double angle : {0.0, 0.7, 1.4}) {
+    const std::vector<Vec3> pose = bent(bar, angle);
+    keyframes.insert(keyframes.end(), pose.begin(), pose.end());
+  }
+  const int n = static_cast<int>(bar.vertices.size());
+  const auto all = decompose(bar, {keyframes, n}, {.maxParts = 3});
+  ASSERT_TRUE(all.ok()) << all.error().message;
+  const auto first = decompose(bar, {std::span(keyframes).first(bar.vertices.size()), n}, {.maxParts = 3});
+  ASSERT_TRUE(first.ok());
+  EXPECT_EQ(first->parts.size(), 1u) << "straight, the bar is convex";
+  EXPECT_EQ(all->parts.size(), 3u);
+  for (const double unseen : {0.3, 1.0, 1.3}) {
+    const std::vector<Vec3> pose = bent(bar, unseen);
+    expectSound(bar, pose, *all);
+    EXPECT_LT(errorInPose(*all, bar, pose).relative(), errorInPose(*first, bar, pose).relative());
+  }
+}
+
+TEST(Transfer, CutPointsFollowInTheOrderOfTheirCreation) {
+  Decomposition d;
+  d.vertexCount = 3;
+  d.cutPoints = {{0, 1, 0.25}, {2, 3, 0.5}};
+  const std::vector<Vec3> posed = {{0, 0, 0}, {4, 0, 0}, {0, 8, 0}};
+  const std::vector<Vec3> points = carried(d, posed);
+  EXPECT_EQ(points[3], Vec3(3, 0, 0));
+  EXPECT_EQ(points[4], Vec3(1.5, 4, 0));
+}
+
+TEST(Transfer, RigidMotionMovesPartsRigidly) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
+  const Decomposition d = decomposed(mesh, {.maxParts = 6});
+  const Isometry3 motion = Eigen::Translation3d(1, 2, 3) * Quat(0.2, 0.5, -0.4, 0.7).normalized();
+  std::vector<Vec3> moved;
+  for (const Vec3& v : mesh.vertices) moved.push_back(motion * v);
+  const std::vector<Vec3> before = carried(d, mesh.vertices);
+  const std::vector<Vec3> after = carried(d, moved);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LT((motion * before[i] - after[i]).norm(), 1e-12);
+}
+
+TEST(Transfer, PosedSurfaceStaysInsideTheHullsInEveryPose) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 20, 10);
+  const Decomposition d = decomposed(mesh, {.maxParts = 8});
+  std::mt19937_64 random(99);
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<Vec3> posed = mesh.vertices;
+    for (Vec3& v : posed) v += 0.5 * Vec3(uniform(), uniform(), uniform());  // no pose that anyone trained
+    const std::vector<Vec3> points = carried(d, posed);
+    const std::vector<ConvexHull> hulls = partHulls(d, points);
+    for (int sample = 0; sample < 200; ++sample) {
+      const Triangle& t = mesh.triangles[random() % mesh.triangles.size()];
+      const double a = uniform(), b = uniform() * (1 - a);
+      const Vec3 p = a * posed[t[0]] + b * posed[t[1]] + (1 - a - b) * posed[t[2]];
+      double outside = 1e9;
+      for (const ConvexHull& hull : hulls) outside = std::min(outside, largestViolation(hull, std::span(&p, 1)));
+      EXPECT_LE(outside, 1e-9) << "trial " << trial;
+    }
+  }
+}
+
+TEST(Concavity, OnlyTheInnerEdgeOfTheLShapeIsConcave) {
+  const TriMesh mesh = test::makeLShape();
+  Part whole;
+  whole.triangles = mesh.triangles;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
+  whole.points = pointsUsedBy(whole.triangles);
+  const ConvexHull hull = convexHull(mesh.vertices);
+  const auto edges = deepestConcaveEdges(creasesOf(whole), mesh.triangles, mesh.vertices, hull, 8);
+  ASSERT_EQ(edges.size(), 1u);
+  EXPECT_EQ(edges[0].point, Vec3(1, 1, 0.5));
+  EXPECT_NEAR(edges[0].depth, 0.5, 1e-12);  // to z = 0 and z = 1; the slanted face is farther, at sqrt(1/2)
+  const std::vector<Plane> planes = planesThrough(edges[0], 3);
+  ASSERT_EQ(planes.size(), 3u);
+  // Along one face, the bisector, along the other face.
+  EXPECT_NEAR(std::abs(planes[1].normal.dot(Vec3(1, -1, 0).normalized())), 1.0, 1e-12);
+  EXPECT_NEAR(std::abs(planes[0].normal.x()) + std::abs(planes[2].normal.x()), 1.0, 1e-12);
+  for (const Plane& p : planes) EXPECT_NEAR(p.normal.dot(Vec3(1, 1, 7)), p.offset, 1e-12);
+}
+
+TEST(Cut, SketchAndCutAgreeOnEveryPoint) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 20, 10);
+  Part whole;
+  whole.triangles = mesh.triangles;
+  whole.sourceTriangle.assign(mesh.triangles.size(), 0);
+  whole.points = pointsUsedBy(whole.triangles);
+  // Through vertices, along faces, and anywhere.
+  for (const Plane& plane :
+       {Plane{Vec3::UnitX(), 0.0}, Plane{Vec3::UnitY(), 0.0}, Plane{Vec3(1, 2, 3).normalized(), 0.1}}) {
+    PlaneSides sides;
+    CutSketch sketch;
+    ASSERT_TRUE(sketchCut(whole, mesh.vertices, plane, 1e-9, sides, sketch));
+    const auto n = static_cast<PointIndex>(mesh.vertices.size());
+    const CutResult cut = cutPart(whole, mesh.vertices, plane, 1e-9, n);
+    EXPECT_EQ(cut.newPoints.size(), sketch.crossings.size());
+    EXPECT_EQ(cut.above.points.size(), sketch.above.size() + sketch.crossings.size());
+    EXPECT_EQ(cut.below.points.size(), sketch.below.size() + sketch.crossings.size());
+  }
+  PlaneSides sides;
+  CutSketch sketch;
+  EXPECT_FALSE(sketchCut(whole, mesh.vertices, {Vec3::UnitX(), 5.0}, 1e-9, sides, sketch));
+}
+
+struct BenchmarkRow {
+  const char* file;
+  int parts;
+  double score;
+};
+
+class VhacdBenchmark : public testing::TestWithParam<BenchmarkRow> {};
+
+TEST_P(VhacdBenchmark, ReachesItsScoreAndStaysSound) {
+  LORICA_REQUIRE_DATASET(file, std::string("vhacd/") + GetParam().file);
+  const Result<TriMesh> mesh = readMesh(file);
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  const Decomposition d = decomposed(*mesh, {.maxParts = GetParam().parts});
+  expectSound(*mesh, mesh->vertices, d);
+  EXPECT_GE(1.0 / (1.0 + errorInPose(d, *mesh, mesh->vertices).relative()), GetParam().score);
+}
+
+INSTANTIATE_TEST_SUITE_P(Decompose, VhacdBenchmark,
+                         testing::Values(BenchmarkRow{"Bunny.off", 8, 0.89}, BenchmarkRow{"Bunny.off", 28, 0.95},
+                                         BenchmarkRow{"Block.off", 19, 0.90}, BenchmarkRow{"Horse.off", 10, 0.80},
+                                         BenchmarkRow{"Octopus.off", 31, 0.60}, BenchmarkRow{"Genus.off", 12, 0.80}));
+
+}  // namespace
+}  // namespace lorica
