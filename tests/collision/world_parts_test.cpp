@@ -159,6 +159,19 @@ TEST(WorldParts, ABoxFallsWhenWhatCarriedItShrinks) {
   });
 }
 
+TEST(WorldParts, ABoxFallsWhenTheShapeSinksUnderItWithinItsBounds) {
+  // The bounds still overlap, so Bullet keeps the pair, and with it the contacts that nothing carries any more.
+  expectFallAfter([](LivePart table) {
+    test::reshape(table, std::vector<Vec3>{{-1.0, 0.35, -0.3},
+                                           {-1.0, 0.35, 0.3},
+                                           {-1.0, -0.5, -0.3},
+                                           {-1.0, -0.5, 0.3},
+                                           {0.3, -0.5, -0.3},
+                                           {0.3, -0.5, 0.3}});
+    return std::vector<LivePart>{table};
+  });
+}
+
 TEST(WorldParts, ABoxFallsWhenWhatCarriedItJumpsAway) {
   expectFallAfter([](LivePart table) {
     moveTo(table, at(4.0, 1.2, 0));
