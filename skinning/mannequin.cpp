@@ -53,25 +53,25 @@ struct WholeCage {
   return whole;
 }
 
-/// Moves the cage so that its limit surface passes through the given points (progressive interpolation: each step
+/// Moves the cage so that the refined surface passes through the given points (progressive interpolation: each step
 /// adds what the surface still lacks; stopped early, it stays fair).
-[[nodiscard]] DenseMatrix interpolatingCage(const SparseMatrix& limitFromCage, const DenseMatrix& targets) {
+[[nodiscard]] DenseMatrix interpolatingCage(const SparseMatrix& refinedFromCage, const DenseMatrix& targets) {
   DenseMatrix cage = targets;
-  for (int i = 0; i < kInterpolationSteps; ++i) cage += targets - limitFromCage * cage;
+  for (int i = 0; i < kInterpolationSteps; ++i) cage += targets - refinedFromCage * cage;
   return cage;
 }
 
-/// A point of the left half never follows a limb of the right: what refinement spread across the plane of symmetry
-/// goes to the bone of the trunk that carries the limb.
-void foldRightIntoTrunk(Eigen::Ref<Eigen::RowVectorXd> weights) {
+/// Whom a point of the left half follows in place of each bone: the bone itself, but for a limb of the right side
+/// the bone of the trunk that carries it.
+[[nodiscard]] std::array<int, kHumanBoneCount> leftStandIns() {
+  std::array<int, kHumanBoneCount> standIn{};
   for (int b = 0; b < kHumanBoneCount; ++b) {
     const auto bone = static_cast<HumanBone>(b);
-    const bool right = mannequinJoint(bone).x() < 0.0;
-    if (!right || weights[b] == 0.0) continue;
     const bool leg = bone >= HumanBone::kRightUpperLeg && bone <= HumanBone::kRightToes;
-    weights[static_cast<int>(leg ? HumanBone::kHips : HumanBone::kUpperChest)] += weights[b];
-    weights[b] = 0.0;
+    const HumanBone carrier = leg ? HumanBone::kHips : HumanBone::kUpperChest;
+    standIn[static_cast<std::size_t>(b)] = mannequinJoint(bone).x() < 0.0 ? static_cast<int>(carrier) : b;
   }
+  return standIn;
 }
 
 /// The largest four, normalised, in falling order; ties by bone.
@@ -102,10 +102,9 @@ struct HalfSurface {
   const Refinement second = refineCatmullClark(firstCount, first.faces);
   const int fineCount = static_cast<int>(second.fineFromCoarse.rows());
 
-  const SparseMatrix cageLimit = limitFromVertices(firstCount, first.faces).topRows(cageCount) * first.fineFromCoarse;
-  const SparseMatrix fineLimit = limitFromVertices(fineCount, second.faces);
-  const DenseMatrix fitted = interpolatingCage(cageLimit, cage.points);
-  const DenseMatrix finePoints = fineLimit * (second.fineFromCoarse * (first.fineFromCoarse * fitted));
+  const SparseMatrix refinedFromCage = second.fineFromCoarse.topRows(cageCount) * first.fineFromCoarse;
+  const DenseMatrix fitted = interpolatingCage(refinedFromCage, cage.points);
+  const DenseMatrix finePoints = second.fineFromCoarse * (first.fineFromCoarse * fitted);
   const DenseMatrix fineWeights = second.fineFromCoarse * (first.fineFromCoarse * cage.weights);
 
   // Refined faces keep the order of the cage's faces, so the left half of them comes first. What it shares with the
@@ -115,6 +114,7 @@ struct HalfSurface {
   for (std::size_t f = 0; f < second.faces.size(); ++f) {
     for (const int v : second.faces[f]) sides[static_cast<std::size_t>(v)] |= f < halfFaces ? 1 : 2;
   }
+  const std::array<int, kHumanBoneCount> standIn = leftStandIns();
   HalfSurface half;
   std::vector<int> halfIndex(static_cast<std::size_t>(fineCount), -1);
   for (int v = 0; v < fineCount; ++v) {
@@ -123,17 +123,13 @@ struct HalfSurface {
     halfIndex[static_cast<std::size_t>(v)] = static_cast<int>(half.points.size());
     Vec3 p = finePoints.row(v).transpose();
     if (side == 3) p.x() = 0.0;
-    Eigen::RowVectorXd weights = fineWeights.row(v);
-    if (side == 3) {
-      for (int b = 0; b < kHumanBoneCount; ++b) {
-        if (mannequinJoint(static_cast<HumanBone>(b)).x() > 0.0) {
-          const int twin = static_cast<int>(mirrored(static_cast<HumanBone>(b)));
-          weights[twin] += weights[b];
-          weights[b] = 0.0;
-        }
-      }
+    // Refinement spreads weights across the plane of symmetry: what came from a limb of the other side goes to the
+    // trunk, and in the plane itself no limb has a share.
+    Eigen::RowVectorXd weights = Eigen::RowVectorXd::Zero(kHumanBoneCount);
+    for (int b = 0; b < kHumanBoneCount; ++b) {
+      const int seen = side == 3 ? std::max(b, static_cast<int>(mirrored(static_cast<HumanBone>(b)))) : b;
+      weights[standIn[static_cast<std::size_t>(seen)]] += fineWeights(v, b);
     }
-    foldRightIntoTrunk(weights);
     half.points.push_back(p);
     half.weights.push_back(strongest(weights));
   }

@@ -13,6 +13,8 @@ using enum HumanBone;
 constexpr int kRing = 10;  ///< points of a limb's ring
 constexpr double kStep = 2.0 * std::numbers::pi / kRing;
 
+constexpr double kToeArc = 0.022;  ///< how far the sides of the toes lie behind the middle [m]
+
 [[nodiscard]] BoneWeights between(HumanBone near, HumanBone far, double share) {
   if (share <= 0.0) return {{near, 1.0}};
   if (share >= 1.0) return {{far, 1.0}};
@@ -28,16 +30,16 @@ struct ArmSection {
 };
 
 constexpr ArmSection kArm[] = {
-    {0.205, 1.417, -0.018, 0.051, 0.056, 0.058, 0.060, kLeftShoulder, kLeftUpperArm, 0.90},  // deltoid
-    {0.290, 1.414, -0.019, 0.043, 0.049, 0.047, 0.046, kLeftUpperArm, kLeftLowerArm, 0.0},   // biceps, triceps
-    {0.400, 1.413, -0.021, 0.037, 0.038, 0.040, 0.040, kLeftUpperArm, kLeftLowerArm, 0.05},
-    {0.455, 1.413, -0.022, 0.036, 0.036, 0.037, 0.040, kLeftUpperArm, kLeftLowerArm, 0.5},   // elbow
-    {0.510, 1.413, -0.020, 0.038, 0.037, 0.044, 0.040, kLeftUpperArm, kLeftLowerArm, 0.95},  // top of the forearm
-    {0.590, 1.412, -0.018, 0.033, 0.032, 0.039, 0.035, kLeftLowerArm, kLeftHand, 0.0},
-    {0.655, 1.412, -0.016, 0.025, 0.024, 0.030, 0.028, kLeftLowerArm, kLeftHand, 0.04},
-    {0.700, 1.412, -0.015, 0.020, 0.020, 0.028, 0.027, kLeftLowerArm, kLeftHand, 0.5},    // wrist
-    {0.722, 1.411, -0.014, 0.0185, 0.019, 0.034, 0.033, kLeftLowerArm, kLeftHand, 0.92},  // root of the thumb
-    {0.756, 1.411, -0.014, 0.0170, 0.016, 0.041, 0.040, kLeftLowerArm, kLeftHand, 1.0},   // palm
+    {0.205, 1.409, -0.018, 0.048, 0.053, 0.055, 0.058, kLeftShoulder, kLeftUpperArm, 0.90},  // deltoid
+    {0.290, 1.409, -0.019, 0.043, 0.047, 0.046, 0.046, kLeftUpperArm, kLeftLowerArm, 0.0},   // biceps, triceps
+    {0.400, 1.409, -0.021, 0.037, 0.037, 0.039, 0.040, kLeftUpperArm, kLeftLowerArm, 0.05},
+    {0.455, 1.409, -0.022, 0.036, 0.035, 0.036, 0.039, kLeftUpperArm, kLeftLowerArm, 0.5},   // elbow
+    {0.510, 1.409, -0.020, 0.038, 0.036, 0.043, 0.039, kLeftUpperArm, kLeftLowerArm, 0.95},  // top of the forearm
+    {0.590, 1.408, -0.018, 0.032, 0.031, 0.038, 0.034, kLeftLowerArm, kLeftHand, 0.0},
+    {0.650, 1.408, -0.016, 0.0245, 0.0235, 0.031, 0.028, kLeftLowerArm, kLeftHand, 0.08},
+    {0.697, 1.408, -0.015, 0.0195, 0.0195, 0.028, 0.027, kLeftLowerArm, kLeftHand, 0.5},    // wrist
+    {0.722, 1.408, -0.014, 0.0185, 0.0190, 0.033, 0.032, kLeftLowerArm, kLeftHand, 0.92},   // root of the thumb
+    {0.757, 1.408, -0.014, 0.0165, 0.0160, 0.0395, 0.0385, kLeftLowerArm, kLeftHand, 1.0},  // palm
 };
 constexpr int kThumbRow = 8;   ///< the thumb leaves between this section and the next
 constexpr int kThumbSide = 2;  ///< ... on the front
@@ -56,12 +58,12 @@ struct Finger {
   double radius[4];
 };
 constexpr Finger kFingers[4] = {
-    {kLeftIndexProximal, {0.042, 0.025, 0.023}, {0.0092, 0.0085, 0.0076, 0.0058}},
-    {kLeftMiddleProximal, {0.046, 0.029, 0.024}, {0.0094, 0.0087, 0.0078, 0.0060}},
-    {kLeftRingProximal, {0.042, 0.027, 0.023}, {0.0090, 0.0083, 0.0074, 0.0057}},
-    {kLeftLittleProximal, {0.033, 0.020, 0.020}, {0.0080, 0.0072, 0.0065, 0.0050}},
+    {kLeftIndexProximal, {0.042, 0.025, 0.023}, {0.0096, 0.0088, 0.0079, 0.0060}},
+    {kLeftMiddleProximal, {0.046, 0.029, 0.024}, {0.0098, 0.0090, 0.0081, 0.0062}},
+    {kLeftRingProximal, {0.042, 0.027, 0.023}, {0.0094, 0.0086, 0.0077, 0.0059}},
+    {kLeftLittleProximal, {0.033, 0.020, 0.020}, {0.0084, 0.0076, 0.0068, 0.0052}},
 };
-constexpr double kWebDistance = 0.024;  ///< from the knuckle to the first free ring
+constexpr double kWebDistance = 0.027;  ///< from the knuckle to the first free ring
 
 [[nodiscard]] HumanBone nextBone(HumanBone bone, int steps = 1) {
   return static_cast<HumanBone>(static_cast<int>(bone) + steps);
@@ -113,9 +115,9 @@ void addThumb(HalfCage& cage, HalfCage::Ring ring) {
     double radius;
     BoneWeights weights;
   } rings[3] = {
-      {mcp, 0.0125, between(kLeftThumbMetacarpal, kLeftThumbProximal, 0.5)},
-      {ip, 0.0105, between(kLeftThumbProximal, kLeftThumbDistal, 0.5)},
-      {ip + 0.026 * along, 0.0075, {{kLeftThumbDistal, 1.0}}},
+      {mcp, 0.0140, between(kLeftThumbMetacarpal, kLeftThumbProximal, 0.5)},
+      {ip, 0.0112, between(kLeftThumbProximal, kLeftThumbDistal, 0.5)},
+      {ip + 0.024 * along, 0.0080, {{kLeftThumbDistal, 1.0}}},
   };
   for (const auto& r : rings) {
     HalfCage::Ring next = addSquareRing(cage, r.centre, along, r.radius, r.weights);
@@ -137,20 +139,20 @@ struct LegSection {
 };
 
 constexpr LegSection kLeg[] = {
-    {0.095, 0.800, 0.078, 0.795, -0.112, 0.083, 0.084, -0.012, 0.020, 1.0, kHips, kLeftUpperLeg, 0.86},
-    {0.097, 0.715, 0.083, 0.715, -0.094, 0.078, 0.079, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
-    {0.098, 0.610, 0.076, 0.610, -0.076, 0.066, 0.068, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
-    {0.098, 0.545, 0.064, 0.545, -0.060, 0.055, 0.055, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.1},
-    {0.097, 0.490, 0.058, 0.490, -0.050, 0.050, 0.049, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.5},
-    {0.097, 0.435, 0.048, 0.435, -0.060, 0.048, 0.049, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.9},
-    {0.098, 0.350, 0.038, 0.350, -0.078, 0.049, 0.051, 0.0, 0.0, 1.0, kLeftLowerLeg, kLeftFoot, 0.0},
-    {0.099, 0.230, 0.016, 0.230, -0.070, 0.037, 0.037, 0.0, 0.0, 1.0, kLeftLowerLeg, kLeftFoot, 0.0},
-    {0.099, 0.110, 0.008, 0.105, -0.073, 0.031, 0.030, 0.005, -0.005, 1.0, kLeftLowerLeg, kLeftFoot, 0.35},  // ankle
-    {0.099, 0.088, 0.028, 0.050, -0.090, 0.034, 0.033, 0.0, 0.0, 0.9, kLeftLowerLeg, kLeftFoot, 0.85},       // heel
-    {0.100, 0.074, 0.056, 0.002, -0.070, 0.033, 0.034, 0.0, 0.0, 0.7, kLeftFoot, kLeftToes, 0.0},
-    {0.102, 0.058, 0.086, 0.006, 0.005, 0.034, 0.037, 0.0, 0.0, 0.6, kLeftFoot, kLeftToes, 0.0},
-    {0.106, 0.040, 0.124, 0.000, 0.092, 0.044, 0.046, 0.0, 0.0, 0.5, kLeftFoot, kLeftToes, 0.5},  // ball
-    {0.106, 0.027, 0.155, 0.002, 0.146, 0.038, 0.038, 0.0, 0.0, 0.5, kLeftFoot, kLeftToes, 1.0},
+    {0.094, 0.795, 0.073, 0.792, -0.100, 0.077, 0.080, -0.008, 0.018, 1.0, kHips, kLeftUpperLeg, 0.86},
+    {0.096, 0.710, 0.079, 0.710, -0.086, 0.076, 0.077, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
+    {0.097, 0.615, 0.074, 0.615, -0.074, 0.067, 0.068, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
+    {0.098, 0.545, 0.062, 0.545, -0.059, 0.055, 0.055, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.1},
+    {0.097, 0.490, 0.056, 0.490, -0.049, 0.050, 0.048, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.5},
+    {0.097, 0.435, 0.046, 0.435, -0.060, 0.048, 0.048, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.9},
+    {0.098, 0.345, 0.035, 0.345, -0.080, 0.050, 0.051, 0.0, 0.0, 1.0, kLeftLowerLeg, kLeftFoot, 0.0},
+    {0.099, 0.235, 0.014, 0.235, -0.072, 0.037, 0.037, 0.0, 0.0, 1.0, kLeftLowerLeg, kLeftFoot, 0.0},
+    {0.099, 0.118, 0.004, 0.112, -0.072, 0.030, 0.029, 0.0, 0.0, 1.0, kLeftLowerLeg, kLeftFoot, 0.3},   // ankle
+    {0.099, 0.092, 0.022, 0.050, -0.090, 0.034, 0.033, 0.0, 0.0, 0.9, kLeftLowerLeg, kLeftFoot, 0.85},  // heel
+    {0.100, 0.076, 0.050, 0.002, -0.070, 0.033, 0.034, 0.0, 0.0, 0.7, kLeftFoot, kLeftToes, 0.0},
+    {0.102, 0.060, 0.082, 0.005, 0.005, 0.034, 0.037, 0.0, 0.0, 0.6, kLeftFoot, kLeftToes, 0.0},
+    {0.106, 0.041, 0.122, 0.000, 0.090, 0.044, 0.046, 0.0, 0.0, 0.5, kLeftFoot, kLeftToes, 0.5},  // ball
+    {0.102, 0.024, 0.160, 0.004, 0.152, 0.037, 0.040, 0.0, 0.0, 0.7, kLeftFoot, kLeftToes, 1.0},
 };
 
 /// Point i of a ring right-handed about -Y (then +Z), from the back beside the inner edge; point 9 is the innermost.
@@ -195,10 +197,10 @@ void addArmAndHand(HalfCage& cage, const HalfCage::Ring& opening) {
   //
   //   t0  t1  t2  t3  t4        seen from the finger tips; index finger on the left
   //   b0  b1  b2  b3  b4
-  const double webX[5] = {0.796, 0.808, 0.809, 0.802, 0.781};
-  const double webZ[5] = {0.0295, 0.0080, -0.0135, -0.0345, -0.0545};
-  const double webY[5] = {1.4095, 1.4110, 1.4115, 1.4100, 1.4070};
-  const double webHalf[5] = {0.0090, 0.0105, 0.0105, 0.0100, 0.0080};
+  const double webX[5] = {0.797, 0.804, 0.806, 0.800, 0.783};
+  const double webZ[5] = {0.0270, 0.0065, -0.0135, -0.0335, -0.0525};
+  const double webY[5] = {1.4060, 1.4075, 1.4080, 1.4065, 1.4035};
+  const double webHalf[5] = {0.0085, 0.0085, 0.0085, 0.0080, 0.0072};
   int top[5];
   int bottom[5];
   for (int i = 0; i < 5; ++i) {
@@ -224,7 +226,10 @@ void addLegAndFoot(HalfCage& cage, const HalfCage::Ring& opening) {
   for (const LegSection& section : kLeg) {
     HalfCage::Ring next;
     for (int i = 0; i < kRing; ++i) {
-      next.push_back(cage.addPoint(pointOn(section, i), between(section.near, section.far, section.share)));
+      Vec3 p = pointOn(section, i);
+      // The toes end in an arc, not in a straight edge.
+      if (section.share == 1.0) p.z() -= kToeArc * std::pow(std::cos(kStep * (i - 4)), 4.0);
+      next.push_back(cage.addPoint(p, between(section.near, section.far, section.share)));
     }
     cage.bridge(ring, next);
     ring = next;

@@ -24,15 +24,15 @@ struct Section {
 
 // From the hip crease up to the hollow of the neck.
 constexpr Section kTrunk[] = {
-    {0.860, 0.890, 0.858, 0.174, 0.080, -0.112, -0.012, 0.90},  // hip crease, gluteal cleft
-    {0.945, 0.950, 0.940, 0.168, 0.100, -0.118, -0.012, 0.88},  // widest part of the pelvis
-    {1.020, 1.020, 1.015, 0.150, 0.102, -0.098, -0.008, 0.90},  // iliac crest
-    {1.095, 1.095, 1.095, 0.131, 0.098, -0.086, -0.003, 0.92},  // waist
-    {1.185, 1.185, 1.185, 0.143, 0.108, -0.103, -0.006, 0.92},  // lower ribs
-    {1.285, 1.300, 1.290, 0.152, 0.116, -0.120, -0.012, 0.86},  // pit of the arm
-    {1.340, 1.350, 1.350, 0.156, 0.112, -0.125, -0.015, 0.84},
-    {1.395, 1.405, 1.410, 0.155, 0.090, -0.120, -0.018, 0.84},
-    {1.430, 1.462, 1.465, 0.145, 0.058, -0.098, -0.020, 0.84},  // top of the shoulder, hollow of the neck
+    {0.842, 0.892, 0.848, 0.166, 0.074, -0.090, -0.012, 0.86},  // hip crease, gluteal cleft
+    {0.940, 0.950, 0.935, 0.158, 0.098, -0.110, -0.012, 0.90},  // widest part of the pelvis
+    {1.020, 1.020, 1.015, 0.143, 0.100, -0.096, -0.008, 0.93},  // iliac crest
+    {1.095, 1.095, 1.095, 0.129, 0.096, -0.084, -0.003, 0.96},  // waist
+    {1.185, 1.185, 1.185, 0.145, 0.108, -0.100, -0.006, 0.96},  // lower ribs
+    {1.285, 1.300, 1.290, 0.162, 0.115, -0.117, -0.012, 0.92},  // pit of the arm
+    {1.340, 1.350, 1.350, 0.163, 0.110, -0.121, -0.015, 0.90},
+    {1.390, 1.400, 1.405, 0.160, 0.089, -0.115, -0.018, 0.90},
+    {1.428, 1.456, 1.462, 0.147, 0.056, -0.095, -0.020, 0.88},  // top of the shoulder, hollow of the neck
 };
 constexpr int kTrunkRows = 9;
 constexpr int kArmRow = 5;     ///< the arm's opening spans rows 5 to 8 ...
@@ -40,7 +40,7 @@ constexpr int kArmColumn = 3;  ///< ... and columns 3 to 5
 
 // From the root of the neck to the forehead.
 constexpr Section kNeckAndHead[] = {
-    {1.452, 1.482, 1.500, 0.076, 0.038, -0.080, -0.024, 1.00},   // slope of the trapezius
+    {1.450, 1.482, 1.500, 0.074, 0.038, -0.080, -0.024, 1.00},   // slope of the trapezius
     {1.490, 1.520, 1.535, 0.055, 0.030, -0.074, -0.024, 1.00},   // neck
     {1.522, 1.555, 1.580, 0.057, 0.052, -0.078, -0.012, 0.95},   // under the jaw, nape
     {1.536, 1.578, 1.610, 0.066, 0.092, -0.092, -0.004, 0.95},   // chin
@@ -149,10 +149,10 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
 
   // The rim of the arm's opening is set point by point: a fold of chest muscle in front, of the back behind, and a
   // hollow between them.
-  const Vec3 rim[4][3] = {{{0.140, 1.312, 0.060}, {0.151, 1.326, -0.012}, {0.143, 1.310, -0.088}},
-                          {{0.150, 1.357, 0.066}, {}, {0.152, 1.358, -0.096}},
-                          {{0.153, 1.412, 0.055}, {}, {0.154, 1.412, -0.090}},
-                          {{0.147, 1.451, 0.028}, {0.148, 1.466, -0.018}, {0.147, 1.460, -0.060}}};
+  const Vec3 rim[4][3] = {{{0.147, 1.306, 0.056}, {0.158, 1.320, -0.014}, {0.152, 1.304, -0.086}},
+                          {{0.157, 1.350, 0.060}, {}, {0.160, 1.352, -0.092}},
+                          {{0.158, 1.404, 0.050}, {}, {0.160, 1.406, -0.085}},
+                          {{0.149, 1.443, 0.026}, {0.150, 1.457, -0.018}, {0.149, 1.452, -0.060}}};
   for (int r = 0; r < kTrunkRows; ++r) {
     Row row{};
     for (int k = 0; k < kColumns; ++k) {
@@ -203,7 +203,7 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
   };
   openings.arm = {at(8, 4), at(8, 3), at(7, 3), at(6, 3), at(5, 3), at(5, 4), at(5, 5), at(6, 5), at(7, 5), at(8, 5)};
   for (int k = kColumns - 1; k >= 0; --k) openings.leg.push_back(at(0, k));
-  openings.leg.push_back(cage.addPoint({0.0, 0.822, -0.015}, {{kHips, 1.0}}));
+  openings.leg.push_back(cage.addPoint({0.0, 0.816, -0.010}, {{kHips, 1.0}}));
   return openings;
 }
 

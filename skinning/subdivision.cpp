@@ -112,33 +112,4 @@ Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces) {
   return refinement;
 }
 
-SparseMatrix limitFromVertices(int vertexCount, const PolygonFaces& quads) {
-  const Edges edges = collectEdges(quads);
-  std::vector<int> valence(static_cast<std::size_t>(vertexCount), 0);
-  for (const Edge& edge : edges.all) {
-    ++valence[static_cast<std::size_t>(edge.a)];
-    ++valence[static_cast<std::size_t>(edge.b)];
-  }
-
-  // (n^2 v + 4 sum of neighbours + sum of the opposite corners of its quads) / (n (n + 5))
-  std::vector<Entry> entries;
-  const auto scale = [&](int v) {
-    const double n = valence[static_cast<std::size_t>(v)];
-    return 1.0 / (n * (n + 5.0));
-  };
-  for (int v = 0; v < vertexCount; ++v) {
-    const double n = valence[static_cast<std::size_t>(v)];
-    entries.emplace_back(v, v, n * n * scale(v));
-  }
-  for (const Edge& edge : edges.all) {
-    entries.emplace_back(edge.a, edge.b, 4.0 * scale(edge.a));
-    entries.emplace_back(edge.b, edge.a, 4.0 * scale(edge.b));
-  }
-  for (const std::vector<int>& quad : quads) {
-    CHECK(quad.size() == 4, "the limit is known for quads only: refine once first");
-    for (std::size_t i = 0; i < 4; ++i) entries.emplace_back(quad[i], quad[(i + 2) % 4], scale(quad[i]));
-  }
-  return assemble(vertexCount, vertexCount, entries);
-}
-
 }  // namespace lorica

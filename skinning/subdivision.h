@@ -20,8 +20,4 @@ struct Refinement {
 };
 [[nodiscard]] Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces);
 
-/// Where the vertices of a mesh of quads end up after infinitely many steps (Halstead, Kass and DeRose 1993):
-/// vertexCount x vertexCount, rows sum to 1.
-[[nodiscard]] SparseMatrix limitFromVertices(int vertexCount, const PolygonFaces& quads);
-
 }  // namespace lorica
