@@ -8,6 +8,8 @@ namespace {
 
 /// A stream that paused must not turn a blend into a jump.
 constexpr double kLongestStep = 0.1;
+/// Sums of frame times reach 1 but for rounding.
+constexpr double kWholeTrust = 1.0 - 1e-6;
 
 double smoothStep(double t) {
   t = std::clamp(t, 0.0, 1.0);
@@ -66,7 +68,7 @@ Vec3 ConfidenceHold::rootPlace(bool known, const Vec3& place, const Vec3& fallba
 /// sphere cannot flip the blend's direction.
 double ConfidenceHold::shareTowardsLive(Trust& trust, double distance, double largestSpeed) const {
   trust.lostSeconds = 0.0;
-  if (inFirstFrame() || trust.value >= 1.0) {
+  if (inFirstFrame() || trust.value >= kWholeTrust) {
     trust.everKnown = true;
     trust.value = 1.0;
     return 1.0;

@@ -287,7 +287,11 @@ class RecordedSource final : public SkeletonSource {
 Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& file) {
   const Result<std::string> text = readFile(file);
   if (!text) return text.error();
-  return Reader(file.string()).read(*text);
+  return parseJointCsv(*text, file.string());
+}
+
+Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name) {
+  return Reader(std::string(name)).read(text);
 }
 
 Result<void> writeJointCsv(const std::filesystem::path& file, std::span<const SkeletonFrame> frames) {

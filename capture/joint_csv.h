@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -13,6 +14,9 @@ namespace lorica {
 /// @return frames of one user in time order, at least one: the user with the most frames, of equals the one seen
 ///         first; or a sentence with file, line, column, found and expected
 [[nodiscard]] Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& file);
+
+/// The same of text in memory. @param name  what the sentences call it
+[[nodiscard]] Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name);
 
 /// Writes it, whole or not at all. Reading it again gives the same numbers to the last bit, unless a
 /// quaternion is off unit length by more than 1e-12: it is read normalised.
