@@ -102,7 +102,7 @@ Result<TriMesh> parseStl(std::string_view content, const std::string& fileName) 
   const std::uint64_t binarySize = kHeaderBytes + kTriangleBytes * count;
   const bool binary = content.size() >= kHeaderBytes && content.size() == binarySize;
   const bool text =
-      sameWord(content.substr(std::min(content.find_first_not_of(" \t\r\n"), content.size()), 5), "solid");
+      sameWord(content.substr(std::min(content.find_first_not_of("\xEF\xBB\xBF \t\r\n"), content.size()), 5), "solid");
   if (!binary && !text) {
     if (content.size() < kHeaderBytes) {
       return Error{ErrorCode::kBadFormat,
