@@ -1,6 +1,7 @@
 #include "skinning/mannequin_cage.h"
 #include "skinning/mannequin_skeleton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,7 +14,8 @@ using enum HumanBone;
 constexpr int kRing = 10;  ///< points of a limb's ring
 constexpr double kStep = 2.0 * std::numbers::pi / kRing;
 
-constexpr double kToeArc = 0.022;  ///< how far the sides of the toes lie behind the middle [m]
+constexpr double kCrotchShare = 0.35;  ///< what the innermost point of the thigh's first ring leaves to the hips
+constexpr double kToeArc = 0.022;      ///< how far the sides of the toes lie behind the middle [m]
 
 [[nodiscard]] BoneWeights between(HumanBone near, HumanBone far, double share) {
   if (share <= 0.0) return {{near, 1.0}};
@@ -139,8 +141,8 @@ struct LegSection {
 };
 
 constexpr LegSection kLeg[] = {
-    {0.094, 0.795, 0.073, 0.792, -0.100, 0.077, 0.080, -0.008, 0.018, 1.0, kHips, kLeftUpperLeg, 0.86},
-    {0.096, 0.710, 0.079, 0.710, -0.086, 0.076, 0.077, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
+    {0.094, 0.795, 0.066, 0.792, -0.100, 0.077, 0.078, -0.008, 0.018, 1.0, kHips, kLeftUpperLeg, 0.86},
+    {0.096, 0.710, 0.077, 0.710, -0.086, 0.076, 0.077, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
     {0.097, 0.615, 0.074, 0.615, -0.074, 0.067, 0.068, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.0},
     {0.098, 0.545, 0.062, 0.545, -0.059, 0.055, 0.055, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.1},
     {0.097, 0.490, 0.056, 0.490, -0.049, 0.050, 0.048, 0.0, 0.0, 1.0, kLeftUpperLeg, kLeftLowerLeg, 0.5},
@@ -180,8 +182,8 @@ void addArmAndHand(HalfCage& cage, const HalfCage::Ring& opening) {
     for (int i = 0; i < kRing; ++i) {
       BoneWeights weights = between(section.near, section.far, section.share);
       const bool besideThumb = i == kThumbSide || i == kThumbSide + 1;
-      if (besideThumb && row == kThumbRow) weights = between(kLeftHand, kLeftThumbMetacarpal, 0.25);
-      if (besideThumb && row == kThumbRow + 1) weights = between(kLeftHand, kLeftThumbMetacarpal, 0.35);
+      if (besideThumb && row == kThumbRow) weights = between(kLeftHand, kLeftThumbMetacarpal, 0.40);
+      if (besideThumb && row == kThumbRow + 1) weights = between(kLeftHand, kLeftThumbMetacarpal, 0.50);
       next.push_back(cage.addPoint(pointOn(section, i), weights));
     }
     const bool atThumb = row == kThumbRow + 1;
@@ -229,7 +231,11 @@ void addLegAndFoot(HalfCage& cage, const HalfCage::Ring& opening) {
       Vec3 p = pointOn(section, i);
       // The toes end in an arc, not in a straight edge.
       if (section.share == 1.0) p.z() -= kToeArc * std::pow(std::cos(kStep * (i - 4)), 4.0);
-      next.push_back(cage.addPoint(p, between(section.near, section.far, section.share)));
+      // The inside of the thigh passes less abruptly into the crotch, which follows neither leg.
+      const double inward = std::max(0.0, -std::cos(kStep * (i - 4)));
+      const double share =
+          section.near == kHips ? section.share * (1.0 - kCrotchShare * inward * inward) : section.share;
+      next.push_back(cage.addPoint(p, between(section.near, section.far, share)));
     }
     cage.bridge(ring, next);
     ring = next;

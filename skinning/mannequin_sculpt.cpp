@@ -28,6 +28,8 @@ constexpr Stroke kStrokes[] = {
     // Belly: the arch of the ribs, the line down the middle.
     {{0.0, 1.200, 0.105}, {0.055, 0.055, 0.050}, {0.0, 0.0, -0.005}},
     {{0.0, 1.090, 0.095}, {0.016, 0.120, 0.040}, {0.0, 0.0, -0.003}},
+    // Where the belly ends between the thighs.
+    {{0.0, 0.835, 0.050}, {0.060, 0.055, 0.060}, {0.0, -0.006, 0.016}},
     // Back: the furrow of the spine, shoulder blade, buttock.
     {{0.0, 1.200, -0.100}, {0.032, 0.270, 0.060}, {0.0, 0.0, 0.009}},
     {{0.088, 1.365, -0.110}, {0.060, 0.085, 0.050}, {0.0, 0.0, -0.009}},

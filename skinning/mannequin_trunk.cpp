@@ -24,8 +24,8 @@ struct Section {
 
 // From the hip crease up to the hollow of the neck.
 constexpr Section kTrunk[] = {
-    {0.842, 0.892, 0.848, 0.166, 0.074, -0.090, -0.012, 0.86},  // hip crease, gluteal cleft
-    {0.940, 0.950, 0.935, 0.158, 0.098, -0.110, -0.012, 0.90},  // widest part of the pelvis
+    {0.842, 0.892, 0.848, 0.170, 0.080, -0.090, -0.012, 0.86},  // hip crease, gluteal cleft
+    {0.940, 0.950, 0.935, 0.160, 0.098, -0.110, -0.012, 0.90},  // widest part of the pelvis
     {1.020, 1.020, 1.015, 0.143, 0.100, -0.096, -0.008, 0.93},  // iliac crest
     {1.095, 1.095, 1.095, 0.129, 0.096, -0.084, -0.003, 0.96},  // waist
     {1.185, 1.185, 1.185, 0.145, 0.108, -0.100, -0.006, 0.96},  // lower ribs
