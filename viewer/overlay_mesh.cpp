@@ -10,17 +10,23 @@ namespace {
 
 // An edge shows fully above the second angle between its faces and not at all below the first [rad]. Hulls of round
 // limbs have hundreds of edges of 10 degrees and less, which would bury the shape.
-constexpr double kFlatAngle = 0.21;
-constexpr double kCrispAngle = 0.62;
+constexpr double kFlatAngle = 0.28;
+constexpr double kCrispAngle = 0.70;
+constexpr double kOutlineStrength = 0.85;
 
-std::array<std::int8_t, 4> packedNormal(const Vec3& n) {
-  const auto pack = [](double x) { return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(x, -1.0, 1.0))); };
-  return {pack(n.x()), pack(n.y()), pack(n.z()), 0};
+std::int8_t packSigned(double x) {
+  return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(x, -1.0, 1.0)));
+}
+std::uint8_t packUnit(double x) {
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
 }
 
-std::array<std::uint8_t, 4> packedColor(const Vec3f& c, std::uint8_t alpha) {
-  const auto pack = [](float x) { return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(x, 0.0f, 1.0f))); };
-  return {pack(c.x()), pack(c.y()), pack(c.z()), alpha};
+std::array<std::uint8_t, 4> packColor(const Vec3f& c, double opacity) {
+  return {packUnit(c.x()), packUnit(c.y()), packUnit(c.z()), packUnit(opacity)};
+}
+
+const Vec3& at(std::span<const Vec3> vertices, VertexIndex i) {
+  return vertices[static_cast<std::size_t>(i)];
 }
 
 }  // namespace
@@ -31,102 +37,117 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const LivePart> p
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const ConvexHull& hull = parts[i].hull;
     if (hull.degenerate()) continue;
-    Aabb box;
-    bool finite = true;
-    for (const Vec3& v : hull.vertices) {
-      box.extend(v);
-      finite = finite && v.allFinite();
-    }
-    if (finite) order_.emplace_back(-(box.center() - eye).squaredNorm(), static_cast<PartIndex>(i));
+    const bool finite =
+        std::all_of(hull.vertices.begin(), hull.vertices.end(), [](const Vec3& v) { return v.allFinite(); });
+    if (!finite) continue;
+    const Vec3 center = boundsOf(hull.vertices).center();
+    order_.emplace_back(-(center - eye).squaredNorm(), static_cast<PartIndex>(i));
   }
   std::sort(order_.begin(), order_.end());
-  for (const auto& [distance, part] : order_) appendHull(parts[static_cast<std::size_t>(part)].hull, part, eye);
+  for (const auto& [distance, part] : order_) {
+    const ConvexHull& hull = parts[static_cast<std::size_t>(part)].hull;
+    const Vec3f color = partColor(part);
+    append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28}, eye);
+  }
   return hullVertices_;
 }
 
-void OverlayMesh::appendHull(const ConvexHull& hull, PartIndex part, const Vec3& eye) {
-  const std::size_t count = hull.triangles.size();
-  const auto corner = [&](std::size_t triangle, std::size_t k) -> const Vec3& {
-    return hull.vertices[static_cast<std::size_t>(hull.triangles[triangle][k])];
-  };
-  faceNormals_.resize(count);
+void OverlayMesh::findEdges(std::span<const Triangle> triangles) {
   halfEdges_.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    faceNormals_[i] = (corner(i, 1) - corner(i, 0)).cross(corner(i, 2) - corner(i, 0)).stableNormalized();
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto a = static_cast<std::uint32_t>(hull.triangles[i][(k + 1) % 3]);
-      const auto b = static_cast<std::uint32_t>(hull.triangles[i][(k + 2) % 3]);
-      halfEdges_.push_back({(static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b),
-                            static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k)});
+      const auto a = static_cast<std::uint32_t>(triangles[i][k]);
+      const auto b = static_cast<std::uint32_t>(triangles[i][(k + 1) % 3]);
+      halfEdges_.push_back(
+          {(static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b), static_cast<std::uint32_t>(i)});
     }
   }
-
-  // Sorted by their vertices, both halves of an edge are neighbours; a half without partner is a border and crisp.
+  // Sorted by their vertices, both halves of an edge are neighbours.
   std::sort(halfEdges_.begin(), halfEdges_.end(), [](const HalfEdge& a, const HalfEdge& b) {
     return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
   });
-  strengths_.assign(count, {255, 255, 255, 0});
-  for (std::size_t i = 0; i + 1 < halfEdges_.size(); ++i) {
-    const HalfEdge& a = halfEdges_[i];
-    const HalfEdge& b = halfEdges_[i + 1];
-    if (a.key != b.key) continue;
-    const double cosine = std::clamp(faceNormals_[a.triangle].dot(faceNormals_[b.triangle]), -1.0, 1.0);
-    const double t = std::clamp((std::acos(cosine) - kFlatAngle) / (kCrispAngle - kFlatAngle), 0.0, 1.0);
-    const auto strength = static_cast<std::uint8_t>(std::lround(255.0 * t));
-    strengths_[a.triangle][a.edge] = strength;
-    strengths_[b.triangle][b.edge] = strength;
-    ++i;
+  edges_.clear();
+  for (std::size_t i = 0; i + 1 < halfEdges_.size(); i += 2) {
+    if (halfEdges_[i].key != halfEdges_[i + 1].key) {  // not closed: never from our hulls
+      --i;
+      continue;
+    }
+    const std::uint32_t f = halfEdges_[i].triangle, g = halfEdges_[i + 1].triangle;
+    const double cosine = std::clamp(faceNormals_[f].dot(faceNormals_[g]), -1.0, 1.0);
+    double strength = std::clamp((std::acos(cosine) - kFlatAngle) / (kCrispAngle - kFlatAngle), 0.0, 1.0);
+    const bool outline = (facing_[f] > 0.0) != (facing_[g] > 0.0);
+    if (outline) strength = std::max(strength, kOutlineStrength);
+    if (strength <= 0.02) continue;
+    edges_.push_back({static_cast<VertexIndex>(halfEdges_[i].key >> 32),
+                      static_cast<VertexIndex>(halfEdges_[i].key & 0xffffffffu), strength,
+                      facing_[f] <= 0.0 && facing_[g] <= 0.0});
   }
+}
 
-  const std::array<std::uint8_t, 4> color = packedColor(partColor(part), 0);
-  for (const bool looksHere : {false, true}) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if ((faceNormals_[i].dot(eye - corner(i, 0)) > 0.0) != looksHere) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        hullVertices_.push_back({corner(i, k).cast<float>(), packedNormal(faceNormals_[i]), color, strengths_[i]});
+void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> vertices,
+                         std::span<const Triangle> triangles, const Look& look, const Vec3& eye) {
+  faceNormals_.resize(triangles.size());
+  facing_.resize(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Vec3& a = at(vertices, triangles[i][0]);
+    faceNormals_[i] = (at(vertices, triangles[i][1]) - a).cross(at(vertices, triangles[i][2]) - a).stableNormalized();
+    facing_[i] = faceNormals_[i].dot((eye - a).stableNormalized());
+  }
+  findEdges(triangles);
+
+  for (const bool behind : {true, false}) {
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if ((facing_[i] <= 0.0) != behind) continue;
+      // Like glass, a face that is seen at a grazing angle hides more.
+      const double grazing = 1.0 - std::abs(facing_[i]);
+      const double opacity = behind ? look.farFace : look.nearFace * (1.0 + grazing * grazing);
+      const Vec3& n = faceNormals_[i];
+      for (const VertexIndex v : triangles[i]) {
+        const Vec3f p = at(vertices, v).cast<float>();
+        out.push_back(
+            {p, p, {packSigned(n.x()), packSigned(n.y()), packSigned(n.z()), 0}, packColor(look.face, opacity)});
       }
+    }
+    for (const Edge& edge : edges_) {
+      if (edge.behind != behind) continue;
+      const Vec3f a = at(vertices, edge.first).cast<float>();
+      const Vec3f b = at(vertices, edge.second).cast<float>();
+      const auto color = packColor(look.edge, edge.strength * (behind ? look.farEdge : look.nearEdge));
+      //  a+ --- b-     seen from b the sides change places
+      //  a- --- b+
+      const OverlayVertex aPlus = {a, b, {127, 0, 0, 127}, color}, aMinus = {a, b, {127, 0, 0, -127}, color};
+      const OverlayVertex bPlus = {b, a, {-127, 0, 0, 127}, color}, bMinus = {b, a, {-127, 0, 0, -127}, color};
+      for (const OverlayVertex& v : {aPlus, aMinus, bPlus, aPlus, bPlus, bMinus}) out.push_back(v);
     }
   }
 }
 
-const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton,
-                                                     std::span<const Affine3> worldFromJoint) {
-  boneVertices_.clear();
+const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
+                                                     const Vec3& eye) {
   CHECK(worldFromJoint.size() == static_cast<std::size_t>(skeleton.jointCount()),
         "scene.worldFromJoint does not fit the skeleton");
+  //      waist at 0.15 of the length, four corners around it
+  //  head <>------- tail
+  constexpr std::array<Triangle, 8> kOctahedron = {
+      {{2, 3, 1}, {3, 4, 1}, {4, 5, 1}, {5, 2, 1}, {3, 2, 0}, {4, 3, 0}, {5, 4, 0}, {2, 5, 0}}};
+  const Look look = {Vec3f(0.055f, 0.085f, 0.15f), Vec3f(0.45f, 0.62f, 0.85f), 1.0, 1.0, 0.9, 0.0};
+  boneVertices_.clear();
   for (JointIndex i = 0; i < skeleton.jointCount(); ++i) {
     const JointIndex parent = skeleton.joint(i).parent;
     if (parent == kNoJoint) continue;
-    appendBone(worldFromJoint[static_cast<std::size_t>(parent)].translation(),
-               worldFromJoint[static_cast<std::size_t>(i)].translation());
+    const Vec3 head = worldFromJoint[static_cast<std::size_t>(parent)].translation();
+    const Vec3 tail = worldFromJoint[static_cast<std::size_t>(i)].translation();
+    const double length = (tail - head).norm();
+    if (!(length > 1e-6) || !std::isfinite(length)) continue;
+    const Vec3 z = (tail - head) / length;
+    const double width = std::clamp(0.09 * length, 0.003, 0.025);
+    const Vec3 x = width * z.unitOrthogonal();
+    const Vec3 y = z.cross(x);
+    const Vec3 waist = head + 0.15 * (tail - head);
+    const std::array<Vec3, 6> corners = {head, tail, waist + x, waist + y, waist - x, waist - y};
+    append(boneVertices_, corners, kOctahedron, look, eye);
   }
   return boneVertices_;
-}
-
-void OverlayMesh::appendBone(const Vec3& head, const Vec3& tail) {
-  const Vec3 along = tail - head;
-  const double length = along.norm();
-  if (!(length > 1e-6) || !std::isfinite(length)) return;
-  //      waist at 0.15 of the length, four corners around it
-  //  head <>------- tail
-  const Vec3 z = along / length;
-  const Vec3 x = z.unitOrthogonal();
-  const Vec3 y = z.cross(x);
-  const double width = std::clamp(0.09 * length, 0.003, 0.025);
-  const Vec3 waist = head + 0.15 * along;
-  const std::array<Vec3, 4> around = {waist + width * x, waist + width * y, waist - width * x, waist - width * y};
-  const std::array<std::uint8_t, 4> color = packedColor({0.90f, 0.86f, 0.74f}, 255);
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Vec3& a = around[k];
-    const Vec3& b = around[(k + 1) % 4];
-    const std::array<std::array<Vec3, 3>, 2> faces = {{{a, b, tail}, {b, a, head}}};
-    for (const auto& face : faces) {
-      const Vec3 normal = (face[1] - face[0]).cross(face[2] - face[0]).stableNormalized();
-      for (const Vec3& corner : face) {
-        boneVertices_.push_back({corner.cast<float>(), packedNormal(normal), color, {255, 255, 255, 0}});
-      }
-    }
-  }
 }
 
 }  // namespace lorica

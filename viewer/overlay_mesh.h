@@ -12,40 +12,51 @@
 
 namespace lorica {
 
-/// Flat triangles whose edges are drawn by the fragment shader: hulls and bones. Corner k of a triangle is vertex
-/// 3 i + k; every vertex carries the strength of the triangle's three edges (edge k is opposite to corner k).
+/// A corner of a flat face, or of an edge that the vertex shader widens to a strip of constant width on screen.
 struct OverlayVertex {
-  Vec3f position;                            ///< world [m]
-  std::array<std::int8_t, 4> normal;         ///< of the face, 127 = 1
-  std::array<std::uint8_t, 4> color;         ///< linear RGB; alpha 0 = a translucent hull, 255 = opaque
-  std::array<std::uint8_t, 4> edgeStrength;  ///< 0 = no edge, 255 = crisp
+  Vec3f position;                     ///< world [m]
+  Vec3f other;                        ///< an edge's far end; equal to `position` on faces
+  std::array<std::int8_t, 4> normal;  ///< of the face, 127 = 1; on edges x tells the ends apart and w the sides
+  std::array<std::uint8_t, 4> color;  ///< linear RGB and opacity
 };
 
-/// Turns hulls and bones into overlay triangles; keeps its memory from frame to frame.
+/// Turns hulls and bones into faces and edges; keeps its memory from frame to frame.
 class OverlayMesh {
  public:
-  /// Hulls from far to near as seen from the eye, in each the faces that look away first: drawn in this order with
-  /// blending they look right as long as hulls overlap little. Edges between nearly coplanar faces are left out.
+  /// Hulls from far to near as seen from the eye, in each what looks away first: drawn in this order with blending
+  /// they look right as long as hulls overlap little. Shown are outlines and edges whose faces are not nearly
+  /// coplanar.
   const std::vector<OverlayVertex>& hulls(std::span<const LivePart> parts, const Vec3& eye);
 
-  /// Octahedra from each parent joint to its child.
-  const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint);
+  /// Opaque octahedra from each parent joint to its child.
+  const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
+                                          const Vec3& eye);
 
  private:
   struct HalfEdge {
     std::uint64_t key;       ///< both vertices, the lower one first
-    std::uint32_t triangle;  ///< of the hull
-    std::uint32_t edge;      ///< opposite to this corner
+    std::uint32_t triangle;  ///< of the polyhedron
   };
-  void appendHull(const ConvexHull& hull, PartIndex part, const Vec3& eye);
-  void appendBone(const Vec3& head, const Vec3& tail);
+  struct Edge {
+    VertexIndex first, second;
+    double strength;  ///< 0 to 1
+    bool behind;      ///< both faces look away
+  };
+  struct Look {
+    Vec3f face, edge;                             ///< linear RGB
+    double nearFace, farFace, nearEdge, farEdge;  ///< opacity of what looks to the viewer, and of what looks away
+  };
+  void append(std::vector<OverlayVertex>& out, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+              const Look& look, const Vec3& eye);
+  void findEdges(std::span<const Triangle> triangles);
 
   std::vector<OverlayVertex> hullVertices_;
   std::vector<OverlayVertex> boneVertices_;
   std::vector<std::pair<double, PartIndex>> order_;
-  std::vector<HalfEdge> halfEdges_;
   std::vector<Vec3> faceNormals_;
-  std::vector<std::array<std::uint8_t, 4>> strengths_;
+  std::vector<double> facing_;  ///< of each face, cosine between its normal and the way to the eye
+  std::vector<HalfEdge> halfEdges_;
+  std::vector<Edge> edges_;
 };
 
 }  // namespace lorica

@@ -19,6 +19,9 @@ namespace {
 using shaders::Pass;
 constexpr std::array<Pass, 3> kPasses = {Pass::kLit, Pass::kShadow, Pass::kContact};
 
+/// Skins with fewer triangles look shadows up for each pixel: theirs are too coarse to do so for each vertex.
+constexpr std::size_t kFineTriangles = 8000;
+
 std::size_t at(Pass pass) {
   return static_cast<std::size_t>(pass);
 }
@@ -61,6 +64,7 @@ struct Renderer::Impl {
   Targets targets;
 
   std::array<GLuint, 3> skinProgram{}, propProgram{};  // by Pass
+  GLuint coarseSkinProgram = 0;
   GLuint skyProgram = 0, farFloorProgram = 0, nearFloorProgram = 0, overlayProgram = 0, markerProgram = 0;
   GLuint blurProgram = 0, panelProgram = 0;
   GLint blurStride = -1, markerTint = -1, panelRectangle = -1;
@@ -76,7 +80,8 @@ struct Renderer::Impl {
   StreamBuffer hullBuffer, boneBuffer;
 
   std::array<PropShapeGpu, 2> propShapes;
-  GLuint floorVertexArray = 0, markerVertexArray = 0;
+  GLuint skyVertexArray = 0, floorVertexArray = 0, markerVertexArray = 0;
+  GLsizei skyIndexCount = 0;
   StreamBuffer floorBuffer, markerBuffer;
   std::vector<MarkerVertex> markers;
   PanelGpu caption, panel;
@@ -85,6 +90,7 @@ struct Renderer::Impl {
   void createMeshes();
   void attribute(GLuint index, GLint size, GLenum type, GLboolean normalized, std::size_t stride, std::size_t at);
   void overlayAttributes(GLuint vertexArray, const StreamBuffer& buffer);
+  void createSky();
   void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
 
   GLsizei uploadSkin(const Scene& scene, const SceneOptions& options);
@@ -109,9 +115,11 @@ Result<void> Renderer::Impl::createPrograms() {
     return Result<void>();
   };
   for (const Pass pass : kPasses) {
-    const std::string fragment = shaders::surfaceFragment(pass);
-    if (auto r = make(skinProgram[at(pass)], "skin", shaders::skinVertex(pass), fragment); !r.ok()) return r;
-    if (auto r = make(propProgram[at(pass)], "props", shaders::propVertex(pass), fragment); !r.ok()) return r;
+    auto r =
+        make(skinProgram[at(pass)], "skin", shaders::skinVertex(pass, false), shaders::surfaceFragment(pass, false));
+    if (!r.ok()) return r;
+    r = make(propProgram[at(pass)], "props", shaders::propVertex(pass), shaders::surfaceFragment(pass, true));
+    if (!r.ok()) return r;
   }
   struct Entry {
     GLuint* program;
@@ -119,6 +127,8 @@ Result<void> Renderer::Impl::createPrograms() {
     std::string vertex, fragment;
   };
   const Entry entries[] = {
+      {&coarseSkinProgram, "coarse skin", shaders::skinVertex(Pass::kLit, true),
+       shaders::surfaceFragment(Pass::kLit, true)},
       {&skyProgram, "sky", shaders::skyVertex(), shaders::skyFragment()},
       {&farFloorProgram, "far floor", shaders::groundVertex(), shaders::groundFragment(false)},
       {&nearFloorProgram, "near floor", shaders::groundVertex(), shaders::groundFragment(true)},
@@ -147,9 +157,9 @@ void Renderer::Impl::overlayAttributes(GLuint vertexArray, const StreamBuffer& b
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id);
   constexpr std::size_t kStride = sizeof(OverlayVertex);
   attribute(0, 3, GL_FLOAT, GL_FALSE, kStride, offsetof(OverlayVertex, position));
-  attribute(1, 4, GL_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, normal));
-  attribute(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, color));
-  attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, edgeStrength));
+  attribute(1, 3, GL_FLOAT, GL_FALSE, kStride, offsetof(OverlayVertex, other));
+  attribute(2, 4, GL_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, normal));
+  attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, color));
 }
 
 void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
@@ -180,6 +190,32 @@ void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) 
     gl.VertexAttribDivisor(index, 1);
     ++index;
   }
+}
+
+/// A grid over the picture whose corners carry the sky's colour: the gradient costs nothing a pixel.
+void Renderer::Impl::createSky() {
+  constexpr std::uint32_t kColumns = 8, kRows = 32;
+  std::vector<Eigen::Vector2f> places;
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t row = 0; row <= kRows; ++row) {
+    for (std::uint32_t column = 0; column <= kColumns; ++column) {
+      places.emplace_back(2.0f * static_cast<float>(column) / kColumns - 1.0f,
+                          2.0f * static_cast<float>(row) / kRows - 1.0f);
+      if (row == kRows || column == kColumns) continue;
+      const std::uint32_t a = row * (kColumns + 1) + column, b = a + 1, c = b + kColumns + 1, d = c - 1;
+      indices.insert(indices.end(), {a, b, c, a, c, d});
+    }
+  }
+  skyIndexCount = count(indices.size());
+  skyVertexArray = gpu.makeVertexArray();
+  gl.BindVertexArray(skyVertexArray);
+  gl.BindBuffer(GL_ARRAY_BUFFER, gpu.makeBuffer());
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(places.size() * sizeof(places[0])), places.data(),
+                GL_STATIC_DRAW);
+  attribute(0, 2, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector2f), 0);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.makeBuffer());
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
+                indices.data(), GL_STATIC_DRAW);
 }
 
 void Renderer::Impl::createMeshes() {
@@ -223,6 +259,7 @@ void Renderer::Impl::createMeshes() {
   attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(MarkerVertex), offsetof(MarkerVertex, center));
   attribute(1, 2, GL_FLOAT, GL_FALSE, sizeof(MarkerVertex), offsetof(MarkerVertex, corner));
 
+  createSky();
   caption.texture = gpu.makeTexture(GL_NEAREST);
   panel.texture = gpu.makeTexture(GL_NEAREST);
 }
@@ -260,12 +297,14 @@ void Renderer::Impl::drawProps(Pass pass) {
 void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hullCount) {
   gl.UseProgram(skinProgram[at(pass)]);
   if (skinIndexCount > 0) {
+    if (!skin.closed()) gl.Disable(GL_CULL_FACE);
     gl.BindVertexArray(skinVertexArray);
     gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);
   } else if (hullCount > 0) {
     gl.BindVertexArray(hullVertexArray);
     gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
   }
+  if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
   drawProps(pass);
 }
 
@@ -392,7 +431,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     hullCount = count(vertices.size());
   }
   if (options.bones && scene.skeleton != nullptr) {
-    const std::vector<OverlayVertex>& vertices = i.overlay.bones(*scene.skeleton, scene.worldFromJoint);
+    const std::vector<OverlayVertex>& vertices = i.overlay.bones(*scene.skeleton, scene.worldFromJoint, camera.eye);
     i.gpu.upload(i.boneBuffer, vertices);
     boneCount = count(vertices.size());
   }
@@ -414,10 +453,11 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.Disable(GL_BLEND);
   gl.Disable(GL_CULL_FACE);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
-  gl.Enable(GL_POLYGON_OFFSET_FILL);
-  gl.PolygonOffset(1.5f, 2.0f);
+  // Closed surfaces cast with the faces that look away from the light: those never shade the faces that it meets.
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(GL_FRONT);
   i.drawCasters(Pass::kShadow, skinIndexCount, hullCount);
-  gl.Disable(GL_POLYGON_OFFSET_FILL);
+  gl.Disable(GL_CULL_FACE);
   if (options.ground) i.drawContactShadow(skinIndexCount, hullCount);
 
   // Opaque things, near before far: what they cover is not shaded again.
@@ -432,7 +472,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.CullFace(GL_BACK);
   if (skinIndexCount > 0) {
     if (i.skin.closed()) gl.Enable(GL_CULL_FACE);
-    gl.UseProgram(i.skinProgram[at(Pass::kLit)]);
+    gl.UseProgram(i.skin.triangleCount() < kFineTriangles ? i.coarseSkinProgram : i.skinProgram[at(Pass::kLit)]);
     gl.BindVertexArray(i.skinVertexArray);
     gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);
   }
@@ -441,20 +481,17 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   if (options.ground) i.drawFloor(setup);
   gl.Disable(GL_CULL_FACE);
   gl.UseProgram(i.skyProgram);
-  gl.BindVertexArray(i.emptyVertexArray);
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl.BindVertexArray(i.skyVertexArray);
+  gl.DrawElements(GL_TRIANGLES, i.skyIndexCount, GL_UNSIGNED_INT, nullptr);
 
-  // Translucent hulls, pulled a little toward the viewer where they touch the skin.
+  // Translucent hulls.
   gl.DepthMask(GL_FALSE);
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   if (hullCount > 0) {
-    gl.Enable(GL_POLYGON_OFFSET_FILL);
-    gl.PolygonOffset(-1.0f, -4.0f);
     gl.UseProgram(i.overlayProgram);
     gl.BindVertexArray(i.hullVertexArray);
     gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
-    gl.Disable(GL_POLYGON_OFFSET_FILL);
   }
 
   // Contacts: faint where something is in front of them.
@@ -469,7 +506,6 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     gl.DepthFunc(GL_LEQUAL);
   }
   gl.DepthMask(GL_TRUE);
-  gl.Disable(GL_BLEND);
 
   // Bones shine through everything, but hide one another.
   if (boneCount > 0) {
@@ -478,6 +514,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     gl.BindVertexArray(i.boneVertexArray);
     gl.DrawArrays(GL_TRIANGLES, 0, boneCount);
   }
+  gl.Disable(GL_BLEND);
 
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, i.targets.picture);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, i.targets.resolved);

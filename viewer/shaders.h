@@ -14,11 +14,14 @@ enum class Pass {
   kContact,  ///< nearness to the ground seen from below: the contact shadow
 };
 /// Skin: attributes position 0, normal 1, color 2.
-std::string skinVertex(Pass pass);
+/// @param shadowEachPixel  look the shadow up in the fragment shader; else for each vertex, which costs far less where
+///                         triangles are about as small as pixels
+std::string skinVertex(Pass pass, bool shadowEachPixel);
 /// Props: attributes corner 0, normal 1; an instance's columns 2 to 5, extents and bevel 6, color 7.
 std::string propVertex(Pass pass);
-std::string surfaceFragment(Pass pass);
+std::string surfaceFragment(Pass pass, bool shadowEachPixel);
 
+/// Attribute 0 is a place in clip space.
 std::string skyVertex();
 std::string skyFragment();
 /// The floor; attribute 0 is its place in xz.

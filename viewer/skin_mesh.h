@@ -28,6 +28,7 @@ class SkinMesh {
   [[nodiscard]] const std::vector<std::uint32_t>& indices() const { return indices_; }
   /// Muted part colour of each vertex, linear RGB.
   [[nodiscard]] const std::vector<Vec3f>& colors() const { return colors_; }
+  [[nodiscard]] std::size_t triangleCount() const { return triangles_.size(); }
   /// Every edge has its opposite: back faces can never be seen.
   [[nodiscard]] bool closed() const { return closed_; }
 
