@@ -1,0 +1,189 @@
+#include "acd/decompose.h"
+
+#include "acd/decomposition_file.h"
+#include "acd/transfer.h"
+#include "apps/inputs.h"
+#include "apps/options.h"
+#include "apps/quality.h"
+#include "apps/training.h"
+#include "geometry/files.h"
+#include "geometry/mesh_files.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <memory>
+
+namespace lorica {
+namespace {
+
+constexpr int kCharacterParts = 16;
+constexpr int kDefaultKeyframes = 12;
+
+struct Options {
+  std::string input;
+  int parts = 0;      // 0 = not given
+  int keyframes = 0;  // 0 = not given
+  std::vector<std::string> motions;
+  int candidates = DecomposeSettings().candidateEdges;
+  int orientations = DecomposeSettings().planesPerEdge;
+  std::string output;
+  std::string obj;
+};
+
+/// Refuses what would only be found out after the work: options that do not fit the input, outputs without a folder.
+Result<void> check(const Options& options, const CommonOptions& common, const Subject& subject) {
+  if (!subject.character && (options.keyframes > 0 || !options.motions.empty())) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{} is for characters, and {} is a mesh that does not move",
+                             options.keyframes > 0 ? "--keyframes" : "--motion", subject.name)};
+  }
+  if (!options.output.empty()) {
+    if (Result<void> fine = checkOutput("--output", options.output, ".lorica"); !fine) return fine;
+  }
+  if (!options.obj.empty()) {
+    if (Result<void> fine = checkOutput("--export-obj", options.obj, ".obj"); !fine) return fine;
+    std::error_code ignored;
+    if (std::filesystem::equivalent(options.obj, options.input, ignored)) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--export-obj: {} is the input and would be overwritten", options.obj)};
+    }
+  }
+  if (!common.json.empty() && common.json != "-") return checkOutput("--json", common.json);
+  return {};
+}
+
+/// One object a part: its hull in the input's coordinates, a character's in its bind pose.
+std::vector<NamedMesh> hullObjects(const Decomposition& decomposition, std::span<const Vec3> vertices) {
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  transfer(decomposition, vertices, points);
+  std::vector<NamedMesh> objects;
+  for (ConvexHull& hull : partHulls(decomposition, points)) {
+    objects.push_back(
+        {fmt::format("part_{}", objects.size()), TriMesh{std::move(hull.vertices), std::move(hull.triangles)}});
+  }
+  return objects;
+}
+
+nlohmann::ordered_json toJson(const Subject& subject, const TimedDecomposition& made, const Quality& quality,
+                              int threads) {
+  nlohmann::ordered_json json;
+  json["input"] = subject.name;
+  json["parts"] = made.decomposition.parts.size();
+  json["meshVolume"] = quality.meshVolume;
+  json["hullVolume"] = quality.hullVolume;
+  json["score"] = quality.score;
+  json["error"] = quality.error;
+  json["seconds"] = made.seconds;
+  json["threads"] = threads;
+  json["vertices"] = subject.mesh.vertices.size();
+  json["hash"] = hexDigits(hashOf(made.decomposition));
+  if (subject.character) {
+    json["keyframes"] = quality.errorPerKeyframe.size();
+    json["errorPerKeyframe"] = quality.errorPerKeyframe;
+  }
+  return json;
+}
+
+Report toReport(const Options& options, const Subject& subject, const TimedDecomposition& made, const Quality& quality,
+                int threads) {
+  Report report(fmt::format("{}: {}", subject.name,
+                            counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
+  report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
+                                  grouped(std::ssize(subject.mesh.triangles))));
+  const std::string mean = subject.character ? ", mean over the keyframes" : "";
+  report.line("volume", fmt::format("{:.6g}, of the hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
+  report.line("error", fmt::format("{} more volume than the mesh{}", percent(quality.error), mean));
+  if (subject.character) {
+    const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
+    report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
+                                         percent(*worst)));
+  }
+  report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
+  report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
+  report.line("hash", hexDigits(hashOf(made.decomposition)));
+  if (!options.output.empty()) report.line("written", options.output);
+  if (!options.obj.empty()) report.line("hulls written", options.obj);
+  return report;
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  // The input, and whether all that is asked of it makes sense.
+  const Result<Subject> subject = readSubject(options.input);
+  if (!subject) return subject.error();
+  if (Result<void> fine = check(options, common, *subject); !fine) return fine;
+
+  // The poses to fit: a mesh has one, a character those of a motion.
+  Keyframes keyframes{subject->mesh.vertices, 1};
+  if (subject->character) {
+    const int count = options.keyframes > 0 ? options.keyframes : kDefaultKeyframes;
+    Result<Keyframes> sampled = trainingKeyframes(*subject->character, options.motions, count);
+    if (!sampled) return sampled.error();
+    keyframes = std::move(*sampled);
+  }
+  const PoseView poses{keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
+
+  // The work.
+  DecomposeSettings settings;
+  settings.maxParts = options.parts > 0 ? options.parts : subject->character ? kCharacterParts : 0;
+  settings.candidateEdges = options.candidates;
+  settings.planesPerEdge = options.orientations;
+  settings.threads = common.threadCount();
+  const Result<TimedDecomposition> made = decomposeWithProgress(subject->name, subject->mesh, poses, settings);
+  if (!made) return made.error();
+  const Quality quality = measureQuality(made->decomposition, subject->mesh, poses);
+
+  // The outputs, each written whole or not at all.
+  if (!options.output.empty()) {
+    const DecompositionFile content{made->decomposition, subject->name, topologyHash(subject->mesh), quality.error,
+                                    quality.errorPerKeyframe};
+    if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
+  }
+  if (!options.obj.empty()) {
+    const std::vector<NamedMesh> objects = hullObjects(made->decomposition, subject->mesh.vertices);
+    if (Result<void> written = writeObjObjects(options.obj, objects); !written) return written;
+  }
+  return publish(common, toReport(options, *subject, *made, quality, settings.threads),
+                 toJson(*subject, *made, quality, settings.threads));
+}
+
+}  // namespace
+
+Command addDecompose(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = addSubcommand(parent, common, "decompose",
+                                "Cut a closed mesh, or a character in motion, into parts that are almost convex.",
+                                "  lorica decompose bunny.off --parts 16\n"
+                                "      16 parts; how close their hulls are to the mesh\n"
+                                "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
+                                "      also one object (o part_0, ...) for each part's hull, to use elsewhere\n"
+                                "  lorica decompose bracket.stl\n"
+                                "      go on until no concave edge remains (Ctrl-C cancels)\n"
+                                "  lorica decompose mannequin -o body.lorica\n"
+                                "      16 parts that stay tight in 12 poses of the shipped recordings\n"
+                                "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
+                                "      trained on a motion of your own\n"
+                                "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
+                                "\nFor a character, --export-obj writes its bind pose, and volumes, score and error "
+                                "are means over the keyframes.");
+  app->add_option("INPUT", options->input, "Closed mesh (.off, .obj, .ply, .stl) or `mannequin`")
+      ->required()
+      ->type_name("");
+  addCount(*app, "--parts", options->parts, 1,
+           "Stop at so many parts [default: a character 16, a mesh when it has no concave edge left]");
+  addCount(*app, "--keyframes", options->keyframes, 1, "Poses that a character is trained on [default: 12]");
+  app->add_option("--motion", options->motions,
+                  "Take the keyframes from this recording; may be given again [default: those that ship]")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
+  addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: 8]");
+  addCount(*app, "--orientations", options->orientations, 1, "Planes tried at each of them [default: 5]");
+  app->add_option("-o,--output", options->output, "Write the decomposition, for `lorica play`")
+      ->type_name("FILE.lorica");
+  app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

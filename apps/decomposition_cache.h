@@ -1,0 +1,26 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "skinning/character.h"
+
+#include <filesystem>
+
+namespace lorica {
+
+/// The decomposition that `demo` and `play` use when none is given: 16 parts from 12 keyframes of the shipped
+/// recordings.
+struct DefaultDecomposition {
+  DecompositionFile file;
+  bool fromCache = false;
+  double seconds = 0.0;  ///< that computing it took; 0 from the cache
+};
+
+/// Computes it the first time, with a progress bar, and keeps it in the cache under a hash of all that it depends on:
+/// topology, keyframe positions, settings, version of the algorithm. A damaged cache file is computed again, a cache
+/// that cannot be written is a warning.
+[[nodiscard]] Result<DefaultDecomposition> defaultDecomposition(const Character& character, int threads);
+
+/// $XDG_CACHE_HOME/lorica or ~/.cache/lorica; empty where neither variable holds an absolute path.
+[[nodiscard]] std::filesystem::path cacheFolder();
+
+}  // namespace lorica

@@ -1,0 +1,203 @@
+#include "apps/decomposition_cache.h"
+#include "apps/demo_pictures.h"
+#include "apps/inputs.h"
+#include "apps/interrupt.h"
+#include "apps/options.h"
+#include "apps/performance.h"
+#include "apps/playback.h"
+#include "apps/progress_bar.h"
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+constexpr int kWindowWidth = 1280;
+constexpr int kWindowHeight = 720;
+constexpr double kVideoSeconds = 8.0;
+
+struct Options {
+  std::string out = "lorica-demo";
+  bool window = false;
+  bool headless = false;
+  double seconds = 0.0;  // 0 = not given
+};
+
+/// What the demo shows and what came of it.
+struct Show {
+  Character character;
+  Recording performance;
+  DefaultDecomposition body;
+  Tally tally;
+  double seconds = 0.0;  // of the performance that were played
+  std::uint64_t hash = 0;
+  std::optional<DemoFiles> files;
+};
+
+/// Plays over and over until the window is closed or the time is over.
+Result<void> playForPeople(const Options& options, Window& window, Show& show) {
+  while (true) {
+    Result<Session> session = startSession(show.character, show.body.file.decomposition, show.performance.frames);
+    if (!session) return session.error();
+    PlaybackLimit limit;
+    if (options.seconds > 0.0) limit.seconds = options.seconds - show.seconds;
+    show.tally.restart();
+    const Result<bool> stillOpen = playInWindow(window, *session, show.performance.name, limit, show.tally);
+    if (!stillOpen) return stillOpen.error();
+    show.seconds += session->frame().time - show.performance.frames.front().time;
+    show.hash = session->hash();
+    if (!*stillOpen || (options.seconds > 0.0 && show.seconds >= options.seconds)) return {};
+  }
+}
+
+/// Plays once, drawing every frame where a renderer can be had.
+Result<void> playForFiles(const Options& options, Show& show) {
+  Result<DemoPictures> pictures = DemoPictures::create(options.out);
+  // Without a renderer everything but the pictures still works. Its sentence names the package that helps.
+  if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
+  if (!pictures) warn(pictures.error().message + "; the demo runs without pictures");
+
+  Result<Session> session = startSession(show.character, show.body.file.decomposition, show.performance.frames);
+  if (!session) return session.error();
+  const double wanted = options.seconds > 0.0 ? options.seconds : kVideoSeconds;
+  const double first = show.performance.frames.front().time;
+  int frames = 0;
+  for (const SkeletonFrame& frame : show.performance.frames) frames += frame.time - first < wanted - 1e-6 ? 1 : 0;
+
+  ProgressBar bar(pictures ? "Drawing the demo" : "Running the demo", "frames");
+  for (int frame = 0; frame < frames; ++frame) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<bool> more = session->step();
+    if (!more) return more.error();
+    if (!*more) break;
+    show.tally.add(*session);
+    show.seconds = session->frame().time - first;
+    if (pictures) {
+      const std::string caption = captionOf(show.performance.name, *session, show.seconds);
+      if (Result<void> drawn = pictures->add(*session, caption, show.seconds, frame, frames); !drawn) return drawn;
+    }
+    bar.update(frame + 1, frames);
+  }
+  show.hash = session->hash();
+  if (!pictures) return {};
+  Result<DemoFiles> files = pictures->finish();
+  if (!files) return files.error();
+  show.files = std::move(*files);
+  return {};
+}
+
+nlohmann::ordered_json toJson(const Show& show) {
+  nlohmann::ordered_json json;
+  json["recording"] = show.performance.name;
+  json["character"] = show.character.name;
+  json["seconds"] = show.seconds;
+  json["parts"] = show.body.file.decomposition.parts.size();
+  json["error"] = show.body.file.meanError;
+  json["keyframes"] = show.body.file.errorPerKeyframe.size();
+  json["fromCache"] = show.body.fromCache;
+  json["decompositionSeconds"] = show.body.seconds;
+  show.tally.addTo(json);
+  json["hash"] = hexDigits(show.hash);
+  json["renderer"] = show.files ? nlohmann::ordered_json(show.files->renderer) : nlohmann::ordered_json();
+  json["video"] = show.files ? nlohmann::ordered_json(show.files->video.string()) : nlohmann::ordered_json();
+  json["snapshots"] = nlohmann::ordered_json::array();
+  if (show.files) {
+    for (const std::filesystem::path& file : show.files->snapshots) json["snapshots"].push_back(file.string());
+  }
+  json["contactSheet"] =
+      show.files ? nlohmann::ordered_json(show.files->contactSheet.string()) : nlohmann::ordered_json();
+  return json;
+}
+
+Report toReport(const Show& show) {
+  const DecompositionFile& body = show.body.file;
+  Report report(fmt::format("The {} performed {}: {:.1f} s, {}", show.character.name, show.performance.name,
+                            show.seconds, counted(show.tally.frames(), "frame")));
+  const std::string origin =
+      show.body.fromCache ? "from the cache" : fmt::format("computed in {:.1f} s, now cached", show.body.seconds);
+  report.line("body", fmt::format("{} made from {}, {}", counted(std::ssize(body.decomposition.parts), "convex part"),
+                                  counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
+  report.line("error", fmt::format("the hulls hold {} more volume than the body", percent(body.meanError)));
+  report.line("contacts",
+              fmt::format("{} on {} of {} boxes and balls", counted(show.tally.touches(), "touch", "touches"),
+                          show.tally.propsTouched(), show.tally.propCount()));
+  report.gap();
+  report.line("one frame", "  median");
+  show.tally.addTo(report);
+  if (show.files) {
+    report.gap();
+    report.line("video", show.files->video.string());
+    report.line("pictures", fmt::format("{} to {}", show.files->snapshots.front().string(),
+                                        show.files->snapshots.back().filename().string()));
+    report.line("at a glance", show.files->contactSheet.string());
+  }
+  return report;
+}
+
+/// The window that was asked for, or that a display invites; nothing when the demo is to be drawn to files.
+Result<std::optional<Window>> chooseWindow(const Options& options) {
+  if (options.headless) return std::optional<Window>();
+  if (!options.window && !displayAvailable()) {
+    fmt::print(stderr, "No display: the demo is drawn to {} instead.\n", options.out);
+    return std::optional<Window>();
+  }
+  Result<Window> window = Window::create("Lorica", kWindowWidth, kWindowHeight);
+  if (window) return std::optional<Window>(std::move(*window));
+  if (options.window) return window.error();
+  warn(fmt::format("{}; the demo is drawn to {} instead", window.error().message, options.out));
+  return std::optional<Window>();
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  // What would fail late is tried early.
+  if (!common.json.empty() && common.json != "-") {
+    if (Result<void> fine = checkOutput("--json", common.json); !fine) return fine;
+  }
+  if (options.window && !displayAvailable()) {
+    return Error{ErrorCode::kNoDisplay,
+                 "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run `lorica demo "
+                 "--headless` for a video"};
+  }
+  Result<Recording> performance = makePerformance();
+  if (!performance) return performance.error();
+  Result<Character> character = findCharacter("mannequin");
+  if (!character) return character.error();
+  Result<DefaultDecomposition> body = defaultDecomposition(*character, common.threadCount());
+  if (!body) return body.error();
+
+  Show show{std::move(*character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
+  Result<std::optional<Window>> window = chooseWindow(options);
+  if (!window) return window.error();
+  const Result<void> played = *window ? playForPeople(options, **window, show) : playForFiles(options, show);
+  if (!played) return played;
+  return publish(common, toReport(show), toJson(show));
+}
+
+}  // namespace
+
+Command addDemo(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = addSubcommand(
+      parent, common, "demo", "See it: the built-in character performs, and knocks boxes and balls about.",
+      "  lorica demo\n"
+      "      a window where there is a display, else a video in lorica-demo/\n"
+      "  lorica demo --headless --out /tmp/pictures\n"
+      "      a video (8 s), snapshots and a contact sheet\n"
+      "  lorica demo --headless --seconds 2 --json -\n"
+      "      a short one, its figures as JSON\n"
+      "\nThe body is 16 convex parts from 12 keyframes: computed the first time, then cached in\n"
+      "$XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
+  app->add_option("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
+      ->type_name("DIR");
+  CLI::Option* window = app->add_flag("--window", options->window, "In a window, over and over until it is closed");
+  app->add_flag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
+  addSeconds(*app, "--seconds", options->seconds, "Stop after so many seconds [default: video 8, window never]");
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

@@ -1,0 +1,103 @@
+#include "apps/demo_pictures.h"
+
+#include <fmt/format.h>
+
+#include <system_error>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 1280;
+constexpr int kHeight = 720;
+constexpr double kFramesPerSecond = 30.0;
+constexpr int kSnapshots = 6;
+constexpr int kSheetColumns = 3;
+constexpr double kCameraDistance = 4.4;  // [m]
+
+/// Half as wide and high, each pixel the mean of four.
+Image halved(const Image& image) {
+  Image half;
+  half.width = image.width / 2;
+  half.height = image.height / 2;
+  half.rgba.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height) * 4);
+  const auto at = [&image](int x, int y, int channel) {
+    return static_cast<int>(image.rgba[(static_cast<std::size_t>(y) * image.width + x) * 4 + channel]);
+  };
+  std::size_t out = 0;
+  for (int y = 0; y < half.height; ++y) {
+    for (int x = 0; x < half.width; ++x) {
+      for (int c = 0; c < 4; ++c) {
+        const int sum =
+            at(2 * x, 2 * y, c) + at(2 * x + 1, 2 * y, c) + at(2 * x, 2 * y + 1, c) + at(2 * x + 1, 2 * y + 1, c);
+        half.rgba[out++] = static_cast<std::uint8_t>((sum + 2) / 4);
+      }
+    }
+  }
+  return half;
+}
+
+/// A frame is worth a snapshot when body and props meet hard in it.
+double eventsIn(const Session& session) {
+  double events = 0.0;
+  for (const Contact& contact : session.world().contacts()) events += 0.1 + contact.impulse;
+  return events;
+}
+
+}  // namespace
+
+DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, VideoWriter video)
+    : folder_(std::move(folder)),
+      camera_(std::move(camera)),
+      video_(std::move(video)),
+      follow_(kCameraDistance),
+      moments_(kSnapshots) {}
+
+Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
+  Result<SnapshotCamera> camera = SnapshotCamera::create(kWidth, kHeight);
+  if (!camera) return camera.error();
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return Error{ErrorCode::kUnwritable, fmt::format("--out: {}: {}", folder.string(), error.message())};
+  Result<VideoWriter> video = VideoWriter::create(folder / "demo.mp4", kWidth, kHeight, kFramesPerSecond);
+  if (!video) return video.error();
+  return DemoPictures(folder, std::move(*camera), std::move(*video));
+}
+
+Result<void> DemoPictures::add(const Session& session, const std::string& caption, double seconds, int frame,
+                               int frames) {
+  if (!scene_) scene_ = std::make_unique<SessionScene>(session.body().decomposition());
+  follow_.update(session, seconds - lastSeconds_);
+  lastSeconds_ = seconds;
+  SceneOptions show;
+  show.caption = caption;
+  Image image = camera_.draw(scene_->of(session), show, follow_.camera());
+  if (Result<void> added = video_.add(image); !added) return added;
+
+  // The time is divided evenly among the snapshots; each keeps the moment of its share in which most happens.
+  Moment& moment = moments_[static_cast<std::size_t>(static_cast<long long>(frame) * kSnapshots / frames)];
+  const double events = eventsIn(session);
+  if (events > moment.events) moment = {std::move(image), fmt::format("{:.1f} s", seconds), events};
+  return {};
+}
+
+Result<DemoFiles> DemoPictures::finish() {
+  DemoFiles files{camera_.rendererName(), folder_ / "demo.mp4", {}, folder_ / "contact_sheet.png"};
+  if (Result<void> finished = video_.finish(); !finished) return finished.error();
+  std::vector<Image> thumbnails;
+  std::vector<std::string> labels;
+  for (const Moment& moment : moments_) {
+    if (moment.image.rgba.empty()) continue;  // fewer frames than snapshots
+    files.snapshots.push_back(folder_ / fmt::format("snapshot_{}.png", files.snapshots.size() + 1));
+    if (Result<void> written = writePng(files.snapshots.back(), moment.image); !written) return written.error();
+    thumbnails.push_back(halved(moment.image));
+    labels.push_back(moment.label);
+  }
+  const Image sheet = contactSheet(thumbnails, labels, kSheetColumns);
+  if (Result<void> written = writePng(files.contactSheet, sheet); !written) return written.error();
+  return files;
+}
+
+}  // namespace lorica

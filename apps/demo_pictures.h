@@ -1,0 +1,53 @@
+#pragma once
+
+#include "apps/snapshots.h"
+#include "viewer/image.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// Where the demo's pictures are.
+struct DemoFiles {
+  std::string renderer;  ///< "OSMesa 22.3.6"
+  std::filesystem::path video;
+  std::vector<std::filesystem::path> snapshots;
+  std::filesystem::path contactSheet;
+};
+
+/// The demo drawn to files: a video of every frame, the most eventful moments as snapshots, and a sheet of them.
+class DemoPictures {
+ public:
+  /// @return kNoDisplay with the package that helps where nothing can draw; kUnwritable for the folder or the video
+  static Result<DemoPictures> create(const std::filesystem::path& folder);
+
+  /// Draws the session's last frame.
+  /// @param seconds        since the start
+  /// @param frame, frames  which of how many
+  [[nodiscard]] Result<void> add(const Session& session, const std::string& caption, double seconds, int frame,
+                                 int frames);
+
+  /// Completes the video and writes the pictures; before, nothing has appeared under its name.
+  [[nodiscard]] Result<DemoFiles> finish();
+
+ private:
+  struct Moment {
+    Image image;
+    std::string label;
+    double events = -1.0;  // how much goes on in it
+  };
+  DemoPictures(std::filesystem::path folder, SnapshotCamera camera, VideoWriter video);
+
+  std::filesystem::path folder_;
+  SnapshotCamera camera_;
+  VideoWriter video_;
+  FollowCamera follow_;
+  std::unique_ptr<SessionScene> scene_;
+  std::vector<Moment> moments_;
+  double lastSeconds_ = 0.0;
+};
+
+}  // namespace lorica

@@ -1,0 +1,139 @@
+#include "apps/inputs.h"
+
+#include "apps/report.h"
+#include "capture/joint_csv.h"
+#include "capture/synthetic_motion.h"
+#include "geometry/mesh_files.h"
+#include "session/keyframes.h"
+#include "skinning/mannequin.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMannequin = "mannequin";
+
+/// The names that `play NAME` understands: "jumping_jacks, walk, ...".
+std::string shippedNames(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Result<Recording> readRecordingFile(const fs::path& file) {
+  Result<std::vector<SkeletonFrame>> frames = readJointCsv(file);
+  if (!frames) return frames.error();
+  return Recording{file.stem().string(), std::move(*frames)};
+}
+
+/// A word without folder or extension, that names no file here, can only mean a shipped recording.
+bool isBareName(const std::string& text) {
+  std::error_code ignored;
+  return text.find('/') == std::string::npos && !fs::path(text).has_extension() && !fs::exists(text, ignored);
+}
+
+}  // namespace
+
+Result<Subject> readSubject(const std::string& input) {
+  if (input == kMannequin) {
+    Result<Character> character = findCharacter(input);
+    if (!character) return character.error();
+    TriMesh mesh = character->mesh;
+    return Subject{input, std::move(mesh), std::move(*character)};
+  }
+  std::error_code ignored;
+  if (isBareName(input)) {
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("{}: no such file and no character of that name, expected a mesh (.off, .obj, .ply, .stl) "
+                             "or {}",
+                             input, kMannequin)};
+  }
+  Result<TriMesh> mesh = readMesh(input);
+  if (!mesh) return mesh.error();
+  return Subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt};
+}
+
+Result<Character> findCharacter(const std::string& name) {
+  if (name == kMannequin) return makeMannequin();
+  return Error{ErrorCode::kNotFound, fmt::format("{}: no character of that name, expected {}", name, kMannequin)};
+}
+
+Result<std::filesystem::path> recordingsFolder() {
+  std::error_code error;
+  if (const std::string chosen = environment("LORICA_RECORDINGS"); !chosen.empty()) {
+    if (fs::is_directory(chosen, error)) return fs::path(chosen);
+    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: there is no such folder", chosen)};
+  }
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  // build/lorica, build/PRESET/lorica, and PREFIX/bin/lorica.
+  for (const char* relative : {"../recordings", "../../recordings", "../share/lorica/recordings"}) {
+    const fs::path folder = (program / relative).lexically_normal();
+    if (fs::is_directory(folder, error)) return folder;
+  }
+  return Error{ErrorCode::kNotFound,
+               fmt::format("the shipped recordings are not beside {} nor in ../share/lorica/recordings: set "
+                           "LORICA_RECORDINGS to their folder",
+                           program.string())};
+}
+
+Result<Recording> readRecording(const std::string& pathOrName) {
+  if (!isBareName(pathOrName)) return readRecordingFile(pathOrName);
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  const fs::path file = *folder / (pathOrName + ".csv");
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) {
+    return Error{ErrorCode::kNotFound, fmt::format("{}: no such file and no shipped recording of that name, expected "
+                                                   "a joint CSV or one of {}",
+                                                   pathOrName, shippedNames(*folder))};
+  }
+  return readRecordingFile(file);
+}
+
+Result<std::vector<Recording>> readShippedRecordings() {
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  std::vector<Recording> recordings;
+  for (int motion = 0; motion < kSyntheticMotionCount; ++motion) {
+    const std::string name(nameOf(static_cast<SyntheticMotion>(motion)));
+    Result<Recording> recording = readRecordingFile(*folder / (name + ".csv"));
+    if (!recording) return recording.error();
+    recordings.push_back(std::move(*recording));
+  }
+  return recordings;
+}
+
+Result<Keyframes> trainingKeyframes(const Character& character, std::span<const std::string> motions, int count) {
+  std::vector<std::vector<SkeletonFrame>> frames;
+  if (motions.empty()) {
+    Result<std::vector<Recording>> shipped = readShippedRecordings();
+    if (!shipped) return shipped.error();
+    for (Recording& recording : *shipped) frames.push_back(std::move(recording.frames));
+  }
+  for (const std::string& motion : motions) {
+    Result<Recording> recording = readRecording(motion);
+    if (!recording) return recording.error();
+    frames.push_back(std::move(recording->frames));
+  }
+  std::size_t frameCount = 0;
+  for (const std::vector<SkeletonFrame>& recording : frames) frameCount += recording.size();
+  if (static_cast<std::size_t>(count) > frameCount) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--keyframes: found {}, expected at most {}, the number of frames to choose from", count,
+                             frameCount)};
+  }
+  Result<std::vector<Vec3>> positions = sampleKeyframes(character, frames, count);
+  if (!positions) return positions.error();
+  return Keyframes{std::move(*positions), count};
+}
+
+}  // namespace lorica

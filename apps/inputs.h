@@ -1,0 +1,59 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+#include "geometry/result.h"
+#include "geometry/tri_mesh.h"
+#include "skinning/character.h"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A thing that can be decomposed: a mesh, or a character whose bind pose is `mesh`.
+struct Subject {
+  std::string name;  ///< a file name without its folder, or "mannequin"
+  TriMesh mesh;
+  std::optional<Character> character;
+};
+
+/// Reads INPUT of `decompose` and `info`: the name of a built-in character, or else a mesh file.
+[[nodiscard]] Result<Subject> readSubject(const std::string& input);
+
+/// A character by its name, or a sentence that lists the names.
+[[nodiscard]] Result<Character> findCharacter(const std::string& name);
+
+/// A recording with its name: the file's stem.
+struct Recording {
+  std::string name;
+  std::vector<SkeletonFrame> frames;
+
+  /// From the first frame to the last [s].
+  [[nodiscard]] double seconds() const { return frames.back().time - frames.front().time; }
+};
+
+/// Reads a recording by its path or, for a bare name such as `walk`, from those that ship.
+[[nodiscard]] Result<Recording> readRecording(const std::string& pathOrName);
+
+/// The clean recordings that ship, in a fixed order: what decompositions train on by default.
+[[nodiscard]] Result<std::vector<Recording>> readShippedRecordings();
+
+/// Where the shipped recordings lie: $LORICA_RECORDINGS, or beside the folder of the program, as in a build and as
+/// installed.
+[[nodiscard]] Result<std::filesystem::path> recordingsFolder();
+
+/// Keyframes to train a decomposition on.
+struct Keyframes {
+  std::vector<Vec3> positions;  ///< [m], count x vertexCount, keyframe-major
+  int count = 0;
+};
+
+/// Keyframes taken uniformly over recordings laid end to end.
+/// @param motions  files or names as given on the command line; empty = the shipped clean recordings
+[[nodiscard]] Result<Keyframes> trainingKeyframes(const Character& character, std::span<const std::string> motions,
+                                                  int count);
+
+}  // namespace lorica

@@ -1,0 +1,63 @@
+#include "apps/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr int kMostThreads = 1024;
+constexpr int kMostOfAnything = 1000000;
+
+/// The whole text as a number, or nothing.
+template <typename Number>
+bool parseWhole(const std::string& text, Number& number) {
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stopped == end;
+}
+
+/// CLI11 wants an empty string for "fine" and puts the option's name before any other.
+CLI::Validator countBetween(int least, int most) {
+  CLI::Validator validator("");
+  validator.operation([least, most](std::string& text) -> std::string {
+    int number = 0;
+    if (parseWhole(text, number) && number >= least && number <= most) return "";
+    if (most == kMostOfAnything) return fmt::format("found `{}`, expected a whole number from {} up", text, least);
+    return fmt::format("found `{}`, expected a whole number from {} to {}", text, least, most);
+  });
+  return validator;
+}
+
+}  // namespace
+
+CLI::App* addSubcommand(CLI::App& parent, CommonOptions& common, const std::string& name,
+                        const std::string& description, const std::string& examples) {
+  CLI::App* app = parent.add_subcommand(name, description);
+  app->set_help_flag("-h,--help", "Show this help");
+  app->footer("Examples:\n" + examples);
+  app->add_option("--json", common.json, "Write the report as JSON; `-` = standard output and nothing else there")
+      ->type_name("FILE");
+  app->add_option("--threads", common.threads, "Use so many threads; the result is the same [default: all cores]")
+      ->type_name("N")
+      ->check(countBetween(1, kMostThreads));
+  return app;
+}
+
+CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int least, const std::string& description) {
+  return app.add_option(name, value, description)->type_name("N")->check(countBetween(least, kMostOfAnything));
+}
+
+CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description) {
+  CLI::Validator validator("");
+  validator.operation([](std::string& text) -> std::string {
+    double number = 0.0;
+    if (parseWhole(text, number) && std::isfinite(number) && number > 0.0) return "";
+    return fmt::format("found `{}`, expected seconds above 0", text);
+  });
+  return app.add_option(name, value, description)->type_name("S")->check(validator);
+}
+
+}  // namespace lorica

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "apps/report.h"
+#include "geometry/result.h"
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+
+namespace lorica {
+
+/// A subcommand: how CLI11 knows it, and what it does once its arguments are understood.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<Result<void>(const CommonOptions&)> run;
+};
+
+/// A subcommand with the options that all share: --json, --threads, --help.
+/// @param examples  lines "command  # what it does", shown under the options
+[[nodiscard]] CLI::App* addSubcommand(CLI::App& parent, CommonOptions& common, const std::string& name,
+                                      const std::string& description, const std::string& examples);
+
+/// An option that takes a whole number of at least `least`; anything else is refused in a sentence.
+CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int least, const std::string& description);
+
+/// An option that takes seconds above zero.
+CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description);
+
+/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, info.cpp.
+[[nodiscard]] Command addDemo(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addDecompose(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addScore(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addPlay(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addInfo(CLI::App& parent, CommonOptions& common);
+
+}  // namespace lorica

@@ -1,0 +1,9 @@
+#include "apps/performance.h"
+
+namespace lorica {
+
+Result<Recording> makePerformance() {
+  return readRecording("punch_and_kick");
+}
+
+}  // namespace lorica

@@ -1,0 +1,88 @@
+#include "apps/playback.h"
+
+#include "apps/interrupt.h"
+#include "apps/snapshots.h"
+#include "capture/joint_csv.h"
+#include "session/demo_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <thread>
+
+namespace lorica {
+namespace {
+
+constexpr std::uint64_t kSceneSeed = 1;
+constexpr double kLongestPause = 0.25;  // [s]: a gap in a recording, or a dragged window, is not waited out
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+Result<Session> startSession(const Character& character, const Decomposition& decomposition,
+                             const std::vector<SkeletonFrame>& frames) {
+  return Session::create(character, decomposition, makeRecordedSource(frames), makeDemoWorld(kSceneSeed));
+}
+
+std::string captionOf(const std::string& name, const Session& session, double seconds) {
+  std::set<int> touched;
+  for (const Contact& contact : session.world().contacts()) touched.insert(contact.prop);
+  std::string caption =
+      fmt::format("{}   {:.1f} s   {}", name, seconds, counted(std::ssize(session.body().parts()), "convex part"));
+  if (!touched.empty()) caption += fmt::format("   touching {}", counted(std::ssize(touched), "prop"));
+  return caption;
+}
+
+Result<bool> playInWindow(Window& window, Session& session, const std::string& name, const PlaybackLimit& limit,
+                          Tally& tally) {
+  const SessionScene scene(session.body().decomposition());
+  Clock::time_point due = Clock::now();
+  double firstTime = 0.0;
+  std::string caption = name;
+  bool started = false;
+  while (window.open()) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (Clock::now() >= due && window.wantsStep()) {
+      const double previousTime = session.frame().time;
+      const Result<bool> more = session.step();
+      if (!more) return more.error();
+      if (!*more) return true;
+      if (!started) firstTime = session.frame().time;
+      const double seconds = session.frame().time - firstTime;
+      const double step = started ? session.frame().time - previousTime : 0.0;
+      started = true;
+      tally.add(session);
+      caption = captionOf(name, session, seconds);
+      // Late frames are caught up, but a long stop (a pause, a dragged window) is not.
+      due += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(step, kLongestPause)));
+      if (secondsSince(due) > kLongestPause) due = Clock::now();
+      if (limit.frames > 0 && session.frameCount() >= limit.frames) return true;
+      if (limit.seconds > 0.0 && seconds >= limit.seconds) return true;
+    }
+    if (started) {
+      window.show(scene.of(session), caption);
+    } else {
+      window.show(Scene(), caption);
+    }
+    // Where the display does not hold us back, this does.
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+
+void holdInWindow(Window& window, const Session& session, const std::string& caption) {
+  const SessionScene scene(session.body().decomposition());
+  while (window.open() && !interrupted()) {
+    window.show(scene.of(session), caption);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace lorica

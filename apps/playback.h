@@ -1,0 +1,34 @@
+#pragma once
+
+#include "apps/inputs.h"
+#include "apps/tally.h"
+#include "session/session.h"
+#include "viewer/window.h"
+
+#include <string>
+
+namespace lorica {
+
+/// A session of one character that performs one recording among the demo's boxes and balls.
+[[nodiscard]] Result<Session> startSession(const Character& character, const Decomposition& decomposition,
+                                           const std::vector<SkeletonFrame>& frames);
+
+/// Where to stop before the recording ends.
+struct PlaybackLimit {
+  int frames = 0;        ///< 0 = no limit
+  double seconds = 0.0;  ///< of the recording [s]; 0 = no limit
+};
+
+/// Runs the session in the window, at the recording's pace, until the recording or the limit ends or the window is
+/// closed.
+/// @return false when the window was closed, kCancelled on Ctrl-C, or why a frame could not be read
+[[nodiscard]] Result<bool> playInWindow(Window& window, Session& session, const std::string& name,
+                                        const PlaybackLimit& limit, Tally& tally);
+
+/// Shows the session's last frame until the window is closed, or Ctrl-C.
+void holdInWindow(Window& window, const Session& session, const std::string& caption);
+
+/// One line under a picture: what plays, when, and what touches.
+[[nodiscard]] std::string captionOf(const std::string& name, const Session& session, double seconds);
+
+}  // namespace lorica

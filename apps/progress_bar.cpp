@@ -1,0 +1,74 @@
+#include "apps/progress_bar.h"
+
+#include "apps/report.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kRedrawSeconds = 0.05;
+constexpr double kLineSeconds = 10.0;
+constexpr int kWidestBar = 40;
+
+/// "12 of 240 frames", or "12 parts" when nobody knows how many there will be.
+std::string countText(int done, int total, const std::string& unit) {
+  return total > 0 ? fmt::format("{} of {} {}", done, total, unit) : fmt::format("{} {}", done, unit);
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(std::string label, std::string unit)
+    : label_(std::move(label)),
+      unit_(std::move(unit)),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      lastShown_(start_) {
+  // A screen reader, a log or a dumb terminal cannot go back to the start of a line.
+  if (terminal_ && environment("TERM") == "dumb") terminal_ = false;
+}
+
+ProgressBar::~ProgressBar() {
+  if (terminal_ && shown_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void ProgressBar::update(int done, int total) {
+  const Clock::time_point now = Clock::now();
+  const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  if (terminal_) {
+    if (shown_ && sinceShown < kRedrawSeconds) return;
+    draw(done, total, seconds);
+  } else {
+    if (sinceShown < kLineSeconds) return;
+    fmt::print(stderr, "{}: {} after {:.0f} s\n", label_, countText(done, total, unit_), seconds);
+  }
+  std::fflush(stderr);
+  lastShown_ = now;
+  shown_ = true;
+}
+
+void ProgressBar::draw(int done, int total, double seconds) const {
+  std::string tail = fmt::format("  {}  {:.0f} s", countText(done, total, unit_), seconds);
+  if (total > 0 && done > 0 && done < total && seconds > 2.0) {
+    tail += fmt::format(", {:.0f} s left", seconds * (total - done) / done);
+  }
+  std::string line = label_ + "  ";
+  const int room = terminalWidth(stderr) - 1 - static_cast<int>(line.size() + tail.size());
+  const int width = std::min(kWidestBar, room - 2);
+  if (width >= 5 && total > 0) {
+    const int filled = std::clamp(width * done / total, 0, width);
+    line += fmt::format("[{:<{}}]", std::string(static_cast<std::size_t>(filled), '='), width);
+  }
+  line += tail;
+  // A line longer than the terminal would wrap and leave a trail.
+  line.resize(std::min<std::size_t>(line.size(), static_cast<std::size_t>(std::max(terminalWidth(stderr) - 1, 1))));
+  fmt::print(stderr, "\r\x1b[K{}", line);
+}
+
+}  // namespace lorica

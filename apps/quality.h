@@ -1,0 +1,21 @@
+#pragma once
+
+#include "acd/decomposition.h"
+
+#include <vector>
+
+namespace lorica {
+
+/// How close a decomposition's hulls are to the mesh, as means over poses; a mesh has one pose.
+struct Quality {
+  double meshVolume = 0.0;  ///< [cubed units of the mesh; m^3 for a character]
+  double hullVolume = 0.0;  ///< sum over the parts
+  double score = 0.0;       ///< mesh volume / hull volume: Thul et al. 2018, Eq. 17
+  double error = 0.0;       ///< (hull volume - mesh volume) / mesh volume
+  std::vector<double> errorPerKeyframe;
+};
+
+/// Means of the volumes, of the score and of the error over the keyframes.
+[[nodiscard]] Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes);
+
+}  // namespace lorica

@@ -1,0 +1,111 @@
+#include "apps/report.h"
+
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <thread>
+
+namespace lorica {
+
+int CommonOptions::threadCount() const {
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void Report::print() const {
+  const bool bold = isatty(STDOUT_FILENO) == 1 && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
+  fmt::print("{}{}{}\n", bold ? "\x1b[1m" : "", headline_, bold ? "\x1b[0m" : "");
+  std::size_t width = 0;
+  for (const auto& [label, value] : lines_) width = std::max(width, label.size());
+  for (const auto& [label, value] : lines_) {
+    if (label.empty() && value.empty()) {
+      fmt::print("\n");
+    } else {
+      fmt::print("  {:<{}}  {}\n", label, width, value);
+    }
+  }
+  std::fflush(stdout);
+}
+
+Result<void> publish(const CommonOptions& options, const Report& report, const nlohmann::ordered_json& json) {
+  // A name from a file system may be no UTF-8; JSON must be.
+  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (options.json == "-") {
+    const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    if (!written) return Error{ErrorCode::kUnwritable, "standard output: could not write the JSON"};
+    return {};
+  }
+  if (!options.json.empty()) {
+    if (Result<void> written = writeFileAtomically(options.json, text); !written) return written;
+  }
+  report.print();
+  return {};
+}
+
+Result<void> checkOutput(const std::string& option, const std::filesystem::path& file, const std::string& extension) {
+  std::error_code ignored;
+  if (!extension.empty() && file.extension() != extension) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: {}: expected a name that ends in {}", option, file.string(), extension)};
+  }
+  if (std::filesystem::is_directory(file, ignored)) {
+    return Error{ErrorCode::kUnwritable, fmt::format("{}: {} is a folder, expected a file", option, file.string())};
+  }
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: {}: there is no folder {}", option, file.string(), folder.string())};
+  }
+  if (access(folder.c_str(), W_OK) != 0) {
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: {}: the folder {} is not writable", option, file.string(), folder.string())};
+  }
+  return {};
+}
+
+void warn(const std::string& sentence) {
+  fmt::print(stderr, "lorica: warning: {}\n", sentence);
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+int terminalWidth(std::FILE* stream) {
+  winsize size = {};
+  if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return 80;
+}
+
+std::string grouped(long long number) {
+  std::string text = std::to_string(number);
+  const int firstDigit = number < 0 ? 1 : 0;
+  for (int at = static_cast<int>(text.size()) - 3; at > firstDigit; at -= 3) {
+    text.insert(static_cast<std::size_t>(at), 1, ',');
+  }
+  return text;
+}
+
+std::string counted(long long number, const std::string& noun, const std::string& plural) {
+  const std::string& many = plural.empty() ? noun + "s" : plural;
+  return fmt::format("{} {}", grouped(number), number == 1 ? noun : many);
+}
+
+std::string percent(double fraction) {
+  return fmt::format("{:.1f} %", 100.0 * fraction);
+}
+
+std::string duration(double microseconds) {
+  if (microseconds < 999.5) return fmt::format("{:.0f} us", microseconds);
+  if (microseconds < 999.5e3) return fmt::format("{:.2f} ms", microseconds * 1e-3);
+  return fmt::format("{:.1f} s", microseconds * 1e-6);
+}
+
+}  // namespace lorica

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "geometry/result.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+
+/// Options that every subcommand has.
+struct CommonOptions {
+  std::string json;  ///< file for the report as JSON; "-" = standard output and nothing else there; empty = none
+  int threads = 0;   ///< 0 = as many as the machine has
+
+  /// What --threads comes to on this machine.
+  [[nodiscard]] int threadCount() const;
+};
+
+/// What a person reads at the end: a headline, then lines of label and value in aligned columns, then notes.
+class Report {
+ public:
+  explicit Report(std::string headline) : headline_(std::move(headline)) {}
+
+  void line(std::string label, std::string value) { lines_.emplace_back(std::move(label), std::move(value)); }
+  void gap() { lines_.emplace_back(); }
+  /// To standard output; headline in bold in a terminal unless NO_COLOR is set.
+  void print() const;
+
+ private:
+  std::string headline_;
+  std::vector<std::pair<std::string, std::string>> lines_;
+};
+
+/// Prints the report and writes the JSON, as the options say.
+[[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
+                                   const nlohmann::ordered_json& json);
+
+/// Fails early, before minutes of work: the output's folder must be there, and the output must not be a folder.
+/// @param option     named in the sentence: "--export-obj"
+/// @param extension  that the name must have; empty = any
+[[nodiscard]] Result<void> checkOutput(const std::string& option, const std::filesystem::path& file,
+                                       const std::string& extension = "");
+
+/// A remark on standard error, one line: "lorica: warning: ...".
+void warn(const std::string& sentence);
+
+/// An environment variable; empty when it is not set.
+[[nodiscard]] std::string environment(const char* name);
+
+/// Columns of the terminal behind a stream; 80 where there is none.
+[[nodiscard]] int terminalWidth(std::FILE* stream);
+
+/// 12345 as "12,345".
+[[nodiscard]] std::string grouped(long long number);
+
+/// A number, or a count with its noun: "1 part", "12 parts".
+[[nodiscard]] std::string counted(long long number, const std::string& noun, const std::string& plural = "");
+
+/// 0.1234 as "12.3 %".
+[[nodiscard]] std::string percent(double fraction);
+
+/// Microseconds as "85 us", "1.25 ms" or "2.3 s".
+[[nodiscard]] std::string duration(double microseconds);
+
+}  // namespace lorica

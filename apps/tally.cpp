@@ -1,0 +1,91 @@
+#include "apps/tally.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+struct Stage {
+  const char* name;
+  const char* what;
+  double (*of)(const StageTimes&);
+};
+
+constexpr Stage kStages[] = {
+    {"retarget", "joints to pose", [](const StageTimes& t) { return t.retarget; }},
+    {"skin", "pose to mesh", [](const StageTimes& t) { return t.skin; }},
+    {"transfer", "mesh to cut points", [](const StageTimes& t) { return t.transfer; }},
+    {"hulls", "points to hulls", [](const StageTimes& t) { return t.hulls; }},
+    {"motion", "hulls to rigid motions", [](const StageTimes& t) { return t.motion; }},
+    {"physics", "boxes and balls", [](const StageTimes& t) { return t.physics; }},
+    {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
+};
+
+struct Spread {
+  double median = 0.0;
+  double p95 = 0.0;
+};
+
+/// Nearest rank, so that every figure was measured in some frame.
+double quantile(const std::vector<double>& sorted, double share) {
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
+Spread spreadOf(const std::vector<StageTimes>& frames, const Stage& stage) {
+  if (frames.empty()) return {};
+  std::vector<double> times;
+  times.reserve(frames.size());
+  for (const StageTimes& frame : frames) times.push_back(stage.of(frame));
+  std::sort(times.begin(), times.end());
+  return {quantile(times, 0.5), quantile(times, 0.95)};
+}
+
+}  // namespace
+
+void Tally::add(const Session& session) {
+  stages_.push_back(session.times());
+  touched_.resize(session.world().props().size(), 0);
+  now_.clear();
+  for (const Contact& contact : session.world().contacts()) {
+    ++contacts_;
+    now_.emplace_back(contact.part, contact.prop);
+    touched_[static_cast<std::size_t>(contact.prop)] = 1;
+  }
+  // A pair has up to four contact points: it counts once.
+  std::sort(now_.begin(), now_.end());
+  now_.erase(std::unique(now_.begin(), now_.end()), now_.end());
+  for (const auto& pair : now_) {
+    if (!std::binary_search(touching_.begin(), touching_.end(), pair)) ++touches_;
+  }
+  std::swap(touching_, now_);
+}
+
+int Tally::propsTouched() const {
+  return static_cast<int>(std::count(touched_.begin(), touched_.end(), 1));
+}
+
+void Tally::addTo(nlohmann::ordered_json& json) const {
+  json["frames"] = frames();
+  json["contacts"] = contacts_;
+  json["touches"] = touches_;
+  json["propsTouched"] = propsTouched();
+  for (const Stage& stage : kStages) {
+    const Spread spread = spreadOf(stages_, stage);
+    json["stages"][stage.name] = {{"median", spread.median}, {"p95", spread.p95}};
+  }
+}
+
+void Tally::addTo(Report& report) const {
+  for (const Stage& stage : kStages) {
+    const Spread spread = spreadOf(stages_, stage);
+    report.line(stage.name, fmt::format("{:>8}  (95 % below {:>8})  {}", duration(spread.median), duration(spread.p95),
+                                        stage.what));
+  }
+}
+
+}  // namespace lorica

@@ -1,0 +1,255 @@
+#include "capture/joint_csv.h"
+#include "capture/synthetic_motion.h"
+#include "geometry/files.h"
+#include "tests/apps/mesh_text.h"
+#include "tests/apps/run_command.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace lorica::test {
+namespace {
+
+/// Wrong input is one sentence that starts with our name, exit code 2, and nothing on standard output.
+void expectRefused(const CommandResult& result, const std::vector<std::string>& fragments) {
+  EXPECT_EQ(result.exitCode, 2) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err.rfind("lorica: ", 0), 0u) << result.err;
+  for (const std::string& fragment : fragments) {
+    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
+  }
+}
+
+/// Decomposes with every kind of output wanted and expects that none was left, not even a temporary file.
+void expectMeshRefused(const TemporaryFolder& folder, const std::filesystem::path& mesh,
+                       std::vector<std::string> fragments) {
+  const std::vector<std::string> before = filesIn(folder.path());
+  fragments.push_back(mesh.filename());
+  expectRefused(runLorica({"decompose", mesh, "--parts", "4", "-o", folder.path() / "out.lorica", "--export-obj",
+                           folder.path() / "out.obj", "--json", folder.path() / "out.json"}),
+                fragments);
+  EXPECT_EQ(filesIn(folder.path()), before);
+}
+
+constexpr const char* kTetrahedronOff = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+TEST(BadMesh, MissingFileIsNamed) {
+  const TemporaryFolder folder;
+  expectMeshRefused(folder, folder.path() / "missing.off", {});
+}
+
+TEST(BadMesh, WordThatIsNeitherFileNorCharacterIsNamed) {
+  expectRefused(runLorica({"decompose", "manequin"}), {"manequin", "mannequin"});
+}
+
+TEST(BadMesh, EmptyFileIsNamed) {
+  const TemporaryFolder folder;
+  for (const char* name : {"empty.off", "empty.obj", "empty.ply", "empty.stl"}) {
+    expectMeshRefused(folder, folder.write(name, ""), {});
+  }
+}
+
+TEST(BadMesh, UnknownFormatIsNamed) {
+  const TemporaryFolder folder;
+  expectMeshRefused(folder, folder.write("body.fbx", "Kaydara FBX Binary"), {".off"});
+}
+
+TEST(BadMesh, IndexOutOfRangeNamesTheLine) {
+  const TemporaryFolder folder;
+  expectMeshRefused(folder, folder.write("range.off", replaced(kTetrahedronOff, "3 1 2 3", "3 1 2 4")),
+                    {"line 10", "4"});
+}
+
+TEST(BadMesh, TextWhereANumberBelongsNamesTheLine) {
+  const TemporaryFolder folder;
+  expectMeshRefused(folder, folder.write("text.off", replaced(kTetrahedronOff, "0 1 0\n", "0 one 0\n")),
+                    {"line 5", "one"});
+}
+
+TEST(BadMesh, NanNamesTheLine) {
+  const TemporaryFolder folder;
+  expectMeshRefused(folder, folder.write("nan.off", replaced(kTetrahedronOff, "0 1 0\n", "0 nan 0\n")), {"line 5"});
+}
+
+TEST(BadMesh, OpenMeshNamesAnEdge) {
+  const TemporaryFolder folder;
+  TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
+  mesh.triangles.pop_back();
+  expectMeshRefused(folder, writeObj(folder, "open.obj", mesh), {"edge"});
+}
+
+TEST(BadMesh, NonManifoldMeshNamesAnEdge) {
+  const TemporaryFolder folder;
+  // Two boxes that share the edge between their corners (1, 0, 1) and (1, 1, 1): four triangles meet there.
+  TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
+  const TriMesh other = makeBox({1, 0, 1}, {2, 1, 2});
+  std::vector<VertexIndex> index;
+  for (const Vec3& vertex : other.vertices) {
+    const auto same = std::find(mesh.vertices.begin(), mesh.vertices.end(), vertex);
+    index.push_back(static_cast<VertexIndex>(same - mesh.vertices.begin()));
+    if (same == mesh.vertices.end()) mesh.vertices.push_back(vertex);
+  }
+  for (const Triangle& t : other.triangles) mesh.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
+  expectMeshRefused(folder, writeObj(folder, "fan.obj", mesh), {"edge"});
+}
+
+TEST(BadMesh, FlatMeshIsRefused) {
+  const TemporaryFolder folder;
+  // Both sides of one triangle: closed, but without volume.
+  expectMeshRefused(folder, folder.write("flat.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n"),
+                    {"volume"});
+}
+
+/// Plays a changed copy of `frames` frames and expects the fragments beside the file's name.
+void expectRecordingRefused(const std::string& name, const std::string& content, std::vector<std::string> fragments) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write(name, content);
+  const std::vector<std::string> before = filesIn(folder.path());
+  fragments.push_back(name);
+  expectRefused(
+      runLorica({"play", file, "--snapshots", folder.path() / "pictures", "--json", folder.path() / "report.json"}),
+      fragments);
+  EXPECT_EQ(filesIn(folder.path()), before);
+}
+
+/// Four frames of a walk as a CSV: header and four rows.
+std::string shortRecording() {
+  const TemporaryFolder folder;
+  std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWalk);
+  frames.resize(4);
+  const std::filesystem::path file = folder.path() / "walk.csv";
+  EXPECT_TRUE(writeJointCsv(file, frames));
+  return readFile(file).value();
+}
+
+/// Start and end of a line, counted from 1, without its line feed.
+std::pair<std::size_t, std::size_t> lineIn(const std::string& text, int line) {
+  std::size_t begin = 0;
+  for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
+  return {begin, text.find('\n', begin)};
+}
+
+/// The recording with one field of one line changed; both counted from 1.
+std::string withField(std::string text, int line, int column, const std::string& value) {
+  std::size_t begin = lineIn(text, line).first;
+  for (int i = 1; i < column; ++i) begin = text.find(',', begin) + 1;
+  const std::size_t end = text.find(',', begin);
+  return text.replace(begin, end - begin, value);
+}
+
+TEST(BadRecording, TheUnchangedOneIsFine) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(runLorica({"info", folder.write("walk.csv", shortRecording())}).exitCode, 0);
+}
+
+TEST(BadRecording, MissingFileIsNamed) {
+  expectRefused(runLorica({"play", "/nowhere/walk.csv"}), {"/nowhere/walk.csv"});
+}
+
+TEST(BadRecording, UnknownNameListsWhatShips) {
+  expectRefused(runLorica({"play", "wlak"}), {"wlak", "walk", "punch_and_kick"});
+}
+
+TEST(BadRecording, EmptyFileIsNamed) {
+  expectRecordingRefused("empty.csv", "", {"empty"});
+}
+
+TEST(BadRecording, WrongHeaderNamesTheLine) {
+  expectRecordingRefused("header.csv", withField(shortRecording(), 1, 2, "person"), {"line 1", "person", "user"});
+}
+
+TEST(BadRecording, HeaderWithoutRowsIsRefused) {
+  const std::string text = shortRecording();
+  expectRecordingRefused("rows.csv", text.substr(0, lineIn(text, 1).second + 1), {"row"});
+}
+
+TEST(BadRecording, TooFewFieldsNamesTheLine) {
+  std::string text = shortRecording();
+  const auto [begin, end] = lineIn(text, 3);
+  const std::size_t comma = text.rfind(',', end);
+  expectRecordingRefused("short.csv", text.erase(comma, end - comma), {"line 3", "121", "122"});
+}
+
+TEST(BadRecording, TextNamesLineAndColumn) {
+  expectRecordingRefused("text.csv", withField(shortRecording(), 4, 3, "abc"), {"line 4", "column 3", "abc", "head.x"});
+}
+
+TEST(BadRecording, NanNamesLineAndColumn) {
+  expectRecordingRefused("nan.csv", withField(shortRecording(), 2, 4, "nan"), {"line 2", "column 4", "nan"});
+}
+
+TEST(BadRecording, TimeRunningBackwardsNamesTheLine) {
+  expectRecordingRefused("time.csv", withField(shortRecording(), 4, 1, "-5"), {"line 4", "-5"});
+}
+
+TEST(BadDecomposition, OfAnotherMeshIsRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path file = folder.path() / "l.lorica";
+  ASSERT_EQ(runLorica({"decompose", mesh, "-o", file}).exitCode, 0);
+  expectRefused(runLorica({"play", "walk", "--decomposition", file}), {"l.lorica", "l.obj", "mannequin"});
+}
+
+TEST(BadDecomposition, DamagedFileIsRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path file = folder.path() / "l.lorica";
+  ASSERT_EQ(runLorica({"decompose", mesh, "-o", file}).exitCode, 0);
+  std::string content = readFile(file).value();
+  content[content.size() / 2] ^= 1;
+  const std::filesystem::path damaged = folder.write("damaged.lorica", content);
+  expectRefused(runLorica({"info", damaged}), {"damaged.lorica"});
+  expectRefused(runLorica({"play", "walk", "--decomposition", damaged}), {"damaged.lorica"});
+}
+
+struct WrongOption {
+  std::vector<std::string> arguments;
+  std::vector<std::string> fragments;
+};
+
+TEST(BadOption, IsRefusedInASentence) {
+  const TemporaryFolder folder;
+  const std::string mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::vector<WrongOption> wrong = {
+      {{"decompose", mesh, "--parts", "0"}, {"--parts", "`0`", "from 1"}},
+      {{"decompose", mesh, "--parts", "-3"}, {"--parts", "`-3`", "from 1"}},
+      {{"decompose", mesh, "--parts", "many"}, {"--parts", "`many`"}},
+      {{"decompose", mesh, "--parts", "3.5"}, {"--parts", "`3.5`"}},
+      {{"decompose", mesh, "--parts", "99999999999"}, {"--parts", "`99999999999`"}},
+      {{"decompose", mesh, "--candidates", "0"}, {"--candidates", "`0`"}},
+      {{"decompose", mesh, "--orientations", "0"}, {"--orientations", "`0`"}},
+      {{"decompose", mesh, "--threads", "0"}, {"--threads", "`0`"}},
+      {{"decompose", mesh, "--keyframes", "3"}, {"--keyframes", "l.obj", "characters"}},
+      {{"decompose", mesh, "--motion", "walk"}, {"--motion", "l.obj", "characters"}},
+      {{"decompose", "mannequin", "--keyframes", "100000"}, {"--keyframes", "100000"}},
+      {{"decompose", mesh, "-o", "/nowhere/l.lorica"}, {"--output", "/nowhere"}},
+      {{"decompose", mesh, "-o", "l.obj"}, {"--output", ".lorica"}},
+      {{"decompose", mesh, "--export-obj", mesh}, {"--export-obj", "overwritten"}},
+      {{"decompose", mesh, "--json", "/nowhere/l.json"}, {"--json", "/nowhere"}},
+      {{"decompose", mesh, "--prats", "3"}, {"--prats"}},
+      {{"decompose"}, {"INPUT"}},
+      {{"score", mesh}, {"PARTS.obj"}},
+      {{"play", "walk", "--character", "godzilla"}, {"godzilla", "mannequin"}},
+      {{"play", "walk", "--every", "5"}, {"--every", "--snapshots"}},
+      {{"play", "walk", "--frames", "0"}, {"--frames", "`0`"}},
+      {{"demo", "--seconds", "-1"}, {"--seconds", "`-1`"}},
+      {{"demo", "--seconds", "nan"}, {"--seconds", "`nan`"}},
+      {{"demo", "--window", "--headless"}, {"--window", "--headless"}},
+      {{"info", "nothing.txt"}, {"nothing.txt"}},
+  };
+  for (const WrongOption& option : wrong) {
+    SCOPED_TRACE(option.arguments.front() + " ... " + option.arguments.back());
+    expectRefused(runLorica(option.arguments), option.fragments);
+  }
+  EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>{"l.obj"});
+}
+
+}  // namespace
+}  // namespace lorica::test

@@ -1,0 +1,194 @@
+#include "geometry/convex_hull.h"
+#include "geometry/files.h"
+#include "tests/apps/mesh_text.h"
+#include "tests/apps/run_command.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+TEST(Decompose, LShapeFallsIntoTwoBoxes) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  // One concave edge: without a part count Algorithm 1 stops at two parts, both convex.
+  const CommandResult result = runLorica({"decompose", mesh, "--json", "-"});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["parts"], 2);
+  EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 1e-9);
+  EXPECT_NEAR(json["hullVolume"].get<double>(), 3.0, 1e-9);
+  EXPECT_NEAR(json["score"].get<double>(), 1.0, 1e-9);
+  EXPECT_NEAR(json["error"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(json["vertices"], 12);
+}
+
+TEST(Decompose, OnePartIsTheConvexHull) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const nlohmann::json json = runLorica({"decompose", mesh, "--parts", "1", "--json", "-"}).json();
+  EXPECT_EQ(json["parts"], 1);
+  // The hull of the L: a 2 x 2 x 1 box less the prism over the triangle (2,1) (2,2) (1,2).
+  EXPECT_NEAR(json["hullVolume"].get<double>(), 3.5, 1e-9);
+  EXPECT_NEAR(json["error"].get<double>(), 0.5 / 3.0, 1e-9);
+}
+
+TEST(Decompose, JsonHasItsKeysAndTypes) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const nlohmann::json json = runLorica({"decompose", mesh, "--threads", "1", "--json", "-"}).json();
+  for (const char* key : {"parts", "threads", "vertices"}) EXPECT_TRUE(json[key].is_number_integer()) << key;
+  for (const char* key : {"meshVolume", "hullVolume", "score", "error", "seconds"}) {
+    EXPECT_TRUE(json[key].is_number()) << key;
+  }
+  EXPECT_EQ(json["threads"], 1);
+  const std::string hash = json["hash"];
+  EXPECT_EQ(hash.size(), 16u);
+  EXPECT_EQ(hash.find_first_not_of("0123456789abcdef"), std::string::npos) << hash;
+  EXPECT_FALSE(json.contains("keyframes"));
+}
+
+TEST(Decompose, JsonFileHoldsTheSameAndTheReportIsForPeople) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path report = folder.path() / "report.json";
+  const CommandResult result = runLorica({"decompose", mesh, "--json", report});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.out.rfind("l.obj: 2 convex parts", 0), 0u) << result.out;
+  CommandResult file;
+  file.out = readFile(report).value();
+  EXPECT_EQ(file.json()["hash"], runLorica({"decompose", mesh, "--json", "-"}).json()["hash"]);
+}
+
+TEST(Decompose, ThreadsAndRunsAgree) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 48, 24));
+  const auto hashWith = [&mesh](const char* threads) {
+    return runLorica({"decompose", mesh, "--parts", "12", "--threads", threads, "--json", "-"}).json()["hash"];
+  };
+  const nlohmann::json one = hashWith("1");
+  EXPECT_TRUE(one.is_string());
+  EXPECT_EQ(hashWith("1"), one);
+  EXPECT_EQ(hashWith("2"), one);
+  EXPECT_EQ(hashWith("3"), one);
+}
+
+/// How far the vertex that lies deepest outside all hulls is from being inside one.
+double worstVertex(const TriMesh& mesh, const std::vector<NamedMesh>& objects) {
+  std::vector<ConvexHull> hulls;
+  for (const NamedMesh& object : objects) hulls.push_back(convexHull(object.mesh.vertices));
+  double worst = 0.0;
+  for (const Vec3& vertex : mesh.vertices) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const ConvexHull& hull : hulls) {
+      if (!hull.degenerate()) nearest = std::min(nearest, largestViolation(hull, std::span(&vertex, 1)));
+      if (nearest == 0.0) break;
+    }
+    worst = std::max(worst, nearest);
+  }
+  return worst;
+}
+
+TEST(Decompose, ExportedHullsContainTheMesh) {
+  const TemporaryFolder folder;
+  const TriMesh torus = makeTorus(1.0, 0.4, 48, 24);
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", torus);
+  const std::filesystem::path hulls = folder.path() / "hulls.obj";
+  const CommandResult result = runLorica({"decompose", mesh, "--parts", "9", "--export-obj", hulls});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  ASSERT_TRUE(objects);
+  ASSERT_EQ(objects->size(), 9u);
+  for (std::size_t i = 0; i < objects->size(); ++i) EXPECT_EQ((*objects)[i].name, "part_" + std::to_string(i));
+  EXPECT_LE(worstVertex(torus, *objects), 1e-6 * boundsOf(torus.vertices).diagonal());
+}
+
+TEST(Decompose, CharacterTrainsOnKeyframes) {
+  const TemporaryFolder folder;
+  const std::filesystem::path output = folder.path() / "body.lorica";
+  const std::filesystem::path hulls = folder.path() / "hulls.obj";
+  const CommandResult result = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "3", "-o", output,
+                                          "--export-obj", hulls, "--json", "-"});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["parts"], 5);
+  EXPECT_EQ(json["keyframes"], 3);
+  ASSERT_EQ(json["errorPerKeyframe"].size(), 3u);
+  double mean = 0.0;
+  for (const nlohmann::json& error : json["errorPerKeyframe"]) mean += error.get<double>() / 3.0;
+  EXPECT_NEAR(json["error"].get<double>(), mean, 1e-12);
+  EXPECT_GT(mean, 0.0);
+
+  const nlohmann::json info = runLorica({"info", output, "--json", "-"}).json();
+  EXPECT_EQ(info["kind"], "decomposition");
+  EXPECT_EQ(info["source"], "mannequin");
+  EXPECT_EQ(info["hash"], json["hash"]);
+  EXPECT_EQ(info["error"], json["error"]);
+
+  // The bind pose was not trained on, and is covered all the same.
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->size(), 5u);
+}
+
+TEST(Decompose, MotionNamesWhatIsTrainedOn) {
+  const auto hashOn = [](const char* motion) {
+    return runLorica({"decompose", "mannequin", "--parts", "3", "--keyframes", "2", "--motion", motion, "--json", "-"})
+        .json()["hash"];
+  };
+  const nlohmann::json walk = hashOn("walk");
+  EXPECT_TRUE(walk.is_string());
+  EXPECT_EQ(walk, hashOn((recordingsFolder() / "walk.csv").c_str()));
+  EXPECT_NE(walk, hashOn("jumping_jacks"));
+}
+
+TEST(Decompose, InterruptLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  // Some 46,000 triangles without a part count: far more work than the pause.
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 240, 96));
+  const std::vector<std::string> before = filesIn(folder.path());
+  const CommandResult result = runLorica({"decompose", mesh, "-o", folder.path() / "torus.lorica", "--export-obj",
+                                          folder.path() / "hulls.obj", "--json", folder.path() / "report.json"},
+                                         {.folder = ".", .cache = {}, .interruptAfterMs = 1500});
+  EXPECT_EQ(result.exitCode, 130) << result.err;
+  EXPECT_NE(result.err.find("lorica: cancelled"), std::string::npos) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(filesIn(folder.path()), before);
+}
+
+struct Benchmark {
+  const char* file;
+  const char* parts;
+  double score;
+};
+
+class DecomposeBenchmark : public testing::TestWithParam<Benchmark> {};
+
+TEST_P(DecomposeBenchmark, ReachesItsScoreAndCoversTheMesh) {
+  LORICA_REQUIRE_DATASET(file, GetParam().file);
+  const TemporaryFolder folder;
+  const std::filesystem::path hulls = folder.path() / "hulls.obj";
+  const CommandResult result =
+      runLorica({"decompose", file, "--parts", GetParam().parts, "--export-obj", hulls, "--json", "-"});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["parts"], std::atoi(GetParam().parts));
+  EXPECT_GE(json["score"].get<double>(), GetParam().score);
+
+  const Result<TriMesh> mesh = readMesh(file);
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  ASSERT_TRUE(mesh && objects);
+  EXPECT_LE(worstVertex(*mesh, *objects), 1e-6 * boundsOf(mesh->vertices).diagonal());
+}
+
+INSTANTIATE_TEST_SUITE_P(VHacd, DecomposeBenchmark,
+                         testing::Values(Benchmark{"vhacd/Bunny.off", "8", 0.89},
+                                         Benchmark{"vhacd/Bunny.off", "28", 0.95},
+                                         Benchmark{"vhacd/Block.off", "19", 0.90},
+                                         Benchmark{"vhacd/Horse.off", "10", 0.80}));
+
+}  // namespace
+}  // namespace lorica::test

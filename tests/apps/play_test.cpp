@@ -1,0 +1,89 @@
+#include "geometry/files.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+#include "viewer/image.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica::test {
+namespace {
+
+/// Few parts from few keyframes: quick to make, and as good as any to play with.
+std::filesystem::path makeBody(const TemporaryFolder& folder) {
+  const std::filesystem::path body = folder.path() / "body.lorica";
+  const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});
+  EXPECT_EQ(made.exitCode, 0) << made.err;
+  return body;
+}
+
+TEST(Play, JsonHasStagesFramesContactsAndHash) {
+  const TemporaryFolder folder;
+  const CommandResult result =
+      runLorica({"play", "walk", "--decomposition", makeBody(folder), "--frames", "40", "--json", "-"});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["recording"], "walk");
+  EXPECT_EQ(json["character"], "mannequin");
+  EXPECT_EQ(json["parts"], 5);
+  EXPECT_EQ(json["frames"], 40);
+  EXPECT_TRUE(json["contacts"].is_number_integer());
+  EXPECT_EQ(json["hash"].get<std::string>().size(), 16u);
+  for (const char* stage : {"retarget", "skin", "transfer", "hulls", "motion", "physics", "total"}) {
+    const double median = json["stages"][stage]["median"];
+    const double p95 = json["stages"][stage]["p95"];
+    EXPECT_GE(median, 0.0) << stage;
+    EXPECT_GE(p95, median) << stage;
+  }
+  EXPECT_GT(json["stages"]["hulls"]["median"].get<double>(), 0.0);
+}
+
+TEST(Play, RunsAndThreadsAgree) {
+  const TemporaryFolder folder;
+  const std::filesystem::path body = makeBody(folder);
+  const auto outcome = [&body](const char* threads) {
+    nlohmann::json json = runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--threads",
+                                     threads, "--json", "-"})
+                              .json();
+    json.erase("stages");
+    return json;
+  };
+  const nlohmann::json one = outcome("1");
+  EXPECT_TRUE(one["hash"].is_string());
+  EXPECT_EQ(outcome("1"), one);
+  EXPECT_EQ(outcome("2"), one);
+}
+
+TEST(Play, PathAndNameMeanTheSame) {
+  const TemporaryFolder folder;
+  const std::filesystem::path body = makeBody(folder);
+  const auto hashOf = [&body](const std::string& recording) {
+    return runLorica({"play", recording, "--decomposition", body, "--frames", "5", "--json", "-"}).json()["hash"];
+  };
+  EXPECT_EQ(hashOf("wave"), hashOf(recordingsFolder() / "wave.csv"));
+}
+
+TEST(Play, SnapshotsAreWritten) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pictures = folder.path() / "pictures";
+  const CommandResult result = runLorica({"play", "wave", "--decomposition", makeBody(folder), "--frames", "7",
+                                          "--snapshots", pictures, "--every", "3", "--json", "-"});
+  if (result.exitCode == 2 && result.err.find("OSMesa") != std::string::npos) GTEST_SKIP() << result.err;
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["snapshots"], 3);
+  EXPECT_EQ(filesIn(pictures), (std::vector<std::string>{"frame_0000.png", "frame_0003.png", "frame_0006.png"}));
+  const Result<Image> image = readPng(pictures / "frame_0003.png");
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->width, 1280);
+  EXPECT_EQ(image->height, 720);
+}
+
+TEST(Play, WindowWithoutDisplaySaysWhatToDo) {
+  const CommandResult result = runLorica({"play", "walk", "--window"});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_NE(result.err.find("DISPLAY"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("--snapshots"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace lorica::test

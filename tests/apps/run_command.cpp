@@ -1,0 +1,88 @@
+#include "tests/apps/run_command.h"
+
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace lorica::test {
+namespace {
+
+std::string contentOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream content;
+  content << stream.rdbuf();
+  return content.str();
+}
+
+/// Between fork and exec: only calls that are safe there, and setenv, as the parent has one thread.
+[[noreturn]] void becomeLorica(char* const* arguments, const CommandSurroundings& surroundings, const char* out,
+                               const char* err) {
+  setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
+  setenv("XDG_CACHE_HOME", surroundings.cache.empty() ? "/dev/null" : surroundings.cache.c_str(), 1);
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  const int outFile = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int errFile = open(err, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int nothing = open("/dev/null", O_RDONLY);
+  if (outFile < 0 || errFile < 0 || nothing < 0 || chdir(surroundings.folder.c_str()) != 0) _exit(126);
+  dup2(nothing, STDIN_FILENO);
+  dup2(outFile, STDOUT_FILENO);
+  dup2(errFile, STDERR_FILENO);
+  // A shell that runs tests in the background ignores SIGINT, and children inherit that.
+  std::signal(SIGINT, SIG_DFL);
+  execv(LORICA_COMMAND, arguments);
+  _exit(127);
+}
+
+}  // namespace
+
+nlohmann::json CommandResult::json() const {
+  nlohmann::json parsed = nlohmann::json::parse(out, nullptr, false);
+  EXPECT_FALSE(parsed.is_discarded()) << "exit code " << exitCode << "\nout: " << out << "\nerr: " << err;
+  // An object in any case, so that a look at a key fails the test instead of ending the program.
+  return parsed.is_object() ? parsed : nlohmann::json::object();
+}
+
+CommandResult runLorica(const std::vector<std::string>& arguments, const CommandSurroundings& surroundings) {
+  const TemporaryFolder streams;
+  const std::filesystem::path out = streams.path() / "out";
+  const std::filesystem::path err = streams.path() / "err";
+  std::vector<std::string> words = {LORICA_COMMAND};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+
+  const pid_t child = fork();
+  if (child == 0) becomeLorica(pointers.data(), surroundings, out.c_str(), err.c_str());
+  if (surroundings.interruptAfterMs > 0) {
+    usleep(static_cast<useconds_t>(surroundings.interruptAfterMs) * 1000);
+    kill(child, SIGINT);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  CommandResult result;
+  result.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.out = contentOf(out);
+  result.err = contentOf(err);
+  return result;
+}
+
+std::vector<std::string> filesIn(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace lorica::test
