@@ -32,7 +32,7 @@ struct ArmSection {
 };
 
 constexpr ArmSection kArm[] = {
-    {0.205, 1.409, -0.018, 0.048, 0.053, 0.055, 0.058, kLeftShoulder, kLeftUpperArm, 0.90},  // deltoid
+    {0.205, 1.409, -0.018, 0.048, 0.053, 0.055, 0.058, kLeftShoulder, kLeftUpperArm, 0.76},  // deltoid
     {0.290, 1.409, -0.019, 0.043, 0.047, 0.046, 0.046, kLeftUpperArm, kLeftLowerArm, 0.0},   // biceps, triceps
     {0.400, 1.409, -0.021, 0.037, 0.037, 0.039, 0.040, kLeftUpperArm, kLeftLowerArm, 0.05},
     {0.455, 1.409, -0.022, 0.036, 0.035, 0.036, 0.039, kLeftUpperArm, kLeftLowerArm, 0.5},   // elbow
@@ -53,17 +53,17 @@ constexpr int kThumbSide = 2;  ///< ... on the front
   return {s.x, s.y + up * (up > 0.0 ? s.up : s.down), s.z + front * (front > 0.0 ? s.front : s.back)};
 }
 
-/// A finger from its knuckle: lengths of the phalanges, radii at web, middle joints and tip.
+/// A finger: its last phalanx's length, its radii beyond the web, at both middle joints and at the tip. [m]
 struct Finger {
   HumanBone proximal;
-  double length[3];
+  double lastLength;
   double radius[4];
 };
 constexpr Finger kFingers[4] = {
-    {kLeftIndexProximal, {0.042, 0.025, 0.023}, {0.0096, 0.0088, 0.0079, 0.0060}},
-    {kLeftMiddleProximal, {0.046, 0.029, 0.024}, {0.0098, 0.0090, 0.0081, 0.0062}},
-    {kLeftRingProximal, {0.042, 0.027, 0.023}, {0.0094, 0.0086, 0.0077, 0.0059}},
-    {kLeftLittleProximal, {0.033, 0.020, 0.020}, {0.0084, 0.0076, 0.0068, 0.0052}},
+    {kLeftIndexProximal, 0.023, {0.0096, 0.0088, 0.0079, 0.0060}},
+    {kLeftMiddleProximal, 0.024, {0.0098, 0.0090, 0.0081, 0.0062}},
+    {kLeftRingProximal, 0.023, {0.0094, 0.0086, 0.0077, 0.0059}},
+    {kLeftLittleProximal, 0.020, {0.0084, 0.0076, 0.0068, 0.0052}},
 };
 constexpr double kWebDistance = 0.027;  ///< from the knuckle to the first free ring
 
@@ -97,7 +97,7 @@ void addFinger(HalfCage& cage, HalfCage::Ring ring, const Finger& finger) {
       {joints[0] + web * along[0], along[0], {{bones[0], 1.0}}},
       {joints[1], along[1], between(bones[0], bones[1], 0.5)},
       {joints[2], along[2], between(bones[1], bones[2], 0.5)},
-      {joints[2] + (finger.length[2] - 0.004) * along[2], along[2], {{bones[2], 1.0}}},
+      {joints[2] + (finger.lastLength - 0.004) * along[2], along[2], {{bones[2], 1.0}}},
   };
   for (int i = 0; i < 4; ++i) {
     const HalfCage::Ring next =

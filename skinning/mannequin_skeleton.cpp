@@ -1,7 +1,5 @@
 #include "skinning/mannequin_skeleton.h"
 
-#include <algorithm>
-
 namespace lorica {
 
 namespace {
@@ -105,7 +103,6 @@ Skeleton makeMannequinSkeleton() {
   for (const Placement& p : kPlacements) {
     if (mirrored(p.bone) != p.bone) add(mirrored(p.bone), mirrored(p.parent));
   }
-  // The root stands where its rest translation says; the hips' x and z are kept, so that T-pose needs no offset.
   Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
   CHECK(skeleton.ok(), "the mannequin's bones are listed parents first");
   return std::move(*skeleton);

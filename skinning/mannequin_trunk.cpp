@@ -24,7 +24,7 @@ struct Section {
 
 // From the hip crease up to the hollow of the neck.
 constexpr Section kTrunk[] = {
-    {0.842, 0.892, 0.848, 0.170, 0.080, -0.090, -0.012, 0.86},  // hip crease, gluteal cleft
+    {0.838, 0.892, 0.848, 0.170, 0.072, -0.090, -0.012, 0.86},  // hip crease, gluteal cleft
     {0.940, 0.950, 0.935, 0.160, 0.098, -0.110, -0.012, 0.90},  // widest part of the pelvis
     {1.020, 1.020, 1.015, 0.143, 0.100, -0.096, -0.008, 0.93},  // iliac crest
     {1.095, 1.095, 1.095, 0.129, 0.096, -0.084, -0.003, 0.96},  // waist
@@ -100,10 +100,10 @@ constexpr double kCollarShare[4][kColumns] = {{0.0, 0.0, 0.04, 0.08, 0.08, 0.08,
                                               {0.0, 0.0, 0.12, 0.25, 0.0, 0.25, 0.15, 0.05, 0.0},
                                               {0.0, 0.05, 0.22, 0.40, 0.0, 0.40, 0.25, 0.08, 0.0},
                                               {0.0, 0.08, 0.30, 0.55, 0.60, 0.55, 0.35, 0.10, 0.0}};
-constexpr double kUpperArmShare[4][kColumns] = {{0.0, 0.0, 0.0, 0.14, 0.22, 0.14, 0.0, 0.0, 0.0},
-                                                {0.0, 0.0, 0.03, 0.25, 0.0, 0.25, 0.04, 0.0, 0.0},
-                                                {0.0, 0.0, 0.03, 0.28, 0.0, 0.28, 0.04, 0.0, 0.0},
-                                                {0.0, 0.0, 0.0, 0.22, 0.28, 0.22, 0.0, 0.0, 0.0}};
+constexpr double kUpperArmShare[4][kColumns] = {{0.0, 0.0, 0.02, 0.16, 0.28, 0.16, 0.03, 0.0, 0.0},
+                                                {0.0, 0.0, 0.06, 0.30, 0.0, 0.30, 0.06, 0.0, 0.0},
+                                                {0.0, 0.0, 0.06, 0.34, 0.0, 0.34, 0.06, 0.0, 0.0},
+                                                {0.0, 0.0, 0.04, 0.32, 0.38, 0.32, 0.05, 0.0, 0.0}};
 
 [[nodiscard]] BoneWeights trunkWeights(int row, int column, const Vec3& p) {
   BoneWeights weights = spineWeights(p.y());
@@ -203,7 +203,7 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
   };
   openings.arm = {at(8, 4), at(8, 3), at(7, 3), at(6, 3), at(5, 3), at(5, 4), at(5, 5), at(6, 5), at(7, 5), at(8, 5)};
   for (int k = kColumns - 1; k >= 0; --k) openings.leg.push_back(at(0, k));
-  openings.leg.push_back(cage.addPoint({0.0, 0.816, -0.010}, {{kHips, 1.0}}));
+  openings.leg.push_back(cage.addPoint({0.0, 0.812, -0.008}, {{kHips, 1.0}}));
   return openings;
 }
 
