@@ -80,11 +80,11 @@ class LineGrid {
 
   [[nodiscard]] std::pair<int, int> cellRange(double a, double b, double c, int axis) const {
     const auto [low, high] = std::minmax({a, b, c});
-    const double first = std::floor((low - origin_[axis]) / cell_[axis]);
-    const double last = std::floor((high - origin_[axis]) / cell_[axis]);
-    // A cell more on either side: rounding here must not undo the agreement along edges.
-    return {static_cast<int>(std::clamp(first - 1.0, 0.0, static_cast<double>(cells_))),
-            static_cast<int>(std::clamp(last + 1.0, -1.0, static_cast<double>(cells_ - 1)))};
+    // A little more on either side: rounding here must not undo the agreement along edges.
+    const double first = std::floor((low - origin_[axis]) / cell_[axis] - 1e-6);
+    const double last = std::floor((high - origin_[axis]) / cell_[axis] + 1e-6);
+    return {static_cast<int>(std::clamp(first, 0.0, static_cast<double>(cells_))),
+            static_cast<int>(std::clamp(last, -1.0, static_cast<double>(cells_ - 1)))};
   }
 
   int cells_;

@@ -42,16 +42,19 @@ double meanDistance(const TriMesh& mesh, const NearestTriangle& surface, int sam
     area += 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
     areaUpTo.push_back(area);
   }
+  // Within a triangle an additive recurrence (with powers of the plastic number) spreads consecutive points evenly.
+  const double offsetR = randomUnit(seed, 0);
+  const double offsetU = randomUnit(seed, 1);
+  const auto fraction = [](double x) { return x - std::floor(x); };
   double sum = 0.0;
   std::size_t k = 0;
   for (int i = 0; i < samples; ++i) {
-    const auto counter = 3 * static_cast<std::uint64_t>(i);
-    const double at = (i + randomUnit(seed, counter)) * area / samples;
+    const double at = (i + randomUnit(seed, 2 + static_cast<std::uint64_t>(i))) * area / samples;
     while (k + 1 < areaUpTo.size() && areaUpTo[k] <= at) ++k;
     const Triangle& t = mesh.triangles[k];
     // The square root turns a uniform number into the distance from a corner under which equal areas lie.
-    const double r = std::sqrt(randomUnit(seed, counter + 1));
-    const double u = r * randomUnit(seed, counter + 2);
+    const double r = std::sqrt(fraction(offsetR + i * 0.7548776662466927));
+    const double u = r * fraction(offsetU + i * 0.5698402909980532);
     sum += surface.distance((1.0 - r) * mesh.vertices[t[0]] + (r - u) * mesh.vertices[t[1]] + u * mesh.vertices[t[2]]);
   }
   return sum / samples;

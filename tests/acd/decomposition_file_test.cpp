@@ -1,0 +1,273 @@
+#include "acd/decomposition_file.h"
+
+#include "acd/decompose.h"
+#include "geometry/files.h"
+#include "geometry/little_endian.h"
+#include "tests/geometry/allocation_watch.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica {
+namespace {
+
+using test::TemporaryFolder;
+
+/// Two parts of an L-shape by hand, with one cut point that no algorithm made.
+DecompositionFile sample() {
+  DecompositionFile content;
+  content.source = "l-shape.off";
+  content.meshHash = topologyHash(test::makeLShape());
+  content.meanError = 0.125;
+  content.errorPerKeyframe = {0.0, 0.25};
+  Decomposition& d = content.decomposition;
+  d.vertexCount = 12;
+  d.triangleCount = 20;
+  d.cutPoints = {{3, 0, 0.25}, {12, 9, 1.0}};
+  d.cuts = {{0, 1, {0.6, 0.0, 0.8}, -0.5}};
+  d.parts.resize(2);
+  d.parts[0] = {{{0, 1, 12}, {1, 13, 12}, {13, 0, 12}}, {0, 19, -1}, {0, 1, 12, 13}};
+  d.parts[1] = {{{11, 2, 3}}, {7}, {2, 3, 11}};
+  return content;
+}
+
+void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.meshHash, b.meshHash);
+  EXPECT_EQ(a.meanError, b.meanError);
+  EXPECT_EQ(a.errorPerKeyframe, b.errorPerKeyframe);
+  const Decomposition& c = a.decomposition;
+  const Decomposition& d = b.decomposition;
+  EXPECT_EQ(c.vertexCount, d.vertexCount);
+  EXPECT_EQ(c.triangleCount, d.triangleCount);
+  ASSERT_EQ(c.cutPoints.size(), d.cutPoints.size());
+  for (std::size_t i = 0; i < c.cutPoints.size(); ++i) {
+    EXPECT_EQ(c.cutPoints[i].first, d.cutPoints[i].first);
+    EXPECT_EQ(c.cutPoints[i].second, d.cutPoints[i].second);
+    EXPECT_EQ(c.cutPoints[i].lambda, d.cutPoints[i].lambda);
+  }
+  ASSERT_EQ(c.cuts.size(), d.cuts.size());
+  for (std::size_t i = 0; i < c.cuts.size(); ++i) {
+    EXPECT_EQ(c.cuts[i].part, d.cuts[i].part);
+    EXPECT_EQ(c.cuts[i].keyframe, d.cuts[i].keyframe);
+    EXPECT_EQ(c.cuts[i].normal, d.cuts[i].normal);
+    EXPECT_EQ(c.cuts[i].offset, d.cuts[i].offset);
+  }
+  ASSERT_EQ(c.parts.size(), d.parts.size());
+  for (std::size_t i = 0; i < c.parts.size(); ++i) {
+    EXPECT_EQ(c.parts[i].triangles, d.parts[i].triangles);
+    EXPECT_EQ(c.parts[i].sourceTriangle, d.parts[i].sourceTriangle);
+    EXPECT_EQ(c.parts[i].points, d.parts[i].points);
+  }
+  EXPECT_EQ(hashOf(c), hashOf(d));
+}
+
+/// The bytes of a file with the header set right for a payload that a test has changed.
+std::string resealed(std::string bytes) {
+  const std::string payload = bytes.substr(28);
+  bytes.resize(12);
+  appendLittleEndian(static_cast<std::uint64_t>(payload.size()), bytes);
+  appendLittleEndian(contentHash(payload, 1), bytes);
+  return bytes + payload;
+}
+
+/// Bytes of the sample as written.
+std::string sampleBytes() {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(writeDecomposition(folder.path() / "a.lorica", sample()).ok());
+  return *readFile(folder.path() / "a.lorica");
+}
+
+/// What readDecomposition says, less the folder; empty when it succeeds.
+std::string whyNot(const std::string& bytes) {
+  const TemporaryFolder folder;
+  const test::AllocationWatch watch;
+  const auto read = readDecomposition(folder.write("a.lorica", bytes));
+  EXPECT_LT(watch.largest(), 100'000u);
+  if (read.ok()) return "";
+  return read.error().message.substr(folder.path().string().size() + 1);
+}
+
+TEST(HashOf, EveryFieldCounts) {
+  const Decomposition original = sample().decomposition;
+  std::vector<Decomposition> changed(15, original);
+  changed[0].vertexCount++;
+  changed[1].triangleCount++;
+  changed[2].cutPoints[1].first--;
+  changed[3].cutPoints[1].second--;
+  changed[4].cutPoints[0].lambda = std::nextafter(0.25, 1.0);
+  changed[5].cuts[0].part++;
+  changed[6].cuts[0].keyframe++;
+  changed[7].cuts[0].normal.y() = -0.0;
+  changed[8].cuts[0].offset = std::nextafter(-0.5, 0.0);
+  changed[9].parts[1].triangles[0][2]--;
+  changed[10].parts[0].sourceTriangle[2] = 0;
+  changed[11].parts[0].points.pop_back();
+  std::swap(changed[12].parts[0], changed[12].parts[1]);
+  changed[13].parts.pop_back();
+  changed[14].cutPoints.pop_back();
+  std::vector<std::uint64_t> hashes = {hashOf(original), hashOf(Decomposition{})};
+  for (const Decomposition& d : changed) hashes.push_back(hashOf(d));
+  std::sort(hashes.begin(), hashes.end());
+  EXPECT_EQ(std::unique(hashes.begin(), hashes.end()), hashes.end());
+  EXPECT_EQ(hashOf(sample().decomposition), hashOf(original));
+}
+
+TEST(TopologyHash, PositionsDoNotCountButTrianglesAndVertexCountDo) {
+  TriMesh mesh = test::makeLShape();
+  const std::uint64_t hash = topologyHash(mesh);
+  for (Vec3& p : mesh.vertices) p *= 2.0;
+  EXPECT_EQ(topologyHash(mesh), hash);
+  mesh.vertices.emplace_back(0, 0, 0);
+  EXPECT_NE(topologyHash(mesh), hash);
+  mesh.vertices.pop_back();
+  std::swap(mesh.triangles[0], mesh.triangles[1]);
+  EXPECT_NE(topologyHash(mesh), hash);
+}
+
+TEST(DecompositionFile, RoundTripIsExact) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "a.lorica";
+  ASSERT_TRUE(writeDecomposition(file, sample()).ok());
+  const auto read = readDecomposition(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, sample());
+}
+
+TEST(DecompositionFile, RealDecompositionSurvives) {
+  const TriMesh torus = test::makeTorus(2.0, 0.5, 24, 12);
+  DecomposeSettings settings;
+  settings.maxParts = 6;
+  const auto decomposition = decompose(torus, {torus.vertices, static_cast<int>(torus.vertices.size())}, settings);
+  ASSERT_TRUE(decomposition.ok()) << decomposition.error().message;
+  const DecompositionFile content{*decomposition, "torus", topologyHash(torus), 0.5, {0.5}};
+  const TemporaryFolder folder;
+  const auto written = writeDecomposition(folder.path() / "torus.lorica", content);
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  const auto read = readDecomposition(folder.path() / "torus.lorica");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, content);
+}
+
+TEST(DecompositionFile, Version1StillLoads) {
+  // Written by the first Lorica from sample().
+  const auto file = test::recordingsFolder().parent_path() / "tests" / "data" / "version1.lorica";
+  const auto read = readDecomposition(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, sample());
+  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "1c9f466a423ca4e8");
+}
+
+TEST(DecompositionFile, EveryDamagedByteIsRefused) {
+  const std::string bytes = sampleBytes();
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    for (const int flip : {0x01, 0x80, 0xFF}) {
+      std::string damaged = bytes;
+      damaged[at] = static_cast<char>(damaged[at] ^ flip);
+      EXPECT_NE(whyNot(damaged), "") << "byte " << at;
+    }
+  }
+}
+
+TEST(DecompositionFile, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
+  const std::string bytes = sampleBytes();
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    EXPECT_NE(whyNot(bytes.substr(0, length)), "") << length;
+    // Even where someone made the header fit.
+    if (length >= 28) {
+      EXPECT_NE(whyNot(resealed(bytes.substr(0, length))).find("a.lorica: byte "), std::string::npos);
+    }
+  }
+  EXPECT_NE(whyNot(bytes + '\0'), "");
+  EXPECT_EQ(whyNot(resealed(bytes + "xyz")),
+            "a.lorica: byte " + std::to_string(bytes.size()) + ": 3 bytes are left after the last part");
+}
+
+TEST(DecompositionFile, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
+  const std::string bytes = sampleBytes();
+  const TemporaryFolder folder;
+  for (std::size_t at = 28; at < bytes.size(); ++at) {
+    for (const int flip : {0x01, 0x80, 0xFF}) {
+      std::string damaged = bytes;
+      damaged[at] = static_cast<char>(damaged[at] ^ flip);
+      const auto file = folder.write("a.lorica", resealed(damaged));
+      const test::AllocationWatch watch;
+      const auto read = readDecomposition(file);
+      EXPECT_LT(watch.largest(), 100'000u);
+      if (!read.ok()) continue;
+      const Decomposition& d = read->decomposition;
+      ASSERT_EQ(d.parts.size(), d.cuts.size() + 1);
+      for (std::size_t i = 0; i < d.cutPoints.size(); ++i) {
+        ASSERT_LT(std::max(d.cutPoints[i].first, d.cutPoints[i].second), d.vertexCount + static_cast<int>(i));
+        ASSERT_GE(std::min(d.cutPoints[i].first, d.cutPoints[i].second), 0);
+        ASSERT_TRUE(d.cutPoints[i].lambda >= 0.0 && d.cutPoints[i].lambda <= 1.0);
+      }
+      for (const Part& part : d.parts) {
+        ASSERT_EQ(part.sourceTriangle.size(), part.triangles.size());
+        for (const PointIndex p : part.points) ASSERT_TRUE(p >= 0 && p < d.pointCount());
+        for (const std::int32_t s : part.sourceTriangle) ASSERT_TRUE(s >= -1 && s < d.triangleCount);
+      }
+    }
+  }
+}
+
+TEST(DecompositionFile, SaysWhatIsWrong) {
+  const std::string bytes = sampleBytes();
+  // Offsets by docs/LORICA_FILE.md: "l-shape.off" takes 11 bytes, so the count of cut points is at 87, of cuts at
+  // 123, of parts at 167, and the file ends at 243.
+  const auto with = [&](std::size_t at, auto value) {
+    std::string changed = bytes.substr(0, at);
+    appendLittleEndian(value, changed);
+    return resealed(changed + bytes.substr(changed.size()));
+  };
+  std::string newer = bytes;
+  newer[8] = 3;
+  EXPECT_EQ(whyNot("ply\n"), "a.lorica: not a .lorica file: its first 8 bytes are not LORICA, CR, LF");
+  EXPECT_EQ(whyNot(bytes.substr(0, 20)), "a.lorica: ends at byte 20 within the header of 28 bytes");
+  EXPECT_EQ(whyNot(newer),
+            "a.lorica: has format version 3; this Lorica reads versions 1 to 1, a newer one wrote the file");
+  EXPECT_EQ(whyNot(bytes.substr(0, bytes.size() - 5)),
+            "a.lorica: byte 12: announces 215 bytes after the header, 210 are there");
+  EXPECT_EQ(whyNot(with(28, std::uint32_t{4000000000u})),
+            "a.lorica: byte 28: the length of the source's name is 4000000000, which needs 4000000000 bytes or more; "
+            "211 are left");
+  EXPECT_EQ(whyNot(with(51, std::numeric_limits<double>::infinity())),
+            "a.lorica: byte 51: the mean error is inf, expected a finite number");
+  EXPECT_EQ(whyNot(with(79, std::int32_t{-1})),
+            "a.lorica: byte 79: the mesh's vertex count is -1, expected 0 to 2147483647");
+  EXPECT_EQ(whyNot(with(87, std::uint32_t{0x40000000u})),
+            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 17179869184 bytes or more; 152 are "
+            "left");
+  EXPECT_EQ(whyNot(with(91, std::int32_t{12})),
+            "a.lorica: byte 91: a cut point's first end (an older point) is 12, expected 0 to 11");
+  EXPECT_EQ(whyNot(with(99, 1.5)), "a.lorica: byte 99: lambda of cut point 0 is 1.5, expected 0 to 1");
+  EXPECT_EQ(whyNot(with(99, std::nan(""))), "a.lorica: byte 99: lambda of cut point 0 is nan, expected 0 to 1");
+  EXPECT_EQ(whyNot(with(127, std::int32_t{1})), "a.lorica: byte 127: the part that a cut splits is 1, expected 0 to 0");
+  EXPECT_EQ(whyNot(with(135, 0.0)), "a.lorica: byte 135: the normal of cut 0 has length 0.8, expected 1");
+  EXPECT_EQ(whyNot(with(167, std::uint32_t{3})), "a.lorica: byte 167: 3 parts after 1 cuts, expected 2");
+  EXPECT_EQ(whyNot(with(175, std::int32_t{14})), "a.lorica: byte 175: a corner of a part is 14, expected 0 to 13");
+  EXPECT_EQ(whyNot(with(211, std::int32_t{20})), "a.lorica: byte 211: a source triangle is 20, expected -1 to 19");
+  EXPECT_EQ(readDecomposition("/nowhere/a.lorica").error().code, ErrorCode::kNotFound);
+}
+
+TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "a.lorica";
+  DecompositionFile content = sample();
+  content.decomposition.cutPoints[0].first = 13;
+  auto written = writeDecomposition(file, content);
+  ASSERT_FALSE(written.ok());
+  EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument);
+  content = sample();
+  content.decomposition.parts[0].points.pop_back();
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.decomposition.parts[0].sourceTriangle.pop_back();
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(writeDecomposition("/nowhere/a.lorica", sample()).error().code, ErrorCode::kUnwritable);
+}
+
+}  // namespace
+}  // namespace lorica
