@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace lorica {
 namespace {
@@ -15,14 +16,18 @@ constexpr double kHingeFull = 1.05;
 /// How fast a twist may go to another source's [rad/s].
 constexpr double kTwistSpeed = 8.0;
 /// An arm straight up is turned out by this much against the least twist from T-pose: palms forward [rad].
-constexpr double kOverheadTurn = 0.5 * EIGEN_PI;
+constexpr double kOverheadTurn = 0.5 * std::numbers::pi;
 /// Lift of the collar bone under an arm straight up [rad].
 constexpr double kClavicleLift = 0.35;
 /// A foot joint this far above its standing height is on the ground; from the second on it is in the air [m].
 constexpr double kFootGrounded = 0.03;
 constexpr double kFootInAir = 0.15;
-/// Toes may be this far under the floor before they lift the character [m].
-constexpr double kToeSlack = 0.01;
+/// Toes bend up when the ball of the foot is nearer to the floor than the first, not at all above the second [m].
+constexpr double kBallGrounded = 0.02;
+constexpr double kBallInAir = 0.10;
+constexpr double kLargestToeBend = 1.05;
+/// A sole may be this far under the floor before it lifts the character [m].
+constexpr double kSoleSlack = 0.01;
 /// How fast the root may be lifted or lowered to suit the feet [m/s].
 constexpr double kLiftSpeed = 1.5;
 constexpr double kLegRatioSeconds = 1.0;
@@ -38,7 +43,7 @@ Quat about(const Vec3& axis, double angle) {
 
 /// Into [-pi, pi].
 double wrapped(double angle) {
-  return std::remainder(angle, 2.0 * EIGEN_PI);
+  return std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
 /// Rotation angle of q about a unit axis, q's own axis being that one or nearly [rad].
@@ -88,8 +93,7 @@ void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pos
     const Quat worldFromParent =
         parent == kNoJoint ? Quat::Identity() : worldRotation_[static_cast<std::size_t>(parent)];
     pose[j] = joints[j].rest;
-    if (joints[j].bone && *joints[j].bone <= HumanBone::kRightHand && *joints[j].bone != HumanBone::kLeftToes &&
-        *joints[j].bone != HumanBone::kRightToes) {
+    if (joints[j].bone && *joints[j].bone <= HumanBone::kRightHand) {
       worldRotation_[j] = worldFromParent * joints[j].rest.rotation;  // where solve() finds the bone at rest
       const std::optional<Quat> world = solve(*joints[j].bone, joint, person);
       const Quat local = world ? (worldFromParent.conjugate() * *world).normalized() : joints[j].rest.rotation;
@@ -169,6 +173,12 @@ std::optional<Quat> Retargeter::solve(HumanBone bone, JointIndex joint, const Pe
     case B::kRightShoulder:
       orientation = solveClavicle(1, person);
       break;
+    case B::kLeftToes:
+      orientation = solveToes(0, person);
+      break;
+    case B::kRightToes:
+      orientation = solveToes(1, person);
+      break;
     default:
       for (std::size_t i = 0; i < kLimbCount; ++i) {
         const LimbBones& limb = limbs()[i];
@@ -241,7 +251,7 @@ std::optional<Vec3> Retargeter::lowerDirection(std::size_t limb, const Person& p
 Quat Retargeter::twisted(const Quat& least, const Vec3& direction, double wanted, TwistSource source, Twist& twist) {
   // Near half a turn both ways round are the same: stay on the side where the limb is.
   wanted = twist.angle + wrapped(wanted - twist.angle);
-  if (std::abs(wanted) > 1.25 * EIGEN_PI) wanted = wrapped(wanted);
+  if (std::abs(wanted) > 1.25 * std::numbers::pi) wanted = wrapped(wanted);
   if (twist.source == TwistSource::kNone) {
     twist.angle = wanted;
   } else {
@@ -326,6 +336,17 @@ std::optional<Quat> Retargeter::solveFoot(std::size_t limb, const Person& person
   return onShin.slerp(flat, about(Vec3::UnitY(), std::atan2(forward.x(), forward.z())));
 }
 
+/// Toes stay level while the heel lifts off.
+std::optional<Quat> Retargeter::solveToes(std::size_t side, const Person& person) const {
+  const LimbBones& l = limbs()[kFirstLeg + side];
+  if (!person.has(l.endJoint) || !person.has(l.lowerJoint)) return std::nullopt;
+  const Quat foot = shown(l.end);
+  const double ankle = legRatio_ * (person.at(l.endJoint).y() - standingFoot_.value_or(0.0));
+  const double ball = ankle + rig_.restAnkleHeight[side] + (foot * rig_.ballFromAnkle[side]).y();
+  const double pitch = std::asin(std::clamp(-(foot * Vec3::UnitZ()).y(), 0.0, std::sin(kLargestToeBend)));
+  return foot * about(Vec3::UnitX(), -pitch * (1.0 - smoothStep(kBallGrounded, kBallInAir, ball)));
+}
+
 /// The ratio of leg lengths: the median of the first frames that show both legs, approached slowly.
 void Retargeter::measureLegs(const Person& person) {
   using J = BodyJoint;
@@ -376,12 +397,15 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
   std::array<double, 2> footOverRest{};
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t side = 0; side < 2; ++side) {
-    const Vec3 ankle = at(limbs()[kFirstLeg + side].end);
-    footOverRest[side] = ankle.y() - middleHip.y() - rig_.restAnkleHeight[side];
-    lowest = std::min(lowest, footOverRest[side]);
-    const HumanBone toes = side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes;
-    if (rig_.skeleton.jointOf(toes) == kNoJoint) continue;
-    lowest = std::min(lowest, at(toes).y() - middleHip.y() - rig_.restToesHeight[side] + kToeSlack);
+    const LimbBones& leg = limbs()[kFirstLeg + side];
+    const Affine3& foot = worldFromJoint_[static_cast<std::size_t>(rig_.skeleton.jointOf(leg.end))];
+    const JointIndex toesJoint = rig_.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
+    const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[static_cast<std::size_t>(toesJoint)];
+    const RetargetRig::Sole& sole = rig_.sole[side];
+    footOverRest[side] = foot.translation().y() - middleHip.y() - rig_.restAnkleHeight[side];
+    for (const Vec3& point : {Vec3(foot * sole.heel), Vec3(foot * sole.ball), Vec3(toes * sole.tip)}) {
+      lowest = std::min(lowest, point.y() - middleHip.y() + kSoleSlack);
+    }
   }
 
   Vec3 place = Vec3::Zero();
@@ -412,7 +436,7 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
     place = root_ + Vec3(0.0, scaledHeight + footLift_.value_or(0.0), 0.0) + hipsFromMiddle;
   }
   Vec3 shownHips = hold_.rootPlace(person.middleHip.has_value(), place, rig_.restHips);
-  // No foot goes under the floor, whatever is held or eases: legs may straighten while the hips stay low.
+  // No sole goes under the floor, whatever is held or eases: legs may straighten while the hips stay low.
   shownHips.y() = std::max(shownHips.y(), hipsFromMiddle.y() - lowest);
   pose[hips].translation = rig_.hipsParentFromWorld * shownHips;
 }

@@ -23,7 +23,8 @@ namespace lorica {
 /// height puts the lower foot as high above the floor as the person's is above its own standing height, scaled; no
 /// foot is left under the floor.
 ///
-/// Bones whose joints are unknown hold, then ease to rest (ConfidenceHold). Fingers and toes stay at rest.
+/// Bones whose joints are unknown hold, then ease to rest (ConfidenceHold). Fingers stay at rest; toes give way to the
+/// floor.
 /// One instance a person: it remembers. The same frames give the same poses. Allocates nothing per frame.
 class Retargeter {
  public:
@@ -74,6 +75,7 @@ class Retargeter {
   [[nodiscard]] std::optional<Quat> solveUpper(std::size_t limb, const Person& person);
   [[nodiscard]] std::optional<Quat> solveLower(std::size_t limb, const Person& person);
   [[nodiscard]] std::optional<Quat> solveFoot(std::size_t limb, const Person& person) const;
+  [[nodiscard]] std::optional<Quat> solveToes(std::size_t side, const Person& person) const;
   [[nodiscard]] std::optional<Vec3> lowerDirection(std::size_t limb, const Person& person) const;
   [[nodiscard]] Quat twisted(const Quat& least, const Vec3& direction, double wanted, TwistSource source, Twist& twist);
   /// Orientation of a bone in TrackedJoint's sense, as shown in this frame.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace lorica {
 namespace {
@@ -13,6 +14,8 @@ constexpr std::array kNeeded = {HumanBone::kHips,      HumanBone::kLeftUpperArm,
                                 HumanBone::kLeftFoot,  HumanBone::kRightUpperLeg, HumanBone::kRightLowerLeg,
                                 HumanBone::kRightFoot};
 constexpr std::array kSpineBones = {HumanBone::kSpine, HumanBone::kChest, HumanBone::kUpperChest};
+
+constexpr std::array kToes = {HumanBone::kLeftToes, HumanBone::kRightToes};
 
 /// Shorter than this a bone has no direction [m].
 constexpr double kShortestBone = 1e-3;
@@ -65,6 +68,42 @@ Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> place) {
   return {};
 }
 
+double legLengthOf(const RetargetRig& rig, std::span<const Affine3> worldFromJoint, std::size_t side) {
+  const LimbBones& leg = limbs()[kFirstLeg + side];
+  const auto at = [&](HumanBone bone) -> Vec3 {
+    return worldFromJoint[static_cast<std::size_t>(rig.skeleton.jointOf(bone))].translation();
+  };
+  return (at(leg.lower) - at(leg.upper)).norm() + (at(leg.end) - at(leg.lower)).norm();
+}
+
+/// Where the sole is, of which a skeleton says only the joints above it. The floor is y = 0 in the rest pose, unless
+/// that is nowhere near the ankle.
+void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std::size_t side, const Vec3& forward) {
+  // Shares of the distance from ankle to toes, and of the leg, as adults have them.
+  constexpr double kHeelBehind = 0.45;
+  constexpr double kTipAhead = 0.55;
+  constexpr double kToesAhead = 0.16;
+  constexpr double kAnkleHeight = 0.1;
+  constexpr double kHighestAnkle = 0.35;
+  const Skeleton& skeleton = rig.skeleton;
+  const Affine3& foot = worldFromJoint[static_cast<std::size_t>(skeleton.jointOf(limbs()[kFirstLeg + side].end))];
+  const JointIndex toesJoint = skeleton.jointOf(kToes[side]);
+  const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint[static_cast<std::size_t>(toesJoint)];
+  const Vec3 ankle = foot.translation();
+  const double leg = legLengthOf(rig, worldFromJoint, side);
+  const bool floorAtZero = ankle.y() >= 0.0 && ankle.y() < kHighestAnkle * leg;
+  rig.restAnkleHeight[side] = floorAtZero ? ankle.y() : kAnkleHeight * leg;
+
+  Vec3 ahead = toes.translation() - ankle;
+  ahead.y() = 0.0;
+  if (ahead.dot(forward) < kShortestBone) ahead = kToesAhead * leg * forward;
+  const Vec3 under = ankle - Vec3(0.0, rig.restAnkleHeight[side], 0.0);
+  rig.ballFromAnkle[side] = under + ahead - ankle;
+  rig.sole[side].heel = foot.inverse() * Vec3(under - kHeelBehind * ahead);
+  rig.sole[side].ball = foot.inverse() * Vec3(under + ahead);
+  rig.sole[side].tip = toes.inverse() * Vec3(under + (1.0 + kTipAhead) * ahead);
+}
+
 }  // namespace
 
 const std::array<LimbBones, kLimbCount>& limbs() {
@@ -108,7 +147,7 @@ Quat swingBetween(const Vec3& from, const Vec3& to, const Vec3& spare) {
   const double cosine = from.dot(to);
   if (cosine < -1.0 + 1e-9) {
     const Vec3 axis = spare - spare.dot(from) * from;
-    return Quat(Eigen::AngleAxisd(EIGEN_PI, axis.normalized()));
+    return Quat(Eigen::AngleAxisd(std::numbers::pi, axis.normalized()));
   }
   // Half-angle form: w = 1 + cos, v = from x to, both scaled by 2 cos(angle / 2).
   const Vec3 v = from.cross(to);
@@ -198,10 +237,10 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
     set(limb.end, leg ? groundFrame->conjugate() : lowerSwing);
     if (!leg) continue;
     const std::size_t side = i - kFirstLeg;
-    rig.legLength += 0.5 * ((at(limb.lower) - at(limb.upper)).norm() + (at(limb.end) - at(limb.lower)).norm());
-    rig.restAnkleHeight[side] = at(limb.end).y();
-    const HumanBone toes = side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes;
-    if (has(toes)) rig.restToesHeight[side] = at(toes).y();
+    rig.legLength += 0.5 * legLengthOf(rig, worldFromJoint, side);
+    measureFoot(rig, worldFromJoint, side, *groundFrame * Vec3::UnitZ());
+    rig.ballFromAnkle[side] = groundFrame->conjugate() * rig.ballFromAnkle[side];
+    if (has(kToes[side])) set(kToes[side], groundFrame->conjugate());
   }
 
   rig.restHips = at(HumanBone::kHips);

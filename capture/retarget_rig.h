@@ -51,8 +51,13 @@ struct RetargetRig {
   Affine3 hipsParentFromWorld = Affine3::Identity();
   Vec3 restHips = Vec3::Zero();             ///< world [m]
   double legLength = 0.0;                   ///< thigh and shin, mean of both legs [m]
-  std::array<double, 2> restAnkleHeight{};  ///< left, right, world [m]
-  std::array<double, 2> restToesHeight{};   ///< where the skeleton has toes
+  std::array<double, 2> restAnkleHeight{};  ///< left, right, above the character's own floor [m]
+  std::array<Vec3, 2> ballFromAnkle;        ///< from the ankle to the sole under the toes' joint, in T-pose [m]
+  struct Sole {
+    Vec3 heel, ball;  ///< in the foot's joint
+    Vec3 tip;         ///< in the toes' joint; in the foot's where the skeleton has no toes
+  };
+  std::array<Sole, 2> sole;
 
   /// @return the rig, or which humanoid bones are missing, out of order or of no length
   static Result<RetargetRig> create(const Skeleton& skeleton);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <limits>
 
 namespace lorica {
@@ -81,7 +82,7 @@ TEST(ConfidenceHold, ALiveValueOnTheFarSideNeverFlipsTheBlend) {
   for (int i = 1; i < 60; ++i) {
     hold.beginFrame(i * kFrame);
     // Swings to and fro across the point opposite to where the blend began.
-    const Quat now = hold.rotation(0, true, aboutZ(EIGEN_PI + (i % 2 == 0 ? 0.1 : -0.1)));
+    const Quat now = hold.rotation(0, true, aboutZ(std::numbers::pi + (i % 2 == 0 ? 0.1 : -0.1)));
     EXPECT_LE(now.angularDistance(before), settings.returnTurn * kFrame + 1e-9) << i;
     before = now;
   }
