@@ -144,12 +144,12 @@ Performance squatAndReach() {
   Performance p;
   p.seed = 44;
   p.duration = 15.0;
-  const double half = 0.15;
+  const double half = 0.165;
   const Track tiptoe{{6.7, 0.0}, {7.3, degrees(24.0)}, {8.3, degrees(22.0)}, {8.9, 0.0}};
   p.leftFoot = FootPath(standing(kLeft, 0.0, 0.0, 0.0, half), {}, tiptoe);
   p.rightFoot = FootPath(standing(kRight, 0.0, 0.0, 0.0, half), {}, tiptoe);
   p.kneesOut =
-      Track{{0.6, 0.08}, {1.9, 0.32}, {2.6, 0.32}, {3.5, 0.08}, {4.0, 0.08}, {5.2, 0.28}, {5.7, 0.28}, {6.7, 0.06}};
+      Track{{0.6, 0.08}, {1.9, 0.32}, {2.6, 0.32}, {3.5, 0.08}, {4.0, 0.08}, {5.2, 0.34}, {5.7, 0.34}, {6.7, 0.06}};
   //                 down and up          floor and up            tiptoe                  sides
   p.height = Track{{0.6, 0.908}, {1.95, 0.5}, {2.5, 0.5},    {3.5, 0.905}, {4.0, 0.905},  {5.2, 0.53},
                    {5.65, 0.54}, {6.7, 0.90}, {7.35, 0.975}, {8.25, 0.97}, {8.95, 0.902}, {14.0, 0.908}};
@@ -158,7 +158,7 @@ Performance squatAndReach() {
   p.chestPitch = Track{{0.6, 0.03}, {1.9, 0.28}, {2.5, 0.28},   {3.5, 0.02},   {4.0, 0.03}, {5.2, 0.62},
                        {5.7, 0.6},  {6.7, 0.05}, {7.35, -0.14}, {8.25, -0.13}, {9.0, 0.03}};
   p.x = Track{{8.8, 0.0}, {9.7, -0.045}, {10.2, -0.045}, {11.5, 0.045}, {12.0, 0.045}, {13.0, 0.0}};
-  p.z = Track{{6.6, 0.032}, {7.25, 0.10}, {8.3, 0.098}, {8.95, 0.035}};
+  p.z = Track{{6.4, 0.032}, {7.05, 0.10}, {8.5, 0.098}, {9.15, 0.035}};
   p.pelvisRoll = Track{{8.8, 0.0}, {9.7, -0.10}, {10.2, -0.10}, {11.5, 0.10}, {12.0, 0.10}, {13.0, 0.0}};
   p.chestRoll = Track{{8.8, 0.0}, {9.75, -0.42}, {10.2, -0.42}, {11.55, 0.40}, {12.0, 0.40}, {13.1, 0.0}};
   p.chestTwist = Track{{3.9, 0.0},  {5.2, 0.10},   {6.5, 0.0},   {8.8, 0.0}, {9.75, 0.1},
@@ -171,7 +171,7 @@ Performance squatAndReach() {
 
   const Vec3 ahead(-0.02, 0.04, 0.53);  // at shoulder height, leaning forward
   const Vec3 aheadPole(0.6, -1.0, 0.0);
-  const Vec3 floor(-0.05, 0.02, 0.53);
+  const Vec3 floor(-0.10, 0.15, 0.50);
   const Vec3 up(-0.03, 0.53, 0.10);
   const Vec3 upPole(0.9, 0.0, 0.45);
   const auto arm = [&](Side side) {
@@ -182,6 +182,7 @@ Performance squatAndReach() {
         {2.5 + lag, ahead + Vec3(0.0, 0.12, -0.02), aheadPole, 0.7},
         {3.4 + lag, kHang, kHangPole, 0.1},
         {4.05 + lag, kHang, kHangPole, 0.1},
+        {4.5 + lag, {-0.04, -0.05, 0.46}, {0.7, -0.8, 0.1}, 0.2},
         {5.15 + lag, floor, aheadPole, 0.3},
         {5.65 + lag, floor, aheadPole, 0.3},
         {6.45 + lag, {-0.06, -0.05, 0.36}, aheadPole, 0.0},
@@ -189,7 +190,7 @@ Performance squatAndReach() {
         {8.25 + lag, up, upPole, 0.0},
         {9.0 + lag, side == kLeft ? Vec3(0.33, 0.1, 0.3) : Vec3(0.3, 0.25, 0.3), {0.5, -1.0, -0.2}, 0.2}};
     const ArmKey over{0.0, {-0.13, 0.50, 0.08}, {1.0, 0.3, 0.2}, 0.0};
-    const ArmKey along{0.0, {0.06, -0.53, 0.06}, kHangPole, 0.1};
+    const ArmKey along{0.0, {0.24, -0.475, 0.06}, kHangPole, 0.1};
     const ArmKey between{0.0, {0.42, -0.08, 0.28}, {0.2, -1.0, -0.3}, 0.2};
     const auto at = [&](double time, ArmKey key) {
       key.time = time + lag;

@@ -40,10 +40,12 @@ FootPath::FootPath(Placement start, std::vector<Step> steps, Track heelRaise)
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const Step& step = steps_[i];
     constexpr double kInstant = 1e-4;
+    constexpr double kPush = 0.15;  // the toes clear the floor at once [m/s]
     const Vec3 from = plantedAnkle(places_[i], step.lift);
-    const Vec3 fromRate = (from - plantedAnkle(places_[i], step.lift - kInstant)) / kInstant;
+    const Vec3 fromRate = (from - plantedAnkle(places_[i], step.lift - kInstant)) / kInstant + kPush * Vec3::UnitY();
     const Vec3 to = plantedAnkle(step.to, step.land);
-    const Vec3 toRate = (plantedAnkle(step.to, step.land + kInstant) - to) / kInstant;
+    // Coming down, a foot meets the floor with a small impact; easing onto it would look like skating.
+    const Vec3 toRate = (plantedAnkle(step.to, step.land + kInstant) - to) / kInstant - step.touchdown * Vec3::UnitY();
     std::array<std::vector<TrackKey>, 3> keys;
     for (int axis = 0; axis < 3; ++axis) {
       auto& k = keys[static_cast<std::size_t>(axis)];
@@ -77,7 +79,9 @@ FootPose FootPath::at(double time) const {
   const double bump = 4.0 * u * (1.0 - u);
   pose.planted = false;
   pose.ankle = Vec3(swing.x(time), swing.y(time), swing.z(time));
-  if (step.via.empty()) pose.ankle.y() += step.apex * bump * bump * bump;
+  if (step.via.empty()) pose.ankle.y() += step.apex * bump * bump;
+  const double gone = minimumJerk(u);
+  pose.ankle += 4.0 * gone * (1.0 - gone) * step.bow;
   pose.rotation = turned(places_[i].yaw + (step.to.yaw - places_[i].yaw) * minimumJerk(u), pitch_(time), 0.0);
   pose.follow = follow_(time);
   pose.followPitch = followPitch_(time);

@@ -33,6 +33,8 @@ struct Step {
   double landPitch = -0.15;  ///< as the foot meets the floor: below 0 heel first
   double rollTime = 0.2;     ///< the heel rises for so long before lift [s]
   double settleTime = 0.12;  ///< the foot is flat so long after land [s]
+  double touchdown = 0.25;   ///< speed at which the foot comes down [m/s]
+  Vec3 bow = Vec3::Zero();   ///< how far the middle of the way lies beside the straight line [m]
   std::vector<FootVia> via = {};
 };
 

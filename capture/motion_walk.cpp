@@ -148,6 +148,8 @@ Gait planGait(const Loop& loop, const Pace& pace) {
   }
 
   Gait gait;
+  const Vec3 begin = loop.at(0.0);
+  const std::array<Placement, 2> start{standing(kLeft, begin.x(), begin.z()), standing(kRight, begin.x(), begin.z())};
   std::array<std::vector<Step>, 2> steps;
   std::vector<TrackKey> phase{{first - 0.25, 0.0}};
   for (int k = 1; k <= count + 1; ++k) {
@@ -161,18 +163,26 @@ Gait planGait(const Loop& loop, const Pace& pace) {
     const bool lastTwo = k >= count;
     step.to = standing(side, at.x(), at.z(), Loop::heading(fall.s), lastTwo ? 0.09 : 0.068);
     const double swing = pace.speed(0.5 * (step.lift + step.land)) / 1.2;
-    step.apex = closing ? 0.05 : 0.015;
+    step.apex = closing ? 0.05 : 0.03;
     step.offPitch = k == 1 ? 0.45 : closing ? 0.4 : 0.62 * std::clamp(swing, 0.6, 1.0) + 0.12;
     step.landPitch = closing ? -0.03 : -0.33 * std::clamp(swing, 0.5, 1.0);
     step.rollTime = k == 1 ? 0.25 : 0.3;
     step.settleTime = 0.11;
+    if (k >= 2 && !closing) {
+      // In a turn the foot follows the curve; straight ahead it would brush the other leg.
+      const double middle = falls[static_cast<std::size_t>(k - 1)].s;
+      const Vec3 onCurve = loop.at(middle);
+      const Placement aside = standing(side, onCurve.x(), onCurve.z(), Loop::heading(middle), 0.075);
+      const Placement from = steps[side].empty() ? start[side] : steps[side].back().to;
+      step.bow = 0.9 * Vec3(aside.x - 0.5 * (from.x + step.to.x), 0.0, aside.z - 0.5 * (from.z + step.to.z));
+    }
     steps[side].push_back(step);
     phase.push_back({step.land, k - 0.5});
   }
   gait.end = falls.back().land;
   phase.push_back({gait.end + 0.45, count + 1.0});
-  gait.left = FootPath(standing(kLeft, loop.at(0).x(), loop.at(0).z()), steps[kLeft]);
-  gait.right = FootPath(standing(kRight, loop.at(0).x(), loop.at(0).z()), steps[kRight]);
+  gait.left = FootPath(start[kLeft], steps[kLeft]);
+  gait.right = FootPath(start[kRight], steps[kRight]);
   gait.phase = Track(phase);
   return gait;
 }
