@@ -217,7 +217,11 @@ std::optional<Quat> Retargeter::solveHead(const Person& person) const {
   if (person.turnOf(BodyJoint::kHead)) return person.turnOf(BodyJoint::kHead);
   const std::optional<Vec3> direction = person.direction(BodyJoint::kNeck, BodyJoint::kHead);
   if (!direction) return std::nullopt;
-  if (rig_.skeleton.jointOf(HumanBone::kNeck) != kNoJoint) return shown(HumanBone::kNeck);
+  // Trackers put the head elsewhere over the neck than characters have it, so only half of the neck's tilt is looked
+  // at.
+  if (rig_.skeleton.jointOf(HumanBone::kNeck) != kNoJoint) {
+    return shown(rig_.chest).slerp(0.5, shown(HumanBone::kNeck));
+  }
   return pointed(shown(rig_.chest), rig_.neckAxis, *direction, Vec3::UnitX());
 }
 
