@@ -19,7 +19,7 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
   if (options.skin) {
     for (const Vec3& p : scene.vertices) extendFinite(box, p);
   }
-  if (options.hulls) {
+  if (options.hulls && box.empty()) {  // beside a skin, hulls must not move its light
     for (const LivePart& part : scene.parts) {
       for (const Vec3& p : part.hull.vertices) extendFinite(box, p);
     }

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string_view>
 
 namespace lorica {
 namespace {
@@ -23,6 +25,43 @@ void blend(std::uint8_t* pixel, const std::array<int, 3>& color, int coverage) {
   for (std::size_t c = 0; c < 3; ++c) {
     pixel[c] = static_cast<std::uint8_t>((pixel[c] * (255 - coverage) + color[c] * coverage + 127) / 255);
   }
+}
+
+/// CRC-32 of ISO 3309, as PNG uses it.
+std::uint32_t crc32(std::string_view bytes) {
+  static const std::array<std::uint32_t, 256> table = [] {
+    std::array<std::uint32_t, 256> t{};
+    for (std::uint32_t n = 0; n < 256; ++n) {
+      t[n] = n;
+      for (int k = 0; k < 8; ++k) t[n] = (t[n] & 1u) ? 0xedb88320u ^ (t[n] >> 1) : t[n] >> 1;
+    }
+    return t;
+  }();
+  std::uint32_t crc = 0xffffffffu;
+  for (const char c : bytes) crc = table[(crc ^ static_cast<std::uint8_t>(c)) & 0xffu] ^ (crc >> 8);
+  return ~crc;
+}
+
+/// Walks the chunks of a PNG file, because libpng writes its complaints to the console by itself.
+/// @return empty when all are whole, else what is wrong
+std::string damageOf(std::string_view png) {
+  constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
+  if (!png.starts_with(kSignature)) return "not a PNG file";
+  const auto number = [&](std::size_t at) {
+    std::uint32_t n = 0;
+    for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<std::uint8_t>(png[at + i]);
+    return n;
+  };
+  std::size_t at = kSignature.size();
+  while (at + 12 <= png.size()) {
+    const std::size_t length = number(at);
+    if (length > png.size() - at - 12) break;
+    const std::string_view typeAndData = png.substr(at + 4, length + 4);
+    if (crc32(typeAndData) != number(at + 8 + length)) return fmt::format("checksum wrong in the chunk at byte {}", at);
+    if (typeAndData.starts_with("IEND")) return {};
+    at += 12 + length;
+  }
+  return fmt::format("cut off in the chunk at byte {} of {}", at, png.size());
 }
 
 }  // namespace
@@ -51,9 +90,8 @@ Result<void> writePng(const std::filesystem::path& file, const Image& image) {
 Result<Image> readPng(const std::filesystem::path& file) {
   const Result<std::string> content = readFile(file);
   if (!content.ok()) return content.error();
-  constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-  if (!content->starts_with(kSignature)) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: not a PNG file", file.string())};
+  if (const std::string damage = damageOf(content.value()); !damage.empty()) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", file.string(), damage)};
   }
   const cv::utils::logging::LogLevel before = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   cv::Mat decoded;

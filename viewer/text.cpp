@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 #include <utility>
 
 namespace lorica {
@@ -14,6 +15,7 @@ constexpr int kOversampling = 4;
 constexpr double kCapHeight = 22.0;        // of the font at scale 1 [pixels]
 constexpr double kCapPerLine = 0.52;       // capitals take this share of a line
 constexpr double kStrokePerCap = 0.115;    // thickness of a stroke
+constexpr double kTabPerLine = 5.5;        // distance of tab stops
 constexpr double kBaselinePerLine = 0.74;  // from the top of a line
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kLikeness = {{{"\u2013", "-"},
@@ -36,7 +38,7 @@ std::string drawableText(std::string_view utf8) {
   for (std::size_t i = 0; i < utf8.size();) {
     const auto byte = static_cast<unsigned char>(utf8[i]);
     if (byte < 0x80) {
-      ascii += byte == '\n' || (byte >= 0x20 && byte < 0x7f) ? static_cast<char>(byte) : ' ';
+      ascii += byte == '\n' || byte == '\t' || (byte >= 0x20 && byte < 0x7f) ? static_cast<char>(byte) : ' ';
       ++i;
       continue;
     }
@@ -71,17 +73,28 @@ TextMask drawText(std::string_view text, int lineHeight) {
   const double scale = cap / kCapHeight;
   const int stroke = std::max(1, static_cast<int>(kStrokePerCap * cap + 0.5));
   int width = 0;
-  for (const std::string& l : lines) {
-    int baseline = 0;
-    width = std::max(width, cv::getTextSize(l, kFont, scale, stroke, &baseline).width);
+  struct Piece {
+    std::string text;
+    int x, row;
+  };
+  std::vector<Piece> pieces;
+  for (std::size_t row = 0; row < lines.size(); ++row) {
+    std::stringstream cells(lines[row]);
+    std::string cell;
+    for (int column = 0; std::getline(cells, cell, '\t'); ++column) {
+      int baseline = 0;
+      const int x = column * static_cast<int>(kTabPerLine * line);
+      width = std::max(width, x + cv::getTextSize(cell, kFont, scale, stroke, &baseline).width);
+      pieces.push_back({cell, x, static_cast<int>(row)});
+    }
   }
   TextMask mask;
   mask.width = (width + 2 * stroke + kOversampling - 1) / kOversampling;
   mask.height = static_cast<int>(lines.size()) * line / kOversampling;
   cv::Mat large(mask.height * kOversampling, mask.width * kOversampling, CV_8U, cv::Scalar(0));
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const int y = static_cast<int>(i) * line + static_cast<int>(kBaselinePerLine * line);
-    cv::putText(large, lines[i], {stroke, y}, kFont, scale, cv::Scalar(255), stroke, cv::LINE_AA);
+  for (const Piece& piece : pieces) {
+    const cv::Point place(stroke + piece.x, piece.row * line + static_cast<int>(kBaselinePerLine * line));
+    cv::putText(large, piece.text, place, kFont, scale, cv::Scalar(255), stroke, cv::LINE_AA);
   }
   mask.coverage.resize(static_cast<std::size_t>(mask.width) * mask.height);
   cv::Mat small(mask.height, mask.width, CV_8U, mask.coverage.data());

@@ -16,8 +16,8 @@ struct TextMask {
   std::vector<std::uint8_t> coverage;
 };
 
-/// Draws lines of text (separated by '\n') with OpenCV's Hershey strokes, which need no font file. They know ASCII;
-/// common typographic signs are replaced by their ASCII likeness and the rest by '?'.
+/// Draws lines of text (separated by '\n'; '\t' goes to the next tab stop) with OpenCV's Hershey strokes, which need no
+/// font file. They know ASCII; common typographic signs are replaced by their ASCII likeness and the rest by '?'.
 /// @param lineHeight  distance of two base lines [pixels], at least 6
 [[nodiscard]] TextMask drawText(std::string_view text, int lineHeight);
 

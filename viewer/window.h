@@ -3,14 +3,14 @@
 #include "viewer/renderer.h"
 #include "viewer/scene.h"
 
-#include <functional>
 #include <memory>
 #include <string>
 
 namespace lorica {
 
-/// A GLFW window that shows scenes: orbit camera (left drag), zoom (wheel), keys: space pause, N single step,
-/// 1 skin, 2 hulls, 3 bones, 4 props, P screenshot, R camera reset, H help, Esc close.
+/// A GLFW window that shows scenes. Mouse: left drag orbits, right drag pans, the wheel zooms. Keys: space pause,
+/// N single step, 1 skin, 2 hulls, 3 bones, 4 props, 5 contacts, 6 ground, C skin colours, P screenshot into the
+/// working directory, R camera reset, H help, Esc close. One at a time, used from the main thread.
 class Window {
  public:
   /// @return the window, or kNoDisplay with what to do: run without --window, snapshots need no display
@@ -22,8 +22,13 @@ class Window {
   [[nodiscard]] bool open() const;
   /// Whether the simulation should advance this turn (not paused, or a single step was asked for).
   [[nodiscard]] bool wantsStep();
-  /// Draws, presents, polls input. @param options  the caption; what is shown follows the keys
+  /// Draws, presents, polls input. @param caption  the line at the lower left; what else is shown follows the keys
   void show(const Scene& scene, const std::string& caption);
+
+  /// What is shown at first, before any key.
+  void setOptions(const SceneOptions& options);
+  /// Where the camera starts and what R returns to.
+  void setCamera(const Camera& camera);
 
  private:
   struct Impl;
