@@ -22,6 +22,8 @@ constexpr std::array<Pass, 3> kPasses = {Pass::kLit, Pass::kShadow, Pass::kConta
 /// Skins with fewer triangles look shadows up for each pixel: theirs are too coarse to do so for each vertex.
 constexpr std::size_t kFineTriangles = 8000;
 
+constexpr float kContactSoftness = 0.05f;  // standard deviation [m]
+
 std::size_t at(Pass pass) {
   return static_cast<std::size_t>(pass);
 }
@@ -95,7 +97,7 @@ struct Renderer::Impl {
 
   GLsizei uploadSkin(const Scene& scene, const SceneOptions& options);
   void drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hullCount);
-  void drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount);
+  void drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide);
   void drawProps(Pass pass);
   void drawFloor(const FrameSetup& setup);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
@@ -309,7 +311,7 @@ void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hull
 }
 
 /// Nearness to the floor of whatever is lowest over each place, blurred in both directions.
-void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount) {
+void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[0]);
   gl.Viewport(0, 0, Targets::kContactSize, Targets::kContactSize);
   gl.ClearColor(0, 0, 0, 0);
@@ -324,11 +326,13 @@ void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount
   gl.UseProgram(blurProgram);
   gl.BindVertexArray(emptyVertexArray);
   gl.ActiveTexture(GL_TEXTURE0);
-  constexpr float kStep = 1.0f / Targets::kContactSize;
+  // The filter's own deviation is 1.41 texels; taps farther apart than three texels would show.
+  const float texel = 2.0f * contactHalfSide / Targets::kContactSize;
+  const float step = std::clamp(kContactSoftness / (1.41f * texel), 1.0f, 3.0f) / Targets::kContactSize;
   for (const int from : {0, 1}) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[1 - from]);
     gl.BindTexture(GL_TEXTURE_2D, targets.contactMap[from]);
-    gl.Uniform4f(blurStride, from == 0 ? kStep : 0.0f, from == 0 ? 0.0f : kStep, 0.0f, 0.0f);
+    gl.Uniform4f(blurStride, from == 0 ? step : 0.0f, from == 0 ? 0.0f : step, 0.0f, 0.0f);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 }
@@ -458,7 +462,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.CullFace(GL_FRONT);
   i.drawCasters(Pass::kShadow, skinIndexCount, hullCount);
   gl.Disable(GL_CULL_FACE);
-  if (options.ground) i.drawContactShadow(skinIndexCount, hullCount);
+  if (options.ground) i.drawContactShadow(skinIndexCount, hullCount, setup.uniforms.contactArea.z());
 
   // Opaque things, near before far: what they cover is not shaded again.
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);

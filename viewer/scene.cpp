@@ -23,13 +23,14 @@ Vec3 linearFromOklch(double lightness, double chroma, double hue) {
 
 Vec3f partColor(PartIndex part) {
   // Four steps of lightness; within each, 32 parts spread over the circle of hues. The angle was searched for: the
-  // nearest two of 32 colours are 0.077 apart in OKLab, and neighbours in order 0.2.
-  constexpr std::array<double, 4> kLightness = {0.70, 0.55, 0.82, 0.62};
+  // nearest two of 32 colours are 0.06 apart in OKLab (0.02 is just noticeable), neighbours in order 0.24.
+  constexpr std::array<double, 4> kLightness = {0.74, 0.62, 0.84, 0.68};
   constexpr std::array<double, 4> kChroma = {0.14, 0.14, 0.11, 0.14};
-  constexpr double kStep = 101.0 * std::numbers::pi / 180.0;
+  constexpr double kStep = 140.0 * std::numbers::pi / 180.0;
+  constexpr double kYellow = 1.83;  // lighter there and darker in the blues, or yellow looks like mud
   const auto i = static_cast<std::uint32_t>(part);
-  const double hue = 1.0 + kStep * i;
-  const double lightness = kLightness[i % 4];
+  const double hue = 4.0 + kStep * i;
+  const double lightness = kLightness[i % 4] + 0.05 * std::cos(hue - kYellow);
   Vec3 color = Vec3::Zero();
   for (double chroma = kChroma[i % 4]; chroma > 0.0; chroma -= 0.01) {
     color = linearFromOklch(lightness, chroma, hue);

@@ -27,7 +27,7 @@ TEST(PartColor, ThirtyTwoPartsCanBeToldApart) {
     EXPECT_LE(color.maxCoeff(), 1.0f);
     for (int j = 0; j < i; ++j) nearest = std::min(nearest, (oklab(color) - oklab(partColor(j))).norm());
   }
-  EXPECT_GT(nearest, 0.07);  // a just noticeable difference is about 0.02
+  EXPECT_GT(nearest, 0.05);  // a just noticeable difference is about 0.02
 }
 
 TEST(PartColor, NeighboursInOrderDifferStrongly) {
