@@ -47,8 +47,9 @@ int main(int argc, char** argv) {
     fmt::print("{}", kUsage);
     return 0;
   }
-  if (argc != 2 || argv[1][0] == '-' || argv[1][0] == '\0') {
-    return fail(fmt::format("found {} arguments, expected one folder; see --help", argc - 1));
+  if (argc != 2) return fail(fmt::format("found {} arguments, expected one folder; see --help", argc - 1));
+  if (argv[1][0] == '-' || argv[1][0] == '\0') {
+    return fail(fmt::format("found \"{}\", expected a folder; see --help", argv[1]));
   }
   const std::filesystem::path folder = argv[1];
   std::error_code trouble;

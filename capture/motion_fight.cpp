@@ -1,6 +1,7 @@
 #include "capture/motion_clips.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace lorica::motion {
 
@@ -83,7 +84,7 @@ Performance punchAndKick() {
                   {9.2, 0.868}, {10.1, 0.885}, {10.5, 0.9},   {11.05, 0.865}, {11.3, 0.85},  {11.8, 0.866},
                   {12.3, 0.88}, {13.3, 0.912}};
   // The small bounce of someone on the balls of the feet.
-  p.height = [=](double t) { return low(t) + 0.005 * ready(t) * std::sin(2.0 * 3.14159265358979 * 1.9 * t); };
+  p.height = [=](double t) { return low(t) + 0.005 * ready(t) * std::sin(2.0 * std::numbers::pi * 1.9 * t); };
 
   // Yaw of the hips [degrees]: guard -28; a jab turns them right, a cross left, a hook sharply right.
   std::vector<TrackKey> hips{{0.9, 0},    {1.7, -28},  {2.05, -26}, {2.28, -36}, {2.55, -27}, {2.78, -36},
@@ -107,11 +108,8 @@ Performance punchAndKick() {
       Track{{0.9, 0.03}, {1.8, 0.16}, {6.1, 0.16}, {6.4, 0.20}, {6.62, 0.24}, {7.2, 0.16}, {12.2, 0.14}, {13.3, 0.03}};
   p.chestRoll = Track{{3.6, 0.0}, {3.92, -0.10}, {4.22, 0.06}, {4.7, 0.0}, {9.8, 0.0}, {10.5, 0.12}, {11.2, 0.0}};
   p.headPitch = Track{{0.9, 0.0}, {1.8, 0.16}, {12.2, 0.14}, {13.3, 0.02}};
-  p.headYaw = [=](double t) {
-    static const Track look{{1.0, 0.0}, {1.8, -4}, {3.12, 2},  {4.2, -8}, {4.8, 3},
-                            {6.6, 0},   {10.5, 8}, {11.2, -4}, {13.3, 0}};
-    return degrees(look(t));
-  };
+  const Track look{{1.0, 0.0}, {1.8, -4}, {3.12, 2}, {4.2, -8}, {4.8, 3}, {6.6, 0}, {10.5, 8}, {11.2, -4}, {13.3, 0}};
+  p.headYaw = [=](double t) { return degrees(look(t)); };
   p.headRoll = Track{{3.7, 0.0}, {3.92, -0.05}, {4.3, 0.05}, {4.9, 0.0}, {10.0, 0.0}, {10.5, -0.14}, {11.1, 0.0}};
   p.kneesOut = Track{{0.9, 0.08}, {1.8, 0.12}, {12.0, 0.12}, {13.2, 0.08}};
 

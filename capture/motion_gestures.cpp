@@ -48,32 +48,27 @@ Performance wave() {
                                     {7.5, high, highPole},
                                     {8.45, {0.12, -0.525, 0.08}, kHangPole},
                                     {8.85, kHang, kHangPole}});
-  const auto waving = [](const ArmCurve& arm, Curve forearm, Curve whole) -> ArmCurve {
-    return [=](double t) {
-      ArmPose a = arm(t);
-      // The hand lags the forearm, the upper arm gives way a little.
-      a.elbow += forearm(t);
-      a.swing.z() += whole(t) - 0.12 * forearm(t - 0.05);
-      a.bend += 0.0;
-      a.twist += 0.5 * forearm(t - 0.06);
-      return a;
-    };
+  p.rightArm = [=](double t) {
+    // The upper arm gives way a little and the hand lags the forearm.
+    ArmPose a = right(t);
+    a.elbow += one(t);
+    a.swing.z() += both(t) - 0.12 * one(t - 0.05);
+    a.twist += 0.5 * one(t - 0.06);
+    return a;
   };
-  const Curve none = Track(0.0);
-  p.rightArm = waving(right, one, [=](double t) { return both(t); });
-  p.leftArm = waving(left, none, [=](double t) { return both(t + 0.02); });
+  p.leftArm = [=](double t) {
+    ArmPose a = left(t);
+    a.swing.z() += both(t + 0.02);
+    return a;
+  };
 
   p.pelvisRoll = Track{{0.7, 0.0}, {1.6, -0.035}, {4.1, -0.03}, {4.9, 0.0}};
-  p.chestRoll = [=](double t) {
-    static const Track lean{{0.6, 0.0}, {1.5, -0.06}, {4.2, -0.05}, {5.0, 0.0}};
-    return lean(t) + 0.06 * one(t - 0.08) + 0.10 * both(t - 0.05) * 0.0;
-  };
+  const Track lean{{0.6, 0.0}, {1.5, -0.06}, {4.2, -0.05}, {5.0, 0.0}};
+  p.chestRoll = [=](double t) { return lean(t) + 0.06 * one(t - 0.08); };
   p.chestPitch = Track{{4.5, 0.03}, {5.15, 0.12}, {5.8, -0.05}, {7.5, -0.04}, {8.2, 0.06}, {8.9, 0.03}};
   p.chestTwist = Track{{0.7, 0.0}, {1.6, 0.05}, {4.2, 0.05}, {5.0, 0.0}};
-  p.headRoll = [=](double t) {
-    static const Track tilt{{0.9, 0.0}, {1.7, 0.10}, {4.1, 0.08}, {5.0, 0.0}, {6.0, -0.04}, {7.5, 0.03}, {8.6, 0.0}};
-    return tilt(t) - 0.05 * one(t - 0.1);
-  };
+  const Track tilt{{0.9, 0.0}, {1.7, 0.10}, {4.1, 0.08}, {5.0, 0.0}, {6.0, -0.04}, {7.5, 0.03}, {8.6, 0.0}};
+  p.headRoll = [=](double t) { return tilt(t) - 0.05 * one(t - 0.1); };
   p.headYaw = Track{{0.2, 0.12}, {0.9, 0.0}, {4.6, 0.0}, {5.2, 0.03}, {8.6, 0.0}, {9.5, -0.06}};
   p.headPitch = Track{{0.2, 0.08}, {0.9, -0.03}, {4.4, -0.02}, {5.1, 0.05}, {5.8, -0.10}, {7.5, -0.08}, {8.6, 0.02}};
   return p;

@@ -131,7 +131,9 @@ Gait planGait(const Loop& loop, const Pace& pace) {
   const double stride = Loop::kLength / count;
   for (int k = 0; k <= count + 1; ++k) {
     const double s = std::min(k * stride, Loop::kLength);
-    falls.push_back({s, pace.when(s - 0.29), pace.when(std::min(s + 0.45, Loop::kLength - 0.03))});
+    // The last long stance ends early, before the slowing body leaves its foot too far behind.
+    const double lift = k == count - 1 ? s + 0.37 : s + 0.45;
+    falls.push_back({s, pace.when(s - 0.29), pace.when(std::min(lift, Loop::kLength - 0.03))});
   }
   // From standing, the right foot goes first and the weight is already over the left one.
   const double first = pace.when(0.02);

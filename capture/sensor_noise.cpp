@@ -71,14 +71,16 @@ void addJitter(std::vector<SkeletonFrame>& frames, SeededRandom& random) {
 void lose(std::vector<SkeletonFrame>& frames, std::initializer_list<BodyJoint> joints, int begin, int lostBegin,
           int lostEnd, int end, SeededRandom& random) {
   for (const BodyJoint j : joints) {
-    const Vec3 drift(random.uniform(-1.0, 1.0), random.uniform(-1.0, 0.6), random.uniform(-1.0, 1.0));
+    // Braces: their order of evaluation is fixed, that of a call's arguments is not.
+    const std::array<double, 3> n{random.uniform(-1.0, 1.0), random.uniform(-1.0, 0.6), random.uniform(-1.0, 1.0)};
+    const Vec3 drift(n[0], n[1], n[2]);
     Vec3 lastGuess = Vec3::Zero();
     for (int f = begin; f < end; ++f) {
       TrackedJoint& joint = frames[static_cast<std::size_t>(f)][j];
       if (f < lostBegin || f >= lostEnd) {
         // A guess strays by up to 4 cm, more the closer to the loss.
         const double closeness =
-            f < lostBegin ? (f - begin + 1.0) / (lostBegin - begin) : (end - f) / (end - lostEnd + 0.0);
+            f < lostBegin ? (f - begin + 1.0) / (lostBegin - begin) : (end - f + 0.0) / (end - lostEnd);
         joint.position += 0.04 * closeness * drift;
         joint.confidence = 0.5;
         lastGuess = joint.position;
