@@ -21,6 +21,19 @@ Vec3 linearFromOklch(double lightness, double chroma, double hue) {
 
 }  // namespace
 
+PartedSkin makePartedSkin(const Decomposition& decomposition) {
+  PartedSkin skin;
+  for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
+    const Part& part = decomposition.parts[p];
+    for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+      if (part.sourceTriangle[i] < 0) continue;  // caps lie inside the body
+      skin.triangles.push_back(part.triangles[i]);
+      skin.partOfTriangle.push_back(static_cast<PartIndex>(p));
+    }
+  }
+  return skin;
+}
+
 Vec3f partColor(PartIndex part) {
   // Four steps of lightness; within each, 32 parts spread over the circle of hues. The angle was searched for: the
   // nearest two of 32 colours are 0.06 apart in OKLab (0.02 is just noticeable), neighbours in order 0.24.

@@ -44,6 +44,14 @@ struct Camera {
   double verticalFov = 0.6;  ///< [rad]
 };
 
+/// The skin cut along the parts' borders, over LiveBody::points(): as Scene::triangles and partOfTriangle it shows
+/// borders where the cuts run, not along the mesh's edges.
+struct PartedSkin {
+  std::vector<Triangle> triangles;
+  std::vector<PartIndex> partOfTriangle;
+};
+[[nodiscard]] PartedSkin makePartedSkin(const Decomposition& decomposition);
+
 /// Distinct colour of a part, the same in every picture; linear RGB.
 [[nodiscard]] Vec3f partColor(PartIndex part);
 

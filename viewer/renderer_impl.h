@@ -1,0 +1,97 @@
+#pragma once
+
+#include "viewer/gpu.h"
+#include "viewer/overlay_mesh.h"
+#include "viewer/prop_mesh.h"
+#include "viewer/renderer.h"
+#include "viewer/shaders.h"
+#include "viewer/skin_mesh.h"
+#include "viewer/targets.h"
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+struct FrameSetup;
+
+struct MarkerVertex {
+  Vec3f center;
+  Eigen::Vector2f corner;
+};
+
+/// One shape of prop on the GPU.
+struct PropShapeGpu {
+  GLuint vertexArray = 0;
+  GLsizei indexCount = 0;
+  StreamBuffer instanceBuffer;
+  std::vector<PropInstance> instances;
+};
+
+/// A text panel as a texture, drawn anew only when its text or size changes.
+struct PanelGpu {
+  GLuint texture = 0;
+  std::string text;
+  int lineHeight = 0;
+  int width = 0;
+  int height = 0;
+};
+
+inline std::size_t passIndex(shaders::Pass pass) {
+  return static_cast<std::size_t>(pass);
+}
+inline GLsizei glCount(std::size_t n) {
+  return static_cast<GLsizei>(n);
+}
+
+/// What a Renderer keeps: built once by renderer_setup.cpp, filled and drawn by renderer_passes.cpp in the order that
+/// renderer.cpp sets.
+struct Renderer::Impl {
+  explicit Impl(const GlFunctions& functions) : gpu(functions), gl(gpu.gl) {}
+
+  Gpu gpu;
+  const GlFunctions& gl;
+  Targets targets;
+
+  std::array<GLuint, 3> skinProgram{}, propProgram{};  // by Pass
+  GLuint coarseSkinProgram = 0;
+  GLuint skyProgram = 0, farFloorProgram = 0, nearFloorProgram = 0, overlayProgram = 0, markerProgram = 0;
+  GLuint blurProgram = 0, panelProgram = 0;
+  GLint blurStride = -1, markerTint = -1, panelRectangle = -1;
+  GLuint frameBlock = 0, emptyVertexArray = 0;
+
+  SkinMesh skin;
+  GLuint skinVertexArray = 0;
+  StreamBuffer skinVertices, skinColors;
+  GLuint skinIndices = 0;
+
+  OverlayMesh overlay;
+  GLuint hullVertexArray = 0, boneVertexArray = 0;
+  StreamBuffer hullBuffer, boneBuffer;
+
+  std::array<PropShapeGpu, 2> propShapes;
+  GLuint skyVertexArray = 0, floorVertexArray = 0, markerVertexArray = 0;
+  GLsizei skyIndexCount = 0;
+  StreamBuffer floorBuffer, markerBuffer;
+  std::vector<MarkerVertex> markers;
+  PanelGpu caption, panel;
+
+  Result<void> createPrograms();
+  void createMeshes();
+  void attribute(GLuint index, GLint size, GLenum type, GLboolean normalized, std::size_t stride, std::size_t at);
+  void overlayAttributes(GLuint vertexArray, const StreamBuffer& buffer);
+  void createSky();
+  void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
+
+  GLsizei uploadSkin(const Scene& scene, const SceneOptions& options);
+  void drawCasters(shaders::Pass pass, GLsizei skinIndexCount, GLsizei hullCount);
+  void drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide);
+  void drawProps(shaders::Pass pass);
+  void drawFloor(const FrameSetup& setup);
+  GLsizei uploadMarkers(std::span<const Contact> contacts);
+  void drawPanel(PanelGpu& target, const std::string& text, bool top);
+};
+
+}  // namespace lorica

@@ -1,0 +1,153 @@
+#include "viewer/frame_setup.h"
+#include "viewer/renderer_impl.h"
+#include "viewer/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using shaders::Pass;
+constexpr float kContactSoftness = 0.05f;  // standard deviation of the contact shadow's blur [m]
+
+}  // namespace
+
+GLsizei Renderer::Impl::uploadSkin(const Scene& scene, const SceneOptions& options) {
+  if (!options.skin || scene.triangles.empty()) return 0;
+  const bool changed = skin.update(scene.vertices, scene.triangles, scene.partOfTriangle);
+  gl.BindVertexArray(skinVertexArray);
+  gpu.upload(skinVertices, skin.vertices());
+  if (changed) {
+    gpu.upload(skinColors, skin.colors());
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(skin.indices().size() * sizeof(std::uint32_t)),
+                  skin.indices().data(), GL_STATIC_DRAW);
+  }
+  if (options.colorSkinByPart) {
+    gl.EnableVertexAttribArray(2);
+  } else {
+    const Vec3f clay = SkinMesh::clay();
+    gl.DisableVertexAttribArray(2);
+    gl.VertexAttrib3f(2, clay.x(), clay.y(), clay.z());
+  }
+  return glCount(skin.indices().size());
+}
+
+GLsizei Renderer::Impl::uploadMarkers(std::span<const Contact> contacts) {
+  markers.clear();
+  for (const Contact& contact : contacts) {
+    const Vec3f center = contact.point.cast<float>();
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+      markers.push_back({center, {static_cast<float>(x), static_cast<float>(y)}});
+    }
+  }
+  if (!markers.empty()) gpu.upload(markerBuffer, markers);
+  return glCount(markers.size());
+}
+
+void Renderer::Impl::drawProps(Pass pass) {
+  gl.UseProgram(propProgram[passIndex(pass)]);
+  for (const PropShapeGpu& shape : propShapes) {
+    if (shape.instances.empty()) continue;
+    gl.BindVertexArray(shape.vertexArray);
+    gl.DrawElementsInstanced(GL_TRIANGLES, shape.indexCount, GL_UNSIGNED_INT, nullptr, glCount(shape.instances.size()));
+  }
+}
+
+/// What casts shadows: the skin, or the hulls where no skin is shown, and the props.
+void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hullCount) {
+  gl.UseProgram(skinProgram[passIndex(pass)]);
+  if (skinIndexCount > 0) {
+    if (!skin.closed()) gl.Disable(GL_CULL_FACE);
+    gl.BindVertexArray(skinVertexArray);
+    gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);
+  } else if (hullCount > 0) {
+    gl.BindVertexArray(hullVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
+  }
+  if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
+  drawProps(pass);
+}
+
+/// Nearness to the floor of whatever is lowest over each place, blurred in both directions.
+void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide) {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[0]);
+  gl.Viewport(0, 0, Targets::kContactSize, Targets::kContactSize);
+  gl.ClearColor(0, 0, 0, 0);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE);
+  gl.BlendEquation(GL_MAX);
+  drawCasters(Pass::kContact, skinIndexCount, hullCount);
+  gl.BlendEquation(GL_FUNC_ADD);
+  gl.Disable(GL_BLEND);
+  gl.UseProgram(blurProgram);
+  gl.BindVertexArray(emptyVertexArray);
+  gl.ActiveTexture(GL_TEXTURE0);
+  // The filter's own deviation is 1.41 texels; taps farther apart than three texels would show.
+  const float texel = 2.0f * contactHalfSide / Targets::kContactSize;
+  const float step = std::clamp(kContactSoftness / (1.41f * texel), 1.0f, 3.0f) / Targets::kContactSize;
+  for (const int from : {0, 1}) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[1 - from]);
+    gl.BindTexture(GL_TEXTURE_2D, targets.contactMap[from]);
+    gl.Uniform4f(blurStride, from == 0 ? step : 0.0f, from == 0 ? 0.0f : step, 0.0f, 0.0f);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+}
+
+/// The floor is four plain strips around the part that shadows reach: reading shadow maps is what costs.
+void Renderer::Impl::drawFloor(const FrameSetup& setup) {
+  const float x = setup.uniforms.floorFade.x(), z = setup.uniforms.floorFade.y(), h = setup.floorHalfSide;
+  const float xs[] = {x - h, setup.shadedMin.x(), setup.shadedMax.x(), x + h};
+  const float zs[] = {z - h, setup.shadedMin.y(), setup.shadedMax.y(), z + h};
+  std::array<Eigen::Vector2f, 30> corners;
+  std::size_t n = 0;
+  const auto rectangle = [&](float x0, float x1, float z0, float z1) {
+    for (const auto& [px, pz] : {std::pair{x0, z0}, {x0, z1}, {x1, z1}, {x0, z0}, {x1, z1}, {x1, z0}}) {
+      corners[n++] = {px, pz};
+    }
+  };
+  rectangle(xs[1], xs[2], zs[1], zs[2]);
+  rectangle(xs[0], xs[3], zs[0], zs[1]);
+  rectangle(xs[0], xs[3], zs[2], zs[3]);
+  rectangle(xs[0], xs[1], zs[1], zs[2]);
+  rectangle(xs[2], xs[3], zs[1], zs[2]);
+  gpu.upload(floorBuffer, corners.data(), sizeof(corners));
+  gl.BindVertexArray(floorVertexArray);
+  gl.UseProgram(nearFloorProgram);
+  gl.DrawArrays(GL_TRIANGLES, 0, 6);
+  gl.UseProgram(farFloorProgram);
+  gl.DrawArrays(GL_TRIANGLES, 6, 24);
+}
+
+/// Straight onto the resolved picture, one texel a pixel.
+void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& text, bool top) {
+  if (text.empty()) return;
+  const int lineHeight = std::clamp(targets.height / 34, 12, 48);
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, target.texture);
+  if (text != target.text || lineHeight != target.lineHeight) {
+    const Image image = drawTextPanel(text, lineHeight);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                  image.rgba.data());
+    target = {target.texture, text, lineHeight, image.width, image.height};
+  }
+  const float margin = 0.5f * static_cast<float>(lineHeight);
+  const float sx = 2.0f / static_cast<float>(targets.width), sy = 2.0f / static_cast<float>(targets.height);
+  const float left = std::floor(margin) * sx - 1.0f;
+  const float bottom =
+      (top ? static_cast<float>(targets.height - target.height) - std::floor(margin) : std::floor(margin)) * sy - 1.0f;
+  gl.UseProgram(panelProgram);
+  gl.Uniform4f(panelRectangle, left, bottom, left + static_cast<float>(target.width) * sx,
+               bottom + static_cast<float>(target.height) * sy);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.BindVertexArray(emptyVertexArray);
+  gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  gl.Disable(GL_BLEND);
+}
+
+}  // namespace lorica
