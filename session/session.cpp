@@ -1,1 +1,101 @@
 #include "session/session.h"
+
+#include "skinning/linear_blend.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Steps outside are a stream that paused or repeats itself; physics then moves on by one of these instead.
+constexpr double kFirstFrameSeconds = 1.0 / 30.0;
+constexpr double kShortestFrameSeconds = 0.001;
+constexpr double kLongestFrameSeconds = 0.1;
+
+double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::micro>(end - begin).count();
+}
+
+double frameSeconds(double time, double previousTime) {
+  const double seconds = time - previousTime;
+  if (!(seconds > kShortestFrameSeconds)) return kShortestFrameSeconds;
+  return std::min(seconds, kLongestFrameSeconds);
+}
+
+std::uint64_t chainHash(std::uint64_t hash, const ConvexHull& hull) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double), "no padding may be hashed");
+  hash = XXH3_64bits_withSeed(hull.vertices.data(), hull.vertices.size() * sizeof(Vec3), hash);
+  return XXH3_64bits_withSeed(hull.triangles.data(), hull.triangles.size() * sizeof(Triangle), hash);
+}
+
+}  // namespace
+
+Result<Session> Session::create(Character character, Decomposition decomposition,
+                                std::unique_ptr<SkeletonSource> source, World world) {
+  CHECK(source != nullptr, "a session needs a source");
+  const std::size_t vertexCount = character.mesh.vertices.size();
+  const std::size_t triangleCount = character.mesh.triangles.size();
+  if (static_cast<std::size_t>(decomposition.vertexCount) != vertexCount ||
+      static_cast<std::size_t>(decomposition.triangleCount) != triangleCount) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("the decomposition was made from a mesh of {} vertices and {} triangles, '{}' has {} and {}",
+                    decomposition.vertexCount, decomposition.triangleCount, character.name, vertexCount,
+                    triangleCount)};
+  }
+  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
+  if (!retargeter) return retargeter.error();
+  return Session(std::move(character), std::move(decomposition), std::move(source), std::move(world),
+                 std::move(retargeter).value());
+}
+
+Session::Session(Character character, Decomposition decomposition, std::unique_ptr<SkeletonSource> source, World world,
+                 Retargeter retargeter)
+    : character_(std::move(character)),
+      source_(std::move(source)),
+      retargeter_(std::move(retargeter)),
+      body_(std::move(decomposition)),
+      world_(std::move(world)),
+      pose_(restPose(character_.skeleton)),
+      worldFromJoint_(static_cast<std::size_t>(character_.skeleton.jointCount()), Affine3::Identity()),
+      skinMatrices_(worldFromJoint_.size()),
+      posed_(character_.mesh.vertices) {}
+
+Result<bool> Session::step() {
+  Result<std::optional<SkeletonFrame>> next = source_->next();
+  if (!next) return next.error();
+  if (!next->has_value()) return false;
+  const double seconds = frameCount_ == 0 ? kFirstFrameSeconds : frameSeconds((*next)->time, frame_.time);
+  frame_ = **next;
+
+  const Clock::time_point begin = Clock::now();
+  retargeter_.apply(frame_, pose_);
+  computeWorldFromJoint(character_.skeleton, pose_, worldFromJoint_);
+  const Clock::time_point retargeted = Clock::now();
+  skinLinearBlend(character_, worldFromJoint_, skinMatrices_, posed_);
+  const Clock::time_point skinned = Clock::now();
+  body_.update(posed_);
+  const Clock::time_point updated = Clock::now();
+  world_.step(body_.parts(), seconds);
+  const Clock::time_point end = Clock::now();
+
+  times_.retarget = microsecondsBetween(begin, retargeted);
+  times_.skin = microsecondsBetween(retargeted, skinned);
+  times_.transfer = body_.timing().transfer;
+  times_.hulls = body_.timing().hulls;
+  times_.motion = body_.timing().motion;
+  times_.physics = microsecondsBetween(updated, end);
+
+  for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part.hull);
+  ++frameCount_;
+  return true;
+}
+
+}  // namespace lorica

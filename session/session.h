@@ -13,7 +13,7 @@
 
 namespace lorica {
 
-/// Time of each stage of one frame [us].
+/// Time of each stage of one frame [us]; retarget includes forward kinematics.
 struct StageTimes {
   double retarget = 0, skin = 0, transfer = 0, hulls = 0, motion = 0, physics = 0;
   [[nodiscard]] double total() const { return retarget + skin + transfer + hulls + motion + physics; }
@@ -26,7 +26,8 @@ class Session {
   static Result<Session> create(Character character, Decomposition decomposition,
                                 std::unique_ptr<SkeletonSource> source, World world);
 
-  /// Runs one frame. @return false at the end of the stream
+  /// Runs one frame. Physics moves by the time between frames, held between 1 ms and 0.1 s; the first takes 1/30 s.
+  /// @return false at the end of the stream, or what the source says is wrong with its data
   [[nodiscard]] Result<bool> step();
 
   [[nodiscard]] const Character& character() const { return character_; }
@@ -38,7 +39,7 @@ class Session {
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const StageTimes& times() const { return times_; }
   [[nodiscard]] int frameCount() const { return frameCount_; }
-  /// Hash of all hulls of all frames so far.
+  /// XXH3 over the vertices and triangles of all hulls of all frames so far, bit for bit.
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
  private:

@@ -26,8 +26,9 @@ Trace run(std::uint64_t clutterSeed) {
   std::vector<std::unique_ptr<char[]>> memory;
   const auto stir = [&] {
     if (clutterSeed == 0) return;
-    for (int i = 0; i < 60; ++i) memory.push_back(std::make_unique<char[]>(16 + clutter() % 2000));
-    for (int i = 0; i < 50; ++i) memory[clutter() % memory.size()].reset();
+    // Many small blocks, most of them given back in random order: the next ones of these sizes come from anywhere.
+    for (int i = 0; i < 2000; ++i) memory.push_back(std::make_unique<char[]>(16 + clutter() % 256));
+    for (int i = 0; i < 1900; ++i) std::swap(memory[clutter() % memory.size()], memory.back()), memory.pop_back();
   };
 
   std::mt19937_64 random(41);

@@ -1,0 +1,68 @@
+#include "session/demo_scene.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace lorica {
+namespace {
+
+const std::array<Vec3f, 6> kPalette = {{{0.83f, 0.29f, 0.13f},
+                                        {0.90f, 0.60f, 0.12f},
+                                        {0.16f, 0.42f, 0.66f},
+                                        {0.20f, 0.55f, 0.33f},
+                                        {0.75f, 0.72f, 0.62f},
+                                        {0.48f, 0.25f, 0.52f}}};
+
+/// Numbers from [low, high). The standard's distributions differ between libraries; this does not.
+double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+}
+
+/// Boxes on top of each other from the floor up, lightly twisted as a hand would stack them.
+void addTower(World& world, double x, double z, int count, const Vec3& halfExtents, std::mt19937_64& random) {
+  for (int i = 0; i < count; ++i) {
+    Prop box;
+    box.halfExtents = halfExtents;
+    box.mass = 0.6;
+    box.color = kPalette[static_cast<std::size_t>(i) % kPalette.size()];
+    box.worldFromProp = Eigen::Translation3d(x, halfExtents.y() * (2 * i + 1), z) *
+                        Eigen::AngleAxisd(uniform(random, -0.08, 0.08), Vec3::UnitY());
+    world.addProp(box);
+  }
+}
+
+/// The i-th of what falls: each starts higher than the one before, so that they come one by one.
+Prop fallingProp(int i, std::mt19937_64& random) {
+  Prop prop;
+  prop.shape = i % 2 == 0 ? PropShape::kSphere : PropShape::kBox;
+  const double size = uniform(random, 0.06, 0.12);
+  prop.halfExtents = prop.shape == PropShape::kSphere
+                         ? Vec3(Vec3::Constant(size))
+                         : Vec3(size, size * uniform(random, 0.6, 1.0), size * uniform(random, 0.6, 1.0));
+  prop.mass = 500.0 * size * size * size * 8.0 * 0.5;  // cork, roughly: light enough to be knocked about
+  prop.restitution = prop.shape == PropShape::kSphere ? 0.55 : 0.2;
+  prop.color = kPalette[random() % kPalette.size()];
+
+  // Two of three are aimed at head and shoulders, the others land within reach of arms and feet.
+  const double radius = i % 3 != 0 ? uniform(random, 0.0, 0.25) : uniform(random, 0.3, 0.8);
+  const double angle = uniform(random, 0.0, 2.0 * std::numbers::pi);
+  const Vec3 axis = Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 1.5).normalized();
+  prop.worldFromProp = Eigen::Translation3d(radius * std::cos(angle), 2.2 + 0.4 * i, radius * std::sin(angle)) *
+                       Eigen::AngleAxisd(uniform(random, 0.0, std::numbers::pi), axis);
+  return prop;
+}
+
+}  // namespace
+
+World makeDemoWorld(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  World world;
+  addTower(world, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: kicks, punches, a reach
+  addTower(world, 0.60, 0.20, 4, Vec3(0.11, 0.11, 0.11), random);  // at the left: hands that come down
+  for (int i = 0; i < 12; ++i) world.addProp(fallingProp(i, random));
+  return world;
+}
+
+}  // namespace lorica

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "collision/world.h"
+
+#include <cstdint>
+
+namespace lorica {
+
+/// A world to play in: about twenty boxes and balls around a person who stands at the origin and faces +Z. Two towers
+/// stand within reach of hands and feet, in front and at the left; the rest falls from 2 to 7 m around the person and
+/// onto them in the first two seconds. Nothing starts where a person in T-pose stands.
+/// @param seed  places, sizes, attitudes and colours of what falls; the same seed gives the same world everywhere
+[[nodiscard]] World makeDemoWorld(std::uint64_t seed);
+
+}  // namespace lorica

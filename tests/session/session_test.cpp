@@ -1,0 +1,176 @@
+#include "session/session.h"
+
+#include "acd/decompose.h"
+#include "capture/joint_csv.h"
+#include "capture/synthetic_motion.h"
+#include "session/demo_scene.h"
+#include "session/keyframes.h"
+#include "skinning/mannequin.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <set>
+
+namespace lorica {
+namespace {
+
+std::vector<SkeletonFrame> punches() {
+  return synthesizeMotion(SyntheticMotion::kPunchAndKick);
+}
+
+/// Eight parts of the mannequin from its bind pose: enough to play with, and quick to make.
+const Decomposition& eightParts() {
+  static const Decomposition result = [] {
+    const Character character = makeMannequin();
+    DecomposeSettings settings;
+    settings.maxParts = 8;
+    const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
+    Result<Decomposition> made = decompose(character.mesh, bindPose, settings);
+    EXPECT_TRUE(made.ok()) << made.error().message;
+    return std::move(made).value();
+  }();
+  return result;
+}
+
+Session makeSession(std::vector<SkeletonFrame> frames, World world = makeDemoWorld(7)) {
+  Result<Session> session =
+      Session::create(makeMannequin(), eightParts(), makeRecordedSource(std::move(frames)), std::move(world));
+  CHECK(session.ok(), "the mannequin fits its own decomposition");
+  return std::move(session).value();
+}
+
+TEST(Session, RunsARecordingToItsEndAndThePersonTouchesProps) {
+  const std::vector<SkeletonFrame> frames = punches();
+  Session session = makeSession(frames);
+  std::size_t contactCount = 0;
+  std::set<int> propsTouched;
+  StageTimes sum;
+  while (true) {
+    const Result<bool> more = session.step();
+    ASSERT_TRUE(more.ok()) << more.error().message;
+    if (!*more) break;
+    contactCount += session.world().contacts().size();
+    for (const Contact& contact : session.world().contacts()) propsTouched.insert(contact.prop);
+    for (const LivePart& part : session.body().parts()) {
+      EXPECT_FALSE(part.hull.degenerate());
+      EXPECT_LT((part.worldFromPart.translation() - boundsOf(part.hull.vertices).center()).norm(), 0.6);
+    }
+    for (const Prop& prop : session.world().props()) ASSERT_TRUE(prop.worldFromProp.matrix().allFinite());
+    sum.retarget += session.times().retarget;
+    sum.skin += session.times().skin;
+    sum.transfer += session.times().transfer;
+    sum.hulls += session.times().hulls;
+    sum.motion += session.times().motion;
+    sum.physics += session.times().physics;
+    EXPECT_GT(session.times().total(), 0.0);
+  }
+  EXPECT_EQ(session.frameCount(), static_cast<int>(frames.size()));
+  EXPECT_GE(propsTouched.size(), 5u);
+  const double n = session.frameCount();
+  std::cout << "us a frame, 8 parts: retarget " << sum.retarget / n << " skin " << sum.skin / n << " transfer "
+            << sum.transfer / n << " hulls " << sum.hulls / n << " motion " << sum.motion / n << " physics "
+            << sum.physics / n << ", contacts " << contactCount << " with " << propsTouched.size() << " props" << '\n';
+}
+
+TEST(Session, HullsContainThePosedMesh) {
+  std::vector<SkeletonFrame> frames = punches();
+  frames.resize(40);
+  Session session = makeSession(frames);
+  while (*session.step()) {
+    for (std::size_t i = 0; i < session.body().parts().size(); ++i) {
+      std::vector<Vec3> points;
+      for (PointIndex p : session.body().decomposition().parts[i].points) {
+        points.push_back(session.body().points()[static_cast<std::size_t>(p)]);
+      }
+      EXPECT_LT(largestViolation(session.body().parts()[i].hull, points), 1e-8);
+    }
+  }
+}
+
+TEST(Session, TwoRunsGiveTheSameHashAndTheSamePropsBitForBit) {
+  std::vector<SkeletonFrame> frames = punches();
+  frames.resize(90);
+  Session first = makeSession(frames);
+  Session second = makeSession(frames);
+  std::uint64_t before = first.hash();
+  while (*first.step()) {
+    ASSERT_TRUE(*second.step());
+    EXPECT_NE(first.hash(), before) << "the hash follows every frame";
+    before = first.hash();
+    EXPECT_EQ(first.hash(), second.hash());
+    for (std::size_t i = 0; i < first.world().props().size(); ++i) {
+      ASSERT_EQ(first.world().props()[i].worldFromProp.matrix(), second.world().props()[i].worldFromProp.matrix());
+    }
+  }
+  frames.back()[BodyJoint::kLeftHand].position.y() += 0.01;
+  Session other = makeSession(frames);
+  while (*other.step()) continue;
+  EXPECT_NE(other.hash(), first.hash()) << "a hand one centimetre higher in the last frame shows";
+}
+
+TEST(Session, PropsDoNotChangeTheHulls) {
+  std::vector<SkeletonFrame> frames = punches();
+  frames.resize(30);
+  Session crowded = makeSession(frames);
+  Session alone = makeSession(frames, World());
+  while (*crowded.step()) ASSERT_TRUE(*alone.step());
+  EXPECT_EQ(crowded.hash(), alone.hash());
+}
+
+TEST(Session, FrameTimesMoveThePropsBoundedly) {
+  // A pause of ten seconds, and a time that stands still: physics moves by 0.1 s and 0.001 s.
+  std::vector<SkeletonFrame> frames(3, punches().front());
+  frames[1].time = frames[0].time + 10.0;
+  frames[2].time = frames[1].time;
+  World world;
+  Prop prop;
+  prop.worldFromProp.translation() = Vec3(20.0, 30.0, 0.0);
+  world.addProp(prop);
+  Session session = makeSession(frames, std::move(world));
+  double seconds = 0.0;
+  for (double expected : {1.0 / 30.0, 0.1, 0.001}) {
+    ASSERT_TRUE(*session.step());
+    seconds += expected;
+    EXPECT_NEAR(session.world().props()[0].velocity.y(), -9.81 * seconds, 1e-4);
+  }
+}
+
+TEST(Session, ADecompositionOfAnotherMeshIsRefusedWithASentence) {
+  Decomposition other = eightParts();
+  other.vertexCount += 1;
+  const Result<Session> session = Session::create(makeMannequin(), other, makeRecordedSource(punches()), World());
+  ASSERT_FALSE(session.ok());
+  EXPECT_EQ(session.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(session.error().message.find(std::to_string(other.vertexCount)), std::string::npos)
+      << session.error().message;
+  other = eightParts();
+  other.triangleCount -= 2;
+  EXPECT_FALSE(Session::create(makeMannequin(), other, makeRecordedSource(punches()), World()).ok());
+}
+
+TEST(Session, ACharacterWithoutHumanBonesIsRefused) {
+  Character character = makeMannequin();
+  Joint root;
+  root.name = "root";
+  character.skeleton = *Skeleton::create({root});
+  const Result<Session> session = Session::create(character, eightParts(), makeRecordedSource(punches()), World());
+  ASSERT_FALSE(session.ok());
+  EXPECT_FALSE(session.error().message.empty());
+}
+
+TEST(Session, WhatTheSourceComplainsAboutIsHandedOn) {
+  class BadSource : public SkeletonSource {
+   public:
+    Result<std::optional<SkeletonFrame>> next() override { return Error{ErrorCode::kBadFormat, "line 7 is torn"}; }
+  };
+  Result<Session> session = Session::create(makeMannequin(), eightParts(), std::make_unique<BadSource>(), World());
+  ASSERT_TRUE(session.ok());
+  const Result<bool> more = session->step();
+  ASSERT_FALSE(more.ok());
+  EXPECT_EQ(more.error().message, "line 7 is torn");
+  EXPECT_EQ(session->frameCount(), 0);
+}
+
+}  // namespace
+}  // namespace lorica
