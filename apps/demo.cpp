@@ -132,8 +132,9 @@ Report toReport(const Show& show) {
   if (show.files) {
     report.gap();
     report.line("video", show.files->video.string());
-    report.line("pictures", fmt::format("{} to {}", show.files->snapshots.front().string(),
-                                        show.files->snapshots.back().filename().string()));
+    const std::filesystem::path folder = show.files->video.parent_path();
+    report.line("pictures", fmt::format("{} and its twin hulls_1.png, ... ({} in all)",
+                                        (folder / "snapshot_1.png").string(), show.files->snapshots.size()));
     report.line("at a glance", show.files->contactSheet.string());
   }
   return report;
@@ -143,11 +144,14 @@ Report toReport(const Show& show) {
 Result<std::optional<Window>> chooseWindow(const Options& options) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
-    fmt::print(stderr, "No display: the demo is drawn to {} instead.\n", options.out);
+    fmt::print(stderr, "No display, so no window: drawing a video and pictures to {} instead.\n", options.out);
     return std::optional<Window>();
   }
   Result<Window> window = Window::create("Lorica", kWindowWidth, kWindowHeight);
-  if (window) return std::optional<Window>(std::move(*window));
+  if (window) {
+    window->setCamera(windowCamera());
+    return std::optional<Window>(std::move(*window));
+  }
   if (options.window) return window.error();
   warn(fmt::format("{}; the demo is drawn to {} instead", window.error().message, options.out));
   return std::optional<Window>();
@@ -162,6 +166,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return Error{ErrorCode::kNoDisplay,
                  "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run `lorica demo "
                  "--headless` for a video"};
+  }
+  if (options.headless || !displayAvailable()) {
+    if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
   }
   Result<Recording> performance = makePerformance();
   if (!performance) return performance.error();

@@ -13,9 +13,8 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr double kFramesPerSecond = 30.0;
-constexpr int kSnapshots = 6;
-constexpr int kSheetColumns = 3;
-constexpr double kCameraDistance = 4.4;  // [m]
+constexpr int kMoments = 3;              // columns of the sheet
+constexpr double kCameraDistance = 4.0;  // [m]
 
 /// Half as wide and high, each pixel the mean of four.
 Image halved(const Image& image) {
@@ -53,7 +52,7 @@ DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, VideoWriter v
       camera_(std::move(camera)),
       video_(std::move(video)),
       follow_(kCameraDistance),
-      moments_(kSnapshots) {}
+      moments_(kMoments) {}
 
 Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
   Result<SnapshotCamera> camera = SnapshotCamera::create(kWidth, kHeight);
@@ -77,25 +76,34 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
   if (Result<void> added = video_.add(image); !added) return added;
 
   // The time is divided evenly among the snapshots; each keeps the moment of its share in which most happens.
-  Moment& moment = moments_[static_cast<std::size_t>(static_cast<long long>(frame) * kSnapshots / frames)];
+  Moment& moment = moments_[static_cast<std::size_t>(static_cast<long long>(frame) * kMoments / frames)];
   const double events = eventsIn(session);
-  if (events > moment.events) moment = {std::move(image), fmt::format("{:.1f} s", seconds), events};
+  if (events <= moment.events) return {};
+  show.skin = false;
+  Image hulls = camera_.draw(scene_->of(session), show, follow_.camera());
+  moment = {std::move(image), std::move(hulls), fmt::format("{:.1f} s", seconds), events};
   return {};
 }
 
 Result<DemoFiles> DemoPictures::finish() {
   DemoFiles files{camera_.rendererName(), folder_ / "demo.mp4", {}, folder_ / "contact_sheet.png"};
   if (Result<void> finished = video_.finish(); !finished) return finished.error();
+  std::erase_if(moments_, [](const Moment& moment) { return moment.body.rgba.empty(); });  // fewer frames than moments
+
+  // Upper row: the body. Lower row: the same moments as physics meets them.
   std::vector<Image> thumbnails;
   std::vector<std::string> labels;
-  for (const Moment& moment : moments_) {
-    if (moment.image.rgba.empty()) continue;  // fewer frames than snapshots
-    files.snapshots.push_back(folder_ / fmt::format("snapshot_{}.png", files.snapshots.size() + 1));
-    if (Result<void> written = writePng(files.snapshots.back(), moment.image); !written) return written.error();
-    thumbnails.push_back(halved(moment.image));
-    labels.push_back(moment.label);
+  for (const bool hullsOnly : {false, true}) {
+    for (std::size_t i = 0; i < moments_.size(); ++i) {
+      const Moment& moment = moments_[i];
+      const Image& image = hullsOnly ? moment.hulls : moment.body;
+      files.snapshots.push_back(folder_ / fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", i + 1));
+      if (Result<void> written = writePng(files.snapshots.back(), image); !written) return written.error();
+      thumbnails.push_back(halved(image));
+      labels.push_back(moment.label + (hullsOnly ? ", what physics touches" : ""));
+    }
   }
-  const Image sheet = contactSheet(thumbnails, labels, kSheetColumns);
+  const Image sheet = contactSheet(thumbnails, labels, static_cast<int>(moments_.size()));
   if (Result<void> written = writePng(files.contactSheet, sheet); !written) return written.error();
   return files;
 }

@@ -14,11 +14,12 @@ namespace lorica {
 struct DemoFiles {
   std::string renderer;  ///< "OSMesa 22.3.6"
   std::filesystem::path video;
-  std::vector<std::filesystem::path> snapshots;
+  std::vector<std::filesystem::path> snapshots;  ///< the body, then as many of the same moments with hulls only
   std::filesystem::path contactSheet;
 };
 
-/// The demo drawn to files: a video of every frame, the most eventful moments as snapshots, and a sheet of them.
+/// The demo drawn to files: a video of every frame, the most eventful moments as snapshots, each also with the hulls
+/// alone, and a sheet of them.
 class DemoPictures {
  public:
   /// @return kNoDisplay with the package that helps where nothing can draw; kUnwritable for the folder or the video
@@ -35,7 +36,8 @@ class DemoPictures {
 
  private:
   struct Moment {
-    Image image;
+    Image body;
+    Image hulls;  // the same without the skin: what physics touches
     std::string label;
     double events = -1.0;  // how much goes on in it
   };

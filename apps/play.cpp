@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr int kSnapshotWidth = 1280;
 constexpr int kSnapshotHeight = 720;
-constexpr double kCameraDistance = 4.4;  // [m]
+constexpr double kCameraDistance = 4.0;  // [m]
 
 struct Options {
   std::string recording;
@@ -97,6 +97,7 @@ Result<int> playHeadless(const Options& options, const Recording& recording, Ses
 Result<void> playWithWindow(const Options& options, const Recording& recording, Session& session, Tally& tally) {
   Result<Window> window = Window::create("Lorica: " + recording.name, kSnapshotWidth, kSnapshotHeight);
   if (!window) return window.error();
+  window->setCamera(windowCamera());
   const Result<bool> stillOpen = playInWindow(*window, session, recording.name, options.limit, tally);
   if (!stillOpen) return stillOpen.error();
   if (*stillOpen) holdInWindow(*window, session, recording.name + "   the end, Esc closes");
@@ -146,6 +147,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return Error{ErrorCode::kNoDisplay,
                  "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --snapshots DIR needs "
                  "none"};
+  }
+  if (!options.snapshots.empty()) {
+    if (Result<void> fine = checkOutputFolder("--snapshots", options.snapshots); !fine) return fine;
   }
   const Result<Recording> recording = readRecording(options.recording);
   if (!recording) return recording.error();

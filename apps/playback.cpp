@@ -16,6 +16,8 @@ namespace lorica {
 namespace {
 
 constexpr std::uint64_t kSceneSeed = 1;
+constexpr double kWindowDistance = 5.2;  // [m]
+constexpr int kMostStepsAPicture = 6;
 constexpr double kLongestPause = 0.25;  // [s]: a gap in a recording, or a dragged window, is not waited out
 
 using Clock = std::chrono::steady_clock;
@@ -40,6 +42,13 @@ std::string captionOf(const std::string& name, const Session& session, double se
   return caption;
 }
 
+Camera windowCamera() {
+  Camera camera;
+  camera.target = Vec3(0.3, 0.85, 0.4);
+  camera.eye = camera.target + kWindowDistance * kViewDirection;
+  return camera;
+}
+
 Result<bool> playInWindow(Window& window, Session& session, const std::string& name, const PlaybackLimit& limit,
                           Tally& tally) {
   const SessionScene scene(session.body().decomposition());
@@ -49,7 +58,8 @@ Result<bool> playInWindow(Window& window, Session& session, const std::string& n
   bool started = false;
   while (window.open()) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    if (Clock::now() >= due && window.wantsStep()) {
+    // A picture may take longer than a frame: what is due is computed, up to a limit that keeps the window alive.
+    for (int steps = 0; steps < kMostStepsAPicture && Clock::now() >= due && window.wantsStep(); ++steps) {
       const double previousTime = session.frame().time;
       const Result<bool> more = session.step();
       if (!more) return more.error();

@@ -25,6 +25,9 @@ struct PlaybackLimit {
 [[nodiscard]] Result<bool> playInWindow(Window& window, Session& session, const std::string& name,
                                         const PlaybackLimit& limit, Tally& tally);
 
+/// Where a window looks from at first: the whole of a shipped recording stays in the picture.
+[[nodiscard]] Camera windowCamera();
+
 /// Shows the session's last frame until the window is closed, or Ctrl-C.
 void holdInWindow(Window& window, const Session& session, const std::string& caption);
 

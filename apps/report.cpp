@@ -69,6 +69,22 @@ Result<void> checkOutput(const std::string& option, const std::filesystem::path&
   return {};
 }
 
+Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder) {
+  // The nearest ancestor that is there decides.
+  std::error_code ignored;
+  std::filesystem::path nearest = std::filesystem::absolute(folder, ignored).lexically_normal();
+  while (!std::filesystem::exists(nearest, ignored) && nearest.has_relative_path()) nearest = nearest.parent_path();
+  if (!std::filesystem::is_directory(nearest, ignored)) {
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: {}: {} is a file, expected a folder", option, folder.string(), nearest.string())};
+  }
+  if (access(nearest.c_str(), W_OK) != 0) {
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: {}: the folder {} is not writable", option, folder.string(), nearest.string())};
+  }
+  return {};
+}
+
 void warn(const std::string& sentence) {
   fmt::print(stderr, "lorica: warning: {}\n", sentence);
 }

@@ -46,6 +46,9 @@ class Report {
 [[nodiscard]] Result<void> checkOutput(const std::string& option, const std::filesystem::path& file,
                                        const std::string& extension = "");
 
+/// The same for a folder that will be made where it is not there yet.
+[[nodiscard]] Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder);
+
 /// A remark on standard error, one line: "lorica: warning: ...".
 void warn(const std::string& sentence);
 

@@ -49,7 +49,7 @@ void FollowCamera::update(const Session& session, double seconds) {
 Camera FollowCamera::camera() const {
   Camera camera;
   camera.target = target_;
-  camera.eye = target_ + distance_ * Vec3(0.42, 0.2, 0.885);
+  camera.eye = target_ + distance_ * kViewDirection;
   return camera;
 }
 

@@ -10,6 +10,9 @@
 
 namespace lorica {
 
+/// From the body to the camera: its right side and a little from the front and above, so that a kick shows. Unit.
+inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();
+
 /// What a picture shows of a session: the skin, cut where the parts meet and coloured by part, and what surrounds it.
 class SessionScene {
  public:

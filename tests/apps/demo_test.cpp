@@ -37,8 +37,8 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
 
   if (!json["renderer"].is_null()) {
     EXPECT_EQ(filesIn(pictures),
-              (std::vector<std::string>{"contact_sheet.png", "demo.mp4", "snapshot_1.png", "snapshot_2.png",
-                                        "snapshot_3.png", "snapshot_4.png", "snapshot_5.png", "snapshot_6.png"}));
+              (std::vector<std::string>{"contact_sheet.png", "demo.mp4", "hulls_1.png", "hulls_2.png", "hulls_3.png",
+                                        "snapshot_1.png", "snapshot_2.png", "snapshot_3.png"}));
     const Result<Image> snapshot = readPng(pictures / "snapshot_1.png");
     ASSERT_TRUE(snapshot);
     EXPECT_EQ(snapshot->width, 1280);
@@ -65,8 +65,8 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
 TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
   const TemporaryFolder folder;
   // XDG_CACHE_HOME is a file here.
-  const CommandResult result =
-      runLorica({"demo", "--headless", "--seconds", "0.1", "--out", "pictures"}, {.folder = folder.path()});
+  const CommandResult result = runLorica({"demo", "--headless", "--seconds", "0.1", "--out", "pictures"},
+                                         {.folder = folder.path(), .cache = {}, .interruptAfterMs = 0});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_NE(result.err.find("warning: "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("not kept for the next start"), std::string::npos) << result.err;
@@ -76,8 +76,9 @@ TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
 TEST(Demo, OutputFolderThatCannotBeMadeIsRefused) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.write("occupied", "a file");
-  const CommandResult result = runLorica({"demo", "--headless", "--seconds", "0.1", "--out", file},
-                                         {.folder = folder.path(), .cache = folder.path() / "cache"});
+  const CommandResult result =
+      runLorica({"demo", "--headless", "--seconds", "0.1", "--out", file},
+                {.folder = folder.path(), .cache = folder.path() / "cache", .interruptAfterMs = 0});
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_EQ(result.out, "");
   EXPECT_NE(result.err.find("occupied"), std::string::npos) << result.err;

@@ -20,7 +20,7 @@ TEST_P(Help, TeachesByExample) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Command, Help, testing::Values("demo", "decompose", "score", "play", "info"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(Command, HelpListsEveryCommand) {
   const CommandResult result = runLorica({"--help"});
