@@ -1,5 +1,6 @@
 #include "acd/score.h"
 
+#include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "geometry/mesh_files.h"
@@ -44,17 +45,18 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!common.json.empty() && common.json != "-") {
     if (Result<void> fine = checkOutput("--json", common.json); !fine) return fine;
   }
-  const Result<TriMesh> mesh = readMesh(options.mesh);
-  if (!mesh) return mesh.error();
+  const Result<Subject> subject = readSubject(options.mesh);
+  if (!subject) return subject.error();
+  const TriMesh& mesh = subject->mesh;
   Result<std::vector<NamedMesh>> objects = readObjObjects(options.parts);
   if (!objects) return objects.error();
   std::vector<TriMesh> parts;
   for (NamedMesh& object : *objects) parts.push_back(std::move(object.mesh));
 
-  const Result<Score> judged = score(*mesh, parts, ScoreSettings());
+  const Result<Score> judged = score(mesh, parts, ScoreSettings());
   if (!judged) {
     // The mesh was refused, or else the parts were: name the file that is meant.
-    const std::string& file = checkClosedTwoManifold(*mesh) ? options.parts : options.mesh;
+    const std::string& file = checkClosedTwoManifold(mesh) ? options.parts : options.mesh;
     return Error{judged.error().code, file + ": " + judged.error().message};
   }
   if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
@@ -74,7 +76,9 @@ Command addScore(CLI::App& parent, CommonOptions& common) {
       "      judge another program's parts: one `o` or `g` a part\n"
       "\nThe hull of each part's vertices is judged: Eq. 16 by sampling, with its standard error, Eq. 17\n"
       "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect.");
-  app->add_option("MESH", options->mesh, "The closed mesh (.off, .obj, .ply, .stl)")->required()->type_name("");
+  app->add_option("MESH", options->mesh, "The closed mesh (.off, .obj, .ply, .stl), or `mannequin` in its bind pose")
+      ->required()
+      ->type_name("");
   app->add_option("PARTS.obj", options->parts, "The parts, one object each")->required()->type_name("");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
