@@ -37,6 +37,7 @@ function(lorica_library name)
   set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(lorica_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lorica>)
+  target_compile_features(lorica_${name} PUBLIC cxx_std_20)  # for those who use the installed headers
   target_link_libraries(lorica_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   lorica_flags(lorica_${name})
   foreach(header ${ARG_HEADERS})
