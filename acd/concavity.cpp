@@ -1,5 +1,7 @@
 #include "acd/concavity.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -105,7 +107,8 @@ std::vector<Crease> creasesOf(const Part& part) {
 }
 
 std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, std::span<const Triangle> mesh,
-                                             std::span<const Vec3> points, const ConvexHull& hull, int count) {
+                                             std::span<const Vec3> points, const ConvexHull& hull, int count,
+                                             double spacing) {
   struct FacePlane {
     Vec3 normal;
     double offset;
@@ -123,58 +126,50 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
     planes.push_back({normal / area, normal.dot(a) / area});
   }
 
-  std::vector<ConcaveEdge> deepest;  // kept sorted, deepest first
-  std::set<std::pair<std::int32_t, std::int32_t>> pairs;
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairOf;
-  std::size_t likelyNearest = 0;
-  for (const Crease& crease : creases) {
-    VertexIndex from = 0, to = 0;
-    const Triangle& left = mesh[static_cast<std::size_t>(crease.left)];
-    const Triangle& right = mesh[static_cast<std::size_t>(crease.right)];
-    if (!sharedEdge(left, right, from, to)) continue;
-    const Vec3 leftNormal = unitNormal(left, points);
-    const Vec3 rightNormal = unitNormal(right, points);
-    const Vec3 along = points[static_cast<std::size_t>(to)] - points[static_cast<std::size_t>(from)];
-    const double length = along.norm();
-    if (length == 0.0 || leftNormal.hasNaN() || rightNormal.hasNaN()) continue;
-    const Vec3 direction = along / length;
-    const double sine = leftNormal.cross(rightNormal).dot(direction);
-    if (std::atan2(-sine, leftNormal.dot(rightNormal)) <= kFlatAngle) continue;
-
-    const Vec3 middle =
-        0.5 * (points[static_cast<std::size_t>(crease.from)] + points[static_cast<std::size_t>(crease.to)]);
-    const bool full = static_cast<int>(deepest.size()) == count;
-    const double toBeat = full ? deepest.back().depth : -std::numeric_limits<double>::infinity();
-    double depth = std::numeric_limits<double>::infinity();
-    const auto consider = [&](std::size_t i) {
-      const double distance = planes[i].offset - planes[i].normal.dot(middle);
-      if (distance < depth) {
-        depth = distance;
-        likelyNearest = i;
-      }
-    };
-    if (!planes.empty()) consider(likelyNearest);
-    for (std::size_t i = 0; i < planes.size() && depth > toBeat; ++i) consider(i);
-    if (depth <= toBeat) continue;
-
-    // Cuts leave several pieces of one mesh edge; they give the same planes, so the deepest one stands for all.
-    const std::pair<std::int32_t, std::int32_t> pair = std::minmax(crease.left, crease.right);
-    if (pairs.contains(pair)) {
-      const auto at = std::find(pairOf.begin(), pairOf.end(), pair) - pairOf.begin();
-      if (deepest[static_cast<std::size_t>(at)].depth >= depth) continue;
-      deepest.erase(deepest.begin() + at);
-      pairOf.erase(pairOf.begin() + at);
-    } else if (full) {
-      pairs.erase(pairOf.back());
-      deepest.pop_back();
-      pairOf.pop_back();
+  // Depths of all concave edges.
+  struct Found {
+    ConcaveEdge edge;
+    std::pair<std::int32_t, std::int32_t> triangles;
+  };
+  constexpr std::size_t kBlock = 512;
+  std::vector<std::vector<Found>> blocks((creases.size() + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+    for (std::size_t c = block * kBlock; c < std::min(creases.size(), (block + 1) * kBlock); ++c) {
+      const Crease& crease = creases[c];
+      VertexIndex from = 0, to = 0;
+      const Triangle& left = mesh[static_cast<std::size_t>(crease.left)];
+      const Triangle& right = mesh[static_cast<std::size_t>(crease.right)];
+      if (!sharedEdge(left, right, from, to)) continue;
+      const Vec3 leftNormal = unitNormal(left, points);
+      const Vec3 rightNormal = unitNormal(right, points);
+      const Vec3 along = points[static_cast<std::size_t>(to)] - points[static_cast<std::size_t>(from)];
+      const double length = along.norm();
+      if (length == 0.0 || leftNormal.hasNaN() || rightNormal.hasNaN()) continue;
+      const Vec3 direction = along / length;
+      const double sine = leftNormal.cross(rightNormal).dot(direction);
+      if (std::atan2(-sine, leftNormal.dot(rightNormal)) <= kFlatAngle) continue;
+      const Vec3 middle =
+          0.5 * (points[static_cast<std::size_t>(crease.from)] + points[static_cast<std::size_t>(crease.to)]);
+      double depth = std::numeric_limits<double>::infinity();
+      for (const FacePlane& plane : planes) depth = std::min(depth, plane.offset - plane.normal.dot(middle));
+      blocks[block].push_back(
+          {{middle, direction, leftNormal, rightNormal, depth}, std::minmax(crease.left, crease.right)});
     }
-    pairs.insert(pair);
-    const auto place = std::upper_bound(deepest.begin(), deepest.end(), depth,
-                                        [](double d, const ConcaveEdge& e) { return d > e.depth; }) -
-                       deepest.begin();
-    deepest.insert(deepest.begin() + place, ConcaveEdge{middle, direction, leftNormal, rightNormal, depth});
-    pairOf.insert(pairOf.begin() + place, pair);
+  });
+  std::vector<Found> all;
+  for (std::vector<Found>& block : blocks) all.insert(all.end(), block.begin(), block.end());
+  std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.edge.depth > b.edge.depth; });
+
+  // Deepest first; pieces of one mesh edge give the same planes, so the deepest stands for all.
+  std::vector<ConcaveEdge> deepest;
+  std::set<std::pair<std::int32_t, std::int32_t>> taken;
+  for (const Found& found : all) {
+    if (static_cast<int>(deepest.size()) == count) break;
+    const bool crowded = std::any_of(deepest.begin(), deepest.end(), [&](const ConcaveEdge& e) {
+      return (e.point - found.edge.point).squaredNorm() < spacing * spacing;
+    });
+    if (crowded || !taken.insert(found.triangles).second) continue;
+    deepest.push_back(found.edge);
   }
   return deepest;
 }

@@ -27,11 +27,12 @@ struct ConcaveEdge {
 };
 
 /// The concave edges deepest inside the hull of their part, deepest first, one for each pair of mesh triangles.
-/// @param mesh    triangles of the decomposed mesh
-/// @param points  all points in the keyframe, mesh vertices first
+/// @param mesh     triangles of the decomposed mesh
+/// @param points   all points in the keyframe, mesh vertices first
+/// @param spacing  least distance between the middles of two of them [m]
 [[nodiscard]] std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases,
                                                            std::span<const Triangle> mesh, std::span<const Vec3> points,
-                                                           const ConvexHull& hull, int count);
+                                                           const ConvexHull& hull, int count, double spacing);
 
 /// `count` planes through a concave edge at equal angles, from the plane of one side to that of the other, so that both
 /// halves of the outer dihedral angle are convex (Fig. 2). One plane: the bisector.

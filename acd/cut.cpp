@@ -36,19 +36,19 @@ class Half {
 }  // namespace
 
 void PlaneSides::classify(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance) {
+  for (PointIndex p : part.points) classify(p, points, plane, tolerance);
+}
+
+int PlaneSides::classify(PointIndex p, std::span<const Vec3> points, const Plane& plane, double tolerance) {
   if (side_.size() < points.size()) {
     side_.resize(points.size());
     distance_.resize(points.size());
   }
-  anyAbove_ = anyBelow_ = false;
-  for (PointIndex p : part.points) {
-    const auto i = static_cast<std::size_t>(p);
-    const double distance = plane.normal.dot(points[i]) - plane.offset;
-    distance_[i] = distance;
-    side_[i] = distance > tolerance ? 1 : distance < -tolerance ? -1 : 0;
-    anyAbove_ |= side_[i] > 0;
-    anyBelow_ |= side_[i] < 0;
-  }
+  const auto i = static_cast<std::size_t>(p);
+  const double distance = plane.normal.dot(points[i]) - plane.offset;
+  distance_[i] = distance;
+  side_[i] = distance > tolerance ? 1 : distance < -tolerance ? -1 : 0;
+  return side_[i];
 }
 
 CutPoint PlaneSides::crossing(PointIndex a, PointIndex b) const {
@@ -66,47 +66,6 @@ int PlaneSides::sideOf(const Triangle& t, std::span<const Vec3> points, const Pl
   const Vec3& b = points[static_cast<std::size_t>(t[1])];
   const Vec3& c = points[static_cast<std::size_t>(t[2])];
   return (b - a).cross(c - a).dot(plane.normal) > 0.0 ? -1 : 1;
-}
-
-bool sketchCut(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance, PlaneSides& sides,
-               CutSketch& sketch) {
-  sides.classify(part, points, plane, tolerance);
-  if (!sides.splits()) return false;
-  sketch.above.clear();
-  sketch.below.clear();
-  sketch.crossings.clear();
-  // A point on the plane belongs to the halves whose triangles use it: bit 0 above, bit 1 below.
-  thread_local std::vector<std::uint8_t> usedBy;
-  if (usedBy.size() < points.size()) usedBy.resize(points.size());
-  for (PointIndex p : part.points) {
-    const int side = sides.sideOf(p);
-    usedBy[static_cast<std::size_t>(p)] = side > 0 ? 1 : side < 0 ? 2 : 0;
-  }
-  for (const Triangle& t : part.triangles) {
-    const int s0 = sides.sideOf(t[0]);
-    const int s1 = sides.sideOf(t[1]);
-    const int s2 = sides.sideOf(t[2]);
-    if (s0 == s1 && s1 == s2 && s0 != 0) continue;
-    const int low = std::min({s0, s1, s2});
-    const int high = std::max({s0, s1, s2});
-    const bool flat = low == 0 && high == 0;
-    const int flatSide = flat ? sides.sideOf(t, points, plane) : 0;
-    const auto halves =
-        static_cast<std::uint8_t>((high > 0 || flatSide > 0 ? 1 : 0) | (low < 0 || flatSide < 0 ? 2 : 0));
-    const std::array<int, 3> s = {s0, s1, s2};
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3;
-      if (s[i] == 0) usedBy[static_cast<std::size_t>(t[i])] |= halves;
-      // Each edge runs once each way in a closed part: take it where it ascends.
-      if (s[i] * s[j] < 0 && t[i] < t[j]) sketch.crossings.push_back(sides.crossing(t[i], t[j]));
-    }
-  }
-  for (PointIndex p : part.points) {
-    const std::uint8_t halves = usedBy[static_cast<std::size_t>(p)];
-    if (halves & 1) sketch.above.push_back(p);
-    if (halves & 2) sketch.below.push_back(p);
-  }
-  return true;
 }
 
 CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance,

@@ -22,10 +22,11 @@ class PlaneSides {
   /// @param tolerance  distance up to which a point counts as on the plane [m]
   void classify(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance);
 
+  /// The same for one point; returns its side.
+  int classify(PointIndex p, std::span<const Vec3> points, const Plane& plane, double tolerance);
+
   [[nodiscard]] int sideOf(PointIndex p) const { return side_[static_cast<std::size_t>(p)]; }
   [[nodiscard]] double distanceOf(PointIndex p) const { return distance_[static_cast<std::size_t>(p)]; }
-  /// Points strictly on both sides: otherwise there is nothing to cut.
-  [[nodiscard]] bool splits() const { return anyAbove_ && anyBelow_; }
   /// The point where the edge between two points on opposite sides meets the plane (Eq. 10).
   [[nodiscard]] CutPoint crossing(PointIndex a, PointIndex b) const;
   /// The side of a triangle that does not cross the plane; one lying in it belongs to where the solid is.
@@ -34,22 +35,7 @@ class PlaneSides {
  private:
   std::vector<std::int8_t> side_;
   std::vector<double> distance_;
-  bool anyAbove_ = false;
-  bool anyBelow_ = false;
 };
-
-/// The points of both halves, without triangles or caps: all that scoring a candidate needs, since
-/// volume(P1) + volume(P2) = volume(P) in every keyframe.
-struct CutSketch {
-  std::vector<PointIndex> above;    ///< existing points of the upper half
-  std::vector<PointIndex> below;    ///< existing points of the lower half
-  std::vector<CutPoint> crossings;  ///< new points, of both halves
-};
-
-/// Sketches the cut of a part. Reuses the memory of `sides` and `sketch`.
-/// @return false when the plane does not divide the part
-bool sketchCut(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance, PlaneSides& sides,
-               CutSketch& sketch);
 
 /// The two closed halves of a part.
 struct CutResult {

@@ -1,16 +1,14 @@
 #include "acd/decompose.h"
 
-#include "acd/concavity.h"
-#include "acd/cut.h"
-#include "geometry/convex_hull.h"
+#include "acd/merge.h"
+#include "acd/split_search.h"
+#include "acd/workpiece.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -18,192 +16,172 @@
 namespace lorica {
 namespace {
 
-// Points closer to a candidate plane than this lie on it, relative to the diagonal of the mesh in that keyframe.
-constexpr double kOnPlane = 1e-9;
 // A part whose hull exceeds it by less than this share of the mesh's volume is convex: there is nothing to gain.
 constexpr double kConvex = 1e-9;
 
-/// A part with what the search needs of it in every keyframe.
-struct Candidate {
-  Part part;
-  std::vector<Crease> creases;
-  std::vector<double> volume;  // of the part in each keyframe [m^3]
-  std::vector<double> hullVolume;
-  std::vector<bool> exhausted;  // no plane in this keyframe divides it
+/// What a preset stands for.
+struct Plan {
+  SplitEffort effort;
+  double overCut = 1.0;  // cut into this many times the parts, then merge the cheapest pairs
+  bool byGain = false;   // cut the part that gains most, not the one with the largest error
+};
 
-  [[nodiscard]] double error(std::size_t k) const { return hullVolume[k] - volume[k]; }
+Plan planFor(const DecomposeSettings& settings) {
+  Plan plan;
+  switch (settings.preset) {
+    case DecomposePreset::kPaper:
+      break;
+    case DecomposePreset::kFast:
+      plan.effort.candidateEdges = 8;
+      plan.effort.planesPerEdge = 3;
+      plan.effort.edgeSpacing = 0.05;
+      plan.effort.axisPlanes = 4;
+      plan.effort.coarse = 1e-3;
+      plan.overCut = 1.5;
+      break;
+    case DecomposePreset::kQuality:
+      plan.effort.edgeSpacing = 0.05;
+      plan.effort.axisPlanes = 8;
+      plan.effort.refinedPlanes = 2;
+      plan.effort.refineSteps = 8;
+      plan.effort.coarse = 1e-3;
+      plan.overCut = 2.0;
+      plan.byGain = true;
+      break;
+  }
+  if (settings.candidateEdges > 0) plan.effort.candidateEdges = settings.candidateEdges;
+  if (settings.planesPerEdge > 0) plan.effort.planesPerEdge = settings.planesPerEdge;
+  // One part needs no cut, and with no part count the parts end up convex: there is nothing to merge.
+  if (settings.maxParts <= 1) plan.overCut = 1.0;
+  return plan;
+}
+
+/// A piece with the best split found for it so far.
+struct Leaf {
+  Workpiece piece;
+  std::vector<bool> exhausted;  // keyframes in which no plane divides it
+  bool searched = false;
+  std::optional<Split> split;
+  double gain = 0.0;
 };
 
 class Decomposer {
  public:
   Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings)
-      : mesh_(mesh), settings_(settings), frameCount_(static_cast<std::size_t>(keyframes.keyframeCount())) {
-    for (std::size_t k = 0; k < frameCount_; ++k) {
-      const std::span<const Vec3> frame = keyframes.keyframe(static_cast<int>(k));
-      points_.emplace_back(frame.begin(), frame.end());
-      tolerance_.push_back(kOnPlane * boundsOf(frame).diagonal());
-      meshVolume_.push_back(signedVolume(frame, mesh.triangles));
-    }
-  }
+      : settings_(settings), plan_(planFor(settings)), shop_(mesh, keyframes) {}
 
   // Algorithm 3; with one keyframe Algorithm 2.
   Result<Decomposition> run() {
-    result_.vertexCount = static_cast<int>(mesh_.vertices.size());
-    result_.triangleCount = static_cast<int>(mesh_.triangles.size());
     Part whole;
-    whole.triangles = mesh_.triangles;
-    whole.sourceTriangle.resize(mesh_.triangles.size());
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) whole.sourceTriangle[i] = static_cast<std::int32_t>(i);
+    whole.triangles = shop_.mesh.triangles;
+    for (std::size_t i = 0; i < whole.triangles.size(); ++i)
+      whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
     whole.points = pointsUsedBy(whole.triangles);
-    parts_.push_back(measured(std::move(whole)));
-
-    const auto limit =
-        settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : std::numeric_limits<std::size_t>::max();
-    while (parts_.size() < limit) {
-      if (settings_.progress && !settings_.progress(static_cast<int>(parts_.size()), settings_.maxParts)) {
+    addLeaf(std::move(whole));
+    const auto limit = settings_.maxParts > 0 ? static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut))
+                                              : std::numeric_limits<std::size_t>::max();
+    while (leaves_.size() < limit) {
+      if (settings_.progress && !settings_.progress(static_cast<int>(leaves_.size()), static_cast<int>(limit))) {
         return Error{ErrorCode::kCancelled, "decomposition cancelled"};
       }
-      const auto worst = worstPart();
-      if (!worst) break;
-      const auto [part, keyframe] = *worst;
-      const std::optional<Plane> plane = bestPlane(parts_[part], keyframe);
-      if (plane) {
-        split(part, keyframe, *plane);
-      } else {
-        parts_[part].exhausted[keyframe] = true;
-      }
+      const std::optional<std::size_t> next = plan_.byGain ? mostGaining() : mostConcave();
+      if (!next) break;
+      carryOut(*next);
     }
     if (settings_.maxParts == 0) separateComponents();
-    if (settings_.progress) settings_.progress(static_cast<int>(parts_.size()), settings_.maxParts);
-    for (Candidate& c : parts_) result_.parts.push_back(std::move(c.part));
-    return std::move(result_);
+    if (settings_.progress) settings_.progress(static_cast<int>(leaves_.size()), static_cast<int>(limit));
+    return finish();
   }
 
  private:
-  /// Volumes and hull volumes in every keyframe.
-  Candidate measured(Part part) const {
-    Candidate c;
-    c.part = std::move(part);
-    c.creases = creasesOf(c.part);
-    c.volume.resize(frameCount_);
-    c.hullVolume.resize(frameCount_);
-    c.exhausted.resize(frameCount_, false);
-    tbb::parallel_for(std::size_t{0}, frameCount_, [&](std::size_t k) {
-      thread_local std::vector<Vec3> own;
-      own.clear();
-      for (PointIndex p : c.part.points) own.push_back(points_[k][static_cast<std::size_t>(p)]);
-      c.hullVolume[k] = convexHullVolume(own);
-      c.volume[k] = signedVolume(points_[k], c.part.triangles);
-    });
-    return c;
+  void addLeaf(Part part) {
+    Leaf leaf;
+    leaf.piece = measure(std::move(part), shop_);
+    leaf.exhausted.resize(shop_.keyframeCount(), false);
+    leaves_.push_back(std::move(leaf));
   }
 
-  /// P* and r*: the part and keyframe with the largest error (Eq. 15) that can still be cut.
-  std::optional<std::pair<std::size_t, std::size_t>> worstPart() const {
-    std::optional<std::pair<std::size_t, std::size_t>> worst;
+  /// r*: the keyframe with the largest error of those that are not exhausted; none when the part is convex.
+  std::optional<std::size_t> worstKeyframe(const Leaf& leaf) const {
+    std::optional<std::size_t> worst;
     double largest = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      for (std::size_t k = 0; k < frameCount_; ++k) {
-        if (parts_[i].exhausted[k]) continue;
-        const double error = parts_[i].error(k);
-        if (error <= kConvex * std::abs(meshVolume_[k]) || error <= largest) continue;
-        largest = error;
-        worst = {i, k};
-      }
+    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+      const double error = leaf.piece.error(k);
+      if (leaf.exhausted[k] || error <= kConvex * std::abs(shop_.meshVolume[k]) || error <= largest) continue;
+      largest = error;
+      worst = k;
     }
     return worst;
   }
 
-  /// The plane that minimises the children's hull volumes over all keyframes (Eq. 14; their meshes' volumes add up to
-  /// the parent's, so they drop out). Ties go to the plane tried first.
-  std::optional<Plane> bestPlane(const Candidate& c, std::size_t keyframe) const {
-    const std::vector<Vec3>& points = points_[keyframe];
-    const ConvexHull hull = partHullOf(c.part, points);
-    std::vector<Plane> planes;
-    for (const ConcaveEdge& edge :
-         deepestConcaveEdges(c.creases, mesh_.triangles, points, hull, settings_.candidateEdges)) {
-      for (const Plane& plane : planesThrough(edge, settings_.planesPerEdge)) planes.push_back(plane);
-    }
-    for (const Plane& plane : componentPlanes(c.part, points)) planes.push_back(plane);
-
-    std::vector<double> totals(planes.size());
-    std::atomic<double> best = std::numeric_limits<double>::infinity();
-    tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) {
-      totals[i] = hullVolumesAfter(c, keyframe, planes[i], best.load());
-      double known = best.load();
-      while (totals[i] < known && !best.compare_exchange_weak(known, totals[i])) {
+  /// Finds a leaf's best split in its worst keyframe, or in the next worst where no plane divides it.
+  bool search(Leaf& leaf) {
+    while (!leaf.searched) {
+      const auto keyframe = worstKeyframe(leaf);
+      if (!keyframe) {
+        leaf.searched = true;
+        break;
       }
+      leaf.split = bestSplit(leaf.piece, *keyframe, shop_, plan_.effort);
+      if (leaf.split) {
+        leaf.searched = true;
+        leaf.gain = leaf.piece.totalHullVolume() - leaf.split->hullVolume;
+      } else {
+        leaf.exhausted[*keyframe] = true;
+      }
+    }
+    return leaf.split.has_value();
+  }
+
+  /// P*: the part with the largest error in any keyframe (Eq. 15) that can still be cut.
+  std::optional<std::size_t> mostConcave() {
+    while (true) {
+      std::optional<std::size_t> worst;
+      double largest = 0.0;
+      for (std::size_t i = 0; i < leaves_.size(); ++i) {
+        const auto k = worstKeyframe(leaves_[i]);
+        if (!k || leaves_[i].piece.error(*k) <= largest || (leaves_[i].searched && !leaves_[i].split)) continue;
+        largest = leaves_[i].piece.error(*k);
+        worst = i;
+      }
+      if (!worst || search(leaves_[*worst])) return worst;
+    }
+  }
+
+  /// The part whose best split saves most. A part's error bounds what it can save, so few need to be searched.
+  std::optional<std::size_t> mostGaining() {
+    std::vector<std::size_t> order(leaves_.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return leaves_[a].piece.totalError() > leaves_[b].piece.totalError();
     });
-    const auto winner = std::min_element(totals.begin(), totals.end());
-    if (winner == totals.end() || std::isinf(*winner)) return std::nullopt;
-    return planes[static_cast<std::size_t>(winner - totals.begin())];
-  }
-
-  /// Sum of both children's hull volumes over all keyframes; infinity when the plane does not divide the part into two
-  /// solids. Gives up, with infinity, once the sum must exceed `toBeat`: hulls hold at least the part itself. The
-  /// winner is never given up, so the choice does not depend on the order in which threads finish.
-  double hullVolumesAfter(const Candidate& c, std::size_t keyframe, const Plane& plane, double toBeat) const {
-    thread_local PlaneSides sides;
-    thread_local CutSketch sketch;
-    thread_local std::vector<Vec3> own;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    if (!sketchCut(c.part, points_[keyframe], plane, tolerance_[keyframe], sides, sketch)) return kInfinity;
-
-    const auto childHullVolume = [&](const std::vector<PointIndex>& existing, std::size_t k) {
-      const std::vector<Vec3>& points = points_[k];
-      own.clear();
-      for (PointIndex p : existing) own.push_back(points[static_cast<std::size_t>(p)]);
-      for (const CutPoint& cut : sketch.crossings) {
-        own.push_back(cut.lambda * points[static_cast<std::size_t>(cut.first)] +
-                      (1.0 - cut.lambda) * points[static_cast<std::size_t>(cut.second)]);
-      }
-      return convexHullVolume(own);
-    };
-    const double smallest = kConvex * std::abs(meshVolume_[keyframe]);
-    double rest = 0.0;
-    for (double v : c.volume) rest += v;
-    double total = 0.0;
-    for (std::size_t i = 0; i < frameCount_; ++i) {
-      const std::size_t k = (keyframe + i) % frameCount_;  // the cut's own keyframe first: it refuses flat children
-      rest -= c.volume[k];
-      const double above = childHullVolume(sketch.above, k);
-      const double below = childHullVolume(sketch.below, k);
-      if (i == 0 && (above <= smallest || below <= smallest)) return kInfinity;
-      total += above + below;
-      if (total + std::max(rest, 0.0) * (1.0 - 1e-9) > toBeat * (1.0 + 1e-9)) return kInfinity;
+    std::optional<std::size_t> best;
+    for (std::size_t i : order) {
+      if (best && leaves_[i].piece.totalError() <= leaves_[*best].gain) break;
+      if (!search(leaves_[i])) continue;
+      if (!best || leaves_[i].gain > leaves_[*best].gain) best = i;
     }
-    return total;
+    return best;
   }
 
-  ConvexHull partHullOf(const Part& part, const std::vector<Vec3>& points) const {
-    std::vector<Vec3> own;
-    own.reserve(part.points.size());
-    for (PointIndex p : part.points) own.push_back(points[static_cast<std::size_t>(p)]);
-    return convexHull(own);
-  }
-
-  /// Cuts a part in one keyframe and carries the new points to all others (Eq. 12).
-  void split(std::size_t index, std::size_t keyframe, const Plane& plane) {
-    const auto firstNewPoint = static_cast<PointIndex>(points_[0].size());
-    CutResult cut = cutPart(parts_[index].part, points_[keyframe], plane, tolerance_[keyframe], firstNewPoint);
-    for (std::vector<Vec3>& points : points_) {
-      for (const CutPoint& c : cut.newPoints) {
-        points.push_back(c.lambda * points[static_cast<std::size_t>(c.first)] +
-                         (1.0 - c.lambda) * points[static_cast<std::size_t>(c.second)]);
-      }
-    }
-    result_.cutPoints.insert(result_.cutPoints.end(), cut.newPoints.begin(), cut.newPoints.end());
-    result_.cuts.push_back({static_cast<PartIndex>(index), static_cast<int>(keyframe), plane.normal, plane.offset});
-    parts_[index] = measured(std::move(cut.above));
-    parts_.push_back(measured(std::move(cut.below)));
+  void carryOut(std::size_t index) {
+    const Split split = *leaves_[index].split;
+    CutResult cut = cutPart(leaves_[index].piece.part, shop_.points[split.keyframe], split.plane,
+                            shop_.onPlane[split.keyframe], shop_.pointCount());
+    shop_.addCutPoints(cut.newPoints);
+    splitFrom_.push_back(static_cast<PartIndex>(index));
+    addLeaf(std::move(cut.above));
+    std::swap(leaves_[index], leaves_.back());
+    leaves_.pop_back();
+    addLeaf(std::move(cut.below));
   }
 
   /// Algorithm 1, last line: components that no plane could separate become parts of their own. Shells inside out (the
   /// wall of a cavity) stay with the part that they hollow.
   void separateComponents() {
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const Part& part = parts_[i].part;
-      const Components components = connectedComponents(points_[0].size(), part.triangles);
+    for (std::size_t i = 0; i < leaves_.size(); ++i) {
+      const Part& part = leaves_[i].piece.part;
+      const Components components = connectedComponents(static_cast<std::size_t>(shop_.pointCount()), part.triangles);
       if (components.count < 2) continue;
       Part first, rest;
       for (std::size_t t = 0; t < part.triangles.size(); ++t) {
@@ -211,34 +189,54 @@ class Decomposer {
         side.triangles.push_back(part.triangles[t]);
         side.sourceTriangle.push_back(part.sourceTriangle[t]);
       }
-      if (signedVolume(points_[0], first.triangles) <= 0.0 || signedVolume(points_[0], rest.triangles) <= 0.0) continue;
+      if (signedVolume(shop_.points[0], first.triangles) <= 0.0 ||
+          signedVolume(shop_.points[0], rest.triangles) <= 0.0) {
+        continue;
+      }
       first.points = pointsUsedBy(first.triangles);
       rest.points = pointsUsedBy(rest.triangles);
-      result_.cuts.push_back({static_cast<PartIndex>(i), 0, Vec3::Zero(), 0.0});
-      parts_[i] = measured(std::move(first));
-      parts_.push_back(measured(std::move(rest)));
+      splitFrom_.push_back(static_cast<PartIndex>(i));
+      leaves_[i].piece = measure(std::move(first), shop_);
+      addLeaf(std::move(rest));
     }
   }
 
-  const TriMesh& mesh_;
+  Decomposition finish() {
+    Decomposition result;
+    result.vertexCount = static_cast<int>(shop_.mesh.vertices.size());
+    result.triangleCount = static_cast<int>(shop_.mesh.triangles.size());
+    result.cutPoints = std::move(shop_.cutPoints);
+    if (plan_.overCut <= 1.0) {
+      result.splitFrom = std::move(splitFrom_);
+      for (Leaf& leaf : leaves_) result.parts.push_back(std::move(leaf.piece.part));
+      return result;
+    }
+    std::vector<Workpiece> pieces;
+    for (Leaf& leaf : leaves_) pieces.push_back(std::move(leaf.piece));
+    Merged merged = mergePieces(pieces, shop_, settings_.maxParts, plan_.effort.coarse);
+    result.splitFrom = std::move(merged.splitFrom);
+    for (const std::vector<std::size_t>& group : merged.groups) {
+      std::vector<const Part*> members;
+      for (std::size_t i : group) members.push_back(&pieces[i].part);
+      result.parts.push_back(unite(members));
+    }
+    return result;
+  }
+
   const DecomposeSettings& settings_;
-  std::size_t frameCount_;
-  std::vector<std::vector<Vec3>> points_;  // for each keyframe: mesh vertices, then cut points
-  std::vector<double> tolerance_;
-  std::vector<double> meshVolume_;
-  std::vector<Candidate> parts_;
-  Decomposition result_;
+  Plan plan_;
+  Workshop shop_;
+  std::vector<Leaf> leaves_;
+  std::vector<PartIndex> splitFrom_;
 };
 
 }  // namespace
 
 Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
-  if (settings.maxParts < 0 || settings.candidateEdges < 1 || settings.planesPerEdge < 1 || settings.threads < 0) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("parts {}, candidate edges {}, planes per edge {}, threads {}: expected parts and threads of 0 "
-                    "or more, the others of 1 or more",
-                    settings.maxParts, settings.candidateEdges, settings.planesPerEdge, settings.threads)};
+  if (settings.maxParts < 0 || settings.candidateEdges < 0 || settings.planesPerEdge < 0 || settings.threads < 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("parts {}, candidate edges {}, planes per edge {}, threads {}: expected 0 or more of each",
+                             settings.maxParts, settings.candidateEdges, settings.planesPerEdge, settings.threads)};
   }
   if (static_cast<std::size_t>(keyframes.vertexCount) != mesh.vertices.size() || keyframes.keyframeCount() < 1 ||
       keyframes.positions.size() % mesh.vertices.size() != 0) {

@@ -13,9 +13,6 @@ class HashedBytes {
   explicit HashedBytes(std::size_t expected) { bytes_.reserve(expected); }
   void add(std::int32_t value) { appendLittleEndian(value, bytes_); }
   void add(double value) { appendLittleEndian(value, bytes_); }
-  void add(const Vec3& value) {
-    for (const double coordinate : value) add(coordinate);
-  }
   /// A length in front of each list keeps equal bytes from meaning different lists.
   void addLength(std::size_t length) { appendLittleEndian(static_cast<std::uint64_t>(length), bytes_); }
   [[nodiscard]] std::uint64_t hash() const { return contentHash(bytes_); }
@@ -27,7 +24,7 @@ class HashedBytes {
 }  // namespace
 
 std::uint64_t hashOf(const Decomposition& decomposition) {
-  std::size_t size = 64 + 16 * decomposition.cutPoints.size() + 40 * decomposition.cuts.size();
+  std::size_t size = 64 + 16 * decomposition.cutPoints.size() + 4 * decomposition.splitFrom.size();
   for (const Part& part : decomposition.parts) size += 24 + 16 * part.triangles.size() + 4 * part.points.size();
 
   HashedBytes bytes(size);
@@ -39,13 +36,8 @@ std::uint64_t hashOf(const Decomposition& decomposition) {
     bytes.add(point.second);
     bytes.add(point.lambda);
   }
-  bytes.addLength(decomposition.cuts.size());
-  for (const Cut& cut : decomposition.cuts) {
-    bytes.add(cut.part);
-    bytes.add(cut.keyframe);
-    bytes.add(cut.normal);
-    bytes.add(cut.offset);
-  }
+  bytes.addLength(decomposition.splitFrom.size());
+  for (const PartIndex from : decomposition.splitFrom) bytes.add(from);
   bytes.addLength(decomposition.parts.size());
   for (const Part& part : decomposition.parts) {
     bytes.addLength(part.triangles.size());

@@ -32,14 +32,6 @@ struct CutPoint {
   double lambda = 0.0;
 };
 
-/// One cut: which part it split and where the second half went. Every prefix of the cuts is a decomposition.
-struct Cut {
-  PartIndex part = 0;   ///< the part that was split; keeps one half
-  int keyframe = 0;     ///< r*, the keyframe in which the plane was chosen
-  Vec3 normal;          ///< of the plane in that keyframe, unit
-  double offset = 0.0;  ///< plane: normal . x = offset
-};
-
 /// A closed submesh of the decomposed mesh.
 struct Part {
   std::vector<Triangle> triangles;           ///< over PointIndex: surface pieces and caps
@@ -48,11 +40,14 @@ struct Part {
 };
 
 /// An approximate convex decomposition that carries to any pose of its mesh. Immutable once made.
+///
+/// Parts come in an order of detail: part i + 1 was split from part splitFrom[i]. With every part from n on joined
+/// again to the one that it came from, the first n parts are a decomposition too.
 struct Decomposition {
   int vertexCount = 0;  ///< of the mesh it was made from
   int triangleCount = 0;
-  std::vector<CutPoint> cutPoints;  ///< PointIndex = vertexCount + position in this list
-  std::vector<Cut> cuts;            ///< in order; cuts.size() + 1 parts
+  std::vector<CutPoint> cutPoints;   ///< PointIndex = vertexCount + position in this list
+  std::vector<PartIndex> splitFrom;  ///< one entry for each part but the first, splitFrom[i] <= i
   std::vector<Part> parts;
 
   [[nodiscard]] int pointCount() const { return vertexCount + static_cast<int>(cutPoints.size()); }

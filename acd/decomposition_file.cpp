@@ -21,7 +21,6 @@ constexpr std::size_t kHeaderBytes = 28;
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 
 constexpr std::size_t kCutPointBytes = 4 + 4 + 8;
-constexpr std::size_t kCutBytes = 4 + 4 + 4 * 8;
 constexpr std::size_t kTriangleBytes = 3 * 4 + 4;
 
 /// Takes numbers from the bytes one after the other. After the first failure everything is 0, and error() tells.
@@ -128,28 +127,20 @@ void takeCutPoints(Reader& reader, Decomposition& decomposition) {
   }
 }
 
-void takeCuts(Reader& reader, Decomposition& decomposition) {
-  const std::size_t count = reader.takeCount("the number of cuts", kCutBytes);
-  decomposition.cuts.reserve(count);
+void takeSplits(Reader& reader, Decomposition& decomposition) {
+  const std::size_t count = reader.takeCount("the number of splits", 4);
+  decomposition.splitFrom.reserve(count);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    Cut cut;
-    cut.part = reader.takeIndex("the part that a cut splits", 0, static_cast<std::int64_t>(i) + 1);
-    cut.keyframe = reader.takeIndex("a cut's keyframe", 0, kLargestIndex);
-    for (double& coordinate : cut.normal) coordinate = reader.takeFinite("a cut's normal");
-    cut.offset = reader.takeFinite("a cut's offset");
-    if (std::abs(cut.normal.norm() - 1.0) > 1e-6) {
-      reader.fail(reader.offset() - 32,
-                  fmt::format("the normal of cut {} has length {}, expected 1", i, cut.normal.norm()));
-    }
-    decomposition.cuts.push_back(cut);
+    decomposition.splitFrom.push_back(
+        reader.takeIndex("the part that a split divides", 0, static_cast<std::int64_t>(i) + 1));
   }
 }
 
 void takeParts(Reader& reader, Decomposition& decomposition) {
   const std::size_t count = reader.takeCount("the number of parts", 4);
-  if (reader.ok() && count != decomposition.cuts.size() + 1) {
-    reader.fail(reader.offset() - 4, fmt::format("{} parts after {} cuts, expected {}", count,
-                                                 decomposition.cuts.size(), decomposition.cuts.size() + 1));
+  if (reader.ok() && count != decomposition.splitFrom.size() + 1) {
+    reader.fail(reader.offset() - 4, fmt::format("{} parts after {} splits, expected {}", count,
+                                                 decomposition.splitFrom.size(), decomposition.splitFrom.size() + 1));
   }
   if (!reader.ok()) return;
   // The vertex count is a number that nothing in the file backs: it must not decide how much is allocated.
@@ -196,13 +187,8 @@ std::string encode(const DecompositionFile& content) {
     put(point.second);
     put(point.lambda);
   }
-  putCount(decomposition.cuts.size());
-  for (const Cut& cut : decomposition.cuts) {
-    put(cut.part);
-    put(static_cast<std::int32_t>(cut.keyframe));
-    for (const double coordinate : cut.normal) put(coordinate);
-    put(cut.offset);
-  }
+  putCount(decomposition.splitFrom.size());
+  for (const PartIndex from : decomposition.splitFrom) put(from);
   putCount(decomposition.parts.size());
   for (const Part& part : decomposition.parts) {
     putCount(part.triangles.size());
@@ -262,7 +248,7 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
   content.decomposition.vertexCount = reader.takeIndex("the mesh's vertex count", 0, kLargestIndex + 1);
   content.decomposition.triangleCount = reader.takeIndex("the mesh's triangle count", 0, kLargestIndex + 1);
   takeCutPoints(reader, content.decomposition);
-  takeCuts(reader, content.decomposition);
+  takeSplits(reader, content.decomposition);
   takeParts(reader, content.decomposition);
   if (reader.ok() && reader.left() > 0) {
     reader.fail(reader.offset(), fmt::format("{} bytes are left after the last part", reader.left()));

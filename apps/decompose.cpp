@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 namespace lorica {
@@ -26,8 +27,9 @@ struct Options {
   int parts = 0;      // 0 = not given
   int keyframes = 0;  // 0 = not given
   std::vector<std::string> motions;
-  int candidates = DecomposeSettings().candidateEdges;
-  int orientations = DecomposeSettings().planesPerEdge;
+  DecomposePreset preset = DecomposePreset::kFast;
+  int candidates = 0;    // 0 = the preset's
+  int orientations = 0;  // 0 = the preset's
   std::string output;
   std::string obj;
 };
@@ -127,6 +129,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // The work.
   DecomposeSettings settings;
   settings.maxParts = options.parts > 0 ? options.parts : subject->character ? kCharacterParts : 0;
+  settings.preset = options.preset;
   settings.candidateEdges = options.candidates;
   settings.planesPerEdge = options.orientations;
   settings.threads = common.threadCount();
@@ -158,6 +161,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
                                 "      16 parts; how close their hulls are to the mesh\n"
                                 "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
                                 "      also one object (o part_0, ...) for each part's hull, to use elsewhere\n"
+                                "  lorica decompose bunny.off --parts 16 --preset quality\n"
+                                "      tighter parts for some seconds more\n"
                                 "  lorica decompose bracket.stl\n"
                                 "      go on until no concave edge remains (Ctrl-C cancels)\n"
                                 "  lorica decompose mannequin -o body.lorica\n"
@@ -172,14 +177,25 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       ->type_name("");
   addCount(*app, "--parts", options->parts, 1,
            "Stop at so many parts [default: a character 16, a mesh when it has no concave edge left]");
+  app->add_option("--preset", options->preset,
+                  "paper: the algorithm as published; fast: better parts in like time; quality: better still, slower "
+                  "[default: fast]")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, DecomposePreset>{{"paper", DecomposePreset::kPaper},
+                                                                         {"fast", DecomposePreset::kFast},
+                                                                         {"quality", DecomposePreset::kQuality}})
+              .description(""))
+      ->type_name("paper|fast|quality")
+      ->option_text("paper|fast|quality");
   addCount(*app, "--keyframes", options->keyframes, 1, "Poses that a character is trained on [default: 12]");
   app->add_option("--motion", options->motions,
                   "Take the keyframes from this recording; may be given again [default: those that ship]")
       ->type_name("FILE")
       ->expected(1)
       ->take_all();
-  addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: 8]");
-  addCount(*app, "--orientations", options->orientations, 1, "Planes tried at each of them [default: 5]");
+  addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: the preset's, 8]");
+  addCount(*app, "--orientations", options->orientations, 1,
+           "Planes tried at each of them [default: the preset's, 5 or, fast, 3]");
   app->add_option("-o,--output", options->output, "Write the decomposition, for `lorica play`")
       ->type_name("FILE.lorica");
   app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 namespace lorica {
 namespace {
@@ -13,11 +14,11 @@ namespace {
 // Points are snapped to an integer grid of 2^40 steps along the longest side of their box, 1e-12 of it. On the grid an
 // orientation determinant fits into 128 bits, so its sign is exact: a floating-point filter decides nearly all cases,
 // the integer evaluation the rest. Two thresholds serve two purposes:
-//   - a point is worth adding when it lies more than kTolerance of the diagonal above a face;
+//   - a point is worth adding when it lies more than the tolerance times the diagonal above a face;
 //   - a face is removed when the new point is above it or exactly on its plane. This weak visibility drops coplanar
 //     faces together, so no face without area can arise, and the horizon is one simple loop.
 
-constexpr double kTolerance = 1e-10;  // of the diagonal
+constexpr double kFinest = 1e-10;  // of the diagonal
 constexpr int kGridBits = 40;
 constexpr double kUnitRoundoff = 1.1102230246251565e-16;
 constexpr int kNone = -1;
@@ -41,8 +42,10 @@ struct Face {
 class HullBuilder {
  public:
   // Leaves the hull's faces in faces_; false when the points have no volume.
-  bool build(std::span<const Vec3> points, bool verify) {
+  bool build(std::span<const Vec3> points, double tolerance, bool verify) {
     points_ = points;
+    tolerance_ = tolerance;
+    verify_ = verify;
     faces_.clear();
     free_.clear();
     pending_.clear();
@@ -61,6 +64,16 @@ class HullBuilder {
       sum += (point(f.vertex[0]) - origin).dot((point(f.vertex[1]) - origin).cross(point(f.vertex[2]) - origin));
     }
     return sum / 6.0;
+  }
+
+  [[nodiscard]] std::vector<VertexIndex> vertexIndices() const {
+    std::vector<VertexIndex> indices;
+    for (const Face& f : faces_) {
+      if (f.alive) indices.insert(indices.end(), f.vertex.begin(), f.vertex.end());
+    }
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    return indices;
   }
 
   [[nodiscard]] ConvexHull extract() {
@@ -138,7 +151,7 @@ class HullBuilder {
         simplex_[2] = i;
       }
     }
-    if (std::sqrt(best) <= kTolerance * diagonal_) return false;
+    if (std::sqrt(best) <= kFinest * diagonal_) return false;
     const Vec3 normal = direction.cross(grid(simplex_[2]) - a).normalized();
     best = 0.0;
     double side = 0.0;
@@ -150,7 +163,7 @@ class HullBuilder {
         simplex_[3] = i;
       }
     }
-    if (best <= kTolerance * diagonal_) return false;
+    if (best <= kFinest * diagonal_) return false;
     if (side > 0.0) std::swap(simplex_[1], simplex_[2]);  // the fourth point below the face 0 1 2
 
     const auto [p, q, r, s] = simplex_;
@@ -183,7 +196,7 @@ class HullBuilder {
     const Vec3 ac = grid(c) - grid(a);
     f.normal = ab.cross(ac);
     f.filter = 16.0 * kUnitRoundoff * std::sqrt(ab.squaredNorm() * ac.squaredNorm()) * diagonal_;
-    f.addThreshold = kTolerance * diagonal_ * f.normal.norm();
+    f.addThreshold = tolerance_ * diagonal_ * f.normal.norm();
     return index;
   }
 
@@ -235,7 +248,7 @@ class HullBuilder {
       return;
     }
     // Above one new face by less than the tolerance, it may be farther above an old one: addMissed looks again.
-    if (barelyAbove) near_.push_back(p);
+    if (barelyAbove && verify_) near_.push_back(p);
   }
 
   void drain() {
@@ -329,6 +342,8 @@ class HullBuilder {
   std::vector<HorizonEdge> horizon_;
   std::array<int, 4> simplex_{};
   double diagonal_ = 0.0;
+  double tolerance_ = kFinest;
+  bool verify_ = false;
 };
 
 // One builder for each thread keeps its memory from call to call.
@@ -337,7 +352,7 @@ thread_local HullBuilder builder;
 }  // namespace
 
 ConvexHull convexHull(std::span<const Vec3> points) {
-  if (builder.build(points, true)) return builder.extract();
+  if (builder.build(points, kFinest, true)) return builder.extract();
   ConvexHull flat;
   for (std::size_t i = 0; i < points.size(); ++i) {
     flat.pointOfVertex.push_back(static_cast<VertexIndex>(i));
@@ -346,8 +361,15 @@ ConvexHull convexHull(std::span<const Vec3> points) {
   return flat;
 }
 
-double convexHullVolume(std::span<const Vec3> points) {
-  return builder.build(points, false) ? builder.volume() : 0.0;
+double convexHullVolume(std::span<const Vec3> points, double tolerance) {
+  return builder.build(points, tolerance, false) ? builder.volume() : 0.0;
+}
+
+std::vector<VertexIndex> convexHullPoints(std::span<const Vec3> points, double tolerance) {
+  if (builder.build(points, tolerance, false)) return builder.vertexIndices();
+  std::vector<VertexIndex> all(points.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 double largestViolation(const ConvexHull& hull, std::span<const Vec3> points) {

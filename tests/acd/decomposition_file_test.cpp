@@ -25,7 +25,7 @@ DecompositionFile sample() {
   d.vertexCount = 12;
   d.triangleCount = 20;
   d.cutPoints = {{3, 0, 0.25}, {12, 9, 1.0}};
-  d.cuts = {{0, 1, {0.6, 0.0, 0.8}, -0.5}};
+  d.splitFrom = {0};
   d.parts.resize(2);
   d.parts[0] = {{{0, 1, 12}, {1, 13, 12}, {13, 0, 12}}, {0, 19, -1}, {0, 1, 12, 13}};
   d.parts[1] = {{{11, 2, 3}}, {7}, {2, 3, 11}};
@@ -47,13 +47,7 @@ void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
     EXPECT_EQ(c.cutPoints[i].second, d.cutPoints[i].second);
     EXPECT_EQ(c.cutPoints[i].lambda, d.cutPoints[i].lambda);
   }
-  ASSERT_EQ(c.cuts.size(), d.cuts.size());
-  for (std::size_t i = 0; i < c.cuts.size(); ++i) {
-    EXPECT_EQ(c.cuts[i].part, d.cuts[i].part);
-    EXPECT_EQ(c.cuts[i].keyframe, d.cuts[i].keyframe);
-    EXPECT_EQ(c.cuts[i].normal, d.cuts[i].normal);
-    EXPECT_EQ(c.cuts[i].offset, d.cuts[i].offset);
-  }
+  EXPECT_EQ(c.splitFrom, d.splitFrom);
   ASSERT_EQ(c.parts.size(), d.parts.size());
   for (std::size_t i = 0; i < c.parts.size(); ++i) {
     EXPECT_EQ(c.parts[i].triangles, d.parts[i].triangles);
@@ -91,22 +85,19 @@ std::string whyNot(const std::string& bytes) {
 
 TEST(HashOf, EveryFieldCounts) {
   const Decomposition original = sample().decomposition;
-  std::vector<Decomposition> changed(15, original);
+  std::vector<Decomposition> changed(12, original);
   changed[0].vertexCount++;
   changed[1].triangleCount++;
   changed[2].cutPoints[1].first--;
   changed[3].cutPoints[1].second--;
   changed[4].cutPoints[0].lambda = std::nextafter(0.25, 1.0);
-  changed[5].cuts[0].part++;
-  changed[6].cuts[0].keyframe++;
-  changed[7].cuts[0].normal.y() = -0.0;
-  changed[8].cuts[0].offset = std::nextafter(-0.5, 0.0);
-  changed[9].parts[1].triangles[0][2]--;
-  changed[10].parts[0].sourceTriangle[2] = 0;
-  changed[11].parts[0].points.pop_back();
-  std::swap(changed[12].parts[0], changed[12].parts[1]);
-  changed[13].parts.pop_back();
-  changed[14].cutPoints.pop_back();
+  changed[5].splitFrom[0]++;
+  changed[6].parts[1].triangles[0][2]--;
+  changed[7].parts[0].sourceTriangle[2] = 0;
+  changed[8].parts[0].points.pop_back();
+  std::swap(changed[9].parts[0], changed[9].parts[1]);
+  changed[10].parts.pop_back();
+  changed[11].cutPoints.pop_back();
   std::vector<std::uint64_t> hashes = {hashOf(original), hashOf(Decomposition{})};
   for (const Decomposition& d : changed) hashes.push_back(hashOf(d));
   std::sort(hashes.begin(), hashes.end());
@@ -156,7 +147,7 @@ TEST(DecompositionFile, Version1StillLoads) {
   const auto read = readDecomposition(file);
   ASSERT_TRUE(read.ok()) << read.error().message;
   expectEqual(*read, sample());
-  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "1c9f466a423ca4e8");
+  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
 }
 
 TEST(DecompositionFile, EveryDamagedByteIsRefused) {
@@ -197,7 +188,7 @@ TEST(DecompositionFile, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
       EXPECT_LT(watch.largest(), 100'000u);
       if (!read.ok()) continue;
       const Decomposition& d = read->decomposition;
-      ASSERT_EQ(d.parts.size(), d.cuts.size() + 1);
+      ASSERT_EQ(d.parts.size(), d.splitFrom.size() + 1);
       for (std::size_t i = 0; i < d.cutPoints.size(); ++i) {
         ASSERT_LT(std::max(d.cutPoints[i].first, d.cutPoints[i].second), d.vertexCount + static_cast<int>(i));
         ASSERT_GE(std::min(d.cutPoints[i].first, d.cutPoints[i].second), 0);
@@ -214,8 +205,8 @@ TEST(DecompositionFile, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
 
 TEST(DecompositionFile, SaysWhatIsWrong) {
   const std::string bytes = sampleBytes();
-  // Offsets by docs/LORICA_FILE.md: "l-shape.off" takes 11 bytes, so the count of cut points is at 87, of cuts at
-  // 123, of parts at 167, and the file ends at 243.
+  // Offsets by docs/LORICA_FILE.md: "l-shape.off" takes 11 bytes, so the count of cut points is at 87, of splits at
+  // 123, of parts at 131, and the file ends at 207.
   const auto with = [&](std::size_t at, auto value) {
     std::string changed = bytes.substr(0, at);
     appendLittleEndian(value, changed);
@@ -228,26 +219,26 @@ TEST(DecompositionFile, SaysWhatIsWrong) {
   EXPECT_EQ(whyNot(newer),
             "a.lorica: has format version 3; this Lorica reads versions 1 to 1, a newer one wrote the file");
   EXPECT_EQ(whyNot(bytes.substr(0, bytes.size() - 5)),
-            "a.lorica: byte 12: announces 215 bytes after the header, 210 are there");
+            "a.lorica: byte 12: announces 179 bytes after the header, 174 are there");
   EXPECT_EQ(whyNot(with(28, std::uint32_t{4000000000u})),
             "a.lorica: byte 28: the length of the source's name is 4000000000, which needs 4000000000 bytes or more; "
-            "211 are left");
+            "175 are left");
   EXPECT_EQ(whyNot(with(51, std::numeric_limits<double>::infinity())),
             "a.lorica: byte 51: the mean error is inf, expected a finite number");
   EXPECT_EQ(whyNot(with(79, std::int32_t{-1})),
             "a.lorica: byte 79: the mesh's vertex count is -1, expected 0 to 2147483647");
   EXPECT_EQ(whyNot(with(87, std::uint32_t{0x40000000u})),
-            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 17179869184 bytes or more; 152 are "
+            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 17179869184 bytes or more; 116 are "
             "left");
   EXPECT_EQ(whyNot(with(91, std::int32_t{12})),
             "a.lorica: byte 91: a cut point's first end (an older point) is 12, expected 0 to 11");
   EXPECT_EQ(whyNot(with(99, 1.5)), "a.lorica: byte 99: lambda of cut point 0 is 1.5, expected 0 to 1");
   EXPECT_EQ(whyNot(with(99, std::nan(""))), "a.lorica: byte 99: lambda of cut point 0 is nan, expected 0 to 1");
-  EXPECT_EQ(whyNot(with(127, std::int32_t{1})), "a.lorica: byte 127: the part that a cut splits is 1, expected 0 to 0");
-  EXPECT_EQ(whyNot(with(135, 0.0)), "a.lorica: byte 135: the normal of cut 0 has length 0.8, expected 1");
-  EXPECT_EQ(whyNot(with(167, std::uint32_t{3})), "a.lorica: byte 167: 3 parts after 1 cuts, expected 2");
-  EXPECT_EQ(whyNot(with(175, std::int32_t{14})), "a.lorica: byte 175: a corner of a part is 14, expected 0 to 13");
-  EXPECT_EQ(whyNot(with(211, std::int32_t{20})), "a.lorica: byte 211: a source triangle is 20, expected -1 to 19");
+  EXPECT_EQ(whyNot(with(127, std::int32_t{1})),
+            "a.lorica: byte 127: the part that a split divides is 1, expected 0 to 0");
+  EXPECT_EQ(whyNot(with(131, std::uint32_t{3})), "a.lorica: byte 131: 3 parts after 1 splits, expected 2");
+  EXPECT_EQ(whyNot(with(139, std::int32_t{14})), "a.lorica: byte 139: a corner of a part is 14, expected 0 to 13");
+  EXPECT_EQ(whyNot(with(175, std::int32_t{20})), "a.lorica: byte 175: a source triangle is 20, expected -1 to 19");
   EXPECT_EQ(readDecomposition("/nowhere/a.lorica").error().code, ErrorCode::kNotFound);
 }
 

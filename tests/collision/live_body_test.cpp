@@ -18,7 +18,7 @@ Decomposition halvedBox() {
   result.vertexCount = 8;
   result.triangleCount = 12;
   result.cutPoints = {{0, 1, 0.5}, {2, 3, 0.5}, {4, 5, 0.5}, {6, 7, 0.5}};
-  result.cuts.resize(1);
+  result.splitFrom.resize(1);
   result.parts.resize(2);
   result.parts[0].points = {0, 2, 4, 6, 8, 9, 10, 11};
   result.parts[1].points = {1, 3, 5, 7, 8, 9, 10, 11};

@@ -1,0 +1,93 @@
+#include "acd/workpiece.h"
+
+#include "geometry/convex_hull.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace lorica {
+namespace {
+
+// Points closer to a plane than this lie on it, relative to the diagonal of the mesh in that keyframe.
+constexpr double kOnPlane = 1e-9;
+
+/// The same triangle with its smallest index first.
+Triangle canonical(Triangle t) {
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  return t;
+}
+
+}  // namespace
+
+Workshop::Workshop(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedMesh) {
+  for (int k = 0; k < keyframes.keyframeCount(); ++k) {
+    const std::span<const Vec3> frame = keyframes.keyframe(k);
+    points.emplace_back(frame.begin(), frame.end());
+    onPlane.push_back(kOnPlane * boundsOf(frame).diagonal());
+    meshVolume.push_back(signedVolume(frame, mesh.triangles));
+  }
+}
+
+void Workshop::addCutPoints(std::span<const CutPoint> added) {
+  for (std::vector<Vec3>& frame : points) {
+    for (const CutPoint& c : added) {
+      frame.push_back(c.lambda * frame[static_cast<std::size_t>(c.first)] +
+                      (1.0 - c.lambda) * frame[static_cast<std::size_t>(c.second)]);
+    }
+  }
+  cutPoints.insert(cutPoints.end(), added.begin(), added.end());
+}
+
+double Workpiece::totalError() const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < volume.size(); ++k) sum += error(k);
+  return sum;
+}
+
+double Workpiece::totalHullVolume() const {
+  return std::accumulate(hullVolume.begin(), hullVolume.end(), 0.0);
+}
+
+Workpiece measure(Part part, const Workshop& shop) {
+  Workpiece w;
+  w.part = std::move(part);
+  w.creases = creasesOf(w.part);
+  w.volume.resize(shop.keyframeCount());
+  w.hullVolume.resize(shop.keyframeCount());
+  tbb::parallel_for(std::size_t{0}, shop.keyframeCount(), [&](std::size_t k) {
+    thread_local std::vector<Vec3> own;
+    own.clear();
+    for (PointIndex p : w.part.points) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
+    w.hullVolume[k] = convexHullVolume(own);
+    w.volume[k] = signedVolume(shop.points[k], w.part.triangles);
+  });
+  return w;
+}
+
+Part unite(std::span<const Part* const> parts) {
+  std::vector<Triangle> caps;
+  for (const Part* part : parts) {
+    for (std::size_t i = 0; i < part->triangles.size(); ++i) {
+      if (part->sourceTriangle[i] < 0) caps.push_back(canonical(part->triangles[i]));
+    }
+  }
+  std::sort(caps.begin(), caps.end());
+  Part whole;
+  for (const Part* part : parts) {
+    for (std::size_t i = 0; i < part->triangles.size(); ++i) {
+      const Triangle& t = part->triangles[i];
+      if (part->sourceTriangle[i] < 0 && std::binary_search(caps.begin(), caps.end(), canonical({t[0], t[2], t[1]}))) {
+        continue;
+      }
+      whole.triangles.push_back(t);
+      whole.sourceTriangle.push_back(part->sourceTriangle[i]);
+    }
+  }
+  whole.points = pointsUsedBy(whole.triangles);
+  return whole;
+}
+
+}  // namespace lorica
