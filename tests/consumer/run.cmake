@@ -1,5 +1,6 @@
 # cmake -D BUILD=<build folder> -D CXX=<compiler> -D CONFIG=<build type> -P run.cmake
-# Installs Lorica to a fresh prefix, builds the consumer against it and runs consumer and command from there.
+# Installs Lorica to a fresh prefix, builds the consumer against it and runs consumer and command from there:
+# `walk` is one of the installed recordings.
 
 set(work ${BUILD}/tests/consumer/work)
 file(REMOVE_RECURSE ${work})
@@ -18,5 +19,5 @@ run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${work}/build -DCM
     -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_PREFIX_PATH=${work}/prefix)
 run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/consumer)
-run(${work}/prefix/bin/lorica --help)
+run(${work}/prefix/bin/lorica info walk)
 file(REMOVE_RECURSE ${work})
