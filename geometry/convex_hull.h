@@ -23,7 +23,8 @@ struct ConvexHull {
 [[nodiscard]] ConvexHull convexHull(std::span<const Vec3> points);
 
 /// Volume of the hull only [m^3].
-/// @param tolerance  points up to this share of the set's diagonal above a face are left out; a coarse tolerance gives a
+/// @param tolerance  points up to this share of the set's diagonal above a face are left out; a coarse tolerance gives
+/// a
 ///                   slightly small volume in a fraction of the time, and always from inside
 [[nodiscard]] double convexHullVolume(std::span<const Vec3> points, double tolerance = 1e-10);
 

@@ -47,7 +47,8 @@ Result<VertexIndex> parseCorner(std::string_view word, std::size_t vertexCount, 
     }
     rest.remove_prefix(slash + 1);
   }
-  if (!rest.empty()) return scanner.fail(fmt::format("corner {}, expected v, v/vt, v//vn or v/vt/vn", quotedWord(word)));
+  if (!rest.empty())
+    return scanner.fail(fmt::format("corner {}, expected v, v/vt, v//vn or v/vt/vn", quotedWord(word)));
   const auto count = static_cast<std::int64_t>(vertexCount);
   if (index == 0 || index > count || index < -count) {
     return scanner.fail(

@@ -364,6 +364,10 @@ struct BenchmarkRow {
   double score;
 };
 
+void PrintTo(const BenchmarkRow& row, std::ostream* out) {
+  *out << row.file << ", " << row.parts << " parts";
+}
+
 class VhacdBenchmark : public testing::TestWithParam<BenchmarkRow> {};
 
 TEST_P(VhacdBenchmark, ReachesItsScoreAndStaysSound) {

@@ -165,6 +165,10 @@ struct Benchmark {
   double score;
 };
 
+void PrintTo(const Benchmark& row, std::ostream* out) {
+  *out << row.file << ", " << row.parts << " parts";
+}
+
 class DecomposeBenchmark : public testing::TestWithParam<Benchmark> {};
 
 TEST_P(DecomposeBenchmark, ReachesItsScoreAndCoversTheMesh) {
