@@ -220,7 +220,7 @@ std::vector<VertexIndex> firstAtSamePosition(std::span<const Vec3> vertices) {
 double signedVolume(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0.0;
   // Tetrahedra from a point of the mesh, not from the origin: far away these would cancel badly.
-  const Vec3 apex = vertices[triangles.front()[0]];
+  const Vec3& apex = vertices[triangles.front()[0]];
   double sixfold = 0.0;
   for (const Triangle& t : triangles) {
     const Vec3 a = vertices[t[0]] - apex;

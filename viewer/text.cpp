@@ -71,7 +71,7 @@ TextMask drawText(std::string_view text, int lineHeight) {
   const int line = std::max(lineHeight, 6) * kOversampling;
   const double cap = kCapPerLine * line;
   const double scale = cap / kCapHeight;
-  const int stroke = std::max(1, static_cast<int>(kStrokePerCap * cap + 0.5));
+  const int stroke = std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap)));
   int width = 0;
   struct Piece {
     std::string text;
