@@ -74,6 +74,7 @@ class Decomposer {
   Result<Decomposition> run() {
     Part whole;
     whole.triangles = shop_.mesh.triangles;
+    whole.sourceTriangle.reserve(whole.triangles.size());
     for (std::size_t i = 0; i < whole.triangles.size(); ++i)
       whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
     whole.points = pointsUsedBy(whole.triangles);
@@ -81,19 +82,25 @@ class Decomposer {
     const auto limit = settings_.maxParts > 0 ? static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut))
                                               : std::numeric_limits<std::size_t>::max();
     while (leaves_.size() < limit) {
-      if (settings_.progress && !settings_.progress(static_cast<int>(leaves_.size()), static_cast<int>(limit))) {
-        return Error{ErrorCode::kCancelled, "decomposition cancelled"};
-      }
+      if (!goOn(limit)) return Error{ErrorCode::kCancelled, "decomposition cancelled"};
       const std::optional<std::size_t> next = plan_.byGain ? mostGaining() : mostConcave();
       if (!next) break;
       carryOut(*next);
     }
     if (settings_.maxParts == 0) separateComponents();
-    if (settings_.progress) settings_.progress(static_cast<int>(leaves_.size()), static_cast<int>(limit));
+    (void)goOn(limit);  // the result is there: whoever cancels now is too late
     return finish();
   }
 
  private:
+  /// Tells how far the work is, in parts asked for though more pieces may be cut. False to cancel.
+  [[nodiscard]] bool goOn(std::size_t limit) const {
+    if (!settings_.progress) return true;
+    const std::size_t done =
+        settings_.maxParts > 0 ? leaves_.size() * static_cast<std::size_t>(settings_.maxParts) / limit : leaves_.size();
+    return settings_.progress(static_cast<int>(done), settings_.maxParts);
+  }
+
   void addLeaf(Part part) {
     Leaf leaf;
     leaf.piece = measure(std::move(part), shop_);

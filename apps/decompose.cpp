@@ -13,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <map>
 #include <memory>
 
 namespace lorica {
@@ -27,7 +26,7 @@ struct Options {
   int parts = 0;      // 0 = not given
   int keyframes = 0;  // 0 = not given
   std::vector<std::string> motions;
-  DecomposePreset preset = DecomposePreset::kFast;
+  std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
   int orientations = 0;  // 0 = the preset's
   std::string output;
@@ -52,8 +51,9 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
                    fmt::format("--export-obj: {} is the input and would be overwritten", options.obj)};
     }
   }
-  if (!common.json.empty() && common.json != "-") return checkOutput("--json", common.json);
-  return {};
+  std::vector<std::filesystem::path> others(options.motions.begin(), options.motions.end());
+  others.insert(others.end(), {options.input, options.output, options.obj});
+  return checkJsonOutput(common, others);
 }
 
 /// One object a part: its hull in the input's coordinates, a character's in its bind pose.
@@ -129,7 +129,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // The work.
   DecomposeSettings settings;
   settings.maxParts = options.parts > 0 ? options.parts : subject->character ? kCharacterParts : 0;
-  settings.preset = options.preset;
+  settings.preset = options.preset == "paper"  ? DecomposePreset::kPaper
+                    : options.preset == "fast" ? DecomposePreset::kFast
+                                               : DecomposePreset::kQuality;
   settings.candidateEdges = options.candidates;
   settings.planesPerEdge = options.orientations;
   settings.threads = common.threadCount();
@@ -180,13 +182,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
   app->add_option("--preset", options->preset,
                   "paper: the algorithm as published; fast: better parts in like time; quality: better still, slower "
                   "[default: fast]")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, DecomposePreset>{{"paper", DecomposePreset::kPaper},
-                                                                         {"fast", DecomposePreset::kFast},
-                                                                         {"quality", DecomposePreset::kQuality}})
-              .description(""))
-      ->type_name("paper|fast|quality")
-      ->option_text("paper|fast|quality");
+      ->type_name("NAME")
+      ->check(oneOf({"paper", "fast", "quality"}));
   addCount(*app, "--keyframes", options->keyframes, 1, "Poses that a character is trained on [default: 12]");
   app->add_option("--motion", options->motions,
                   "Take the keyframes from this recording; may be given again [default: those that ship]")

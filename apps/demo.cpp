@@ -159,9 +159,7 @@ Result<std::optional<Window>> chooseWindow(const Options& options) {
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   // What would fail late is tried early.
-  if (!common.json.empty() && common.json != "-") {
-    if (Result<void> fine = checkOutput("--json", common.json); !fine) return fine;
-  }
+  if (Result<void> fine = checkJsonOutput(common, {}); !fine) return fine;
   if (options.window && !displayAvailable()) {
     return Error{ErrorCode::kNoDisplay,
                  "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run `lorica demo "

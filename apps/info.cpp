@@ -178,9 +178,7 @@ Result<Facts> describe(const std::string& input) {
 }
 
 Result<void> run(const std::string& input, const CommonOptions& common) {
-  if (!common.json.empty() && common.json != "-") {
-    if (Result<void> fine = checkOutput("--json", common.json); !fine) return fine;
-  }
+  if (Result<void> fine = checkJsonOutput(common, {input}); !fine) return fine;
   const Result<Facts> facts = describe(input);
   if (!facts) return facts.error();
   return publish(common, facts->report, facts->json);

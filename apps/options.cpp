@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -48,6 +49,15 @@ CLI::App* addSubcommand(CLI::App& parent, CommonOptions& common, const std::stri
 
 CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int least, const std::string& description) {
   return app.add_option(name, value, description)->type_name("N")->check(countBetween(least, kMostOfAnything));
+}
+
+CLI::Validator oneOf(std::vector<std::string> words) {
+  CLI::Validator validator("");
+  validator.operation([words = std::move(words)](std::string& text) -> std::string {
+    if (std::find(words.begin(), words.end(), text) != words.end()) return "";
+    return fmt::format("found `{}`, expected {}", text, fmt::join(words, ", "));
+  });
+  return validator;
 }
 
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description) {

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace lorica {
 
@@ -23,6 +24,9 @@ struct Command {
 
 /// An option that takes a whole number of at least `least`; anything else is refused in a sentence.
 CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int least, const std::string& description);
+
+/// A check for an option that takes one of a few words; anything else is refused in a sentence.
+[[nodiscard]] CLI::Validator oneOf(std::vector<std::string> words);
 
 /// An option that takes seconds above zero.
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description);

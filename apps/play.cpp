@@ -138,9 +138,7 @@ Report toReport(const Options& options, const Recording& recording, const Sessio
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (!common.json.empty() && common.json != "-") {
-    if (Result<void> fine = checkOutput("--json", common.json); !fine) return fine;
-  }
+  if (Result<void> fine = checkJsonOutput(common, {options.recording, options.decomposition}); !fine) return fine;
   const Result<Character> character = findCharacter(options.character);
   if (!character) return character.error();
   if (options.window && !displayAvailable()) {

@@ -48,6 +48,24 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
   return {};
 }
 
+Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others) {
+  if (options.json.empty() || options.json == "-") return {};
+  const std::filesystem::path json = options.json;
+  std::error_code ignored;
+  const std::filesystem::path meant = std::filesystem::weakly_canonical(json, ignored);
+  for (const std::filesystem::path& other : others) {
+    if (other.empty() || std::filesystem::weakly_canonical(other, ignored) != meant) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--json: {} is named twice and would be overwritten", json.string())};
+  }
+  if (std::filesystem::exists(json, ignored) && !std::filesystem::is_directory(json, ignored) &&
+      !std::filesystem::is_regular_file(json, ignored)) {
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("--json: {} is no ordinary file; `--json -` writes to standard output", json.string())};
+  }
+  return checkOutput("--json", json);
+}
+
 Result<void> checkOutput(const std::string& option, const std::filesystem::path& file, const std::string& extension) {
   std::error_code ignored;
   if (!extension.empty() && file.extension() != extension) {

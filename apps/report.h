@@ -40,6 +40,11 @@ class Report {
 [[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
                                    const nlohmann::ordered_json& json);
 
+/// Refuses, before any work is done, a --json that cannot be written or that names one of the other files.
+/// @param others  inputs and further outputs of the command; empty ones do not count
+[[nodiscard]] Result<void> checkJsonOutput(const CommonOptions& options,
+                                           const std::vector<std::filesystem::path>& others);
+
 /// Fails early, before minutes of work: the output's folder must be there, and the output must not be a folder.
 /// @param option     named in the sentence: "--export-obj"
 /// @param extension  that the name must have; empty = any

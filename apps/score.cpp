@@ -42,9 +42,7 @@ Report toReport(const Options& options, std::size_t partCount, const Score& scor
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (!common.json.empty() && common.json != "-") {
-    if (Result<void> fine = checkOutput("--json", common.json); !fine) return fine;
-  }
+  if (Result<void> fine = checkJsonOutput(common, {options.mesh, options.parts}); !fine) return fine;
   const Result<Subject> subject = readSubject(options.mesh);
   if (!subject) return subject.error();
   const TriMesh& mesh = subject->mesh;

@@ -36,6 +36,10 @@ void weldIfThatClosesEdges(TriMesh& mesh) {
 Result<TriMesh> readMesh(const std::filesystem::path& file) {
   const Parser parse = parserFor(file.extension().string());
   if (parse == nullptr) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored)) {
+      return Error{ErrorCode::kUnreadable, fmt::format("{}: is a folder, expected a mesh file", file.string())};
+    }
     return Error{ErrorCode::kUnsupported, fmt::format("{}: the name ends in '{}', expected .off, .obj, .ply or .stl",
                                                       file.string(), file.extension().string())};
   }

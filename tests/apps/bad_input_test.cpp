@@ -214,6 +214,31 @@ struct WrongOption {
   std::vector<std::string> fragments;
 };
 
+TEST(BadOption, JsonOntoAnotherFileOfTheCommandIsRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = folder.write("mesh.off", kTetrahedronOff);
+  expectRefused(runLorica({"decompose", mesh, "--json", folder.path() / "." / "mesh.off"}), {"--json", "overwritten"});
+  expectRefused(runLorica({"info", mesh, "--json", mesh}), {"--json", "overwritten"});
+  expectRefused(runLorica({"score", mesh, folder.path() / "parts.obj", "--json", mesh}), {"--json", "overwritten"});
+  expectRefused(runLorica({"decompose", mesh, "-o", folder.path() / "a.lorica", "--json", folder.path() / "a.lorica"}),
+                {"--json", "overwritten"});
+  expectRefused(runLorica({"decompose", mesh, "-o", folder.path() / "a.lorica", "--json", "/dev/null"}),
+                {"--json", "/dev/null"});
+  EXPECT_EQ(*readFile(mesh), kTetrahedronOff);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.lorica"));
+}
+
+TEST(BadOption, UnknownPresetNamesThoseThatAre) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = folder.write("mesh.off", kTetrahedronOff);
+  expectRefused(runLorica({"decompose", mesh, "--preset", "best"}), {"best", "paper, fast, quality"});
+}
+
+TEST(BadMesh, FolderIsNamedAsOne) {
+  const TemporaryFolder folder;
+  expectRefused(runLorica({"decompose", folder.path()}), {"folder"});
+}
+
 TEST(BadOption, IsRefusedInASentence) {
   const TemporaryFolder folder;
   const std::string mesh = writeObj(folder, "l.obj", makeLShape());
