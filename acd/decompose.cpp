@@ -215,10 +215,12 @@ class Decomposer {
     result.cutPoints = std::move(shop_.cutPoints);
     if (plan_.overCut <= 1.0) {
       result.splitFrom = std::move(splitFrom_);
+      result.parts.reserve(leaves_.size());
       for (Leaf& leaf : leaves_) result.parts.push_back(std::move(leaf.piece.part));
       return result;
     }
     std::vector<Workpiece> pieces;
+    pieces.reserve(leaves_.size());
     for (Leaf& leaf : leaves_) pieces.push_back(std::move(leaf.piece));
     Merged merged = mergePieces(pieces, shop_, settings_.maxParts, plan_.effort.coarse);
     result.splitFrom = std::move(merged.splitFrom);
