@@ -226,6 +226,7 @@ class Decomposer {
     result.splitFrom = std::move(merged.splitFrom);
     for (const std::vector<std::size_t>& group : merged.groups) {
       std::vector<const Part*> members;
+      members.reserve(group.size());
       for (std::size_t i : group) members.push_back(&pieces[i].part);
       result.parts.push_back(unite(members));
     }
