@@ -19,9 +19,11 @@ enum class DecomposePreset : std::uint8_t {
 struct DecomposeSettings {
   int maxParts = 16;  ///< M; 0 = until no concave edge remains (Algorithm 1)
   DecomposePreset preset = DecomposePreset::kFast;
-  int candidateEdges = 0;  ///< C: concave edges tried for each cut, deepest first; 0 = the preset's (paper: 8)
-  int planesPerEdge = 0;   ///< R: plane orientations for each of them; 0 = the preset's (paper: 5)
-  int threads = 0;         ///< 0 = as many as the machine has; the result does not depend on it
+  int candidateEdges = 0;    ///< C: concave edges tried for each cut, deepest first; 0 = the preset's (paper: 8)
+  int planesPerEdge = 0;     ///< R: plane orientations for each of them; 0 = the preset's (paper: 5)
+  double maxError = 0.0;     ///< stop when hull volume less mesh volume is at most this share of the mesh; 0 = go on
+  double maxDistance = 0.0;  ///< stop when no point of the hulls is farther from the mesh than this [m]; 0 = go on
+  int threads = 0;           ///< 0 = as many as the machine has; the result does not depend on it
   DecomposeProgress progress = {};
 };
 
