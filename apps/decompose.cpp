@@ -1,6 +1,5 @@
 #include "acd/decompose.h"
 
-#include "acd/decomposition_file.h"
 #include "acd/transfer.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
@@ -14,6 +13,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 namespace lorica {
 namespace {
@@ -23,8 +23,10 @@ constexpr int kDefaultKeyframes = 12;
 
 struct Options {
   std::string input;
-  int parts = 0;      // 0 = not given
-  int keyframes = 0;  // 0 = not given
+  int parts = 0;             // 0 = not given
+  double maxError = 0.0;     // 0 = not given
+  double maxDistance = 0.0;  // 0 = not given
+  int keyframes = 0;         // 0 = not given
   std::vector<std::string> motions;
   std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
@@ -56,6 +58,45 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
   return checkJsonOutput(common, others);
 }
 
+/// Which of the limits ended the cutting, and how far the hulls stand off the surface where that was limited.
+struct Ending {
+  const char* by = "parts";  // or "error", "distance", "convex"
+  std::optional<double> distance;
+};
+
+Ending findEnding(const Options& options, int maxParts, const Decomposition& made, const Quality& quality,
+                  PoseView poses) {
+  Ending ending;
+  if (options.maxDistance > 0.0) {
+    ending.distance = measureDistance(made, poses, 0.1 * options.maxDistance);
+    // Both are upper bounds; the second one is the tighter one about the limit itself.
+    if (*ending.distance > options.maxDistance) {
+      ending.distance = std::min(*ending.distance, measureDistance(made, poses, options.maxDistance));
+    }
+  }
+  if (options.maxError > 0.0 && quality.error <= options.maxError) {
+    ending.by = "error";
+  } else if (ending.distance && *ending.distance <= options.maxDistance) {
+    ending.by = "distance";
+  } else if (static_cast<int>(made.parts.size()) != maxParts) {
+    ending.by = "convex";
+  }
+  return ending;
+}
+
+/// "the 8 parts asked for, before an error of 5.0 % was reached"
+std::string sentence(const Options& options, const Ending& ending, int partCount) {
+  const std::string by = ending.by;
+  std::vector<std::string> limits;
+  if (options.maxError > 0.0) limits.push_back("an error of " + percent(options.maxError));
+  if (options.maxDistance > 0.0) limits.push_back(fmt::format("a distance of {:g}", options.maxDistance));
+  const std::string unmet = fmt::format(", before {} was reached", fmt::join(limits, " or "));
+  if (by == "error") return limits.front() + ", which was reached";
+  if (by == "distance") return limits.back() + ", which was reached";
+  if (by == "parts") return fmt::format("the {} asked for", counted(partCount, "part")) + unmet;
+  return "no cut that gains anything is left" + unmet;
+}
+
 /// One object a part: its hull in the input's coordinates, a character's in its bind pose.
 std::vector<NamedMesh> hullObjects(const Decomposition& decomposition, std::span<const Vec3> vertices) {
   std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
@@ -68,8 +109,8 @@ std::vector<NamedMesh> hullObjects(const Decomposition& decomposition, std::span
   return objects;
 }
 
-nlohmann::ordered_json toJson(const Subject& subject, const TimedDecomposition& made, const Quality& quality,
-                              int threads) {
+nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const TimedDecomposition& made,
+                              const Quality& quality, const Ending& ending, int threads) {
   nlohmann::ordered_json json;
   json["input"] = subject.name;
   json["parts"] = made.decomposition.parts.size();
@@ -77,23 +118,31 @@ nlohmann::ordered_json toJson(const Subject& subject, const TimedDecomposition& 
   json["hullVolume"] = quality.hullVolume;
   json["score"] = quality.score;
   json["error"] = quality.error;
+  json["endedBy"] = ending.by;
+  if (options.maxError > 0.0) json["maxError"] = options.maxError;
+  if (options.maxDistance > 0.0) json["maxDistance"] = options.maxDistance;
+  if (ending.distance) json["distance"] = *ending.distance;
   json["seconds"] = made.seconds;
   json["threads"] = threads;
   json["vertices"] = subject.mesh.vertices.size();
+  if (!subject.mended.empty()) json["mended"] = subject.mended;
   json["hash"] = hexDigits(hashOf(made.decomposition));
   if (subject.character) {
     json["keyframes"] = quality.errorPerKeyframe.size();
     json["errorPerKeyframe"] = quality.errorPerKeyframe;
   }
+  if (!options.output.empty()) json["output"] = options.output;
+  if (!options.obj.empty()) json["exportObj"] = options.obj;
   return json;
 }
 
 Report toReport(const Options& options, const Subject& subject, const TimedDecomposition& made, const Quality& quality,
-                int threads) {
+                const Ending& ending, int threads) {
   Report report(fmt::format("{}: {}", subject.name,
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
                                   grouped(std::ssize(subject.mesh.triangles))));
+  if (!subject.mended.empty()) report.line("mended", subject.mended);
   const std::string mean = subject.character ? ", mean over the keyframes" : "";
   report.line("volume", fmt::format("{:.6g}, of the hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
   report.line("error", fmt::format("{} more volume than the mesh{}", percent(quality.error), mean));
@@ -101,6 +150,13 @@ Report toReport(const Options& options, const Subject& subject, const TimedDecom
     const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
     report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
                                          percent(*worst)));
+  }
+  if (ending.distance) {
+    report.line("distance", fmt::format("{:.4g} at most, from the hulls to the surface of their parts{}",
+                                        *ending.distance, subject.character ? ", in the worst keyframe" : ""));
+  }
+  if (options.maxError > 0.0 || options.maxDistance > 0.0) {
+    report.line("ended by", sentence(options, ending, static_cast<int>(made.decomposition.parts.size())));
   }
   report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
   report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
@@ -128,7 +184,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
   // The work.
   DecomposeSettings settings;
-  settings.maxParts = options.parts > 0 ? options.parts : subject->character ? kCharacterParts : 0;
+  const bool limited = options.maxError > 0.0 || options.maxDistance > 0.0;
+  settings.maxParts = options.parts > 0 ? options.parts : subject->character && !limited ? kCharacterParts : 0;
+  settings.maxError = options.maxError;
+  settings.maxDistance = options.maxDistance;
   settings.preset = options.preset == "paper"  ? DecomposePreset::kPaper
                     : options.preset == "fast" ? DecomposePreset::kFast
                                                : DecomposePreset::kQuality;
@@ -138,19 +197,21 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Result<TimedDecomposition> made = decomposeWithProgress(subject->name, subject->mesh, poses, settings);
   if (!made) return made.error();
   const Quality quality = measureQuality(made->decomposition, subject->mesh, poses);
+  const Ending ending = findEnding(options, settings.maxParts, made->decomposition, quality, poses);
 
   // The outputs, each written whole or not at all.
   if (!options.output.empty()) {
-    const DecompositionFile content{made->decomposition, subject->name, topologyHash(subject->mesh), quality.error,
-                                    quality.errorPerKeyframe};
+    const DecompositionFile content =
+        fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr, poses,
+                    made->decomposition, quality);
     if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
   }
   if (!options.obj.empty()) {
     const std::vector<NamedMesh> objects = hullObjects(made->decomposition, subject->mesh.vertices);
     if (Result<void> written = writeObjObjects(options.obj, objects); !written) return written;
   }
-  return publish(common, toReport(options, *subject, *made, quality, settings.threads),
-                 toJson(*subject, *made, quality, settings.threads));
+  return publish(common, toReport(options, *subject, *made, quality, ending, settings.threads),
+                 toJson(options, *subject, *made, quality, ending, settings.threads));
 }
 
 }  // namespace
@@ -165,6 +226,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
                                 "      also one object (o part_0, ...) for each part's hull, to use elsewhere\n"
                                 "  lorica decompose bunny.off --parts 16 --preset quality\n"
                                 "      tighter parts for some seconds more\n"
+                                "  lorica decompose bunny.off --max-error 5% --parts 64\n"
+                                "      until the hulls have 5 % more volume than the mesh, but at most 64 parts\n"
                                 "  lorica decompose bracket.stl\n"
                                 "      go on until no concave edge remains (Ctrl-C cancels)\n"
                                 "  lorica decompose mannequin -o body.lorica\n"
@@ -177,8 +240,14 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
   app->add_option("INPUT", options->input, "Closed mesh (.off, .obj, .ply, .stl) or `mannequin`")
       ->required()
       ->type_name("");
-  addCount(*app, "--parts", options->parts, 1,
-           "Stop at so many parts [default: a character 16, a mesh when it has no concave edge left]");
+  addCount(
+      *app, "--parts", options->parts, 1,
+      "Stop at so many parts [default: with a limit below none; else a character 16, a mesh when it has no concave "
+      "edge left]");
+  addShare(*app, "--max-error", options->maxError,
+           "Stop when the hulls have at most so much more volume than the mesh: 0.05 or 5%");
+  addLength(*app, "--max-distance", options->maxDistance,
+            "Stop when no point of the hulls is farther from the surface, in any keyframe. The unit is the mesh's");
   app->add_option("--preset", options->preset,
                   "paper: the algorithm as published; fast: better parts in like time; quality: better still, slower "
                   "[default: fast]")

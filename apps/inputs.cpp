@@ -4,6 +4,7 @@
 #include "capture/joint_csv.h"
 #include "capture/synthetic_motion.h"
 #include "geometry/mesh_files.h"
+#include "geometry/mesh_repair.h"
 #include "session/keyframes.h"
 #include "skinning/mannequin.h"
 
@@ -48,7 +49,7 @@ Result<Subject> readSubject(const std::string& input) {
     Result<Character> character = findCharacter(input);
     if (!character) return character.error();
     TriMesh mesh = character->mesh;
-    return Subject{input, std::move(mesh), std::move(*character)};
+    return Subject{input, std::move(mesh), std::move(*character), ""};
   }
   std::error_code ignored;
   if (isBareName(input)) {
@@ -59,7 +60,12 @@ Result<Subject> readSubject(const std::string& input) {
   }
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
-  return Subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt};
+  Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, ""};
+  if (Result<MeshRepair> repair = repairClosedMesh(subject.mesh); repair && repair->changed()) {
+    subject.mended = repair->summary();
+    subject.mesh = std::move(repair->mesh);
+  }
+  return subject;
 }
 
 Result<Character> findCharacter(const std::string& name) {

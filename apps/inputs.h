@@ -18,9 +18,11 @@ struct Subject {
   std::string name;  ///< a file name without its folder, or "mannequin"
   TriMesh mesh;
   std::optional<Character> character;
+  std::string mended;  ///< what had to be repaired to make the file's mesh a closed two-manifold; empty = nothing
 };
 
-/// Reads INPUT of `decompose` and `info`: the name of a built-in character, or else a mesh file.
+/// Reads INPUT of `decompose` and `info`: the name of a built-in character, or else a mesh file. A mesh that is closed
+/// but for edges of more than two triangles is repaired, see repairClosedMesh; any other fault is left for the check.
 [[nodiscard]] Result<Subject> readSubject(const std::string& input);
 
 /// A character by its name, or a sentence that lists the names.
