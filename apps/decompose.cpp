@@ -2,6 +2,7 @@
 
 #include "acd/transfer.h"
 #include "apps/inputs.h"
+#include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/quality.h"
 #include "apps/training.h"
@@ -198,6 +199,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!made) return made.error();
   const Quality quality = measureQuality(made->decomposition, subject->mesh, poses);
   const Ending ending = findEnding(options, settings.maxParts, made->decomposition, quality, poses);
+
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
 
   // The outputs, each written whole or not at all.
   if (!options.output.empty()) {

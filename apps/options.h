@@ -31,6 +31,12 @@ CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int le
 /// An option that takes seconds above zero.
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
+/// An option that takes a length above zero.
+CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description);
+
+/// An option that takes a share above zero, as a number or in percent: 0.05 or 5%.
+CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description);
+
 /// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, info.cpp.
 [[nodiscard]] Command addDemo(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CLI::App& parent, CommonOptions& common);
