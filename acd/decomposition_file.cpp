@@ -236,20 +236,25 @@ void takeTriangles(ByteReader& reader, std::size_t index, Scratch& values, Part&
   values.resize(3 * part.triangles.size());
   reader.takePacked("the corners of a part", values);
   if (!reader.ok()) return;
-  std::vector<std::uint8_t> used(part.points.size(), 0);
+  std::vector<std::uint8_t> usedPoints(part.points.size(), 0);
+  // Where each begins, once: a byte that is stored may be part of anything, and all would be looked up again.
+  const std::span<std::uint8_t> used = usedPoints;
+  const std::span<const std::uint32_t> differences = values;
+  const std::span<const PointIndex> points = part.points;
+  const std::span<Triangle> triangles = part.triangles;
   const auto end = static_cast<std::uint32_t>(used.size());
   std::uint32_t first = 0;
-  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
-    first += unzigzag(values[3 * i]);
-    const std::uint32_t second = first + unzigzag(values[3 * i + 1]);
-    const std::uint32_t third = second + unzigzag(values[3 * i + 2]);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    first += unzigzag(differences[3 * i]);
+    const std::uint32_t second = first + unzigzag(differences[3 * i + 1]);
+    const std::uint32_t third = second + unzigzag(differences[3 * i + 2]);
     if (first >= end || second >= end || third >= end) {
       reader.fail(begin, fmt::format("triangle {} of part {} has corners {}, {} and {}, expected 0 to {}", i, index,
                                      first, second, third, static_cast<std::int64_t>(end) - 1));
       return;
     }
     used[first] = used[second] = used[third] = 1;
-    part.triangles[i] = {part.points[first], part.points[second], part.points[third]};
+    triangles[i] = {points[first], points[second], points[third]};
   }
   const auto unused = std::find(used.begin(), used.end(), 0);
   if (unused != used.end()) {
