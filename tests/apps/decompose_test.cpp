@@ -83,14 +83,15 @@ TEST(Decompose, StopsAtTheErrorAskedFor) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const nlohmann::json json =
-      runLorica({"decompose", mesh, "--parts", "60", "--max-error", "20%", "--json", "-"}).json();
+      runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "20%", "--json", "-"}).json();
   EXPECT_EQ(json["endedBy"], "error");
   EXPECT_EQ(json["maxError"], 0.2);
   EXPECT_LE(json["error"].get<double>(), 0.2);
   // Cutting on would come closer still: it did stop, and far before the torus has no concave edge left.
   EXPECT_GT(json["error"].get<double>(), 0.05);
   EXPECT_LT(json["parts"].get<int>(), 20);
-  EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "60", "--max-error", "0.2", "--json", "-"}).json()["hash"],
+  EXPECT_EQ(runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "0.2", "--json", "-"})
+                .json()["hash"],
             json["hash"]);
 }
 
@@ -98,7 +99,8 @@ TEST(Decompose, StopsAtTheDistanceAskedFor) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const nlohmann::json json =
-      runLorica({"decompose", mesh, "--parts", "60", "--max-distance", "0.1", "--json", "-"}).json();
+      runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-distance", "0.1", "--json", "-"})
+          .json();
   EXPECT_EQ(json["endedBy"], "distance");
   EXPECT_LE(json["distance"].get<double>(), 0.1);
   EXPECT_LT(json["parts"].get<int>(), 30);
