@@ -20,14 +20,14 @@ namespace lorica {
 namespace {
 
 constexpr int kCharacterParts = 16;
-constexpr int kDefaultKeyframes = 12;
+static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
 
 struct Options {
   std::string input;
   int parts = 0;             // 0 = not given
   double maxError = 0.0;     // 0 = not given
   double maxDistance = 0.0;  // 0 = not given
-  int keyframes = 0;         // 0 = not given
+  int keyframes = 0;         // 0 = not given, kAuto = to be chosen
   std::vector<std::string> motions;
   std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
@@ -39,10 +39,10 @@ struct Options {
 
 /// Refuses what would only be found out after the work: options that do not fit the input, outputs without a folder.
 Result<void> check(const Options& options, const CommonOptions& common, const Subject& subject) {
-  if (!subject.character && (options.keyframes > 0 || !options.motions.empty())) {
+  if (!subject.character && (options.keyframes != 0 || !options.motions.empty())) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{} is for characters, and {} is a mesh that does not move",
-                             options.keyframes > 0 ? "--keyframes" : "--motion", subject.name)};
+                             options.keyframes != 0 ? "--keyframes" : "--motion", subject.name)};
   }
   if (!options.output.empty()) {
     if (Result<void> fine = checkOutput("--output", options.output, ".lorica"); !fine) return fine;
@@ -112,7 +112,8 @@ std::string sentence(const HullExport& hulls) {
 }
 
 nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const TimedDecomposition& made,
-                              const Quality& quality, const Ending& ending, const HullExport& hulls, int threads) {
+                              const Quality& quality, const Keyframes& keyframes, const Ending& ending,
+                              const HullExport& hulls, int threads) {
   nlohmann::ordered_json json;
   json["input"] = subject.name;
   json["parts"] = made.decomposition.parts.size();
@@ -132,6 +133,10 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
   if (subject.character) {
     json["keyframes"] = quality.errorPerKeyframe.size();
     json["errorPerKeyframe"] = quality.errorPerKeyframe;
+    for (const ChosenFrame& chosen : keyframes.chosen) {
+      json["chosenKeyframes"].push_back(
+          {{"recording", chosen.recording}, {"frame", chosen.frame}, {"time", chosen.time}});
+    }
   }
   if (options.hullVertices > 0) {
     json["hullVertices"] = options.hullVertices;
@@ -144,7 +149,7 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
 }
 
 Report toReport(const Options& options, const Subject& subject, const TimedDecomposition& made, const Quality& quality,
-                const Ending& ending, const HullExport& hulls, int threads) {
+                const Keyframes& keyframes, const Ending& ending, const HullExport& hulls, int threads) {
   Report report(fmt::format("{}: {}", subject.name,
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
@@ -172,6 +177,19 @@ Report toReport(const Options& options, const Subject& subject, const TimedDecom
     report.line("hull vertices", sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
   if (!options.output.empty()) report.line("written", options.output);
   if (!options.obj.empty()) report.line("hulls written", options.obj);
+  if (!keyframes.chosen.empty()) {
+    Table table{{"frame", "time [s]", "error", "recording"}, {}, 3};
+    for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
+      const auto& [recording, frame, time] = keyframes.chosen[k];
+      table.rows.push_back(
+          {std::to_string(frame), fmt::format("{:.2f}", time), percent(quality.errorPerKeyframe[k]), recording});
+    }
+    report.table(std::move(table));
+    report.note(
+        fmt::format("These keyframes were chosen: every other frame is within {:.2f} m of one (root mean square "
+                    "over the body).",
+                    keyframes.farthest));
+  }
   return report;
 }
 
@@ -182,9 +200,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
 
   // The poses to fit: a mesh has one, a character those of a motion.
-  Keyframes keyframes{subject->mesh.vertices, 1};
+  Keyframes keyframes{subject->mesh.vertices, 1, {}, 0.0};
   if (subject->character) {
-    const int count = options.keyframes > 0 ? options.keyframes : kDefaultKeyframes;
+    const int count = options.keyframes != 0 ? options.keyframes : kDefaultKeyframes;
     Result<Keyframes> sampled = trainingKeyframes(*subject->character, options.motions, count);
     if (!sampled) return sampled.error();
     keyframes = std::move(*sampled);
@@ -224,8 +242,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!options.obj.empty()) {
     if (Result<void> written = writeObjObjects(options.obj, hulls.objects); !written) return written;
   }
-  return publish(common, toReport(options, *subject, *made, quality, ending, hulls, settings.threads),
-                 toJson(options, *subject, *made, quality, ending, hulls, settings.threads));
+  return publish(common, toReport(options, *subject, *made, quality, keyframes, ending, hulls, settings.threads),
+                 toJson(options, *subject, *made, quality, keyframes, ending, hulls, settings.threads));
 }
 
 }  // namespace
@@ -250,6 +268,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
                                 "      16 parts that stay tight in 12 poses of the shipped recordings\n"
                                 "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
                                 "      trained on a motion of your own\n"
+                                "  lorica decompose mannequin --keyframes auto --motion walk --motion dance.csv\n"
+                                "      trained on poses of both that differ most\n"
                                 "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
                                 "\nFor a character, --export-obj writes its bind pose, and volumes, score and error "
                                 "are means over the keyframes.");
@@ -269,7 +289,10 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
                   "[default: fast]")
       ->type_name("NAME")
       ->check(oneOf({"paper", "fast", "quality"}));
-  addCount(*app, "--keyframes", options->keyframes, 1, "Poses that a character is trained on [default: 12]");
+  addCountOrAuto(
+      *app, "--keyframes", options->keyframes, 1,
+      "Poses that a character is trained on, evenly over the motions; `auto`: up to 12 that differ most, and "
+      "says which [default: 12]");
   app->add_option("--motion", options->motions,
                   "Take the keyframes from this recording; may be given again [default: those that ship]")
       ->type_name("FILE")

@@ -61,6 +61,21 @@ CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int le
   return app.add_option(name, value, description)->type_name("N")->check(countBetween(least, kMostOfAnything));
 }
 
+CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, int least,
+                            const std::string& description) {
+  CLI::Validator validator("");
+  validator.operation([least](std::string& text) -> std::string {
+    int number = 0;
+    if (text == "auto") {
+      text = std::to_string(kAuto);
+    } else if (!parseWhole(text, number) || number < least || number > kMostOfAnything) {
+      return fmt::format("found `{}`, expected a whole number from {} up, or auto", text, least);
+    }
+    return "";
+  });
+  return app.add_option(name, value, description)->type_name("N")->transform(validator);
+}
+
 CLI::Validator oneOf(std::vector<std::string> words) {
   CLI::Validator validator("");
   validator.operation([words = std::move(words)](std::string& text) -> std::string {

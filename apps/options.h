@@ -25,6 +25,13 @@ struct Command {
 /// An option that takes a whole number of at least `least`; anything else is refused in a sentence.
 CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int least, const std::string& description);
 
+/// What addCountOrAuto() makes of the word `auto`.
+inline constexpr int kAuto = -1;
+
+/// An option that takes a whole number of at least `least`, or the word `auto`.
+CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, int least,
+                            const std::string& description);
+
 /// A check for an option that takes one of a few words; anything else is refused in a sentence.
 [[nodiscard]] CLI::Validator oneOf(std::vector<std::string> words);
 
