@@ -19,6 +19,65 @@ double orientation(const Vec2& a, const Vec2& b, const Vec2& c) {
   return cross(b - a, c - a);
 }
 
+/// Corners of a ring sorted into the cells of a grid, so that those in a small box are found without asking all.
+class CornerGrid {
+ public:
+  explicit CornerGrid(std::span<const Vec2> corners) : cellOf_(corners.size()) {
+    low_ = high_ = corners[0];
+    for (const Vec2& p : corners) {
+      low_ = low_.cwiseMin(p);
+      high_ = high_.cwiseMax(p);
+    }
+    side_ = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(corners.size()))));
+    begin_.assign(static_cast<std::size_t>(side_ * side_) + 1, 0);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      cellOf_[i] = static_cast<std::size_t>(cell(corners[i], 1) * side_ + cell(corners[i], 0));
+      ++begin_[cellOf_[i] + 1];
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    end_.assign(begin_.begin(), begin_.end() - 1);
+    corners_.resize(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) corners_[end_[cellOf_[i]]++] = static_cast<int>(i);
+  }
+
+  void remove(int corner) {
+    std::size_t& end = end_[cellOf_[static_cast<std::size_t>(corner)]];
+    const auto first =
+        corners_.begin() + static_cast<std::ptrdiff_t>(begin_[cellOf_[static_cast<std::size_t>(corner)]]);
+    std::iter_swap(std::find(first, corners_.end(), corner), corners_.begin() + static_cast<std::ptrdiff_t>(--end));
+  }
+
+  /// Whether the predicate holds for any of a few corners among which are all in the box.
+  template <typename Predicate>
+  [[nodiscard]] bool anyNear(const Vec2& low, const Vec2& high, Predicate&& holds) const {
+    const int right = cell(high, 0);
+    const int top = cell(high, 1);
+    for (int y = cell(low, 1); y <= top; ++y) {
+      for (int x = cell(low, 0); x <= right; ++x) {
+        const auto c = static_cast<std::size_t>(y * side_ + x);
+        for (std::size_t i = begin_[c]; i < end_[c]; ++i) {
+          if (holds(corners_[i])) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] int cell(const Vec2& p, int axis) const {
+    const double extent = high_[axis] - low_[axis];
+    if (!(extent > 0.0)) return 0;
+    return std::clamp(static_cast<int>((p[axis] - low_[axis]) / extent * side_), 0, side_ - 1);
+  }
+
+  Vec2 low_, high_;
+  int side_ = 1;
+  std::vector<std::size_t> cellOf_;  // of each corner
+  std::vector<std::size_t> begin_;   // in corners_, of each cell
+  std::vector<std::size_t> end_;     // behind the last one that is still there
+  std::vector<int> corners_;
+};
+
 class CapTriangulator {
  public:
   CapTriangulator(std::span<const Vec2> vertices, std::span<const CapEdge> edges) : vertices_(vertices) {
@@ -59,8 +118,9 @@ class CapTriangulator {
  private:
   [[nodiscard]] const Vec2& at(int v) const { return vertices_[static_cast<std::size_t>(v)]; }
 
-  // Where several edges leave a vertex, the first one clockwise from where we came keeps the region on the left, so
-  // loops that touch in a vertex come apart there.
+  // Where several edges leave a vertex, the first one clockwise from where we came keeps the region on the left:
+  // regions that touch in a vertex come apart there, and a hole that touches the border of its region is walked along
+  // with it.
   void traceLoops(std::span<const CapEdge> edges) {
     std::vector<int> order(edges.size());
     std::iota(order.begin(), order.end(), 0);
@@ -92,23 +152,8 @@ class CapTriangulator {
         if (next < 0) break;
         edge = next;
       }
-      appendSimple(loop);
+      if (loop.size() >= 3) loops_.push_back(std::move(loop));
     }
-  }
-
-  // A walk that comes back to a vertex before its end is several loops.
-  void appendSimple(const Loop& walk) {
-    Loop open;
-    for (int v : walk) {
-      const auto seen = std::find(open.begin(), open.end(), v);
-      if (seen != open.end()) {
-        Loop closed(seen, open.end());
-        open.erase(seen, open.end());
-        if (closed.size() >= 3) loops_.push_back(std::move(closed));
-      }
-      open.push_back(v);
-    }
-    if (open.size() >= 3) loops_.push_back(std::move(open));
   }
 
   static double clockwiseAngle(const Vec2& from, const Vec2& to) {
@@ -242,6 +287,10 @@ class CapTriangulator {
     const auto corner = [&](int i) { return orientation(at(ring[previous[i]]), at(ring[i]), at(ring[next[i]])); };
     std::vector<bool> reflex(count);
     for (int i = 0; i < count; ++i) reflex[i] = corner(i) <= 0.0;
+    std::vector<Vec2> corners;
+    corners.reserve(ring.size());
+    for (int v : ring) corners.push_back(at(v));
+    CornerGrid grid(corners);
 
     const auto isEar = [&](int i) {
       if (reflex[i]) return false;
@@ -250,14 +299,12 @@ class CapTriangulator {
       const Vec2& c = at(ring[next[i]]);
       const Vec2 low = a.cwiseMin(b).cwiseMin(c);
       const Vec2 high = a.cwiseMax(b).cwiseMax(c);
-      for (int j = next[next[i]]; j != previous[i]; j = next[j]) {
-        if (!reflex[j]) continue;
+      return !grid.anyNear(low, high, [&](int j) {
+        if (!reflex[j]) return false;
         const Vec2& p = at(ring[j]);
-        if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) continue;
-        if (p == a || p == b || p == c) continue;
-        if (inTriangle(a, b, c, p)) return false;
-      }
-      return true;
+        if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) return false;
+        return p != a && p != b && p != c && inTriangle(a, b, c, p);
+      });
     };
 
     int remaining = count;
@@ -277,6 +324,7 @@ class CapTriangulator {
       emit(ring[previous[current]], ring[current], ring[next[current]]);
       const int before = previous[current];
       const int after = next[current];
+      grid.remove(current);
       next[before] = after;
       previous[after] = before;
       reflex[before] = corner(before) <= 0.0;

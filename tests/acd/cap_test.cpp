@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
 
 namespace lorica {
 namespace {
@@ -23,6 +24,15 @@ double areaOf(std::span<const Vec2> v, std::span<const CapEdge> edges) {
   double sum = 0.0;
   for (const CapEdge& e : edges) sum += 0.5 * (v[e[0]].x() * v[e[1]].y() - v[e[0]].y() * v[e[1]].x());
   return sum;
+}
+
+double boundsArea(std::span<const Vec2> v) {
+  Vec2 low = Vec2::Zero(), high = Vec2::Zero();
+  for (const Vec2& p : v) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).prod();
 }
 
 /// The triangles' border is exactly the given edges, and none of them is turned over.
@@ -44,7 +54,7 @@ void expectFills(std::span<const Vec2> v, std::span<const CapEdge> edges, bool a
     ++border[{e[1], e[0]}];
   }
   for (const auto& [edge, count] : border) EXPECT_EQ(count, 0) << edge.first << "-" << edge.second;
-  EXPECT_NEAR(areaOf(v, triangles), areaOf(v, edges), 1e-12);
+  EXPECT_NEAR(areaOf(v, triangles), areaOf(v, edges), 1e-12 * std::max(1.0, boundsArea(v)));
 }
 
 void addLoop(std::vector<Vec2>& v, std::vector<CapEdge>& edges, const std::vector<Vec2>& loop) {
@@ -126,6 +136,56 @@ TEST(Cap, CrossingLoopsStillClose) {
   addLoop(v, edges, {{0, 0}, {1, 1}, {1, 0}, {0, 1}});  // a bow-tie
   addLoop(v, edges, circle({9, 9}, 1, 5, true));        // a hole in nothing
   expectFills(v, edges, false);
+}
+
+TEST(Cap, RandomCellsOfAGrid) {
+  // Unions of squares: collinear runs, holes, islands, corners where four edges meet.
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    SCOPED_TRACE(trial);
+    const int n = 2 + static_cast<int>(random() % 9);
+    std::vector<bool> filled(static_cast<std::size_t>(n * n));
+    for (std::size_t i = 0; i < filled.size(); ++i) filled[i] = random() % 8 < 5;
+    const auto at = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < n && y < n && filled[static_cast<std::size_t>(y * n + x)];
+    };
+    std::vector<Vec2> v;
+    for (int y = 0; y <= n; ++y) {
+      for (int x = 0; x <= n; ++x) v.emplace_back(x, y);
+    }
+    const auto vertex = [&](int x, int y) { return y * (n + 1) + x; };
+    std::vector<CapEdge> edges;
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        if (!at(x, y)) continue;
+        if (!at(x, y - 1)) edges.push_back({vertex(x, y), vertex(x + 1, y)});
+        if (!at(x + 1, y)) edges.push_back({vertex(x + 1, y), vertex(x + 1, y + 1)});
+        if (!at(x, y + 1)) edges.push_back({vertex(x + 1, y + 1), vertex(x, y + 1)});
+        if (!at(x - 1, y)) edges.push_back({vertex(x, y + 1), vertex(x, y)});
+      }
+    }
+    expectFills(v, edges);
+  }
+}
+
+TEST(Cap, ALongSpiralAndThousandsOfHoles) {
+  // Minutes if each corner were tried against all others.
+  std::vector<Vec2> v;
+  std::vector<CapEdge> edges;
+  std::vector<Vec2> spiral;
+  constexpr int kSteps = 5000;
+  for (int i = 0; i < 2 * kSteps; ++i) {
+    const int step = i < kSteps ? i : 2 * kSteps - 1 - i;
+    const double angle = 40.0 * std::numbers::pi * step / kSteps;
+    const double r = (i < kSteps ? 5.0 : 3.0) + angle;
+    spiral.emplace_back(r * std::cos(angle), r * std::sin(angle));
+  }
+  addLoop(v, edges, spiral);
+  addLoop(v, edges, {{999, -1}, {1051, -1}, {1051, 51}, {999, 51}});
+  for (int x = 0; x < 50; ++x) {
+    for (int y = 0; y < 50; ++y) addLoop(v, edges, circle({1000.5 + x, 0.5 + y}, 0.3, 6, true));
+  }
+  expectFills(v, edges);
 }
 
 TEST(Cap, NoEdgesGiveNoTriangles) {
