@@ -1,0 +1,275 @@
+// Figures 3, 8 and 9 of Thul et al. 2018 on the built-in character and motions, as pictures; the numbers go to standard
+// output as CSV. Further, what choosing keyframes is worth.
+
+#include "acd/transfer.h"
+#include "bench/measure.h"
+#include "bench/plot.h"
+#include "capture/synthetic_motion.h"
+#include "session/keyframes.h"
+#include "skinning/mannequin.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace lorica::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string folder;
+  std::string preset = "fast";
+  int parts = 16;
+  int keyframes = 12;
+  int frames = 200;
+  int threads = 2;
+  bool quick = false;
+  std::vector<int> figures = {3, 8, 9, 0};
+};
+
+using Motions = std::vector<std::vector<SkeletonFrame>>;
+
+/// The character, its motions and the settings: what every figure needs.
+class Studio {
+ public:
+  explicit Studio(const Options& options) : options_(options), character_(makeMannequin()) {
+    for (int m = 0; m < kSyntheticMotionCount; ++m)
+      motions_.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+  }
+
+  [[nodiscard]] const Options& options() const { return options_; }
+  [[nodiscard]] const Motions& motions() const { return motions_; }
+  [[nodiscard]] const Character& character() const { return character_; }
+  [[nodiscard]] std::size_t vertexCount() const { return character_.mesh.vertices.size(); }
+
+  [[nodiscard]] std::vector<Vec3> uniformFrames(const Motions& motions, int count) const {
+    Result<std::vector<Vec3>> frames = sampleKeyframes(character_, motions, count);
+    CHECK(frames.ok(), "the motions have more frames than any figure asks for");
+    return std::move(*frames);
+  }
+
+  /// Decomposes into the parts asked for; the character is a good mesh, so it cannot fail.
+  [[nodiscard]] Timed cut(std::span<const Vec3> keyframes, DecomposeSettings settings) const {
+    settings.maxParts = options_.parts;
+    settings.threads = options_.threads;
+    Result<Timed> made = timeDecompose(character_.mesh, {keyframes, static_cast<int>(vertexCount())}, settings, 1);
+    CHECK(made.ok(), "the built-in character can be decomposed");
+    return std::move(*made);
+  }
+
+  [[nodiscard]] DecomposeSettings preset() const {
+    DecomposeSettings settings;
+    settings.preset = presetOf(options_.preset);
+    return settings;
+  }
+
+  /// Relative volume error in each of some poses.
+  [[nodiscard]] std::vector<double> errors(const Decomposition& parts, std::span<const Vec3> poses) const {
+    const PoseView view{poses, static_cast<int>(vertexCount())};
+    std::vector<double> found;
+    found.reserve(static_cast<std::size_t>(view.keyframeCount()));
+    for (int k = 0; k < view.keyframeCount(); ++k) {
+      found.push_back(errorInPose(parts, character_.mesh, view.keyframe(k)).relative());
+    }
+    return found;
+  }
+
+  /// Mean error over every tenth frame of a motion.
+  [[nodiscard]] double errorOver(const Decomposition& parts, const std::vector<SkeletonFrame>& motion) const {
+    const Motions alone = {motion};
+    return meanOf(errors(parts, uniformFrames(alone, std::max(2, static_cast<int>(motion.size()) / 10))));
+  }
+
+ private:
+  Options options_;
+  Character character_;
+  Motions motions_;
+};
+
+std::vector<double> counted(std::size_t count) {
+  std::vector<double> numbers(count);
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<double>(i + 1);
+  return numbers;
+}
+
+/// Fig. 3: how many of the deepest concave edges are tried for a cut, against the error. Planes of other kinds, which
+/// the presets add, would hide it: this is the paper's algorithm.
+Result<void> figure3(const Studio& studio) {
+  fmt::print("figure,keyframes,candidate_edges,error,seconds\n");
+  std::vector<double> candidates = {1, 2, 4, 8, 16, 32, 64};
+  if (studio.options().quick) candidates = {1, 4, 16};
+  Chart error{"Fig. 3: candidate edges against error, the paper's algorithm, " +
+                  std::to_string(studio.options().parts) + " parts",
+              "candidate edges (C)",
+              "relative volume error",
+              {},
+              true,
+              false};
+  Chart seconds{"Time for the same", "candidate edges (C)", "seconds", {}, true, false};
+  const std::vector<Vec3> bind = studio.character().mesh.vertices;
+  const std::vector<Vec3> moving = studio.uniformFrames(studio.motions(), studio.options().keyframes);
+  for (const auto& [name, frames] : {std::pair{std::string("bind pose"), &bind},
+                                     std::pair{fmt::format("{} keyframes", studio.options().keyframes), &moving}}) {
+    Series errors{name, candidates, {}, true};
+    Series times{name, candidates, {}, true};
+    for (const double c : candidates) {
+      fmt::print(stderr, "figure 3: {}, {} candidate edges\n", name, c);
+      DecomposeSettings settings;
+      settings.preset = DecomposePreset::kPaper;
+      settings.candidateEdges = static_cast<int>(c);
+      const Timed made = studio.cut(*frames, settings);
+      errors.y.push_back(meanOf(studio.errors(made.decomposition, *frames)));
+      times.y.push_back(made.seconds);
+      fmt::print("3,{},{},{:.5f},{:.3f}\n", frames->size() / studio.vertexCount(), c, errors.y.back(), times.y.back());
+    }
+    error.series.push_back(std::move(errors));
+    seconds.series.push_back(std::move(times));
+  }
+  return writeCharts(fs::path(studio.options().folder) / "fig3_candidates.png", {error, seconds});
+}
+
+/// Fig. 8: the error in each keyframe of the parts that were made for it alone, and of those made for all of them.
+Result<void> figure8(const Studio& studio) {
+  fmt::print("figure,keyframe,alone,together\n");
+  const std::vector<Vec3> frames = studio.uniformFrames(studio.motions(), studio.options().keyframes);
+  fmt::print(stderr, "figure 8: all {} keyframes together\n", studio.options().keyframes);
+  const std::vector<double> together = studio.errors(studio.cut(frames, studio.preset()).decomposition, frames);
+  std::vector<double> alone;
+  alone.reserve(together.size());
+  for (std::size_t k = 0; k < together.size(); ++k) {
+    fmt::print(stderr, "figure 8: keyframe {} by itself\n", k + 1);
+    const std::span<const Vec3> one = std::span(frames).subspan(k * studio.vertexCount(), studio.vertexCount());
+    alone.push_back(studio.errors(studio.cut(one, studio.preset()).decomposition, one).front());
+    fmt::print("8,{},{:.5f},{:.5f}\n", k + 1, alone.back(), together[k]);
+  }
+  fmt::print("# figure 8: mean error alone {:.4f}, together {:.4f}, ratio {:.3f}\n", meanOf(alone), meanOf(together),
+             meanOf(together) / meanOf(alone));
+  Chart chart{fmt::format("Fig. 8: parts made for one frame, or for all ({} parts, {})", studio.options().parts,
+                          studio.options().preset),
+              "keyframe",
+              "relative volume error",
+              {},
+              false,
+              true};
+  for (std::size_t k = 1; k <= alone.size(); ++k) chart.ticks.push_back(std::to_string(k));
+  chart.series = {{"each frame by itself", counted(alone.size()), alone, false},
+                  {"all frames together", counted(alone.size()), together, false}};
+  return writeCharts(fs::path(studio.options().folder) / "fig8_alone_together.png", {chart});
+}
+
+/// Fig. 9: parts made for the first frame, and for keyframes of the whole, followed over many frames.
+Result<void> figure9(const Studio& studio) {
+  fmt::print("figure,frame,first,all\n");
+  const int count = studio.options().quick ? 40 : studio.options().frames;
+  const std::vector<Vec3> keyframes = studio.uniformFrames(studio.motions(), studio.options().keyframes);
+  const std::vector<Vec3> frames = studio.uniformFrames(studio.motions(), count);
+  fmt::print(stderr, "figure 9: {} frames\n", count);
+  const std::span<const Vec3> firstFrame = std::span(keyframes).first(studio.vertexCount());
+  const std::vector<double> first = studio.errors(studio.cut(firstFrame, studio.preset()).decomposition, frames);
+  const std::vector<double> all = studio.errors(studio.cut(keyframes, studio.preset()).decomposition, frames);
+  for (std::size_t k = 0; k < first.size(); ++k) fmt::print("9,{},{:.5f},{:.5f}\n", k + 1, first[k], all[k]);
+  const auto worst = [](const std::vector<double>& e) { return *std::max_element(e.begin(), e.end()); };
+  fmt::print("# figure 9: mean error from the first frame {:.4f}, from {} keyframes {:.4f}; largest {:.4f}, {:.4f}\n",
+             meanOf(first), studio.options().keyframes, meanOf(all), worst(first), worst(all));
+  const std::vector<Series> both = {
+      {"made for the first frame", counted(first.size()), first, false},
+      {fmt::format("made for {} keyframes", studio.options().keyframes), counted(all.size()), all, false}};
+  const Chart curve{fmt::format("Fig. 9: error over {} frames of six motions ({} parts, {})", count,
+                                studio.options().parts, studio.options().preset),
+                    "frame",
+                    "relative volume error",
+                    both,
+                    false,
+                    false};
+  Chart bars = histogram(both, 24);
+  bars.title = "How often which error";
+  bars.xName = "relative volume error";
+  bars.yName = "share of frames";
+  return writeCharts(fs::path(studio.options().folder) / "fig9_first_all.png", {curve, bars});
+}
+
+/// Not in the paper: each motion kept back in turn, the others give keyframes evenly or chosen.
+Result<void> unseenMotion(const Studio& studio) {
+  fmt::print("figure,unseen,uniform,chosen,first\n");
+  std::vector<double> uniform, chosen, first;
+  std::vector<std::string> names;
+  Motions all = studio.motions();
+  if (studio.options().quick) all.resize(2);
+  for (std::size_t unseen = 0; unseen < all.size(); ++unseen) {
+    const std::string name(nameOf(static_cast<SyntheticMotion>(unseen)));
+    fmt::print(stderr, "unseen motion: {}\n", name);
+    Motions training = all;
+    training.erase(training.begin() + static_cast<std::ptrdiff_t>(unseen));
+    const std::vector<Vec3> evenly = studio.uniformFrames(training, studio.options().keyframes);
+    const Result<ChosenKeyframes> picked =
+        chooseKeyframes(studio.character(), training, studio.options().keyframes, 0.0);
+    if (!picked) return picked.error();
+    const auto error = [&](std::span<const Vec3> keyframes) {
+      return studio.errorOver(studio.cut(keyframes, studio.preset()).decomposition, all[unseen]);
+    };
+    names.push_back(name);
+    uniform.push_back(error(evenly));
+    chosen.push_back(error(picked->positions));
+    first.push_back(error(std::span(evenly).first(studio.vertexCount())));
+    fmt::print("unseen,{},{:.5f},{:.5f},{:.5f}\n", name, uniform.back(), chosen.back(), first.back());
+  }
+  fmt::print("# unseen motion, mean error: {} keyframes evenly {:.4f}, chosen {:.4f}, first frame {:.4f}\n",
+             studio.options().keyframes, meanOf(uniform), meanOf(chosen), meanOf(first));
+  Chart chart{fmt::format("Error on a motion that was kept back ({} parts, {})", studio.options().parts,
+                          studio.options().preset),
+              "motion",
+              "relative volume error",
+              {},
+              false,
+              true};
+  chart.ticks = names;
+  chart.series = {
+      {"first frame", counted(first.size()), first, false},
+      {fmt::format("{} keyframes, evenly", studio.options().keyframes), counted(uniform.size()), uniform, false},
+      {fmt::format("{} keyframes, chosen", studio.options().keyframes), counted(chosen.size()), chosen, false}};
+  return writeCharts(fs::path(studio.options().folder) / "unseen_motion.png", {chart});
+}
+
+int run(const Options& options) {
+  std::error_code error;
+  fs::create_directories(options.folder, error);
+  if (error) return fail({ErrorCode::kUnwritable, fmt::format("{}: {}", options.folder, error.message())});
+  const Studio studio(options);
+  for (const int figure : options.figures) {
+    const Result<void> drawn = figure == 3   ? figure3(studio)
+                               : figure == 8 ? figure8(studio)
+                               : figure == 9 ? figure9(studio)
+                                             : unseenMotion(studio);
+    if (!drawn) return fail(drawn.error());
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace lorica::bench
+
+int main(int argc, char** argv) {
+  lorica::bench::Options options;
+  CLI::App app(
+      "Draws Fig. 3, 8 and 9 of Thul et al. 2018 on the built-in character into a folder; numbers as CSV on "
+      "standard output, progress on standard error.");
+  app.add_option("FOLDER", options.folder, "Where the pictures go")->required();
+  app.add_option("--figures", options.figures, "3, 8, 9; 0 = keyframes evenly or chosen [default: all]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({0, 3, 8, 9}));
+  app.add_option("--preset", options.preset, "For Fig. 8 and 9 [default: fast]")
+      ->check(CLI::IsMember({"paper", "fast", "quality"}));
+  app.add_option("--parts", options.parts, "[default: 16]")->check(CLI::Range(1, 1000));
+  app.add_option("--keyframes", options.keyframes, "[default: 12]")->check(CLI::Range(1, 200));
+  app.add_option("--frames", options.frames, "Of the curve in Fig. 9 [default: 200]")->check(CLI::Range(2, 2000));
+  app.add_option("--threads", options.threads, "[default: 2]")->check(CLI::Range(1, 1024));
+  app.add_flag("--quick", options.quick, "Fewer points, to see that it works");
+  CLI11_PARSE(app, argc, argv);
+  return lorica::bench::run(options);
+}
