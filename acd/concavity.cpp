@@ -115,8 +115,7 @@ std::vector<Vec3> unitNormals(std::span<const Triangle> triangles, std::span<con
   normals.reserve(triangles.size());
   for (const Triangle& t : triangles) {
     const Vec3& a = points[static_cast<std::size_t>(t[0])];
-    const Vec3 normal =
-        (points[static_cast<std::size_t>(t[1])] - a).cross(points[static_cast<std::size_t>(t[2])] - a);
+    const Vec3 normal = (points[static_cast<std::size_t>(t[1])] - a).cross(points[static_cast<std::size_t>(t[2])] - a);
     const double length = normal.norm();
     normals.push_back(length > 0.0 ? Vec3(normal / length) : Vec3(Vec3::Zero()));
   }

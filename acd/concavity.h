@@ -35,9 +35,9 @@ struct ConcaveEdge {
 /// @param points   all points in the keyframe, mesh vertices first
 /// @param spacing  least distance between the middles of two of them [m]
 [[nodiscard]] std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases,
-                                                           std::span<const Triangle> mesh, std::span<const Vec3> normals,
-                                                           std::span<const Vec3> points, const ConvexHull& hull,
-                                                           int count, double spacing);
+                                                           std::span<const Triangle> mesh,
+                                                           std::span<const Vec3> normals, std::span<const Vec3> points,
+                                                           const ConvexHull& hull, int count, double spacing);
 
 /// `count` planes through a concave edge at equal angles, from the plane of one side to that of the other, so that both
 /// halves of the outer dihedral angle are convex (Fig. 2). One plane: the bisector.

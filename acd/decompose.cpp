@@ -134,7 +134,7 @@ class Decomposer {
     whole.points = pointsUsedBy(whole.triangles);
     addLeaf(std::move(whole));
     auto limit = settings_.maxParts > 0 ? static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut))
-                                              : std::numeric_limits<std::size_t>::max();
+                                        : std::numeric_limits<std::size_t>::max();
     while (leaves_.size() < limit) {
       if (!goOn(leaves_.size(), limit)) return cancelled();
       if (met_ == 0 && limitsMet(leaves_)) {
@@ -165,15 +165,16 @@ class Decomposer {
     return settings_.progress(static_cast<int>(done), settings_.maxParts);
   }
 
-  /// Whether hulls of so much volume exceed the mesh by no more than asked for, in the worst keyframe; false when
-  /// nothing was asked.
+  /// Whether the hulls of all pieces exceed the mesh by no more than asked for in any keyframe; false when no such
+  /// limit was asked for.
   [[nodiscard]] bool errorMet(const auto& pieces, const auto& pieceOf) const {
+    if (settings_.maxError <= 0.0) return false;
     for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
       double volume = -shop_.meshVolume[k];
       for (const auto& p : pieces) volume += pieceOf(p).hullVolume[k];
       if (volume > settings_.maxError * std::abs(shop_.meshVolume[k])) return false;
     }
-    return settings_.maxError > 0.0;
+    return true;
   }
 
   /// Largest distance from the hull of a piece to its surface in any keyframe; at most maxDistance where it is less.
@@ -183,8 +184,7 @@ class Decomposer {
       std::vector<Vec3> corners;
       corners.reserve(piece.hullPoints[k].size());
       for (const PointIndex p : piece.hullPoints[k]) corners.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
-      distances[k] =
-          hullDistance(convexHull(corners), shop_.points[k], piece.part.triangles, settings_.maxDistance);
+      distances[k] = hullDistance(convexHull(corners), shop_.points[k], piece.part.triangles, settings_.maxDistance);
     });
     return *std::max_element(distances.begin(), distances.end());
   }
@@ -194,22 +194,21 @@ class Decomposer {
     return *leaf.distance > settings_.maxDistance;
   }
 
-  /// Whether all limits that were asked for hold.
+  /// Whether a limit that was asked for is kept.
   [[nodiscard]] bool limitsMet(std::vector<Leaf>& leaves) const {
-    if (!limited()) return false;
-    if (settings_.maxError > 0.0 && !errorMet(leaves, [](const Leaf& l) -> const Workpiece& { return l.piece; }))
-      return false;
-    return settings_.maxDistance <= 0.0 || std::none_of(leaves.begin(), leaves.end(), [&](Leaf& l) { return tooFar(l); });
+    if (errorMet(leaves, [](const Leaf& l) -> const Workpiece& { return l.piece; })) return true;
+    return settings_.maxDistance > 0.0 &&
+           std::none_of(leaves.begin(), leaves.end(), [&](Leaf& l) { return tooFar(l); });
   }
   [[nodiscard]] bool limitsMet(const std::vector<Workpiece>& pieces) const {
-    if (settings_.maxError > 0.0 && !errorMet(pieces, [](const Workpiece& p) -> const Workpiece& { return p; }))
-      return false;
-    return settings_.maxDistance <= 0.0 || std::all_of(pieces.begin(), pieces.end(), [&](const Workpiece& p) {
+    if (errorMet(pieces, [](const Workpiece& p) -> const Workpiece& { return p; })) return true;
+    return settings_.maxDistance > 0.0 && std::all_of(pieces.begin(), pieces.end(), [&](const Workpiece& p) {
              return distanceOf(p) <= settings_.maxDistance;
            });
   }
 
-  /// Whether cutting a leaf brings the limits closer: where only distance is wanting, those that keep it are left alone.
+  /// Whether cutting a leaf brings the limits closer: where only distance is wanting, those that keep it are left
+  /// alone.
   [[nodiscard]] bool worthCutting(Leaf& leaf) const {
     return settings_.maxDistance <= 0.0 || met_ > 0 || settings_.maxError > 0.0 || tooFar(leaf);
   }
@@ -372,7 +371,8 @@ class Decomposer {
   }
 
   /// The fewest parts that still keep the limits, as far as fewer parts are worse; at most `most` where that is kept.
-  [[nodiscard]] std::vector<Workpiece> mergedWithinLimits(const std::vector<Workpiece>& pieces, std::size_t most) const {
+  [[nodiscard]] std::vector<Workpiece> mergedWithinLimits(const std::vector<Workpiece>& pieces,
+                                                          std::size_t most) const {
     std::size_t kept = pieces.size(), broken = 0;
     std::vector<Workpiece> best = pieces;
     while (broken + 1 < kept) {

@@ -1,14 +1,15 @@
 #include "acd/decomposition_file.h"
 
+#include "acd/byte_reader.h"
+#include "acd/decomposition_file_version1.h"
+#include "acd/packed_numbers.h"
 #include "geometry/files.h"
-#include "geometry/little_endian.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace lorica {
 
@@ -16,118 +17,194 @@ namespace {
 
 // docs/LORICA_FILE.md describes the layout. A change of it raises kVersion, and older versions stay readable.
 constexpr std::string_view kMagic = "LORICA\r\n";  // the line end betrays a transfer in text mode
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 
-constexpr std::size_t kCutPointBytes = 4 + 4 + 8;
-constexpr std::size_t kTriangleBytes = 3 * 4 + 4;
+// The least that an entry takes: a packed number is a byte and a quarter of a control byte.
+constexpr std::size_t kCutPointBytes = 8 + 2;
+constexpr std::size_t kTriangleBytes = 4 + 1;
+constexpr std::size_t kDetailLevelBytes = 8 + 8 + 4;
+constexpr std::size_t kBoneShareBytes = 4 + 8;
 
-/// Takes numbers from the bytes one after the other. After the first failure everything is 0, and error() tells.
-class Reader {
- public:
-  Reader(std::string_view bytes, std::size_t offset, std::string fileName)
-      : bytes_(bytes), offset_(offset), fileName_(std::move(fileName)) {}
+// ---- Writing ----
 
-  template <typename T>
-  T take(const char* what) {
-    if (error_) return T{};
-    if (left() < sizeof(T)) {
-      fail(offset_, fmt::format("expected {} ({} bytes), {} bytes are left", what, sizeof(T), left()));
-      return T{};
-    }
-    const T value = loadLittleEndian<T>(bytes_.data() + offset_);
-    offset_ += sizeof(T);
-    return value;
-  }
+std::uint32_t bits(std::int32_t value) {
+  return static_cast<std::uint32_t>(value);
+}
 
-  double takeFinite(const char* what) {
-    const auto value = take<double>(what);
-    if (!std::isfinite(value)) fail(offset_ - 8, fmt::format("{} is {}, expected a finite number", what, value));
-    return value;
-  }
-
-  std::int32_t takeIndex(const char* what, std::int64_t least, std::int64_t end) {
-    const auto value = take<std::int32_t>(what);
-    if (value < least || value >= end) {
-      fail(offset_ - 4, fmt::format("{} is {}, expected {} to {}", what, value, least, end - 1));
-    }
-    return value;
-  }
-
-  /// Length of a list, which must fit into what is left: nothing is allocated on the word of a damaged number.
-  std::size_t takeCount(const char* what, std::size_t bytesEach) {
-    const auto count = take<std::uint32_t>(what);
-    if (count > left() / bytesEach || count > kLargestIndex) {
-      fail(offset_ - 4, fmt::format("{} is {}, which needs {} bytes or more; {} are left", what, count,
-                                    static_cast<std::uint64_t>(count) * bytesEach, left()));
-    }
-    return error_ ? 0 : count;
-  }
-
-  std::string takeText(std::size_t length) {
-    std::string text(bytes_.substr(offset_, length));
-    offset_ += length;
-    return text;
-  }
-
-  void fail(std::size_t at, std::string_view message) {
-    if (!error_) error_ = Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", fileName_, at, message)};
-  }
-
-  [[nodiscard]] bool ok() const { return !error_; }
-  [[nodiscard]] const Error& error() const { return *error_; }
-  [[nodiscard]] std::size_t offset() const { return offset_; }
-  [[nodiscard]] std::size_t left() const { return bytes_.size() - offset_; }
-
- private:
-  std::string_view bytes_;
-  std::size_t offset_;
-  std::string fileName_;
-  std::optional<Error> error_;
-};
-
-/// The points that triangles use, ascending. `seen` is scratch: one entry for each point, all 0 before and after, or
-/// empty where there are so many points that this would be the larger part of the work.
-std::vector<PointIndex> pointsOf(const std::vector<Triangle>& triangles, std::vector<char>& seen) {
+/// The points that triangles use, ascending.
+std::vector<PointIndex> pointsOf(const std::vector<Triangle>& triangles) {
   std::vector<PointIndex> points;
-  for (const Triangle& t : triangles) {
-    for (const PointIndex p : t) {
-      if (!seen.empty() && seen[p]) continue;
-      if (!seen.empty()) seen[p] = 1;
-      points.push_back(p);
-    }
-  }
-  if (!seen.empty()) {
-    for (const PointIndex p : points) seen[p] = 0;
-  }
+  points.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) points.insert(points.end(), t.begin(), t.end());
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }
 
-void takeCutPoints(Reader& reader, Decomposition& decomposition) {
+class Writer {
+ public:
+  template <typename T>
+  void put(T value) {
+    appendLittleEndian(value, payload_);
+  }
+  void putCount(std::size_t count) { put(static_cast<std::uint32_t>(count)); }
+  void putText(std::string_view text) {
+    putCount(text.size());
+    payload_ += text;
+  }
+  void putPacked(std::span<const std::uint32_t> values) { appendPacked(values, payload_); }
+
+  void putCutPoints(std::span<const CutPoint> cutPoints) {
+    putCount(cutPoints.size());
+    std::vector<std::uint32_t> ends;
+    ends.reserve(2 * cutPoints.size());
+    std::uint32_t before = 0;
+    for (const CutPoint& point : cutPoints) {
+      ends.push_back(zigzag(bits(point.first) - before));
+      ends.push_back(zigzag(bits(point.second) - bits(point.first)));
+      before = bits(point.first);
+    }
+    putPacked(ends);
+    for (const CutPoint& point : cutPoints) put(point.lambda);
+  }
+
+  void putPart(const Part& part) {
+    // From the triangles and not from the part's own list, which may be wrong: reading back tells.
+    const std::vector<PointIndex> points = pointsOf(part.triangles);
+    putCount(part.triangles.size());
+    putCount(points.size());
+    std::vector<std::uint32_t> values;
+    values.reserve(3 * part.triangles.size());
+    std::uint32_t next = 0;
+    for (const PointIndex p : points) {
+      values.push_back(bits(p) - next);
+      next = bits(p) + 1;
+    }
+    putPacked(values);
+
+    values.clear();
+    const auto numberOf = [&points](PointIndex p) {
+      return static_cast<std::uint32_t>(std::lower_bound(points.begin(), points.end(), p) - points.begin());
+    };
+    std::uint32_t firstBefore = 0;
+    for (const Triangle& t : part.triangles) {
+      const std::uint32_t first = numberOf(t[0]), second = numberOf(t[1]), third = numberOf(t[2]);
+      values.insert(values.end(), {zigzag(first - firstBefore), zigzag(second - first), zigzag(third - second)});
+      firstBefore = first;
+    }
+    putPacked(values);
+
+    values.assign(part.triangles.size(), 0);
+    std::uint32_t before = 0;
+    for (std::size_t i = 0; i < std::min(values.size(), part.sourceTriangle.size()); ++i) {
+      values[i] = zigzag(bits(part.sourceTriangle[i]) - before);
+      before = bits(part.sourceTriangle[i]);
+    }
+    putPacked(values);
+  }
+
+  void putLadder(std::span<const DetailLevel> ladder) {
+    putCount(ladder.size());
+    for (const DetailLevel& level : ladder) {
+      put(level.meanError);
+      put(level.worstError);
+      put(static_cast<std::int32_t>(level.hullVertices));
+    }
+  }
+
+  void putBones(std::span<const std::vector<BoneShare>> bonesOfPart) {
+    std::vector<std::string> names;
+    for (const std::vector<BoneShare>& bones : bonesOfPart) {
+      for (const BoneShare& bone : bones) names.push_back(bone.bone);
+    }
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    putCount(names.size());
+    for (const std::string& name : names) putText(name);
+    putCount(bonesOfPart.size());
+    for (const std::vector<BoneShare>& bones : bonesOfPart) {
+      putCount(bones.size());
+      for (const BoneShare& bone : bones) {
+        put(static_cast<std::int32_t>(std::lower_bound(names.begin(), names.end(), bone.bone) - names.begin()));
+        put(bone.share);
+      }
+    }
+  }
+
+  [[nodiscard]] std::string file() const {
+    std::string bytes(kMagic);
+    bytes.reserve(kHeaderBytes + payload_.size());
+    appendLittleEndian(kVersion, bytes);
+    appendLittleEndian(static_cast<std::uint64_t>(payload_.size()), bytes);
+    appendLittleEndian(contentHash(payload_, kVersion), bytes);
+    return bytes + payload_;
+  }
+
+ private:
+  std::string payload_;
+};
+
+std::string encode(const DecompositionFile& content) {
+  const Decomposition& decomposition = content.decomposition;
+  Writer writer;
+  writer.putText(content.source);
+  writer.put(content.meshHash);
+  writer.put(content.meanError);
+  writer.putCount(content.errorPerKeyframe.size());
+  for (const double error : content.errorPerKeyframe) writer.put(error);
+  writer.put(static_cast<std::int32_t>(decomposition.vertexCount));
+  writer.put(static_cast<std::int32_t>(decomposition.triangleCount));
+  writer.putCutPoints(decomposition.cutPoints);
+  writer.putCount(decomposition.splitFrom.size());
+  for (const PartIndex from : decomposition.splitFrom) writer.put(from);
+  writer.putCount(decomposition.parts.size());
+  for (const Part& part : decomposition.parts) writer.putPart(part);
+  writer.putLadder(content.ladder);
+  writer.putBones(content.bonesOfPart);
+  return writer.file();
+}
+
+// ---- Reading ----
+
+/// Memory for what is unpacked before it is made into parts.
+using Scratch = std::vector<std::uint32_t>;
+
+void takeCutPoints(ByteReader& reader, Decomposition& decomposition, Scratch& ends) {
   const std::size_t count = reader.takeCount("the number of cut points", kCutPointBytes);
   if (decomposition.vertexCount + static_cast<std::int64_t>(count) > kLargestIndex) {
     reader.fail(reader.offset() - 4, fmt::format("{} vertices and {} cut points are more than an index can name",
                                                  decomposition.vertexCount, count));
     return;
   }
-  decomposition.cutPoints.reserve(count);
-  for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    const std::int64_t older = decomposition.vertexCount + static_cast<std::int64_t>(i);
-    CutPoint point;
-    point.first = reader.takeIndex("a cut point's first end (an older point)", 0, older);
-    point.second = reader.takeIndex("a cut point's second end (an older point)", 0, older);
+  const std::size_t begin = reader.offset();
+  ends.resize(2 * count);
+  reader.takePacked("the ends of the cut points", ends);
+  decomposition.cutPoints.resize(reader.ok() ? count : 0);
+  std::uint32_t before = 0;
+  for (std::size_t i = 0; i < decomposition.cutPoints.size(); ++i) {
+    CutPoint& point = decomposition.cutPoints[i];
+    const std::uint32_t first = before + unzigzag(ends[2 * i]);
+    const std::uint32_t second = first + unzigzag(ends[2 * i + 1]);
+    const std::uint32_t older = bits(decomposition.vertexCount) + static_cast<std::uint32_t>(i);
+    if (first >= older || second >= older) {
+      reader.fail(begin, fmt::format("cut point {} lies between points {} and {}, expected 0 to {} for both", i, first,
+                                     second, static_cast<std::int64_t>(older) - 1));
+      return;
+    }
+    point.first = static_cast<PointIndex>(first);
+    point.second = static_cast<PointIndex>(second);
     point.lambda = reader.take<double>("a cut point's lambda");
     if (!(point.lambda >= 0.0 && point.lambda <= 1.0)) {
       reader.fail(reader.offset() - 8, fmt::format("lambda of cut point {} is {}, expected 0 to 1", i, point.lambda));
+      return;
     }
-    decomposition.cutPoints.push_back(point);
+    before = first;
   }
 }
 
-void takeSplits(Reader& reader, Decomposition& decomposition) {
+void takeSplits(ByteReader& reader, Decomposition& decomposition) {
   const std::size_t count = reader.takeCount("the number of splits", 4);
   decomposition.splitFrom.reserve(count);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
@@ -136,73 +213,149 @@ void takeSplits(Reader& reader, Decomposition& decomposition) {
   }
 }
 
-void takeParts(Reader& reader, Decomposition& decomposition) {
-  const std::size_t count = reader.takeCount("the number of parts", 4);
+/// Points in ascending order, each stored as how many numbers were skipped since the one before.
+void takePoints(ByteReader& reader, std::size_t index, int pointCount, Scratch& values, Part& part) {
+  const std::size_t begin = reader.offset();
+  values.resize(part.points.size());
+  reader.takePacked("the points of a part", values);
+  std::uint64_t next = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::uint64_t p = next + values[i];
+    part.points[i] = static_cast<PointIndex>(p);
+    next = p + 1;
+  }
+  if (next > static_cast<std::uint64_t>(pointCount)) {
+    reader.fail(begin, fmt::format("the last point of part {} is {}, expected {} to {}", index, next - 1,
+                                   part.points.size() - 1, pointCount - 1));
+  }
+}
+
+/// Corners number the part's own points, and use each of them.
+void takeTriangles(ByteReader& reader, std::size_t index, Scratch& values, Part& part) {
+  const std::size_t begin = reader.offset();
+  values.resize(3 * part.triangles.size());
+  reader.takePacked("the corners of a part", values);
+  if (!reader.ok()) return;
+  std::vector<std::uint8_t> usedPoints(part.points.size(), 0);
+  // Where each begins, once: a byte that is stored may be part of anything, and all would be looked up again.
+  const std::span<std::uint8_t> used = usedPoints;
+  const std::span<const std::uint32_t> differences = values;
+  const std::span<const PointIndex> points = part.points;
+  const std::span<Triangle> triangles = part.triangles;
+  const auto end = static_cast<std::uint32_t>(used.size());
+  std::uint32_t first = 0;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    first += unzigzag(differences[3 * i]);
+    const std::uint32_t second = first + unzigzag(differences[3 * i + 1]);
+    const std::uint32_t third = second + unzigzag(differences[3 * i + 2]);
+    if (first >= end || second >= end || third >= end) {
+      reader.fail(begin, fmt::format("triangle {} of part {} has corners {}, {} and {}, expected 0 to {}", i, index,
+                                     first, second, third, static_cast<std::int64_t>(end) - 1));
+      return;
+    }
+    used[first] = used[second] = used[third] = 1;
+    triangles[i] = {points[first], points[second], points[third]};
+  }
+  const auto unused = std::find(used.begin(), used.end(), 0);
+  if (unused != used.end()) {
+    reader.fail(begin, fmt::format("part {} lists point {}, which none of its triangles uses", index,
+                                   part.points[static_cast<std::size_t>(unused - used.begin())]));
+  }
+}
+
+void takeSources(ByteReader& reader, std::size_t index, int triangleCount, Scratch& values, Part& part) {
+  const std::size_t begin = reader.offset();
+  values.resize(part.sourceTriangle.size());
+  reader.takePacked("the source triangles of a part", values);
+  std::uint32_t source = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    source += unzigzag(values[i]);
+    part.sourceTriangle[i] = static_cast<std::int32_t>(source);
+    // One more turns -1, a cap, into 0, and what would be negative into a number beyond any.
+    if (source + 1 > bits(triangleCount)) {
+      reader.fail(begin, fmt::format("triangle {} of part {} comes from triangle {}, expected -1 to {}", i, index,
+                                     part.sourceTriangle[i], triangleCount - 1));
+      return;
+    }
+  }
+}
+
+void takeParts(ByteReader& reader, Decomposition& decomposition, Scratch& values) {
+  const std::size_t count = reader.takeCount("the number of parts", 8);
   if (reader.ok() && count != decomposition.splitFrom.size() + 1) {
     reader.fail(reader.offset() - 4, fmt::format("{} parts after {} splits, expected {}", count,
                                                  decomposition.splitFrom.size(), decomposition.splitFrom.size() + 1));
   }
   if (!reader.ok()) return;
-  // The vertex count is a number that nothing in the file backs: it must not decide how much is allocated.
-  const auto pointCount = static_cast<std::size_t>(decomposition.pointCount());
-  std::vector<char> seen(pointCount < 4 * reader.left() ? pointCount : 0, 0);
-  decomposition.parts.reserve(count);
+  decomposition.parts.resize(count);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    Part part;
+    Part& part = decomposition.parts[i];
     const std::size_t triangleCount = reader.takeCount("the number of a part's triangles", kTriangleBytes);
-    part.triangles.reserve(triangleCount);
-    part.sourceTriangle.reserve(triangleCount);
-    for (std::size_t k = 0; k < triangleCount && reader.ok(); ++k) {
-      Triangle t;
-      for (PointIndex& p : t) p = reader.takeIndex("a corner of a part", 0, decomposition.pointCount());
-      part.triangles.push_back(t);
-    }
-    for (std::size_t k = 0; k < triangleCount && reader.ok(); ++k) {
-      part.sourceTriangle.push_back(reader.takeIndex("a source triangle", -1, decomposition.triangleCount));
-    }
+    const std::size_t pointCount = reader.takeCount("the number of a part's points", 1);
     if (!reader.ok()) return;
-    part.points = pointsOf(part.triangles, seen);
-    decomposition.parts.push_back(std::move(part));
+    part.triangles.resize(triangleCount);
+    part.sourceTriangle.resize(triangleCount);
+    part.points.resize(pointCount);
+    takePoints(reader, i, decomposition.pointCount(), values, part);
+    takeTriangles(reader, i, values, part);
+    takeSources(reader, i, decomposition.triangleCount, values, part);
   }
 }
 
-std::string encode(const DecompositionFile& content) {
-  const Decomposition& decomposition = content.decomposition;
-  std::string payload;
-  const auto put = [&](auto value) { appendLittleEndian(value, payload); };
-  const auto putCount = [&](std::size_t count) { put(static_cast<std::uint32_t>(count)); };
-
-  putCount(content.source.size());
-  payload += content.source;
-  put(content.meshHash);
-  put(content.meanError);
-  putCount(content.errorPerKeyframe.size());
-  for (const double error : content.errorPerKeyframe) put(error);
-
-  put(static_cast<std::int32_t>(decomposition.vertexCount));
-  put(static_cast<std::int32_t>(decomposition.triangleCount));
-  putCount(decomposition.cutPoints.size());
-  for (const CutPoint& point : decomposition.cutPoints) {
-    put(point.first);
-    put(point.second);
-    put(point.lambda);
+void takeLadder(ByteReader& reader, DecompositionFile& content) {
+  const std::size_t count = reader.takeCount("the number of levels of detail", kDetailLevelBytes);
+  const std::size_t parts = content.decomposition.parts.size();
+  if (reader.ok() && count != 0 && count != parts) {
+    reader.fail(reader.offset() - 4,
+                fmt::format("{} levels of detail of {} parts, expected 0 or {}", count, parts, parts));
   }
-  putCount(decomposition.splitFrom.size());
-  for (const PartIndex from : decomposition.splitFrom) put(from);
-  putCount(decomposition.parts.size());
-  for (const Part& part : decomposition.parts) {
-    putCount(part.triangles.size());
-    for (const Triangle& t : part.triangles) {
-      for (const PointIndex p : t) put(p);
+  content.ladder.reserve(reader.ok() ? count : 0);
+  for (std::size_t i = 0; i < count && reader.ok(); ++i) {
+    DetailLevel level;
+    level.meanError = reader.takeFinite("the mean error of a level of detail");
+    level.worstError = reader.takeFinite("the worst error of a level of detail");
+    level.hullVertices = reader.takeIndex("the number of hull vertices of a level of detail", 0, kLargestIndex + 1);
+    content.ladder.push_back(level);
+  }
+}
+
+void takeBones(ByteReader& reader, DecompositionFile& content) {
+  std::vector<std::string> names(reader.takeCount("the number of bones", 4));
+  for (std::string& name : names) name = reader.takeText(reader.takeCount("the length of a bone's name", 1));
+  const std::size_t count = reader.takeCount("the number of parts with bones", 4);
+  const std::size_t parts = content.decomposition.parts.size();
+  if (reader.ok() && count != 0 && count != parts) {
+    reader.fail(reader.offset() - 4, fmt::format("{} parts with bones, expected 0 or {}", count, parts));
+  }
+  content.bonesOfPart.resize(reader.ok() ? count : 0);
+  for (std::vector<BoneShare>& bones : content.bonesOfPart) {
+    const std::size_t boneCount = reader.takeCount("the number of bones that move a part", kBoneShareBytes);
+    bones.reserve(boneCount);
+    double largest = 1.0;
+    for (std::size_t i = 0; i < boneCount && reader.ok(); ++i) {
+      const auto bone = reader.takeIndex("a bone", 0, std::ssize(names));
+      const auto share = reader.take<double>("a bone's share");
+      if (!(share > 0.0 && share <= largest)) {
+        reader.fail(reader.offset() - 8,
+                    fmt::format("a bone's share is {}, expected above 0 and at most {}", share, largest));
+      }
+      if (!reader.ok()) return;
+      bones.push_back({names[static_cast<std::size_t>(bone)], share});
+      largest = share;
     }
-    for (const std::int32_t source : part.sourceTriangle) put(source);
   }
+}
 
-  std::string bytes(kMagic);
-  appendLittleEndian(kVersion, bytes);
-  appendLittleEndian(static_cast<std::uint64_t>(payload.size()), bytes);
-  appendLittleEndian(contentHash(payload, kVersion), bytes);
-  return bytes + payload;
+DecompositionFile takeVersion2(ByteReader& reader) {
+  DecompositionFile content;
+  Scratch scratch;
+  takeDescription(reader, content);
+  takeCutPoints(reader, content.decomposition, scratch);
+  takeSplits(reader, content.decomposition);
+  takeParts(reader, content.decomposition, scratch);
+  takeLadder(reader, content);
+  takeBones(reader, content);
+  return content;
 }
 
 Result<DecompositionFile> decode(std::string_view bytes, const std::string& fileName) {
@@ -236,22 +389,10 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
                                                       hexDigits(found), hexDigits(expected)));
   }
 
-  Reader reader(bytes, kHeaderBytes, fileName);
-  DecompositionFile content;
-  content.source = reader.takeText(reader.takeCount("the length of the source's name", 1));
-  content.meshHash = reader.take<std::uint64_t>("the mesh's hash");
-  content.meanError = reader.takeFinite("the mean error");
-  const std::size_t keyframeCount = reader.takeCount("the number of keyframe errors", 8);
-  for (std::size_t k = 0; k < keyframeCount && reader.ok(); ++k) {
-    content.errorPerKeyframe.push_back(reader.takeFinite("a keyframe's error"));
-  }
-  content.decomposition.vertexCount = reader.takeIndex("the mesh's vertex count", 0, kLargestIndex + 1);
-  content.decomposition.triangleCount = reader.takeIndex("the mesh's triangle count", 0, kLargestIndex + 1);
-  takeCutPoints(reader, content.decomposition);
-  takeSplits(reader, content.decomposition);
-  takeParts(reader, content.decomposition);
+  ByteReader reader(bytes, kHeaderBytes, fileName);
+  DecompositionFile content = version == 1 ? takeVersion1(reader) : takeVersion2(reader);
   if (reader.ok() && reader.left() > 0) {
-    reader.fail(reader.offset(), fmt::format("{} bytes are left after the last part", reader.left()));
+    reader.fail(reader.offset(), fmt::format("{} bytes are left after the end", reader.left()));
   }
   if (!reader.ok()) return reader.error();
   return content;

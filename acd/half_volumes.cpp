@@ -59,8 +59,8 @@ double HalfVolumes::below(const PartTree::Sketch& sketch, std::size_t keyframe, 
   return volume(sketch.below, sketch.crossings, keyframe, tolerance);
 }
 
-double HalfVolumes::volume(const PartTree::Half& half, const std::vector<CutPoint>& crossings,
-                           std::size_t keyframe, double tolerance) const {
+double HalfVolumes::volume(const PartTree::Half& half, const std::vector<CutPoint>& crossings, std::size_t keyframe,
+                           double tolerance) const {
   thread_local std::vector<Vec3> own;
   own.clear();
   const std::span<const Vec3> all = tree_.points(keyframe);
@@ -68,9 +68,8 @@ double HalfVolumes::volume(const PartTree::Half& half, const std::vector<CutPoin
     for (const std::int32_t p : points) own.push_back(all[static_cast<std::size_t>(p)]);
   };
   for (const std::int32_t node : half.nodes) {
-    add(hullPoints_.empty()
-            ? tree_.pointsOf(node)
-            : hullPoints_[static_cast<std::size_t>(node) * tree_.keyframeCount() + keyframe]);
+    add(hullPoints_.empty() ? tree_.pointsOf(node)
+                            : hullPoints_[static_cast<std::size_t>(node) * tree_.keyframeCount() + keyframe]);
   }
   add(half.points);
   for (const CutPoint& c : crossings) {
@@ -149,11 +148,11 @@ std::pair<double, double> HalfEstimates::volumes(const PartTree::Sketch& sketch)
     for (const PartTree::CutLeaf& leaf : sketch.leaves) {
       const Support& bound = supports_[static_cast<std::size_t>(leaf.node) * frameCount + k];
       const auto fresh = std::span(ids).subspan(before.endCrossings, leaf.endCrossings - before.endCrossings);
-      include(above, points,
-              std::span(sketch.above.points).subspan(before.endAbove, leaf.endAbove - before.endAbove), 0, &bound);
+      include(above, points, std::span(sketch.above.points).subspan(before.endAbove, leaf.endAbove - before.endAbove),
+              0, &bound);
       include(above, crossings, fresh, firstCrossing, &bound);
-      include(below, points,
-              std::span(sketch.below.points).subspan(before.endBelow, leaf.endBelow - before.endBelow), 0, &bound);
+      include(below, points, std::span(sketch.below.points).subspan(before.endBelow, leaf.endBelow - before.endBelow),
+              0, &bound);
       include(below, crossings, fresh, firstCrossing, &bound);
       before = leaf;
     }

@@ -21,8 +21,8 @@ class HalfVolumes {
   [[nodiscard]] double below(const PartTree::Sketch& sketch, std::size_t keyframe, double tolerance) const;
 
  private:
-  [[nodiscard]] double volume(const PartTree::Half& half, const std::vector<CutPoint>& crossings,
-                              std::size_t keyframe, double tolerance) const;
+  [[nodiscard]] double volume(const PartTree::Half& half, const std::vector<CutPoint>& crossings, std::size_t keyframe,
+                              double tolerance) const;
 
   const PartTree& tree_;
   std::vector<std::vector<std::int32_t>> hullPoints_;  // node x keyframe; empty where not reduced

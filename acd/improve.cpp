@@ -32,15 +32,13 @@ class Improver {
   }
 
   /// Makes a move that saves something; false when none is left to try.
-  bool step() {
-    return exchange() || recut();
-  }
+  bool step() { return exchange() || recut(); }
 
  private:
   /// Two parts that touch.
   struct Pair {
     std::size_t a = 0, b = 0;
-    double cost = 0.0;  // hull volume, over all keyframes, that the union has more than both
+    double cost = 0.0;    // hull volume, over all keyframes, that the union has more than both
     double excess = 0.0;  // hull volume that both have more than their own volume: cutting anew saves at most that
     bool tried = false;   // whether the union was cut anew without success
   };
@@ -157,7 +155,8 @@ class Improver {
     for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
       points.clear();
       for (const std::size_t i : {pair.a, pair.b}) {
-        for (const PointIndex p : parts_[i].hullPoints[k]) points.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
+        for (const PointIndex p : parts_[i].hullPoints[k])
+          points.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
       }
       volume += convexHullVolume(points);
     }

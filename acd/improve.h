@@ -13,6 +13,6 @@ namespace lorica {
 /// @param goOn      asked before each move; false cancels
 /// @return false when cancelled
 [[nodiscard]] bool improve(std::vector<Workpiece>& parts, Workshop& shop, const SplitEffort& effort, int patience,
-             const std::function<bool()>& goOn);
+                           const std::function<bool()>& goOn);
 
 }  // namespace lorica

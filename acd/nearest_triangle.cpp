@@ -71,7 +71,8 @@ void NearestTriangle::build(std::size_t first, std::size_t count) {
   build(first + half, count - half);
 }
 
-double NearestTriangle::distance(const Vec3& p) const {
+NearestTriangle::Hit NearestTriangle::nearest(const Vec3& p) const {
+  std::int32_t found = 0;
   double best = std::numeric_limits<double>::infinity();
   std::array<std::pair<std::int32_t, double>, 64> stack;  // the tree is balanced: never deeper than 32
   int depth = 0;
@@ -82,7 +83,10 @@ double NearestTriangle::distance(const Vec3& p) const {
     const Node& node = nodes_[index];
     if (node.count > 0) {
       for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
-        best = std::min(best, distanceSqToTriangle(p, triangles_[i]));
+        const double distanceSq = distanceSqToTriangle(p, triangles_[i]);
+        if (distanceSq >= best) continue;
+        best = distanceSq;
+        found = i;
       }
       continue;
     }
@@ -92,7 +96,7 @@ double NearestTriangle::distance(const Vec3& p) const {
     stack[depth++] = far;
     stack[depth++] = near;
   }
-  return std::sqrt(best);
+  return {std::sqrt(best), found};
 }
 
 }  // namespace lorica

@@ -7,14 +7,27 @@
 
 namespace lorica {
 
-/// Distances from points to the nearest of many triangles, by a tree of boxes. Internal to score().
+/// Distances from points to the nearest of many triangles, by a tree of boxes. Internal: not installed.
 class NearestTriangle {
  public:
+  /// The nearest triangle to a point; of several as near, whichever the tree meets first.
+  struct Hit {
+    double distance = 0.0;   ///< [m]
+    std::int32_t index = 0;  ///< for corners()
+  };
+
   /// @param corners  at least one triangle; segments and points (equal corners) are fine
   explicit NearestTriangle(std::vector<std::array<Vec3, 3>> corners);
 
   /// Distance from p to the nearest triangle [m].
-  [[nodiscard]] double distance(const Vec3& p) const;
+  [[nodiscard]] double distance(const Vec3& p) const { return nearest(p).distance; }
+
+  [[nodiscard]] Hit nearest(const Vec3& p) const;
+
+  /// A triangle by the index of a hit; not the order in which they were given.
+  [[nodiscard]] const std::array<Vec3, 3>& corners(std::int32_t index) const {
+    return triangles_[static_cast<std::size_t>(index)];
+  }
 
  private:
   struct Node {

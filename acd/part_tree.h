@@ -60,9 +60,9 @@ class PartTree {
 
   std::size_t keyframe_;
   std::vector<Node> nodes_;
-  std::vector<Triangle> triangles_;          // over the new numbers, in the order of the leaves
-  std::vector<std::int32_t> leafPoints_;     // each leaf's points, leaf after leaf
-  std::vector<std::vector<Vec3>> points_;    // keyframe, point
+  std::vector<Triangle> triangles_;        // over the new numbers, in the order of the leaves
+  std::vector<std::int32_t> leafPoints_;   // each leaf's points, leaf after leaf
+  std::vector<std::vector<Vec3>> points_;  // keyframe, point
 };
 
 }  // namespace lorica

@@ -55,8 +55,8 @@ class SplitSearch {
     const ConvexHull hull = convexHull(outer);
     const double spacing = effort_.edgeSpacing * boundsOf(hullPoints_).diagonal();
     std::vector<Plane> planes;
-    for (const ConcaveEdge& edge :
-         deepestConcaveEdges(piece_.creases, shop_.mesh.triangles, shop_.normals[keyframe_], points(), hull, effort_.candidateEdges, spacing)) {
+    for (const ConcaveEdge& edge : deepestConcaveEdges(piece_.creases, shop_.mesh.triangles, shop_.normals[keyframe_],
+                                                       points(), hull, effort_.candidateEdges, spacing)) {
       for (const Plane& plane : planesThrough(edge, effort_.planesPerEdge)) planes.push_back(plane);
     }
     for (const Plane& plane : componentPlanes(piece_.part, points())) planes.push_back(plane);

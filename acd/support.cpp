@@ -67,9 +67,8 @@ void includePoints(Support& into, const SupportDirections& directions, const Flo
     for (const std::int32_t id : ids) {
       const auto p = static_cast<std::size_t>(id);
       // Not fused, so that every instruction set rounds alike.
-      const auto value =
-          hn::Add(hn::Add(hn::Mul(x, hn::Set(f, points.x[p])), hn::Mul(y, hn::Set(f, points.y[p]))),
-                  hn::Mul(z, hn::Set(f, points.z[p])));
+      const auto value = hn::Add(hn::Add(hn::Mul(x, hn::Set(f, points.x[p])), hn::Mul(y, hn::Set(f, points.y[p]))),
+                                 hn::Mul(z, hn::Set(f, points.z[p])));
       const auto name = hn::Set(n, first + id);
       const auto higher = hn::Gt(value, high);
       const auto lower = hn::Lt(value, low);
@@ -121,7 +120,8 @@ Sphere makeSphere() {
   const auto slot = [&](const Vec3& direction) {
     // Points of the grid are far apart; so many digits tell them from each other and not from themselves.
     const auto key = [](const Vec3& d) {
-      return std::array<int, 3>{static_cast<int>(std::lround(d.x() * 1000)), static_cast<int>(std::lround(d.y() * 1000)),
+      return std::array<int, 3>{static_cast<int>(std::lround(d.x() * 1000)),
+                                static_cast<int>(std::lround(d.y() * 1000)),
                                 static_cast<int>(std::lround(d.z() * 1000))};
     };
     const auto known = slotOf.find(key(direction));
@@ -181,7 +181,9 @@ void Support::clear() {
   lowest.fill(0);
 }
 
-void include(Support& into, const Support& other) { HWY_DYNAMIC_DISPATCH(includeSupport)(into, other); }
+void include(Support& into, const Support& other) {
+  HWY_DYNAMIC_DISPATCH(includeSupport)(into, other);
+}
 
 void include(Support& into, const FloatPoints& points, std::span<const std::int32_t> ids, std::int32_t first,
              const Support* bound) {

@@ -22,7 +22,7 @@ struct FloatPoints {
 struct alignas(64) Support {
   static constexpr std::size_t kPairs = 48;  ///< 46, and two repeated to fill vectors
 
-  std::array<float, kPairs> high, low;              ///< largest and smallest coordinate along each pair
+  std::array<float, kPairs> high, low;               ///< largest and smallest coordinate along each pair
   std::array<std::int32_t, kPairs> highest, lowest;  ///< ids of the points that have them
 
   void clear();

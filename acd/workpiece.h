@@ -14,8 +14,8 @@ struct Workshop {
   std::vector<std::vector<Vec3>> points;  ///< keyframe, PointIndex
   std::vector<CutPoint> cutPoints;
   std::vector<std::vector<Vec3>> normals;  ///< keyframe, mesh triangle: unit, zero for those without area
-  std::vector<double> onPlane;     ///< distance up to which a point lies on a plane, for each keyframe [m]
-  std::vector<double> meshVolume;  ///< [m^3]
+  std::vector<double> onPlane;             ///< distance up to which a point lies on a plane, for each keyframe [m]
+  std::vector<double> meshVolume;          ///< [m^3]
 
   Workshop(const TriMesh& closedMesh, PoseView keyframes);
   [[nodiscard]] std::size_t keyframeCount() const { return points.size(); }

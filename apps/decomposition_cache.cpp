@@ -87,8 +87,8 @@ Result<DefaultDecomposition> defaultDecomposition(const Character& character, in
   Result<TimedDecomposition> made = decomposeWithProgress(character.name, character.mesh, poses, settings);
   if (!made) return made.error();
   const Quality quality = measureQuality(made->decomposition, character.mesh, poses);
-  DecompositionFile content{std::move(made->decomposition), character.name, topologyHash(character.mesh), quality.error,
-                            quality.errorPerKeyframe};
+  DecompositionFile content =
+      fileContent(character.name, character.mesh, &character, poses, std::move(made->decomposition), quality);
   writeCache(file, content);
   return DefaultDecomposition{std::move(content), false, made->seconds};
 }

@@ -4,6 +4,7 @@
 #include "capture/joint_csv.h"
 #include "capture/synthetic_motion.h"
 #include "geometry/mesh_files.h"
+#include "geometry/mesh_repair.h"
 #include "session/keyframes.h"
 #include "skinning/mannequin.h"
 
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
+constexpr double kLikeEnough = 0.02;  // of the character's height: poses that need no keyframe each
 
 /// The names that `play NAME` understands: "jumping_jacks, walk, ...".
 std::string shippedNames(const fs::path& folder) {
@@ -48,7 +50,7 @@ Result<Subject> readSubject(const std::string& input) {
     Result<Character> character = findCharacter(input);
     if (!character) return character.error();
     TriMesh mesh = character->mesh;
-    return Subject{input, std::move(mesh), std::move(*character)};
+    return Subject{input, std::move(mesh), std::move(*character), ""};
   }
   std::error_code ignored;
   if (isBareName(input)) {
@@ -59,7 +61,12 @@ Result<Subject> readSubject(const std::string& input) {
   }
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
-  return Subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt};
+  Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, ""};
+  if (Result<MeshRepair> repair = repairClosedMesh(subject.mesh); repair && repair->changed()) {
+    subject.mended = repair->summary();
+    subject.mesh = std::move(repair->mesh);
+  }
+  return subject;
 }
 
 Result<Character> findCharacter(const std::string& name) {
@@ -114,15 +121,31 @@ Result<std::vector<Recording>> readShippedRecordings() {
 
 Result<Keyframes> trainingKeyframes(const Character& character, std::span<const std::string> motions, int count) {
   std::vector<std::vector<SkeletonFrame>> frames;
+  std::vector<std::string> names;
+  const auto add = [&](Recording& recording) {
+    names.push_back(std::move(recording.name));
+    frames.push_back(std::move(recording.frames));
+  };
   if (motions.empty()) {
     Result<std::vector<Recording>> shipped = readShippedRecordings();
     if (!shipped) return shipped.error();
-    for (Recording& recording : *shipped) frames.push_back(std::move(recording.frames));
+    for (Recording& recording : *shipped) add(recording);
   }
   for (const std::string& motion : motions) {
     Result<Recording> recording = readRecording(motion);
     if (!recording) return recording.error();
-    frames.push_back(std::move(recording->frames));
+    add(*recording);
+  }
+  if (count == kChooseKeyframes) {
+    Result<ChosenKeyframes> found =
+        chooseKeyframes(character, frames, kDefaultKeyframes, kLikeEnough * character.height);
+    if (!found) return found.error();
+    Keyframes keyframes{std::move(found->positions), static_cast<int>(found->sources.size()), {}, found->farthest};
+    keyframes.chosen.reserve(found->sources.size());
+    for (const KeyframeSource& source : found->sources) {
+      keyframes.chosen.push_back({names[source.recording], source.frame, source.time});
+    }
+    return keyframes;
   }
   std::size_t frameCount = 0;
   for (const std::vector<SkeletonFrame>& recording : frames) frameCount += recording.size();
@@ -133,7 +156,7 @@ Result<Keyframes> trainingKeyframes(const Character& character, std::span<const 
   }
   Result<std::vector<Vec3>> positions = sampleKeyframes(character, frames, count);
   if (!positions) return positions.error();
-  return Keyframes{std::move(*positions), count};
+  return Keyframes{std::move(*positions), count, {}, 0.0};
 }
 
 }  // namespace lorica

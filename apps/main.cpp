@@ -11,12 +11,11 @@
 namespace {
 
 constexpr int kBadInput = 2;
-constexpr int kCancelled = 130;  // what a shell reports for a program that Ctrl-C ended
 
 int fail(const lorica::Error& error) {
   if (error.code == lorica::ErrorCode::kCancelled) {
     fmt::print(stderr, "lorica: cancelled\n");
-    return kCancelled;
+    return lorica::kInterruptedStatus;
   }
   fmt::print(stderr, "lorica: {}\n", error.message);
   return kBadInput;

@@ -32,6 +32,16 @@ CLI::Validator countBetween(int least, int most) {
   return validator;
 }
 
+CLI::Validator numberAboveZero(const char* what) {
+  CLI::Validator validator("");
+  validator.operation([what](std::string& text) -> std::string {
+    double number = 0.0;
+    if (parseWhole(text, number) && std::isfinite(number) && number > 0.0) return "";
+    return fmt::format("found `{}`, expected {} above 0", text, what);
+  });
+  return validator;
+}
+
 }  // namespace
 
 CLI::App* addSubcommand(CLI::App& parent, CommonOptions& common, const std::string& name,
@@ -51,6 +61,21 @@ CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int le
   return app.add_option(name, value, description)->type_name("N")->check(countBetween(least, kMostOfAnything));
 }
 
+CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, int least,
+                            const std::string& description) {
+  CLI::Validator validator("");
+  validator.operation([least](std::string& text) -> std::string {
+    int number = 0;
+    if (text == "auto") {
+      text = std::to_string(kAuto);
+    } else if (!parseWhole(text, number) || number < least || number > kMostOfAnything) {
+      return fmt::format("found `{}`, expected a whole number from {} up, or auto", text, least);
+    }
+    return "";
+  });
+  return app.add_option(name, value, description)->type_name("N")->transform(validator);
+}
+
 CLI::Validator oneOf(std::vector<std::string> words) {
   CLI::Validator validator("");
   validator.operation([words = std::move(words)](std::string& text) -> std::string {
@@ -61,13 +86,26 @@ CLI::Validator oneOf(std::vector<std::string> words) {
 }
 
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description) {
+  return app.add_option(name, value, description)->type_name("S")->check(numberAboveZero("seconds"));
+}
+
+CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description) {
+  return app.add_option(name, value, description)->type_name("METRES")->check(numberAboveZero("a length"));
+}
+
+CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description) {
   CLI::Validator validator("");
   validator.operation([](std::string& text) -> std::string {
+    const bool isPercent = text.ends_with('%');
     double number = 0.0;
-    if (parseWhole(text, number) && std::isfinite(number) && number > 0.0) return "";
-    return fmt::format("found `{}`, expected seconds above 0", text);
+    if (!parseWhole(isPercent ? text.substr(0, text.size() - 1) : text, number) || !(number > 0.0) ||
+        !std::isfinite(number)) {
+      return fmt::format("found `{}`, expected a share above 0, such as 0.05 or 5%", text);
+    }
+    if (isPercent) text = fmt::format("{}", number / 100.0);
+    return "";
   });
-  return app.add_option(name, value, description)->type_name("S")->check(validator);
+  return app.add_option(name, value, description)->type_name("E")->transform(validator);
 }
 
 }  // namespace lorica

@@ -25,11 +25,24 @@ struct Command {
 /// An option that takes a whole number of at least `least`; anything else is refused in a sentence.
 CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int least, const std::string& description);
 
+/// What addCountOrAuto() makes of the word `auto`.
+inline constexpr int kAuto = -1;
+
+/// An option that takes a whole number of at least `least`, or the word `auto`.
+CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, int least,
+                            const std::string& description);
+
 /// A check for an option that takes one of a few words; anything else is refused in a sentence.
 [[nodiscard]] CLI::Validator oneOf(std::vector<std::string> words);
 
 /// An option that takes seconds above zero.
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description);
+
+/// An option that takes a length above zero.
+CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description);
+
+/// An option that takes a share above zero, as a number or in percent: 0.05 or 5%.
+CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
 /// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, info.cpp.
 [[nodiscard]] Command addDemo(CLI::App& parent, CommonOptions& common);

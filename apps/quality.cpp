@@ -1,6 +1,11 @@
 #include "apps/quality.h"
 
+#include "acd/hull_distance.h"
 #include "acd/transfer.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 
 namespace lorica {
 
@@ -16,6 +21,21 @@ Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, 
     quality.error += share * pose.relative();
   }
   return quality;
+}
+
+double measureDistance(const Decomposition& decomposition, PoseView keyframes, double ignoreBelow) {
+  double worst = 0.0;
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<double> ofPart(decomposition.parts.size());
+  for (int k = 0; k < keyframes.keyframeCount(); ++k) {
+    transfer(decomposition, keyframes.keyframe(k), points);
+    tbb::parallel_for(std::size_t{0}, ofPart.size(), [&](std::size_t i) {
+      const Part& part = decomposition.parts[i];
+      ofPart[i] = hullDistance(partHull(part, points), points, part.triangles, ignoreBelow);
+    });
+    worst = std::max(worst, *std::max_element(ofPart.begin(), ofPart.end()));
+  }
+  return worst;
 }
 
 }  // namespace lorica

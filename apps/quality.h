@@ -18,4 +18,8 @@ struct Quality {
 /// Means of the volumes, of the score and of the error over the keyframes.
 [[nodiscard]] Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes);
 
+/// How far the hulls stand off the surface of their parts, in the worst keyframe: never less, at most 1 % more, and not
+/// told apart below `ignoreBelow` [mesh units; m for a character].
+[[nodiscard]] double measureDistance(const Decomposition& decomposition, PoseView keyframes, double ignoreBelow);
+
 }  // namespace lorica

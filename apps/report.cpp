@@ -14,6 +14,37 @@
 
 namespace lorica {
 
+namespace {
+
+/// Letters that a terminal shows: bytes of UTF-8 that begin one.
+std::size_t widthOf(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+void printTable(const Table& table) {
+  std::vector<std::size_t> widths;
+  widths.reserve(table.headings.size());
+  for (const std::string& heading : table.headings) widths.push_back(widthOf(heading));
+  for (const std::vector<std::string>& row : table.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], widthOf(row[c]));
+  }
+  const auto printRow = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string space(widths[c] - widthOf(row[c]), ' ');
+      line += "  " + (c >= table.textFrom ? row[c] + space : space + row[c]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print("{}\n", line);
+  };
+  fmt::print("\n");
+  printRow(table.headings);
+  for (const std::vector<std::string>& row : table.rows) printRow(row);
+}
+
+}  // namespace
+
 int CommonOptions::threadCount() const {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
@@ -30,6 +61,8 @@ void Report::print() const {
       fmt::print("  {:<{}}  {}\n", label, width, value);
     }
   }
+  for (const Table& table : tables_) printTable(table);
+  for (const std::string& note : notes_) fmt::print("\n  {}\n", note);
   std::fflush(stdout);
 }
 

@@ -21,19 +21,32 @@ struct CommonOptions {
   [[nodiscard]] int threadCount() const;
 };
 
-/// What a person reads at the end: a headline, then lines of label and value in aligned columns, then notes.
+/// Rows of words under headings. Columns are as wide as they need to be; numbers stand to the right.
+struct Table {
+  std::vector<std::string> headings;
+  std::vector<std::vector<std::string>> rows;  ///< as many words as there are headings
+  std::size_t textFrom = std::string::npos;    ///< columns from this one on hold text, which stands to the left
+};
+
+/// What a person reads at the end: a headline, then lines of label and value in aligned columns, then tables, then
+/// notes.
 class Report {
  public:
   explicit Report(std::string headline) : headline_(std::move(headline)) {}
 
   void line(std::string label, std::string value) { lines_.emplace_back(std::move(label), std::move(value)); }
   void gap() { lines_.emplace_back(); }
+  void table(Table table) { tables_.push_back(std::move(table)); }
+  /// A sentence after everything else.
+  void note(std::string sentence) { notes_.push_back(std::move(sentence)); }
   /// To standard output; headline in bold in a terminal unless NO_COLOR is set.
   void print() const;
 
  private:
   std::string headline_;
   std::vector<std::pair<std::string, std::string>> lines_;
+  std::vector<Table> tables_;
+  std::vector<std::string> notes_;
 };
 
 /// Prints the report and writes the JSON, as the options say.

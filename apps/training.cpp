@@ -2,6 +2,7 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
+#include "session/part_bones.h"
 
 #include <chrono>
 
@@ -9,6 +10,7 @@ namespace lorica {
 
 Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh, PoseView keyframes,
                                                  DecomposeSettings settings) {
+  const NothingToCleanUp nothing;  // files are written later
   ProgressBar bar("Decomposing " + name, "parts");
   settings.progress = [&bar](int partsDone, int partsWanted) {
     bar.update(partsDone, partsWanted);
@@ -25,6 +27,19 @@ Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const 
   // The last cut may have ended before anybody asked whether to go on.
   if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
   return TimedDecomposition{std::move(*made), seconds};
+}
+
+DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
+                              PoseView keyframes, Decomposition decomposition, const Quality& quality) {
+  DecompositionFile content;
+  content.source = name;
+  content.meshHash = topologyHash(mesh);
+  content.meanError = quality.error;
+  content.errorPerKeyframe = quality.errorPerKeyframe;
+  content.ladder = detailLadder(decomposition, mesh, keyframes);
+  if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
+  content.decomposition = std::move(decomposition);
+  return content;
 }
 
 }  // namespace lorica

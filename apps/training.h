@@ -1,6 +1,9 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "acd/decomposition_file.h"
+#include "apps/quality.h"
+#include "skinning/character.h"
 
 #include <string>
 
@@ -16,5 +19,11 @@ struct TimedDecomposition {
 /// @param name  what is decomposed, for the bar and for errors: "Bunny.off"
 [[nodiscard]] Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh,
                                                                PoseView keyframes, DecomposeSettings settings);
+
+/// What a .lorica file keeps of a new decomposition: also its levels of detail, judged in the keyframes, and the bones
+/// that move the parts of a character.
+/// @param character  null for a mesh
+[[nodiscard]] DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
+                                            PoseView keyframes, Decomposition decomposition, const Quality& quality);
 
 }  // namespace lorica

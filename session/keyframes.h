@@ -21,4 +21,29 @@ namespace lorica {
                                                         std::span<const std::vector<SkeletonFrame>> recordings,
                                                         int count);
 
+/// Where a keyframe was taken from.
+struct KeyframeSource {
+  std::size_t recording = 0;
+  std::size_t frame = 0;
+  double time = 0.0;  ///< of the frame, in its recording [s]
+};
+
+struct ChosenKeyframes {
+  std::vector<Vec3> positions;          ///< [m], count x vertexCount, keyframe-major
+  std::vector<KeyframeSource> sources;  ///< one for each keyframe, in the order of the recordings
+  double farthest = 0.0;                ///< no frame differs more than this from the keyframe most like it [m]
+};
+
+/// Keyframes that differ most: the first frame of all, then again and again the frame that differs most from all chosen
+/// so far, until there are `atMost` or none differs by more than `closeEnough`. What a pose is as a whole, where it
+/// stands and turns to, does not count: two frames differ by the root mean square distance of their vertices (300 of
+/// them) after one body was moved rigidly onto the other as well as it goes. Of recordings with more than 10,000 frames
+/// in all, that many are looked at, taken evenly.
+/// @param atMost       1 or more
+/// @param closeEnough  [m], 0 or more
+/// @return the keyframes, or that there is no frame, or why the character cannot be posed
+[[nodiscard]] Result<ChosenKeyframes> chooseKeyframes(const Character& character,
+                                                      std::span<const std::vector<SkeletonFrame>> recordings,
+                                                      int atMost, double closeEnough);
+
 }  // namespace lorica

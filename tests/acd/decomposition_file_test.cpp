@@ -9,13 +9,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+
 namespace lorica {
 namespace {
 
 using test::TemporaryFolder;
 
-/// Two parts of an L-shape by hand, with one cut point that no algorithm made.
-DecompositionFile sample() {
+/// Two parts of an L-shape by hand, with one cut point that no algorithm made: what version 1 could say of them.
+DecompositionFile sampleOfVersion1() {
   DecompositionFile content;
   content.source = "l-shape.off";
   content.meshHash = topologyHash(test::makeLShape());
@@ -29,6 +33,14 @@ DecompositionFile sample() {
   d.parts.resize(2);
   d.parts[0] = {{{0, 1, 12}, {1, 13, 12}, {13, 0, 12}}, {0, 19, -1}, {0, 1, 12, 13}};
   d.parts[1] = {{{11, 2, 3}}, {7}, {2, 3, 11}};
+  return content;
+}
+
+/// The same with all that is known today.
+DecompositionFile sample() {
+  DecompositionFile content = sampleOfVersion1();
+  content.ladder = {{0.5, 0.75, 10}, {0.125, 0.25, 14}};
+  content.bonesOfPart = {{{"hips", 0.75}, {"spine", 0.25}}, {{"spine", 1.0}}};
   return content;
 }
 
@@ -55,14 +67,33 @@ void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
     EXPECT_EQ(c.parts[i].points, d.parts[i].points);
   }
   EXPECT_EQ(hashOf(c), hashOf(d));
+  ASSERT_EQ(a.ladder.size(), b.ladder.size());
+  for (std::size_t i = 0; i < a.ladder.size(); ++i) {
+    EXPECT_EQ(a.ladder[i].meanError, b.ladder[i].meanError);
+    EXPECT_EQ(a.ladder[i].worstError, b.ladder[i].worstError);
+    EXPECT_EQ(a.ladder[i].hullVertices, b.ladder[i].hullVertices);
+  }
+  ASSERT_EQ(a.bonesOfPart.size(), b.bonesOfPart.size());
+  for (std::size_t i = 0; i < a.bonesOfPart.size(); ++i) {
+    ASSERT_EQ(a.bonesOfPart[i].size(), b.bonesOfPart[i].size());
+    for (std::size_t k = 0; k < a.bonesOfPart[i].size(); ++k) {
+      EXPECT_EQ(a.bonesOfPart[i][k].bone, b.bonesOfPart[i][k].bone);
+      EXPECT_EQ(a.bonesOfPart[i][k].share, b.bonesOfPart[i][k].share);
+    }
+  }
+}
+
+std::filesystem::path keptFile(const char* name) {
+  return test::recordingsFolder().parent_path() / "tests" / "data" / name;
 }
 
 /// The bytes of a file with the header set right for a payload that a test has changed.
 std::string resealed(std::string bytes) {
   const std::string payload = bytes.substr(28);
+  const auto version = loadLittleEndian<std::uint32_t>(bytes.data() + 8);
   bytes.resize(12);
   appendLittleEndian(static_cast<std::uint64_t>(payload.size()), bytes);
-  appendLittleEndian(contentHash(payload, 1), bytes);
+  appendLittleEndian(contentHash(payload, version), bytes);
   return bytes + payload;
 }
 
@@ -75,7 +106,7 @@ std::string sampleBytes() {
 
 /// What readDecomposition says, less the folder; empty when it succeeds.
 std::string whyNot(const std::string& bytes) {
-  const TemporaryFolder folder;
+  static const TemporaryFolder folder;
   const test::AllocationWatch watch;
   const auto read = readDecomposition(folder.write("a.lorica", bytes));
   EXPECT_LT(watch.largest(), 100'000u);
@@ -126,32 +157,78 @@ TEST(DecompositionFile, RoundTripIsExact) {
   expectEqual(*read, sample());
 }
 
+TEST(DecompositionFile, WhatIsNotKnownStaysSo) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "a.lorica";
+  ASSERT_TRUE(writeDecomposition(file, sampleOfVersion1()).ok());
+  const auto read = readDecomposition(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, sampleOfVersion1());
+}
+
 TEST(DecompositionFile, RealDecompositionSurvives) {
   const TriMesh torus = test::makeTorus(2.0, 0.5, 24, 12);
+  const PoseView pose{torus.vertices, static_cast<int>(torus.vertices.size())};
   DecomposeSettings settings;
   settings.maxParts = 6;
-  const auto decomposition = decompose(torus, {torus.vertices, static_cast<int>(torus.vertices.size())}, settings);
+  const auto decomposition = decompose(torus, pose, settings);
   ASSERT_TRUE(decomposition.ok()) << decomposition.error().message;
-  const DecompositionFile content{*decomposition, "torus", topologyHash(torus), 0.5, {0.5}};
+  const DecompositionFile content{
+      *decomposition, "torus", topologyHash(torus), 0.5, {0.5}, detailLadder(*decomposition, torus, pose), {}};
   const TemporaryFolder folder;
   const auto written = writeDecomposition(folder.path() / "torus.lorica", content);
   ASSERT_TRUE(written.ok()) << written.error().message;
   const auto read = readDecomposition(folder.path() / "torus.lorica");
   ASSERT_TRUE(read.ok()) << read.error().message;
   expectEqual(*read, content);
+  // Small: version 1 took 16 bytes a triangle and 16 a cut point.
+  std::size_t version1 = 16 * decomposition->cutPoints.size();
+  for (const Part& part : decomposition->parts) version1 += 16 * part.triangles.size();
+  EXPECT_LT(std::filesystem::file_size(folder.path() / "torus.lorica"), version1 / 2);
+}
+
+TEST(DecompositionFile, PointsBeyond65536Survive) {
+  // One part, the whole mesh: numbers of one to three bytes.
+  const TriMesh torus = test::makeTorus(2.0, 0.5, 300, 230);
+  DecompositionFile content;
+  Decomposition& d = content.decomposition;
+  d.vertexCount = static_cast<int>(torus.vertices.size());
+  d.triangleCount = static_cast<int>(torus.triangles.size());
+  d.parts.resize(1);
+  d.parts[0].triangles = torus.triangles;
+  for (int i = d.triangleCount - 1; i >= 0; --i) d.parts[0].sourceTriangle.push_back(i);
+  for (PointIndex p = 0; p < d.vertexCount; ++p) d.parts[0].points.push_back(p);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeDecomposition(folder.path() / "torus.lorica", content).ok());
+  const auto read = readDecomposition(folder.path() / "torus.lorica");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, content);
 }
 
 TEST(DecompositionFile, Version1StillLoads) {
-  // Written by the first Lorica from sample().
-  const auto file = test::recordingsFolder().parent_path() / "tests" / "data" / "version1.lorica";
-  const auto read = readDecomposition(file);
+  const auto read = readDecomposition(keptFile("version1.lorica"));
   ASSERT_TRUE(read.ok()) << read.error().message;
-  expectEqual(*read, sample());
+  expectEqual(*read, sampleOfVersion1());
   EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
 }
 
-TEST(DecompositionFile, EveryDamagedByteIsRefused) {
-  const std::string bytes = sampleBytes();
+TEST(DecompositionFile, Version2StillLoadsAndIsStillWritten) {
+  const auto read = readDecomposition(keptFile("version2.lorica"));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, sample());
+  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
+  // Other bytes for the same content are another version.
+  EXPECT_EQ(sampleBytes(), *readFile(keptFile("version2.lorica")));
+}
+
+class KeptVersion : public testing::TestWithParam<const char*> {
+ protected:
+  const std::string bytes = *readFile(keptFile(GetParam()));
+};
+INSTANTIATE_TEST_SUITE_P(DecompositionFile, KeptVersion, testing::Values("version1.lorica", "version2.lorica"),
+                         [](const auto& chosen) { return std::string(chosen.param, 8); });
+
+TEST_P(KeptVersion, EveryDamagedByteIsRefused) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
       std::string damaged = bytes;
@@ -161,8 +238,7 @@ TEST(DecompositionFile, EveryDamagedByteIsRefused) {
   }
 }
 
-TEST(DecompositionFile, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
-  const std::string bytes = sampleBytes();
+TEST_P(KeptVersion, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     EXPECT_NE(whyNot(bytes.substr(0, length)), "") << length;
     // Even where someone made the header fit.
@@ -172,11 +248,10 @@ TEST(DecompositionFile, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
   }
   EXPECT_NE(whyNot(bytes + '\0'), "");
   EXPECT_EQ(whyNot(resealed(bytes + "xyz")),
-            "a.lorica: byte " + std::to_string(bytes.size()) + ": 3 bytes are left after the last part");
+            "a.lorica: byte " + std::to_string(bytes.size()) + ": 3 bytes are left after the end");
 }
 
-TEST(DecompositionFile, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
-  const std::string bytes = sampleBytes();
+TEST_P(KeptVersion, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
   const TemporaryFolder folder;
   for (std::size_t at = 28; at < bytes.size(); ++at) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
@@ -198,47 +273,77 @@ TEST(DecompositionFile, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
         ASSERT_EQ(part.sourceTriangle.size(), part.triangles.size());
         for (const PointIndex p : part.points) ASSERT_TRUE(p >= 0 && p < d.pointCount());
         for (const std::int32_t s : part.sourceTriangle) ASSERT_TRUE(s >= -1 && s < d.triangleCount);
+        std::set<PointIndex> used;
+        for (const Triangle& t : part.triangles) used.insert(t.begin(), t.end());
+        ASSERT_EQ(part.points, std::vector<PointIndex>(used.begin(), used.end()));
       }
+      for (std::size_t i = 0; i < d.splitFrom.size(); ++i) {
+        ASSERT_TRUE(d.splitFrom[i] >= 0 && d.splitFrom[i] <= static_cast<int>(i));
+      }
+      ASSERT_TRUE(read->ladder.empty() || read->ladder.size() == d.parts.size());
+      for (const DetailLevel& level : read->ladder) {
+        ASSERT_TRUE(std::isfinite(level.meanError) && std::isfinite(level.worstError) && level.hullVertices >= 0);
+      }
+      ASSERT_TRUE(read->bonesOfPart.empty() || read->bonesOfPart.size() == d.parts.size());
     }
   }
 }
 
 TEST(DecompositionFile, SaysWhatIsWrong) {
   const std::string bytes = sampleBytes();
-  // Offsets by docs/LORICA_FILE.md: "l-shape.off" takes 11 bytes, so the count of cut points is at 87, of splits at
-  // 123, of parts at 131, and the file ends at 207.
+  // Offsets by docs/LORICA_FILE.md, "l-shape.off" takes 11 bytes:
+  //    87 cut points: count, 91 ends (4 packed in 5 bytes), 96 lambdas
+  //   112 splits: count, 116 the split
+  //   120 parts: count, 124 triangles, 128 points, 132 points (4 in 5 bytes), 137 corners (9 in 12), 149 sources
+  //       (3 in 4), 153 the second part
+  //   171 ladder: count, 175 first level
+  //   215 bones: count, 219 "hips", 227 "spine", 236 parts with bones, 240 two bones, 244 the first one
   const auto with = [&](std::size_t at, auto value) {
     std::string changed = bytes.substr(0, at);
     appendLittleEndian(value, changed);
     return resealed(changed + bytes.substr(changed.size()));
   };
+  using Byte = std::uint8_t;
   std::string newer = bytes;
   newer[8] = 3;
   EXPECT_EQ(whyNot("ply\n"), "a.lorica: not a .lorica file: its first 8 bytes are not LORICA, CR, LF");
   EXPECT_EQ(whyNot(bytes.substr(0, 20)), "a.lorica: ends at byte 20 within the header of 28 bytes");
   EXPECT_EQ(whyNot(newer),
-            "a.lorica: has format version 3; this Lorica reads versions 1 to 1, a newer one wrote the file");
+            "a.lorica: has format version 3; this Lorica reads versions 1 to 2, a newer one wrote the file");
   EXPECT_EQ(whyNot(bytes.substr(0, bytes.size() - 5)),
-            "a.lorica: byte 12: announces 179 bytes after the header, 174 are there");
+            "a.lorica: byte 12: announces 256 bytes after the header, 251 are there");
   EXPECT_EQ(whyNot(with(28, std::uint32_t{4000000000u})),
             "a.lorica: byte 28: the length of the source's name is 4000000000, which needs 4000000000 bytes or more; "
-            "175 are left");
+            "252 are left");
   EXPECT_EQ(whyNot(with(51, std::numeric_limits<double>::infinity())),
             "a.lorica: byte 51: the mean error is inf, expected a finite number");
   EXPECT_EQ(whyNot(with(79, std::int32_t{-1})),
             "a.lorica: byte 79: the mesh's vertex count is -1, expected 0 to 2147483647");
   EXPECT_EQ(whyNot(with(87, std::uint32_t{0x40000000u})),
-            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 17179869184 bytes or more; 116 are "
+            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 10737418240 bytes or more; 193 are "
             "left");
-  EXPECT_EQ(whyNot(with(91, std::int32_t{12})),
-            "a.lorica: byte 91: a cut point's first end (an older point) is 12, expected 0 to 11");
-  EXPECT_EQ(whyNot(with(99, 1.5)), "a.lorica: byte 99: lambda of cut point 0 is 1.5, expected 0 to 1");
-  EXPECT_EQ(whyNot(with(99, std::nan(""))), "a.lorica: byte 99: lambda of cut point 0 is nan, expected 0 to 1");
-  EXPECT_EQ(whyNot(with(127, std::int32_t{1})),
-            "a.lorica: byte 127: the part that a split divides is 1, expected 0 to 0");
-  EXPECT_EQ(whyNot(with(131, std::uint32_t{3})), "a.lorica: byte 131: 3 parts after 1 splits, expected 2");
-  EXPECT_EQ(whyNot(with(139, std::int32_t{14})), "a.lorica: byte 139: a corner of a part is 14, expected 0 to 13");
-  EXPECT_EQ(whyNot(with(175, std::int32_t{20})), "a.lorica: byte 175: a source triangle is 20, expected -1 to 19");
+  EXPECT_EQ(whyNot(with(92, Byte{24})),
+            "a.lorica: byte 91: cut point 0 lies between points 12 and 9, expected 0 to 11 for both");
+  EXPECT_EQ(whyNot(with(96, 1.5)), "a.lorica: byte 96: lambda of cut point 0 is 1.5, expected 0 to 1");
+  EXPECT_EQ(whyNot(with(96, std::nan(""))), "a.lorica: byte 96: lambda of cut point 0 is nan, expected 0 to 1");
+  EXPECT_EQ(whyNot(with(116, std::int32_t{1})),
+            "a.lorica: byte 116: the part that a split divides is 1, expected 0 to 0");
+  EXPECT_EQ(whyNot(with(120, std::uint32_t{3})), "a.lorica: byte 120: 3 parts after 1 splits, expected 2");
+  EXPECT_EQ(whyNot(with(136, Byte{1})), "a.lorica: byte 132: the last point of part 0 is 14, expected 3 to 13");
+  EXPECT_EQ(whyNot(with(139, Byte{4})),
+            "a.lorica: byte 137: expected the corners of a part: 9 packed numbers, which do not fit the 147 bytes that "
+            "are left");
+  EXPECT_EQ(whyNot(with(142, Byte{6})),
+            "a.lorica: byte 137: triangle 0 of part 0 has corners 0, 1 and 4, expected 0 to 3");
+  EXPECT_EQ(whyNot(with(168, Byte{0})), "a.lorica: byte 165: part 1 lists point 3, which none of its triangles uses");
+  EXPECT_EQ(whyNot(with(151, Byte{40})),
+            "a.lorica: byte 149: triangle 1 of part 0 comes from triangle 20, expected -1 to 19");
+  EXPECT_EQ(whyNot(with(150, Byte{3})),
+            "a.lorica: byte 149: triangle 0 of part 0 comes from triangle -2, expected -1 to 19");
+  EXPECT_EQ(whyNot(with(171, std::uint32_t{1})), "a.lorica: byte 171: 1 levels of detail of 2 parts, expected 0 or 2");
+  EXPECT_EQ(whyNot(with(236, std::uint32_t{1})), "a.lorica: byte 236: 1 parts with bones, expected 0 or 2");
+  EXPECT_EQ(whyNot(with(244, std::int32_t{2})), "a.lorica: byte 244: a bone is 2, expected 0 to 1");
+  EXPECT_EQ(whyNot(with(260, 0.8)), "a.lorica: byte 260: a bone's share is 0.8, expected above 0 and at most 0.75");
   EXPECT_EQ(readDecomposition("/nowhere/a.lorica").error().code, ErrorCode::kNotFound);
 }
 
@@ -255,6 +360,12 @@ TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   content = sample();
   content.decomposition.parts[0].sourceTriangle.pop_back();
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.ladder.pop_back();
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  std::swap(content.bonesOfPart[0][0], content.bonesOfPart[0][1]);
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   EXPECT_FALSE(std::filesystem::exists(file));
   EXPECT_EQ(writeDecomposition("/nowhere/a.lorica", sample()).error().code, ErrorCode::kUnwritable);

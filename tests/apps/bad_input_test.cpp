@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace lorica::test {
 namespace {
 
@@ -87,17 +85,12 @@ TEST(BadMesh, OpenMeshNamesAnEdge) {
 
 TEST(BadMesh, NonManifoldMeshNamesAnEdge) {
   const TemporaryFolder folder;
-  // Two boxes that share the edge between their corners (1, 0, 1) and (1, 1, 1): four triangles meet there.
+  // A box with a fin: three triangles meet at one edge, and nothing closes the fin.
   TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
-  const TriMesh other = makeBox({1, 0, 1}, {2, 1, 2});
-  std::vector<VertexIndex> index;
-  for (const Vec3& vertex : other.vertices) {
-    const auto same = std::find(mesh.vertices.begin(), mesh.vertices.end(), vertex);
-    index.push_back(static_cast<VertexIndex>(same - mesh.vertices.begin()));
-    if (same == mesh.vertices.end()) mesh.vertices.push_back(vertex);
-  }
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
-  expectMeshRefused(folder, writeObj(folder, "fan.obj", mesh), {"edge"});
+  const auto [a, b, c] = mesh.triangles.front();
+  mesh.vertices.emplace_back(3, 3, 3);
+  mesh.triangles.push_back({b, a, static_cast<VertexIndex>(mesh.vertices.size() - 1)});
+  expectMeshRefused(folder, writeObj(folder, "fin.obj", mesh), {"edge"});
 }
 
 TEST(BadMesh, FlatMeshIsRefused) {
@@ -209,6 +202,14 @@ TEST(BadDecomposition, DamagedFileIsRefused) {
   expectRefused(runLorica({"play", "walk", "--decomposition", damaged}), {"damaged.lorica"});
 }
 
+TEST(BadDecomposition, WhereHullsAreExpectedSaysHowToGetThem) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path file = folder.path() / "l.lorica";
+  ASSERT_EQ(runLorica({"decompose", mesh, "-o", file}).exitCode, 0);
+  expectRefused(runLorica({"score", mesh, file}), {"l.lorica", "decomposition", "--export-obj"});
+}
+
 struct WrongOption {
   std::vector<std::string> arguments;
   std::vector<std::string> fragments;
@@ -250,6 +251,12 @@ TEST(BadOption, IsRefusedInASentence) {
       {{"decompose", mesh, "--parts", "99999999999"}, {"--parts", "`99999999999`"}},
       {{"decompose", mesh, "--candidates", "0"}, {"--candidates", "`0`"}},
       {{"decompose", mesh, "--orientations", "0"}, {"--orientations", "`0`"}},
+      {{"decompose", mesh, "--max-error", "0"}, {"--max-error", "`0`", "above 0", "5%"}},
+      {{"decompose", mesh, "--max-error", "%"}, {"--max-error", "`%`"}},
+      {{"decompose", mesh, "--max-error", "5%%"}, {"--max-error", "`5%%`"}},
+      {{"decompose", mesh, "--max-error", "inf"}, {"--max-error", "`inf`"}},
+      {{"decompose", mesh, "--max-distance", "-1"}, {"--max-distance", "`-1`", "above 0"}},
+      {{"decompose", mesh, "--max-distance", "1m"}, {"--max-distance", "`1m`"}},
       {{"decompose", mesh, "--threads", "0"}, {"--threads", "`0`"}},
       {{"decompose", mesh, "--keyframes", "3"}, {"--keyframes", "l.obj", "characters"}},
       {{"decompose", mesh, "--motion", "walk"}, {"--motion", "l.obj", "characters"}},

@@ -63,6 +63,94 @@ TEST(Decompose, JsonFileHoldsTheSameAndTheReportIsForPeople) {
   EXPECT_EQ(file.json()["hash"], runLorica({"decompose", mesh, "--json", "-"}).json()["hash"]);
 }
 
+TEST(Decompose, WhatIsWrittenIsNamed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::string file = folder.path() / "l.lorica";
+  const std::string hulls = folder.path() / "hulls.obj";
+  const nlohmann::json json = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls, "--json", "-"}).json();
+  EXPECT_EQ(json["output"], file);
+  EXPECT_EQ(json["exportObj"], hulls);
+  const CommandResult text = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls});
+  EXPECT_NE(text.out.find(file), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find(hulls), std::string::npos) << text.out;
+  const nlohmann::json neither = runLorica({"decompose", mesh, "--json", "-"}).json();
+  EXPECT_FALSE(neither.contains("output"));
+  EXPECT_FALSE(neither.contains("exportObj"));
+}
+
+TEST(Decompose, StopsAtTheErrorAskedFor) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
+  const nlohmann::json json =
+      runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "20%", "--json", "-"}).json();
+  EXPECT_EQ(json["endedBy"], "error");
+  EXPECT_EQ(json["maxError"], 0.2);
+  EXPECT_LE(json["error"].get<double>(), 0.2);
+  // Cutting on would come closer still: it did stop, and far before the torus has no concave edge left.
+  EXPECT_GT(json["error"].get<double>(), 0.05);
+  EXPECT_LT(json["parts"].get<int>(), 20);
+  EXPECT_EQ(runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "0.2", "--json", "-"})
+                .json()["hash"],
+            json["hash"]);
+}
+
+TEST(Decompose, StopsAtTheDistanceAskedFor) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
+  const nlohmann::json json =
+      runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-distance", "0.1", "--json", "-"})
+          .json();
+  EXPECT_EQ(json["endedBy"], "distance");
+  EXPECT_LE(json["distance"].get<double>(), 0.1);
+  EXPECT_LT(json["parts"].get<int>(), 30);
+}
+
+TEST(Decompose, SaysWhenALimitCouldNotBeMet) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
+  const std::vector<std::string> arguments = {"decompose",   mesh,     "--parts",        "3",
+                                              "--max-error", "0.0001", "--max-distance", "0.0001"};
+  const CommandResult text = runLorica(arguments);
+  EXPECT_NE(text.out.find("the 3 parts asked for, before an error of 0.0 % or a distance of 0.0001 was reached"),
+            std::string::npos)
+      << text.out;
+  std::vector<std::string> withJson = arguments;
+  withJson.insert(withJson.end(), {"--json", "-"});
+  const nlohmann::json json = runLorica(withJson).json();
+  EXPECT_EQ(json["endedBy"], "parts");
+  EXPECT_GT(json["distance"].get<double>(), 0.0001);
+}
+
+TEST(Decompose, EdgeOfFourTrianglesIsMendedAndSaidSo) {
+  const TemporaryFolder folder;
+  // Two boxes that share the edge between their corners (1, 0, 1) and (1, 1, 1): four triangles meet there.
+  TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
+  const TriMesh other = makeBox({1, 0, 1}, {2, 1, 2});
+  std::vector<VertexIndex> index;
+  for (const Vec3& vertex : other.vertices) {
+    const auto same = std::find(mesh.vertices.begin(), mesh.vertices.end(), vertex);
+    index.push_back(static_cast<VertexIndex>(same - mesh.vertices.begin()));
+    if (same == mesh.vertices.end()) mesh.vertices.push_back(vertex);
+  }
+  for (const Triangle& t : other.triangles) mesh.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
+  const std::filesystem::path file = writeObj(folder, "fan.obj", mesh);
+  const nlohmann::json json = runLorica({"decompose", file, "--parts", "2", "--json", "-"}).json();
+  EXPECT_NEAR(json["meshVolume"].get<double>(), 2.0, 1e-12);
+  EXPECT_NE(json["mended"].get<std::string>().find("1 edge"), std::string::npos) << json["mended"];
+}
+
+TEST(Decompose, ConvexMeshIsNotCut) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {2, 1, 1}));
+  const nlohmann::json json =
+      runLorica({"decompose", mesh, "--parts", "9", "--max-error", "1%", "--max-distance", "0.001", "--json", "-"})
+          .json();
+  EXPECT_EQ(json["parts"], 1);
+  EXPECT_EQ(json["endedBy"], "error");
+  EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "9", "--json", "-"}).json()["endedBy"], "convex");
+}
+
 TEST(Decompose, ThreadsAndRunsAgree) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 48, 24));

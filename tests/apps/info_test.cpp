@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace lorica::test {
 namespace {
 
@@ -47,6 +49,75 @@ TEST(Info, DescribesTheMannequin) {
   EXPECT_GE(json["joints"].get<int>(), 22);
   EXPECT_LE(json["influencesAtMost"].get<int>(), 4);
   EXPECT_NEAR(json["height"].get<double>(), 1.75, 0.1);
+}
+
+TEST(Info, PrintsTheLadderAndWherePartsCameFrom) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path file = folder.path() / "l.lorica";
+  ASSERT_EQ(runLorica({"decompose", mesh, "--parts", "2", "-o", file}).exitCode, 0);
+  const nlohmann::json json = runLorica({"info", file, "--json", "-"}).json();
+  // One hull: a pentagon times a height, 3.5 where the mesh has 3. Two: boxes.
+  ASSERT_EQ(json["ladder"].size(), 2u);
+  EXPECT_EQ(json["ladder"][0]["parts"], 1);
+  EXPECT_NEAR(json["ladder"][0]["error"].get<double>(), 0.5 / 3.0, 1e-9);
+  EXPECT_NEAR(json["ladder"][0]["worstError"].get<double>(), 0.5 / 3.0, 1e-9);
+  EXPECT_EQ(json["ladder"][0]["hullVertices"], 10);
+  EXPECT_EQ(json["ladder"][1]["parts"], 2);
+  EXPECT_NEAR(json["ladder"][1]["error"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(json["ladder"][1]["hullVertices"], 16);
+  ASSERT_EQ(json["partOrigins"].size(), 2u);
+  std::set<int> sources;
+  for (const nlohmann::json& part : json["partOrigins"]) {
+    for (const nlohmann::json& source : part["sourceTriangles"]) sources.insert(source.get<int>());
+    EXPECT_FALSE(part.contains("bones"));
+  }
+  EXPECT_EQ(sources.size(), 20u);
+  EXPECT_EQ(*sources.begin(), 0);
+  EXPECT_EQ(*sources.rbegin(), 19);
+  EXPECT_TRUE(json["partOrigins"][0]["splitFrom"].is_null());
+  EXPECT_EQ(json["partOrigins"][1]["splitFrom"], 0);
+
+  const std::string text = runLorica({"info", file}).out;
+  EXPECT_NE(
+      text.find("\n  parts   error  hull vertices\n      1  16.7 %             10\n      2   0.0 %             16\n"),
+      std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\n  part  source triangles  "), std::string::npos) << text;
+}
+
+TEST(Info, NamesTheBonesOfACharactersParts) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "body.lorica";
+  const nlohmann::json made =
+      runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", file, "--json", "-"}).json();
+  const nlohmann::json json = runLorica({"info", file, "--json", "-"}).json();
+  ASSERT_EQ(json["ladder"].size(), 4u);
+  EXPECT_NEAR(json["ladder"][3]["error"].get<double>(), made["error"].get<double>(), 1e-7);
+  EXPECT_GE(json["ladder"][3]["worstError"].get<double>(), json["ladder"][3]["error"].get<double>());
+  ASSERT_EQ(json["partOrigins"].size(), 4u);
+  for (const nlohmann::json& part : json["partOrigins"]) {
+    double sum = 0.0;
+    double last = 1.0;
+    for (const nlohmann::json& bone : part["bones"]) {
+      const double share = bone["share"];
+      EXPECT_LE(share, last);
+      EXPECT_FALSE(bone["name"].get<std::string>().empty());
+      sum += share;
+      last = share;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-9);
+  }
+  const std::string text = runLorica({"info", file}).out;
+  EXPECT_NE(text.find("  worst keyframe  hull vertices\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("  bones, by share of the surface\n"), std::string::npos) << text;
+}
+
+TEST(Info, FileOfAnOlderLoricaSaysThatItHasNoLadder) {
+  const CommandResult result =
+      runLorica({"info", recordingsFolder().parent_path() / "tests" / "data" / "version1.lorica"});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_NE(result.out.find("an older Lorica"), std::string::npos) << result.out;
 }
 
 TEST(Info, DescribesARecording) {

@@ -46,6 +46,23 @@ TEST(Score, HalfOfABoxLeavesHalfUncovered) {
   EXPECT_NEAR(json["uncoveredFraction"].get<double>(), 0.5, 0.01);
 }
 
+TEST(Score, PartsOfAnotherMeshAreDoubted) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {1, 1, 1}));
+  // Elsewhere; in another unit, where they cover all; and too small.
+  for (const TriMesh& other : {makeBox({5, 0, 0}, {6, 1, 1}), makeBox({-500, -500, -500}, {500, 500, 500}),
+                               makeBox({0.4, 0.4, 0.4}, {0.6, 0.6, 0.6})}) {
+    const CommandResult result = runLorica({"score", mesh, writeObj(folder, "other.obj", other), "--json", "-"});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_EQ(result.err.rfind("lorica: warning: ", 0), 0u) << result.err;
+    EXPECT_NE(result.err.find("other.obj: these may be parts of another mesh"), std::string::npos) << result.err;
+    EXPECT_TRUE(result.json().contains("warning"));
+  }
+  const CommandResult own = runLorica({"score", mesh, mesh, "--json", "-"});
+  EXPECT_EQ(own.err, "");
+  EXPECT_FALSE(own.json().contains("warning"));
+}
+
 TEST(Score, PartsWithoutVolumeAreRefusedByFile) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {1, 1, 1}));

@@ -160,7 +160,8 @@ TEST(CheckClosedTwoManifold, NamesAnEdgeOfFourTriangles) {
   EXPECT_EQ(weldEqualVertices(boxes), 2u);  // they share the edge at x = y = 1
   EXPECT_EQ(
       whyRefused(boxes),
-      "edge 3-7 belongs to 4 triangles (7, 10, 17, 20), expected two; 1 such edge: the mesh is not a two-manifold");
+      "edge 3-7 belongs to 4 triangles (7, 10, 17, 20), expected two; 1 such edge: the mesh is not a two-manifold; "
+      "repairClosedMesh() can part them");
 }
 
 TEST(CheckClosedTwoManifold, SaysWhereWeldingWouldHelp) {

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lorica {
 namespace {
@@ -76,6 +78,84 @@ TEST_F(Keyframes, ACharacterWithoutHumanBonesIsRefused) {
   character.skeleton = *Skeleton::create({root});
   EXPECT_FALSE(sampleKeyframes(character, recordings_, 2).ok());
   EXPECT_FALSE(poseAllFrames(character, recordings_[0]).ok());
+}
+
+TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
+  const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, recordings_, 6, 0.0);
+  ASSERT_TRUE(chosen.ok()) << chosen.error().message;
+  ASSERT_EQ(chosen->sources.size(), 6u);
+  const std::vector<int> frames = framesOf(chosen->positions);
+  ASSERT_EQ(frames.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const KeyframeSource& source = chosen->sources[k];
+    ASSERT_LT(source.recording, 2u);
+    ASSERT_LT(source.frame, recordings_[source.recording].size());
+    EXPECT_EQ(source.time, recordings_[source.recording][source.frame].time);
+    EXPECT_EQ(static_cast<std::size_t>(frames[k]), source.frame + (source.recording == 1 ? 17 : 0));
+  }
+  EXPECT_EQ(frames.front(), 0) << "the first frame is always one";
+  EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end()));
+  EXPECT_EQ(std::adjacent_find(frames.begin(), frames.end()), frames.end());
+  EXPECT_GT(chosen->farthest, 0.0);
+}
+
+TEST_F(Keyframes, MoreOfThemLeaveNoFrameFartherAway) {
+  double before = std::numeric_limits<double>::infinity();
+  for (const int count : {1, 2, 4, 8, 16}) {
+    const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, recordings_, count, 0.0);
+    ASSERT_TRUE(chosen.ok());
+    EXPECT_LE(chosen->farthest, before);
+    before = chosen->farthest;
+  }
+  // Asked for more than there are frames, or for no more than what differs, they stop by themselves.
+  const Result<ChosenKeyframes> all = chooseKeyframes(character_, recordings_, 1000, 0.0);
+  ASSERT_TRUE(all.ok());
+  EXPECT_LE(all->sources.size(), 47u);
+  EXPECT_EQ(all->farthest, 0.0);
+  const Result<ChosenKeyframes> enough = chooseKeyframes(character_, recordings_, 1000, 0.05);
+  ASSERT_TRUE(enough.ok());
+  EXPECT_LE(enough->farthest, 0.05);
+  EXPECT_LT(enough->sources.size(), all->sources.size());
+}
+
+TEST_F(Keyframes, WhereTheBodyStandsAndTurnsDoesNotCount) {
+  // The same pose elsewhere, then a different pose in the old place: only the latter is worth a keyframe.
+  const std::vector<SkeletonFrame> walk = synthesizeMotion(SyntheticMotion::kWalk);
+  const auto moved = [](SkeletonFrame frame, const Quat& rotation, const Vec3& shift) {
+    for (TrackedJoint& joint : frame.joints) {
+      joint.position = rotation * joint.position + shift;
+      if (joint.orientation) joint.orientation = rotation * *joint.orientation;
+    }
+    return frame;
+  };
+  std::vector<SkeletonFrame> frames;
+  for (int i = 0; i < 9; ++i) {
+    const Quat rotation(Eigen::AngleAxisd(0.1 * i, Vec3::UnitY()));
+    SkeletonFrame frame = moved(walk.front(), rotation, Vec3(0.2 * i, 0.0, 0.0));
+    frame.time = i / 30.0;
+    frames.push_back(frame);
+  }
+  const std::vector<std::vector<SkeletonFrame>> standing = {frames};
+  Result<ChosenKeyframes> chosen = chooseKeyframes(character_, standing, 5, 1e-3);
+  ASSERT_TRUE(chosen.ok());
+  EXPECT_EQ(chosen->sources.size(), 1u);
+  EXPECT_LT(chosen->farthest, 1e-3);
+
+  SkeletonFrame step = walk[10];
+  step.time = 9 / 30.0;
+  frames.push_back(step);
+  const std::vector<std::vector<SkeletonFrame>> stepping = {frames};
+  chosen = chooseKeyframes(character_, stepping, 5, 1e-3);
+  ASSERT_TRUE(chosen.ok());
+  ASSERT_EQ(chosen->sources.size(), 2u);
+  EXPECT_EQ(chosen->sources[1].frame, 9u);
+}
+
+TEST_F(Keyframes, NothingToChooseFromIsRefused) {
+  EXPECT_FALSE(chooseKeyframes(character_, {}, 5, 0.0).ok());
+  EXPECT_FALSE(chooseKeyframes(character_, recordings_, 0, 0.0).ok());
+  const std::vector<std::vector<SkeletonFrame>> empty(2);
+  EXPECT_FALSE(chooseKeyframes(character_, empty, 5, 0.0).ok());
 }
 
 }  // namespace

@@ -1,0 +1,70 @@
+#include "acd/byte_reader.h"
+
+#include "acd/packed_numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lorica {
+
+ByteReader::ByteReader(std::string_view bytes, std::size_t offset, std::string fileName)
+    : bytes_(bytes), offset_(offset), fileName_(std::move(fileName)) {}
+
+double ByteReader::takeFinite(const char* what) {
+  const auto value = take<double>(what);
+  if (!std::isfinite(value)) fail(offset_ - 8, fmt::format("{} is {}, expected a finite number", what, value));
+  return value;
+}
+
+std::int32_t ByteReader::takeIndex(const char* what, std::int64_t least, std::int64_t end) {
+  const auto value = take<std::int32_t>(what);
+  if (value < least || value >= end) {
+    fail(offset_ - 4, fmt::format("{} is {}, expected {} to {}", what, value, least, end - 1));
+  }
+  return value;
+}
+
+std::size_t ByteReader::takeCount(const char* what, std::size_t bytesEach) {
+  const auto count = take<std::uint32_t>(what);
+  if (count > left() / bytesEach || count > std::numeric_limits<std::int32_t>::max()) {
+    fail(offset_ - 4, fmt::format("{} is {}, which needs {} bytes or more; {} are left", what, count,
+                                  static_cast<std::uint64_t>(count) * bytesEach, left()));
+  }
+  return error_ ? 0 : count;
+}
+
+std::string ByteReader::takeText(std::size_t length) {
+  std::string text(bytes_.substr(offset_, length));
+  offset_ += length;
+  return text;
+}
+
+void ByteReader::takePacked(const char* what, std::span<std::uint32_t> values) {
+  if (!error_) {
+    if (const std::optional<std::size_t> taken = unpack(bytes_.substr(offset_), values)) {
+      offset_ += *taken;
+      return;
+    }
+    fail(offset_, fmt::format("expected {}: {} packed numbers, which do not fit the {} bytes that are left", what,
+                              values.size(), left()));
+  }
+  std::fill(values.begin(), values.end(), 0u);
+}
+
+void ByteReader::fail(std::size_t at, std::string_view message) {
+  if (!error_) error_ = Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", fileName_, at, message)};
+}
+
+bool ByteReader::has(std::size_t size, const char* what) {
+  if (error_) return false;
+  if (left() < size) {
+    fail(offset_, fmt::format("expected {} ({} bytes), {} bytes are left", what, size, left()));
+    return false;
+  }
+  return true;
+}
+
+}  // namespace lorica

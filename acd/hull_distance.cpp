@@ -1,0 +1,105 @@
+#include "acd/hull_distance.h"
+
+#include "acd/nearest_triangle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace lorica {
+
+namespace {
+
+constexpr double kRelativeTolerance = 0.01;
+constexpr double kFinest = 1e-3;  // of the hull's diagonal
+
+/// A triangle of the hull, or a piece of one.
+struct Piece {
+  std::array<Vec3, 3> corners;
+  double bound = 0.0;       // no point of the piece is farther away
+  std::int64_t number = 0;  // order of creation: decides between equal bounds
+};
+
+/// The highest bound is at the front of the heap.
+bool comesLater(const Piece& a, const Piece& b) {
+  return a.bound != b.bound ? a.bound < b.bound : a.number > b.number;
+}
+
+/// Two halves across the middle of the longest side.
+std::array<std::array<Vec3, 3>, 2> halved(const std::array<Vec3, 3>& t) {
+  int longest = 0;
+  double longestSq = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double lengthSq = (t[(i + 1) % 3] - t[i]).squaredNorm();
+    if (lengthSq <= longestSq) continue;
+    longestSq = lengthSq;
+    longest = i;
+  }
+  const Vec3& a = t[longest];
+  const Vec3& b = t[(longest + 1) % 3];
+  const Vec3& c = t[(longest + 2) % 3];
+  const Vec3 middle = 0.5 * (a + b);
+  return {{{a, middle, c}, {middle, b, c}}};
+}
+
+class Search {
+ public:
+  explicit Search(std::vector<std::array<Vec3, 3>> surface) : nearest_(std::move(surface)) {}
+
+  void add(const std::array<Vec3, 3>& corners, double parentBound) {
+    const Vec3 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    const NearestTriangle::Hit hit = nearest_.nearest(center);
+    reached_ = std::max(reached_, hit.distance);
+    double radiusSq = 0.0;
+    double toOneSq = 0.0;
+    for (const Vec3& corner : corners) {
+      radiusSq = std::max(radiusSq, (corner - center).squaredNorm());
+      toOneSq = std::max(toOneSq, distanceSqToTriangle(corner, nearest_.corners(hit.index)));
+    }
+    const double bound = std::min({parentBound, hit.distance + std::sqrt(radiusSq), std::sqrt(toOneSq)});
+    if (bound <= reached_) return;
+    pieces_.push_back({corners, bound, created_++});
+    std::push_heap(pieces_.begin(), pieces_.end(), comesLater);
+  }
+
+  double run(double ignoreBelow) {
+    while (!pieces_.empty()) {
+      const Piece worst = pieces_.front();
+      if (worst.bound <= std::max((1.0 + kRelativeTolerance) * reached_, ignoreBelow)) {
+        return std::max(worst.bound, reached_);
+      }
+      std::pop_heap(pieces_.begin(), pieces_.end(), comesLater);
+      pieces_.pop_back();
+      for (const std::array<Vec3, 3>& half : halved(worst.corners)) add(half, worst.bound);
+    }
+    return reached_;
+  }
+
+ private:
+  NearestTriangle nearest_;
+  std::vector<Piece> pieces_;  // a heap
+  double reached_ = 0.0;       // largest distance of a point that was looked at
+  std::int64_t created_ = 0;
+};
+
+}  // namespace
+
+double hullDistance(const ConvexHull& hull, std::span<const Vec3> points, std::span<const Triangle> triangles,
+                    double ignoreBelow) {
+  if (hull.degenerate()) return 0.0;
+  std::vector<std::array<Vec3, 3>> surface;
+  surface.reserve(triangles.size());
+  const auto cornersOf = [](const auto& vertices, const Triangle& t) {
+    return std::array<Vec3, 3>{vertices[static_cast<std::size_t>(t[0])], vertices[static_cast<std::size_t>(t[1])],
+                               vertices[static_cast<std::size_t>(t[2])]};
+  };
+  for (const Triangle& t : triangles) surface.push_back(cornersOf(points, t));
+  Search search(std::move(surface));
+  const double all = boundsOf(hull.vertices).diagonal();
+  for (const Triangle& t : hull.triangles) search.add(cornersOf(hull.vertices, t), all);
+  return search.run(std::max(ignoreBelow, kFinest * all));
+}
+
+}  // namespace lorica

@@ -1,0 +1,92 @@
+#include "acd/level_of_detail.h"
+
+#include "acd/transfer.h"
+#include "acd/workpiece.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+/// What is known of all levels in one keyframe; entry n - 1 is of n parts.
+struct LevelsInPose {
+  std::vector<double> error;
+  std::vector<int> hullVertices;
+};
+
+LevelsInPose judge(const Decomposition& decomposition, const TriMesh& mesh, std::span<const Vec3> posed) {
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  transfer(decomposition, posed, points);
+  const double meshVolume = signedVolume(posed, mesh.triangles);
+  std::vector<ConvexHull> hulls(decomposition.parts.size());
+  tbb::parallel_for(std::size_t{0}, hulls.size(),
+                    [&](std::size_t i) { hulls[i] = partHull(decomposition.parts[i], points); });
+
+  // From the finest level to the coarsest: the last part goes back to the one that it was split from. The hull of
+  // both is that of their hulls' vertices.
+  LevelsInPose levels{std::vector<double>(hulls.size()), std::vector<int>(hulls.size())};
+  while (!hulls.empty()) {
+    const std::size_t n = hulls.size();
+    double volume = 0.0;
+    for (const ConvexHull& hull : hulls) {
+      volume += hull.volume;
+      levels.hullVertices[n - 1] += static_cast<int>(hull.vertices.size());
+    }
+    levels.error[n - 1] = (volume - meshVolume) / meshVolume;
+    if (n > 1) {
+      ConvexHull& parent = hulls[static_cast<std::size_t>(decomposition.splitFrom[n - 2])];
+      std::vector<Vec3> both = std::move(parent.vertices);
+      both.insert(both.end(), hulls.back().vertices.begin(), hulls.back().vertices.end());
+      parent = convexHull(both);
+    }
+    hulls.pop_back();
+  }
+  return levels;
+}
+
+}  // namespace
+
+Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
+  const auto wanted = static_cast<std::size_t>(partCount);
+  CHECK(partCount >= 1 && wanted <= decomposition.parts.size(), "a level of detail has 1 to all of the parts");
+  // Which of the first parts each one belongs to. A part is split from an earlier one, whose answer is known.
+  std::vector<std::vector<const Part*>> members(wanted);
+  std::vector<std::size_t> levelPartOf(decomposition.parts.size());
+  for (std::size_t i = 0; i < decomposition.parts.size(); ++i) {
+    levelPartOf[i] = i < wanted ? i : levelPartOf[static_cast<std::size_t>(decomposition.splitFrom[i - 1])];
+    members[levelPartOf[i]].push_back(&decomposition.parts[i]);
+  }
+  Decomposition level;
+  level.vertexCount = decomposition.vertexCount;
+  level.triangleCount = decomposition.triangleCount;
+  level.cutPoints = decomposition.cutPoints;
+  level.splitFrom.assign(decomposition.splitFrom.begin(), decomposition.splitFrom.begin() + (partCount - 1));
+  level.parts.reserve(wanted);
+  for (const std::vector<const Part*>& group : members) {
+    level.parts.push_back(group.size() == 1 ? *group.front() : unite(group));
+  }
+  return level;
+}
+
+std::vector<DetailLevel> detailLadder(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes) {
+  CHECK(keyframes.keyframeCount() > 0, "a ladder is judged in one keyframe or more");
+  std::vector<LevelsInPose> poses(static_cast<std::size_t>(keyframes.keyframeCount()));
+  tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
+    poses[static_cast<std::size_t>(k)] = judge(decomposition, mesh, keyframes.keyframe(k));
+  });
+  std::vector<DetailLevel> ladder(decomposition.parts.size());
+  const double share = 1.0 / keyframes.keyframeCount();
+  for (std::size_t n = 0; n < ladder.size(); ++n) {
+    ladder[n].worstError = poses[0].error[n];
+    for (const LevelsInPose& pose : poses) {
+      ladder[n].meanError += share * pose.error[n];
+      ladder[n].worstError = std::max(ladder[n].worstError, pose.error[n]);
+      ladder[n].hullVertices = std::max(ladder[n].hullVertices, pose.hullVertices[n]);
+    }
+  }
+  return ladder;
+}
+
+}  // namespace lorica

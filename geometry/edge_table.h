@@ -1,0 +1,65 @@
+#pragma once
+
+/// The edges of a mesh with the triangles at them. Internal to geometry/.
+
+#include "geometry/tri_mesh.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// One side of a triangle, filed under the smaller of its two vertices.
+struct Side {
+  VertexIndex larger;
+  std::int32_t triangle;
+  bool ascending;  ///< the triangle runs from the smaller vertex to the larger
+};
+
+/// All sides of a mesh, grouped by edge. Grouping by the smaller vertex and sorting the few sides of each is several
+/// times faster than sorting all sides, and needs no hash.
+class EdgeTable {
+ public:
+  EdgeTable(std::size_t vertexCount, std::span<const Triangle> triangles)
+      : begin_(vertexCount + 1, 0), sides_(3 * triangles.size()) {
+    for (const Triangle& t : triangles) {
+      for (int i = 0; i < 3; ++i) ++begin_[std::min(t[i], t[(i + 1) % 3]) + 1];
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      const Triangle& t = triangles[k];
+      for (int i = 0; i < 3; ++i) {
+        const VertexIndex a = t[i];
+        const VertexIndex b = t[(i + 1) % 3];
+        sides_[next[std::min(a, b)]++] = {std::max(a, b), static_cast<std::int32_t>(k), a < b};
+      }
+    }
+  }
+
+  /// Calls visit(smaller vertex, sides of one edge in triangle order) for each edge, edges in lexicographic order.
+  template <typename Visit>
+  void forEachEdge(Visit&& visit) {
+    for (std::size_t v = 0; v + 1 < begin_.size(); ++v) {
+      const std::span<Side> fan(sides_.data() + begin_[v], begin_[v + 1] - begin_[v]);
+      std::sort(fan.begin(), fan.end(), [](const Side& a, const Side& b) {
+        return a.larger != b.larger ? a.larger < b.larger : a.triangle < b.triangle;
+      });
+      for (std::size_t from = 0; from < fan.size();) {
+        std::size_t to = from + 1;
+        while (to < fan.size() && fan[to].larger == fan[from].larger) ++to;
+        visit(static_cast<VertexIndex>(v), fan.subspan(from, to - from));
+        from = to;
+      }
+    }
+  }
+
+ private:
+  std::vector<std::size_t> begin_;  ///< sides of smaller vertex v are begin_[v] to begin_[v + 1]
+  std::vector<Side> sides_;
+};
+
+}  // namespace lorica

@@ -1,0 +1,395 @@
+#include "geometry/mesh_repair.h"
+
+#include "geometry/edge_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace lorica {
+
+namespace {
+
+bool hasRepeatedCorner(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Whether it runs through its sorted corners upwards.
+bool isEven(const Triangle& t) {
+  const auto smallest = std::min_element(t.begin(), t.end()) - t.begin();
+  return t[static_cast<std::size_t>(smallest + 1) % 3] < t[static_cast<std::size_t>(smallest + 2) % 3];
+}
+
+std::size_t edgeOf(const Triangle& t, VertexIndex a, VertexIndex b) {
+  for (std::size_t e = 0; e < 3; ++e) {
+    if (t[e] == a && t[(e + 1) % 3] == b) return e;
+  }
+  CHECK(false, "the edge table lists edges of this triangle");
+}
+
+/// Two triangles that stay joined at an edge: `up` runs along it from its smaller vertex to its larger one.
+struct Seam {
+  std::int32_t up, down;
+};
+
+class Repairer {
+ public:
+  explicit Repairer(const TriMesh& mesh) : input_(mesh) {
+    alive_.assign(mesh.triangles.size(), true);
+    repair_.mesh.vertices = mesh.vertices;
+    repair_.origin.reserve(mesh.vertices.size());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      repair_.origin.push_back({static_cast<VertexIndex>(v), static_cast<VertexIndex>(v)});
+    }
+  }
+
+  MeshRepair unchanged() {
+    gatherTriangles();
+    return std::move(repair_);
+  }
+
+  /// Nothing where an edge is not closed or no triangle is left.
+  std::optional<MeshRepair> run() {
+    dropRepeatedCorners();
+    dropCopies();
+    gatherTriangles();
+    if (triangles().empty() || !joinTriangles()) return std::nullopt;
+    doubleVertices();
+    halveEdges();
+    return std::move(repair_);
+  }
+
+ private:
+  [[nodiscard]] std::vector<Triangle>& triangles() { return repair_.mesh.triangles; }
+
+  void dropRepeatedCorners() {
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      if (!hasRepeatedCorner(input_.triangles[i])) continue;
+      alive_[i] = false;
+      ++repair_.repeatedCorners;
+    }
+  }
+
+  // Triangles with the same three corners: pairs that face opposite ways bound nothing, of equal ones those go that
+  // keep an edge open. Both only where more than two triangles meet, so that a mesh without such edges is left alone.
+  void dropCopies() {
+    gatherTriangles();
+    std::vector<int> excess;  // for each edge, triangles running upwards less those running downwards
+    std::vector<std::array<std::size_t, 3>> edges(triangles().size());
+    std::vector<bool> crowded(triangles().size(), false);
+    EdgeTable table(input_.vertices.size(), triangles());
+    table.forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
+      for (const Side& s : sides) {
+        const auto t = static_cast<std::size_t>(s.triangle);
+        edges[t][edgeOf(triangles()[t], s.ascending ? v : s.larger, s.ascending ? s.larger : v)] = excess.size();
+        if (sides.size() > 2) crowded[t] = true;
+      }
+      const auto upward = std::count_if(sides.begin(), sides.end(), [](const Side& s) { return s.ascending; });
+      excess.push_back(static_cast<int>(2 * upward - std::ssize(sides)));
+    });
+    const auto directionOf = [&](std::size_t t, std::size_t e) {
+      return triangles()[t][e] < triangles()[t][(e + 1) % 3] ? 1 : -1;
+    };
+    const auto isTooMany = [&](std::size_t t) {
+      for (std::size_t e = 0; e < 3; ++e) {
+        if (excess[edges[t][e]] * directionOf(t, e) <= 0) return false;
+      }
+      return true;
+    };
+    std::vector<std::size_t> order(triangles().size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return sorted(triangles()[a]) < sorted(triangles()[b]); });
+    for (std::size_t from = 0; from < order.size();) {
+      std::size_t to = from + 1;
+      while (to < order.size() && sorted(triangles()[order[to]]) == sorted(triangles()[order[from]])) ++to;
+      std::array<std::vector<std::size_t>, 2> facing;
+      for (std::size_t i = from; i < to; ++i) facing[isEven(triangles()[order[i]]) ? 1 : 0].push_back(order[i]);
+      while (!facing[0].empty() && !facing[1].empty() && crowded[facing[0].back()]) {
+        for (std::vector<std::size_t>& side : facing) {
+          drop(side.back());
+          side.pop_back();
+        }
+        repair_.backToBack += 2;
+      }
+      for (std::vector<std::size_t>& side : facing) {
+        while (side.size() > 1 && isTooMany(side.back())) {
+          drop(side.back());
+          for (std::size_t e = 0; e < 3; ++e) excess[edges[side.back()][e]] -= directionOf(side.back(), e);
+          side.pop_back();
+          ++repair_.duplicateTriangles;
+        }
+      }
+      from = to;
+    }
+  }
+
+  void drop(std::size_t gathered) { alive_[static_cast<std::size_t>(repair_.sourceTriangle[gathered])] = false; }
+
+  void gatherTriangles() {
+    triangles().clear();
+    repair_.sourceTriangle.clear();
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      if (!alive_[i]) continue;
+      triangles().push_back(input_.triangles[i]);
+      repair_.sourceTriangle.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+
+  // Finds for each side of a triangle the one that it stays joined to. Corners that meet in a vertex and are connected
+  // over such seams form a fan.
+  bool joinTriangles() {
+    fan_.resize(3 * triangles().size());
+    std::iota(fan_.begin(), fan_.end(), std::size_t{0});
+    bool closed = true;
+    EdgeTable table(input_.vertices.size(), triangles());
+    table.forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
+      const VertexIndex w = sides[0].larger;
+      const auto upward = std::count_if(sides.begin(), sides.end(), [](const Side& s) { return s.ascending; });
+      if (2 * upward != std::ssize(sides)) {
+        closed = false;
+        return;
+      }
+      if (sides.size() == 2) {
+        join(v, w,
+             sides[0].ascending ? Seam{sides[0].triangle, sides[1].triangle}
+                                : Seam{sides[1].triangle, sides[0].triangle});
+        return;
+      }
+      ++repair_.crowdedEdges;
+      for (const Seam& seam : pairedByAngle(v, w, sides)) {
+        join(v, w, seam);
+        crowdedSeams_.push_back({v, w, seam});
+      }
+    });
+    return closed;
+  }
+
+  void join(VertexIndex v, VertexIndex w, const Seam& seam) {
+    const std::size_t up = edgeOf(triangles()[static_cast<std::size_t>(seam.up)], v, w);
+    const std::size_t down = edgeOf(triangles()[static_cast<std::size_t>(seam.down)], w, v);
+    unite(cornerIndex(seam.up, up), cornerIndex(seam.down, down + 1));
+    unite(cornerIndex(seam.up, up + 1), cornerIndex(seam.down, down));
+  }
+
+  static std::size_t cornerIndex(std::int32_t triangle, std::size_t corner) {
+    return 3 * static_cast<std::size_t>(triangle) + corner % 3;
+  }
+
+  std::size_t fanOf(std::size_t corner) {
+    while (fan_[corner] != corner) corner = fan_[corner] = fan_[fan_[corner]];
+    return corner;
+  }
+
+  void unite(std::size_t a, std::size_t b) {
+    a = fanOf(a);
+    b = fanOf(b);
+    fan_[std::max(a, b)] = std::min(a, b);
+  }
+
+  // Turning counter-clockwise about v -> w, one leaves the solid through a triangle that runs v -> w and enters it
+  // through one that runs w -> v. An entry and the exit that belongs to it, as brackets nest, bound one wedge of solid.
+  [[nodiscard]] std::vector<Seam> pairedByAngle(VertexIndex v, VertexIndex w, std::span<const Side> sides) const {
+    const Vec3& origin = vertex(v);
+    const Vec3 axis = vertex(w) - origin;
+    const bool hasDirection = axis.squaredNorm() > 0.0;
+    const Vec3 x = hasDirection ? axis.normalized().unitOrthogonal() : Vec3::Zero();
+    const Vec3 y = hasDirection ? Vec3(axis.normalized().cross(x)) : Vec3::Zero();
+    struct Leaf {
+      double angle;
+      Side side;
+    };
+    std::vector<Leaf> leaves;
+    leaves.reserve(sides.size());
+    for (const Side& s : sides) {
+      Vec3 apex = origin;
+      for (const VertexIndex corner : repair_.mesh.triangles[static_cast<std::size_t>(s.triangle)]) {
+        if (corner != v && corner != w) apex = vertex(corner);
+      }
+      leaves.push_back({std::atan2(y.dot(apex - origin), x.dot(apex - origin)), s});
+    }
+    // At equal angles exits first: two solids that touch in a face, not one without thickness.
+    std::stable_sort(leaves.begin(), leaves.end(), [](const Leaf& a, const Leaf& b) {
+      return a.angle != b.angle ? a.angle < b.angle : a.side.ascending > b.side.ascending;
+    });
+    // Start behind the deepest point, where no bracket is open.
+    std::size_t start = 0;
+    int depth = 0, lowest = 0;
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      depth += leaves[i].side.ascending ? -1 : 1;
+      if (depth < lowest) {
+        lowest = depth;
+        start = i + 1;
+      }
+    }
+    std::vector<Seam> seams;
+    seams.reserve(sides.size() / 2);
+    std::vector<std::int32_t> entered;
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      const Side& s = leaves[(start + i) % leaves.size()].side;
+      if (s.ascending) {
+        CHECK(!entered.empty(), "from the deepest point on every exit has its entry");
+        seams.push_back({s.triangle, entered.back()});
+        entered.pop_back();
+      } else {
+        entered.push_back(s.triangle);
+      }
+    }
+    return seams;
+  }
+
+  [[nodiscard]] const Vec3& vertex(VertexIndex v) const { return input_.vertices[static_cast<std::size_t>(v)]; }
+
+  // At the ends of parted edges each fan but the first gets a vertex of its own.
+  void doubleVertices() {
+    std::vector<bool> isEnd(input_.vertices.size(), false);
+    for (const CrowdedSeam& c : crowdedSeams_) isEnd[static_cast<std::size_t>(c.v)] = isEnd[c.w] = true;
+    std::vector<std::size_t> firstFan(input_.vertices.size(), kNone);
+    std::vector<VertexIndex> vertexOfFan(fan_.size(), -1);
+    for (std::size_t t = 0; t < triangles().size(); ++t) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        VertexIndex& v = triangles()[t][corner];
+        if (!isEnd[static_cast<std::size_t>(v)]) continue;
+        const std::size_t fan = fanOf(3 * t + corner);
+        std::size_t& first = firstFan[static_cast<std::size_t>(v)];
+        if (first == kNone) first = fan;
+        if (first == fan) continue;
+        if (vertexOfFan[fan] < 0) {
+          vertexOfFan[fan] = add({v, v}, vertex(v));
+          ++repair_.doubledVertices;
+        }
+        v = vertexOfFan[fan];
+      }
+    }
+  }
+
+  VertexIndex add(const VertexOrigin& origin, const Vec3& position) {
+    repair_.origin.push_back(origin);
+    repair_.mesh.vertices.push_back(position);
+    return static_cast<VertexIndex>(repair_.origin.size()) - 1;
+  }
+
+  // A fan that passes the edge twice at both ends cannot be told apart there: the second seam gets a vertex between.
+  void halveEdges() {
+    std::vector<std::array<VertexIndex, 2>> taken;
+    std::vector<std::array<VertexIndex, 3>> middle(triangles().size(), {-1, -1, -1});  // of the edge from each corner
+    bool any = false;
+    for (std::size_t i = 0; i < crowdedSeams_.size(); ++i) {
+      const auto& [v, w, seam] = crowdedSeams_[i];
+      if (i == 0 || crowdedSeams_[i - 1].v != v || crowdedSeams_[i - 1].w != w) taken.clear();
+      const auto up = static_cast<std::size_t>(seam.up);
+      const auto down = static_cast<std::size_t>(seam.down);
+      const std::size_t upEdge = edgeOf(input_.triangles[static_cast<std::size_t>(repair_.sourceTriangle[up])], v, w);
+      const std::size_t downEdge =
+          edgeOf(input_.triangles[static_cast<std::size_t>(repair_.sourceTriangle[down])], w, v);
+      const std::array<VertexIndex, 2> ends = {triangles()[up][upEdge], triangles()[up][(upEdge + 1) % 3]};
+      if (std::find(taken.begin(), taken.end(), ends) == taken.end()) {
+        taken.push_back(ends);
+        continue;
+      }
+      middle[up][upEdge] = middle[down][downEdge] = add({v, w}, 0.5 * (vertex(v) + vertex(w)));
+      ++repair_.halvedEdges;
+      any = true;
+    }
+    if (!any) return;
+    std::vector<Triangle> split;
+    std::vector<std::int32_t> source;
+    split.reserve(triangles().size() + 2 * repair_.halvedEdges);
+    source.reserve(split.capacity());
+    for (std::size_t t = 0; t < triangles().size(); ++t) {
+      // Corners and middles around the triangle, fanned from a middle: no piece lies within one edge.
+      std::vector<VertexIndex> ring;
+      std::size_t apex = 0;
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        ring.push_back(triangles()[t][corner]);
+        if (middle[t][corner] < 0) continue;
+        apex = ring.size();
+        ring.push_back(middle[t][corner]);
+      }
+      std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(apex), ring.end());
+      for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+        split.push_back({ring[0], ring[i], ring[i + 1]});
+        source.push_back(repair_.sourceTriangle[t]);
+      }
+    }
+    triangles() = std::move(split);
+    repair_.sourceTriangle = std::move(source);
+  }
+
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  struct CrowdedSeam {
+    VertexIndex v, w;
+    Seam seam;
+  };
+  const TriMesh& input_;
+  MeshRepair repair_;
+  std::vector<bool> alive_;
+  std::vector<std::size_t> fan_;  // union-find over corners
+  std::vector<CrowdedSeam> crowdedSeams_;
+};
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+bool isReadable(const TriMesh& mesh) {
+  const auto inRange = [&](VertexIndex v) { return v >= 0 && static_cast<std::size_t>(v) < mesh.vertices.size(); };
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), inRange); }) &&
+         std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return p.allFinite(); });
+}
+
+}  // namespace
+
+bool MeshRepair::changed() const {
+  return crowdedEdges + repeatedCorners + backToBack + duplicateTriangles > 0;
+}
+
+std::string MeshRepair::summary() const {
+  std::vector<std::string> done;
+  if (crowdedEdges > 0) {
+    done.push_back(counted(crowdedEdges, "edge", "edges") + " of more than two triangles parted");
+  }
+  if (doubledVertices > 0) done.push_back(counted(doubledVertices, "vertex", "vertices") + " doubled");
+  if (halvedEdges > 0) done.push_back(counted(halvedEdges, "edge", "edges") + " halved");
+  if (backToBack > 0) done.push_back(fmt::format("{} triangles back to back dropped", backToBack));
+  if (duplicateTriangles > 0) {
+    done.push_back(counted(duplicateTriangles, "duplicate triangle", "duplicate triangles") + " dropped");
+  }
+  if (repeatedCorners > 0) {
+    done.push_back(counted(repeatedCorners, "triangle", "triangles") + " with a repeated corner dropped");
+  }
+  return fmt::format("{}", fmt::join(done, ", "));
+}
+
+std::vector<Vec3> MeshRepair::carried(std::span<const Vec3> posed) const {
+  std::vector<Vec3> result;
+  result.reserve(origin.size());
+  for (const auto& [first, second] : origin) {
+    const Vec3& a = posed[static_cast<std::size_t>(first)];
+    result.push_back(first == second ? a : Vec3(0.5 * (a + posed[static_cast<std::size_t>(second)])));
+  }
+  return result;
+}
+
+Result<MeshRepair> repairClosedMesh(const TriMesh& mesh) {
+  const Result<void> checked = checkClosedTwoManifold(mesh);
+  if (!checked && !isReadable(mesh)) return checked.error();
+  Repairer repairer(mesh);
+  if (checked) return repairer.unchanged();
+  std::optional<MeshRepair> repair = repairer.run();
+  if (!repair) return checked.error();
+  return std::move(*repair);
+}
+
+}  // namespace lorica

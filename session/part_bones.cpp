@@ -1,0 +1,68 @@
+#include "session/part_bones.h"
+
+#include "acd/transfer.h"
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+/// Weights of a part's mesh vertices, so that the surface of the part moves as their weighted sum does.
+/// @param points  in the bind pose [m]
+/// @param weight  one a point, written [m^2]
+void weighPoints(const Decomposition& decomposition, const Part& part, std::span<const Vec3> points,
+                 std::span<double> weight) {
+  std::fill(weight.begin(), weight.end(), 0.0);
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    if (part.sourceTriangle[i] < 0) continue;
+    const Triangle& t = part.triangles[i];
+    const Vec3& a = points[static_cast<std::size_t>(t[0])];
+    const Vec3& b = points[static_cast<std::size_t>(t[1])];
+    const Vec3& c = points[static_cast<std::size_t>(t[2])];
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    for (const PointIndex p : t) weight[static_cast<std::size_t>(p)] += area / 3.0;
+  }
+  // A cut point moves as the blend of its two ends does, and they are older: from the last one back to the mesh.
+  for (std::size_t i = decomposition.cutPoints.size(); i-- > 0;) {
+    const CutPoint& cut = decomposition.cutPoints[i];
+    const double own = weight[static_cast<std::size_t>(decomposition.vertexCount) + i];
+    weight[static_cast<std::size_t>(cut.first)] += cut.lambda * own;
+    weight[static_cast<std::size_t>(cut.second)] += (1.0 - cut.lambda) * own;
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposition, const Character& character) {
+  CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
+        "the decomposition is one of the character's mesh");
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  transfer(decomposition, character.mesh.vertices, points);
+  std::vector<double> weight(points.size());
+  std::vector<std::vector<BoneShare>> bonesOfPart;
+  bonesOfPart.reserve(decomposition.parts.size());
+  for (const Part& part : decomposition.parts) {
+    weighPoints(decomposition, part, points, weight);
+    std::vector<double> moved(static_cast<std::size_t>(character.skeleton.jointCount()), 0.0);
+    double all = 0.0;
+    for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
+      for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
+        const double share = weight[v] * character.influences[i].weight;
+        moved[static_cast<std::size_t>(character.influences[i].joint)] += share;
+        all += share;
+      }
+    }
+    std::vector<BoneShare> bones;
+    for (std::size_t j = 0; j < moved.size(); ++j) {
+      if (moved[j] > 0.0) {
+        bones.push_back({character.skeleton.joint(static_cast<JointIndex>(j)).name, std::min(moved[j] / all, 1.0)});
+      }
+    }
+    std::stable_sort(bones.begin(), bones.end(),
+                     [](const BoneShare& a, const BoneShare& b) { return a.share > b.share; });
+    bonesOfPart.push_back(std::move(bones));
+  }
+  return bonesOfPart;
+}
+
+}  // namespace lorica

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "skinning/character.h"
+
+#include <vector>
+
+namespace lorica {
+
+/// The bones that move each part of a character: of the part's surface in the bind pose, the share that each joint
+/// moves, area times blend weight. Caps do not count, for they are not of the character. Shares of a part add up to 1,
+/// the largest comes first; joints that move nothing are left out.
+/// @param decomposition  of the character's mesh
+/// @return for each part its bones, by the names of the skeleton's joints; none where a part has no surface
+[[nodiscard]] std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposition,
+                                                               const Character& character);
+
+}  // namespace lorica

@@ -1,0 +1,186 @@
+#include "acd/hull_distance.h"
+
+#include "acd/cap.h"
+#include "acd/decompose.h"
+#include "acd/nearest_triangle.h"
+#include "acd/transfer.h"
+#include "geometry/mesh_files.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace lorica {
+namespace {
+
+double distanceOf(const TriMesh& mesh, double ignoreBelow = 0.0) {
+  return hullDistance(convexHull(mesh.vertices), mesh.vertices, mesh.triangles, ignoreBelow);
+}
+
+/// What hullDistance promises for a known distance.
+void expectWithin(double found, double truth) {
+  EXPECT_GE(found, truth * (1.0 - 1e-12));
+  EXPECT_LE(found, truth * 1.01 + 1e-12);
+}
+
+TriMesh moved(TriMesh mesh, const Quat& rotation, double scale, const Vec3& shift) {
+  for (Vec3& p : mesh.vertices) p = scale * (rotation * p + shift);
+  return mesh;
+}
+
+/// A prism over a polygon of the xy plane, counter-clockwise, from z = 0 to `depth`.
+TriMesh prism(const std::vector<Vec2>& profile, double depth) {
+  TriMesh mesh;
+  for (const double z : {0.0, depth}) {
+    for (const Vec2& p : profile) mesh.vertices.emplace_back(p.x(), p.y(), z);
+  }
+  const int n = static_cast<int>(profile.size());
+  std::vector<CapEdge> border;
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    border.push_back({i, j});
+    mesh.triangles.push_back({i, j, j + n});
+    mesh.triangles.push_back({i, j + n, i + n});
+  }
+  for (const Triangle& t : triangulateCap(profile, border)) {
+    mesh.triangles.push_back({t[0], t[2], t[1]});
+    mesh.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  }
+  return mesh;
+}
+
+TEST(HullDistance, ConvexShapesAreNowhereOff) {
+  EXPECT_LE(distanceOf(test::makeBox({0, 0, 0}, {1, 2, 3})), 1e-3 * std::sqrt(14.0));
+  EXPECT_LE(distanceOf(test::makeTetrahedron()), 1e-3 * std::sqrt(3.0));
+  EXPECT_LE(distanceOf(test::makeSphere(1.0, 30, 60)), 1e-3 * std::sqrt(12.0));
+}
+
+TEST(HullDistance, LShapeInClosedForm) {
+  // The hull's slanted face x + y = 3 has its middle line farthest away. From (1.5, 1.5, z) the nearest points are on
+  // the two faces that meet in the concave edge, half a unit away.
+  expectWithin(distanceOf(test::makeLShape()), 0.5);
+}
+
+TEST(HullDistance, NotchesShallowAndDeepInClosedForm) {
+  // A box of length 4 with a notch 2 wide in the middle of its top: under the lid the floor is as far as the notch is
+  // deep, but the walls are never farther than 1.
+  for (const double depth : {0.05, 0.3, 0.9, 1.5}) {
+    SCOPED_TRACE(depth);
+    const TriMesh notched =
+        prism({{0, 0}, {4, 0}, {4, 2}, {3, 2}, {3, 2 - depth}, {1, 2 - depth}, {1, 2}, {0, 2}}, 1.0);
+    ASSERT_TRUE(checkClosedTwoManifold(notched).ok()) << checkClosedTwoManifold(notched).error().message;
+    ASSERT_NEAR(signedVolume(notched.vertices, notched.triangles), 8.0 - 2.0 * depth, 1e-12);
+    expectWithin(distanceOf(notched), std::min(depth, 1.0));
+  }
+}
+
+TEST(HullDistance, TorusWithAxisCrossingItsHole) {
+  // The hull closes the hole at the height of the tube's top. Above the axis there the nearest circle of the tube is
+  // at distance R across and r down: sqrt(R^2 + r^2) - r. Facets of so fine a torus are within 1e-3 of the circles.
+  const double major = 2.0, minor = 0.5;
+  const double truth = std::sqrt(major * major + minor * minor) - minor;
+  const double found = distanceOf(test::makeTorus(major, minor, 128, 64));
+  EXPECT_GE(found, truth - 2e-3);
+  EXPECT_LE(found, 1.01 * truth + 2e-3);
+}
+
+TEST(HullDistance, TwoBoxesApart) {
+  // Unit cubes with a gap of 3 between them: halfway the hull is 1.5 from both.
+  expectWithin(distanceOf(test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({4, 0, 0}, {5, 1, 1}))), 1.5);
+}
+
+TEST(HullDistance, WhatMayBeIgnoredIsBoundedOnly) {
+  const TriMesh l = test::makeLShape();
+  for (const double ignoreBelow : {0.6, 1.0, 5.0}) {
+    const double found = distanceOf(l, ignoreBelow);
+    EXPECT_GE(found, 0.5);
+    EXPECT_LE(found, ignoreBelow);
+  }
+  expectWithin(distanceOf(l, 0.4), 0.5);
+}
+
+TEST(HullDistance, FlatPartsHaveNone) {
+  TriMesh flat = test::makeLShape();
+  for (Vec3& p : flat.vertices) p.z() = 0.0;
+  EXPECT_EQ(distanceOf(flat), 0.0);
+}
+
+TEST(HullDistance, RigidMotionAndScaleDoNotMatter) {
+  const unsigned seed = 11;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    SCOPED_TRACE(scale);
+    const Quat rotation = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+    const Vec3 shift(normal(random), normal(random), normal(random));
+    const double found = distanceOf(moved(test::makeLShape(), rotation, scale, shift)) / scale;
+    EXPECT_NEAR(found, 0.505, 0.0051);
+  }
+}
+
+TEST(HullDistance, AgreesWithDenseSamplesOnPartsOfABunny) {
+  LORICA_REQUIRE_DATASET(file, "vhacd/Bunny.off");
+  const Result<TriMesh> mesh = readMesh(file);
+  ASSERT_TRUE(mesh.ok());
+  const Result<Decomposition> made =
+      decompose(*mesh, {mesh->vertices, static_cast<int>(mesh->vertices.size())},
+                {.maxParts = 4, .preset = DecomposePreset::kPaper, .candidateEdges = 2, .planesPerEdge = 1});
+  ASSERT_TRUE(made.ok());
+  std::vector<Vec3> points(static_cast<std::size_t>(made->pointCount()));
+  transfer(*made, mesh->vertices, points);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform;
+  for (const Part& part : made->parts) {
+    const ConvexHull hull = partHull(part, points);
+    const double found = hullDistance(hull, points, part.triangles, 0.0);
+
+    std::vector<std::array<Vec3, 3>> surface;
+    for (const Triangle& t : part.triangles) surface.push_back({points[t[0]], points[t[1]], points[t[2]]});
+    const NearestTriangle nearest(surface);
+    double sampled = 0.0;
+    for (const Triangle& t : hull.triangles) {
+      const Vec3& a = hull.vertices[t[0]];
+      const Vec3 ab = hull.vertices[t[1]] - a;
+      const Vec3 ac = hull.vertices[t[2]] - a;
+      const int samples =
+          1 + static_cast<int>(40000.0 * ab.cross(ac).norm() / (2.0 * surfaceArea(hull.vertices, hull.triangles)));
+      for (int i = 0; i < samples; ++i) {
+        double u = uniform(random), v = uniform(random);
+        if (u + v > 1.0) {
+          u = 1.0 - u;
+          v = 1.0 - v;
+        }
+        sampled = std::max(sampled, nearest.distance(a + u * ab + v * ac));
+      }
+    }
+    EXPECT_GE(found, sampled);
+    EXPECT_LE(found, 1.01 * sampled + 0.01 * boundsOf(hull.vertices).diagonal());
+  }
+}
+
+TEST(NearestTriangle, NamesTheTriangleThatIsNearest) {
+  const unsigned seed = 8;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto point = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  std::vector<std::array<Vec3, 3>> triangles;
+  for (int i = 0; i < 200; ++i) triangles.push_back({point(), point(), point()});
+  const NearestTriangle tree(triangles);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 p = 2.0 * point();
+    double truth = std::numeric_limits<double>::infinity();
+    for (const auto& t : triangles) truth = std::min(truth, std::sqrt(distanceSqToTriangle(p, t)));
+    const NearestTriangle::Hit hit = tree.nearest(p);
+    EXPECT_EQ(hit.distance, truth);
+    EXPECT_EQ(std::sqrt(distanceSqToTriangle(p, tree.corners(hit.index))), truth);
+  }
+}
+
+}  // namespace
+}  // namespace lorica

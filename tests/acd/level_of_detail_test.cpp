@@ -1,0 +1,139 @@
+#include "acd/level_of_detail.h"
+
+#include "acd/decompose.h"
+#include "acd/transfer.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+/// A torus in two poses: as it is, and bent and stretched.
+struct Animated {
+  TriMesh mesh = test::makeTorus(1.0, 0.3, 24, 12);
+  std::vector<Vec3> positions = mesh.vertices;
+
+  Animated() {
+    for (const Vec3& p : mesh.vertices) positions.emplace_back(1.4 * p.x(), p.y() + 0.3 * p.x() * p.x(), 0.8 * p.z());
+  }
+  [[nodiscard]] PoseView keyframes() const { return {positions, static_cast<int>(mesh.vertices.size())}; }
+};
+
+Decomposition decomposed(const Animated& animated, DecomposePreset preset) {
+  DecomposeSettings settings;
+  settings.maxParts = 9;
+  settings.preset = preset;
+  auto result = decompose(animated.mesh, animated.keyframes(), settings);
+  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
+  return std::move(result).value();
+}
+
+class LevelOfDetail : public testing::TestWithParam<DecomposePreset> {};
+INSTANTIATE_TEST_SUITE_P(Presets, LevelOfDetail,
+                         testing::Values(DecomposePreset::kPaper, DecomposePreset::kFast, DecomposePreset::kQuality));
+
+TEST_P(LevelOfDetail, EveryLevelIsADecompositionOfTheMesh) {
+  const Animated animated;
+  const Decomposition all = decomposed(animated, GetParam());
+  for (int n = 1; n <= static_cast<int>(all.parts.size()); ++n) {
+    const Decomposition level = levelOfDetail(all, n);
+    ASSERT_EQ(level.parts.size(), static_cast<std::size_t>(n));
+    ASSERT_EQ(level.splitFrom.size(), level.parts.size() - 1);
+    EXPECT_EQ(level.pointCount(), all.pointCount());
+    std::vector<Vec3> points(static_cast<std::size_t>(level.pointCount()));
+    std::vector<bool> covered(all.triangleCount, false);
+    for (int k = 0; k < 2; ++k) {
+      transfer(level, animated.keyframes().keyframe(k), points);
+      const double meshVolume = signedVolume(animated.keyframes().keyframe(k), animated.mesh.triangles);
+      double volume = 0.0;
+      for (const Part& part : level.parts) {
+        volume += signedVolume(points, part.triangles);
+        ASSERT_EQ(part.triangles.size(), part.sourceTriangle.size());
+        for (const std::int32_t source : part.sourceTriangle) {
+          if (source >= 0) covered[static_cast<std::size_t>(source)] = true;
+        }
+      }
+      EXPECT_NEAR(volume, meshVolume, 1e-9 * meshVolume) << n << " parts, keyframe " << k;
+    }
+    EXPECT_EQ(std::count(covered.begin(), covered.end(), false), 0);
+  }
+}
+
+TEST_P(LevelOfDetail, LadderSaysWhatTheJoinedPartsMeasure) {
+  const Animated animated;
+  const Decomposition all = decomposed(animated, GetParam());
+  const std::vector<DetailLevel> ladder = detailLadder(all, animated.mesh, animated.keyframes());
+  ASSERT_EQ(ladder.size(), all.parts.size());
+  for (int n = 1; n <= static_cast<int>(all.parts.size()); ++n) {
+    // The slow way: join the triangles, then take the hulls of all their points.
+    const Decomposition level = levelOfDetail(all, n);
+    double errors[2];
+    int hullVertices[2] = {0, 0};
+    for (int k = 0; k < 2; ++k) {
+      errors[k] = errorInPose(level, animated.mesh, animated.keyframes().keyframe(k)).relative();
+      std::vector<Vec3> points(static_cast<std::size_t>(level.pointCount()));
+      transfer(level, animated.keyframes().keyframe(k), points);
+      for (const ConvexHull& hull : partHulls(level, points)) hullVertices[k] += std::ssize(hull.vertices);
+    }
+    const DetailLevel& judged = ladder[static_cast<std::size_t>(n) - 1];
+    EXPECT_NEAR(judged.meanError, 0.5 * (errors[0] + errors[1]), 1e-8) << n;
+    EXPECT_NEAR(judged.worstError, std::max(errors[0], errors[1]), 1e-8) << n;
+    // Points in a face or on an edge, such as those of former cuts, are vertices or not by rounding. The ladder goes
+    // from hull to hull and mostly loses some of them on the way.
+    const int most = std::max(hullVertices[0], hullVertices[1]);
+    EXPECT_LE(judged.hullVertices, 1.02 * most) << n;
+    EXPECT_GE(judged.hullVertices, 0.85 * most) << n;
+  }
+  EXPECT_GT(ladder.front().meanError, 2.0 * ladder.back().meanError);
+}
+
+TEST(LevelOfDetail, OnePartOfAPaperCutIsTheMeshAgain) {
+  // A single cut has a cap that both halves share, triangle by triangle: without it the L-shape is whole again.
+  const TriMesh mesh = test::makeLShape();
+  DecomposeSettings settings;
+  settings.maxParts = 2;
+  settings.preset = DecomposePreset::kPaper;
+  const auto both = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, settings);
+  ASSERT_TRUE(both.ok());
+  const Decomposition one = levelOfDetail(*both, 1);
+  ASSERT_EQ(one.parts.size(), 1u);
+  EXPECT_TRUE(one.splitFrom.empty());
+  EXPECT_EQ(std::count(one.parts[0].sourceTriangle.begin(), one.parts[0].sourceTriangle.end(), -1), 0);
+  TriMesh whole;
+  whole.vertices.resize(static_cast<std::size_t>(one.pointCount()));
+  transfer(one, mesh.vertices, whole.vertices);
+  whole.triangles = one.parts[0].triangles;
+  const auto closed = checkClosedTwoManifold(whole);
+  EXPECT_TRUE(closed.ok()) << (closed.ok() ? "" : closed.error().message);
+  EXPECT_NEAR(surfaceArea(whole.vertices, whole.triangles), surfaceArea(mesh.vertices, mesh.triangles), 1e-12);
+}
+
+TEST(LevelOfDetail, AllPartsAreTheDecompositionItself) {
+  const Animated animated;
+  const Decomposition all = decomposed(animated, DecomposePreset::kFast);
+  EXPECT_EQ(hashOf(levelOfDetail(all, static_cast<int>(all.parts.size()))), hashOf(all));
+}
+
+TEST(DetailLadder, OfTheLShapeHasItsClosedForm) {
+  const TriMesh mesh = test::makeLShape();
+  DecomposeSettings settings;
+  settings.maxParts = 2;
+  const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
+  const auto both = decompose(mesh, pose, settings);
+  ASSERT_TRUE(both.ok());
+  const std::vector<DetailLevel> ladder = detailLadder(*both, mesh, pose);
+  ASSERT_EQ(ladder.size(), 2u);
+  // One hull: a pentagon times a height, 3.5 for 3. Two: boxes.
+  EXPECT_NEAR(ladder[0].meanError, 0.5 / 3.0, 1e-12);
+  EXPECT_NEAR(ladder[0].worstError, 0.5 / 3.0, 1e-12);
+  EXPECT_EQ(ladder[0].hullVertices, 10);
+  EXPECT_NEAR(ladder[1].meanError, 0.0, 1e-12);
+  EXPECT_EQ(ladder[1].hullVertices, 16);
+}
+
+}  // namespace
+}  // namespace lorica
