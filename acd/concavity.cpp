@@ -13,11 +13,6 @@ namespace {
 constexpr double kFlatAngle = 1e-6;  // edges closer to flat than this are not concave [rad]
 constexpr int kMaxComponents = 24;   // pairs grow with the square; the largest components come first
 
-Vec3 unitNormal(const Triangle& t, std::span<const Vec3> points) {
-  const Vec3& a = points[static_cast<std::size_t>(t[0])];
-  return (points[static_cast<std::size_t>(t[1])] - a).cross(points[static_cast<std::size_t>(t[2])] - a).normalized();
-}
-
 /// The edge that two mesh triangles share, as the left one runs along it; empty when they share none.
 bool sharedEdge(const Triangle& left, const Triangle& right, VertexIndex& from, VertexIndex& to) {
   for (int i = 0; i < 3; ++i) {
@@ -74,46 +69,70 @@ bool separatingPlane(std::span<const Vec3> a, std::span<const Vec3> b, Plane& pl
 
 std::vector<Crease> creasesOf(const Part& part) {
   struct HalfEdge {
-    PointIndex low, high;
-    bool ascending;
+    PointIndex high;
     std::int32_t source;
+    bool ascending;
     bool operator<(const HalfEdge& o) const {
-      if (low != o.low) return low < o.low;
       if (high != o.high) return high < o.high;
       if (ascending != o.ascending) return ascending > o.ascending;
       return source < o.source;
     }
   };
-  std::vector<HalfEdge> edges;
-  edges.reserve(part.triangles.size() * 3);
+  // Half-edges by their lower end, counted first: a sort of them all would take most of the time.
+  std::vector<std::uint32_t> end(part.points.empty() ? 1 : static_cast<std::size_t>(part.points.back()) + 2, 0);
+  for (const Triangle& t : part.triangles) {
+    for (int e = 0; e < 3; ++e) ++end[static_cast<std::size_t>(std::min(t[e], t[(e + 1) % 3])) + 1];
+  }
+  for (std::size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
+  std::vector<HalfEdge> edges(part.triangles.size() * 3);
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     const Triangle& t = part.triangles[i];
     for (int e = 0; e < 3; ++e) {
-      const PointIndex a = t[e];
-      const PointIndex b = t[(e + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b, part.sourceTriangle[i]});
+      const auto [low, high] = std::minmax(t[e], t[(e + 1) % 3]);
+      edges[end[static_cast<std::size_t>(low)]++] = {high, part.sourceTriangle[i], t[e] == low};
     }
   }
-  std::sort(edges.begin(), edges.end());
   std::vector<Crease> creases;
-  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    const HalfEdge& up = edges[i];
-    const HalfEdge& down = edges[i + 1];
-    if (up.low != down.low || up.high != down.high || !up.ascending || down.ascending) continue;
-    if (up.source < 0 || down.source < 0 || up.source == down.source) continue;
-    creases.push_back({up.low, up.high, up.source, down.source});
+  creases.reserve(edges.size() / 2);
+  std::uint32_t first = 0;
+  for (const PointIndex low : part.points) {
+    const std::uint32_t last = end[static_cast<std::size_t>(low)];
+    std::sort(edges.begin() + first, edges.begin() + last);
+    for (std::uint32_t i = first; i + 1 < last; ++i) {
+      const HalfEdge& up = edges[i];
+      const HalfEdge& down = edges[i + 1];
+      if (up.high != down.high || !up.ascending || down.ascending) continue;
+      if (up.source < 0 || down.source < 0 || up.source == down.source) continue;
+      creases.push_back({low, up.high, up.source, down.source});
+    }
+    first = last;
   }
   return creases;
 }
 
+std::vector<Vec3> unitNormals(std::span<const Triangle> triangles, std::span<const Vec3> points) {
+  std::vector<Vec3> normals;
+  normals.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
+    const Vec3& a = points[static_cast<std::size_t>(t[0])];
+    const Vec3 normal = (points[static_cast<std::size_t>(t[1])] - a).cross(points[static_cast<std::size_t>(t[2])] - a);
+    const double length = normal.norm();
+    normals.push_back(length > 0.0 ? Vec3(normal / length) : Vec3(Vec3::Zero()));
+  }
+  return normals;
+}
+
 std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, std::span<const Triangle> mesh,
-                                             std::span<const Vec3> points, const ConvexHull& hull, int count,
-                                             double spacing) {
+                                             std::span<const Vec3> normals, std::span<const Vec3> points,
+                                             const ConvexHull& hull, int count, double spacing) {
+  // The hull's planes, large faces first: they stand above the deep places.
   struct FacePlane {
     Vec3 normal;
     double offset;
+    double area;
   };
   std::vector<FacePlane> planes;
+  planes.reserve(hull.triangles.size());
   const double diagonal = boundsOf(hull.vertices).diagonal();
   for (const Triangle& t : hull.triangles) {
     const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
@@ -123,53 +142,84 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
     const double area = normal.norm();
     const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
     if (area <= 1e-7 * diagonal * longest) continue;  // slivers have no plane worth the name
-    planes.push_back({normal / area, normal.dot(a) / area});
+    planes.push_back({normal / area, normal.dot(a) / area, area});
   }
-
-  // Depths of all concave edges.
-  struct Found {
-    ConcaveEdge edge;
-    std::pair<std::int32_t, std::int32_t> triangles;
+  std::stable_sort(planes.begin(), planes.end(),
+                   [](const FacePlane& a, const FacePlane& b) { return a.area > b.area; });
+  const auto depthBelow = [&](const Vec3& p, std::size_t planeCount) {
+    double depth = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < std::min(planeCount, planes.size()); ++i) {
+      depth = std::min(depth, planes[i].offset - planes[i].normal.dot(p));
+    }
+    return depth;
   };
-  constexpr std::size_t kBlock = 512;
+
+  // All concave edges, each with an upper bound of its depth.
+  struct Found {
+    double depth;
+    std::uint32_t crease;
+    bool exact;
+    bool operator<(const Found& o) const { return depth != o.depth ? depth < o.depth : crease > o.crease; }
+  };
+  constexpr std::size_t kBlock = 2048;
+  constexpr std::size_t kFewPlanes = 24;
+  const double flatTangent = kFlatAngle;  // the tangent of so small an angle
   std::vector<std::vector<Found>> blocks((creases.size() + kBlock - 1) / kBlock);
+  const auto middleOf = [&](const Crease& c) -> Vec3 {
+    return 0.5 * (points[static_cast<std::size_t>(c.from)] + points[static_cast<std::size_t>(c.to)]);
+  };
+  const auto directionOf = [&](const Crease& c, Vec3& direction) {
+    VertexIndex from = 0, to = 0;
+    if (!sharedEdge(mesh[static_cast<std::size_t>(c.left)], mesh[static_cast<std::size_t>(c.right)], from, to)) {
+      return false;
+    }
+    direction = points[static_cast<std::size_t>(to)] - points[static_cast<std::size_t>(from)];
+    const double length = direction.norm();
+    direction /= length;
+    return length > 0.0;
+  };
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
     for (std::size_t c = block * kBlock; c < std::min(creases.size(), (block + 1) * kBlock); ++c) {
       const Crease& crease = creases[c];
-      VertexIndex from = 0, to = 0;
-      const Triangle& left = mesh[static_cast<std::size_t>(crease.left)];
-      const Triangle& right = mesh[static_cast<std::size_t>(crease.right)];
-      if (!sharedEdge(left, right, from, to)) continue;
-      const Vec3 leftNormal = unitNormal(left, points);
-      const Vec3 rightNormal = unitNormal(right, points);
-      const Vec3 along = points[static_cast<std::size_t>(to)] - points[static_cast<std::size_t>(from)];
-      const double length = along.norm();
-      if (length == 0.0 || leftNormal.hasNaN() || rightNormal.hasNaN()) continue;
-      const Vec3 direction = along / length;
-      const double sine = leftNormal.cross(rightNormal).dot(direction);
-      if (std::atan2(-sine, leftNormal.dot(rightNormal)) <= kFlatAngle) continue;
-      const Vec3 middle =
-          0.5 * (points[static_cast<std::size_t>(crease.from)] + points[static_cast<std::size_t>(crease.to)]);
-      double depth = std::numeric_limits<double>::infinity();
-      for (const FacePlane& plane : planes) depth = std::min(depth, plane.offset - plane.normal.dot(middle));
-      blocks[block].push_back(
-          {{middle, direction, leftNormal, rightNormal, depth}, std::minmax(crease.left, crease.right)});
+      const Vec3& left = normals[static_cast<std::size_t>(crease.left)];
+      const Vec3& right = normals[static_cast<std::size_t>(crease.right)];
+      Vec3 direction;
+      if (left.isZero(0.0) || right.isZero(0.0) || !directionOf(crease, direction)) continue;
+      const double sine = -left.cross(right).dot(direction);
+      const double cosine = left.dot(right);
+      if (sine <= 0.0 || sine <= flatTangent * cosine) continue;
+      blocks[block].push_back({depthBelow(middleOf(crease), kFewPlanes), static_cast<std::uint32_t>(c), false});
     }
   });
-  std::vector<Found> all;
-  for (std::vector<Found>& block : blocks) all.insert(all.end(), block.begin(), block.end());
-  std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.edge.depth > b.edge.depth; });
+  std::vector<Found> heap;
+  for (const std::vector<Found>& block : blocks) heap.insert(heap.end(), block.begin(), block.end());
+  std::make_heap(heap.begin(), heap.end());
 
-  // Deepest first; pieces of one mesh edge give the same planes, so the deepest stands for all.
+  // Deepest first; pieces of one mesh edge give the same planes, so the deepest stands for all. Few need their depth.
   std::vector<ConcaveEdge> deepest;
   std::set<std::pair<std::int32_t, std::int32_t>> taken;
-  for (const Found& found : all) {
-    if (static_cast<int>(deepest.size()) == count) break;
+  while (!heap.empty() && static_cast<int>(deepest.size()) < count) {
+    std::pop_heap(heap.begin(), heap.end());
+    Found found = heap.back();
+    heap.pop_back();
+    const Crease& crease = creases[found.crease];
+    const Vec3 middle = middleOf(crease);
     const bool crowded = std::any_of(deepest.begin(), deepest.end(), [&](const ConcaveEdge& e) {
-      return (e.point - found.edge.point).squaredNorm() < spacing * spacing;
+      return (e.point - middle).squaredNorm() < spacing * spacing;
     });
-    if (crowded || !taken.insert(found.triangles).second) continue;
-    deepest.push_back(found.edge);
+    if (crowded || taken.contains(std::minmax(crease.left, crease.right))) continue;
+    if (!found.exact) {
+      found.depth = depthBelow(middle, planes.size());
+      found.exact = true;
+      heap.push_back(found);
+      std::push_heap(heap.begin(), heap.end());
+      continue;
+    }
+    taken.insert(std::minmax(crease.left, crease.right));
+    Vec3 direction = Vec3::Zero();
+    directionOf(crease, direction);
+    deepest.push_back({middle, direction, normals[static_cast<std::size_t>(crease.left)],
+                       normals[static_cast<std::size_t>(crease.right)], found.depth});
   }
   return deepest;
 }

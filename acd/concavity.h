@@ -26,12 +26,17 @@ struct ConcaveEdge {
   double depth = 0.0;  ///< distance from the part's hull, measured from inside [m]
 };
 
+/// Unit normals of the mesh's triangles in one keyframe; zero for those without area.
+[[nodiscard]] std::vector<Vec3> unitNormals(std::span<const Triangle> triangles, std::span<const Vec3> points);
+
 /// The concave edges deepest inside the hull of their part, deepest first, one for each pair of mesh triangles.
 /// @param mesh     triangles of the decomposed mesh
+/// @param normals  of those, in the keyframe
 /// @param points   all points in the keyframe, mesh vertices first
 /// @param spacing  least distance between the middles of two of them [m]
 [[nodiscard]] std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases,
-                                                           std::span<const Triangle> mesh, std::span<const Vec3> points,
+                                                           std::span<const Triangle> mesh,
+                                                           std::span<const Vec3> normals, std::span<const Vec3> points,
                                                            const ConvexHull& hull, int count, double spacing);
 
 /// `count` planes through a concave edge at equal angles, from the plane of one side to that of the other, so that both

@@ -166,11 +166,17 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
 }
 
 std::vector<PointIndex> pointsUsedBy(std::span<const Triangle> triangles) {
+  PointIndex largest = -1;
+  for (const Triangle& t : triangles) largest = std::max({largest, t[0], t[1], t[2]});
+  std::vector<bool> used(static_cast<std::size_t>(largest + 1), false);
+  for (const Triangle& t : triangles) {
+    for (const PointIndex p : t) used[static_cast<std::size_t>(p)] = true;
+  }
   std::vector<PointIndex> points;
-  points.reserve(triangles.size() * 3);
-  for (const Triangle& t : triangles) points.insert(points.end(), t.begin(), t.end());
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  points.reserve(std::min(triangles.size() * 3, used.size()));
+  for (PointIndex p = 0; p <= largest; ++p) {
+    if (used[static_cast<std::size_t>(p)]) points.push_back(p);
+  }
   return points;
 }
 

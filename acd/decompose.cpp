@@ -1,16 +1,21 @@
 #include "acd/decompose.h"
 
+#include "acd/hull_distance.h"
+#include "acd/improve.h"
 #include "acd/merge.h"
 #include "acd/split_search.h"
 #include "acd/workpiece.h"
+#include "geometry/convex_hull.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 namespace lorica {
@@ -22,8 +27,11 @@ constexpr double kConvex = 1e-9;
 /// What a preset stands for.
 struct Plan {
   SplitEffort effort;
-  double overCut = 1.0;  // cut into this many times the parts, then merge the cheapest pairs
-  bool byGain = false;   // cut the part that gains most, not the one with the largest error
+  double overCut = 1.0;     // cut into this many times the parts, then merge the cheapest pairs
+  bool byGain = false;      // cut the part that gains most, not the one with the largest error
+  SplitEffort trialEffort;  // of the first round of improve()
+  int trials = 0;           // unsuccessful trials that end it; 0 = no improvement after merging
+  int lastTrials = 0;       // the same for a second round with all effort
 };
 
 Plan planFor(const DecomposeSettings& settings) {
@@ -32,28 +40,73 @@ Plan planFor(const DecomposeSettings& settings) {
     case DecomposePreset::kPaper:
       break;
     case DecomposePreset::kFast:
-      plan.effort.candidateEdges = 8;
-      plan.effort.planesPerEdge = 3;
+      plan.effort.candidateEdges = 12;
       plan.effort.edgeSpacing = 0.05;
-      plan.effort.axisPlanes = 4;
+      plan.effort.axisPlanes = 6;
+      plan.effort.shortlist = 2;
+      plan.effort.balance = 0.01;
       plan.effort.coarse = 1e-3;
       plan.overCut = 1.5;
       break;
     case DecomposePreset::kQuality:
+      plan.effort.candidateEdges = 16;
       plan.effort.edgeSpacing = 0.05;
-      plan.effort.axisPlanes = 8;
-      plan.effort.refinedPlanes = 2;
+      plan.effort.axisPlanes = 12;
+      plan.effort.refinedPlanes = 3;
       plan.effort.refineSteps = 8;
+      plan.effort.shortlist = 4;
+      plan.effort.balance = 0.03;
       plan.effort.coarse = 1e-3;
       plan.overCut = 2.0;
       plan.byGain = true;
+      plan.trialEffort = plan.effort;
+      plan.trialEffort.candidateEdges = 8;
+      plan.trialEffort.planesPerEdge = 3;
+      plan.trialEffort.axisPlanes = 4;
+      plan.trialEffort.refinedPlanes = 1;
+      plan.trialEffort.shortlist = 1;
+      plan.trials = 12;
+      plan.lastTrials = 8;
       break;
   }
   if (settings.candidateEdges > 0) plan.effort.candidateEdges = settings.candidateEdges;
   if (settings.planesPerEdge > 0) plan.effort.planesPerEdge = settings.planesPerEdge;
-  // One part needs no cut, and with no part count the parts end up convex: there is nothing to merge.
-  if (settings.maxParts <= 1) plan.overCut = 1.0;
+  // With neither part count nor limit the parts end up convex: there is nothing to merge. One part needs no cut.
+  const bool toTheEnd = settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0;
+  if (toTheEnd || settings.maxParts == 1) plan.overCut = 1.0;
   return plan;
+}
+
+/// Drops cut points that no part needs any more, and numbers the rest anew.
+void dropUnusedCutPoints(Decomposition& decomposition) {
+  const auto vertexCount = static_cast<std::size_t>(decomposition.vertexCount);
+  std::vector<bool> used(static_cast<std::size_t>(decomposition.pointCount()), false);
+  for (const Part& part : decomposition.parts) {
+    for (const PointIndex p : part.points) used[static_cast<std::size_t>(p)] = true;
+  }
+  for (std::size_t c = decomposition.cutPoints.size(); c-- > 0;) {
+    if (!used[vertexCount + c]) continue;
+    used[static_cast<std::size_t>(decomposition.cutPoints[c].first)] = true;
+    used[static_cast<std::size_t>(decomposition.cutPoints[c].second)] = true;
+  }
+  std::vector<PointIndex> numberOf(used.size());
+  std::iota(numberOf.begin(), numberOf.begin() + decomposition.vertexCount, 0);
+  std::vector<CutPoint> kept;
+  kept.reserve(decomposition.cutPoints.size());
+  for (std::size_t c = 0; c < decomposition.cutPoints.size(); ++c) {
+    if (!used[vertexCount + c]) continue;
+    numberOf[vertexCount + c] = decomposition.vertexCount + static_cast<PointIndex>(kept.size());
+    CutPoint point = decomposition.cutPoints[c];
+    point.first = numberOf[static_cast<std::size_t>(point.first)];
+    point.second = numberOf[static_cast<std::size_t>(point.second)];
+    kept.push_back(point);
+  }
+  decomposition.cutPoints = std::move(kept);
+  const auto renumber = [&](PointIndex& p) { p = numberOf[static_cast<std::size_t>(p)]; };
+  for (Part& part : decomposition.parts) {
+    for (Triangle& t : part.triangles) std::for_each(t.begin(), t.end(), renumber);
+    std::for_each(part.points.begin(), part.points.end(), renumber);
+  }
 }
 
 /// A piece with the best split found for it so far.
@@ -63,6 +116,7 @@ struct Leaf {
   bool searched = false;
   std::optional<Split> split;
   double gain = 0.0;
+  std::optional<double> distance;  // see Decomposer::distanceOf
 };
 
 class Decomposer {
@@ -79,26 +133,84 @@ class Decomposer {
       whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
     whole.points = pointsUsedBy(whole.triangles);
     addLeaf(std::move(whole));
-    const auto limit = settings_.maxParts > 0 ? static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut))
-                                              : std::numeric_limits<std::size_t>::max();
+    auto limit = settings_.maxParts > 0 ? static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut))
+                                        : std::numeric_limits<std::size_t>::max();
     while (leaves_.size() < limit) {
-      if (!goOn(limit)) return Error{ErrorCode::kCancelled, "decomposition cancelled"};
+      if (!goOn(leaves_.size(), limit)) return cancelled();
+      if (met_ == 0 && limitsMet(leaves_)) {
+        // Cut some more, so that merging has a choice; it stops where the limits still hold.
+        met_ = leaves_.size();
+        limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * plan_.overCut)));
+        continue;
+      }
       const std::optional<std::size_t> next = plan_.byGain ? mostGaining() : mostConcave();
       if (!next) break;
       carryOut(*next);
     }
-    if (settings_.maxParts == 0) separateComponents();
-    (void)goOn(limit);  // the result is there: whoever cancels now is too late
-    return finish();
+    if (settings_.maxParts == 0 && !limited()) separateComponents();
+    Result<Decomposition> result = finish();
+    (void)goOn(limit, limit);  // the result is there: whoever cancels now is too late
+    return result;
   }
 
  private:
+  static Error cancelled() { return {ErrorCode::kCancelled, "decomposition cancelled"}; }
+  [[nodiscard]] bool limited() const { return settings_.maxError > 0.0 || settings_.maxDistance > 0.0; }
+
   /// Tells how far the work is, in parts asked for though more pieces may be cut. False to cancel.
-  [[nodiscard]] bool goOn(std::size_t limit) const {
+  [[nodiscard]] bool goOn(std::size_t pieces, std::size_t limit) const {
     if (!settings_.progress) return true;
     const std::size_t done =
-        settings_.maxParts > 0 ? leaves_.size() * static_cast<std::size_t>(settings_.maxParts) / limit : leaves_.size();
+        settings_.maxParts > 0 ? pieces * static_cast<std::size_t>(settings_.maxParts) / limit : pieces;
     return settings_.progress(static_cast<int>(done), settings_.maxParts);
+  }
+
+  /// Whether the hulls of all pieces exceed the mesh by no more than asked for in any keyframe; false when no such
+  /// limit was asked for.
+  [[nodiscard]] bool errorMet(const auto& pieces, const auto& pieceOf) const {
+    if (settings_.maxError <= 0.0) return false;
+    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+      double volume = -shop_.meshVolume[k];
+      for (const auto& p : pieces) volume += pieceOf(p).hullVolume[k];
+      if (volume > settings_.maxError * std::abs(shop_.meshVolume[k])) return false;
+    }
+    return true;
+  }
+
+  /// Largest distance from the hull of a piece to its surface in any keyframe; at most maxDistance where it is less.
+  [[nodiscard]] double distanceOf(const Workpiece& piece) const {
+    std::vector<double> distances(shop_.keyframeCount());
+    tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
+      std::vector<Vec3> corners;
+      corners.reserve(piece.hullPoints[k].size());
+      for (const PointIndex p : piece.hullPoints[k]) corners.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
+      distances[k] = hullDistance(convexHull(corners), shop_.points[k], piece.part.triangles, settings_.maxDistance);
+    });
+    return *std::max_element(distances.begin(), distances.end());
+  }
+
+  [[nodiscard]] bool tooFar(Leaf& leaf) const {
+    if (!leaf.distance) leaf.distance = distanceOf(leaf.piece);
+    return *leaf.distance > settings_.maxDistance;
+  }
+
+  /// Whether a limit that was asked for is kept.
+  [[nodiscard]] bool limitsMet(std::vector<Leaf>& leaves) const {
+    if (errorMet(leaves, [](const Leaf& l) -> const Workpiece& { return l.piece; })) return true;
+    return settings_.maxDistance > 0.0 &&
+           std::none_of(leaves.begin(), leaves.end(), [&](Leaf& l) { return tooFar(l); });
+  }
+  [[nodiscard]] bool limitsMet(const std::vector<Workpiece>& pieces) const {
+    if (errorMet(pieces, [](const Workpiece& p) -> const Workpiece& { return p; })) return true;
+    return settings_.maxDistance > 0.0 && std::all_of(pieces.begin(), pieces.end(), [&](const Workpiece& p) {
+             return distanceOf(p) <= settings_.maxDistance;
+           });
+  }
+
+  /// Whether cutting a leaf brings the limits closer: where only distance is wanting, those that keep it are left
+  /// alone.
+  [[nodiscard]] bool worthCutting(Leaf& leaf) const {
+    return settings_.maxDistance <= 0.0 || met_ > 0 || settings_.maxError > 0.0 || tooFar(leaf);
   }
 
   void addLeaf(Part part) {
@@ -148,6 +260,7 @@ class Decomposer {
       for (std::size_t i = 0; i < leaves_.size(); ++i) {
         const auto k = worstKeyframe(leaves_[i]);
         if (!k || leaves_[i].piece.error(*k) <= largest || (leaves_[i].searched && !leaves_[i].split)) continue;
+        if (!worthCutting(leaves_[i])) continue;
         largest = leaves_[i].piece.error(*k);
         worst = i;
       }
@@ -165,7 +278,7 @@ class Decomposer {
     std::optional<std::size_t> best;
     for (std::size_t i : order) {
       if (best && leaves_[i].piece.totalError() <= leaves_[*best].gain) break;
-      if (!search(leaves_[i])) continue;
+      if (!worthCutting(leaves_[i]) || !search(leaves_[i])) continue;
       if (!best || leaves_[i].gain > leaves_[*best].gain) best = i;
     }
     return best;
@@ -208,29 +321,73 @@ class Decomposer {
     }
   }
 
-  Decomposition finish() {
+  /// Merges what was cut too fine, improves it where the plan says so, and brings the parts in their order of detail.
+  Result<Decomposition> finish() {
     Decomposition result;
     result.vertexCount = static_cast<int>(shop_.mesh.vertices.size());
     result.triangleCount = static_cast<int>(shop_.mesh.triangles.size());
-    result.cutPoints = std::move(shop_.cutPoints);
     if (plan_.overCut <= 1.0) {
       result.splitFrom = std::move(splitFrom_);
       result.parts.reserve(leaves_.size());
       for (Leaf& leaf : leaves_) result.parts.push_back(std::move(leaf.piece.part));
-      return result;
+    } else {
+      std::vector<Workpiece> pieces;
+      pieces.reserve(leaves_.size());
+      for (Leaf& leaf : leaves_) pieces.push_back(std::move(leaf.piece));
+      const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : pieces.size();
+      pieces = met_ > 0 ? mergedWithinLimits(pieces, wanted) : merged(pieces, wanted);
+      if (plan_.trials > 0) {
+        const std::size_t count = pieces.size();
+        std::vector<Workpiece> better = pieces;
+        const auto tell = [&] { return goOn(count - 1, count); };
+        if (!improve(better, shop_, plan_.trialEffort, plan_.trials, tell) ||
+            !improve(better, shop_, plan_.effort, plan_.lastTrials, tell)) {
+          return cancelled();
+        }
+        if (met_ == 0 || limitsMet(better)) pieces = std::move(better);
+      }
+      Merged order = mergePieces(pieces, shop_, static_cast<int>(pieces.size()), plan_.effort.coarse);
+      result.splitFrom = std::move(order.splitFrom);
+      result.parts.reserve(pieces.size());
+      for (const std::vector<std::size_t>& group : order.groups) {
+        result.parts.push_back(std::move(pieces[group[0]].part));
+      }
     }
-    std::vector<Workpiece> pieces;
-    pieces.reserve(leaves_.size());
-    for (Leaf& leaf : leaves_) pieces.push_back(std::move(leaf.piece));
-    Merged merged = mergePieces(pieces, shop_, settings_.maxParts, plan_.effort.coarse);
-    result.splitFrom = std::move(merged.splitFrom);
-    for (const std::vector<std::size_t>& group : merged.groups) {
+    result.cutPoints = std::move(shop_.cutPoints);
+    dropUnusedCutPoints(result);
+    return result;
+  }
+
+  [[nodiscard]] std::vector<Workpiece> merged(const std::vector<Workpiece>& pieces, std::size_t count) const {
+    std::vector<Workpiece> parts;
+    parts.reserve(count);
+    for (const auto& group : mergePieces(pieces, shop_, static_cast<int>(count), plan_.effort.coarse).groups) {
       std::vector<const Part*> members;
       members.reserve(group.size());
-      for (std::size_t i : group) members.push_back(&pieces[i].part);
-      result.parts.push_back(unite(members));
+      for (const std::size_t i : group) members.push_back(&pieces[i].part);
+      parts.push_back(members.size() == 1 ? pieces[group[0]] : measure(unite(members), shop_));
     }
-    return result;
+    return parts;
+  }
+
+  /// The fewest parts that still keep the limits, as far as fewer parts are worse; at most `most` where that is kept.
+  [[nodiscard]] std::vector<Workpiece> mergedWithinLimits(const std::vector<Workpiece>& pieces,
+                                                          std::size_t most) const {
+    std::size_t kept = pieces.size(), broken = 0;
+    std::vector<Workpiece> best = pieces;
+    while (broken + 1 < kept) {
+      const std::size_t count = std::min((broken + kept) / 2, most);
+      std::vector<Workpiece> tried = merged(pieces, count);
+      if (limitsMet(tried)) {
+        kept = count;
+        best = std::move(tried);
+      } else if (count >= most) {
+        return merged(pieces, most);
+      } else {
+        broken = count;
+      }
+    }
+    return best.size() > most ? merged(pieces, most) : best;
   }
 
   const DecomposeSettings& settings_;
@@ -238,6 +395,7 @@ class Decomposer {
   Workshop shop_;
   std::vector<Leaf> leaves_;
   std::vector<PartIndex> splitFrom_;
+  std::size_t met_ = 0;  // pieces when the limits were first met; 0 = not yet
 };
 
 }  // namespace
@@ -247,6 +405,10 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("parts {}, candidate edges {}, planes per edge {}, threads {}: expected 0 or more of each",
                              settings.maxParts, settings.candidateEdges, settings.planesPerEdge, settings.threads)};
+  }
+  if (!(settings.maxError >= 0.0 && settings.maxDistance >= 0.0)) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("max error {}, max distance {}: expected 0 or more of each",
+                                                          settings.maxError, settings.maxDistance)};
   }
   if (static_cast<std::size_t>(keyframes.vertexCount) != mesh.vertices.size() || keyframes.keyframeCount() < 1 ||
       keyframes.positions.size() % mesh.vertices.size() != 0) {

@@ -19,10 +19,12 @@ enum class DecomposePreset : std::uint8_t {
 struct DecomposeSettings {
   int maxParts = 16;  ///< M; 0 = until no concave edge remains (Algorithm 1)
   DecomposePreset preset = DecomposePreset::kFast;
-  int candidateEdges = 0;    ///< C: concave edges tried for each cut, deepest first; 0 = the preset's (paper: 8)
-  int planesPerEdge = 0;     ///< R: plane orientations for each of them; 0 = the preset's (paper: 5)
-  double maxError = 0.0;     ///< stop when hull volume less mesh volume is at most this share of the mesh; 0 = go on
-  double maxDistance = 0.0;  ///< stop when no point of the hulls is farther from the mesh than this [m]; 0 = go on
+  int candidateEdges = 0;  ///< C: concave edges tried for each cut, deepest first; 0 = the preset's (paper: 8)
+  int planesPerEdge = 0;   ///< R: plane orientations for each of them; 0 = the preset's (paper: 5)
+  /// With limits the parts are as few as keep one of them in every keyframe, and never more than maxParts unless that
+  /// is 0. A limit of 0 is none.
+  double maxError = 0.0;     ///< hull volume less mesh volume, as a share of the mesh's volume
+  double maxDistance = 0.0;  ///< of any point of a part's hull from the part, see hullDistance() [m]
   int threads = 0;           ///< 0 = as many as the machine has; the result does not depend on it
   DecomposeProgress progress = {};
 };

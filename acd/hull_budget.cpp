@@ -105,7 +105,7 @@ ConvexHull coarseHull(std::span<const Vec3> points, std::size_t atMost) {
   std::vector<Vec3> chosen(points.begin(), points.end());
   for (double tolerance = 1e-5; chosen.size() > atMost && tolerance < 0.1; tolerance *= 1.5) {
     chosen.clear();
-    for (const VertexIndex i : convexHullPoints(points, tolerance)) chosen.push_back(points[i]);
+    for (const VertexIndex i : convexHullOutline(points, tolerance).points) chosen.push_back(points[i]);
   }
   const ConvexHull hull = convexHull(chosen);
   if (hull.degenerate()) return hull;

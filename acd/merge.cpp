@@ -29,8 +29,9 @@ Group joined(const Group& a, const Group& b, double coarse) {
     std::vector<Vec3> points = a.hullPoints[k];
     points.insert(points.end(), b.hullPoints[k].begin(), b.hullPoints[k].end());
     std::vector<Vec3> outer;
-    for (VertexIndex i : convexHullPoints(points, coarse)) outer.push_back(points[static_cast<std::size_t>(i)]);
-    g.hullVolume += convexHullVolume(outer, coarse);
+    const HullOutline outline = convexHullOutline(points, coarse);
+    for (VertexIndex i : outline.points) outer.push_back(points[static_cast<std::size_t>(i)]);
+    g.hullVolume += outline.volume;
     g.box.push_back(boundsOf(outer));
     g.hullPoints.push_back(std::move(outer));
   }
@@ -70,9 +71,10 @@ Merged mergePieces(std::span<const Workpiece> pieces, const Workshop& shop, int 
     g.pieces = {i};
     for (std::size_t k = 0; k < shop.keyframeCount(); ++k) {
       std::vector<Vec3> own, outer;
-      for (PointIndex p : pieces[i].part.points) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
-      for (VertexIndex v : convexHullPoints(own, coarse)) outer.push_back(own[static_cast<std::size_t>(v)]);
-      g.hullVolume += convexHullVolume(outer, coarse);
+      for (PointIndex p : pieces[i].hullPoints[k]) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
+      const HullOutline outline = convexHullOutline(own, coarse);
+      for (VertexIndex v : outline.points) outer.push_back(own[static_cast<std::size_t>(v)]);
+      g.hullVolume += outline.volume;
       g.box.push_back(boundsOf(outer));
       g.hullPoints.push_back(std::move(outer));
     }

@@ -1,186 +1,187 @@
 #include "acd/part_tree.h"
 
-#include "geometry/convex_hull.h"
-
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 namespace lorica {
 namespace {
 
-constexpr std::int32_t kLeafTriangles = 64;
+constexpr std::size_t kLeafTriangles = 32;
+constexpr std::size_t kParallel = 4096;  // triangles below which a node is built by one thread
+
+/// Nodes in the hierarchy over so many triangles.
+std::int32_t nodeCount(std::size_t triangles) {
+  if (triangles <= kLeafTriangles) return 1;
+  return 1 + nodeCount(triangles / 2) + nodeCount(triangles - triangles / 2);
+}
 
 }  // namespace
 
-PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframes, std::size_t keyframe,
-                   double tolerance)
-    : part_(part), keyframes_(keyframes), keyframe_(keyframe) {
-  buildNodes();
-  const std::size_t frameCount = keyframes.size();
-  hullPoints_.resize(nodes_.size() * frameCount);
-  int deepest = 0;
-  for (const Node& node : nodes_) deepest = std::max(deepest, node.depth);
-  // From the leaves upwards: the hull of a node comes from the hull points of its children.
-  std::vector<std::vector<std::int32_t>> level(static_cast<std::size_t>(deepest) + 1);
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    level[static_cast<std::size_t>(nodes_[i].depth)].push_back(static_cast<std::int32_t>(i));
+PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframes, std::size_t keyframe)
+    : keyframe_(keyframe) {
+  const std::vector<Vec3>& all = keyframes[keyframe];
+  const std::size_t count = part.triangles.size();
+  const Vec3 origin = count == 0 ? Vec3(0, 0, 0) : all[static_cast<std::size_t>(part.triangles[0][0])];
+  std::vector<Item> items(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    Vec3 sum = -3.0 * origin;
+    for (PointIndex p : part.triangles[i]) sum += all[static_cast<std::size_t>(p)];
+    items[i] = {sum.cast<float>(), static_cast<std::int32_t>(i)};
   }
-  for (int depth = deepest; depth >= 0; --depth) {
-    const std::vector<std::int32_t>& here = level[static_cast<std::size_t>(depth)];
-    tbb::parallel_for(std::size_t{0}, here.size() * frameCount, [&](std::size_t job) {
-      thread_local std::vector<PointIndex> candidates;
-      thread_local std::vector<Vec3> positions;
-      const std::int32_t index = here[job / frameCount];
-      const std::size_t k = job % frameCount;
-      const Node& node = nodes_[static_cast<std::size_t>(index)];
-      candidates.clear();
-      if (node.child < 0) {
-        for (std::int32_t i = node.first; i < node.last; ++i) {
-          const Triangle& t = part_.triangles[static_cast<std::size_t>(order_[static_cast<std::size_t>(i)])];
-          candidates.insert(candidates.end(), t.begin(), t.end());
+  nodes_.resize(static_cast<std::size_t>(nodeCount(count)));
+  build(items, 0, 0);
+
+  // Numbers in the order of the leaves: what a leaf needs lies side by side in memory.
+  triangles_.reserve(count);
+  leafPoints_.reserve(count);
+  std::vector<std::int32_t> numberOf(all.size(), -1);
+  std::vector<PointIndex> pointOf;
+  pointOf.reserve(part.points.size());
+  std::vector<std::int32_t> seenBy(part.points.size(), -1);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    Node& node = nodes_[n];
+    if (node.second >= 0) continue;
+    node.firstPoint = static_cast<std::int32_t>(leafPoints_.size());
+    for (std::int32_t i = node.first; i < node.last; ++i) {
+      Triangle t = part.triangles[static_cast<std::size_t>(items[static_cast<std::size_t>(i)].triangle)];
+      for (PointIndex& p : t) {
+        node.box.extend(all[static_cast<std::size_t>(p)]);
+        std::int32_t& number = numberOf[static_cast<std::size_t>(p)];
+        if (number < 0) {
+          number = static_cast<std::int32_t>(pointOf.size());
+          pointOf.push_back(p);
         }
-      } else {
-        for (std::int32_t c : {node.child, node.child + 1}) {
-          const auto& own = hullPoints_[static_cast<std::size_t>(c) * frameCount + k];
-          candidates.insert(candidates.end(), own.begin(), own.end());
+        if (seenBy[static_cast<std::size_t>(number)] != static_cast<std::int32_t>(n)) {
+          seenBy[static_cast<std::size_t>(number)] = static_cast<std::int32_t>(n);
+          leafPoints_.push_back(number);
         }
+        p = number;
       }
-      std::sort(candidates.begin(), candidates.end());
-      candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-      std::vector<PointIndex>& result = hullPoints_[static_cast<std::size_t>(index) * frameCount + k];
-      if (node.child < 0) {
-        result = candidates;
-        return;
-      }
-      positions.clear();
-      for (PointIndex p : candidates) positions.push_back(keyframes_[k][static_cast<std::size_t>(p)]);
-      for (VertexIndex v : convexHullPoints(positions, tolerance)) {
-        result.push_back(candidates[static_cast<std::size_t>(v)]);
-      }
-    });
+      triangles_.push_back(t);
+    }
+    node.lastPoint = static_cast<std::int32_t>(leafPoints_.size());
+  }
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    if (node.second < 0) continue;
+    const Node& a = nodes_[n + 1];
+    const Node& b = nodes_[static_cast<std::size_t>(node.second)];
+    node.firstPoint = a.firstPoint;
+    node.lastPoint = b.lastPoint;
+    node.box = a.box;
+    node.box.extend(b.box.min);
+    node.box.extend(b.box.max);
+  }
+  points_.resize(keyframes.size());
+  tbb::parallel_for(std::size_t{0}, keyframes.size(), [&](std::size_t k) {
+    points_[k].reserve(pointOf.size());
+    for (PointIndex p : pointOf) points_[k].push_back(keyframes[k][static_cast<std::size_t>(p)]);
+  });
+}
+
+void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t first) {
+  Node& here = nodes_[static_cast<std::size_t>(node)];
+  here.first = first;
+  here.last = first + static_cast<std::int32_t>(items.size());
+  if (items.size() <= kLeafTriangles) return;
+  Vec3f low = items[0].center;
+  Vec3f high = low;
+  for (const Item& item : items) {
+    low = low.cwiseMin(item.center);
+    high = high.cwiseMax(item.center);
+  }
+  int axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t middle = items.size() / 2;
+  std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
+                   [axis](const Item& a, const Item& b) {
+                     return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis]
+                                                             : a.triangle < b.triangle;
+                   });
+  here.second = node + 1 + nodeCount(middle);
+  const auto lower = [&] { build(items.first(middle), node + 1, first); };
+  const auto upper = [&] { build(items.subspan(middle), here.second, first + static_cast<std::int32_t>(middle)); };
+  if (items.size() > kParallel) {
+    tbb::parallel_invoke(lower, upper);
+  } else {
+    lower();
+    upper();
   }
 }
 
-void PartTree::buildNodes() {
-  const std::vector<Vec3>& points = keyframes_[keyframe_];
-  std::vector<Vec3> center(part_.triangles.size());
-  for (std::size_t i = 0; i < center.size(); ++i) {
-    const Triangle& t = part_.triangles[i];
-    center[i] = points[static_cast<std::size_t>(t[0])] + points[static_cast<std::size_t>(t[1])] +
-                points[static_cast<std::size_t>(t[2])];
-  }
-  order_.resize(part_.triangles.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  nodes_.push_back({{}, 0, static_cast<std::int32_t>(order_.size()), -1, 0});
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    Node node = nodes_[i];
-    Aabb centers;
-    for (std::int32_t j = node.first; j < node.last; ++j) {
-      const auto triangle = static_cast<std::size_t>(order_[static_cast<std::size_t>(j)]);
-      for (PointIndex p : part_.triangles[triangle]) node.box.extend(points[static_cast<std::size_t>(p)]);
-      centers.extend(center[triangle]);
-    }
-    if (node.last - node.first > kLeafTriangles) {
-      int axis = 0;
-      (centers.max - centers.min).maxCoeff(&axis);
-      const std::int32_t middle = (node.first + node.last) / 2;
-      std::nth_element(order_.begin() + node.first, order_.begin() + middle, order_.begin() + node.last,
-                       [&](std::int32_t a, std::int32_t b) {
-                         const double ca = center[static_cast<std::size_t>(a)][axis];
-                         const double cb = center[static_cast<std::size_t>(b)][axis];
-                         return ca != cb ? ca < cb : a < b;
-                       });
-      node.child = static_cast<std::int32_t>(nodes_.size());
-      nodes_.push_back({{}, node.first, middle, -1, node.depth + 1});
-      nodes_.push_back({{}, middle, node.last, -1, node.depth + 1});
-    }
-    nodes_[i] = node;
-  }
+std::span<const std::int32_t> PartTree::pointsOf(std::int32_t node) const {
+  const Node& n = nodes_[static_cast<std::size_t>(node)];
+  return std::span(leafPoints_)
+      .subspan(static_cast<std::size_t>(n.firstPoint), static_cast<std::size_t>(n.lastPoint - n.firstPoint));
 }
 
-bool PartTree::sketch(const Plane& plane, double tolerance, PlaneSides& sides, Sketch& out) const {
-  out.nodesAbove.clear();
-  out.nodesBelow.clear();
-  out.pointsAbove.clear();
-  out.pointsBelow.clear();
+bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
+  thread_local PlaneSides sides;
+  // Which points are in a list of this sketch already: bit 0 above, bit 1 below.
+  thread_local std::vector<std::uint8_t> listed;
+  const std::span<const Vec3> points = points_[keyframe_];
+  listed.assign(points.size(), 0);
+  for (Half* half : {&out.above, &out.below}) {
+    half->nodes.clear();
+    half->points.clear();
+  }
   out.crossings.clear();
-  const std::vector<Vec3>& points = keyframes_[keyframe_];
+  out.leaves.clear();
   bool anyAbove = false, anyBelow = false;
+  const Vec3 absolute = plane.normal.cwiseAbs();
   std::array<std::int32_t, 128> stack;
   int height = 0;
   stack[height++] = 0;
   while (height > 0) {
     const std::int32_t index = stack[--height];
     const Node& node = nodes_[static_cast<std::size_t>(index)];
-    const Vec3 half = 0.5 * (node.box.max - node.box.min);
     const double middle = plane.normal.dot(node.box.center()) - plane.offset;
-    const double reach = plane.normal.cwiseAbs().dot(half) + tolerance;
+    const double reach = 0.5 * absolute.dot(node.box.max - node.box.min) + tolerance;
     if (middle > reach) {
-      out.nodesAbove.push_back(index);
+      out.above.nodes.push_back(index);
       anyAbove = true;
       continue;
     }
     if (middle < -reach) {
-      out.nodesBelow.push_back(index);
+      out.below.nodes.push_back(index);
       anyBelow = true;
       continue;
     }
-    if (node.child >= 0) {
-      stack[height++] = node.child + 1;
-      stack[height++] = node.child;
+    if (node.second >= 0) {
+      stack[height++] = node.second;
+      stack[height++] = index + 1;
       continue;
     }
+    for (std::int32_t p : pointsOf(index)) sides.classify(p, points, plane, tolerance);
     for (std::int32_t i = node.first; i < node.last; ++i) {
-      const Triangle& t = part_.triangles[static_cast<std::size_t>(order_[static_cast<std::size_t>(i)])];
-      std::array<int, 3> s{};
-      for (int c = 0; c < 3; ++c) s[c] = sides.classify(t[c], points, plane, tolerance);
+      const Triangle& t = triangles_[static_cast<std::size_t>(i)];
+      const std::array<int, 3> s = {sides.sideOf(t[0]), sides.sideOf(t[1]), sides.sideOf(t[2])};
       const int low = std::min({s[0], s[1], s[2]});
       const int high = std::max({s[0], s[1], s[2]});
       const int flatSide = low == 0 && high == 0 ? sides.sideOf(t, points, plane) : 0;
       anyAbove |= high > 0;
       anyBelow |= low < 0;
       for (int c = 0; c < 3; ++c) {
-        if (s[c] >= 0 && (high > 0 || flatSide > 0)) out.pointsAbove.push_back(t[c]);
-        if (s[c] <= 0 && (low < 0 || flatSide < 0)) out.pointsBelow.push_back(t[c]);
+        std::uint8_t& known = listed[static_cast<std::size_t>(t[c])];
+        if (s[c] >= 0 && (high > 0 || flatSide > 0) && (known & 1U) == 0) {
+          known |= 1U;
+          out.above.points.push_back(t[c]);
+        }
+        if (s[c] <= 0 && (low < 0 || flatSide < 0) && (known & 2U) == 0) {
+          known |= 2U;
+          out.below.points.push_back(t[c]);
+        }
         // Each edge runs once each way in a closed part: take it where it ascends.
         const int d = (c + 1) % 3;
         if (s[c] * s[d] < 0 && t[c] < t[d]) out.crossings.push_back(sides.crossing(t[c], t[d]));
       }
     }
+    out.leaves.push_back({index, out.above.points.size(), out.below.points.size(), out.crossings.size()});
   }
-  if (!anyAbove || !anyBelow) return false;
-  for (std::vector<PointIndex>* list : {&out.pointsAbove, &out.pointsBelow}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
-  }
-  return true;
-}
-
-void PartTree::gatherAbove(const Sketch& s, std::size_t keyframe, std::vector<Vec3>& points) const {
-  gather(s.nodesAbove, s.pointsAbove, s.crossings, keyframe, points);
-}
-
-void PartTree::gatherBelow(const Sketch& s, std::size_t keyframe, std::vector<Vec3>& points) const {
-  gather(s.nodesBelow, s.pointsBelow, s.crossings, keyframe, points);
-}
-
-void PartTree::gather(const std::vector<std::int32_t>& nodes, const std::vector<PointIndex>& single,
-                      const std::vector<CutPoint>& crossings, std::size_t keyframe, std::vector<Vec3>& points) const {
-  const std::vector<Vec3>& all = keyframes_[keyframe];
-  points.clear();
-  for (std::int32_t node : nodes) {
-    for (PointIndex p : hullPoints_[static_cast<std::size_t>(node) * keyframes_.size() + keyframe]) {
-      points.push_back(all[static_cast<std::size_t>(p)]);
-    }
-  }
-  for (PointIndex p : single) points.push_back(all[static_cast<std::size_t>(p)]);
-  for (const CutPoint& c : crossings) {
-    points.push_back(c.lambda * all[static_cast<std::size_t>(c.first)] +
-                     (1.0 - c.lambda) * all[static_cast<std::size_t>(c.second)]);
-  }
+  return anyAbove && anyBelow;
 }
 
 }  // namespace lorica

@@ -14,7 +14,8 @@ struct SplitEffort {
   int axisPlanes = 0;        ///< planes across each axis of the part
   int refineSteps = 0;       ///< halvings of the step of a search about the best planes
   int refinedPlanes = 0;     ///< how many of the best planes are refined
-  int localSplits = 0;       ///< of how many of the best planes single components are tried
+  int shortlist = 0;         ///< planes that are scored by hulls, the best by estimate; 0 = all
+  double balance = 0.0;      ///< share of the part's error that halves of equal volume are worth
   double coarse = 1e-10;     ///< tolerance of the hulls while scoring, see convexHullVolume
 };
 

@@ -26,6 +26,7 @@ Workshop::Workshop(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedM
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     const std::span<const Vec3> frame = keyframes.keyframe(k);
     points.emplace_back(frame.begin(), frame.end());
+    normals.push_back(unitNormals(mesh.triangles, frame));
     onPlane.push_back(kOnPlane * boundsOf(frame).diagonal());
     meshVolume.push_back(signedVolume(frame, mesh.triangles));
   }
@@ -57,11 +58,15 @@ Workpiece measure(Part part, const Workshop& shop) {
   w.creases = creasesOf(w.part);
   w.volume.resize(shop.keyframeCount());
   w.hullVolume.resize(shop.keyframeCount());
+  w.hullPoints.resize(shop.keyframeCount());
   tbb::parallel_for(std::size_t{0}, shop.keyframeCount(), [&](std::size_t k) {
     thread_local std::vector<Vec3> own;
     own.clear();
     for (PointIndex p : w.part.points) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
-    w.hullVolume[k] = convexHullVolume(own);
+    const HullOutline outline = convexHullOutline(own);
+    w.hullVolume[k] = outline.volume;
+    w.hullPoints[k].reserve(outline.points.size());
+    for (VertexIndex v : outline.points) w.hullPoints[k].push_back(w.part.points[static_cast<std::size_t>(v)]);
     w.volume[k] = signedVolume(shop.points[k], w.part.triangles);
   });
   return w;

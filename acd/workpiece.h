@@ -13,8 +13,9 @@ struct Workshop {
   const TriMesh& mesh;
   std::vector<std::vector<Vec3>> points;  ///< keyframe, PointIndex
   std::vector<CutPoint> cutPoints;
-  std::vector<double> onPlane;     ///< distance up to which a point lies on a plane, for each keyframe [m]
-  std::vector<double> meshVolume;  ///< [m^3]
+  std::vector<std::vector<Vec3>> normals;  ///< keyframe, mesh triangle: unit, zero for those without area
+  std::vector<double> onPlane;             ///< distance up to which a point lies on a plane, for each keyframe [m]
+  std::vector<double> meshVolume;          ///< [m^3]
 
   Workshop(const TriMesh& closedMesh, PoseView keyframes);
   [[nodiscard]] std::size_t keyframeCount() const { return points.size(); }
@@ -29,6 +30,7 @@ struct Workpiece {
   std::vector<Crease> creases;
   std::vector<double> volume;  ///< of the part in each keyframe [m^3]
   std::vector<double> hullVolume;
+  std::vector<std::vector<PointIndex>> hullPoints;  ///< corners of its hull in each keyframe, ascending
 
   /// Eq. 3 in one keyframe [m^3].
   [[nodiscard]] double error(std::size_t k) const { return hullVolume[k] - volume[k]; }

@@ -66,13 +66,18 @@ class HullBuilder {
     return sum / 6.0;
   }
 
-  [[nodiscard]] std::vector<VertexIndex> vertexIndices() const {
+  [[nodiscard]] std::vector<VertexIndex> vertexIndices() {
     std::vector<VertexIndex> indices;
+    std::vector<int>& seen = scratch_;  // all kNone between calls
     for (const Face& f : faces_) {
-      if (f.alive) indices.insert(indices.end(), f.vertex.begin(), f.vertex.end());
+      if (!f.alive) continue;
+      for (const int p : f.vertex) seen[static_cast<std::size_t>(p)] = p;
     }
-    std::sort(indices.begin(), indices.end());
-    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      if (seen[p] == kNone) continue;
+      indices.push_back(static_cast<VertexIndex>(p));
+      seen[p] = kNone;
+    }
     return indices;
   }
 
@@ -173,6 +178,7 @@ class HullBuilder {
     faces_[f[2]].neighbour = {f[1], f[3], f[0]};
     faces_[f[3]].neighbour = {f[2], f[1], f[0]};
     created_.assign(f.begin(), f.end());
+    prepareTests();
     for (int i = 0; i < count; ++i) assign(i);
     for (int face : created_) {
       if (faces_[face].outside != kNone) pending_.push_back(face);
@@ -195,7 +201,8 @@ class HullBuilder {
     const Vec3 ab = grid(b) - grid(a);
     const Vec3 ac = grid(c) - grid(a);
     f.normal = ab.cross(ac);
-    f.filter = 16.0 * kUnitRoundoff * std::sqrt(ab.squaredNorm() * ac.squaredNorm()) * diagonal_;
+    // The product of two lengths is at most half the sum of their squares.
+    f.filter = 12.0 * kUnitRoundoff * (ab.squaredNorm() + ac.squaredNorm()) * diagonal_;
     f.addThreshold = tolerance_ * diagonal_ * f.normal.norm();
     return index;
   }
@@ -222,16 +229,26 @@ class HullBuilder {
     return exactDeterminant(f, p) >= 0;
   }
 
-  // Puts a point on the list of the first new face that it lies clearly above.
-  void assign(int p) {
-    bool barelyAbove = false;
+  // What assign() reads of the new faces, side by side in memory.
+  void prepareTests() {
+    tests_.clear();
     for (int index : created_) {
-      Face& f = faces_[index];
-      double value = determinant(f, p);
-      if (value < f.addThreshold - f.filter) {
+      const Face& f = faces_[index];
+      tests_.push_back({f.normal, f.normal.dot(grid(f.vertex[0])), f.addThreshold - f.filter, index});
+    }
+  }
+
+  // Puts a point on the list of the first new face that it lies clearly above. The faces are those of tests_.
+  void assign(int p) {
+    const Vec3 at = grid(p);
+    bool barelyAbove = false;
+    for (const FaceTest& test : tests_) {
+      double value = test.normal.dot(at) - test.offset;
+      if (value < test.limit) {
         barelyAbove |= value > 0.0;
         continue;
       }
+      Face& f = faces_[test.face];
       if (value <= f.addThreshold + f.filter) {
         value = static_cast<double>(exactDeterminant(f, p));
         if (value <= f.addThreshold) {
@@ -266,7 +283,7 @@ class HullBuilder {
     faces_[seed].visitedBy = apex;
     faces_[seed].visible = true;
     for (std::size_t i = 0; i < visible_.size(); ++i) {
-      const Face f = faces_[visible_[i]];
+      const Face& f = faces_[visible_[i]];
       for (int e = 0; e < 3; ++e) {
         Face& other = faces_[f.neighbour[e]];
         if (other.visitedBy != apex) {
@@ -299,6 +316,7 @@ class HullBuilder {
     for (const HorizonEdge& h : horizon_) scratch_[static_cast<std::size_t>(h.from)] = kNone;
 
     // Points above the removed faces find a new one or are inside.
+    prepareTests();
     for (int index : visible_) {
       int p = faces_[index].outside;
       faces_[index].outside = kNone;
@@ -335,11 +353,17 @@ class HullBuilder {
   struct HorizonEdge {
     int from, to, beyond;
   };
+  struct FaceTest {
+    Vec3 normal;
+    double offset, limit;
+    int face;
+  };
   std::span<const Vec3> points_;
   std::vector<Vec3> grid_;
   std::vector<Face> faces_;
   std::vector<int> free_, pending_, next_, scratch_, visible_, created_, near_;
   std::vector<HorizonEdge> horizon_;
+  std::vector<FaceTest> tests_;
   std::array<int, 4> simplex_{};
   double diagonal_ = 0.0;
   double tolerance_ = kFinest;
@@ -365,11 +389,11 @@ double convexHullVolume(std::span<const Vec3> points, double tolerance) {
   return builder.build(points, tolerance, false) ? builder.volume() : 0.0;
 }
 
-std::vector<VertexIndex> convexHullPoints(std::span<const Vec3> points, double tolerance) {
-  if (builder.build(points, tolerance, false)) return builder.vertexIndices();
-  std::vector<VertexIndex> all(points.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
+HullOutline convexHullOutline(std::span<const Vec3> points, double tolerance) {
+  if (builder.build(points, tolerance, false)) return {builder.vertexIndices(), builder.volume()};
+  HullOutline flat{std::vector<VertexIndex>(points.size()), 0.0};
+  std::iota(flat.points.begin(), flat.points.end(), 0);
+  return flat;
 }
 
 double largestViolation(const ConvexHull& hull, std::span<const Vec3> points) {

@@ -28,8 +28,14 @@ struct ConvexHull {
 ///                   slightly small volume in a fraction of the time, and always from inside
 [[nodiscard]] double convexHullVolume(std::span<const Vec3> points, double tolerance = 1e-10);
 
-/// Indices of the points that span the hull to within that tolerance, ascending; all of them when the set is flat.
-[[nodiscard]] std::vector<VertexIndex> convexHullPoints(std::span<const Vec3> points, double tolerance = 1e-10);
+/// What a hull is about, without its faces.
+struct HullOutline {
+  std::vector<VertexIndex> points;  ///< those that span it, ascending; all of them when the set is flat
+  double volume = 0.0;              ///< [m^3]
+};
+
+/// The points that span the hull to within that tolerance, and its volume.
+[[nodiscard]] HullOutline convexHullOutline(std::span<const Vec3> points, double tolerance = 1e-10);
 
 /// Largest distance of any point outside the hull's planes [m]; 0 when all are inside.
 [[nodiscard]] double largestViolation(const ConvexHull& hull, std::span<const Vec3> points);

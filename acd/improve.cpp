@@ -1,0 +1,204 @@
+#include "acd/improve.h"
+
+#include "geometry/convex_hull.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+// A move that saves less than this share of the mesh's volume is not worth making.
+constexpr double kWorthwhile = 2e-4;
+
+std::size_t worstKeyframe(const Workpiece& piece) {
+  std::size_t worst = 0;
+  for (std::size_t k = 1; k < piece.volume.size(); ++k) {
+    if (piece.error(k) > piece.error(worst)) worst = k;
+  }
+  return worst;
+}
+
+class Improver {
+ public:
+  Improver(std::vector<Workpiece>& parts, Workshop& shop, const SplitEffort& effort, int patience)
+      : parts_(parts), shop_(shop), effort_(effort), patience_(patience) {
+    for (const Workpiece& part : parts) boxes_.push_back(boxesOf(part));
+    for (const double v : shop.meshVolume) worthwhile_ += kWorthwhile * std::abs(v);
+  }
+
+  /// Makes a move that saves something; false when none is left to try.
+  bool step() { return exchange() || recut(); }
+
+ private:
+  /// Two parts that touch.
+  struct Pair {
+    std::size_t a = 0, b = 0;
+    double cost = 0.0;    // hull volume, over all keyframes, that the union has more than both
+    double excess = 0.0;  // hull volume that both have more than their own volume: cutting anew saves at most that
+    bool tried = false;   // whether the union was cut anew without success
+  };
+  /// A part's own best split.
+  struct Own {
+    std::optional<Split> split;
+    double gain = 0.0;
+    bool known = false;
+  };
+
+  /// Joins the pair that costs least and cuts the part that gains most, if that saves.
+  bool exchange() {
+    refresh();
+    std::vector<std::size_t> byGain;
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+      if (own_[i].split) byGain.push_back(i);
+    }
+    std::stable_sort(byGain.begin(), byGain.end(),
+                     [&](std::size_t a, std::size_t b) { return own_[a].gain > own_[b].gain; });
+    double saved = worthwhile_;
+    Pair best;
+    std::size_t cut = parts_.size();
+    for (const Pair& pair : pairs_) {
+      for (const std::size_t i : byGain) {
+        if (i == pair.a || i == pair.b) continue;
+        if (own_[i].gain - pair.cost > saved) {
+          saved = own_[i].gain - pair.cost;
+          best = pair;
+          cut = i;
+        }
+        break;
+      }
+    }
+    if (cut == parts_.size()) return false;
+    const Split split = *own_[cut].split;
+    const Part part = std::move(parts_[cut].part);
+    replace(best.a, join(best.a, best.b));
+    divide(part, split, cut, best.b);
+    return true;
+  }
+
+  /// Cuts unions anew, those with most to save first, until that helps or the budget is spent.
+  bool recut() {
+    while (failures_ < patience_) {
+      Pair* next = nullptr;
+      for (Pair& pair : pairs_) {
+        if (!pair.tried && pair.excess > worthwhile_ && (next == nullptr || pair.excess > next->excess)) next = &pair;
+      }
+      if (next == nullptr) return false;
+      next->tried = true;
+      ++failures_;
+      const Pair pair = *next;
+      const Workpiece joined = join(pair.a, pair.b);
+      const auto split = bestSplit(joined, worstKeyframe(joined), shop_, effort_);
+      const double before = parts_[pair.a].totalHullVolume() + parts_[pair.b].totalHullVolume();
+      if (!split || before - split->hullVolume <= worthwhile_) continue;
+      failures_ = 0;
+      divide(joined.part, *split, pair.a, pair.b);
+      return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::vector<Aabb> boxesOf(const Workpiece& part) const {
+    std::vector<Aabb> boxes(shop_.keyframeCount());
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      for (const PointIndex p : part.hullPoints[k]) boxes[k].extend(shop_.points[k][static_cast<std::size_t>(p)]);
+    }
+    return boxes;
+  }
+
+  [[nodiscard]] bool touch(std::size_t a, std::size_t b) const {
+    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+      const Aabb& one = boxes_[a][k];
+      const Aabb& other = boxes_[b][k];
+      const double margin = shop_.onPlane[k];
+      if (((one.min.array() - margin) <= other.max.array()).all() &&
+          ((other.min.array() - margin) <= one.max.array()).all()) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] Workpiece join(std::size_t a, std::size_t b) const {
+    const std::array<const Part*, 2> both = {&parts_[a].part, &parts_[b].part};
+    return measure(unite(both), shop_);
+  }
+
+  /// Looks at what changed since the last move.
+  void refresh() {
+    own_.resize(parts_.size());
+    const std::size_t first = pairs_.size();
+    for (std::size_t a = 0; a < parts_.size(); ++a) {
+      for (std::size_t b = a + 1; b < parts_.size(); ++b) {
+        if ((own_[a].known && own_[b].known) || !touch(a, b)) continue;
+        pairs_.push_back({a, b, 0.0, parts_[a].totalError() + parts_[b].totalError(), false});
+      }
+    }
+    tbb::parallel_for(first, pairs_.size(), [&](std::size_t i) { pairs_[i].cost = costOf(pairs_[i]); });
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      Own& own = own_[i];
+      if (own.known) continue;
+      own.known = true;
+      if (parts_[i].totalError() <= worthwhile_) continue;
+      own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), shop_, effort_);
+      if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
+    }
+  }
+
+  [[nodiscard]] double costOf(const Pair& pair) const {
+    thread_local std::vector<Vec3> points;
+    double volume = 0.0;
+    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+      points.clear();
+      for (const std::size_t i : {pair.a, pair.b}) {
+        for (const PointIndex p : parts_[i].hullPoints[k])
+          points.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
+      }
+      volume += convexHullVolume(points);
+    }
+    return volume - parts_[pair.a].totalHullVolume() - parts_[pair.b].totalHullVolume();
+  }
+
+  void divide(const Part& part, const Split& split, std::size_t a, std::size_t b) {
+    CutResult cut =
+        cutPart(part, shop_.points[split.keyframe], split.plane, shop_.onPlane[split.keyframe], shop_.pointCount());
+    shop_.addCutPoints(cut.newPoints);
+    replace(a, measure(std::move(cut.above), shop_));
+    replace(b, measure(std::move(cut.below), shop_));
+  }
+
+  void replace(std::size_t i, Workpiece piece) {
+    parts_[i] = std::move(piece);
+    boxes_[i] = boxesOf(parts_[i]);
+    own_[i] = {};
+    std::erase_if(pairs_, [i](const Pair& p) { return p.a == i || p.b == i; });
+  }
+
+  std::vector<Workpiece>& parts_;
+  Workshop& shop_;
+  const SplitEffort& effort_;
+  std::vector<std::vector<Aabb>> boxes_;  // part, keyframe
+  std::vector<Own> own_;
+  std::vector<Pair> pairs_;
+  int patience_;
+  int failures_ = 0;
+  double worthwhile_ = 0.0;
+};
+
+}  // namespace
+
+bool improve(std::vector<Workpiece>& parts, Workshop& shop, const SplitEffort& effort, int patience,
+             const std::function<bool()>& goOn) {
+  Improver improver(parts, shop, effort, patience);
+  // Every move saves a share of the mesh, so this ends.
+  do {
+    if (!goOn()) return false;
+  } while (improver.step());
+  return true;
+}
+
+}  // namespace lorica
