@@ -73,6 +73,7 @@ Workpiece measure(Part part, const Workshop& shop) {
 }
 
 Part unite(std::span<const Part* const> parts) {
+  // A cap triangle and its reverse take each other out, one for one: a part may hold one of them twice.
   std::vector<Triangle> caps;
   for (const Part* part : parts) {
     for (std::size_t i = 0; i < part->triangles.size(); ++i) {
@@ -80,12 +81,19 @@ Part unite(std::span<const Part* const> parts) {
     }
   }
   std::sort(caps.begin(), caps.end());
+  std::vector<std::int32_t> takenOut(caps.size(), 0);  // counted at the first of equal triangles
   Part whole;
   for (const Part* part : parts) {
     for (std::size_t i = 0; i < part->triangles.size(); ++i) {
       const Triangle& t = part->triangles[i];
-      if (part->sourceTriangle[i] < 0 && std::binary_search(caps.begin(), caps.end(), canonical({t[0], t[2], t[1]}))) {
-        continue;
+      if (part->sourceTriangle[i] < 0) {
+        const auto [own, ownEnd] = std::equal_range(caps.begin(), caps.end(), canonical(t));
+        const auto [other, otherEnd] = std::equal_range(caps.begin(), caps.end(), canonical({t[0], t[2], t[1]}));
+        std::int32_t& count = takenOut[static_cast<std::size_t>(own - caps.begin())];
+        if (count < std::min(ownEnd - own, otherEnd - other)) {
+          ++count;
+          continue;
+        }
       }
       whole.triangles.push_back(t);
       whole.sourceTriangle.push_back(part->sourceTriangle[i]);

@@ -56,6 +56,7 @@ TriMesh bumpyTorus(int vertexCount) {
 /// 1, 2, 5, 10, ... or 1, 2, 4, 8, ... from `first` to `last`, which is always one of them.
 std::vector<int> steps(int first, int last, bool decimal) {
   std::vector<int> values;
+  values.reserve(32);
   for (int v = first, turn = 0; v < last; ++turn) {
     values.push_back(v);
     v = !decimal ? 2 * v : turn % 3 == 1 ? v / 2 * 5 : 2 * v;

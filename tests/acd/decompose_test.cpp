@@ -2,7 +2,6 @@
 
 #include "acd/concavity.h"
 #include "acd/cut.h"
-#include "acd/part_tree.h"
 #include "acd/transfer.h"
 #include "geometry/mesh_files.h"
 #include "tests/support/datasets.h"
@@ -269,7 +268,8 @@ TEST(Concavity, OnlyTheInnerEdgeOfTheLShapeIsConcave) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
   whole.points = pointsUsedBy(whole.triangles);
   const ConvexHull hull = convexHull(mesh.vertices);
-  const auto edges = deepestConcaveEdges(creasesOf(whole), mesh.triangles, mesh.vertices, hull, 8, 0.0);
+  const auto edges = deepestConcaveEdges(creasesOf(whole), mesh.triangles, unitNormals(mesh.triangles, mesh.vertices),
+                                         mesh.vertices, hull, 8, 0.0);
   ASSERT_EQ(edges.size(), 1u);
   EXPECT_EQ(edges[0].point, Vec3(1, 1, 0.5));
   EXPECT_NEAR(edges[0].depth, 0.5, 1e-12);  // to z = 0 and z = 1; the slanted face is farther, at sqrt(1/2)
@@ -279,41 +279,6 @@ TEST(Concavity, OnlyTheInnerEdgeOfTheLShapeIsConcave) {
   EXPECT_NEAR(std::abs(planes[1].normal.dot(Vec3(1, -1, 0).normalized())), 1.0, 1e-12);
   EXPECT_NEAR(std::abs(planes[0].normal.x()) + std::abs(planes[2].normal.x()), 1.0, 1e-12);
   for (const Plane& p : planes) EXPECT_NEAR(p.normal.dot(Vec3(1, 1, 7)), p.offset, 1e-12);
-}
-
-TEST(PartTree, HullsOfBothHalvesEqualThoseOfTheCut) {
-  const TriMesh mesh = test::makeTorus(1.0, 0.4, 120, 60);
-  Part whole;
-  whole.triangles = mesh.triangles;
-  whole.sourceTriangle.assign(mesh.triangles.size(), 0);
-  whole.points = pointsUsedBy(whole.triangles);
-  std::vector<std::vector<Vec3>> keyframes(2, mesh.vertices);
-  for (Vec3& v : keyframes[1]) v.y() += 0.3 * std::sin(2.0 * v.x());
-  const PartTree tree(whole, keyframes, 0, 1e-10);
-  const auto n = static_cast<PointIndex>(mesh.vertices.size());
-  // Through vertices, along faces, and anywhere.
-  for (const Plane& plane :
-       {Plane{Vec3::UnitX(), 0.0}, Plane{Vec3::UnitY(), 0.0}, Plane{Vec3(1, 2, 3).normalized(), 0.1}}) {
-    PlaneSides sides;
-    PartTree::Sketch sketch;
-    ASSERT_TRUE(tree.sketch(plane, 1e-9, sides, sketch));
-    const CutResult cut = cutPart(whole, mesh.vertices, plane, 1e-9, n);
-    for (std::size_t k = 0; k < keyframes.size(); ++k) {
-      std::vector<Vec3> all = keyframes[k];
-      for (const CutPoint& c : cut.newPoints) {
-        all.push_back(c.lambda * all[static_cast<std::size_t>(c.first)] +
-                      (1.0 - c.lambda) * all[static_cast<std::size_t>(c.second)]);
-      }
-      std::vector<Vec3> gathered;
-      tree.gatherAbove(sketch, k, gathered);
-      EXPECT_NEAR(convexHullVolume(gathered), partHull(cut.above, all).volume, 1e-9);
-      tree.gatherBelow(sketch, k, gathered);
-      EXPECT_NEAR(convexHullVolume(gathered), partHull(cut.below, all).volume, 1e-9);
-    }
-  }
-  PlaneSides sides;
-  PartTree::Sketch sketch;
-  EXPECT_FALSE(tree.sketch({Vec3::UnitX(), 5.0}, 1e-9, sides, sketch));
 }
 
 /// Joins parts from `count` on to those that they came from, as the order of detail promises.

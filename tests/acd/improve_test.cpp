@@ -1,0 +1,79 @@
+#include "acd/improve.h"
+
+#include "acd/decompose.h"
+#include "acd/transfer.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+
+namespace lorica {
+namespace {
+
+/// A torus cut into quarters badly: one slice of a quarter turn, one of half a turn less, and so on.
+struct CutTorus {
+  CutTorus()
+      : mesh(test::makeTorus(1.0, 0.4, 48, 16)), shop(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}) {
+    Part whole;
+    whole.triangles = mesh.triangles;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+      whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
+    whole.points = pointsUsedBy(whole.triangles);
+    std::vector<Part> pieces = {whole};
+    for (const Plane& plane : {Plane{Vec3::UnitX(), 0.0}, Plane{Vec3::UnitZ(), 0.9}}) {
+      std::vector<Part> next;
+      for (const Part& piece : pieces) {
+        CutResult cut = cutPart(piece, shop.points[0], plane, shop.onPlane[0], shop.pointCount());
+        shop.addCutPoints(cut.newPoints);
+        next.push_back(std::move(cut.above));
+        next.push_back(std::move(cut.below));
+      }
+      pieces = std::move(next);
+    }
+    for (Part& piece : pieces) parts.push_back(measure(std::move(piece), shop));
+  }
+  TriMesh mesh;
+  Workshop shop;
+  std::vector<Workpiece> parts;
+};
+
+double hullVolume(const std::vector<Workpiece>& parts) {
+  double sum = 0.0;
+  for (const Workpiece& part : parts) sum += part.totalHullVolume();
+  return sum;
+}
+
+TEST(Improve, SavesHullVolumeAndLosesNothing) {
+  CutTorus torus;
+  const double before = hullVolume(torus.parts);
+  SplitEffort effort;
+  effort.shortlist = 2;
+  effort.axisPlanes = 6;
+  ASSERT_TRUE(improve(torus.parts, torus.shop, effort, 6, [] { return true; }));
+  EXPECT_EQ(torus.parts.size(), 4u);
+  EXPECT_LT(hullVolume(torus.parts), 0.95 * before);
+  double volume = 0.0;
+  for (const Workpiece& part : torus.parts) {
+    volume += part.volume[0];
+    EXPECT_NEAR(partHull(part.part, torus.shop.points[0]).volume, part.hullVolume[0], 1e-9);
+    std::map<std::array<PointIndex, 2>, int> balance;
+    for (const Triangle& t : part.part.triangles) {
+      for (int e = 0; e < 3; ++e) {
+        ++balance[{t[e], t[(e + 1) % 3]}];
+        --balance[{t[(e + 1) % 3], t[e]}];
+      }
+    }
+    for (const auto& [edge, count] : balance) EXPECT_EQ(count, 0);
+  }
+  EXPECT_NEAR(volume, torus.shop.meshVolume[0], 1e-9);
+}
+
+TEST(Improve, CanBeCancelled) {
+  CutTorus torus;
+  EXPECT_FALSE(improve(torus.parts, torus.shop, {}, 6, [] { return false; }));
+}
+
+}  // namespace
+}  // namespace lorica
