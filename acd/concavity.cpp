@@ -27,6 +27,27 @@ bool sharedEdge(const Triangle& left, const Triangle& right, VertexIndex& from, 
   return false;
 }
 
+/// The unit vector that divides the angle from `a` to `b` in the ratio t : 1 - t. By halving the angle only, since
+/// sines differ in the last bit between mathematical libraries and no result may.
+Vec3 between(Vec3 a, Vec3 b, double t) {
+  if (t <= 0.0) return a;
+  if (t >= 1.0) return b;
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 sum = a + b;
+    if (sum.squaredNorm() <= 1e-18) return a;  // they point away from each other
+    const Vec3 middle = sum.normalized();
+    t *= 2.0;
+    if (t == 1.0) return middle;
+    if (t > 1.0) {
+      a = middle;
+      t -= 1.0;
+    } else {
+      b = middle;
+    }
+  }
+  return a;
+}
+
 double supportValue(std::span<const Vec3> points, const Vec3& direction, Vec3& where) {
   double best = -std::numeric_limits<double>::infinity();
   for (const Vec3& p : points) {
@@ -232,17 +253,12 @@ std::vector<Plane> planesThrough(const ConcaveEdge& edge, int count) {
   //     right ext.       left ext.          every half-plane between them leaves both sides convex
   const Vec3 leftExtension = -(edge.leftNormal.cross(edge.direction));
   const Vec3 rightExtension = edge.rightNormal.cross(edge.direction);
-  const double angle = std::atan2(leftExtension.cross(rightExtension).norm(), leftExtension.dot(rightExtension));
+  // They coincide when the faces fold onto each other: one plane is all there is.
+  if (leftExtension.cross(rightExtension).norm() <= 1e-9) count = 1;
   std::vector<Plane> planes;
   for (int i = 0; i < count; ++i) {
-    const double t = count == 1 ? 0.5 : static_cast<double>(i) / (count - 1);
-    // Spherical interpolation between the two extensions; they coincide when the faces fold onto each other.
-    Vec3 inPlane = leftExtension;
-    if (angle > 1e-9 && std::sin(angle) > 1e-9) {
-      inPlane = (std::sin((1.0 - t) * angle) * leftExtension + std::sin(t * angle) * rightExtension) / std::sin(angle);
-    } else if (i > 0) {
-      break;
-    }
+    const Vec3 inPlane =
+        between(leftExtension, rightExtension, count == 1 ? 0.5 : static_cast<double>(i) / (count - 1));
     const Vec3 normal = edge.direction.cross(inPlane).normalized();
     planes.push_back({normal, normal.dot(edge.point)});
   }

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kParts = 16;
 constexpr int kKeyframes = 12;
 /// Raise it when decompose() gives other parts for the same input, or caches of older programs would live on.
-constexpr std::uint64_t kAlgorithmVersion = 1;
+constexpr std::uint64_t kAlgorithmVersion = 2;
 
 /// Hash of all that the result depends on.
 std::uint64_t cacheKey(const TriMesh& mesh, const Keyframes& keyframes, const DecomposeSettings& settings) {

@@ -1,0 +1,55 @@
+#include "acd/decompose.h"
+#include "geometry/files.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <tuple>
+
+namespace lorica {
+namespace {
+
+/// A torus with a wave in it, twice as keyframes. Positions lie on a coarse grid, so that no mathematical library has a
+/// say in them.
+struct Subject {
+  Subject() : mesh(test::makeTorus(1.0, 0.4, 40, 20)) {
+    for (Vec3& v : mesh.vertices) v = snapped(v);
+    for (int k = 0; k < 2; ++k) {
+      for (const Vec3& v : mesh.vertices) keyframes.push_back(snapped(v + Vec3(0.0, 0.0, k * v.x() * v.x() * 0.3)));
+    }
+  }
+  static Vec3 snapped(const Vec3& v) {
+    return {std::round(v.x() * 1024.0) / 1024.0, std::round(v.y() * 1024.0) / 1024.0,
+            std::round(v.z() * 1024.0) / 1024.0};
+  }
+  TriMesh mesh;
+  std::vector<Vec3> keyframes;
+};
+
+/// What every compiler, at every level of optimisation, on any number of threads has to come to. These change when the
+/// algorithm does: then take the new ones, and raise kAlgorithmVersion in apps/decomposition_cache.cpp.
+class SameEverywhere : public ::testing::TestWithParam<std::tuple<DecomposePreset, const char*>> {};
+
+TEST_P(SameEverywhere, HashOfTheResult) {
+  const Subject subject;
+  const auto [preset, expected] = GetParam();
+  for (const int threads : {1, 2, 3, 8}) {
+    DecomposeSettings settings;
+    settings.maxParts = 7;
+    settings.preset = preset;
+    settings.threads = threads;
+    const Result<Decomposition> result =
+        decompose(subject.mesh, {subject.keyframes, static_cast<int>(subject.mesh.vertices.size())}, settings);
+    ASSERT_TRUE(result.ok());
+    EXPECT_EQ(hexDigits(hashOf(*result)), expected) << threads << " threads";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Presets, SameEverywhere,
+                         ::testing::Values(std::tuple(DecomposePreset::kPaper, "5793815ce8a66a8b"),
+                                           std::tuple(DecomposePreset::kFast, "5bd809c82aa73ed6"),
+                                           std::tuple(DecomposePreset::kQuality, "2b80f58765260798")));
+
+}  // namespace
+}  // namespace lorica
