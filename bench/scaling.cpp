@@ -56,7 +56,6 @@ TriMesh bumpyTorus(int vertexCount) {
 /// 1, 2, 5, 10, ... or 1, 2, 4, 8, ... from `first` to `last`, which is always one of them.
 std::vector<int> steps(int first, int last, bool decimal) {
   std::vector<int> values;
-  values.reserve(32);
   for (int v = first, turn = 0; v < last; ++turn) {
     values.push_back(v);
     v = !decimal ? 2 * v : turn % 3 == 1 ? v / 2 * 5 : 2 * v;
@@ -86,6 +85,7 @@ Result<std::string> measure(const Point& point, const Options& options) {
   } else {
     const Character character = makeMannequin();
     std::vector<std::vector<SkeletonFrame>> motions;
+    motions.reserve(kSyntheticMotionCount);
     for (int m = 0; m < kSyntheticMotionCount; ++m)
       motions.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
     Result<std::vector<Vec3>> sampled = sampleKeyframes(character, motions, point.keyframes);
