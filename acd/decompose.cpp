@@ -23,6 +23,8 @@ namespace {
 
 // A part whose hull exceeds it by less than this share of the mesh's volume is convex: there is nothing to gain.
 constexpr double kConvex = 1e-9;
+// A limit that no reasonable number of parts can keep is given up.
+constexpr std::size_t kMostParts = 4096;
 
 /// What a preset stands for.
 struct Plan {
@@ -74,6 +76,8 @@ Plan planFor(const DecomposeSettings& settings) {
   // With neither part count nor limit the parts end up convex: there is nothing to merge. One part needs no cut.
   const bool toTheEnd = settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0;
   if (toTheEnd || settings.maxParts == 1) plan.overCut = 1.0;
+  // And planes that pass by the concave edges would shave off crumb after crumb.
+  if (toTheEnd) plan.effort.axisPlanes = plan.effort.refinedPlanes = 0;
   return plan;
 }
 
@@ -133,8 +137,8 @@ class Decomposer {
       whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
     whole.points = pointsUsedBy(whole.triangles);
     addLeaf(std::move(whole));
-    auto limit = settings_.maxParts > 0 ? static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut))
-                                        : std::numeric_limits<std::size_t>::max();
+    std::size_t limit = limited() ? kMostParts : std::numeric_limits<std::size_t>::max();
+    if (settings_.maxParts > 0) limit = static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut));
     while (leaves_.size() < limit) {
       if (!goOn(leaves_.size(), limit)) return cancelled();
       if (met_ == 0 && limitsMet(leaves_)) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 
 namespace lorica {
@@ -13,6 +14,8 @@ namespace {
 
 // Points closer to a plane than this lie on it, relative to the diagonal of the mesh in that keyframe.
 constexpr double kOnPlane = 1e-9;
+// And what a distance from a plane is wrong by, relative to the largest coordinate: counts far from the origin.
+constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
 
 /// The same triangle with its smallest index first.
 Triangle canonical(Triangle t) {
@@ -27,7 +30,9 @@ Workshop::Workshop(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedM
     const std::span<const Vec3> frame = keyframes.keyframe(k);
     points.emplace_back(frame.begin(), frame.end());
     normals.push_back(unitNormals(mesh.triangles, frame));
-    onPlane.push_back(kOnPlane * boundsOf(frame).diagonal());
+    const Aabb box = boundsOf(frame);
+    const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+    onPlane.push_back(kOnPlane * box.diagonal() + kRounding * largest);
     meshVolume.push_back(signedVolume(frame, mesh.triangles));
   }
 }

@@ -365,7 +365,7 @@ HardMesh extremeSizes(Dice& dice) {
 
 HardMesh farFromTheOrigin(Dice& dice) {
   const HardMesh hard = dice.oneIn(2) ? still(solid(dice)) : cubesOnAGrid(dice);
-  const double distance = std::pow(10.0, dice.whole(2, 7));
+  const double distance = std::pow(10.0, dice.whole(2, 12));
   return still(shifted(hard.mesh, distance * dice.inBox(1.0)));
 }
 
