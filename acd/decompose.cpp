@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -136,7 +137,7 @@ class Decomposer {
     for (std::size_t i = 0; i < whole.triangles.size(); ++i)
       whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
     whole.points = pointsUsedBy(whole.triangles);
-    addLeaf(std::move(whole));
+    leaves_.push_back(leafOf(std::move(whole)));
     std::size_t limit = limited() ? kMostParts : std::numeric_limits<std::size_t>::max();
     if (settings_.maxParts > 0) limit = static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut));
     while (leaves_.size() < limit) {
@@ -217,11 +218,11 @@ class Decomposer {
     return settings_.maxDistance <= 0.0 || met_ > 0 || settings_.maxError > 0.0 || tooFar(leaf);
   }
 
-  void addLeaf(Part part) {
+  [[nodiscard]] Leaf leafOf(Part part) const {
     Leaf leaf;
     leaf.piece = measure(std::move(part), shop_);
     leaf.exhausted.resize(shop_.keyframeCount(), false);
-    leaves_.push_back(std::move(leaf));
+    return leaf;
   }
 
   /// r*: the keyframe with the largest error of those that are not exhausted; none when the part is convex.
@@ -279,6 +280,10 @@ class Decomposer {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return leaves_[a].piece.totalError() > leaves_[b].piece.totalError();
     });
+    // The two with the largest errors side by side; most often both have to be searched.
+    tbb::parallel_for(std::size_t{0}, std::min(order.size(), std::size_t{2}), [&](std::size_t i) {
+      if (worthCutting(leaves_[order[i]])) search(leaves_[order[i]]);
+    });
     std::optional<std::size_t> best;
     for (std::size_t i : order) {
       if (best && leaves_[i].piece.totalError() <= leaves_[*best].gain) break;
@@ -294,10 +299,9 @@ class Decomposer {
                             shop_.onPlane[split.keyframe], shop_.pointCount());
     shop_.addCutPoints(cut.newPoints);
     splitFrom_.push_back(static_cast<PartIndex>(index));
-    addLeaf(std::move(cut.above));
-    std::swap(leaves_[index], leaves_.back());
-    leaves_.pop_back();
-    addLeaf(std::move(cut.below));
+    leaves_.emplace_back();
+    tbb::parallel_invoke([&] { leaves_[index] = leafOf(std::move(cut.above)); },
+                         [&] { leaves_.back() = leafOf(std::move(cut.below)); });
   }
 
   /// Algorithm 1, last line: components that no plane could separate become parts of their own. Shells inside out (the
@@ -321,7 +325,7 @@ class Decomposer {
       rest.points = pointsUsedBy(rest.triangles);
       splitFrom_.push_back(static_cast<PartIndex>(i));
       leaves_[i].piece = measure(std::move(first), shop_);
-      addLeaf(std::move(rest));
+      leaves_.push_back(leafOf(std::move(rest)));
     }
   }
 

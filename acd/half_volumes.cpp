@@ -2,6 +2,7 @@
 
 #include "geometry/convex_hull.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <Eigen/Eigenvalues>
 
@@ -103,15 +104,19 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
       own.y[i] = p.y();
       own.z[i] = p.z();
     }
-    for (std::size_t n = nodes.size(); n-- > 0;) {
-      Support& support = supports_[n * tree.keyframeCount() + k];
-      if (nodes[n].second < 0) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), 256), [&](const auto& range) {
+      for (std::size_t n = range.begin(); n < range.end(); ++n) {
+        if (nodes[n].second >= 0) continue;
+        Support& support = supports_[n * tree.keyframeCount() + k];
         support.clear();
         include(support, own, tree.pointsOf(static_cast<std::int32_t>(n)), 0, nullptr);
-      } else {
-        support = supports_[(n + 1) * tree.keyframeCount() + k];
-        include(support, supports_[static_cast<std::size_t>(nodes[n].second) * tree.keyframeCount() + k]);
       }
+    });
+    for (std::size_t n = nodes.size(); n-- > 0;) {
+      if (nodes[n].second < 0) continue;
+      Support& support = supports_[n * tree.keyframeCount() + k];
+      support = supports_[(n + 1) * tree.keyframeCount() + k];
+      include(support, supports_[static_cast<std::size_t>(nodes[n].second) * tree.keyframeCount() + k]);
     }
   });
 }

@@ -3,6 +3,7 @@
 #include "geometry/convex_hull.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
@@ -80,24 +81,41 @@ class Improver {
     return true;
   }
 
-  /// Cuts unions anew, those with most to save first, until that helps or the budget is spent.
+  /// Cuts unions anew, those with most to save first, until that helps or patience ends. Two at a time, whatever the
+  /// number of threads; when the first one helps, the second counts as not tried.
   bool recut() {
+    struct Trial {
+      Pair* pair;
+      Workpiece joined;
+      std::optional<Split> split;
+    };
     while (failures_ < patience_) {
-      Pair* next = nullptr;
-      for (Pair& pair : pairs_) {
-        if (!pair.tried && pair.excess > worthwhile_ && (next == nullptr || pair.excess > next->excess)) next = &pair;
+      std::vector<Trial> trials;
+      for (int i = 0; i < 2; ++i) {
+        Pair* next = nullptr;
+        for (Pair& pair : pairs_) {
+          if (!pair.tried && pair.excess > worthwhile_ && (next == nullptr || pair.excess > next->excess)) next = &pair;
+        }
+        if (next == nullptr) break;
+        next->tried = true;
+        trials.push_back({next, {}, {}});
       }
-      if (next == nullptr) return false;
-      next->tried = true;
-      ++failures_;
-      const Pair pair = *next;
-      const Workpiece joined = join(pair.a, pair.b);
-      const auto split = bestSplit(joined, worstKeyframe(joined), shop_, effort_);
-      const double before = parts_[pair.a].totalHullVolume() + parts_[pair.b].totalHullVolume();
-      if (!split || before - split->hullVolume <= worthwhile_) continue;
-      failures_ = 0;
-      divide(joined.part, *split, pair.a, pair.b);
-      return true;
+      if (trials.empty()) return false;
+      tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
+        Trial& trial = trials[i];
+        trial.joined = join(trial.pair->a, trial.pair->b);
+        trial.split = bestSplit(trial.joined, worstKeyframe(trial.joined), shop_, effort_);
+      });
+      for (Trial& trial : trials) {
+        ++failures_;
+        const Pair pair = *trial.pair;
+        const double before = parts_[pair.a].totalHullVolume() + parts_[pair.b].totalHullVolume();
+        if (!trial.split || before - trial.split->hullVolume <= worthwhile_) continue;
+        failures_ = 0;
+        if (&trial != &trials.back()) trials.back().pair->tried = false;
+        divide(trial.joined.part, *trial.split, pair.a, pair.b);
+        return true;
+      }
     }
     return false;
   }
@@ -139,14 +157,14 @@ class Improver {
       }
     }
     tbb::parallel_for(first, pairs_.size(), [&](std::size_t i) { pairs_[i].cost = costOf(pairs_[i]); });
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
+    tbb::parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t i) {
       Own& own = own_[i];
-      if (own.known) continue;
+      if (own.known) return;
       own.known = true;
-      if (parts_[i].totalError() <= worthwhile_) continue;
+      if (parts_[i].totalError() <= worthwhile_) return;
       own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), shop_, effort_);
       if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
-    }
+    });
   }
 
   [[nodiscard]] double costOf(const Pair& pair) const {
@@ -167,8 +185,11 @@ class Improver {
     CutResult cut =
         cutPart(part, shop_.points[split.keyframe], split.plane, shop_.onPlane[split.keyframe], shop_.pointCount());
     shop_.addCutPoints(cut.newPoints);
-    replace(a, measure(std::move(cut.above), shop_));
-    replace(b, measure(std::move(cut.below), shop_));
+    Workpiece above, below;
+    tbb::parallel_invoke([&] { above = measure(std::move(cut.above), shop_); },
+                         [&] { below = measure(std::move(cut.below), shop_); });
+    replace(a, std::move(above));
+    replace(b, std::move(below));
   }
 
   void replace(std::size_t i, Workpiece piece) {

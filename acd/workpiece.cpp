@@ -60,11 +60,14 @@ double Workpiece::totalHullVolume() const {
 Workpiece measure(Part part, const Workshop& shop) {
   Workpiece w;
   w.part = std::move(part);
-  w.creases = creasesOf(w.part);
   w.volume.resize(shop.keyframeCount());
   w.hullVolume.resize(shop.keyframeCount());
   w.hullPoints.resize(shop.keyframeCount());
-  tbb::parallel_for(std::size_t{0}, shop.keyframeCount(), [&](std::size_t k) {
+  tbb::parallel_for(std::size_t{0}, shop.keyframeCount() + 1, [&](std::size_t k) {
+    if (k == shop.keyframeCount()) {
+      w.creases = creasesOf(w.part);
+      return;
+    }
     thread_local std::vector<Vec3> own;
     own.clear();
     for (PointIndex p : w.part.points) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
