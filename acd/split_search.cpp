@@ -5,6 +5,7 @@
 #include "geometry/convex_hull.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -24,18 +25,19 @@ constexpr double kSolid = 1e-9;
 class SplitSearch {
  public:
   SplitSearch(const Workpiece& piece, std::size_t keyframe, const Workshop& shop, const SplitEffort& effort)
-      : piece_(piece),
-        keyframe_(keyframe),
-        shop_(shop),
-        effort_(effort),
-        tree_(piece.part, shop.points, keyframe),
-        volumes_(tree_, effort.shortlist == 0) {
-    if (effort.shortlist > 0) estimates_.emplace(tree_);
+      : piece_(piece), keyframe_(keyframe), shop_(shop), effort_(effort) {
     for (PointIndex p : piece.hullPoints[keyframe]) hullPoints_.push_back(points()[static_cast<std::size_t>(p)]);
   }
 
   std::optional<Split> run() {
-    std::vector<Plane> planes = candidates();
+    // What planes to try does not depend on what they are tried with.
+    std::vector<Plane> planes;
+    tbb::parallel_invoke([&] { planes = candidates(); },
+                         [&] {
+                           tree_.emplace(piece_.part, shop_.points, keyframe_);
+                           volumes_.emplace(*tree_, effort_.shortlist == 0);
+                           if (effort_.shortlist > 0) estimates_.emplace(*tree_);
+                         });
     if (estimates_) planes = shortlist(planes);
     const std::vector<double> scores = scoreAll(planes);
     const auto best = std::min_element(scores.begin(), scores.end());
@@ -117,7 +119,7 @@ class SplitSearch {
   /// About the sum of both halves' hull volumes over all keyframes; infinity when the plane does not divide the part.
   [[nodiscard]] double estimate(const Plane& plane) const {
     thread_local PartTree::Sketch sketch;
-    if (!tree_.sketch(plane, shop_.onPlane[keyframe_], sketch)) return kInfinity;
+    if (!tree_->sketch(plane, shop_.onPlane[keyframe_], sketch)) return kInfinity;
     const auto [above, below] = estimates_->volumes(sketch);
     return above + below + effort_.balance * piece_.totalError() * std::abs(above - below) / (above + below);
   }
@@ -140,7 +142,7 @@ class SplitSearch {
   /// the sum must exceed `toBeat`, since hulls hold at least the part itself.
   [[nodiscard]] double score(const Plane& plane, double toBeat, double balance, double tolerance) const {
     thread_local PartTree::Sketch sketch;
-    if (!tree_.sketch(plane, shop_.onPlane[keyframe_], sketch)) return kInfinity;
+    if (!tree_->sketch(plane, shop_.onPlane[keyframe_], sketch)) return kInfinity;
     const double smallest = kSolid * std::abs(shop_.meshVolume[keyframe_]);
     double rest = std::accumulate(piece_.volume.begin(), piece_.volume.end(), 0.0);
     double total = 0.0, sumAbove = 0.0;
@@ -148,8 +150,8 @@ class SplitSearch {
     for (std::size_t i = 0; i < frameCount; ++i) {
       const std::size_t k = (keyframe_ + i) % frameCount;  // the plane's own keyframe first: it refuses flat halves
       rest -= piece_.volume[k];
-      const double above = volumes_.above(sketch, k, tolerance);
-      const double below = volumes_.below(sketch, k, tolerance);
+      const double above = volumes_->above(sketch, k, tolerance);
+      const double below = volumes_->below(sketch, k, tolerance);
       if (i == 0 && (above <= smallest || below <= smallest)) return kInfinity;
       total += above + below;
       sumAbove += above;
@@ -204,8 +206,8 @@ class SplitSearch {
   std::size_t keyframe_;
   const Workshop& shop_;
   const SplitEffort& effort_;
-  PartTree tree_;
-  HalfVolumes volumes_;
+  std::optional<PartTree> tree_;
+  std::optional<HalfVolumes> volumes_;
   std::optional<HalfEstimates> estimates_;
   std::vector<Vec3> hullPoints_;  // of the part in the keyframe
 };
