@@ -145,6 +145,7 @@ class Decomposer {
       if (met_ == 0 && limitsMet(leaves_)) {
         // Cut some more, so that merging has a choice; it stops where the limits still hold.
         met_ = leaves_.size();
+        for (const Leaf& leaf : leaves_) atLimit_.push_back(leaf.piece);
         limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * plan_.overCut)));
         continue;
       }
@@ -381,8 +382,8 @@ class Decomposer {
   /// The fewest parts that still keep the limits, as far as fewer parts are worse; at most `most` where that is kept.
   [[nodiscard]] std::vector<Workpiece> mergedWithinLimits(const std::vector<Workpiece>& pieces,
                                                           std::size_t most) const {
-    std::size_t kept = pieces.size(), broken = 0;
-    std::vector<Workpiece> best = pieces;
+    std::size_t kept = atLimit_.size(), broken = 0;
+    std::vector<Workpiece> best = atLimit_;
     while (broken + 1 < kept) {
       const std::size_t count = std::min((broken + kept) / 2, most);
       std::vector<Workpiece> tried = merged(pieces, count);
@@ -403,7 +404,8 @@ class Decomposer {
   Workshop shop_;
   std::vector<Leaf> leaves_;
   std::vector<PartIndex> splitFrom_;
-  std::size_t met_ = 0;  // pieces when the limits were first met; 0 = not yet
+  std::size_t met_ = 0;             // pieces when the limits were first met; 0 = not yet
+  std::vector<Workpiece> atLimit_;  // those pieces: cutting on can take a hull farther from what is left of its surface
 };
 
 }  // namespace

@@ -38,12 +38,21 @@ class SplitSearch {
                            volumes_.emplace(*tree_, effort_.shortlist == 0);
                            if (effort_.shortlist > 0) estimates_.emplace(*tree_);
                          });
-    if (estimates_) planes = shortlist(planes);
-    const std::vector<double> scores = scoreAll(planes);
-    const auto best = std::min_element(scores.begin(), scores.end());
-    if (best == scores.end() || std::isinf(*best)) return std::nullopt;
-    const Plane& plane = planes[static_cast<std::size_t>(best - scores.begin())];
-    return Split{plane, keyframe_, score(plane, kInfinity, 0.0, kExact)};
+    std::size_t few = planes.size();
+    if (estimates_) {
+      planes = ranked(planes);
+      few = static_cast<std::size_t>(effort_.shortlist + effort_.refinedPlanes);
+    }
+    // Where none of the few leaves solid on both sides, the next ones are looked at.
+    for (std::size_t first = 0; first < planes.size(); first += few) {
+      const std::span<const Plane> here = std::span(planes).subspan(first, std::min(few, planes.size() - first));
+      const std::vector<double> scores = scoreAll(here);
+      const auto best = std::min_element(scores.begin(), scores.end());
+      if (std::isinf(*best)) continue;
+      const Plane& plane = here[static_cast<std::size_t>(best - scores.begin())];
+      return Split{plane, keyframe_, score(plane, kInfinity, 0.0, kExact)};
+    }
+    return std::nullopt;
   }
 
  private:
@@ -90,8 +99,8 @@ class SplitSearch {
     }
   }
 
-  /// The planes worth a closer look, best estimate first.
-  [[nodiscard]] std::vector<Plane> shortlist(const std::vector<Plane>& planes) const {
+  /// The planes that divide the part: the best ones refined, then all, best estimate first.
+  [[nodiscard]] std::vector<Plane> ranked(const std::vector<Plane>& planes) const {
     std::vector<double> estimates(planes.size());
     tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) { estimates[i] = estimate(planes[i]); });
     std::vector<std::size_t> order;
@@ -100,11 +109,6 @@ class SplitSearch {
     }
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return estimates[a] < estimates[b]; });
-    std::vector<Plane> chosen;
-    for (std::size_t i : order) {
-      if (static_cast<int>(chosen.size()) == effort_.shortlist) break;
-      chosen.push_back(planes[i]);
-    }
     // Refining starts from the best planes that differ; the results compete with all others.
     std::vector<Plane> starts;
     for (std::size_t i : order) {
@@ -112,8 +116,11 @@ class SplitSearch {
       const bool known = std::any_of(starts.begin(), starts.end(), [&](const Plane& s) { return close(s, planes[i]); });
       if (!known) starts.push_back(planes[i]);
     }
-    for (const Plane& start : starts) chosen.push_back(refine(start));
-    return chosen;
+    std::vector<Plane> result;
+    result.reserve(starts.size() + order.size());
+    for (const Plane& start : starts) result.push_back(refine(start));
+    for (std::size_t i : order) result.push_back(planes[i]);
+    return result;
   }
 
   /// About the sum of both halves' hull volumes over all keyframes; infinity when the plane does not divide the part.
