@@ -9,7 +9,6 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -131,17 +130,19 @@ class SplitSearch {
     return above + below + effort_.balance * piece_.totalError() * std::abs(above - below) / (above + below);
   }
 
-  /// Scores planes in parallel. A plane that cannot be the best one any more is given up and scores infinity; the best
-  /// one never is, so the choice does not depend on which thread finishes first.
+  /// Scores planes in parallel. A plane that is unlikely to be the best one any more is given up and scores infinity.
+  /// What is best so far changes only after a batch of planes, so that the choice does not depend on which thread
+  /// finishes first.
   [[nodiscard]] std::vector<double> scoreAll(std::span<const Plane> planes) const {
+    constexpr std::size_t kBatch = 8;
     std::vector<double> scores(planes.size());
-    std::atomic<double> best = kInfinity;
-    tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) {
-      scores[i] = score(planes[i], best.load(), effort_.balance, effort_.coarse);
-      double known = best.load();
-      while (scores[i] < known && !best.compare_exchange_weak(known, scores[i])) {
-      }
-    });
+    double best = kInfinity;
+    for (std::size_t first = 0; first < planes.size(); first += kBatch) {
+      const std::size_t last = std::min(first + kBatch, planes.size());
+      tbb::parallel_for(first, last,
+                        [&](std::size_t i) { scores[i] = score(planes[i], best, effort_.balance, effort_.coarse); });
+      for (std::size_t i = first; i < last; ++i) best = std::min(best, scores[i]);
+    }
     return scores;
   }
 
