@@ -155,7 +155,7 @@ class Decomposer {
     }
     if (settings_.maxParts == 0 && !limited()) separateComponents();
     Result<Decomposition> result = finish();
-    (void)goOn(limit, limit);  // the result is there: whoever cancels now is too late
+    (void)goOn(leaves_.size(), leaves_.size());  // the result is there: whoever cancels now is too late
     return result;
   }
 

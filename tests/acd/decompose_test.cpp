@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -227,6 +228,17 @@ TEST(Transfer, CutPointsFollowInTheOrderOfTheirCreation) {
   const std::vector<Vec3> points = carried(d, posed);
   EXPECT_EQ(points[3], Vec3(3, 0, 0));
   EXPECT_EQ(points[4], Vec3(1.5, 4, 0));
+}
+
+TEST(Decompose, TellsHowManyPartsThereAreWhenNoneWereAskedFor) {
+  std::vector<int> told;
+  const Decomposition d = decomposed(test::makeTorus(1.0, 0.4, 12, 6), {.maxParts = 0, .progress = [&](int done, int) {
+                                                                          told.push_back(done);
+                                                                          return true;
+                                                                        }});
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(*std::min_element(told.begin(), told.end()), 1);
+  EXPECT_EQ(told.back(), static_cast<int>(d.parts.size()));
 }
 
 TEST(Transfer, RigidMotionMovesPartsRigidly) {
