@@ -21,6 +21,7 @@ constexpr int kRoundsBetween = 2;  // of moving vertices, between two rounds of 
 constexpr int kRoundsLast = 40;
 constexpr double kRoundGain = 1e-4;  // of the volume, for another round to be worth it
 constexpr double kTight = 1e-14;     // of the diagonal: what still counts as inside
+constexpr double kLost = 1e-3;  // a shell that must grow by more than this to hold its body has lost it to rounding
 
 /// Coordinates in which a body is as wide in all directions. Ratios of volumes are the same in them.
 struct OwnAxes {
@@ -144,7 +145,9 @@ ConvexHull shrunkShell(std::span<const Vec3> body, int maxVertices) {
   if (around.degenerate()) return {};
   OuterShell shell(around, body, Vec3::Zero());
   shell.relax(kRoundsLast, kRoundGain);
-  return convexHull(shell.vertices());
+  ConvexHull last = convexHull(shell.vertices());
+  if (!last.degenerate() && scaleToHold(last, body) > 1.0 + kLost) return {};
+  return last;
 }
 
 ConvexHull tetrahedronAround(std::span<const Vec3> body) {

@@ -259,7 +259,7 @@ TEST(Transfer, PosedSurfaceStaysInsideTheHullsInEveryPose) {
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   for (int trial = 0; trial < 20; ++trial) {
     std::vector<Vec3> posed = mesh.vertices;
-    for (Vec3& v : posed) v += 0.5 * Vec3(uniform(), uniform(), uniform());  // no pose that anyone trained
+    for (Vec3& v : posed) v += 0.5 * Vec3{uniform(), uniform(), uniform()};  // no pose that anyone trained
     const std::vector<Vec3> points = carried(d, posed);
     const std::vector<ConvexHull> hulls = partHulls(d, points);
     for (int sample = 0; sample < 200; ++sample) {

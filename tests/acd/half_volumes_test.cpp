@@ -37,7 +37,7 @@ std::vector<Vec3> randomPoints(int count) {
   std::mt19937_64 random(5);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
   std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) points.emplace_back(uniform(), uniform(), uniform());
+  for (int i = 0; i < count; ++i) points.push_back(Vec3{uniform(), uniform(), uniform()});
   return points;
 }
 

@@ -116,8 +116,8 @@ TEST(HullDistance, RigidMotionAndScaleDoNotMatter) {
   std::normal_distribution<double> normal;
   for (const double scale : {1e-6, 1.0, 1e6}) {
     SCOPED_TRACE(scale);
-    const Quat rotation = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
-    const Vec3 shift(normal(random), normal(random), normal(random));
+    const Quat rotation = Quat{normal(random), normal(random), normal(random), normal(random)}.normalized();
+    const Vec3 shift{normal(random), normal(random), normal(random)};
     const double found = distanceOf(moved(test::makeLShape(), rotation, scale, shift)) / scale;
     EXPECT_NEAR(found, 0.505, 0.0051);
   }
@@ -168,7 +168,7 @@ TEST(NearestTriangle, NamesTheTriangleThatIsNearest) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto point = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const auto point = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   std::vector<std::array<Vec3, 3>> triangles;
   for (int i = 0; i < 200; ++i) triangles.push_back({point(), point(), point()});
   const NearestTriangle tree(triangles);

@@ -141,9 +141,9 @@ TEST(Score, RigidMotionAndScaleDoNotMatter) {
                                       test::makeBox({0.0, 0.7, 0.0}, {1.2, 2.2, 1.1})};
   const Score still = scoreOf(l, parts);
   for (int i = 0; i < 5; ++i) {
-    const Quat rotation = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+    const Quat rotation = Quat{normal(random), normal(random), normal(random), normal(random)}.normalized();
     const double scale = std::exp(normal(random));
-    const Vec3 shift(normal(random), normal(random), normal(random));
+    const Vec3 shift{normal(random), normal(random), normal(random)};
     const auto moved = [&](TriMesh mesh) {
       for (Vec3& p : mesh.vertices) p = scale * (rotation * p + shift);
       return mesh;
@@ -227,7 +227,7 @@ TEST(NearestTriangle, AgreesWithTryingAll) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto point = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const auto point = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   std::vector<std::array<Vec3, 3>> triangles;
   for (int i = 0; i < 300; ++i) {
     const Vec3 a = 3.0 * point();
@@ -249,7 +249,7 @@ TEST(NearestTriangle, DistanceToOneTriangleAgreesWithManyPointsOnIt) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto point = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const auto point = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   for (int i = 0; i < 50; ++i) {
     const std::array<Vec3, 3> t = {point(), point(), point()};
     const Vec3 p = point();

@@ -40,7 +40,7 @@ TEST(SmallLp, AgreesWithAllCornersOneByOne) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   int feasible = 0, infeasible = 0;
   for (int run = 0; run < 300; ++run) {
     SCOPED_TRACE(run);

@@ -17,7 +17,7 @@ std::vector<Vec3> randomPoints(int count, unsigned seed, bool onSphere) {
   std::vector<Vec3> points;
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2.0 - 1.0; };
   while (static_cast<int>(points.size()) < count) {
-    const Vec3 p(uniform(), uniform(), uniform());
+    const Vec3 p{uniform(), uniform(), uniform()};
     if (p.norm() > 1.0 || p.norm() < 0.1) continue;
     points.push_back(onSphere ? p.normalized() : p);
   }

@@ -64,9 +64,9 @@ TEST(SignedVolume, RigidMotionScaleAndDistanceFromTheOriginDoNotMatter) {
   std::normal_distribution<double> normal;
   const TriMesh torus = test::makeTorus(1.0, 0.3, 24, 12);
   for (int i = 0; i < 20; ++i) {
-    const Quat rotation = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+    const Quat rotation = Quat{normal(random), normal(random), normal(random), normal(random)}.normalized();
     const double scale = std::exp(normal(random));
-    const Vec3 shift = 1e6 * Vec3(normal(random), normal(random), normal(random));
+    const Vec3 shift = 1e6 * Vec3{normal(random), normal(random), normal(random)};
     TriMesh moved = torus;
     for (Vec3& p : moved.vertices) p = scale * (rotation * p) + shift;
     // A position at 1e6 has a rounding error of 1e-10.
