@@ -2,6 +2,7 @@
 
 #include "acd/byte_reader.h"
 #include "acd/decomposition_file_version1.h"
+#include "acd/decomposition_file_version3.h"
 #include "acd/packed_numbers.h"
 #include "geometry/files.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 // docs/LORICA_FILE.md describes the layout. A change of it raises kVersion, and older versions stay readable.
 constexpr std::string_view kMagic = "LORICA\r\n";  // the line end betrays a transfer in text mode
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 
@@ -133,6 +134,8 @@ class Writer {
     }
   }
 
+  void putVersion3(const DecompositionFile& content) { appendVersion3(content, payload_); }
+
   [[nodiscard]] std::string file() const {
     std::string bytes(kMagic);
     bytes.reserve(kHeaderBytes + payload_.size());
@@ -163,6 +166,7 @@ std::string encode(const DecompositionFile& content) {
   for (const Part& part : decomposition.parts) writer.putPart(part);
   writer.putLadder(content.ladder);
   writer.putBones(content.bonesOfPart);
+  writer.putVersion3(content);
   return writer.file();
 }
 
@@ -346,7 +350,8 @@ void takeBones(ByteReader& reader, DecompositionFile& content) {
   }
 }
 
-DecompositionFile takeVersion2(ByteReader& reader) {
+/// Takes versions 2 and 3, of which the newer one has more at the end.
+DecompositionFile takeVersion2Or3(ByteReader& reader, std::uint32_t version) {
   DecompositionFile content;
   Scratch scratch;
   takeDescription(reader, content);
@@ -355,6 +360,7 @@ DecompositionFile takeVersion2(ByteReader& reader) {
   takeParts(reader, content.decomposition, scratch);
   takeLadder(reader, content);
   takeBones(reader, content);
+  if (version >= 3) takeVersion3(reader, content);
   return content;
 }
 
@@ -390,7 +396,7 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
   }
 
   ByteReader reader(bytes, kHeaderBytes, fileName);
-  DecompositionFile content = version == 1 ? takeVersion1(reader) : takeVersion2(reader);
+  DecompositionFile content = version == 1 ? takeVersion1(reader) : takeVersion2Or3(reader, version);
   if (reader.ok() && reader.left() > 0) {
     reader.fail(reader.offset(), fmt::format("{} bytes are left after the end", reader.left()));
   }

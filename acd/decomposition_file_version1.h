@@ -9,7 +9,7 @@ namespace lorica {
 /// @return the content as far as the reader succeeded: see ByteReader::ok
 [[nodiscard]] DecompositionFile takeVersion1(ByteReader& reader);
 
-/// What versions 1 and 2 begin with alike: from the source's name to the mesh's triangle count.
+/// What all versions begin with alike: from the source's name to the mesh's triangle count.
 void takeDescription(ByteReader& reader, DecompositionFile& content);
 
 }  // namespace lorica

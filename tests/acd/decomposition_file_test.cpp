@@ -36,12 +36,45 @@ DecompositionFile sampleOfVersion1() {
   return content;
 }
 
-/// The same with all that is known today.
-DecompositionFile sample() {
+/// The same with what version 2 added.
+DecompositionFile sampleOfVersion2() {
   DecompositionFile content = sampleOfVersion1();
   content.ladder = {{0.5, 0.75, 10}, {0.125, 0.25, 14}};
   content.bonesOfPart = {{{"hips", 0.75}, {"spine", 0.25}}, {{"spine", 1.0}}};
   return content;
+}
+
+/// The same with all that is known today.
+DecompositionFile sample() {
+  DecompositionFile content = sampleOfVersion2();
+  content.cover = CoverPromise{};
+  content.cover->tolerance = 0.01;
+  content.cover->maxHullVertices = 64;
+  content.cover->points = {{{12, {0.0, 0.5, -0.25}}, {0, {0, 0, 0}}, {12, {1e-3, 0, 0}}}, {{3, {0, 0, 0}}}};
+  content.cover->sampledPoses = 2000;
+  content.cover->heldOutPoses = 500;
+  content.cover->growth = 0.6;
+  content.cover->sampledShortfall = 0.004;
+  content.cover->heldOutShortfall = 0.0;
+  return content;
+}
+
+void expectEqual(const CoverPromise& a, const CoverPromise& b) {
+  EXPECT_EQ(a.tolerance, b.tolerance);
+  EXPECT_EQ(a.maxHullVertices, b.maxHullVertices);
+  EXPECT_EQ(a.sampledPoses, b.sampledPoses);
+  EXPECT_EQ(a.heldOutPoses, b.heldOutPoses);
+  EXPECT_EQ(a.growth, b.growth);
+  EXPECT_EQ(a.sampledShortfall, b.sampledShortfall);
+  EXPECT_EQ(a.heldOutShortfall, b.heldOutShortfall);
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    ASSERT_EQ(a.points[i].size(), b.points[i].size());
+    for (std::size_t k = 0; k < a.points[i].size(); ++k) {
+      EXPECT_EQ(a.points[i][k].point, b.points[i][k].point);
+      EXPECT_EQ(a.points[i][k].outward, b.points[i][k].outward);
+    }
+  }
 }
 
 void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
@@ -81,6 +114,8 @@ void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
       EXPECT_EQ(a.bonesOfPart[i][k].share, b.bonesOfPart[i][k].share);
     }
   }
+  ASSERT_EQ(a.cover.has_value(), b.cover.has_value());
+  if (a.cover) expectEqual(*a.cover, *b.cover);
 }
 
 std::filesystem::path keptFile(const char* name) {
@@ -166,6 +201,35 @@ TEST(DecompositionFile, WhatIsNotKnownStaysSo) {
   expectEqual(*read, sampleOfVersion1());
 }
 
+TEST(DecompositionFile, CoverPointsThatStayOnTheSurfaceTakeOneOrTwoBytesEach) {
+  const TriMesh torus = test::makeTorus(2.0, 0.5, 60, 40);
+  DecompositionFile content;
+  Decomposition& d = content.decomposition;
+  d.vertexCount = static_cast<int>(torus.vertices.size());
+  d.triangleCount = static_cast<int>(torus.triangles.size());
+  d.parts.resize(1);
+  d.parts[0].triangles = torus.triangles;
+  d.parts[0].sourceTriangle.assign(torus.triangles.size(), 0);
+  for (PointIndex p = 0; p < d.vertexCount; ++p) d.parts[0].points.push_back(p);
+  const TemporaryFolder folder;
+  const auto sizeOf = [&] {
+    const auto file = folder.path() / "torus.lorica";
+    EXPECT_TRUE(writeDecomposition(file, content).ok());
+    const auto read = readDecomposition(file);
+    EXPECT_TRUE(read.ok());
+    expectEqual(*read, content);
+    return std::filesystem::file_size(file);
+  };
+  const std::uintmax_t without = sizeOf();
+  content.cover = CoverPromise{};
+  content.cover->points.resize(1);
+  for (PointIndex p = 0; p < d.vertexCount; p += 3) content.cover->points[0].push_back({p, Vec3::Zero()});
+  const std::size_t count = content.cover->points[0].size();
+  EXPECT_LE(sizeOf(), without + 64 + count + (count + 3) / 4);
+  content.cover->points[0].back().outward.x() = 0.001;
+  EXPECT_GT(sizeOf(), without + 24 * count);
+}
+
 TEST(DecompositionFile, RealDecompositionSurvives) {
   const TriMesh torus = test::makeTorus(2.0, 0.5, 24, 12);
   const PoseView pose{torus.vertices, static_cast<int>(torus.vertices.size())};
@@ -212,20 +276,44 @@ TEST(DecompositionFile, Version1StillLoads) {
   EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
 }
 
-TEST(DecompositionFile, Version2StillLoadsAndIsStillWritten) {
+TEST(DecompositionFile, Version2StillLoads) {
   const auto read = readDecomposition(keptFile("version2.lorica"));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, sampleOfVersion2());
+  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
+}
+
+TEST(DecompositionFile, Version3StillLoadsAndIsStillWritten) {
+  const auto read = readDecomposition(keptFile("version3.lorica"));
   ASSERT_TRUE(read.ok()) << read.error().message;
   expectEqual(*read, sample());
   EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
   // Other bytes for the same content are another version.
-  EXPECT_EQ(sampleBytes(), *readFile(keptFile("version2.lorica")));
+  EXPECT_EQ(sampleBytes(), *readFile(keptFile("version3.lorica")));
+}
+
+/// What a promise is trusted for once it was read.
+void expectUsable(const CoverPromise& cover, const Decomposition& d) {
+  for (const double value : {cover.tolerance, cover.growth, cover.sampledShortfall, cover.heldOutShortfall}) {
+    ASSERT_TRUE(std::isfinite(value) && value >= 0.0);
+  }
+  ASSERT_TRUE(cover.maxHullVertices >= 0 && cover.sampledPoses >= 0 && cover.heldOutPoses >= 0);
+  ASSERT_EQ(cover.points.size(), d.parts.size());
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    const std::vector<PointIndex>& own = d.parts[i].points;
+    for (const CoverPoint& point : cover.points[i]) {
+      ASSERT_TRUE(std::binary_search(own.begin(), own.end(), point.point));
+      ASSERT_TRUE(point.outward.allFinite());
+    }
+  }
 }
 
 class KeptVersion : public testing::TestWithParam<const char*> {
  protected:
   const std::string bytes = *readFile(keptFile(GetParam()));
 };
-INSTANTIATE_TEST_SUITE_P(DecompositionFile, KeptVersion, testing::Values("version1.lorica", "version2.lorica"),
+INSTANTIATE_TEST_SUITE_P(DecompositionFile, KeptVersion,
+                         testing::Values("version1.lorica", "version2.lorica", "version3.lorica"),
                          [](const auto& chosen) { return std::string(chosen.param, 8); });
 
 TEST_P(KeptVersion, EveryDamagedByteIsRefused) {
@@ -285,12 +373,21 @@ TEST_P(KeptVersion, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
         ASSERT_TRUE(std::isfinite(level.meanError) && std::isfinite(level.worstError) && level.hullVertices >= 0);
       }
       ASSERT_TRUE(read->bonesOfPart.empty() || read->bonesOfPart.size() == d.parts.size());
+      if (read->cover) expectUsable(*read->cover, d);
     }
   }
 }
 
+/// The bytes with one value replaced and the checksum set right.
+template <typename T>
+std::string changedAt(const std::string& bytes, std::size_t at, T value) {
+  std::string changed = bytes.substr(0, at);
+  appendLittleEndian(value, changed);
+  return resealed(changed + bytes.substr(changed.size()));
+}
+
 TEST(DecompositionFile, SaysWhatIsWrong) {
-  const std::string bytes = sampleBytes();
+  const std::string bytes = *readFile(keptFile("version2.lorica"));
   // Offsets by docs/LORICA_FILE.md, "l-shape.off" takes 11 bytes:
   //    87 cut points: count, 91 ends (4 packed in 5 bytes), 96 lambdas
   //   112 splits: count, 116 the split
@@ -298,18 +395,14 @@ TEST(DecompositionFile, SaysWhatIsWrong) {
   //       (3 in 4), 153 the second part
   //   171 ladder: count, 175 first level
   //   215 bones: count, 219 "hips", 227 "spine", 236 parts with bones, 240 two bones, 244 the first one
-  const auto with = [&](std::size_t at, auto value) {
-    std::string changed = bytes.substr(0, at);
-    appendLittleEndian(value, changed);
-    return resealed(changed + bytes.substr(changed.size()));
-  };
+  const auto with = [&](std::size_t at, auto value) { return changedAt(bytes, at, value); };
   using Byte = std::uint8_t;
   std::string newer = bytes;
-  newer[8] = 3;
+  newer[8] = 4;
   EXPECT_EQ(whyNot("ply\n"), "a.lorica: not a .lorica file: its first 8 bytes are not LORICA, CR, LF");
   EXPECT_EQ(whyNot(bytes.substr(0, 20)), "a.lorica: ends at byte 20 within the header of 28 bytes");
   EXPECT_EQ(whyNot(newer),
-            "a.lorica: has format version 3; this Lorica reads versions 1 to 2, a newer one wrote the file");
+            "a.lorica: has format version 4; this Lorica reads versions 1 to 3, a newer one wrote the file");
   EXPECT_EQ(whyNot(bytes.substr(0, bytes.size() - 5)),
             "a.lorica: byte 12: announces 256 bytes after the header, 251 are there");
   EXPECT_EQ(whyNot(with(28, std::uint32_t{4000000000u})),
@@ -347,6 +440,37 @@ TEST(DecompositionFile, SaysWhatIsWrong) {
   EXPECT_EQ(readDecomposition("/nowhere/a.lorica").error().code, ErrorCode::kNotFound);
 }
 
+TEST(DecompositionFile, SaysWhatIsWrongWithACover) {
+  const std::string bytes = sampleBytes();
+  // Offsets: version 2 takes 284 bytes of the same content. 284 whether known, 285 tolerance, 293 bound, 297 sampled,
+  // 301 held out, 305 growth, 313 and 321 shortfalls, 329 parts; 333 points of part 0, 337 packed (3 in 4 bytes), 341
+  // whether displaced, 342 displacements; 414 points of part 1, 418 packed (1 in 2), 420 whether displaced
+  using Byte = std::uint8_t;
+  const auto why = [&](std::size_t at, auto value) { return whyNot(changedAt(bytes, at, value)); };
+  EXPECT_EQ(why(284, Byte{2}), "a.lorica: byte 284: whether the cover is known is 2, expected 0 or 1");
+  EXPECT_EQ(why(285, -0.5), "a.lorica: byte 285: the tolerance of the cover is -0.5, expected 0 or more");
+  EXPECT_EQ(why(285, std::nan("")), "a.lorica: byte 285: the tolerance of the cover is nan, expected a finite number");
+  EXPECT_EQ(why(293, std::int32_t{-1}),
+            "a.lorica: byte 293: the bound on a hull's vertices is -1, expected 0 to 2147483647");
+  EXPECT_EQ(why(297, std::int32_t{-1}),
+            "a.lorica: byte 297: the number of sampled poses is -1, expected 0 to 2147483647");
+  EXPECT_EQ(why(301, std::int32_t{-1}),
+            "a.lorica: byte 301: the number of poses held out is -1, expected 0 to 2147483647");
+  EXPECT_EQ(why(305, std::numeric_limits<double>::infinity()),
+            "a.lorica: byte 305: the growth of the cover is inf, expected a finite number");
+  EXPECT_EQ(why(313, -1.0), "a.lorica: byte 313: the shortfall in the sampled poses is -1, expected 0 or more");
+  EXPECT_EQ(why(321, -1.0), "a.lorica: byte 321: the shortfall in the poses held out is -1, expected 0 or more");
+  EXPECT_EQ(why(329, std::uint32_t{1}), "a.lorica: byte 329: 1 parts with cover points, expected 2");
+  EXPECT_EQ(why(338, Byte{8}), "a.lorica: byte 337: cover point 0 of part 0 is the part's point 4, expected 0 to 3");
+  EXPECT_EQ(why(338, Byte{1}),
+            "a.lorica: byte 337: cover point 0 of part 0 is the part's point 4294967295, expected 0 to 3");
+  EXPECT_EQ(why(341, Byte{3}), "a.lorica: byte 341: whether a part's cover points are displaced is 3, expected 0 or 1");
+  EXPECT_EQ(why(350, std::nan("")),
+            "a.lorica: byte 350: a displacement of a cover point is nan, expected a finite number");
+  EXPECT_EQ(why(414, std::uint32_t{4000000000u}).substr(0, 84),
+            "a.lorica: byte 414: the number of a part's cover points is 4000000000, which needs 4");
+}
+
 TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "a.lorica";
@@ -366,6 +490,25 @@ TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   content = sample();
   std::swap(content.bonesOfPart[0][0], content.bonesOfPart[0][1]);
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.cover->points.pop_back();
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.cover->points.emplace_back();
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.cover->points[0][1].point = 2;  // of the other part
+  written = writeDecomposition(file, content);
+  ASSERT_FALSE(written.ok());
+  EXPECT_NE(written.error().message.find("cover point 1 of part 0 is the part's point 4, expected 0 to 3"),
+            std::string::npos)
+      << written.error().message;
+  content = sample();
+  content.cover->points[1][0].outward.y() = std::nan("");
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.cover->heldOutShortfall = -1e-9;
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   EXPECT_FALSE(std::filesystem::exists(file));
   EXPECT_EQ(writeDecomposition("/nowhere/a.lorica", sample()).error().code, ErrorCode::kUnwritable);

@@ -1,0 +1,140 @@
+#include "acd/decomposition_file_version3.h"
+
+#include "acd/packed_numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+namespace lorica {
+namespace {
+
+constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
+constexpr std::size_t kCoverPartBytes = 4 + 1;
+constexpr std::size_t kCoverPointBytes = 1;  // of a packed number, the least
+
+void appendCount(std::size_t count, std::string& payload) {
+  appendLittleEndian(static_cast<std::uint32_t>(count), payload);
+}
+
+void appendVector(const Vec3& v, std::string& payload) {
+  for (int axis = 0; axis < 3; ++axis) appendLittleEndian(v[axis], payload);
+}
+
+Vec3 takeVector(ByteReader& reader, const char* what) {
+  Vec3 v;
+  for (int axis = 0; axis < 3; ++axis) v[axis] = reader.takeFinite(what);
+  return v;
+}
+
+/// A length or a tolerance.
+double takeDistance(ByteReader& reader, const char* what) {
+  const double value = reader.takeFinite(what);
+  if (value < 0.0) {
+    reader.fail(reader.offset() - 8, fmt::format("{} is {}, expected 0 or more", what, value));
+  }
+  return value;
+}
+
+/// 1 before what is known, 0 in place of what is not.
+bool takeKnown(ByteReader& reader, const char* what) {
+  const auto known = reader.take<std::uint8_t>(what);
+  if (known > 1) reader.fail(reader.offset() - 1, fmt::format("{} is {}, expected 0 or 1", what, known));
+  return reader.ok() && known == 1;
+}
+
+// ---- Cover promise ----
+
+/// Where each point stands in the part's list; one past its end for a point that is not in there, which reading back
+/// refuses.
+void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, std::string& payload) {
+  appendCount(points.size(), payload);
+  std::vector<std::uint32_t> places;
+  places.reserve(points.size());
+  std::uint32_t before = 0;
+  bool displaced = false;
+  for (const CoverPoint& point : points) {
+    const auto found = std::lower_bound(part.points.begin(), part.points.end(), point.point);
+    const bool isThere = found != part.points.end() && *found == point.point;
+    const auto place = static_cast<std::uint32_t>((isThere ? found : part.points.end()) - part.points.begin());
+    places.push_back(zigzag(place - before));
+    before = place;
+    displaced = displaced || point.outward != Vec3::Zero();
+  }
+  appendPacked(places, payload);
+  appendLittleEndian(static_cast<std::uint8_t>(displaced ? 1 : 0), payload);
+  if (!displaced) return;
+  for (const CoverPoint& point : points) appendVector(point.outward, payload);
+}
+
+void appendCover(const CoverPromise& cover, std::span<const Part> parts, std::string& payload) {
+  appendLittleEndian(cover.tolerance, payload);
+  appendLittleEndian(static_cast<std::int32_t>(cover.maxHullVertices), payload);
+  appendLittleEndian(static_cast<std::int32_t>(cover.sampledPoses), payload);
+  appendLittleEndian(static_cast<std::int32_t>(cover.heldOutPoses), payload);
+  appendLittleEndian(cover.growth, payload);
+  appendLittleEndian(cover.sampledShortfall, payload);
+  appendLittleEndian(cover.heldOutShortfall, payload);
+  appendCount(cover.points.size(), payload);
+  for (std::size_t i = 0; i < std::min(cover.points.size(), parts.size()); ++i) {
+    appendCoverPoints(cover.points[i], parts[i], payload);
+  }
+}
+
+std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, const Part& part) {
+  const std::size_t count = reader.takeCount("the number of a part's cover points", kCoverPointBytes);
+  const std::size_t begin = reader.offset();
+  std::vector<std::uint32_t> places(count);
+  reader.takePacked("the cover points of a part", places);
+  std::vector<CoverPoint> points(reader.ok() ? count : 0);
+  std::uint32_t place = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    place += unzigzag(places[i]);
+    if (place >= part.points.size()) {
+      reader.fail(begin, fmt::format("cover point {} of part {} is the part's point {}, expected 0 to {}", i, index,
+                                     place, std::ssize(part.points) - 1));
+      return {};
+    }
+    points[i].point = part.points[place];
+  }
+  if (!takeKnown(reader, "whether a part's cover points are displaced")) return points;
+  for (CoverPoint& point : points) point.outward = takeVector(reader, "a displacement of a cover point");
+  return points;
+}
+
+CoverPromise takeCover(ByteReader& reader, std::span<const Part> parts) {
+  CoverPromise cover;
+  cover.tolerance = takeDistance(reader, "the tolerance of the cover");
+  cover.maxHullVertices = reader.takeIndex("the bound on a hull's vertices", 0, kLargestIndex + 1);
+  cover.sampledPoses = reader.takeIndex("the number of sampled poses", 0, kLargestIndex + 1);
+  cover.heldOutPoses = reader.takeIndex("the number of poses held out", 0, kLargestIndex + 1);
+  cover.growth = takeDistance(reader, "the growth of the cover");
+  cover.sampledShortfall = takeDistance(reader, "the shortfall in the sampled poses");
+  cover.heldOutShortfall = takeDistance(reader, "the shortfall in the poses held out");
+  const std::size_t count = reader.takeCount("the number of parts with cover points", kCoverPartBytes);
+  if (reader.ok() && count != parts.size()) {
+    reader.fail(reader.offset() - 4, fmt::format("{} parts with cover points, expected {}", count, parts.size()));
+  }
+  cover.points.reserve(reader.ok() ? count : 0);
+  for (std::size_t i = 0; i < count && reader.ok(); ++i) {
+    cover.points.push_back(takeCoverPoints(reader, i, parts[i]));
+  }
+  return cover;
+}
+
+}  // namespace
+
+void appendVersion3(const DecompositionFile& content, std::string& payload) {
+  appendLittleEndian(static_cast<std::uint8_t>(content.cover ? 1 : 0), payload);
+  if (content.cover) appendCover(*content.cover, content.decomposition.parts, payload);
+}
+
+void takeVersion3(ByteReader& reader, DecompositionFile& content) {
+  if (takeKnown(reader, "whether the cover is known")) {
+    content.cover = takeCover(reader, content.decomposition.parts);
+  }
+}
+
+}  // namespace lorica
