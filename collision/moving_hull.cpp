@@ -1,0 +1,445 @@
+#include "collision/moving_hull.h"
+
+#include "collision/moving_hull_exact.h"
+#include "geometry/result.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace lorica {
+
+using exact::det;
+using exact::side;
+
+MovingHull::MovingHull(int pointCount) : surface_(pointCount), start_(pointCount) {
+  CHECK(pointCount > 0, "a hull needs points");
+  const auto n = static_cast<std::size_t>(pointCount);
+  const std::size_t mostFaces = std::max<std::size_t>(4, 2 * n);
+  vertices_.reserve(n);
+  inside_.reserve(n);
+  slot_.resize(n);
+  unsettled_.reserve(n);
+  queue_.reserve(3 * mostFaces);
+  queued_.resize(3 * mostFaces);
+  turned_.reserve(mostFaces);
+  link_.reserve(n);
+  cuts_.reserve(n);
+
+  // A permutation by a stride without common divisor, far from simple fractions of the count.
+  scrambled_.reserve(n);
+  std::size_t stride = std::max<std::size_t>(1, (n * 618) / 1000);
+  while (std::gcd(stride, n) != 1) ++stride;
+  for (std::size_t i = 0, p = 0; i < n; ++i, p = (p + stride) % n) scrambled_.push_back(static_cast<VertexIndex>(p));
+}
+
+void MovingHull::update(std::span<const PointRow> points) {
+  CHECK(points.size() == slot_.size(), "as many points as the hull was made for");
+  points_ = points;
+  counts_ = {};
+  if (!flat() && repair()) return;
+  if (!build()) {
+    surface_.clear();
+    vertices_.clear();
+  }
+}
+
+double MovingHull::volume() const {
+  double sum = 0.0;
+  for (const Triangle& t : faces()) sum += det(at(t[0]), at(t[1]), at(t[2]));
+  return sum / 6.0;
+}
+
+VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) const {
+  const auto along = [&](VertexIndex p) {
+    const PointRow& q = at(p);
+    return direction.x() * q.x + direction.y() * q.y + direction.z() * q.z;
+  };
+  const auto higherOf = [&](VertexIndex a, VertexIndex b) { return along(b) > along(a) ? b : a; };
+  if (flat()) return std::accumulate(scrambled_.begin(), scrambled_.end(), startHint, higherOf);
+  VertexIndex best = isVertex(startHint) ? startHint : vertices_.front();
+  double most = along(best);
+  while (true) {
+    const HalfEdge first = surface_.outOf(best);
+    VertexIndex higher = best;
+    HalfEdge h = first;
+    do {
+      const VertexIndex candidate = surface_.end(h);
+      const double value = along(candidate);
+      if (value > most) {
+        most = value;
+        higher = candidate;
+      }
+      h = surface_.turn(h);
+    } while (h != first);
+    if (higher != best) {
+      best = higher;
+      continue;
+    }
+    // The edges of a vertex span the cone in which the hull lies, so that nothing is higher. That is not so within a
+    // flat face that looks the other way; then, and only then, is this place lower than s.
+    if (most > 0.0) return best;
+    return std::accumulate(vertices_.begin(), vertices_.end(), best, higherOf);
+  }
+}
+
+bool MovingHull::repair() {
+  // Faces that lost their side come first: all else takes for granted that s sees the whole surface from inside.
+  constexpr int kRounds = 4;
+  for (int round = 0;; ++round) {
+    int windings = 0;
+    if (scanFaces(windings)) {
+      // All faces may look outwards on a surface that winds round s twice, like a star pentagon.
+      if (windings != 1) return false;
+      break;
+    }
+    if (round == kRounds || !turnFaces()) return false;
+  }
+  return legalise() && checkCertificates();
+}
+
+bool MovingHull::build() {
+  counts_.rebuilds = 1;
+  while (!queue_.empty()) {
+    queued_[static_cast<std::size_t>(queue_.back())] = 0;
+    queue_.pop_back();
+  }
+  const std::span<const Triangle> first = start_.find(points_);
+  if (first.empty()) return false;
+
+  // Last frame's vertices are likely to be vertices again, and then the others are inside at once.
+  unsettled_.clear();
+  for (const VertexIndex p : scrambled_) {
+    if (isVertex(p)) unsettled_.push_back(p);
+  }
+  for (const VertexIndex p : scrambled_) {
+    if (!isVertex(p)) unsettled_.push_back(p);
+  }
+  surface_.clear();
+  vertices_.clear();
+  inside_.clear();
+  for (const VertexIndex p : scrambled_) {
+    slot_[static_cast<std::size_t>(p)] = static_cast<std::int32_t>(inside_.size());
+    inside_.push_back({p, p, p, p});  // holds nothing yet
+  }
+  for (const Triangle& t : first) {
+    const std::int32_t face = surface_.addFace(t[0], t[1], t[2]);
+    for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
+      for (HalfEdge g = 0; g < 3 * face; ++g) {
+        if (surface_.start(g) == surface_.end(h) && surface_.end(g) == surface_.start(h)) surface_.glue(h, g);
+      }
+    }
+  }
+  for (const VertexIndex p : scrambled_) {
+    if (isVertex(p)) becomeVertex(p);
+  }
+  std::int32_t hint = 0;
+  for (const VertexIndex p : unsettled_) {
+    if (!isVertex(p) && !settle(p, hint)) return false;
+  }
+  return true;
+}
+
+double MovingHull::faceDet(std::int32_t face) const {
+  const Triangle& t = surface_.faces()[static_cast<std::size_t>(face)];
+  return det(at(t[0]), at(t[1]), at(t[2]));
+}
+
+// Whether the direction (e, e^2, 1) for an infinitely small e lies in the cone of a face that looks outwards. It is
+// never on an edge: an edge's plane through s would need a normal of zero.
+bool MovingHull::pierced(const Triangle& face) const {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const exact::Row n = exact::cross(exact::rowOf(at(face[i])), exact::rowOf(at(face[(i + 1) % 3])));
+    const double first = n.z != 0.0 ? n.z : n.x != 0.0 ? n.x : n.y;
+    if (first < 0.0) return false;
+  }
+  return true;
+}
+
+// Queues concave edges and lists faces that lost their side.
+bool MovingHull::scanFaces(int& windings) {
+  turned_.clear();
+  windings = 0;
+  const auto count = static_cast<std::int32_t>(surface_.faceCount());
+  for (std::int32_t f = 0; f < count; ++f) {
+    if (faceDet(f) <= 0.0) {
+      turned_.push_back(f);
+      continue;
+    }
+    const Triangle& t = faces()[static_cast<std::size_t>(f)];
+    windings += pierced(t) ? 1 : 0;
+    for (HalfEdge h = 3 * f; h < 3 * f + 3; ++h) {
+      if (side(at(t[0]), at(t[1]), at(t[2]), at(surface_.opposite(h))) > 0.0) queueEdge(h);
+    }
+  }
+  return turned_.empty();
+}
+
+bool MovingHull::turnFaces() {
+  counts_.turnedFaces += static_cast<int>(turned_.size());
+  if (turned_.size() > 4 + static_cast<std::size_t>(surface_.faceCount()) / 8) return false;
+  for (const std::int32_t face : turned_) {
+    if (face >= surface_.faceCount() || faceDet(face) > 0.0) continue;
+    bool mended = false;
+    // Most often a corner has slipped over the edge across from it.
+    for (HalfEdge h = 3 * face; h < 3 * face + 3 && !mended; ++h) {
+      const HalfEdge k = surface_.twin(h);
+      const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
+      if (c == d || det(at(a), at(d), at(c)) <= 0.0 || det(at(d), at(b), at(c)) <= 0.0) continue;
+      surface_.flip(h);
+      ++counts_.flips;
+      queueFace(HullSurface::faceOf(h));
+      queueFace(HullSurface::faceOf(k));
+      mended = true;
+    }
+    const Triangle corners = faces()[static_cast<std::size_t>(face)];
+    for (std::size_t i = 0; i < 3 && !mended; ++i) {
+      const VertexIndex v = corners[i];
+      mended = takeOut(v, Link::kAny, {v, v, v});
+    }
+    if (!mended) return false;
+  }
+  return true;
+}
+
+// Each flip adds volume to the solid and each vertex that is taken out stays out, so this ends.
+bool MovingHull::legalise() {
+  while (!queue_.empty()) {
+    const HalfEdge h = queue_.back();
+    queue_.pop_back();
+    queued_[static_cast<std::size_t>(h)] = 0;
+    if (h >= 3 * surface_.faceCount()) continue;
+    const HalfEdge k = surface_.twin(h);
+    const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
+    if (side(at(a), at(b), at(c), at(d)) <= 0.0) continue;
+    // Seen from s, the quadrilateral a d b c has at most one corner that is not convex, a or b: with s and the other
+    // three corners as a tetrahedron, the edge would be convex if both were.
+    if (det(at(a), at(d), at(c)) <= 0.0) {
+      if (!takeOut(a, Link::kSeenFromVertex, {d, b, c})) return false;
+    } else if (det(at(d), at(b), at(c)) <= 0.0) {
+      if (!takeOut(b, Link::kSeenFromVertex, {a, d, c})) return false;
+    } else {
+      surface_.flip(h);
+      ++counts_.flips;
+      const std::int32_t f = HullSurface::faceOf(h);
+      const std::int32_t g = HullSurface::faceOf(k);
+      for (const HalfEdge outer : {3 * f, 3 * f + 2, 3 * g, 3 * g + 1}) queueEdge(outer);
+    }
+  }
+  return true;
+}
+
+bool MovingHull::holds(const Certificate& certificate) const {
+  const auto [ia, ib, ic, ip] = certificate;
+  const PointRow &a = at(ia), &b = at(ib), &c = at(ic), &p = at(ip);
+  return det(a, b, c) > 0.0 && det(a, b, p) >= 0.0 && det(b, c, p) >= 0.0 && det(c, a, p) >= 0.0 &&
+         side(a, b, c, p) <= 0.0;
+}
+
+bool MovingHull::checkCertificates() {
+  unsettled_.clear();
+  for (const Certificate& certificate : inside_) {
+    if (!holds(certificate)) unsettled_.push_back(certificate.point);
+  }
+  counts_.failedCertificates = static_cast<int>(unsettled_.size());
+  std::int32_t hint = 0;
+  for (const VertexIndex p : unsettled_) {
+    // What held it last is near.
+    const Certificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
+    for (const VertexIndex v : {last.a, last.b, last.c}) {
+      if (isVertex(v)) {
+        hint = HullSurface::faceOf(surface_.outOf(v));
+        break;
+      }
+    }
+    if (!settle(p, hint)) return false;
+  }
+  return true;
+}
+
+// Gives a point a new certificate, or makes it a vertex where it is outside.
+bool MovingHull::settle(VertexIndex p, std::int32_t& hint) {
+  const Place place = locate(p, hint);
+  hint = place.face;
+  const Triangle t = faces()[static_cast<std::size_t>(place.face)];
+  if (side(at(t[0]), at(t[1]), at(t[2]), at(p)) <= 0.0) {
+    inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])] = {t[0], t[1], t[2], p};
+    return true;
+  }
+  ++counts_.insertions;
+  becomeVertex(p);
+  const int zeros = (place.ab == 0.0) + (place.bc == 0.0) + (place.ca == 0.0);
+  const HalfEdge first = 3 * place.face;
+  if (zeros == 0) {
+    surface_.splitFace(place.face, p);
+  } else if (zeros == 1) {
+    surface_.splitEdge(place.ab == 0.0 ? first : place.bc == 0.0 ? first + 1 : first + 2, p);
+  } else {
+    // Straight above a corner, which goes inside: it lies between s and p.
+    const VertexIndex v = place.ab != 0.0 ? t[2] : place.bc != 0.0 ? t[0] : t[1];
+    surface_.replaceVertex(v, p);
+    const Triangle& over = faces()[static_cast<std::size_t>(place.face)];
+    becomeInside(v, over);
+  }
+  const HalfEdge out = surface_.outOf(p);
+  HalfEdge h = out;
+  do {
+    queueFace(HullSurface::faceOf(h));
+    h = surface_.turn(h);
+  } while (h != out);
+  return legalise();
+}
+
+// Whether a point's direction lies in the cone of a face.
+bool MovingHull::look(VertexIndex p, std::int32_t face, Place& place) const {
+  const Triangle& t = faces()[static_cast<std::size_t>(face)];
+  place = {face, det(at(t[0]), at(t[1]), at(p)), det(at(t[1]), at(t[2]), at(p)), det(at(t[2]), at(t[0]), at(p))};
+  return place.ab >= 0.0 && place.bc >= 0.0 && place.ca >= 0.0;
+}
+
+// Walks from face to face towards the point's direction. On a convex surface each step reaches a plane that the ray
+// from s meets earlier, so only coplanar faces could make it turn in a circle; then all faces are looked at.
+MovingHull::Place MovingHull::locate(VertexIndex p, std::int32_t hint) const {
+  Place place;
+  std::int32_t face = hint < surface_.faceCount() ? hint : 0;
+  for (int step = 0; step < surface_.faceCount(); ++step) {
+    if (look(p, face, place)) return place;
+    const HalfEdge h = 3 * face;
+    const HalfEdge across = place.ab < 0.0 ? h : place.bc < 0.0 ? h + 1 : h + 2;
+    face = HullSurface::faceOf(surface_.twin(across));
+  }
+  for (face = 0; face < surface_.faceCount(); ++face) {
+    if (look(p, face, place)) return place;
+  }
+  CHECK(false, "the faces of a star-shaped surface cover all directions");
+  return place;
+}
+
+// Takes a vertex out and triangulates the hole by cutting ears off its link, as s sees it.
+bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) {
+  if (vertices_.size() <= 4) return false;
+  link_.clear();
+  const HalfEdge first = surface_.outOf(v);
+  HalfEdge h = first;
+  do {
+    const HalfEdge rim = HullSurface::next(h);
+    if (surface_.opposite(rim) == v) return false;  // while faces are turned, a surface may lie back to back
+    const auto i = static_cast<std::int32_t>(link_.size());
+    link_.push_back({surface_.start(rim), surface_.twin(rim), HullSurface::faceOf(h), i - 1, i + 1});
+    h = surface_.turn(h);
+  } while (h != first && link_.size() < vertices_.size());
+  const auto corners = static_cast<std::int32_t>(link_.size());
+  if (h != first || corners < 3) return false;
+  link_.front().before = corners - 1;
+  link_.back().after = 0;
+  if (!planCuts(v, link, corners)) return false;
+
+  // The cuts as planned, in the place of the faces around the vertex; two of these are left over.
+  for (std::size_t i = 0; i < link_.size(); ++i) {
+    link_[i].before = static_cast<std::int32_t>(i == 0 ? link_.size() - 1 : i - 1);
+    link_[i].after = static_cast<std::int32_t>(i + 1 == link_.size() ? 0 : i + 1);
+  }
+  std::size_t used = 0;
+  for (const std::int32_t tip : cuts_) {
+    const Corner& corner = link_[static_cast<std::size_t>(tip)];
+    Corner& before = link_[static_cast<std::size_t>(corner.before)];
+    Corner& after = link_[static_cast<std::size_t>(corner.after)];
+    const std::int32_t face = link_[used++].face;
+    surface_.setFace(face, before.vertex, corner.vertex, after.vertex);
+    surface_.glue(3 * face, before.rim);
+    surface_.glue(3 * face + 1, corner.rim);
+    if (used + 2 == link_.size()) {
+      surface_.glue(3 * face + 2, after.rim);
+    } else {
+      before.rim = 3 * face + 2;
+      before.after = corner.after;
+      after.before = corner.before;
+    }
+  }
+  for (std::size_t i = 0; i < used; ++i) queueFace(link_[i].face);
+  std::int32_t spare = link_[used].face;
+  std::int32_t other = link_[used + 1].face;
+  if (spare < other) std::swap(spare, other);
+  for (const std::int32_t gone : {spare, other}) {
+    // The face that moves may have had edges in the queue under its old name.
+    if (surface_.eraseFace(gone)) queueFace(gone);
+  }
+  surface_.forget(v);
+  becomeInside(v, certificate);
+  ++counts_.deletions;
+  return true;
+}
+
+bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
+  cuts_.clear();
+  std::int32_t tip = 0;
+  int refused = 0;
+  for (int left = corners; left > 3;) {
+    Corner& corner = link_[static_cast<std::size_t>(tip)];
+    if (isEar(v, link, corner.before, tip, corner.after)) {
+      cuts_.push_back(tip);
+      link_[static_cast<std::size_t>(corner.before)].after = corner.after;
+      link_[static_cast<std::size_t>(corner.after)].before = corner.before;
+      --left;
+      refused = 0;
+    } else if (++refused > left) {
+      return false;
+    }
+    tip = corner.after;
+  }
+  const Corner& corner = link_[static_cast<std::size_t>(tip)];
+  cuts_.push_back(tip);
+  return det(at(link_[static_cast<std::size_t>(corner.before)].vertex), at(corner.vertex),
+             at(link_[static_cast<std::size_t>(corner.after)].vertex)) > 0.0;
+}
+
+// An ear turns its outside away from s and leaves a link of the same kind. Where the vertex sees its whole link, it
+// must not lie strictly within the ear; on its border is well, as in a square whose diagonals cross at the vertex.
+bool MovingHull::isEar(VertexIndex v, Link link, int before, int tip, int after) const {
+  const VertexIndex ib = link_[static_cast<std::size_t>(before)].vertex;
+  const VertexIndex it = link_[static_cast<std::size_t>(tip)].vertex;
+  const VertexIndex ia = link_[static_cast<std::size_t>(after)].vertex;
+  const PointRow &b = at(ib), &t = at(it), &a = at(ia);
+  if (det(b, t, a) <= 0.0) return false;
+  if (link == Link::kSeenFromVertex) return det(b, a, at(v)) >= 0.0;
+  return std::none_of(link_.begin(), link_.end(), [&](const Corner& corner) {
+    const VertexIndex q = corner.vertex;
+    return q != ib && q != it && q != ia && det(b, t, at(q)) >= 0.0 && det(t, a, at(q)) >= 0.0 &&
+           det(a, b, at(q)) >= 0.0;
+  });
+}
+
+// Takes a point from its place in inside_; the surface must hold it.
+void MovingHull::becomeVertex(VertexIndex p) {
+  std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
+  const Certificate last = inside_.back();
+  inside_[static_cast<std::size_t>(slot)] = last;
+  slot_[static_cast<std::size_t>(last.point)] = slot;
+  inside_.pop_back();
+  slot = static_cast<std::int32_t>(vertices_.size());
+  vertices_.push_back(p);
+}
+
+// Takes a point from its place in vertices_.
+void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
+  std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
+  const VertexIndex last = vertices_.back();
+  vertices_[static_cast<std::size_t>(slot)] = last;
+  slot_[static_cast<std::size_t>(last)] = slot;
+  vertices_.pop_back();
+  slot = static_cast<std::int32_t>(inside_.size());
+  inside_.push_back({certificate[0], certificate[1], certificate[2], p});
+}
+
+void MovingHull::queueEdge(HalfEdge h) {
+  h = std::min(h, surface_.twin(h));
+  std::uint8_t& queued = queued_[static_cast<std::size_t>(h)];
+  if (queued != 0) return;
+  queued = 1;
+  queue_.push_back(h);
+}
+
+void MovingHull::queueFace(std::int32_t face) {
+  for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) queueEdge(h);
+}
+
+}  // namespace lorica

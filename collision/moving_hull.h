@@ -1,0 +1,134 @@
+#pragma once
+
+#include "collision/moving_hull_start.h"
+#include "collision/moving_hull_surface.h"
+#include "collision/point_row.h"
+#include "geometry/math.h"
+#include "geometry/tri_mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// Convex hull, with faces, of points that move from frame to frame: last frame's triangulation is mended.
+///
+/// All is seen from the origin s, which the caller keeps inside by giving points relative to their mean. The faces are
+/// a triangulation of the sphere of directions around s. Motion can spoil three things, and each has its repair:
+///  - a face no longer turns its outside away from s: flip an edge of it, or take a vertex out and put it back later;
+///  - an edge has become concave: flip it, or take out the vertex that sank below the others;
+///  - a point that was inside has come out. Each point inside keeps a certificate, three points whose tetrahedron with
+///    s holds it; when that fails it is located anew and, if it is outside, becomes a vertex.
+/// What cannot be mended is built anew, by the same steps from a first small hull.
+///
+/// Every decision is exact, so a frame's hull is the hull, whatever came before; among coplanar points the choice of
+/// diagonals may depend on earlier frames. Same frames, same faces, on every machine.
+class MovingHull {
+ public:
+  /// Takes all memory that any frame can need.
+  /// @param pointCount  1 or more
+  explicit MovingHull(int pointCount);
+
+  /// Follows the points. Any motion is allowed.
+  /// @param points  pointCount points [ticks], whole, at most kMostTicks either way; read again by volume() and
+  /// support()
+  void update(std::span<const PointRow> points);
+
+  /// The origin is not strictly inside the points' hull (there may be no volume): no faces and vertices this frame.
+  [[nodiscard]] bool flat() const { return surface_.faceCount() == 0; }
+
+  /// Point ids, counter-clockwise from outside. Closed; coplanar faces occur, faces without area do not.
+  [[nodiscard]] std::span<const Triangle> faces() const { return surface_.faces(); }
+
+  /// Ids of the points on those faces. Some may lie within a plane or edge of the hull; no two are at the same place.
+  [[nodiscard]] std::span<const VertexIndex> vertices() const { return vertices_; }
+
+  /// [ticks^3]; 0 when flat.
+  [[nodiscard]] double volume() const;
+
+  /// The vertex farthest along a direction, found by climbing over neighbours; of all points when flat.
+  /// @param startHint  a point id, best the answer for a direction or frame nearby; others only cost time
+  [[nodiscard]] VertexIndex support(const Vec3& direction, VertexIndex startHint) const;
+
+  /// What the last update did.
+  struct Counts {
+    int turnedFaces = 0;         ///< faces that had lost their side
+    int flips = 0;               ///< edges turned
+    int deletions = 0;           ///< vertices taken out
+    int insertions = 0;          ///< points that became vertices
+    int failedCertificates = 0;  ///< points located anew
+    int rebuilds = 0;            ///< 1 when the hull was built from nothing
+  };
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+
+ private:
+  using HalfEdge = HullSurface::HalfEdge;
+
+  /// A point inside and the three that hold it: it lies in their tetrahedron with s, surface included.
+  ///
+  /// The three were vertices when this was written; some may be inside by now. Then their own certificates were written
+  /// later than this one (or they are located anew in this frame), so that a chain of certificates never returns, and
+  /// ends at vertices. As every link holds in the present positions, the point is inside the hull of vertices and s.
+  struct Certificate {
+    VertexIndex a, b, c;
+    VertexIndex point;
+  };
+
+  /// Where a point's direction pierces the surface.
+  struct Place {
+    std::int32_t face = 0;
+    double ab = 0, bc = 0, ca = 0;  ///< 0 on that edge of the face, above 0 beside it
+  };
+
+  enum class Link : std::uint8_t { kSeenFromVertex, kAny };
+
+  [[nodiscard]] const PointRow& at(VertexIndex p) const { return points_[static_cast<std::size_t>(p)]; }
+  [[nodiscard]] double faceDet(std::int32_t face) const;
+  [[nodiscard]] bool isVertex(VertexIndex p) const { return surface_.outOf(p) != HullSurface::kNone; }
+
+  bool repair();
+  bool build();
+  bool scanFaces(int& windings);
+  bool turnFaces();
+  bool legalise();
+  bool checkCertificates();
+  bool settle(VertexIndex p, std::int32_t& hint);
+  [[nodiscard]] bool holds(const Certificate& certificate) const;
+  [[nodiscard]] bool pierced(const Triangle& face) const;
+  [[nodiscard]] Place locate(VertexIndex p, std::int32_t hint) const;
+  bool look(VertexIndex p, std::int32_t face, Place& place) const;
+
+  bool takeOut(VertexIndex v, Link link, const Triangle& certificate);
+  [[nodiscard]] bool planCuts(VertexIndex v, Link link, int corners);
+  [[nodiscard]] bool isEar(VertexIndex v, Link link, int before, int tip, int after) const;
+  void becomeVertex(VertexIndex p);
+  void becomeInside(VertexIndex p, const Triangle& certificate);
+  void queueEdge(HalfEdge h);
+  void queueFace(std::int32_t face);
+
+  std::span<const PointRow> points_;
+  HullSurface surface_;
+  HullStart start_;
+  std::vector<VertexIndex> vertices_;
+  std::vector<Certificate> inside_;
+  std::vector<std::int32_t> slot_;      ///< of each point, in vertices_ or inside_
+  std::vector<VertexIndex> scrambled_;  ///< all points, in a fixed order without pattern
+  Counts counts_;
+
+  // Scratch.
+  std::vector<HalfEdge> queue_;         ///< edges that may be concave
+  std::vector<std::uint8_t> queued_;    ///< of each half-edge: it is in queue_
+  std::vector<std::int32_t> turned_;    ///< faces that have lost their side
+  std::vector<VertexIndex> unsettled_;  ///< points to be located
+  struct Corner {
+    VertexIndex vertex;
+    HalfEdge rim;  ///< beyond the link's edge from this corner to the next
+    std::int32_t face;
+    std::int32_t before, after;
+  };
+  std::vector<Corner> link_;        ///< around the vertex that is taken out
+  std::vector<std::int32_t> cuts_;  ///< its corners in the order in which they are cut off
+};
+
+}  // namespace lorica

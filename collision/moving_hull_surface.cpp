@@ -1,0 +1,121 @@
+#include "collision/moving_hull_surface.h"
+
+#include <algorithm>
+
+namespace lorica {
+
+HullSurface::HullSurface(int pointCount) {
+  const auto most = static_cast<std::size_t>(std::max(4, 2 * pointCount - 4));
+  faces_.resize(most + kPadding);
+  opposites_.resize(most + kPadding);
+  twins_.resize(3 * most, kNone);
+  outOf_.resize(static_cast<std::size_t>(pointCount), kNone);
+}
+
+void HullSurface::clear() {
+  faceCount_ = 0;
+  std::fill(outOf_.begin(), outOf_.end(), kNone);
+}
+
+std::int32_t HullSurface::addFace(VertexIndex a, VertexIndex b, VertexIndex c) {
+  setFace(faceCount_, a, b, c);
+  return faceCount_++;
+}
+
+void HullSurface::setFace(std::int32_t face, VertexIndex a, VertexIndex b, VertexIndex c) {
+  faces_[static_cast<std::size_t>(face)] = {a, b, c};
+  outOf_[static_cast<std::size_t>(a)] = 3 * face;
+  outOf_[static_cast<std::size_t>(b)] = 3 * face + 1;
+  outOf_[static_cast<std::size_t>(c)] = 3 * face + 2;
+}
+
+void HullSurface::glue(HalfEdge h, HalfEdge g) {
+  twins_[static_cast<std::size_t>(h)] = g;
+  twins_[static_cast<std::size_t>(g)] = h;
+  opposites_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)] = apex(g);
+  opposites_[static_cast<std::size_t>(g / 3)][static_cast<std::size_t>(g % 3)] = apex(h);
+}
+
+bool HullSurface::eraseFace(std::int32_t face) {
+  const std::int32_t last = --faceCount_;
+  if (face == last) return false;
+  const auto [a, b, c] = faces_[static_cast<std::size_t>(last)];
+  setFace(face, a, b, c);
+  for (int i = 0; i < 3; ++i) glue(3 * face + i, twin(3 * last + i));
+  return true;
+}
+
+//        c                  c
+//      /   \              / | \                    .
+//     a --- b    becomes a  |  b
+//      \   /              \ | /
+//        d                  d
+void HullSurface::flip(HalfEdge h) {
+  const HalfEdge k = twin(h);
+  const std::int32_t f = faceOf(h);
+  const std::int32_t g = faceOf(k);
+  const VertexIndex a = start(h), b = end(h), c = apex(h), d = apex(k);
+  const HalfEdge bc = twin(next(h)), ca = twin(previous(h)), ad = twin(next(k)), db = twin(previous(k));
+  setFace(f, a, d, c);
+  setFace(g, d, b, c);
+  glue(3 * f, ad);
+  glue(3 * f + 1, 3 * g + 2);
+  glue(3 * f + 2, ca);
+  glue(3 * g, db);
+  glue(3 * g + 1, bc);
+}
+
+void HullSurface::splitFace(std::int32_t face, VertexIndex p) {
+  const auto [a, b, c] = faces_[static_cast<std::size_t>(face)];
+  const HalfEdge bc = twin(3 * face + 1), ca = twin(3 * face + 2);
+  const std::int32_t second = addFace(b, c, p);
+  const std::int32_t third = addFace(c, a, p);
+  const HalfEdge ab = twin(3 * face);
+  setFace(face, a, b, p);
+  glue(3 * face, ab);
+  glue(3 * second, bc);
+  glue(3 * third, ca);
+  glue(3 * face + 1, 3 * second + 2);
+  glue(3 * second + 1, 3 * third + 2);
+  glue(3 * third + 1, 3 * face + 2);
+}
+
+//        c                  c
+//      /   \              / | \                    .
+//     a --- b    becomes a--p--b
+//      \   /              \ | /
+//        d                  d
+void HullSurface::splitEdge(HalfEdge h, VertexIndex p) {
+  const HalfEdge k = twin(h);
+  const std::int32_t f = faceOf(h);
+  const std::int32_t g = faceOf(k);
+  const VertexIndex a = start(h), b = end(h), c = apex(h), d = apex(k);
+  const HalfEdge bc = twin(next(h)), ca = twin(previous(h)), ad = twin(next(k)), db = twin(previous(k));
+  setFace(f, c, a, p);
+  setFace(g, a, d, p);
+  const std::int32_t third = addFace(d, b, p);
+  const std::int32_t fourth = addFace(b, c, p);
+  glue(3 * f, ca);
+  glue(3 * g, ad);
+  glue(3 * third, db);
+  glue(3 * fourth, bc);
+  glue(3 * f + 1, 3 * g + 2);
+  glue(3 * g + 1, 3 * third + 2);
+  glue(3 * third + 1, 3 * fourth + 2);
+  glue(3 * fourth + 1, 3 * f + 2);
+}
+
+void HullSurface::replaceVertex(VertexIndex v, VertexIndex p) {
+  const HalfEdge first = outOf(v);
+  HalfEdge h = first;
+  do {
+    faces_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)] = p;
+    const HalfEdge across = twin(next(h));
+    opposites_[static_cast<std::size_t>(across / 3)][static_cast<std::size_t>(across % 3)] = p;
+    h = turn(h);
+  } while (h != first);
+  outOf_[static_cast<std::size_t>(p)] = first;
+  forget(v);
+}
+
+}  // namespace lorica
