@@ -1,0 +1,288 @@
+#include "acd/training_range.h"
+
+#include "acd/decompose.h"
+#include "acd/transfer.h"
+#include "geometry/random_numbers.h"
+#include "geometry/rigid_distance.h"
+#include "tests/geometry/allocation_watch.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace lorica {
+namespace {
+
+/// A probe for each corner of a box about the origin, and some along its edges: alike under every mirror.
+std::vector<Vec3> boxPoints(const Vec3& half) {
+  std::vector<Vec3> points;
+  for (const double x : {-1.0, -0.5, 0.5, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      for (const double z : {-1.0, 1.0}) points.emplace_back(x * half.x(), y * half.y(), z * half.z());
+    }
+  }
+  return points;
+}
+
+/// A range with these keyframes, all of one size and about their centroid.
+TrainingRange rangeOf(std::initializer_list<std::vector<Vec3>> keyframes) {
+  TrainingRange range;
+  range.keyframeCount = static_cast<int>(keyframes.size());
+  for (const std::vector<Vec3>& keyframe : keyframes) {
+    range.positions.insert(range.positions.end(), keyframe.begin(), keyframe.end());
+  }
+  for (std::size_t i = 0; i < keyframes.begin()->size(); ++i) range.probes.push_back(static_cast<PointIndex>(i));
+  return range;
+}
+
+std::vector<Vec3> moved(std::vector<Vec3> points, const Isometry3& motion) {
+  for (Vec3& p : points) p = motion * p;
+  return points;
+}
+
+Isometry3 randomMotion(RandomNumbers& random) {
+  const Eigen::Vector4d q(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+  Isometry3 motion(Quat(q.normalized()));
+  motion.pretranslate(Vec3(random.between(-9, 9), random.between(-9, 9), random.between(-9, 9)));
+  return motion;
+}
+
+std::vector<Vec3> randomPoints(RandomNumbers& random, std::size_t count) {
+  std::vector<Vec3> points(count);
+  for (Vec3& p : points) p = {random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
+  Vec3 centroid = Vec3::Zero();
+  for (const Vec3& p : points) centroid += p / static_cast<double>(count);
+  for (Vec3& p : points) p -= centroid;
+  return points;
+}
+
+/// The other way: the best rotation itself, from a singular value decomposition (Kabsch 1976), then the distances.
+double distanceByKabsch(std::span<const Vec3> a, std::span<const Vec3> b) {
+  Mat3 s = Mat3::Zero();
+  for (std::size_t i = 0; i < a.size(); ++i) s += b[i] * a[i].transpose();
+  const Eigen::JacobiSVD<Mat3> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 flip = Mat3::Identity();
+  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+  const Mat3 rotation = svd.matrixU() * flip * svd.matrixV().transpose();
+  double sumSq = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sumSq += (rotation * a[i] - b[i]).squaredNorm();
+  return std::sqrt(sumSq / static_cast<double>(a.size()));
+}
+
+TEST(RigidDistance, EqualsWhatTheBestRotationLeaves) {
+  RandomNumbers random(1);
+  for (int i = 0; i < 500; ++i) {
+    const std::size_t count = 1 + random.bits() % 40;
+    const std::vector<Vec3> a = randomPoints(random, count);
+    std::vector<Vec3> b = randomPoints(random, count);
+    if (i % 2 == 0) {
+      // Not far apart, as poses of one body are; and mirrored, where the best orthogonal map is no rotation.
+      for (std::size_t k = 0; k < count; ++k) b[k] = a[k] + 0.1 * b[k];
+      if (i % 4 == 0) {
+        for (Vec3& p : b) p.x() = -p.x();
+      }
+    }
+    EXPECT_NEAR(rigidDistance(a, b), distanceByKabsch(a, b), 1e-6) << i;
+    EXPECT_NEAR(rigidDistance(a, b), rigidDistance(b, a), 1.1e-6) << i;
+  }
+}
+
+TEST(TrainingDistance, IsZeroForAKeyframeThatMovedRigidly) {
+  RandomNumbers random(2);
+  const std::vector<Vec3> first = randomPoints(random, 40), second = randomPoints(random, 40);
+  const TrainingRange range = rangeOf({first, second});
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(trainingDistance(range, moved(i % 2 == 0 ? first : second, randomMotion(random))), 0.0);
+  }
+}
+
+TEST(TrainingDistance, IsWhatIsKnownInClosedForm) {
+  const std::vector<Vec3> box = boxPoints({3.0, 2.0, 1.0});
+  const TrainingRange range = rangeOf({box});
+  RandomNumbers random(3);
+  // Both halves drawn apart by d each: no rotation helps, and every probe is d away.
+  std::vector<Vec3> stretched = box;
+  for (Vec3& p : stretched) p.x() += p.x() > 0.0 ? 0.25 : -0.25;
+  EXPECT_NEAR(trainingDistance(range, moved(stretched, randomMotion(random))), 0.25, 1e-6);
+  // All of it larger by a tenth: a tenth of the root mean square distance from the centroid, 0.625 * 9 + 4 + 1.
+  std::vector<Vec3> larger = box;
+  for (Vec3& p : larger) p *= 1.1;
+  EXPECT_NEAR(trainingDistance(range, moved(larger, randomMotion(random))), 0.1 * std::sqrt(10.625), 1e-6);
+  // One probe of n moved by d along the line from the centroid: d sqrt(1 / n - 1 / n^2), less what a turn gains, which
+  // is none.
+  const std::vector<Vec3> cross = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<Vec3> longer = cross;
+  longer[0].x() += 0.3;
+  EXPECT_NEAR(trainingDistance(rangeOf({cross}), moved(longer, randomMotion(random))), 0.3 * std::sqrt(5.0) / 6.0,
+              1e-6);
+}
+
+TEST(TrainingDistance, IsToTheNearestKeyframe) {
+  const std::vector<Vec3> box = boxPoints({3.0, 2.0, 1.0});
+  const auto stretchedBy = [&](double by) {
+    std::vector<Vec3> points = box;
+    for (Vec3& p : points) p.x() += p.x() > 0.0 ? by : -by;
+    return points;
+  };
+  const TrainingRange range = rangeOf({stretchedBy(0.0), stretchedBy(1.0), stretchedBy(0.5)});
+  EXPECT_NEAR(trainingDistance(range, stretchedBy(0.1)), 0.1, 1e-6);
+  EXPECT_NEAR(trainingDistance(range, stretchedBy(0.4)), 0.1, 1e-6);
+  EXPECT_NEAR(trainingDistance(range, stretchedBy(0.8)), 0.2, 1e-6);
+  EXPECT_NEAR(trainingDistance(range, stretchedBy(1.7)), 0.7, 1e-6);
+}
+
+TEST(TrainingDistance, OfAPoseThatIsNotFiniteIsInfinite) {
+  std::vector<Vec3> box = boxPoints({3.0, 2.0, 1.0});
+  const TrainingRange range = rangeOf({box});
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    box[7].y() = bad;
+    EXPECT_EQ(trainingDistance(range, box), std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(TrainingDistance, AllocatesNothing) {
+  RandomNumbers random(4);
+  const std::vector<Vec3> pose = randomPoints(random, kMaxProbes);
+  const TrainingRange range = rangeOf({randomPoints(random, kMaxProbes), randomPoints(random, kMaxProbes)});
+  std::vector<Vec3> gathered(kMaxProbes);
+  double distance = 0.0;
+  const test::AllocationWatch watch;
+  gatherProbes(range, pose, gathered);
+  distance = trainingDistance(range, gathered);
+  EXPECT_EQ(watch.largest(), 0u);
+  EXPECT_GT(distance, 0.1);
+}
+
+/// A torus bent ever more about the x axis: an animation of three keyframes and what lies between them.
+class BentTorus : public testing::Test {
+ protected:
+  std::vector<Vec3> bentBy(double strength) const {
+    std::vector<Vec3> positions = torus_.vertices;
+    for (Vec3& p : positions) p.z() += strength * p.x() * p.x();
+    return positions;
+  }
+  std::vector<Vec3> frames(std::initializer_list<double> strengths) const {
+    std::vector<Vec3> positions;
+    for (const double strength : strengths) {
+      const std::vector<Vec3> frame = bentBy(strength);
+      positions.insert(positions.end(), frame.begin(), frame.end());
+    }
+    return positions;
+  }
+  PoseView view(const std::vector<Vec3>& positions) const {
+    return {positions, static_cast<int>(torus_.vertices.size())};
+  }
+  Decomposition decomposedTo(int parts) const {
+    auto made = decompose(torus_, view(keyframes_), {.maxParts = parts});
+    EXPECT_TRUE(made.ok());
+    return std::move(made).value();
+  }
+  double distanceOf(const TrainingRange& range, const Decomposition& decomposition, double strength) const {
+    return farthestFrame(range, decomposition, view(bentBy(strength)));
+  }
+
+  TriMesh torus_ = test::makeTorus(2.0, 0.5, 48, 24);
+  std::vector<Vec3> keyframes_ = frames({0.0, 0.2, 0.4});
+};
+
+TEST_F(BentTorus, ProbesAreSpreadOverAllParts) {
+  for (const int parts : {1, 3, 12, 16, 40}) {
+    const Decomposition decomposition = decomposedTo(parts);
+    const TrainingRange range = trainingRange(decomposition, view(keyframes_));
+    const std::set<PointIndex> probes(range.probes.begin(), range.probes.end());
+    EXPECT_EQ(probes.size(), range.probes.size()) << "each once";
+    EXPECT_EQ(probes.size(), std::clamp<std::size_t>(4 * decomposition.parts.size(), 32, 128));
+    EXPECT_EQ(range.keyframeCount, 3);
+    EXPECT_EQ(range.positions.size(), 3 * range.probes.size());
+
+    std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+    transfer(decomposition, view(keyframes_).keyframe(0), points);
+    for (const Part& part : decomposition.parts) {
+      std::vector<PointIndex> own;
+      for (const PointIndex p : part.points) {
+        if (probes.contains(p)) own.push_back(p);
+      }
+      EXPECT_GE(own.size(), 3u);
+      // No point of a part is far from the part's probes.
+      Aabb box;
+      double worst = 0.0;
+      for (const PointIndex p : part.points) {
+        box.extend(points[static_cast<std::size_t>(p)]);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const PointIndex q : own) {
+          nearest =
+              std::min(nearest, (points[static_cast<std::size_t>(p)] - points[static_cast<std::size_t>(q)]).norm());
+        }
+        worst = std::max(worst, nearest);
+      }
+      EXPECT_LT(worst, 0.6 * box.diagonal());
+    }
+  }
+}
+
+TEST_F(BentTorus, KeyframesAreKeptAboutTheirCentroidsAndTheGuessIsAShareOfTheirSize) {
+  const Decomposition decomposition = decomposedTo(8);
+  const TrainingRange range = trainingRange(decomposition, view(keyframes_));
+  double sumSq = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+    transfer(decomposition, view(keyframes_).keyframe(k), points);
+    Vec3 centroid = Vec3::Zero();
+    for (const PointIndex p : range.probes) centroid += points[static_cast<std::size_t>(p)];
+    centroid /= static_cast<double>(range.probes.size());
+    for (std::size_t i = 0; i < range.probes.size(); ++i) {
+      const Vec3 expected = points[static_cast<std::size_t>(range.probes[i])] - centroid;
+      EXPECT_LT((range.keyframe(k)[i] - expected).norm(), 1e-12);
+      sumSq += expected.squaredNorm();
+    }
+  }
+  EXPECT_NEAR(range.knownDistance, 0.3 * std::sqrt(sumSq / static_cast<double>(range.positions.size())), 1e-12);
+  EXPECT_EQ(farthestFrame(range, decomposition, view(keyframes_)), 0.0);
+}
+
+TEST_F(BentTorus, FramesOfTheTrainingMotionAreKnownAndFartherPosesAreNot) {
+  const Decomposition decomposition = decomposedTo(8);
+  TrainingRange range = trainingRange(decomposition, view(keyframes_));
+  const std::vector<double> between = {0.0, 0.03, 0.1, 0.17, 0.25, 0.3, 0.38, 0.4};
+  const std::vector<Vec3> motion = frames({0.0, 0.03, 0.1, 0.17, 0.25, 0.3, 0.38, 0.4});
+  range.knownDistance = farthestFrame(range, decomposition, view(motion));
+  EXPECT_GT(range.knownDistance, 0.0);
+  for (const double strength : between) {
+    EXPECT_LE(distanceOf(range, decomposition, strength), range.knownDistance) << strength;
+  }
+  // Half way between two keyframes is the farthest; beyond the last it grows and grows.
+  EXPECT_NEAR(distanceOf(range, decomposition, 0.1), range.knownDistance, 0.1 * range.knownDistance);
+  double before = range.knownDistance;
+  for (const double strength : {0.55, 0.7, 1.0, 2.0}) {
+    const double distance = distanceOf(range, decomposition, strength);
+    EXPECT_GT(distance, before) << strength;
+    before = distance;
+  }
+  EXPECT_GT(distanceOf(range, decomposition, -0.3), range.knownDistance);
+}
+
+TEST_F(BentTorus, TheSameInputGivesTheSameRange) {
+  const Decomposition decomposition = decomposedTo(8);
+  const TrainingRange a = trainingRange(decomposition, view(keyframes_));
+  const TrainingRange b = trainingRange(decomposition, view(keyframes_));
+  EXPECT_EQ(a.probes, b.probes);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.knownDistance, b.knownDistance);
+}
+
+TEST(TrainingRange, AMeshOfFewPointsHasThemAllAsProbes) {
+  const TriMesh mesh = test::makeLShape();
+  const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
+  const auto decomposition = decompose(mesh, pose, {.maxParts = 1});
+  ASSERT_TRUE(decomposition.ok());
+  TrainingRange range = trainingRange(*decomposition, pose);
+  std::sort(range.probes.begin(), range.probes.end());
+  EXPECT_EQ(range.probes, decomposition->parts[0].points);
+}
+
+}  // namespace
+}  // namespace lorica
