@@ -1,13 +1,12 @@
 #include "session/keyframes.h"
 
 #include "capture/retarget.h"
+#include "geometry/rigid_distance.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lorica {
@@ -96,32 +95,6 @@ Character withFewerVertices(const Character& character) {
   return few;
 }
 
-/// Root mean square distance between two poses, both about their centroids, after the best rotation (Horn 1987: the
-/// largest eigenvalue of a matrix of the quaternion is what rotating can gain).
-double difference(std::span<const Vec3> a, std::span<const Vec3> b) {
-  Mat3 s = Mat3::Zero();
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    s += a[i] * b[i].transpose();
-    squares += a[i].squaredNorm() + b[i].squaredNorm();
-  }
-  Mat4 gain = Mat4::Zero();  // of which the solver reads the lower triangle
-  gain(0, 0) = s(0, 0) + s(1, 1) + s(2, 2);
-  gain(1, 1) = s(0, 0) - s(1, 1) - s(2, 2);
-  gain(2, 2) = s(1, 1) - s(2, 2) - s(0, 0);
-  gain(3, 3) = s(2, 2) - s(0, 0) - s(1, 1);
-  gain(1, 0) = s(1, 2) - s(2, 1);
-  gain(2, 0) = s(2, 0) - s(0, 2);
-  gain(3, 0) = s(0, 1) - s(1, 0);
-  gain(2, 1) = s(0, 1) + s(1, 0);
-  gain(3, 1) = s(2, 0) + s(0, 2);
-  gain(3, 2) = s(1, 2) + s(2, 1);
-  const Eigen::SelfAdjointEigenSolver<Mat4> solver(gain, Eigen::EigenvaluesOnly);
-  const double meanSq = (squares - 2.0 * solver.eigenvalues()(3)) / static_cast<double>(a.size());
-  // In steps of a micrometre: poses that mirror each other differ by rounding only, and must not be ordered by it.
-  return std::round(std::sqrt(std::max(0.0, meanSq)) * 1e6) * 1e-6;
-}
-
 }  // namespace
 
 Result<std::vector<Vec3>> poseAllFrames(const Character& character, std::span<const SkeletonFrame> recording) {
@@ -181,7 +154,7 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character,
   while (true) {
     chosen.push_back(looked[next]);
     for (std::size_t i = 0; i < looked.size(); ++i) {
-      nearest[i] = std::min(nearest[i], difference(pose(next), pose(i)));
+      nearest[i] = std::min(nearest[i], rigidDistance(pose(next), pose(i)));
     }
     next = static_cast<std::size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
     result.farthest = nearest[next];
