@@ -417,6 +417,14 @@ std::uint64_t topologyHash(const TriMesh& mesh) {
 }
 
 Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content) {
+  if (const std::optional<TrainingRange>& training = content.training) {
+    const std::size_t expected = static_cast<std::size_t>(training->keyframeCount) * training->probes.size();
+    if (training->positions.size() != expected) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{}: not written: {} positions of {} probes in {} keyframes", file.string(),
+                               training->positions.size(), training->probes.size(), training->keyframeCount)};
+    }
+  }
   // Reading back costs a millisecond, and a file that nobody can read later would cost the whole decomposition.
   const std::string bytes = encode(content);
   const Result<DecompositionFile> again = decode(bytes, file.string());

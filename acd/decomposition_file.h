@@ -3,6 +3,7 @@
 #include "acd/cover.h"
 #include "acd/decomposition.h"
 #include "acd/level_of_detail.h"
+#include "acd/training_range.h"
 #include "geometry/result.h"
 
 #include <filesystem>
@@ -25,9 +26,10 @@ struct DecompositionFile {
   std::uint64_t meshHash = 0;  ///< of the mesh's triangles and vertex count: a file fits one mesh only
   double meanError = 0.0;      ///< relative volume error, mean over the training keyframes
   std::vector<double> errorPerKeyframe;
-  std::vector<DetailLevel> ladder;                   ///< entry n - 1 is of the first n parts; empty where not known
-  std::vector<std::vector<BoneShare>> bonesOfPart;   ///< for each part, largest share first; empty where not known
-  std::optional<CoverPromise> cover = std::nullopt;  ///< what a live body made of its points promises
+  std::vector<DetailLevel> ladder;                       ///< entry n - 1 is of the first n parts; empty where not known
+  std::vector<std::vector<BoneShare>> bonesOfPart;       ///< for each part, largest share first; empty where not known
+  std::optional<TrainingRange> training = std::nullopt;  ///< what poses it was made for
+  std::optional<CoverPromise> cover = std::nullopt;      ///< what a live body made of its points promises
 };
 
 /// Hash of what must agree between a mesh and a decomposition made from it: vertex count and triangles.

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kCoverPartBytes = 4 + 1;
-constexpr std::size_t kCoverPointBytes = 1;  // of a packed number, the least
+constexpr std::size_t kPackedBytes = 1;  // of a packed number, the least
+constexpr std::size_t kVectorBytes = 3 * 8;
 
 void appendCount(std::size_t count, std::string& payload) {
   appendLittleEndian(static_cast<std::uint32_t>(count), payload);
@@ -43,6 +44,61 @@ bool takeKnown(ByteReader& reader, const char* what) {
   const auto known = reader.take<std::uint8_t>(what);
   if (known > 1) reader.fail(reader.offset() - 1, fmt::format("{} is {}, expected 0 or 1", what, known));
   return reader.ok() && known == 1;
+}
+
+// ---- Training range ----
+
+void appendTraining(const TrainingRange& training, std::string& payload) {
+  appendCount(training.probes.size(), payload);
+  std::vector<std::uint32_t> differences;
+  differences.reserve(training.probes.size());
+  std::uint32_t before = 0;
+  for (const PointIndex probe : training.probes) {
+    differences.push_back(zigzag(static_cast<std::uint32_t>(probe) - before));
+    before = static_cast<std::uint32_t>(probe);
+  }
+  appendPacked(differences, payload);
+  appendLittleEndian(training.knownDistance, payload);
+  appendCount(static_cast<std::size_t>(training.keyframeCount), payload);
+  for (const Vec3& p : training.positions) appendVector(p, payload);
+}
+
+void takeProbes(ByteReader& reader, int pointCount, std::vector<PointIndex>& probes) {
+  const std::size_t count = reader.takeCount("the number of probes", kPackedBytes);
+  if (reader.ok() && (count == 0 || count > kMaxProbes)) {
+    reader.fail(reader.offset() - 4, fmt::format("{} probes, expected 1 to {}", count, kMaxProbes));
+  }
+  if (!reader.ok()) return;
+  const std::size_t begin = reader.offset();
+  std::vector<std::uint32_t> differences(count);
+  reader.takePacked("the probes", differences);
+  probes.resize(count);
+  std::uint32_t probe = 0;
+  for (std::size_t i = 0; i < count && reader.ok(); ++i) {
+    probe += unzigzag(differences[i]);
+    if (probe >= static_cast<std::uint32_t>(pointCount)) {
+      reader.fail(begin, fmt::format("probe {} is point {}, expected 0 to {}", i, probe, pointCount - 1));
+    }
+    probes[i] = static_cast<PointIndex>(probe);
+  }
+  std::vector<PointIndex> sorted = probes;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) reader.fail(begin, fmt::format("point {} is a probe twice, expected each once", *twice));
+}
+
+TrainingRange takeTraining(ByteReader& reader, int pointCount) {
+  TrainingRange training;
+  takeProbes(reader, pointCount, training.probes);
+  training.knownDistance = takeDistance(reader, "the known distance");
+  const std::size_t count = reader.takeCount("the number of training keyframes",
+                                             std::max<std::size_t>(training.probes.size(), 1) * kVectorBytes);
+  if (count == 0) reader.fail(reader.offset() - 4, "0 training keyframes, expected 1 or more");
+  if (!reader.ok()) return training;
+  training.keyframeCount = static_cast<int>(count);
+  training.positions.resize(count * training.probes.size());
+  for (Vec3& p : training.positions) p = takeVector(reader, "a probe's position");
+  return training;
 }
 
 // ---- Cover promise ----
@@ -84,7 +140,7 @@ void appendCover(const CoverPromise& cover, std::span<const Part> parts, std::st
 }
 
 std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, const Part& part) {
-  const std::size_t count = reader.takeCount("the number of a part's cover points", kCoverPointBytes);
+  const std::size_t count = reader.takeCount("the number of a part's cover points", kPackedBytes);
   const std::size_t begin = reader.offset();
   std::vector<std::uint32_t> places(count);
   reader.takePacked("the cover points of a part", places);
@@ -127,11 +183,16 @@ CoverPromise takeCover(ByteReader& reader, std::span<const Part> parts) {
 }  // namespace
 
 void appendVersion3(const DecompositionFile& content, std::string& payload) {
+  appendLittleEndian(static_cast<std::uint8_t>(content.training ? 1 : 0), payload);
+  if (content.training) appendTraining(*content.training, payload);
   appendLittleEndian(static_cast<std::uint8_t>(content.cover ? 1 : 0), payload);
   if (content.cover) appendCover(*content.cover, content.decomposition.parts, payload);
 }
 
 void takeVersion3(ByteReader& reader, DecompositionFile& content) {
+  if (takeKnown(reader, "whether the training is known")) {
+    content.training = takeTraining(reader, content.decomposition.pointCount());
+  }
   if (takeKnown(reader, "whether the cover is known")) {
     content.cover = takeCover(reader, content.decomposition.parts);
   }

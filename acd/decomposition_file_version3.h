@@ -9,7 +9,7 @@ namespace lorica {
 
 // What version 3 adds after all that version 2 has. Internal: not installed.
 
-/// Appends the cover promise and the training range, or that they are not known.
+/// Appends the training range and the cover promise, or that they are not known.
 void appendVersion3(const DecompositionFile& content, std::string& payload);
 
 /// Takes them. The decomposition is there already, and trusted.

@@ -47,6 +47,11 @@ DecompositionFile sampleOfVersion2() {
 /// The same with all that is known today.
 DecompositionFile sample() {
   DecompositionFile content = sampleOfVersion2();
+  content.training = TrainingRange{};
+  content.training->probes = {13, 0, 3};
+  content.training->keyframeCount = 2;
+  content.training->positions = {{0, 0, 1}, {0, 0.5, -1}, {0, -0.5, 0}, {0.25, 0, 1}, {-0.25, 0.5, -1}, {0, -0.5, 0}};
+  content.training->knownDistance = 0.125;
   content.cover = CoverPromise{};
   content.cover->tolerance = 0.01;
   content.cover->maxHullVertices = 64;
@@ -57,6 +62,13 @@ DecompositionFile sample() {
   content.cover->sampledShortfall = 0.004;
   content.cover->heldOutShortfall = 0.0;
   return content;
+}
+
+void expectEqual(const TrainingRange& a, const TrainingRange& b) {
+  EXPECT_EQ(a.probes, b.probes);
+  EXPECT_EQ(a.keyframeCount, b.keyframeCount);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.knownDistance, b.knownDistance);
 }
 
 void expectEqual(const CoverPromise& a, const CoverPromise& b) {
@@ -114,6 +126,8 @@ void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
       EXPECT_EQ(a.bonesOfPart[i][k].share, b.bonesOfPart[i][k].share);
     }
   }
+  ASSERT_EQ(a.training.has_value(), b.training.has_value());
+  if (a.training) expectEqual(*a.training, *b.training);
   ASSERT_EQ(a.cover.has_value(), b.cover.has_value());
   if (a.cover) expectEqual(*a.cover, *b.cover);
 }
@@ -132,11 +146,14 @@ std::string resealed(std::string bytes) {
   return bytes + payload;
 }
 
-/// Bytes of the sample as written.
-std::string sampleBytes() {
+/// Bytes as written.
+std::string bytesOf(const DecompositionFile& content) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(writeDecomposition(folder.path() / "a.lorica", sample()).ok());
+  EXPECT_TRUE(writeDecomposition(folder.path() / "a.lorica", content).ok());
   return *readFile(folder.path() / "a.lorica");
+}
+std::string sampleBytes() {
+  return bytesOf(sample());
 }
 
 /// What readDecomposition says, less the folder; empty when it succeeds.
@@ -292,6 +309,18 @@ TEST(DecompositionFile, Version3StillLoadsAndIsStillWritten) {
   EXPECT_EQ(sampleBytes(), *readFile(keptFile("version3.lorica")));
 }
 
+/// What a training range is trusted for once it was read.
+void expectUsable(const TrainingRange& training, const Decomposition& d) {
+  ASSERT_TRUE(!training.probes.empty() && training.probes.size() <= kMaxProbes);
+  const std::set<PointIndex> probes(training.probes.begin(), training.probes.end());
+  ASSERT_EQ(probes.size(), training.probes.size());
+  ASSERT_TRUE(*probes.begin() >= 0 && *probes.rbegin() < d.pointCount());
+  ASSERT_GE(training.keyframeCount, 1);
+  ASSERT_EQ(training.positions.size(), static_cast<std::size_t>(training.keyframeCount) * training.probes.size());
+  for (const Vec3& p : training.positions) ASSERT_TRUE(p.allFinite());
+  ASSERT_TRUE(std::isfinite(training.knownDistance) && training.knownDistance >= 0.0);
+}
+
 /// What a promise is trusted for once it was read.
 void expectUsable(const CoverPromise& cover, const Decomposition& d) {
   for (const double value : {cover.tolerance, cover.growth, cover.sampledShortfall, cover.heldOutShortfall}) {
@@ -373,6 +402,7 @@ TEST_P(KeptVersion, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
         ASSERT_TRUE(std::isfinite(level.meanError) && std::isfinite(level.worstError) && level.hullVertices >= 0);
       }
       ASSERT_TRUE(read->bonesOfPart.empty() || read->bonesOfPart.size() == d.parts.size());
+      if (read->training) expectUsable(*read->training, d);
       if (read->cover) expectUsable(*read->cover, d);
     }
   }
@@ -440,35 +470,58 @@ TEST(DecompositionFile, SaysWhatIsWrong) {
   EXPECT_EQ(readDecomposition("/nowhere/a.lorica").error().code, ErrorCode::kNotFound);
 }
 
-TEST(DecompositionFile, SaysWhatIsWrongWithACover) {
+TEST(DecompositionFile, SaysWhatIsWrongWithATrainingRange) {
   const std::string bytes = sampleBytes();
-  // Offsets: version 2 takes 284 bytes of the same content. 284 whether known, 285 tolerance, 293 bound, 297 sampled,
-  // 301 held out, 305 growth, 313 and 321 shortfalls, 329 parts; 333 points of part 0, 337 packed (3 in 4 bytes), 341
-  // whether displaced, 342 displacements; 414 points of part 1, 418 packed (1 in 2), 420 whether displaced
+  // Offsets: version 2 takes 284 bytes of the same content. 284 whether known, 285 probes, 289 packed (3 in 4 bytes),
+  // 293 known distance, 301 keyframes, 305 positions, 449 the cover
   using Byte = std::uint8_t;
   const auto why = [&](std::size_t at, auto value) { return whyNot(changedAt(bytes, at, value)); };
-  EXPECT_EQ(why(284, Byte{2}), "a.lorica: byte 284: whether the cover is known is 2, expected 0 or 1");
-  EXPECT_EQ(why(285, -0.5), "a.lorica: byte 285: the tolerance of the cover is -0.5, expected 0 or more");
-  EXPECT_EQ(why(285, std::nan("")), "a.lorica: byte 285: the tolerance of the cover is nan, expected a finite number");
-  EXPECT_EQ(why(293, std::int32_t{-1}),
-            "a.lorica: byte 293: the bound on a hull's vertices is -1, expected 0 to 2147483647");
-  EXPECT_EQ(why(297, std::int32_t{-1}),
-            "a.lorica: byte 297: the number of sampled poses is -1, expected 0 to 2147483647");
-  EXPECT_EQ(why(301, std::int32_t{-1}),
-            "a.lorica: byte 301: the number of poses held out is -1, expected 0 to 2147483647");
-  EXPECT_EQ(why(305, std::numeric_limits<double>::infinity()),
-            "a.lorica: byte 305: the growth of the cover is inf, expected a finite number");
-  EXPECT_EQ(why(313, -1.0), "a.lorica: byte 313: the shortfall in the sampled poses is -1, expected 0 or more");
-  EXPECT_EQ(why(321, -1.0), "a.lorica: byte 321: the shortfall in the poses held out is -1, expected 0 or more");
-  EXPECT_EQ(why(329, std::uint32_t{1}), "a.lorica: byte 329: 1 parts with cover points, expected 2");
-  EXPECT_EQ(why(338, Byte{8}), "a.lorica: byte 337: cover point 0 of part 0 is the part's point 4, expected 0 to 3");
-  EXPECT_EQ(why(338, Byte{1}),
-            "a.lorica: byte 337: cover point 0 of part 0 is the part's point 4294967295, expected 0 to 3");
-  EXPECT_EQ(why(341, Byte{3}), "a.lorica: byte 341: whether a part's cover points are displaced is 3, expected 0 or 1");
-  EXPECT_EQ(why(350, std::nan("")),
-            "a.lorica: byte 350: a displacement of a cover point is nan, expected a finite number");
-  EXPECT_EQ(why(414, std::uint32_t{4000000000u}).substr(0, 84),
-            "a.lorica: byte 414: the number of a part's cover points is 4000000000, which needs 4");
+  EXPECT_EQ(why(284, Byte{2}), "a.lorica: byte 284: whether the training is known is 2, expected 0 or 1");
+  EXPECT_EQ(why(285, std::uint32_t{0}), "a.lorica: byte 285: 0 probes, expected 1 to 128");
+  EXPECT_EQ(why(285, std::uint32_t{129}), "a.lorica: byte 285: 129 probes, expected 1 to 128");
+  EXPECT_EQ(why(290, Byte{28}), "a.lorica: byte 289: probe 0 is point 14, expected 0 to 13");
+  EXPECT_EQ(why(290, Byte{1}), "a.lorica: byte 289: probe 0 is point 4294967295, expected 0 to 13");
+  EXPECT_EQ(why(292, Byte{0}), "a.lorica: byte 289: point 0 is a probe twice, expected each once");
+  EXPECT_EQ(why(293, -1.0), "a.lorica: byte 293: the known distance is -1, expected 0 or more");
+  EXPECT_EQ(why(301, std::uint32_t{0}), "a.lorica: byte 301: 0 training keyframes, expected 1 or more");
+  EXPECT_EQ(why(301, std::uint32_t{1000000}).substr(0, 95),
+            "a.lorica: byte 301: the number of training keyframes is 1000000, which needs 72000000 bytes or ");
+  EXPECT_EQ(why(305 + 40, std::numeric_limits<double>::infinity()),
+            "a.lorica: byte 345: a probe's position is inf, expected a finite number");
+}
+
+TEST(DecompositionFile, SaysWhatIsWrongWithACover) {
+  DecompositionFile content = sample();
+  content.training.reset();
+  const std::string bytes = bytesOf(content);
+  // Offsets: version 2 takes 284 bytes of the same content, the training a byte. 285 whether known, 286 tolerance, 294
+  // bound, 298 sampled, 302 held out, 306 growth, 314 and 322 shortfalls, 330 parts; 334 points of part 0, 338 packed
+  // (3 in 4 bytes), 342 whether displaced, 343 displacements; 415 points of part 1, 419 packed (1 in 2), 421 whether
+  // displaced
+  using Byte = std::uint8_t;
+  const auto why = [&](std::size_t at, auto value) { return whyNot(changedAt(bytes, at, value)); };
+  EXPECT_EQ(why(285, Byte{2}), "a.lorica: byte 285: whether the cover is known is 2, expected 0 or 1");
+  EXPECT_EQ(why(286, -0.5), "a.lorica: byte 286: the tolerance of the cover is -0.5, expected 0 or more");
+  EXPECT_EQ(why(286, std::nan("")), "a.lorica: byte 286: the tolerance of the cover is nan, expected a finite number");
+  EXPECT_EQ(why(294, std::int32_t{-1}),
+            "a.lorica: byte 294: the bound on a hull's vertices is -1, expected 0 to 2147483647");
+  EXPECT_EQ(why(298, std::int32_t{-1}),
+            "a.lorica: byte 298: the number of sampled poses is -1, expected 0 to 2147483647");
+  EXPECT_EQ(why(302, std::int32_t{-1}),
+            "a.lorica: byte 302: the number of poses held out is -1, expected 0 to 2147483647");
+  EXPECT_EQ(why(306, std::numeric_limits<double>::infinity()),
+            "a.lorica: byte 306: the growth of the cover is inf, expected a finite number");
+  EXPECT_EQ(why(314, -1.0), "a.lorica: byte 314: the shortfall in the sampled poses is -1, expected 0 or more");
+  EXPECT_EQ(why(322, -1.0), "a.lorica: byte 322: the shortfall in the poses held out is -1, expected 0 or more");
+  EXPECT_EQ(why(330, std::uint32_t{1}), "a.lorica: byte 330: 1 parts with cover points, expected 2");
+  EXPECT_EQ(why(339, Byte{8}), "a.lorica: byte 338: cover point 0 of part 0 is the part's point 4, expected 0 to 3");
+  EXPECT_EQ(why(339, Byte{1}),
+            "a.lorica: byte 338: cover point 0 of part 0 is the part's point 4294967295, expected 0 to 3");
+  EXPECT_EQ(why(342, Byte{3}), "a.lorica: byte 342: whether a part's cover points are displaced is 3, expected 0 or 1");
+  EXPECT_EQ(why(351, std::nan("")),
+            "a.lorica: byte 351: a displacement of a cover point is nan, expected a finite number");
+  EXPECT_EQ(why(415, std::uint32_t{4000000000u}).substr(0, 84),
+            "a.lorica: byte 415: the number of a part's cover points is 4000000000, which needs 4");
 }
 
 TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
@@ -490,6 +543,18 @@ TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   content = sample();
   std::swap(content.bonesOfPart[0][0], content.bonesOfPart[0][1]);
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.training->positions.pop_back();
+  written = writeDecomposition(file, content);
+  ASSERT_FALSE(written.ok());
+  EXPECT_EQ(written.error().message.substr(folder.path().string().size() + 1),
+            "a.lorica: not written: 5 positions of 3 probes in 2 keyframes");
+  content = sample();
+  content.training->probes[1] = 14;
+  EXPECT_FALSE(writeDecomposition(file, content).ok());
+  content = sample();
+  content.training = TrainingRange{};
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   content = sample();
   content.cover->points.pop_back();
