@@ -16,12 +16,13 @@ MovingHull::MovingHull(int pointCount) : surface_(pointCount), start_(pointCount
   const auto n = static_cast<std::size_t>(pointCount);
   const std::size_t mostFaces = std::max<std::size_t>(4, 2 * n);
   vertices_.reserve(n);
-  inside_.reserve(n);
+  inside_.resize(n + kPassWidth);
   slot_.resize(n);
   unsettled_.reserve(n);
   queue_.reserve(3 * mostFaces);
   queued_.resize(3 * mostFaces);
   turned_.reserve(mostFaces);
+  doubts_.resize(mostFaces);
   link_.reserve(n);
   cuts_.reserve(n);
 
@@ -116,10 +117,10 @@ bool MovingHull::build() {
   }
   surface_.clear();
   vertices_.clear();
-  inside_.clear();
+  insideCount_ = 0;
   for (const VertexIndex p : scrambled_) {
-    slot_[static_cast<std::size_t>(p)] = static_cast<std::int32_t>(inside_.size());
-    inside_.push_back({p, p, p, p});  // holds nothing yet
+    slot_[static_cast<std::size_t>(p)] = static_cast<std::int32_t>(insideCount_);
+    inside_[insideCount_++] = {p, p, p, p};  // holds nothing yet
   }
   for (const Triangle& t : first) {
     const std::int32_t face = surface_.addFace(t[0], t[1], t[2]);
@@ -159,16 +160,20 @@ bool MovingHull::pierced(const Triangle& face) const {
 bool MovingHull::scanFaces(int& windings) {
   turned_.clear();
   windings = 0;
-  const auto count = static_cast<std::int32_t>(surface_.faceCount());
-  for (std::int32_t f = 0; f < count; ++f) {
-    if (faceDet(f) <= 0.0) {
-      turned_.push_back(f);
+  const int found =
+      findDoubtfulFaces(points_.data(), faces().data(), surface_.opposites(), surface_.faceCount(), doubts_.data());
+  for (const std::int32_t doubt : std::span(doubts_).first(static_cast<std::size_t>(found))) {
+    const std::int32_t face = doubt / kFaceBits;
+    const Triangle& t = faces()[static_cast<std::size_t>(face)];
+    const PointRow &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
+    if ((doubt & kMayBeTurned) != 0 && det(a, b, c) <= 0.0) {
+      turned_.push_back(face);
       continue;
     }
-    const Triangle& t = faces()[static_cast<std::size_t>(f)];
-    windings += pierced(t) ? 1 : 0;
-    for (HalfEdge h = 3 * f; h < 3 * f + 3; ++h) {
-      if (side(at(t[0]), at(t[1]), at(t[2]), at(surface_.opposite(h))) > 0.0) queueEdge(h);
+    windings += (doubt & kMayBePierced) != 0 && pierced(t) ? 1 : 0;
+    for (int edge = 0; edge < 3; ++edge) {
+      const HalfEdge h = 3 * face + edge;
+      if ((doubt & kEdgeMayBeConcave << edge) != 0 && side(a, b, c, at(surface_.opposite(h))) > 0.0) queueEdge(h);
     }
   }
   return turned_.empty();
@@ -228,7 +233,7 @@ bool MovingHull::legalise() {
   return true;
 }
 
-bool MovingHull::holds(const Certificate& certificate) const {
+bool MovingHull::holds(const HullCertificate& certificate) const {
   const auto [ia, ib, ic, ip] = certificate;
   const PointRow &a = at(ia), &b = at(ib), &c = at(ic), &p = at(ip);
   return det(a, b, c) > 0.0 && det(a, b, p) >= 0.0 && det(b, c, p) >= 0.0 && det(c, a, p) >= 0.0 &&
@@ -237,14 +242,17 @@ bool MovingHull::holds(const Certificate& certificate) const {
 
 bool MovingHull::checkCertificates() {
   unsettled_.clear();
-  for (const Certificate& certificate : inside_) {
+  const int found =
+      findDoubtfulCertificates(points_.data(), inside_.data(), static_cast<int>(insideCount_), doubts_.data());
+  for (const std::int32_t doubt : std::span(doubts_).first(static_cast<std::size_t>(found))) {
+    const HullCertificate& certificate = inside_[static_cast<std::size_t>(doubt)];
     if (!holds(certificate)) unsettled_.push_back(certificate.point);
   }
   counts_.failedCertificates = static_cast<int>(unsettled_.size());
   std::int32_t hint = 0;
   for (const VertexIndex p : unsettled_) {
     // What held it last is near.
-    const Certificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
+    const HullCertificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
     for (const VertexIndex v : {last.a, last.b, last.c}) {
       if (isVertex(v)) {
         hint = HullSurface::faceOf(surface_.outOf(v));
@@ -411,10 +419,9 @@ bool MovingHull::isEar(VertexIndex v, Link link, int before, int tip, int after)
 // Takes a point from its place in inside_; the surface must hold it.
 void MovingHull::becomeVertex(VertexIndex p) {
   std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
-  const Certificate last = inside_.back();
+  const HullCertificate last = inside_[--insideCount_];
   inside_[static_cast<std::size_t>(slot)] = last;
   slot_[static_cast<std::size_t>(last.point)] = slot;
-  inside_.pop_back();
   slot = static_cast<std::int32_t>(vertices_.size());
   vertices_.push_back(p);
 }
@@ -426,8 +433,8 @@ void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
   vertices_[static_cast<std::size_t>(slot)] = last;
   slot_[static_cast<std::size_t>(last)] = slot;
   vertices_.pop_back();
-  slot = static_cast<std::int32_t>(inside_.size());
-  inside_.push_back({certificate[0], certificate[1], certificate[2], p});
+  slot = static_cast<std::int32_t>(insideCount_);
+  inside_[insideCount_++] = {certificate[0], certificate[1], certificate[2], p};
 }
 
 void MovingHull::queueEdge(HalfEdge h) {

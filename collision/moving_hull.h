@@ -1,5 +1,6 @@
 #pragma once
 
+#include "collision/moving_hull_passes.h"
 #include "collision/moving_hull_start.h"
 #include "collision/moving_hull_surface.h"
 #include "collision/point_row.h"
@@ -65,16 +66,6 @@ class MovingHull {
  private:
   using HalfEdge = HullSurface::HalfEdge;
 
-  /// A point inside and the three that hold it: it lies in their tetrahedron with s, surface included.
-  ///
-  /// The three were vertices when this was written; some may be inside by now. Then their own certificates were written
-  /// later than this one (or they are located anew in this frame), so that a chain of certificates never returns, and
-  /// ends at vertices. As every link holds in the present positions, the point is inside the hull of vertices and s.
-  struct Certificate {
-    VertexIndex a, b, c;
-    VertexIndex point;
-  };
-
   /// Where a point's direction pierces the surface.
   struct Place {
     std::int32_t face = 0;
@@ -94,7 +85,7 @@ class MovingHull {
   bool legalise();
   bool checkCertificates();
   bool settle(VertexIndex p, std::int32_t& hint);
-  [[nodiscard]] bool holds(const Certificate& certificate) const;
+  [[nodiscard]] bool holds(const HullCertificate& certificate) const;
   [[nodiscard]] bool pierced(const Triangle& face) const;
   [[nodiscard]] Place locate(VertexIndex p, std::int32_t hint) const;
   bool look(VertexIndex p, std::int32_t face, Place& place) const;
@@ -111,12 +102,14 @@ class MovingHull {
   HullSurface surface_;
   HullStart start_;
   std::vector<VertexIndex> vertices_;
-  std::vector<Certificate> inside_;
+  std::vector<HullCertificate> inside_;  ///< insideCount_, and padding
+  std::size_t insideCount_ = 0;
   std::vector<std::int32_t> slot_;      ///< of each point, in vertices_ or inside_
   std::vector<VertexIndex> scrambled_;  ///< all points, in a fixed order without pattern
   Counts counts_;
 
   // Scratch.
+  std::vector<std::int32_t> doubts_;    ///< what a pass hands back
   std::vector<HalfEdge> queue_;         ///< edges that may be concave
   std::vector<std::uint8_t> queued_;    ///< of each half-edge: it is in queue_
   std::vector<std::int32_t> turned_;    ///< faces that have lost their side
