@@ -15,6 +15,26 @@ void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, s
   }
 }
 
+std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const Part& part) {
+  // A point is held when the hull of the part's points holds it, whatever the pose.
+  std::vector<bool> held(static_cast<std::size_t>(decomposition.pointCount()));
+  for (const PointIndex p : part.points) held[static_cast<std::size_t>(p)] = true;
+  std::vector<PointIndex> spanning;
+  spanning.reserve(part.points.size());
+  for (const PointIndex p : part.points) {
+    if (p < decomposition.vertexCount) spanning.push_back(p);
+  }
+  PointIndex point = decomposition.vertexCount;
+  for (const CutPoint& cut : decomposition.cutPoints) {
+    const bool blend = held[static_cast<std::size_t>(cut.first)] && held[static_cast<std::size_t>(cut.second)];
+    const auto own = static_cast<std::size_t>(point);
+    if (held[own] && !blend) spanning.push_back(point);
+    held[own] = held[own] || blend;
+    ++point;
+  }
+  return spanning;
+}
+
 ConvexHull partHull(const Part& part, std::span<const Vec3> points) {
   std::vector<Vec3> own;
   own.reserve(part.points.size());

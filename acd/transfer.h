@@ -13,6 +13,10 @@ namespace lorica {
 /// @param points  pointCount positions; the first vertexCount are copied from `posed`, unless it is the same memory
 void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, std::span<Vec3> points);
 
+/// The points of a part that are not blends of others of its points, ascending: their hull is the part's in every pose.
+/// Blends arise where parts were cut and joined again.
+[[nodiscard]] std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const Part& part);
+
 /// Hull of one part in the pose held by `points` (pointCount positions).
 [[nodiscard]] ConvexHull partHull(const Part& part, std::span<const Vec3> points);
 

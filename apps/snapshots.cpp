@@ -25,7 +25,7 @@ SessionScene::SessionScene(const Decomposition& decomposition) {
 
 Scene SessionScene::of(const Session& session) const {
   Scene scene;
-  scene.vertices = session.body().points();
+  scene.vertices = session.points();
   scene.triangles = triangles_;
   scene.partOfTriangle = partOfTriangle_;
   scene.parts = session.body().parts();

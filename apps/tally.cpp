@@ -17,10 +17,9 @@ struct Stage {
 
 constexpr Stage kStages[] = {
     {"retarget", "joints to pose", [](const StageTimes& t) { return t.retarget; }},
-    {"skin", "pose to mesh", [](const StageTimes& t) { return t.skin; }},
-    {"transfer", "mesh to cut points", [](const StageTimes& t) { return t.transfer; }},
-    {"hulls", "points to hulls", [](const StageTimes& t) { return t.hulls; }},
-    {"motion", "hulls to rigid motions", [](const StageTimes& t) { return t.motion; }},
+    {"motion", "pose to rigid motions of the parts", [](const StageTimes& t) { return t.motion; }},
+    {"points", "pose to hull candidates", [](const StageTimes& t) { return t.points; }},
+    {"hulls", "candidates to hulls", [](const StageTimes& t) { return t.hulls; }},
     {"physics", "boxes and balls", [](const StageTimes& t) { return t.physics; }},
     {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
 };

@@ -1,54 +1,84 @@
 #pragma once
 
+#include "acd/cover.h"
 #include "acd/decomposition.h"
-#include "geometry/convex_hull.h"
+#include "collision/lifted_part.h"
+#include "collision/live_part.h"
+#include "collision/moving_hull.h"
 #include "geometry/math.h"
+#include "skinning/character.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace lorica {
 
-/// One part of the avatar in the current frame, as physics and pictures see it.
+/// The body that physics can touch: a decomposition carried to each frame. Updating allocates nothing.
 ///
-/// A part's own frame has the world's axes and its origin at the mean of the part's points, both in the first frame.
-/// Worn this way, the body of physics carries what is rigid in the motion, with its velocity, and only what is left
-/// goes into the shape.
-struct LivePart {
-  ConvexHull hull;  ///< world space [m]; pointOfVertex counts in Part::points. No triangles while the part is flat
-  Isometry3 worldFromPart = Isometry3::Identity();          ///< best-fit rigid motion since the first frame
-  Isometry3 previousWorldFromPart = Isometry3::Identity();  ///< the same one frame ago; in the first frame, the same
-  std::vector<Vec3> residual;  ///< hull vertices in the part's own frame: worldFromPart^-1 * hull.vertices [m]
-};
-
-/// The body that physics can touch: a decomposition carried to each frame.
+/// A skinned character's body is carried by its bones alone: the mesh need not be skinned. A mesh sequence without
+/// bones is carried by its vertex positions. How: docs/LIVE_HULLS.md.
 class LiveBody {
  public:
+  /// A character's body that covers the posed surface exactly, in every pose: coverExactly().
+  /// @param decomposition  made from the character's mesh
+  LiveBody(Decomposition decomposition, const Character& character);
+  /// A character's body of few points, which keeps what a promise says.
+  /// @param cover  made from the same decomposition and character
+  LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover);
+  /// A body of a mesh sequence.
   explicit LiveBody(Decomposition decomposition);
 
-  /// Carries the decomposition to a pose: points, hulls and rigid motions. The first call sets the parts' own frames.
-  /// @param posed  vertexCount positions of the mesh in this frame [m]
+  /// Carries a character's body to a pose.
+  /// @param worldFromModel  for each joint: where it takes the bind pose, worldFromJoint * jointFromModel
+  void update(std::span<const Affine3> worldFromModel);
+  /// Carries a mesh sequence's body to a frame. The first one gives the parts their own frames, with the world's axes.
+  /// @param posed  vertexCount positions of the mesh [m]
   void update(std::span<const Vec3> posed);
 
   [[nodiscard]] const Decomposition& decomposition() const { return decomposition_; }
   [[nodiscard]] std::span<const LivePart> parts() const { return parts_; }
-  /// Mesh vertices and cut points in this frame, pointCount() of them [m].
-  [[nodiscard]] std::span<const Vec3> points() const { return points_; }
+  /// What is promised of the surface being inside the hulls. A mesh sequence is covered exactly.
+  [[nodiscard]] const CoverPromise& coverage() const { return cover_; }
+  /// How many points of a part are looked at for its hull.
+  [[nodiscard]] std::size_t candidateCount(PartIndex part) const;
 
-  /// Time of the three steps of the last update [us].
+  /// Time of the steps of the last update [us].
   struct Timing {
-    double transfer = 0, hulls = 0, motion = 0;
+    double motion = 0;  ///< best-fit rigid motions
+    double points = 0;  ///< bones or vertices to hull candidates
+    double hulls = 0;   ///< candidates to hulls
   };
   [[nodiscard]] const Timing& timing() const { return timing_; }
+  /// Bytes held, beside the decomposition.
+  [[nodiscard]] std::size_t memory() const;
 
  private:
-  void fitMotions();
+  /// What is kept of a part from frame to frame.
+  struct Track {
+    explicit Track(std::vector<PointIndex> chosen)
+        : candidates(std::move(chosen)), hull(static_cast<int>(candidates.size())) {}
+
+    std::vector<PointIndex> candidates;  ///< one a row
+    std::vector<PointRow> rows;          ///< in the part's own frame, in whole ticks
+    double tick = 0.0;                   ///< [m]
+    bool moved = false;                  ///< the rows are not those of the frame before
+    MovingHull hull;
+    std::optional<LiftedPart> lifted;       ///< of a character
+    std::vector<Vec3> firstPoints, points;  ///< of a mesh sequence: in the first frame about their mean, and now
+  };
+  void addTracks(std::span<const LiftedPoint> lifted);
+  void addTrack(Track track);
+  void readRows(Track& track, const Isometry3& worldFromPart);
+  void reshape(Track& track, LivePart& part);
+  void reshapeAll();
 
   Decomposition decomposition_;
-  std::vector<Vec3> points_;
+  CoverPromise cover_;
+  std::vector<Track> tracks_;
   std::vector<LivePart> parts_;
-  std::vector<std::vector<Vec3>> firstPoints_;  ///< of each part, in its own frame
-  std::vector<std::vector<Vec3>> partPoints_;   ///< of each part, in this frame
+  std::vector<Vec3> meshPoints_;                ///< of a mesh sequence: vertices and cut points [m]
+  std::vector<VertexIndex> vertexOfCandidate_;  ///< scratch
   Timing timing_;
   bool started_ = false;
 };

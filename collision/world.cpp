@@ -85,7 +85,7 @@ Sweep sweepOf(const LivePart& part, double seconds) {
   sweep.angle = turn.angle();
 
   double radiusSq = 0.0;
-  for (const Vec3& p : part.residual) radiusSq = std::max(radiusSq, p.squaredNorm());
+  for (const Vec3& p : part.shape.vertices) radiusSq = std::max(radiusSq, p.squaredNorm());
   const double path = sweep.travel.norm() + std::abs(sweep.angle) * std::sqrt(radiusSq);
   if (path > kTeleportSpeed * seconds) {
     sweep = Sweep();
@@ -110,12 +110,11 @@ struct PropBody {
 };
 
 /// The collision shape must follow: other corners, or one that moved visibly since the shape was taken.
-bool shapeDiffers(const PartBody& body, const LivePart& part) {
-  if (body.pointOfVertex != part.hull.pointOfVertex) return true;
-  if (body.points.size() != static_cast<int>(part.residual.size())) return true;
-  for (std::size_t v = 0; v < part.residual.size(); ++v) {
+bool shapeDiffers(const PartBody& body, const ConvexHull& shape) {
+  if (body.pointOfVertex != shape.pointOfVertex) return true;
+  for (std::size_t v = 0; v < shape.vertices.size(); ++v) {
     const Vec3 held = fromBullet(body.points[static_cast<int>(v)]);
-    if ((part.residual[v] - held).squaredNorm() > kShapeTolerance * kShapeTolerance) return true;
+    if ((shape.vertices[v] - held).squaredNorm() > kShapeTolerance * kShapeTolerance) return true;
   }
   return false;
 }
@@ -226,7 +225,7 @@ void World::Impl::setPartCount(std::size_t count) {
 }
 
 void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds) {
-  if (live.hull.degenerate()) {
+  if (live.shape.degenerate()) {
     if (part.inWorld) world.removeRigidBody(part.body.get());
     part.inWorld = false;
     return;
@@ -234,11 +233,11 @@ void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds)
   part.sweep = sweepOf(live, seconds);
   part.body->setWorldTransform(part.sweep.at(0.0));
 
-  if (shapeDiffers(part, live)) {
-    part.pointOfVertex = live.hull.pointOfVertex;
-    part.points.resizeNoInitialize(static_cast<int>(live.residual.size()));
-    for (std::size_t v = 0; v < live.residual.size(); ++v) {
-      part.points[static_cast<int>(v)] = toBullet(live.residual[v]);
+  if (!part.inWorld || (live.reshaped && shapeDiffers(part, live.shape))) {
+    part.pointOfVertex = live.shape.pointOfVertex;
+    part.points.resizeNoInitialize(static_cast<int>(live.shape.vertices.size()));
+    for (std::size_t v = 0; v < live.shape.vertices.size(); ++v) {
+      part.points[static_cast<int>(v)] = toBullet(live.shape.vertices[v]);
     }
     part.shape.setPoints(&part.points[0], part.points.size());
     // Contacts of the old shape would hold up what rested on it, for ever.

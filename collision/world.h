@@ -1,6 +1,7 @@
 #pragma once
 
-#include "collision/live_body.h"
+#include "acd/decomposition.h"
+#include "collision/live_part.h"
 #include "geometry/math.h"
 
 #include <cstdint>

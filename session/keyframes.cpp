@@ -19,21 +19,21 @@ class Poser {
       : character_(character),
         retargeter_(std::move(retargeter)),
         pose_(restPose(character.skeleton)),
-        worldFromJoint_(static_cast<std::size_t>(character.skeleton.jointCount())),
-        skinMatrices_(worldFromJoint_.size()) {}
+        worldFromJoint_(static_cast<std::size_t>(character.skeleton.jointCount())) {}
 
   void follow(const SkeletonFrame& frame) { retargeter_.apply(frame, pose_); }
 
   void skin(std::span<Vec3> posed) {
     computeWorldFromJoint(character_.skeleton, pose_, worldFromJoint_);
-    skinLinearBlend(character_, worldFromJoint_, skinMatrices_, posed);
+    computeWorldFromModel(character_, worldFromJoint_, worldFromJoint_);
+    skinLinearBlend(character_, worldFromJoint_, posed);
   }
 
  private:
   const Character& character_;
   Retargeter retargeter_;
   Pose pose_;
-  std::vector<Affine3> worldFromJoint_, skinMatrices_;
+  std::vector<Affine3> worldFromJoint_;
 };
 
 std::size_t frameCountOf(std::span<const std::vector<SkeletonFrame>> recordings) {

@@ -1,5 +1,6 @@
 #include "session/session.h"
 
+#include "acd/transfer.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
@@ -29,10 +30,12 @@ double frameSeconds(double time, double previousTime) {
   return std::min(seconds, kLongestFrameSeconds);
 }
 
-std::uint64_t chainHash(std::uint64_t hash, const ConvexHull& hull) {
+std::uint64_t chainHash(std::uint64_t hash, const LivePart& part) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double), "no padding may be hashed");
-  hash = XXH3_64bits_withSeed(hull.vertices.data(), hull.vertices.size() * sizeof(Vec3), hash);
-  return XXH3_64bits_withSeed(hull.triangles.data(), hull.triangles.size() * sizeof(Triangle), hash);
+  const ConvexHull& shape = part.shape;
+  hash = XXH3_64bits_withSeed(part.worldFromPart.data(), 16 * sizeof(double), hash);
+  hash = XXH3_64bits_withSeed(shape.vertices.data(), shape.vertices.size() * sizeof(Vec3), hash);
+  return XXH3_64bits_withSeed(shape.triangles.data(), shape.triangles.size() * sizeof(Triangle), hash);
 }
 
 }  // namespace
@@ -61,12 +64,12 @@ Session::Session(Character character, Decomposition decomposition, std::unique_p
     : character_(std::move(character)),
       source_(std::move(source)),
       retargeter_(std::move(retargeter)),
-      body_(std::move(decomposition)),
+      body_(std::move(decomposition), character_),
       world_(std::move(world)),
       pose_(restPose(character_.skeleton)),
       worldFromJoint_(static_cast<std::size_t>(character_.skeleton.jointCount()), Affine3::Identity()),
-      skinMatrices_(worldFromJoint_.size()),
-      posed_(character_.mesh.vertices) {}
+      worldFromModel_(worldFromJoint_.size()),
+      points_(static_cast<std::size_t>(body_.decomposition().pointCount())) {}
 
 Result<bool> Session::step() {
   Result<std::optional<SkeletonFrame>> next = source_->next();
@@ -78,24 +81,35 @@ Result<bool> Session::step() {
   const Clock::time_point begin = Clock::now();
   retargeter_.apply(frame_, pose_);
   computeWorldFromJoint(character_.skeleton, pose_, worldFromJoint_);
+  computeWorldFromModel(character_, worldFromJoint_, worldFromModel_);
   const Clock::time_point retargeted = Clock::now();
-  skinLinearBlend(character_, worldFromJoint_, skinMatrices_, posed_);
-  const Clock::time_point skinned = Clock::now();
-  body_.update(posed_);
+  body_.update(worldFromModel_);
   const Clock::time_point updated = Clock::now();
   world_.step(body_.parts(), seconds);
   const Clock::time_point end = Clock::now();
 
   times_.retarget = microsecondsBetween(begin, retargeted);
-  times_.skin = microsecondsBetween(retargeted, skinned);
-  times_.transfer = body_.timing().transfer;
-  times_.hulls = body_.timing().hulls;
   times_.motion = body_.timing().motion;
+  times_.points = body_.timing().points;
+  times_.hulls = body_.timing().hulls;
   times_.physics = microsecondsBetween(updated, end);
 
-  for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part.hull);
+  for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part);
   ++frameCount_;
   return true;
+}
+
+std::span<const Vec3> Session::points() const {
+  if (pointsFrame_ == frameCount_) return points_;
+  const auto posed = std::span(points_).first(character_.mesh.vertices.size());
+  if (frameCount_ == 0) {
+    std::copy(character_.mesh.vertices.begin(), character_.mesh.vertices.end(), posed.begin());
+  } else {
+    skinLinearBlend(character_, worldFromModel_, posed);
+  }
+  transfer(body_.decomposition(), posed, points_);
+  pointsFrame_ = frameCount_;
+  return points_;
 }
 
 }  // namespace lorica

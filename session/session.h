@@ -15,8 +15,8 @@ namespace lorica {
 
 /// Time of each stage of one frame [us]; retarget includes forward kinematics.
 struct StageTimes {
-  double retarget = 0, skin = 0, transfer = 0, hulls = 0, motion = 0, physics = 0;
-  [[nodiscard]] double total() const { return retarget + skin + transfer + hulls + motion + physics; }
+  double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0;
+  [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics; }
 };
 
 /// The headless frame: source -> pose -> hulls -> contacts. Tests, benchmarks, pictures and the window run this.
@@ -33,13 +33,15 @@ class Session {
   [[nodiscard]] const Character& character() const { return character_; }
   [[nodiscard]] const SkeletonFrame& frame() const { return frame_; }
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
-  [[nodiscard]] std::span<const Vec3> posed() const { return posed_; }
+  /// The posed mesh and the cut points, pointCount() of them [m]. Physics needs neither: they are computed for
+  /// pictures, when asked for.
+  [[nodiscard]] std::span<const Vec3> points() const;
   [[nodiscard]] const LiveBody& body() const { return body_; }
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const StageTimes& times() const { return times_; }
   [[nodiscard]] int frameCount() const { return frameCount_; }
-  /// XXH3 over the vertices and triangles of all hulls of all frames so far, bit for bit.
+  /// XXH3 over the shapes and places of all parts in all frames so far, bit for bit.
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
  private:
@@ -52,8 +54,9 @@ class Session {
   World world_;
   SkeletonFrame frame_;
   Pose pose_;
-  std::vector<Affine3> worldFromJoint_, skinMatrices_;
-  std::vector<Vec3> posed_;
+  std::vector<Affine3> worldFromJoint_, worldFromModel_;
+  mutable std::vector<Vec3> points_;  // of the frame pointsFrame_
+  mutable int pointsFrame_ = -1;
   StageTimes times_;
   int frameCount_ = 0;
   std::uint64_t hash_ = 0;

@@ -21,7 +21,7 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
   }
   if (options.hulls && box.empty()) {  // beside a skin, hulls must not move its light
     for (const LivePart& part : scene.parts) {
-      for (const Vec3& p : part.hull.vertices) extendFinite(box, p);
+      for (const Vec3& p : part.shape.vertices) extendFinite(box, part.worldFromPart * p);
     }
   }
   if (box.empty()) extendFinite(box, target);

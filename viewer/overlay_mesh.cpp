@@ -35,17 +35,17 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const LivePart> p
   hullVertices_.clear();
   order_.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const ConvexHull& hull = parts[i].hull;
-    if (hull.degenerate()) continue;
+    const ConvexHull& hull = parts[i].shape;
+    if (hull.degenerate() || !parts[i].worldFromPart.matrix().allFinite()) continue;
     const bool finite =
         std::all_of(hull.vertices.begin(), hull.vertices.end(), [](const Vec3& v) { return v.allFinite(); });
     if (!finite) continue;
-    const Vec3 center = boundsOf(hull.vertices).center();
+    const Vec3 center = parts[i].worldFromPart * boundsOf(hull.vertices).center();
     order_.emplace_back(-(center - eye).squaredNorm(), static_cast<PartIndex>(i));
   }
   std::sort(order_.begin(), order_.end());
   for (const auto& [distance, part] : order_) {
-    const ConvexHull& hull = parts[static_cast<std::size_t>(part)].hull;
+    const ConvexHull hull = worldHull(parts[static_cast<std::size_t>(part)]);
     const Vec3f color = partColor(part);
     append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28}, eye);
   }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "collision/live_body.h"
+#include "collision/live_part.h"
 #include "collision/world.h"
 #include "geometry/math.h"
 #include "geometry/tri_mesh.h"
@@ -44,7 +44,7 @@ struct Camera {
   double verticalFov = 0.6;  ///< [rad]
 };
 
-/// The skin cut along the parts' borders, over LiveBody::points(): as Scene::triangles and partOfTriangle it shows
+/// The skin cut along the parts' borders, over Session::points(): as Scene::triangles and partOfTriangle it shows
 /// borders where the cuts run, not along the mesh's edges.
 struct PartedSkin {
   std::vector<Triangle> triangles;

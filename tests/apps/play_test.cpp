@@ -28,7 +28,7 @@ TEST(Play, JsonHasStagesFramesContactsAndHash) {
   EXPECT_EQ(json["frames"], 40);
   EXPECT_TRUE(json["contacts"].is_number_integer());
   EXPECT_EQ(json["hash"].get<std::string>().size(), 16u);
-  for (const char* stage : {"retarget", "skin", "transfer", "hulls", "motion", "physics", "total"}) {
+  for (const char* stage : {"retarget", "motion", "points", "hulls", "physics", "total"}) {
     const double median = json["stages"][stage]["median"];
     const double p95 = json["stages"][stage]["p95"];
     EXPECT_GE(median, 0.0) << stage;

@@ -96,7 +96,8 @@ void measure(const std::string& file, Measures& worst) {
         worst.elbowTwist = std::max(worst.elbowTwist, twist(limb.lower, limb.upper));
       }
     }
-    skinLinearBlend(mannequin(), world, skin, posed);
+    computeWorldFromModel(mannequin(), world, skin);
+    skinLinearBlend(mannequin(), skin, posed);
     for (const Vec3& p : posed) worst.lowestPoint = std::min(worst.lowestPoint, p.y());
     if (!before.empty()) {
       for (std::size_t j = 0; j < pose.size(); ++j) {

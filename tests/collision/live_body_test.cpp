@@ -1,9 +1,18 @@
 #include "collision/live_body.h"
 
+#include "acd/decompose.h"
+#include "acd/transfer.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin.h"
 #include "tests/collision/parts.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
 
 namespace lorica {
 namespace {
@@ -29,26 +38,23 @@ std::vector<Vec3> boxVertices() {
   return test::makeBox(Vec3::Zero(), Vec3(2.0, 1.0, 1.0)).vertices;
 }
 
-double largestDifference(std::span<const Vec3> a, std::span<const Vec3> b) {
-  EXPECT_EQ(a.size(), b.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
-}
+// Shapes are on a grid of about a millionth of a part's size, in steps of a power of two.
+constexpr double kGrid = 2e-6;
 
 TEST(LiveBody, FirstFrameSetsThePartsFrames) {
   LiveBody body(halvedBox());
   body.update(boxVertices());
   ASSERT_EQ(body.parts().size(), 2u);
-  EXPECT_EQ(body.points().size(), 12u);
   for (int i : {0, 1}) {
     const LivePart& part = body.parts()[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(part.hull.volume, 1.0, 1e-12);
+    EXPECT_NEAR(part.shape.volume, 1.0, 1e-12);
     EXPECT_LT((part.worldFromPart.translation() - Vec3(0.5 + i, 0.5, 0.5)).norm(), 1e-12);
     EXPECT_TRUE(part.worldFromPart.linear().isIdentity(0.0));
     EXPECT_TRUE(part.previousWorldFromPart.isApprox(part.worldFromPart, 0.0));
-    EXPECT_EQ(part.residual.size(), 8u);
-    for (const Vec3& p : part.residual) EXPECT_LT((p.cwiseAbs() - Vec3::Constant(0.5)).norm(), 1e-12);
+    EXPECT_TRUE(part.reshaped);
+    EXPECT_EQ(part.shape.vertices.size(), 8u);
+    for (const Vec3& p : part.shape.vertices) EXPECT_LT((p.cwiseAbs() - Vec3::Constant(0.5)).norm(), 1e-12);
+    EXPECT_EQ(body.candidateCount(i), 8u);
   }
 }
 
@@ -67,36 +73,40 @@ TEST(LiveBody, RigidMotionGoesIntoTheTransformAndNothingIntoTheShape) {
     body.update(posed);
     for (std::size_t i = 0; i < 2; ++i) {
       const LivePart& part = body.parts()[i];
-      EXPECT_LT((part.worldFromPart.matrix() - (motion * start[i].worldFromPart).matrix()).norm(), 1e-7);
+      EXPECT_LT((part.worldFromPart.matrix() - (motion * start[i].worldFromPart).matrix()).norm(), 1e-12);
       EXPECT_TRUE(part.previousWorldFromPart.isApprox(before[i].worldFromPart, 0.0));
       // The hull may list its corners in another order, so each is compared by the point it came from.
-      ASSERT_EQ(part.residual.size(), start[i].residual.size());
-      for (std::size_t v = 0; v < part.residual.size(); ++v) {
-        const auto same = std::find(start[i].hull.pointOfVertex.begin(), start[i].hull.pointOfVertex.end(),
-                                    part.hull.pointOfVertex[v]);
-        ASSERT_NE(same, start[i].hull.pointOfVertex.end());
-        const auto k = static_cast<std::size_t>(same - start[i].hull.pointOfVertex.begin());
-        EXPECT_LT((part.residual[v] - start[i].residual[k]).norm(), 1e-7);
-        EXPECT_LT((part.hull.vertices[v] - motion * start[i].hull.vertices[k]).norm(), 1e-12);
+      ASSERT_EQ(part.shape.vertices.size(), start[i].shape.vertices.size());
+      for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
+        const std::vector<VertexIndex>& names = start[i].shape.pointOfVertex;
+        const auto same = std::find(names.begin(), names.end(), part.shape.pointOfVertex[v]);
+        ASSERT_NE(same, names.end());
+        const auto k = static_cast<std::size_t>(same - names.begin());
+        EXPECT_LT((part.shape.vertices[v] - start[i].shape.vertices[k]).norm(), kGrid);
       }
     }
   }
 }
 
-TEST(LiveBody, TransformTimesResidualIsTheHullWhateverTheDeformation) {
-  LiveBody body(halvedBox());
+TEST(LiveBody, PartTimesShapeIsTheHullWhateverTheDeformation) {
+  const Decomposition decomposition = halvedBox();
+  LiveBody body(decomposition);
   body.update(boxVertices());
   std::mt19937_64 random(12);
+  std::vector<Vec3> points(12);
   for (int frame = 0; frame < 50; ++frame) {
     std::vector<Vec3> posed = boxVertices();
     for (Vec3& p : posed) p += test::uniformVec3(random, -0.3, 0.3);
     body.update(posed);
-    for (const LivePart& part : body.parts()) {
-      std::vector<Vec3> rebuilt = part.residual;
-      for (Vec3& p : rebuilt) p = part.worldFromPart * p;
-      EXPECT_LT(largestDifference(rebuilt, part.hull.vertices), 1e-12);
+    transfer(decomposition, posed, points);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const LivePart& part = body.parts()[i];
+      const ConvexHull hull = worldHull(part);
+      const ConvexHull truth = partHull(decomposition.parts[i], points);
       EXPECT_NEAR(part.worldFromPart.linear().determinant(), 1.0, 1e-12);
-      EXPECT_LT(largestViolation(part.hull, body.points().subspan(8)), 1e-9) << "cut points belong to both parts";
+      EXPECT_NEAR(part.shape.volume, truth.volume, kGrid);
+      EXPECT_LT(largestViolation(hull, truth.vertices), kGrid);
+      EXPECT_LT(largestViolation(truth, hull.vertices), kGrid);
     }
   }
 }
@@ -116,12 +126,124 @@ TEST(LiveBody, AFlatPoseHasNoHullButAMotion) {
   for (Vec3& p : flat) p.z() = 0.25;
   body.update(flat);
   for (const LivePart& part : body.parts()) {
-    EXPECT_TRUE(part.hull.degenerate());
+    EXPECT_TRUE(part.shape.degenerate());
     EXPECT_TRUE(part.worldFromPart.matrix().allFinite());
     EXPECT_NEAR(part.worldFromPart.translation().z(), 0.25, 1e-12);
   }
   body.update(boxVertices());
-  for (const LivePart& part : body.parts()) EXPECT_NEAR(part.hull.volume, 1.0, 1e-12);
+  for (const LivePart& part : body.parts()) EXPECT_NEAR(part.shape.volume, 1.0, 1e-12);
+}
+
+TEST(LiveBody, ShapesFollowAMeshThatGrowsAThousandfoldAndShrinksAgain) {
+  LiveBody body(halvedBox());
+  for (const double scale : {1.0, 1000.0, 1e-3, 0.0, 1.0}) {
+    std::vector<Vec3> posed = boxVertices();
+    for (Vec3& p : posed) p *= scale;
+    body.update(posed);
+    for (const LivePart& part : body.parts()) {
+      EXPECT_EQ(part.shape.degenerate(), scale == 0.0);
+      EXPECT_NEAR(part.shape.volume, std::pow(scale, 3), 1e-5 * std::pow(scale, 3));
+    }
+  }
+}
+
+// The mannequin cut in eight, and poses of its own to carry it to.
+struct Dancer {
+  Character character = makeMannequin();
+  Decomposition decomposition;
+  std::vector<Affine3> worldFromModel;
+
+  Dancer() : worldFromModel(character.jointFromModel.size()) {
+    DecomposeSettings settings;
+    settings.maxParts = 8;
+    const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
+    Result<Decomposition> made = decompose(character.mesh, bindPose, settings);
+    CHECK(made.ok(), "the mannequin can be cut");
+    decomposition = std::move(made).value();
+  }
+
+  /// Turns every joint by up to `most` [rad] and puts the whole body somewhere.
+  void dance(std::mt19937_64& random, double most) {
+    Pose pose = restPose(character.skeleton);
+    for (JointTransform& joint : pose) {
+      const Vec3 turn = test::uniformVec3(random, -1.0, 1.0);
+      joint.rotation = Quat(Eigen::AngleAxisd(most * turn.norm(), turn.normalized())) * joint.rotation;
+    }
+    pose[0].translation += test::uniformVec3(random, -5.0, 5.0);
+    computeWorldFromJoint(character.skeleton, pose, worldFromModel);
+    computeWorldFromModel(character, worldFromModel, worldFromModel);
+  }
+
+  /// Mesh vertices and cut points, by skinning and the recursion: the slow way.
+  [[nodiscard]] std::vector<Vec3> points() const {
+    std::vector<Vec3> all(static_cast<std::size_t>(decomposition.pointCount()));
+    const auto posed = std::span(all).first(character.mesh.vertices.size());
+    skinLinearBlend(character, worldFromModel, posed);
+    transfer(decomposition, posed, all);
+    return all;
+  }
+};
+
+TEST(LiveBody, OfACharacterIsTheHullOfItsSkinInEveryPose) {
+  Dancer dancer;
+  LiveBody body(dancer.decomposition, dancer.character);
+  std::mt19937_64 random(13);
+  std::size_t candidates = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < body.parts().size(); ++i) {
+    candidates += body.candidateCount(static_cast<PartIndex>(i));
+    all += dancer.decomposition.parts[i].points.size();
+  }
+  std::cout << all << " points, of which " << candidates << " can be on a hull\n";
+  EXPECT_LT(candidates, all);
+  for (int frame = 0; frame < 20; ++frame) {
+    dancer.dance(random, frame % 2 == 0 ? 0.3 : 1.5);
+    body.update(dancer.worldFromModel);
+    const std::vector<Vec3> points = dancer.points();
+    for (std::size_t i = 0; i < body.parts().size(); ++i) {
+      const LivePart& part = body.parts()[i];
+      const ConvexHull truth = partHull(dancer.decomposition.parts[i], points);
+      EXPECT_LT(largestViolation(worldHull(part), truth.vertices), 1e-6 * dancer.character.height);
+      EXPECT_LT(largestViolation(truth, worldHull(part).vertices), 1e-6 * dancer.character.height);
+      EXPECT_NEAR(part.shape.volume / truth.volume, 1.0, 1e-4);
+    }
+  }
+}
+
+TEST(LiveBody, PartsWhoseBonesMoveAsOneKeepTheirShape) {
+  Dancer dancer;
+  LiveBody body(dancer.decomposition, dancer.character);
+  std::mt19937_64 random(14);
+  dancer.dance(random, 0.5);
+  body.update(dancer.worldFromModel);
+  for (const LivePart& part : body.parts()) EXPECT_TRUE(part.reshaped);
+  const std::vector<LivePart> before(body.parts().begin(), body.parts().end());
+  const Isometry3 motion = Eigen::Translation3d(3.0, -1.0, 2.0) * test::uniformRotation(random);
+  for (Affine3& m : dancer.worldFromModel) m = motion * m;
+  body.update(dancer.worldFromModel);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const LivePart& part = body.parts()[i];
+    EXPECT_FALSE(part.reshaped);
+    EXPECT_EQ(part.shape.vertices, before[i].shape.vertices);
+    EXPECT_LT((part.worldFromPart.matrix() - (motion * before[i].worldFromPart).matrix()).norm(), 1e-12);
+  }
+}
+
+TEST(LiveBody, BonesThatAreNotNumbersGiveNoHullsUntilTheyAreAgain) {
+  Dancer dancer;
+  LiveBody body(dancer.decomposition, dancer.character);
+  std::mt19937_64 random(15);
+  dancer.dance(random, 0.5);
+  body.update(dancer.worldFromModel);
+  std::vector<Affine3> broken = dancer.worldFromModel;
+  for (Affine3& m : broken) m.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
+  body.update(broken);
+  for (const LivePart& part : body.parts()) EXPECT_TRUE(part.shape.degenerate());
+  body.update(dancer.worldFromModel);
+  for (const LivePart& part : body.parts()) {
+    EXPECT_FALSE(part.shape.degenerate());
+    EXPECT_TRUE(part.worldFromPart.matrix().allFinite());
+  }
 }
 
 }  // namespace

@@ -5,12 +5,9 @@
 namespace lorica::test {
 
 void reshape(LivePart& part, std::span<const Vec3> corners) {
-  std::vector<Vec3> world(corners.begin(), corners.end());
-  for (Vec3& p : world) p = part.worldFromPart * p;
-  part.hull = convexHull(world);
-  part.residual.resize(part.hull.vertices.size());
-  const Isometry3 partFromWorld = part.worldFromPart.inverse();
-  for (std::size_t v = 0; v < part.residual.size(); ++v) part.residual[v] = partFromWorld * part.hull.vertices[v];
+  std::swap(part.previousVertices, part.shape.vertices);
+  part.shape = convexHull(corners);
+  part.reshaped = true;
 }
 
 void reshapeToBox(LivePart& part, const Vec3& halfExtents) {
@@ -28,7 +25,6 @@ LivePart makeBoxPart(const Vec3& halfExtents, const Isometry3& worldFromPart) {
 void moveTo(LivePart& part, const Isometry3& worldFromPart) {
   part.previousWorldFromPart = part.worldFromPart;
   part.worldFromPart = worldFromPart;
-  for (std::size_t v = 0; v < part.residual.size(); ++v) part.hull.vertices[v] = worldFromPart * part.residual[v];
 }
 
 Isometry3 at(double x, double y, double z) {

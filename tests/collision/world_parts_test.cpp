@@ -182,7 +182,7 @@ TEST(WorldParts, ABoxFallsWhenWhatCarriedItJumpsAway) {
 TEST(WorldParts, ABoxFallsWhenWhatCarriedItTurnsFlat) {
   expectFallAfter([](LivePart table) {
     test::reshape(table, std::vector<Vec3>{{-1, 0.3, -1}, {1, 0.3, -1}, {1, 0.3, 1}, {-1, 0.3, 1}});
-    EXPECT_TRUE(table.hull.degenerate());
+    EXPECT_TRUE(table.shape.degenerate());
     return std::vector<LivePart>{table};
   });
 }
@@ -253,7 +253,7 @@ TEST(WorldParts, AHullOfManyCornersCarriesAsItsShapeSays) {
   const TriMesh sphere = test::makeSphere(0.2, 20, 30);
   LivePart part = makeBoxPart(Vec3::Constant(0.1), at(0, 1.0, 0));
   test::reshape(part, sphere.vertices);
-  ASSERT_GT(part.residual.size(), 500u);
+  ASSERT_GT(part.shape.vertices.size(), 500u);
   double lowest = 10.0;
   for (int i = 0; i < 30; ++i) {
     world.step({&part, 1}, kFrame);

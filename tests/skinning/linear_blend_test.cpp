@@ -13,7 +13,8 @@ std::vector<Vec3> posed(const Character& character, const Pose& pose) {
   std::vector<Affine3> skin(pose.size());
   std::vector<Vec3> vertices(character.mesh.vertices.size());
   computeWorldFromJoint(character.skeleton, pose, world);
-  skinLinearBlend(character, world, skin, vertices);
+  computeWorldFromModel(character, world, skin);
+  skinLinearBlend(character, skin, vertices);
   return vertices;
 }
 
@@ -78,7 +79,8 @@ TEST(LinearBlend, VertexOfOneJointIsMovedByItsMatrixAlone) {
   const std::vector<Affine3> world = {Affine3(Eigen::Translation3d(5.0, 0.0, 0.0) * Eigen::Scaling(2.0))};
   std::vector<Affine3> skin(1);
   std::vector<Vec3> vertices(1);
-  skinLinearBlend(character, world, skin, vertices);
+  computeWorldFromModel(character, world, skin);
+  skinLinearBlend(character, skin, vertices);
   EXPECT_EQ(vertices[0], Vec3(5.0, 0.0, 2.0));
   EXPECT_EQ(skin[0] * Vec3(1.0, 2.0, 2.0), Vec3(5.0, 0.0, 0.0));
 }

@@ -21,7 +21,8 @@ std::vector<Vec3> posedWith(std::initializer_list<std::pair<HumanBone, Eigen::An
   std::vector<Affine3> skin(pose.size());
   std::vector<Vec3> vertices(mannequin().mesh.vertices.size());
   computeWorldFromJoint(mannequin().skeleton, pose, world);
-  skinLinearBlend(mannequin(), world, skin, vertices);
+  computeWorldFromModel(mannequin(), world, skin);
+  skinLinearBlend(mannequin(), skin, vertices);
   return vertices;
 }
 

@@ -102,8 +102,8 @@ TEST(OverlayMesh, ASmoothHullShowsOnlyItsOutline) {
   const double radius = 0.5;
   const TriMesh sphere = test::makeSphere(radius, 40, 60);
   std::vector<LivePart> parts(1);
-  parts[0].hull.vertices = sphere.vertices;
-  parts[0].hull.triangles = sphere.triangles;
+  parts[0].shape.vertices = sphere.vertices;
+  parts[0].shape.triangles = sphere.triangles;
   const Vec3 eye(2.0, 1.0, 3.0);
   OverlayMesh mesh;
   int edges = 0;
@@ -139,7 +139,7 @@ TEST(OverlayMesh, HullsGoFromFarToNearAndFacesThatLookAwayFirst) {
 TEST(OverlayMesh, DegenerateAndBrokenHullsAreLeftOut) {
   std::vector<LivePart> parts(3);
   parts[1] = test::boxPart(Vec3::Zero(), Vec3::Ones());
-  parts[1].hull.vertices[3].x() = std::numeric_limits<double>::quiet_NaN();
+  parts[1].shape.vertices[3].x() = std::numeric_limits<double>::quiet_NaN();
   OverlayMesh mesh;
   EXPECT_TRUE(mesh.hulls(parts, Vec3::Ones()).empty());
 }

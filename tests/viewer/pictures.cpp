@@ -65,9 +65,9 @@ int differingPixels(const Image& a, const Image& b, int tolerance) {
 LivePart boxPart(const Vec3& min, const Vec3& max) {
   const TriMesh box = makeBox(min, max);
   LivePart part;
-  part.hull.vertices = box.vertices;
-  part.hull.triangles = box.triangles;
-  part.hull.volume = (max - min).prod();
+  part.shape.vertices = box.vertices;
+  part.shape.triangles = box.triangles;
+  part.shape.volume = (max - min).prod();
   return part;
 }
 

@@ -123,7 +123,7 @@ TEST_F(Studio, HullsChangeThePictureOnlyWhereTheyAre) {
   options.hulls = false;
   const Image without = studio->draw(scene, options, frontCamera(), kWidth, kHeight);
   double left = kWidth, right = 0, top = kHeight, bottom = 0;
-  for (const Vec3& v : parts[0].hull.vertices) {
+  for (const Vec3& v : parts[0].shape.vertices) {
     const auto [x, y] = test::seenAt(v, kWidth, kHeight);
     left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
   }

@@ -1,0 +1,218 @@
+// What a frame of a live body costs, stage by stage, beside the obvious way in the same run: CSV on standard output.
+
+#include "acd/transfer.h"
+#include "bench/measure.h"
+#include "capture/retarget.h"
+#include "capture/synthetic_motion.h"
+#include "collision/live_body.h"
+#include "session/keyframes.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin.h"
+
+#include <LinearMath/btConvexHullComputer.h>
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <map>
+
+namespace lorica::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  int parts = 16;
+  int repeats = 5;
+  bool growth = false;
+};
+
+/// Bone matrices of a character, frame after frame.
+struct Motion {
+  std::string name;
+  std::vector<std::vector<Affine3>> worldFromModel;
+};
+
+/// A recording at 60 Hz: its frames, and halfway between two of them poses halfway.
+Motion poseAt60Hz(const Character& character, SyntheticMotion which) {
+  const std::vector<SkeletonFrame> frames = synthesizeMotion(which);
+  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
+  CHECK(retargeter.ok(), "the mannequin is humanoid");
+  Motion motion{std::string(nameOf(which)), {}};
+  const auto add = [&](const Pose& pose) {
+    std::vector<Affine3>& matrices = motion.worldFromModel.emplace_back(pose.size());
+    computeWorldFromJoint(character.skeleton, pose, matrices);
+    computeWorldFromModel(character, matrices, matrices);
+  };
+  Pose pose = restPose(character.skeleton);
+  Pose before;
+  for (const SkeletonFrame& frame : frames) {
+    retargeter->apply(frame, pose);
+    if (!before.empty()) {
+      Pose between = pose;
+      for (std::size_t j = 0; j < pose.size(); ++j) {
+        between[j].translation = 0.5 * (before[j].translation + pose[j].translation);
+        between[j].rotation = before[j].rotation.slerp(0.5, pose[j].rotation);
+      }
+      add(between);
+    }
+    add(pose);
+    before = pose;
+  }
+  return motion;
+}
+
+/// Times of the frames of all motions [us]. Of the repeats of a frame the quickest counts: the rest is what else the
+/// machine did.
+struct FrameTimes {
+  std::vector<double> us;
+  std::uint64_t hash = 0;  ///< of what the frames gave
+
+  [[nodiscard]] double median() const { return medianOf(us); }
+  [[nodiscard]] double worst() const { return *std::max_element(us.begin(), us.end()); }
+};
+
+/// @param start  called before each pass over a motion
+/// @param frame  does the work of one frame; its time counts
+/// @param hash   of the frame's outcome
+FrameTimes timeFrames(std::span<const Motion> motions, int repeats, const std::function<void()>& start,
+                      const std::function<void(std::span<const Affine3>)>& frame,
+                      const std::function<std::uint64_t(std::uint64_t)>& hash) {
+  FrameTimes times;
+  std::size_t first = 0;
+  for (const Motion& motion : motions) {
+    const std::size_t count = motion.worldFromModel.size();
+    times.us.resize(first + count, std::numeric_limits<double>::infinity());
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      start();
+      frame(motion.worldFromModel.front());  // the first one builds
+      for (std::size_t f = 0; f < count; ++f) {
+        const Clock::time_point begin = Clock::now();
+        frame(motion.worldFromModel[f]);
+        const double us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+        times.us[first + f] = std::min(times.us[first + f], us);
+        if (repeat == 0) times.hash = hash(times.hash);
+      }
+    }
+    first += count;
+  }
+  return times;
+}
+
+void row(const std::string& what, const FrameTimes& times, const FrameTimes& reference, const std::string& beside) {
+  fmt::print("{},{:.2f},{:.2f},{},{:.2f},{:.1f},{:016x}\n", csvField(what), times.median(), times.worst(),
+             csvField(beside), reference.median(), reference.median() / times.median(), times.hash);
+  std::fflush(stdout);
+}
+
+std::uint64_t hashOf(const LiveBody& body, std::uint64_t seed) {
+  for (const LivePart& part : body.parts()) {
+    seed = XXH3_64bits_withSeed(part.shape.vertices.data(), part.shape.vertices.size() * sizeof(Vec3), seed);
+  }
+  return seed;
+}
+
+Result<Decomposition> decomposeMannequin(const Character& character, int parts) {
+  std::vector<std::vector<SkeletonFrame>> training;
+  training.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) training.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
+  if (!keyframes) return keyframes.error();
+  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
+  return decompose(character.mesh, poses, {.maxParts = parts});
+}
+
+/// The table of the stages.
+void measureStages(const Character& character, const Decomposition& decomposition, std::span<const Motion> motions,
+                   int repeats) {
+  const auto none = [] {};
+  const auto noHash = [](std::uint64_t h) { return h; };
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  const auto posed = std::span(points).first(character.mesh.vertices.size());
+  const auto skinAll = [&](std::span<const Affine3> matrices) {
+    skinLinearBlend(character, matrices, posed);
+    transfer(decomposition, posed, points);
+  };
+  const FrameTimes skinning = timeFrames(motions, repeats, none, skinAll, noHash);
+
+  std::vector<LiftedPart> lifted;
+  std::vector<std::vector<PointRow>> rows;
+  const std::vector<LiftedPoint> all = liftPoints(character, decomposition);
+  std::size_t candidateCount = 0;
+  std::size_t memory = 0;
+  for (const Part& part : decomposition.parts) {
+    std::vector<LiftedPoint> own;
+    for (const PointIndex p : hullCandidates(decomposition, part, all)) own.push_back(all[static_cast<std::size_t>(p)]);
+    candidateCount += own.size();
+    lifted.emplace_back(own);
+    rows.emplace_back(lifted.back().rowCount());
+    memory += lifted.back().memory();
+  }
+  std::vector<Isometry3> places(lifted.size(), Isometry3::Identity());
+  const auto evaluate = [&](std::span<const Affine3> matrices) {
+    for (std::size_t i = 0; i < lifted.size(); ++i) {
+      places[i] = lifted[i].place(matrices, places[i].linear());
+      lifted[i].take(matrices, places[i], 1e-6);
+      (void)lifted[i].evaluate(rows[i]);
+    }
+  };
+  const auto hashRows = [&](std::uint64_t h) {
+    for (std::size_t i = 0; i < lifted.size(); ++i) {
+      h = XXH3_64bits_withSeed(rows[i].data(), lifted[i].pointCount() * sizeof(PointRow), h);
+    }
+    return h;
+  };
+  const FrameTimes candidates = timeFrames(motions, repeats, none, evaluate, hashRows);
+  row(fmt::format("all {} candidates", candidateCount), candidates, skinning, "skinning the mesh and its cut points");
+
+  std::optional<LiveBody> body;
+  const auto startBody = [&] { body.emplace(decomposition, character); };
+  const auto update = [&](std::span<const Affine3> matrices) { body->update(matrices); };
+  const auto hashBody = [&](std::uint64_t h) { return hashOf(*body, h); };
+  const FrameTimes hulls = timeFrames(motions, repeats, startBody, update, hashBody);
+
+  btConvexHullComputer computer;
+  const auto bulletHulls = [&](std::span<const Affine3> matrices) {
+    evaluate(matrices);
+    for (std::size_t i = 0; i < lifted.size(); ++i) {
+      computer.compute(&rows[i].front().x, sizeof(PointRow), static_cast<int>(lifted[i].pointCount()), 0.0f, 0.0f);
+    }
+  };
+  const FrameTimes bullet = timeFrames(motions, 1, none, bulletHulls, noHash);
+  row("hulls with faces", hulls, bullet, "btConvexHullComputer on the same points");
+
+  fmt::print(
+      "# {} vertices, {} joints, {} parts; {} frames at 60 Hz; a body holds {:.2f} MB, of which {:.2f} MB points\n",
+      character.mesh.vertices.size(), character.skeleton.jointCount(), decomposition.parts.size(), skinning.us.size(),
+      static_cast<double>(body->memory()) * 1e-6, static_cast<double>(memory) * 1e-6);
+}
+
+int run(const Options& options) {
+  const Character character = makeMannequin();
+  std::vector<Motion> motions;
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    motions.push_back(poseAt60Hz(character, static_cast<SyntheticMotion>(m)));
+  }
+  fmt::print("what,median_us,worst_us,beside,beside_median_us,ratio,hash\n");
+  const Result<Decomposition> decomposition = decomposeMannequin(character, options.parts);
+  if (!decomposition) return fail(decomposition.error());
+  measureStages(character, *decomposition, motions, options.repeats);
+  return 0;
+}
+
+}  // namespace
+}  // namespace lorica::bench
+
+int main(int argc, char** argv) {
+  lorica::bench::Options options;
+  CLI::App app("What a frame of a live body costs, on one core, beside the obvious way in the same run.");
+  app.add_option("--parts", options.parts, "Parts of the mannequin")->check(CLI::PositiveNumber);
+  app.add_option("--repeats", options.repeats, "Passes over each motion; of each frame the quickest counts")
+      ->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, argc, argv);
+  return lorica::bench::run(options);
+}
