@@ -22,9 +22,19 @@ MovingHull::MovingHull(int pointCount) : surface_(pointCount), start_(pointCount
   queue_.reserve(3 * mostFaces);
   queued_.resize(3 * mostFaces);
   turned_.reserve(mostFaces);
+  pierced_.reserve(mostFaces);
+  near_.reserve(mostFaces);
+  isNear_.resize(mostFaces);
   doubts_.resize(mostFaces);
   link_.reserve(n);
   cuts_.reserve(n);
+
+  for (std::size_t p = 0; p < n; ++p) {
+    const auto id = static_cast<VertexIndex>(p);
+    slot_[p] = id;
+    inside_[p] = {id, id, id, id};
+  }
+  insideCount_ = n;
 
   // A permutation by a stride without common divisor, far from simple fractions of the count.
   scrambled_.reserve(n);
@@ -38,10 +48,7 @@ void MovingHull::update(std::span<const PointRow> points) {
   points_ = points;
   counts_ = {};
   if (!flat() && repair()) return;
-  if (!build()) {
-    surface_.clear();
-    vertices_.clear();
-  }
+  if (!build()) startOver();
 }
 
 double MovingHull::volume() const {
@@ -85,16 +92,14 @@ VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) co
 
 bool MovingHull::repair() {
   // Faces that lost their side come first: all else takes for granted that s sees the whole surface from inside.
-  constexpr int kRounds = 4;
-  for (int round = 0;; ++round) {
-    int windings = 0;
-    if (scanFaces(windings)) {
-      // All faces may look outwards on a surface that winds round s twice, like a star pentagon.
-      if (windings != 1) return false;
-      break;
-    }
+  constexpr int kRounds = 8;
+  scanFaces();
+  for (int round = 0; !turned_.empty(); ++round) {
     if (round == kRounds || !turnFaces()) return false;
+    lookAgain();
   }
+  // All faces may look outwards on a surface that winds round s twice, like a star pentagon.
+  if (pierced_.size() != 1) return false;
   return legalise() && checkCertificates();
 }
 
@@ -115,13 +120,7 @@ bool MovingHull::build() {
   for (const VertexIndex p : scrambled_) {
     if (!isVertex(p)) unsettled_.push_back(p);
   }
-  surface_.clear();
-  vertices_.clear();
-  insideCount_ = 0;
-  for (const VertexIndex p : scrambled_) {
-    slot_[static_cast<std::size_t>(p)] = static_cast<std::int32_t>(insideCount_);
-    inside_[insideCount_++] = {p, p, p, p};  // holds nothing yet
-  }
+  startOver();
   for (const Triangle& t : first) {
     const std::int32_t face = surface_.addFace(t[0], t[1], t[2]);
     for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
@@ -133,11 +132,16 @@ bool MovingHull::build() {
   for (const VertexIndex p : scrambled_) {
     if (isVertex(p)) becomeVertex(p);
   }
-  std::int32_t hint = 0;
-  for (const VertexIndex p : unsettled_) {
-    if (!isVertex(p) && !settle(p, hint)) return false;
+  return settleAll();
+}
+
+// Leaves no faces and no vertices. Certificates stay: they hold nothing now, but tell where to look.
+void MovingHull::startOver() {
+  surface_.clear();
+  while (!vertices_.empty()) {
+    const VertexIndex v = vertices_.back();
+    becomeInside(v, {v, v, v});
   }
-  return true;
 }
 
 double MovingHull::faceDet(std::int32_t face) const {
@@ -147,19 +151,20 @@ double MovingHull::faceDet(std::int32_t face) const {
 
 // Whether the direction (e, e^2, 1) for an infinitely small e lies in the cone of a face that looks outwards. It is
 // never on an edge: an edge's plane through s would need a normal of zero.
-bool MovingHull::pierced(const Triangle& face) const {
+bool MovingHull::isPierced(std::int32_t face) const {
+  const Triangle& t = faces()[static_cast<std::size_t>(face)];
   for (std::size_t i = 0; i < 3; ++i) {
-    const exact::Row n = exact::cross(exact::rowOf(at(face[i])), exact::rowOf(at(face[(i + 1) % 3])));
+    const exact::Row n = exact::cross(exact::rowOf(at(t[i])), exact::rowOf(at(t[(i + 1) % 3])));
     const double first = n.z != 0.0 ? n.z : n.x != 0.0 ? n.x : n.y;
     if (first < 0.0) return false;
   }
   return true;
 }
 
-// Queues concave edges and lists faces that lost their side.
-bool MovingHull::scanFaces(int& windings) {
+// Queues concave edges and lists faces that lost their side or are pierced.
+void MovingHull::scanFaces() {
   turned_.clear();
-  windings = 0;
+  pierced_.clear();
   const int found =
       findDoubtfulFaces(points_.data(), faces().data(), surface_.opposites(), surface_.faceCount(), doubts_.data());
   for (const std::int32_t doubt : std::span(doubts_).first(static_cast<std::size_t>(found))) {
@@ -170,40 +175,88 @@ bool MovingHull::scanFaces(int& windings) {
       turned_.push_back(face);
       continue;
     }
-    windings += (doubt & kMayBePierced) != 0 && pierced(t) ? 1 : 0;
+    if ((doubt & kMayBePierced) != 0 && isPierced(face)) pierced_.push_back(face);
     for (int edge = 0; edge < 3; ++edge) {
       const HalfEdge h = 3 * face + edge;
       if ((doubt & kEdgeMayBeConcave << edge) != 0 && side(a, b, c, at(surface_.opposite(h))) > 0.0) queueEdge(h);
     }
   }
-  return turned_.empty();
+}
+
+// The same lists after some faces were changed: these have all their edges in the queue.
+void MovingHull::lookAgain() {
+  near_.clear();
+  for (const HalfEdge h : queue_) {
+    if (h >= 3 * surface_.faceCount()) continue;
+    for (const std::int32_t face : {HullSurface::faceOf(h), HullSurface::faceOf(surface_.twin(h))}) {
+      if (isNear_[static_cast<std::size_t>(face)] != 0) continue;
+      isNear_[static_cast<std::size_t>(face)] = 1;
+      near_.push_back(face);
+    }
+  }
+  std::erase_if(pierced_, [&](std::int32_t face) {
+    return face >= surface_.faceCount() || isNear_[static_cast<std::size_t>(face)] != 0;
+  });
+  turned_.clear();
+  for (const std::int32_t face : near_) {
+    isNear_[static_cast<std::size_t>(face)] = 0;
+    if (faceDet(face) <= 0.0) {
+      turned_.push_back(face);
+    } else if (isPierced(face)) {
+      pierced_.push_back(face);
+    }
+  }
 }
 
 bool MovingHull::turnFaces() {
   counts_.turnedFaces += static_cast<int>(turned_.size());
-  if (turned_.size() > 4 + static_cast<std::size_t>(surface_.faceCount()) / 8) return false;
+  if (turned_.size() > 8 + static_cast<std::size_t>(surface_.faceCount()) / 8) return false;
   for (const std::int32_t face : turned_) {
-    if (face >= surface_.faceCount() || faceDet(face) > 0.0) continue;
-    bool mended = false;
-    // Most often a corner has slipped over the edge across from it.
-    for (HalfEdge h = 3 * face; h < 3 * face + 3 && !mended; ++h) {
-      const HalfEdge k = surface_.twin(h);
-      const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
-      if (c == d || det(at(a), at(d), at(c)) <= 0.0 || det(at(d), at(b), at(c)) <= 0.0) continue;
-      surface_.flip(h);
-      ++counts_.flips;
-      queueFace(HullSurface::faceOf(h));
-      queueFace(HullSurface::faceOf(k));
-      mended = true;
-    }
-    const Triangle corners = faces()[static_cast<std::size_t>(face)];
-    for (std::size_t i = 0; i < 3 && !mended; ++i) {
-      const VertexIndex v = corners[i];
-      mended = takeOut(v, Link::kAny, {v, v, v});
-    }
-    if (!mended) return false;
+    if (face < surface_.faceCount() && faceDet(face) <= 0.0 && !turnFace(face)) return false;
   }
   return true;
+}
+
+bool MovingHull::turnFace(std::int32_t face) {
+  // Most often a corner has slipped over the edge across from it.
+  for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
+    const HalfEdge k = surface_.twin(h);
+    const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
+    if (surface_.hasThreeEdges(h) || surface_.hasThreeEdges(k)) continue;  // two faces would lie back to back
+    if (det(at(a), at(d), at(c)) <= 0.0 || det(at(d), at(b), at(c)) <= 0.0) continue;
+    surface_.flip(h);
+    ++counts_.flips;
+    queueFace(HullSurface::faceOf(h));
+    queueFace(HullSurface::faceOf(k));
+    return true;
+  }
+  // Else a corner goes, first the one with most faces amiss: whole if its hole can be closed well, else at any price,
+  // as where several points meet in one place.
+  Triangle corners = faces()[static_cast<std::size_t>(face)];
+  std::array<int, 3> turned{};
+  for (std::size_t i = 0; i < 3; ++i) turned[i] = turnedAround(corners[i]);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{0}}) {
+    if (turned[i + 1] <= turned[i]) continue;
+    std::swap(turned[i], turned[i + 1]);
+    std::swap(corners[i], corners[i + 1]);
+  }
+  for (const Link link : {Link::kSimple, Link::kTangled}) {
+    for (const VertexIndex v : corners) {
+      if (takeOut(v, link, {v, v, v})) return true;
+    }
+  }
+  return false;
+}
+
+int MovingHull::turnedAround(VertexIndex v) const {
+  int count = 0;
+  const HalfEdge first = surface_.outOf(v);
+  HalfEdge h = first;
+  do {
+    count += faceDet(HullSurface::faceOf(h)) <= 0.0 ? 1 : 0;
+    h = surface_.turn(h);
+  } while (h != first);
+  return count;
 }
 
 // Each flip adds volume to the solid and each vertex that is taken out stays out, so this ends.
@@ -249,25 +302,34 @@ bool MovingHull::checkCertificates() {
     if (!holds(certificate)) unsettled_.push_back(certificate.point);
   }
   counts_.failedCertificates = static_cast<int>(unsettled_.size());
-  std::int32_t hint = 0;
-  for (const VertexIndex p : unsettled_) {
-    // What held it last is near.
-    const HullCertificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
-    for (const VertexIndex v : {last.a, last.b, last.c}) {
-      if (isVertex(v)) {
-        hint = HullSurface::faceOf(surface_.outOf(v));
-        break;
-      }
-    }
-    if (!settle(p, hint)) return false;
+  return settleAll();
+}
+
+bool MovingHull::settleAll() {
+  return std::all_of(unsettled_.begin(), unsettled_.end(), [&](VertexIndex p) { return isVertex(p) || settle(p); });
+}
+
+// A face that may be near a point.
+std::int32_t MovingHull::hintFor(VertexIndex p) const {
+  const HullCertificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
+  for (const VertexIndex v : {last.a, last.b, last.c}) {
+    if (isVertex(v)) return HullSurface::faceOf(surface_.outOf(v));
   }
-  return true;
+  // Of a few vertices, that whose direction is nearest, or about so.
+  constexpr std::size_t kTries = 12;
+  const std::size_t step = 1 + vertices_.size() / kTries;
+  const PointRow& q = at(p);
+  const auto towards = [&](VertexIndex v) { return at(v).x * q.x + at(v).y * q.y + at(v).z * q.z; };
+  VertexIndex nearest = vertices_.front();
+  for (std::size_t i = step; i < vertices_.size(); i += step) {
+    if (towards(vertices_[i]) > towards(nearest)) nearest = vertices_[i];
+  }
+  return HullSurface::faceOf(surface_.outOf(nearest));
 }
 
 // Gives a point a new certificate, or makes it a vertex where it is outside.
-bool MovingHull::settle(VertexIndex p, std::int32_t& hint) {
-  const Place place = locate(p, hint);
-  hint = place.face;
+bool MovingHull::settle(VertexIndex p) {
+  const Place place = locate(p, hintFor(p));
   const Triangle t = faces()[static_cast<std::size_t>(place.face)];
   if (side(at(t[0]), at(t[1]), at(t[2]), at(p)) <= 0.0) {
     inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])] = {t[0], t[1], t[2], p};
@@ -288,38 +350,55 @@ bool MovingHull::settle(VertexIndex p, std::int32_t& hint) {
     const Triangle& over = faces()[static_cast<std::size_t>(place.face)];
     becomeInside(v, over);
   }
+  // Edges at a point that was put on top of a face or an edge are convex; at one on top of a vertex they need not be.
   const HalfEdge out = surface_.outOf(p);
   HalfEdge h = out;
   do {
-    queueFace(HullSurface::faceOf(h));
+    queueEdge(HullSurface::next(h));
+    if (zeros == 2) queueEdge(h);
     h = surface_.turn(h);
   } while (h != out);
   return legalise();
 }
 
-// Whether a point's direction lies in the cone of a face.
-bool MovingHull::look(VertexIndex p, std::int32_t face, Place& place) const {
-  const Triangle& t = faces()[static_cast<std::size_t>(face)];
-  place = {face, det(at(t[0]), at(t[1]), at(p)), det(at(t[1]), at(t[2]), at(p)), det(at(t[2]), at(t[0]), at(p))};
-  return place.ab >= 0.0 && place.bc >= 0.0 && place.ca >= 0.0;
-}
-
 // Walks from face to face towards the point's direction. On a convex surface each step reaches a plane that the ray
 // from s meets earlier, so only coplanar faces could make it turn in a circle; then all faces are looked at.
 MovingHull::Place MovingHull::locate(VertexIndex p, std::int32_t hint) const {
-  Place place;
-  std::int32_t face = hint < surface_.faceCount() ? hint : 0;
+  const PointRow& point = at(p);
+  const auto edge = [&](HalfEdge h) { return det(at(surface_.start(h)), at(surface_.end(h)), point); };
+  std::array<double, 3> beside{};
+  HalfEdge first = 3 * hint;
+  double besideFirst = edge(first);
+  const auto cross = [&](HalfEdge h, double besideIt) {
+    first = surface_.twin(h);
+    besideFirst = -besideIt;
+  };
+  if (besideFirst < 0.0) cross(first, besideFirst);
   for (int step = 0; step < surface_.faceCount(); ++step) {
-    if (look(p, face, place)) return place;
-    const HalfEdge h = 3 * face;
-    const HalfEdge across = place.ab < 0.0 ? h : place.bc < 0.0 ? h + 1 : h + 2;
-    face = HullSurface::faceOf(surface_.twin(across));
+    const HalfEdge second = HullSurface::next(first);
+    const double besideSecond = edge(second);
+    if (besideSecond < 0.0) {
+      cross(second, besideSecond);
+      continue;
+    }
+    const HalfEdge third = HullSurface::next(second);
+    const double besideThird = edge(third);
+    if (besideThird < 0.0) {
+      cross(third, besideThird);
+      continue;
+    }
+    const std::int32_t face = HullSurface::faceOf(first);
+    beside[static_cast<std::size_t>(first - 3 * face)] = besideFirst;
+    beside[static_cast<std::size_t>(second - 3 * face)] = besideSecond;
+    beside[static_cast<std::size_t>(third - 3 * face)] = besideThird;
+    return {face, beside[0], beside[1], beside[2]};
   }
-  for (face = 0; face < surface_.faceCount(); ++face) {
-    if (look(p, face, place)) return place;
+  for (std::int32_t face = 0; face < surface_.faceCount(); ++face) {
+    for (std::size_t i = 0; i < 3; ++i) beside[i] = edge(3 * face + static_cast<HalfEdge>(i));
+    if (beside[0] >= 0.0 && beside[1] >= 0.0 && beside[2] >= 0.0) return {face, beside[0], beside[1], beside[2]};
   }
   CHECK(false, "the faces of a star-shaped surface cover all directions");
-  return place;
+  return {};
 }
 
 // Takes a vertex out and triangulates the hole by cutting ears off its link, as s sees it.
@@ -383,7 +462,8 @@ bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
   int refused = 0;
   for (int left = corners; left > 3;) {
     Corner& corner = link_[static_cast<std::size_t>(tip)];
-    if (isEar(v, link, corner.before, tip, corner.after)) {
+    const bool atAnyPrice = link == Link::kTangled && refused == left;
+    if (atAnyPrice || isEar(v, link, corner.before, tip, corner.after)) {
       cuts_.push_back(tip);
       link_[static_cast<std::size_t>(corner.before)].after = corner.after;
       link_[static_cast<std::size_t>(corner.after)].before = corner.before;
@@ -396,8 +476,8 @@ bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
   }
   const Corner& corner = link_[static_cast<std::size_t>(tip)];
   cuts_.push_back(tip);
-  return det(at(link_[static_cast<std::size_t>(corner.before)].vertex), at(corner.vertex),
-             at(link_[static_cast<std::size_t>(corner.after)].vertex)) > 0.0;
+  return link == Link::kTangled || det(at(link_[static_cast<std::size_t>(corner.before)].vertex), at(corner.vertex),
+                                       at(link_[static_cast<std::size_t>(corner.after)].vertex)) > 0.0;
 }
 
 // An ear turns its outside away from s and leaves a link of the same kind. Where the vertex sees its whole link, it

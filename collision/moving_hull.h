@@ -72,7 +72,12 @@ class MovingHull {
     double ab = 0, bc = 0, ca = 0;  ///< 0 on that edge of the face, above 0 beside it
   };
 
-  enum class Link : std::uint8_t { kSeenFromVertex, kAny };
+  /// How the link of a vertex that is taken out lies around it, as s sees it.
+  enum class Link : std::uint8_t {
+    kSeenFromVertex,  ///< the vertex sees all of it
+    kSimple,          ///< does not cross itself, or the vertex stays
+    kTangled,         ///< anything: faces may be turned afterwards
+  };
 
   [[nodiscard]] const PointRow& at(VertexIndex p) const { return points_[static_cast<std::size_t>(p)]; }
   [[nodiscard]] double faceDet(std::int32_t face) const;
@@ -80,15 +85,20 @@ class MovingHull {
 
   bool repair();
   bool build();
-  bool scanFaces(int& windings);
+  void scanFaces();
+  void lookAgain();
   bool turnFaces();
+  bool turnFace(std::int32_t face);
+  [[nodiscard]] int turnedAround(VertexIndex v) const;
   bool legalise();
   bool checkCertificates();
-  bool settle(VertexIndex p, std::int32_t& hint);
+  bool settleAll();
+  bool settle(VertexIndex p);
+  [[nodiscard]] std::int32_t hintFor(VertexIndex p) const;
+  void startOver();
   [[nodiscard]] bool holds(const HullCertificate& certificate) const;
-  [[nodiscard]] bool pierced(const Triangle& face) const;
+  [[nodiscard]] bool isPierced(std::int32_t face) const;
   [[nodiscard]] Place locate(VertexIndex p, std::int32_t hint) const;
-  bool look(VertexIndex p, std::int32_t face, Place& place) const;
 
   bool takeOut(VertexIndex v, Link link, const Triangle& certificate);
   [[nodiscard]] bool planCuts(VertexIndex v, Link link, int corners);
@@ -113,6 +123,9 @@ class MovingHull {
   std::vector<HalfEdge> queue_;         ///< edges that may be concave
   std::vector<std::uint8_t> queued_;    ///< of each half-edge: it is in queue_
   std::vector<std::int32_t> turned_;    ///< faces that have lost their side
+  std::vector<std::int32_t> pierced_;   ///< faces in whose cones one certain direction lies
+  std::vector<std::int32_t> near_;      ///< faces at edges in queue_
+  std::vector<std::uint8_t> isNear_;    ///< of each face, whether it is in near_
   std::vector<VertexIndex> unsettled_;  ///< points to be located
   struct Corner {
     VertexIndex vertex;

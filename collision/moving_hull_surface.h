@@ -45,6 +45,9 @@ class HullSurface {
   /// The next half-edge that starts where this one does, counter-clockwise.
   [[nodiscard]] HalfEdge turn(HalfEdge h) const { return twin(previous(h)); }
 
+  /// Whether the vertex that a half-edge starts at has three edges.
+  [[nodiscard]] bool hasThreeEdges(HalfEdge h) const { return turn(turn(turn(h))) == h; }
+
   /// Appends a face whose edges the caller has yet to glue.
   std::int32_t addFace(VertexIndex a, VertexIndex b, VertexIndex c);
   /// Overwrites a face; its edges keep their old twins until glued.
