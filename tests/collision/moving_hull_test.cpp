@@ -1,6 +1,7 @@
 #include "collision/moving_hull.h"
 
 #include "tests/collision/moving_hull_truth.h"
+#include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
 

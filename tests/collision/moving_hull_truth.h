@@ -1,7 +1,6 @@
 #pragma once
 
 #include "collision/moving_hull.h"
-#include "tests/collision/parts.h"
 
 #include <span>
 #include <string>

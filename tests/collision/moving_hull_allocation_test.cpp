@@ -1,0 +1,84 @@
+#include "collision/moving_hull.h"
+
+#include "tests/collision/moving_hull_truth.h"
+#include "tests/collision/parts.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<long> allocations{0};
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  std::abort();
+}
+}  // namespace
+
+// This test program counts what it allocates.
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+// std::stable_sort asks this way; without it a sanitizer would see its memory freed by another family.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace lorica::test {
+namespace {
+
+TEST(MovingHull, UpdatesAllocateNothing) {
+  std::mt19937_64 random(3);
+  std::vector<Vec3> points(300);
+  for (Vec3& p : points) p = uniformVec3(random, -1.0, 1.0);
+  std::vector<std::vector<PointRow>> frames;
+  for (int frame = 0; frame < 40; ++frame) {
+    // Small steps, then leaps, then flat, then none.
+    const double size = frame < 15 ? 1e-3 : frame < 30 ? 1.0 : 0.0;
+    for (Vec3& p : points) p += size * uniformVec3(random, -1.0, 1.0);
+    std::vector<Vec3> posed = points;
+    if (frame % 10 == 9) {
+      for (Vec3& p : posed) p.z() = 0.0;
+    }
+    frames.push_back(aboutTheirMean(posed, 1e5));
+  }
+
+  MovingHull hull(300);
+  const long before = allocations;
+  ASSERT_GT(before, 0) << "the counter works: making all this did allocate";
+  MovingHull::Counts sum;
+  for (const std::vector<PointRow>& rows : frames) {
+    hull.update(rows);
+    sum.turnedFaces += hull.counts().turnedFaces;
+    sum.flips += hull.counts().flips;
+    sum.deletions += hull.counts().deletions;
+    sum.rebuilds += hull.counts().rebuilds;
+    (void)hull.support(Vec3::UnitX(), 0);
+    (void)hull.volume();
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GT(sum.turnedFaces * sum.flips * sum.deletions, 0) << "every repair was made";
+  EXPECT_GT(sum.rebuilds, 3);
+}
+
+}  // namespace
+}  // namespace lorica::test
