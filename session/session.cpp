@@ -38,10 +38,50 @@ std::uint64_t chainHash(std::uint64_t hash, const LivePart& part) {
   return XXH3_64bits_withSeed(shape.triangles.data(), shape.triangles.size() * sizeof(Triangle), hash);
 }
 
+/// Whether a cover is of this decomposition: points for each part, all of them there.
+Result<void> checkCover(const CoverPromise& cover, const Decomposition& decomposition) {
+  if (cover.points.size() != decomposition.parts.size()) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("the cover is of {} parts, the decomposition has {}",
+                                                          cover.points.size(), decomposition.parts.size())};
+  }
+  for (std::size_t i = 0; i < cover.points.size(); ++i) {
+    if (cover.points[i].empty()) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("the cover has no points of part {}, expected one", i)};
+    }
+    for (const CoverPoint& p : cover.points[i]) {
+      if (p.point >= 0 && p.point < decomposition.pointCount() && p.outward.allFinite()) continue;
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("the cover of part {} has point {}, displaced by ({}, {}, {}) m, expected points 0 to "
+                      "{} and finite displacements",
+                      i, p.point, p.outward.x(), p.outward.y(), p.outward.z(), decomposition.pointCount() - 1)};
+    }
+  }
+  return {};
+}
+
+Result<void> checkTraining(const TrainingRange& training, const Decomposition& decomposition) {
+  const std::size_t probes = training.probes.size();
+  if (probes < 1 || probes > kMaxProbes || training.keyframeCount < 1 ||
+      training.positions.size() != probes * static_cast<std::size_t>(training.keyframeCount)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the training has {} probes, {} keyframes and {} positions, expected 1 to {} probes, a "
+                             "keyframe or more and a position for each probe in each",
+                             probes, training.keyframeCount, training.positions.size(), kMaxProbes)};
+  }
+  for (const PointIndex p : training.probes) {
+    if (p >= 0 && p < decomposition.pointCount()) continue;
+    return Error{ErrorCode::kInvalidArgument, fmt::format("a probe of the training is point {}, expected 0 to {}", p,
+                                                          decomposition.pointCount() - 1)};
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Session> Session::create(Character character, Decomposition decomposition,
-                                std::unique_ptr<SkeletonSource> source, World world) {
+                                std::unique_ptr<SkeletonSource> source, World world, std::optional<CoverPromise> cover,
+                                std::optional<TrainingRange> training) {
   CHECK(source != nullptr, "a session needs a source");
   const std::size_t vertexCount = character.mesh.vertices.size();
   const std::size_t triangleCount = character.mesh.triangles.size();
@@ -53,23 +93,38 @@ Result<Session> Session::create(Character character, Decomposition decomposition
                     decomposition.vertexCount, decomposition.triangleCount, character.name, vertexCount,
                     triangleCount)};
   }
+  if (cover) {
+    if (Result<void> fits = checkCover(*cover, decomposition); !fits) return fits.error();
+  }
+  if (training) {
+    if (Result<void> fits = checkTraining(*training, decomposition); !fits) return fits.error();
+  }
   Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
   if (!retargeter) return retargeter.error();
-  return Session(std::move(character), std::move(decomposition), std::move(source), std::move(world),
-                 std::move(retargeter).value());
+  LiveBody body = cover ? LiveBody(std::move(decomposition), character, std::move(*cover))
+                        : LiveBody(std::move(decomposition), character);
+  return Session(std::move(character), std::move(body), std::move(source), std::move(world),
+                 std::move(retargeter).value(), std::move(training));
 }
 
-Session::Session(Character character, Decomposition decomposition, std::unique_ptr<SkeletonSource> source, World world,
-                 Retargeter retargeter)
+Session::Session(Character character, LiveBody body, std::unique_ptr<SkeletonSource> source, World world,
+                 Retargeter retargeter, std::optional<TrainingRange> training)
     : character_(std::move(character)),
       source_(std::move(source)),
       retargeter_(std::move(retargeter)),
-      body_(std::move(decomposition), character_),
+      body_(std::move(body)),
       world_(std::move(world)),
+      training_(std::move(training)),
       pose_(restPose(character_.skeleton)),
       worldFromJoint_(static_cast<std::size_t>(character_.skeleton.jointCount()), Affine3::Identity()),
       worldFromModel_(worldFromJoint_.size()),
-      points_(static_cast<std::size_t>(body_.decomposition().pointCount())) {}
+      points_(static_cast<std::size_t>(body_.decomposition().pointCount())) {
+  if (!training_) return;
+  std::vector<LiftedPoint> lifted = liftPoints(character_, body_.decomposition());
+  probes_.reserve(training_->probes.size());
+  for (const PointIndex p : training_->probes) probes_.push_back(std::move(lifted[static_cast<std::size_t>(p)]));
+  probePositions_.resize(probes_.size());
+}
 
 Result<bool> Session::step() {
   Result<std::optional<SkeletonFrame>> next = source_->next();
@@ -97,6 +152,17 @@ Result<bool> Session::step() {
   for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part);
   ++frameCount_;
   return true;
+}
+
+std::optional<double> Session::trainingDistance() const {
+  if (!training_ || frameCount_ == 0) return std::nullopt;
+  for (std::size_t i = 0; i < probes_.size(); ++i) probePositions_[i] = positionOf(probes_[i], worldFromModel_);
+  return lorica::trainingDistance(*training_, probePositions_);
+}
+
+bool Session::outsideKnownRange() const {
+  const std::optional<double> distance = trainingDistance();
+  return distance && *distance > training_->knownDistance;
 }
 
 std::span<const Vec3> Session::points() const {

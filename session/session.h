@@ -1,7 +1,10 @@
 #pragma once
 
+#include "acd/cover.h"
+#include "acd/training_range.h"
 #include "capture/retarget.h"
 #include "capture/skeleton_frame.h"
+#include "collision/lifted_point.h"
 #include "collision/live_body.h"
 #include "collision/world.h"
 #include "skinning/character.h"
@@ -22,9 +25,14 @@ struct StageTimes {
 /// The headless frame: source -> pose -> hulls -> contacts. Tests, benchmarks, pictures and the window run this.
 class Session {
  public:
-  /// @return the session, or which humanoid bones the character lacks, or that the decomposition fits another mesh
+  /// @param cover     made from the same decomposition and character; without one the body covers exactly
+  /// @param training  of the same decomposition, for trainingDistance()
+  /// @return the session, or which humanoid bones the character lacks, or that the decomposition fits another mesh, the
+  ///         cover or the training another decomposition
   static Result<Session> create(Character character, Decomposition decomposition,
-                                std::unique_ptr<SkeletonSource> source, World world);
+                                std::unique_ptr<SkeletonSource> source, World world,
+                                std::optional<CoverPromise> cover = std::nullopt,
+                                std::optional<TrainingRange> training = std::nullopt);
 
   /// Runs one frame. Physics moves by the time between frames, held between 1 ms and 0.1 s; the first takes 1/30 s.
   /// @return false at the end of the stream, or what the source says is wrong with its data
@@ -37,6 +45,13 @@ class Session {
   /// pictures, when asked for.
   [[nodiscard]] std::span<const Vec3> points() const;
   [[nodiscard]] const LiveBody& body() const { return body_; }
+  /// How far this frame's pose is from the poses that trained the decomposition [m], see acd/training_range.h. None
+  /// before the first frame and where the training is not known. Comes from the bones, needs no skin and allocates
+  /// nothing; computed when asked for.
+  [[nodiscard]] std::optional<double> trainingDistance() const;
+  /// Whether the pose is farther from training than what counts as known.
+  [[nodiscard]] bool outsideKnownRange() const;
+  [[nodiscard]] const std::optional<TrainingRange>& training() const { return training_; }
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const StageTimes& times() const { return times_; }
@@ -45,13 +60,16 @@ class Session {
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
  private:
-  Session(Character character, Decomposition decomposition, std::unique_ptr<SkeletonSource> source, World world,
-          Retargeter retargeter);
+  Session(Character character, LiveBody body, std::unique_ptr<SkeletonSource> source, World world,
+          Retargeter retargeter, std::optional<TrainingRange> training);
   Character character_;
   std::unique_ptr<SkeletonSource> source_;
   Retargeter retargeter_;
   LiveBody body_;
   World world_;
+  std::optional<TrainingRange> training_;
+  std::vector<LiftedPoint> probes_;           // of the training range, by the bones
+  mutable std::vector<Vec3> probePositions_;  // scratch
   SkeletonFrame frame_;
   Pose pose_;
   std::vector<Affine3> worldFromJoint_, worldFromModel_;

@@ -3,6 +3,7 @@
 #include "acd/decompose.h"
 #include "capture/joint_csv.h"
 #include "capture/synthetic_motion.h"
+#include "collision/cover.h"
 #include "session/demo_scene.h"
 #include "session/keyframes.h"
 #include "skinning/mannequin.h"
@@ -146,6 +147,115 @@ TEST(Session, ADecompositionOfAnotherMeshIsRefusedWithASentence) {
   other = eightParts();
   other.triangleCount -= 2;
   EXPECT_FALSE(Session::create(makeMannequin(), other, makeRecordedSource(punches()), World()).ok());
+}
+
+/// Where a session of these frames puts the bones in each of them.
+std::vector<Affine3> bonesOf(const std::vector<SkeletonFrame>& frames) {
+  Session session = makeSession(frames, World());
+  std::vector<Affine3> bones;
+  while (*session.step()) {
+    for (std::size_t j = 0; j < session.worldFromJoint().size(); ++j) {
+      bones.push_back(session.worldFromJoint()[j] * session.character().jointFromModel[j]);
+    }
+  }
+  return bones;
+}
+
+TEST(Session, HullsOfAFewPointsHoldThePosedMeshInTheFramesThatTheyWereChosenIn) {
+  std::vector<SkeletonFrame> frames = punches();
+  frames.resize(200);
+  for (std::size_t i = 0; i < 20; ++i) frames[i] = frames[10 * i];
+  frames.resize(20);
+  const Character character = makeMannequin();
+  const std::vector<Affine3> bones = bonesOf(frames);
+  CoverSettings settings;
+  settings.maxHullVertices = 40;
+  const Result<CoverPromise> cover = chooseCover(eightParts(), liftPoints(character, eightParts()),
+                                                 {bones, character.skeleton.jointCount()}, {}, settings);
+  ASSERT_TRUE(cover.ok()) << cover.error().message;
+  Result<Session> session = Session::create(character, eightParts(), makeRecordedSource(frames), World(), *cover);
+  ASSERT_TRUE(session.ok()) << session.error().message;
+  EXPECT_EQ(session->body().coverage().maxHullVertices, 40);
+  EXPECT_EQ(session->body().coverage().growth, cover->growth);
+  int looked = 0;
+  while (*session->step()) {
+    for (std::size_t i = 0; i < session->body().parts().size(); ++i) {
+      const LivePart& part = session->body().parts()[i];
+      EXPECT_LE(part.shape.vertices.size(), 40u);
+      std::vector<Vec3> points;
+      for (PointIndex p : eightParts().parts[i].points) {
+        points.push_back(session->points()[static_cast<std::size_t>(p)]);
+      }
+      EXPECT_LT(largestViolation(worldHull(part), points), 1e-5 * character.height) << "part " << i;
+      ++looked;
+    }
+  }
+  EXPECT_EQ(looked, 20 * 8);
+}
+
+TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
+  std::vector<SkeletonFrame> frames = punches();
+  const Character character = makeMannequin();
+  const std::vector<std::vector<SkeletonFrame>> recordings = {frames};
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, recordings, 2);
+  ASSERT_TRUE(keyframes.ok());
+  TrainingRange range =
+      trainingRange(eightParts(), PoseView{*keyframes, static_cast<int>(character.mesh.vertices.size())});
+  range.knownDistance = 0.05;
+  Result<Session> session =
+      Session::create(character, eightParts(), makeRecordedSource(frames), World(), std::nullopt, range);
+  ASSERT_TRUE(session.ok()) << session.error().message;
+  EXPECT_FALSE(session->trainingDistance().has_value()) << "there is no pose yet";
+  EXPECT_FALSE(session->outsideKnownRange());
+  std::vector<Vec3> probes(range.probes.size());
+  int outside = 0;
+  while (*session->step()) {
+    gatherProbes(range, session->points(), probes);
+    const double expected = trainingDistance(range, probes);
+    ASSERT_TRUE(session->trainingDistance().has_value());
+    EXPECT_NEAR(*session->trainingDistance(), expected, 1.1e-6);  // it goes in steps of a micrometre
+    if (std::abs(expected - 0.05) > 1e-5) {
+      EXPECT_EQ(session->outsideKnownRange(), expected > 0.05);
+    }
+    outside += session->outsideKnownRange() ? 1 : 0;
+    // The first and the last frame are the keyframes.
+    if (session->frameCount() == 1 || session->frameCount() == static_cast<int>(frames.size())) {
+      EXPECT_LT(*session->trainingDistance(), 2e-6);
+    }
+  }
+  EXPECT_GT(outside, 10) << "kicks are far from standing";
+  EXPECT_LT(outside, session->frameCount());
+  Session without = makeSession(frames);
+  ASSERT_TRUE(*without.step());
+  EXPECT_FALSE(without.trainingDistance().has_value());
+}
+
+TEST(Session, CoverAndTrainingOfAnotherDecompositionAreRefusedWithASentence) {
+  const Character character = makeMannequin();
+  const CoverPromise fine = coverExactly(eightParts(), liftPoints(character, eightParts()));
+  const auto sentence = [&](std::optional<CoverPromise> cover, std::optional<TrainingRange> training) {
+    const Result<Session> session = Session::create(character, eightParts(), makeRecordedSource(punches()), World(),
+                                                    std::move(cover), std::move(training));
+    return session.ok() ? std::string() : session.error().message;
+  };
+  EXPECT_EQ(sentence(fine, std::nullopt), "");
+  CoverPromise other = fine;
+  other.points.pop_back();
+  EXPECT_EQ(sentence(other, std::nullopt), "the cover is of 7 parts, the decomposition has 8");
+  other = fine;
+  other.points[3].clear();
+  EXPECT_EQ(sentence(other, std::nullopt), "the cover has no points of part 3, expected one");
+  other = fine;
+  other.points[2][0].point = eightParts().pointCount();
+  EXPECT_NE(sentence(other, std::nullopt).find("part 2"), std::string::npos) << sentence(other, std::nullopt);
+
+  const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
+  TrainingRange range = trainingRange(eightParts(), bindPose);
+  EXPECT_EQ(sentence(std::nullopt, range), "");
+  range.probes[1] = -1;
+  EXPECT_NE(sentence(std::nullopt, range).find("point -1"), std::string::npos) << sentence(std::nullopt, range);
+  range.probes.pop_back();
+  EXPECT_NE(sentence(std::nullopt, range).find("probes"), std::string::npos) << sentence(std::nullopt, range);
 }
 
 TEST(Session, ACharacterWithoutHumanBonesIsRefused) {
