@@ -15,7 +15,7 @@ namespace lorica::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 // A machine without vectors decides exactly at once: all are in doubt.
-int doubtfulFaces(const PointRow*, const Triangle*, const Triangle*, int count, std::int32_t* doubts) {
+int doubtfulFaces(const PointRow*, const Triangle*, const VertexIndex*, int count, std::int32_t* doubts) {
   for (int face = 0; face < count; ++face) doubts[face] = face * kFaceBits + kFaceBits - 1;
   return count;
 }
@@ -117,7 +117,7 @@ HWY_INLINE hn::Vec<Ints> bitWhereNot(hn::Mask<Floats> sure, std::int32_t bit) {
   return hn::IfThenZeroElse(hn::RebindMask(n, sure), hn::Set(n, bit));
 }
 
-int doubtfulFaces(const PointRow* points, const Triangle* faces, const Triangle* opposites, int count,
+int doubtfulFaces(const PointRow* points, const Triangle* faces, const VertexIndex* opposites, int count,
                   std::int32_t* doubts) {
   const Ints n;
   int found = 0;
@@ -133,7 +133,7 @@ int doubtfulFaces(const PointRow* points, const Triangle* faces, const Triangle*
         hn::And(hn::Ge(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)),
                 hn::And(hn::Ge(hn::Mul(b.x, c.y), hn::Mul(b.y, c.x)), hn::Ge(hn::Mul(c.x, a.y), hn::Mul(c.y, a.x))));
     doubt = hn::Or(doubt, bitWhereNot(hn::Not(pierced), kMayBePierced));
-    const std::int32_t* across = opposites[first].data();
+    const std::int32_t* across = opposites + 3 * first;
     for (int edge = 0; edge < 3; ++edge) {
       const Rows opposite = rowsOf(points, across + edge, 3);
       doubt = hn::Or(doubt, bitWhereNot(surelyBelow(dot(normal, opposite - a)), kEdgeMayBeConcave << edge));
@@ -189,7 +189,7 @@ HWY_EXPORT(doubtfulCertificates);
 
 }  // namespace
 
-int findDoubtfulFaces(const PointRow* points, const Triangle* faces, const Triangle* opposites, int count,
+int findDoubtfulFaces(const PointRow* points, const Triangle* faces, const VertexIndex* opposites, int count,
                       std::int32_t* doubts) {
   return HWY_DYNAMIC_DISPATCH(doubtfulFaces)(points, faces, opposites, count, doubts);
 }

@@ -30,10 +30,10 @@ enum FaceDoubt : std::int32_t {
 /// Lists faces in doubt, in ascending order.
 /// @param points     those that faces name
 /// @param faces      count, and readable up to the next multiple of kPassWidth
-/// @param opposites  for each edge of each face, the vertex across; as many
+/// @param opposites  for each edge of each face, the vertex across: three times as many
 /// @param doubts     room for count
 /// @return how many there are
-int findDoubtfulFaces(const PointRow* points, const Triangle* faces, const Triangle* opposites, int count,
+int findDoubtfulFaces(const PointRow* points, const Triangle* faces, const VertexIndex* opposites, int count,
                       std::int32_t* doubts);
 
 /// Lists certificates in doubt by their numbers, in ascending order.

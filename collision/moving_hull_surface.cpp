@@ -7,7 +7,7 @@ namespace lorica {
 HullSurface::HullSurface(int pointCount) {
   const auto most = static_cast<std::size_t>(std::max(4, 2 * pointCount - 4));
   faces_.resize(most + kPadding);
-  opposites_.resize(most + kPadding);
+  opposites_.resize(3 * (most + kPadding));
   twins_.resize(3 * most, kNone);
   outOf_.resize(static_cast<std::size_t>(pointCount), kNone);
 }
@@ -20,20 +20,6 @@ void HullSurface::clear() {
 std::int32_t HullSurface::addFace(VertexIndex a, VertexIndex b, VertexIndex c) {
   setFace(faceCount_, a, b, c);
   return faceCount_++;
-}
-
-void HullSurface::setFace(std::int32_t face, VertexIndex a, VertexIndex b, VertexIndex c) {
-  faces_[static_cast<std::size_t>(face)] = {a, b, c};
-  outOf_[static_cast<std::size_t>(a)] = 3 * face;
-  outOf_[static_cast<std::size_t>(b)] = 3 * face + 1;
-  outOf_[static_cast<std::size_t>(c)] = 3 * face + 2;
-}
-
-void HullSurface::glue(HalfEdge h, HalfEdge g) {
-  twins_[static_cast<std::size_t>(h)] = g;
-  twins_[static_cast<std::size_t>(g)] = h;
-  opposites_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)] = apex(g);
-  opposites_[static_cast<std::size_t>(g / 3)][static_cast<std::size_t>(g % 3)] = apex(h);
 }
 
 bool HullSurface::eraseFace(std::int32_t face) {
@@ -110,8 +96,7 @@ void HullSurface::replaceVertex(VertexIndex v, VertexIndex p) {
   HalfEdge h = first;
   do {
     faces_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)] = p;
-    const HalfEdge across = twin(next(h));
-    opposites_[static_cast<std::size_t>(across / 3)][static_cast<std::size_t>(across % 3)] = p;
+    opposites_[static_cast<std::size_t>(twin(next(h)))] = p;
     h = turn(h);
   } while (h != first);
   outOf_[static_cast<std::size_t>(p)] = first;

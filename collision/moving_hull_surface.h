@@ -28,7 +28,7 @@ class HullSurface {
     return {faces_.data(), static_cast<std::size_t>(faceCount_)};
   }
   /// For each half-edge of each face, the apex of its twin.
-  [[nodiscard]] const std::array<VertexIndex, 3>* opposites() const { return opposites_.data(); }
+  [[nodiscard]] const VertexIndex* opposites() const { return opposites_.data(); }
 
   [[nodiscard]] static std::int32_t faceOf(HalfEdge h) { return h / 3; }
   [[nodiscard]] static HalfEdge next(HalfEdge h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -37,9 +37,7 @@ class HullSurface {
   [[nodiscard]] VertexIndex start(HalfEdge h) const { return corner(h); }
   [[nodiscard]] VertexIndex end(HalfEdge h) const { return corner(next(h)); }
   [[nodiscard]] VertexIndex apex(HalfEdge h) const { return corner(previous(h)); }
-  [[nodiscard]] VertexIndex opposite(HalfEdge h) const {
-    return opposites_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)];
-  }
+  [[nodiscard]] VertexIndex opposite(HalfEdge h) const { return opposites_[static_cast<std::size_t>(h)]; }
   /// A half-edge that starts at a vertex; kNone for points that are no vertices.
   [[nodiscard]] HalfEdge outOf(VertexIndex v) const { return outOf_[static_cast<std::size_t>(v)]; }
   /// The next half-edge that starts where this one does, counter-clockwise.
@@ -51,9 +49,19 @@ class HullSurface {
   /// Appends a face whose edges the caller has yet to glue.
   std::int32_t addFace(VertexIndex a, VertexIndex b, VertexIndex c);
   /// Overwrites a face; its edges keep their old twins until glued.
-  void setFace(std::int32_t face, VertexIndex a, VertexIndex b, VertexIndex c);
+  void setFace(std::int32_t face, VertexIndex a, VertexIndex b, VertexIndex c) {
+    faces_[static_cast<std::size_t>(face)] = {a, b, c};
+    outOf_[static_cast<std::size_t>(a)] = 3 * face;
+    outOf_[static_cast<std::size_t>(b)] = 3 * face + 1;
+    outOf_[static_cast<std::size_t>(c)] = 3 * face + 2;
+  }
   /// Makes two half-edges twins; the corners of both faces must be set.
-  void glue(HalfEdge h, HalfEdge g);
+  void glue(HalfEdge h, HalfEdge g) {
+    twins_[static_cast<std::size_t>(h)] = g;
+    twins_[static_cast<std::size_t>(g)] = h;
+    opposites_[static_cast<std::size_t>(h)] = apex(g);
+    opposites_[static_cast<std::size_t>(g)] = apex(h);
+  }
   /// Removes a face that nothing is glued to any more; the last face moves into its place.
   /// @return whether a face moved there
   bool eraseFace(std::int32_t face);
@@ -72,13 +80,12 @@ class HullSurface {
   void forget(VertexIndex v) { outOf_[static_cast<std::size_t>(v)] = kNone; }
 
  private:
-  [[nodiscard]] VertexIndex corner(HalfEdge h) const {
-    return faces_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)];
-  }
+  // Corners lie behind each other in memory, without gaps between faces.
+  [[nodiscard]] VertexIndex corner(HalfEdge h) const { return faces_.data()->data()[h]; }
 
   int faceCount_ = 0;
   std::vector<Triangle> faces_;
-  std::vector<std::array<VertexIndex, 3>> opposites_;
+  std::vector<VertexIndex> opposites_;
   std::vector<HalfEdge> twins_;
   std::vector<HalfEdge> outOf_;
 };

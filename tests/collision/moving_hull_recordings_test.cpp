@@ -46,12 +46,12 @@ class Recorded {
 
   [[nodiscard]] std::size_t frameCount() const { return frames_.size(); }
 
-  /// Every third point of a part: the brute force of the test would be slow with all of them.
+  /// Every fifth point of a part: the brute force of the test would be slow with all of them.
   [[nodiscard]] Rows rows(std::size_t part, std::size_t frame) const {
     std::vector<Vec3> points;
     const std::vector<PointIndex>& own = parts().parts[part].points;
-    points.reserve(own.size() / 3 + 1);
-    for (std::size_t i = 0; i < own.size(); i += 3) points.push_back(frames_[frame][static_cast<std::size_t>(own[i])]);
+    points.reserve(own.size() / 5 + 1);
+    for (std::size_t i = 0; i < own.size(); i += 5) points.push_back(frames_[frame][static_cast<std::size_t>(own[i])]);
     return aboutTheirMean(points, kTicksPerMetre);
   }
 
