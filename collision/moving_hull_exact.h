@@ -8,7 +8,7 @@
 
 /// Predicates without doubt, for whole coordinates of at most 2^22 either way, as seen from the origin s.
 ///
-/// In double precision differences are exact and so are products of two of them (2^46) and their differences (2^47);
+/// Differences are exact, and in double precision so are products of two of them (2^46) and their differences (2^47);
 /// only the last sum of three products rounds. Where that rounding could hide the sign, 128-bit integers decide.
 namespace lorica::exact {
 
@@ -20,8 +20,9 @@ struct Row {
   return {p.x, p.y, p.z};
 }
 
+/// At most 2^23 either way, so single precision holds it.
 [[nodiscard]] inline Row between(const PointRow& from, const PointRow& to) {
-  return {static_cast<double>(to.x) - from.x, static_cast<double>(to.y) - from.y, static_cast<double>(to.z) - from.z};
+  return {to.x - from.x, to.y - from.y, to.z - from.z};
 }
 
 /// Exact for coordinates up to 2^26.
