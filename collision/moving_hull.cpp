@@ -11,24 +11,34 @@ namespace lorica {
 using exact::det;
 using exact::side;
 
-MovingHull::MovingHull(int pointCount) : surface_(pointCount), start_(pointCount) {
+MovingHull::Scratch& MovingHull::scratchOfThisThread() {
+  thread_local Scratch scratch;
+  return scratch;
+}
+
+void MovingHull::Scratch::fit(std::size_t pointCount) {
+  const std::size_t mostFaces = std::max<std::size_t>(4, 2 * pointCount);
+  if (isNear.size() >= mostFaces) return;
+  start.fit(pointCount);
+  doubts.resize(mostFaces);
+  queue.reserve(3 * mostFaces);
+  queued.resize(3 * mostFaces);
+  turned.reserve(mostFaces);
+  pierced.reserve(mostFaces);
+  near.reserve(mostFaces);
+  isNear.resize(mostFaces);
+  unsettled.reserve(pointCount);
+  link.reserve(pointCount);
+  cuts.reserve(pointCount);
+}
+
+MovingHull::MovingHull(int pointCount) : surface_(pointCount) {
   CHECK(pointCount > 0, "a hull needs points");
   const auto n = static_cast<std::size_t>(pointCount);
-  const std::size_t mostFaces = std::max<std::size_t>(4, 2 * n);
+  scratchOfThisThread().fit(n);
   vertices_.reserve(n);
   inside_.resize(n + kPassWidth);
   slot_.resize(n);
-  unsettled_.reserve(n);
-  queue_.reserve(3 * mostFaces);
-  queued_.resize(3 * mostFaces);
-  turned_.reserve(mostFaces);
-  pierced_.reserve(mostFaces);
-  near_.reserve(mostFaces);
-  isNear_.resize(mostFaces);
-  doubts_.resize(mostFaces);
-  link_.reserve(n);
-  cuts_.reserve(n);
-
   for (std::size_t p = 0; p < n; ++p) {
     const auto id = static_cast<VertexIndex>(p);
     slot_[p] = id;
@@ -47,6 +57,8 @@ void MovingHull::update(std::span<const PointRow> points) {
   CHECK(points.size() == slot_.size(), "as many points as the hull was made for");
   points_ = points;
   counts_ = {};
+  scratch_ = &scratchOfThisThread();
+  scratch_->fit(points.size());
   if (!flat() && repair()) return;
   if (!build()) startOver();
 }
@@ -55,6 +67,11 @@ double MovingHull::volume() const {
   double sum = 0.0;
   for (const Triangle& t : faces()) sum += det(at(t[0]), at(t[1]), at(t[2]));
   return sum / 6.0;
+}
+
+std::size_t MovingHull::memory() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return sizeof(*this) + surface_.memory() + bytes(vertices_) + bytes(inside_) + bytes(slot_) + bytes(scrambled_);
 }
 
 VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) const {
@@ -94,31 +111,27 @@ bool MovingHull::repair() {
   // Faces that lost their side come first: all else takes for granted that s sees the whole surface from inside.
   constexpr int kRounds = 8;
   scanFaces();
-  for (int round = 0; !turned_.empty(); ++round) {
+  for (int round = 0; !scratch_->turned.empty(); ++round) {
     if (round == kRounds || !turnFaces()) return false;
     lookAgain();
   }
   // All faces may look outwards on a surface that winds round s twice, like a star pentagon.
-  if (pierced_.size() != 1) return false;
+  if (scratch_->pierced.size() != 1) return false;
   return legalise() && checkCertificates();
 }
 
 bool MovingHull::build() {
   counts_.rebuilds = 1;
-  while (!queue_.empty()) {
-    queued_[static_cast<std::size_t>(queue_.back())] = 0;
-    queue_.pop_back();
-  }
-  const std::span<const Triangle> first = start_.find(points_);
+  const std::span<const Triangle> first = scratch_->start.find(points_);
   if (first.empty()) return false;
 
   // Last frame's vertices are likely to be vertices again, and then the others are inside at once.
-  unsettled_.clear();
+  scratch_->unsettled.clear();
   for (const VertexIndex p : scrambled_) {
-    if (isVertex(p)) unsettled_.push_back(p);
+    if (isVertex(p)) scratch_->unsettled.push_back(p);
   }
   for (const VertexIndex p : scrambled_) {
-    if (!isVertex(p)) unsettled_.push_back(p);
+    if (!isVertex(p)) scratch_->unsettled.push_back(p);
   }
   startOver();
   for (const Triangle& t : first) {
@@ -138,6 +151,10 @@ bool MovingHull::build() {
 // Leaves no faces and no vertices. Certificates stay: they hold nothing now, but tell where to look.
 void MovingHull::startOver() {
   surface_.clear();
+  while (!scratch_->queue.empty()) {
+    scratch_->queued[static_cast<std::size_t>(scratch_->queue.back())] = 0;
+    scratch_->queue.pop_back();
+  }
   while (!vertices_.empty()) {
     const VertexIndex v = vertices_.back();
     becomeInside(v, {v, v, v});
@@ -149,122 +166,12 @@ double MovingHull::faceDet(std::int32_t face) const {
   return det(at(t[0]), at(t[1]), at(t[2]));
 }
 
-// Whether the direction (e, e^2, 1) for an infinitely small e lies in the cone of a face that looks outwards. It is
-// never on an edge: an edge's plane through s would need a normal of zero.
-bool MovingHull::isPierced(std::int32_t face) const {
-  const Triangle& t = faces()[static_cast<std::size_t>(face)];
-  for (std::size_t i = 0; i < 3; ++i) {
-    const exact::Row n = exact::cross(exact::rowOf(at(t[i])), exact::rowOf(at(t[(i + 1) % 3])));
-    const double first = n.z != 0.0 ? n.z : n.x != 0.0 ? n.x : n.y;
-    if (first < 0.0) return false;
-  }
-  return true;
-}
-
-// Queues concave edges and lists faces that lost their side or are pierced.
-void MovingHull::scanFaces() {
-  turned_.clear();
-  pierced_.clear();
-  const int found =
-      findDoubtfulFaces(points_.data(), faces().data(), surface_.opposites(), surface_.faceCount(), doubts_.data());
-  for (const std::int32_t doubt : std::span(doubts_).first(static_cast<std::size_t>(found))) {
-    const std::int32_t face = doubt / kFaceBits;
-    const Triangle& t = faces()[static_cast<std::size_t>(face)];
-    const PointRow &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
-    if ((doubt & kMayBeTurned) != 0 && det(a, b, c) <= 0.0) {
-      turned_.push_back(face);
-      continue;
-    }
-    if ((doubt & kMayBePierced) != 0 && isPierced(face)) pierced_.push_back(face);
-    for (int edge = 0; edge < 3; ++edge) {
-      const HalfEdge h = 3 * face + edge;
-      if ((doubt & kEdgeMayBeConcave << edge) != 0 && side(a, b, c, at(surface_.opposite(h))) > 0.0) queueEdge(h);
-    }
-  }
-}
-
-// The same lists after some faces were changed: these have all their edges in the queue.
-void MovingHull::lookAgain() {
-  near_.clear();
-  for (const HalfEdge h : queue_) {
-    if (h >= 3 * surface_.faceCount()) continue;
-    for (const std::int32_t face : {HullSurface::faceOf(h), HullSurface::faceOf(surface_.twin(h))}) {
-      if (isNear_[static_cast<std::size_t>(face)] != 0) continue;
-      isNear_[static_cast<std::size_t>(face)] = 1;
-      near_.push_back(face);
-    }
-  }
-  std::erase_if(pierced_, [&](std::int32_t face) {
-    return face >= surface_.faceCount() || isNear_[static_cast<std::size_t>(face)] != 0;
-  });
-  turned_.clear();
-  for (const std::int32_t face : near_) {
-    isNear_[static_cast<std::size_t>(face)] = 0;
-    if (faceDet(face) <= 0.0) {
-      turned_.push_back(face);
-    } else if (isPierced(face)) {
-      pierced_.push_back(face);
-    }
-  }
-}
-
-bool MovingHull::turnFaces() {
-  counts_.turnedFaces += static_cast<int>(turned_.size());
-  if (turned_.size() > 8 + static_cast<std::size_t>(surface_.faceCount()) / 8) return false;
-  for (const std::int32_t face : turned_) {
-    if (face < surface_.faceCount() && faceDet(face) <= 0.0 && !turnFace(face)) return false;
-  }
-  return true;
-}
-
-bool MovingHull::turnFace(std::int32_t face) {
-  // Most often a corner has slipped over the edge across from it.
-  for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
-    const HalfEdge k = surface_.twin(h);
-    const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
-    if (surface_.hasThreeEdges(h) || surface_.hasThreeEdges(k)) continue;  // two faces would lie back to back
-    if (det(at(a), at(d), at(c)) <= 0.0 || det(at(d), at(b), at(c)) <= 0.0) continue;
-    surface_.flip(h);
-    ++counts_.flips;
-    queueFace(HullSurface::faceOf(h));
-    queueFace(HullSurface::faceOf(k));
-    return true;
-  }
-  // Else a corner goes, first the one with most faces amiss: whole if its hole can be closed well, else at any price,
-  // as where several points meet in one place.
-  Triangle corners = faces()[static_cast<std::size_t>(face)];
-  std::array<int, 3> turned{};
-  for (std::size_t i = 0; i < 3; ++i) turned[i] = turnedAround(corners[i]);
-  for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{0}}) {
-    if (turned[i + 1] <= turned[i]) continue;
-    std::swap(turned[i], turned[i + 1]);
-    std::swap(corners[i], corners[i + 1]);
-  }
-  for (const Link link : {Link::kSimple, Link::kTangled}) {
-    for (const VertexIndex v : corners) {
-      if (takeOut(v, link, {v, v, v})) return true;
-    }
-  }
-  return false;
-}
-
-int MovingHull::turnedAround(VertexIndex v) const {
-  int count = 0;
-  const HalfEdge first = surface_.outOf(v);
-  HalfEdge h = first;
-  do {
-    count += faceDet(HullSurface::faceOf(h)) <= 0.0 ? 1 : 0;
-    h = surface_.turn(h);
-  } while (h != first);
-  return count;
-}
-
 // Each flip adds volume to the solid and each vertex that is taken out stays out, so this ends.
 bool MovingHull::legalise() {
-  while (!queue_.empty()) {
-    const HalfEdge h = queue_.back();
-    queue_.pop_back();
-    queued_[static_cast<std::size_t>(h)] = 0;
+  while (!scratch_->queue.empty()) {
+    const HalfEdge h = scratch_->queue.back();
+    scratch_->queue.pop_back();
+    scratch_->queued[static_cast<std::size_t>(h)] = 0;
     if (h >= 3 * surface_.faceCount()) continue;
     const HalfEdge k = surface_.twin(h);
     const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
@@ -294,19 +201,20 @@ bool MovingHull::holds(const HullCertificate& certificate) const {
 }
 
 bool MovingHull::checkCertificates() {
-  unsettled_.clear();
+  scratch_->unsettled.clear();
   const int found =
-      findDoubtfulCertificates(points_.data(), inside_.data(), static_cast<int>(insideCount_), doubts_.data());
-  for (const std::int32_t doubt : std::span(doubts_).first(static_cast<std::size_t>(found))) {
+      findDoubtfulCertificates(points_.data(), inside_.data(), static_cast<int>(insideCount_), scratch_->doubts.data());
+  for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
     const HullCertificate& certificate = inside_[static_cast<std::size_t>(doubt)];
-    if (!holds(certificate)) unsettled_.push_back(certificate.point);
+    if (!holds(certificate)) scratch_->unsettled.push_back(certificate.point);
   }
-  counts_.failedCertificates = static_cast<int>(unsettled_.size());
+  counts_.failedCertificates = static_cast<int>(scratch_->unsettled.size());
   return settleAll();
 }
 
 bool MovingHull::settleAll() {
-  return std::all_of(unsettled_.begin(), unsettled_.end(), [&](VertexIndex p) { return isVertex(p) || settle(p); });
+  return std::all_of(scratch_->unsettled.begin(), scratch_->unsettled.end(),
+                     [&](VertexIndex p) { return isVertex(p) || settle(p); });
 }
 
 // A face that may be near a point.
@@ -424,10 +332,10 @@ void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
 
 void MovingHull::queueEdge(HalfEdge h) {
   h = std::min(h, surface_.twin(h));
-  std::uint8_t& queued = queued_[static_cast<std::size_t>(h)];
+  std::uint8_t& queued = scratch_->queued[static_cast<std::size_t>(h)];
   if (queued != 0) return;
   queued = 1;
-  queue_.push_back(h);
+  scratch_->queue.push_back(h);
 }
 
 void MovingHull::queueFace(std::int32_t face) {

@@ -27,7 +27,8 @@ namespace lorica {
 /// diagonals may depend on earlier frames. Same frames, same faces, on every machine.
 class MovingHull {
  public:
-  /// Takes all memory that any frame can need.
+  /// Takes all memory that any frame can need; some of it is shared by all hulls that one thread updates, so that only
+  /// the first update on another thread allocates.
   /// @param pointCount  1 or more
   explicit MovingHull(int pointCount);
 
@@ -48,7 +49,8 @@ class MovingHull {
   /// [ticks^3]; 0 when flat.
   [[nodiscard]] double volume() const;
 
-  /// The vertex farthest along a direction, found by climbing over neighbours; of all points when flat.
+  /// The vertex farthest along a direction, found by climbing over neighbours; of all points when flat. Needs an
+  /// update.
   /// @param startHint  a point id, best the answer for a direction or frame nearby; others only cost time
   [[nodiscard]] VertexIndex support(const Vec3& direction, VertexIndex startHint) const;
 
@@ -62,6 +64,9 @@ class MovingHull {
     int rebuilds = 0;            ///< 1 when the hull was built from nothing
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }
+
+  /// Bytes held, without what a thread's hulls share.
+  [[nodiscard]] std::size_t memory() const;
 
  private:
   using HalfEdge = HullSurface::HalfEdge;
@@ -78,6 +83,30 @@ class MovingHull {
     kSimple,          ///< does not cross itself, or the vertex stays
     kTangled,         ///< anything: faces may be turned afterwards
   };
+
+  /// What an update needs and leaves empty: one for all hulls of a thread.
+  struct Scratch {
+    struct Corner {
+      VertexIndex vertex;
+      HalfEdge rim;  ///< beyond the link's edge from this corner to the next
+      std::int32_t face;
+      std::int32_t before, after;
+    };
+    HullStart start;
+    std::vector<std::int32_t> doubts;    ///< what a pass hands back
+    std::vector<HalfEdge> queue;         ///< edges that may be concave
+    std::vector<std::uint8_t> queued;    ///< of each half-edge: it is in the queue
+    std::vector<std::int32_t> turned;    ///< faces that have lost their side
+    std::vector<std::int32_t> pierced;   ///< faces in whose cones one certain direction lies
+    std::vector<std::int32_t> near;      ///< faces at edges in the queue
+    std::vector<std::uint8_t> isNear;    ///< of each face, whether it is among those
+    std::vector<VertexIndex> unsettled;  ///< points to be located
+    std::vector<Corner> link;            ///< around the vertex that is taken out
+    std::vector<std::int32_t> cuts;      ///< its corners in the order in which they are cut off
+
+    void fit(std::size_t pointCount);
+  };
+  static Scratch& scratchOfThisThread();
 
   [[nodiscard]] const PointRow& at(VertexIndex p) const { return points_[static_cast<std::size_t>(p)]; }
   [[nodiscard]] double faceDet(std::int32_t face) const;
@@ -110,7 +139,6 @@ class MovingHull {
 
   std::span<const PointRow> points_;
   HullSurface surface_;
-  HullStart start_;
   std::vector<VertexIndex> vertices_;
   std::vector<HullCertificate> inside_;  ///< insideCount_, and padding
   std::size_t insideCount_ = 0;
@@ -118,23 +146,7 @@ class MovingHull {
   std::vector<VertexIndex> scrambled_;  ///< all points, in a fixed order without pattern
   Counts counts_;
 
-  // Scratch.
-  std::vector<std::int32_t> doubts_;    ///< what a pass hands back
-  std::vector<HalfEdge> queue_;         ///< edges that may be concave
-  std::vector<std::uint8_t> queued_;    ///< of each half-edge: it is in queue_
-  std::vector<std::int32_t> turned_;    ///< faces that have lost their side
-  std::vector<std::int32_t> pierced_;   ///< faces in whose cones one certain direction lies
-  std::vector<std::int32_t> near_;      ///< faces at edges in queue_
-  std::vector<std::uint8_t> isNear_;    ///< of each face, whether it is in near_
-  std::vector<VertexIndex> unsettled_;  ///< points to be located
-  struct Corner {
-    VertexIndex vertex;
-    HalfEdge rim;  ///< beyond the link's edge from this corner to the next
-    std::int32_t face;
-    std::int32_t before, after;
-  };
-  std::vector<Corner> link_;        ///< around the vertex that is taken out
-  std::vector<std::int32_t> cuts_;  ///< its corners in the order in which they are cut off
+  Scratch* scratch_ = nullptr;  ///< of this thread; valid within update()
 };
 
 }  // namespace lorica

@@ -30,8 +30,8 @@ double squared(const exact::Row& r) {
 
 }  // namespace
 
-HullStart::HullStart(int pointCount) {
-  const auto most = static_cast<std::size_t>(std::max(4, 2 * pointCount));
+void HullStart::fit(std::size_t pointCount) {
+  const std::size_t most = std::max<std::size_t>(4, 2 * pointCount);
   faces_.reserve(most);
   kept_.reserve(most);
   visible_.reserve(most);

@@ -12,7 +12,8 @@ namespace lorica {
 /// 12 faces. Exact for coordinates as PointRow has them.
 class HullStart {
  public:
-  explicit HullStart(int pointCount);
+  /// Makes room, so that finding allocates nothing for so many points.
+  void fit(std::size_t pointCount);
 
   /// @return the faces, counter-clockwise from outside; none when the origin is not strictly inside the points' hull
   [[nodiscard]] std::span<const Triangle> find(std::span<const PointRow> points);

@@ -17,6 +17,11 @@ void HullSurface::clear() {
   std::fill(outOf_.begin(), outOf_.end(), kNone);
 }
 
+std::size_t HullSurface::memory() const {
+  return faces_.capacity() * sizeof(Triangle) +
+         (opposites_.capacity() + twins_.capacity() + outOf_.capacity()) * sizeof(std::int32_t);
+}
+
 std::int32_t HullSurface::addFace(VertexIndex a, VertexIndex b, VertexIndex c) {
   setFace(faceCount_, a, b, c);
   return faceCount_++;

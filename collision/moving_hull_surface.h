@@ -22,6 +22,8 @@ class HullSurface {
   explicit HullSurface(int pointCount);
 
   void clear();
+  /// Bytes held.
+  [[nodiscard]] std::size_t memory() const;
 
   [[nodiscard]] int faceCount() const { return faceCount_; }
   [[nodiscard]] std::span<const Triangle> faces() const {
