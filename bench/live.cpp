@@ -4,6 +4,7 @@
 #include "bench/measure.h"
 #include "capture/retarget.h"
 #include "capture/synthetic_motion.h"
+#include "collision/cover.h"
 #include "collision/live_body.h"
 #include "session/keyframes.h"
 #include "skinning/linear_blend.h"
@@ -24,6 +25,8 @@ namespace lorica::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kReferenceStride = 40;  // of the slow way, so many frames are skipped
 
 struct Options {
   int parts = 16;
@@ -76,29 +79,31 @@ struct FrameTimes {
   [[nodiscard]] double worst() const { return *std::max_element(us.begin(), us.end()); }
 };
 
+/// @param stride  every so many frames are timed
 /// @param start  called before each pass over a motion
 /// @param frame  does the work of one frame; its time counts
 /// @param hash   of the frame's outcome
-FrameTimes timeFrames(std::span<const Motion> motions, int repeats, const std::function<void()>& start,
-                      const std::function<void(std::span<const Affine3>)>& frame,
+FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t stride,
+                      const std::function<void()>& start, const std::function<void(std::span<const Affine3>)>& frame,
                       const std::function<std::uint64_t(std::uint64_t)>& hash) {
   FrameTimes times;
   std::size_t first = 0;
   for (const Motion& motion : motions) {
     const std::size_t count = motion.worldFromModel.size();
-    times.us.resize(first + count, std::numeric_limits<double>::infinity());
+    times.us.resize(first + (count + stride - 1) / stride, std::numeric_limits<double>::infinity());
     for (int repeat = 0; repeat < repeats; ++repeat) {
       start();
       frame(motion.worldFromModel.front());  // the first one builds
-      for (std::size_t f = 0; f < count; ++f) {
+      for (std::size_t f = 0; f < count; f += stride) {
         const Clock::time_point begin = Clock::now();
         frame(motion.worldFromModel[f]);
         const double us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
-        times.us[first + f] = std::min(times.us[first + f], us);
+        double& least = times.us[first + f / stride];
+        least = std::min(least, us);
         if (repeat == 0) times.hash = hash(times.hash);
       }
     }
-    first += count;
+    first = times.us.size();
   }
   return times;
 }
@@ -114,6 +119,12 @@ std::uint64_t hashOf(const LiveBody& body, std::uint64_t seed) {
     seed = XXH3_64bits_withSeed(part.shape.vertices.data(), part.shape.vertices.size() * sizeof(Vec3), seed);
   }
   return seed;
+}
+
+double volumeOf(const LiveBody& body) {
+  double sum = 0.0;
+  for (const LivePart& part : body.parts()) sum += part.shape.volume;
+  return sum;
 }
 
 Result<Decomposition> decomposeMannequin(const Character& character, int parts) {
@@ -137,7 +148,7 @@ void measureStages(const Character& character, const Decomposition& decompositio
     skinLinearBlend(character, matrices, posed);
     transfer(decomposition, posed, points);
   };
-  const FrameTimes skinning = timeFrames(motions, repeats, none, skinAll, noHash);
+  const FrameTimes skinning = timeFrames(motions, repeats, 1, none, skinAll, noHash);
 
   std::vector<LiftedPart> lifted;
   std::vector<std::vector<PointRow>> rows;
@@ -166,14 +177,14 @@ void measureStages(const Character& character, const Decomposition& decompositio
     }
     return h;
   };
-  const FrameTimes candidates = timeFrames(motions, repeats, none, evaluate, hashRows);
+  const FrameTimes candidates = timeFrames(motions, repeats, 1, none, evaluate, hashRows);
   row(fmt::format("all {} candidates", candidateCount), candidates, skinning, "skinning the mesh and its cut points");
 
   std::optional<LiveBody> body;
   const auto startBody = [&] { body.emplace(decomposition, character); };
   const auto update = [&](std::span<const Affine3> matrices) { body->update(matrices); };
   const auto hashBody = [&](std::uint64_t h) { return hashOf(*body, h); };
-  const FrameTimes hulls = timeFrames(motions, repeats, startBody, update, hashBody);
+  const FrameTimes hulls = timeFrames(motions, repeats, 1, startBody, update, hashBody);
 
   btConvexHullComputer computer;
   const auto bulletHulls = [&](std::span<const Affine3> matrices) {
@@ -182,13 +193,43 @@ void measureStages(const Character& character, const Decomposition& decompositio
       computer.compute(&rows[i].front().x, sizeof(PointRow), static_cast<int>(lifted[i].pointCount()), 0.0f, 0.0f);
     }
   };
-  const FrameTimes bullet = timeFrames(motions, 1, none, bulletHulls, noHash);
+  const FrameTimes bullet = timeFrames(motions, 1, kReferenceStride, none, bulletHulls, noHash);
   row("hulls with faces", hulls, bullet, "btConvexHullComputer on the same points");
 
   fmt::print(
       "# {} vertices, {} joints, {} parts; {} frames at 60 Hz; a body holds {:.2f} MB, of which {:.2f} MB points\n",
       character.mesh.vertices.size(), character.skeleton.jointCount(), decomposition.parts.size(), skinning.us.size(),
       static_cast<double>(body->memory()) * 1e-6, static_cast<double>(memory) * 1e-6);
+
+  // Few points a part, chosen in poses of the motions and in random ones.
+  std::vector<Affine3> sampled;
+  for (const Motion& motion : motions) {
+    for (std::size_t f = 0; f < motion.worldFromModel.size(); f += 40) {
+      sampled.insert(sampled.end(), motion.worldFromModel[f].begin(), motion.worldFromModel[f].end());
+    }
+  }
+  const BonePoseView poses{sampled, character.skeleton.jointCount()};
+  for (const int vertices : {64, 32, 16}) {
+    const Clock::time_point begin = Clock::now();
+    const Result<CoverPromise> cover = chooseCover(decomposition, all, poses, {}, {.maxHullVertices = vertices});
+    CHECK(cover.ok(), "so many points can hold a part");
+    fmt::print(
+        "# cover of {} points a part, from {} poses in {:.1f} s: {:.1f} mm stuck out, pushed by up to {:.1f} mm\n",
+        vertices, poses.poseCount(), std::chrono::duration<double>(Clock::now() - begin).count(),
+        1e3 * cover->sampledShortfall, 1e3 * cover->growth);
+    const auto startCovered = [&] { body.emplace(decomposition, character, *cover); };
+    LiveBody covered(decomposition, character, *cover);
+    LiveBody exact(decomposition, character);
+    double volume = 0.0;
+    for (int p = 0; p < poses.poseCount(); ++p) {
+      covered.update(poses.pose(p));
+      exact.update(poses.pose(p));
+      volume += volumeOf(covered) / volumeOf(exact) / poses.poseCount();
+    }
+    fmt::print("# its hulls are {:.3f} times as large as the exact ones\n", volume);
+    row(fmt::format("hulls with faces of {} points, covering", vertices),
+        timeFrames(motions, repeats, 1, startCovered, update, hashBody), bullet, "btConvexHullComputer on all points");
+  }
 }
 
 int run(const Options& options) {

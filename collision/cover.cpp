@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <queue>
@@ -15,11 +17,12 @@
 namespace lorica {
 namespace {
 
-constexpr int kSweeps = 30;         // over all sampled poses, while pushing points outward
+constexpr int kSweeps = 60;         // over all sampled poses, while pushing points outward
+constexpr double kTurn = 0.05;      // by which pushes turn from the faces' normals to outward, with every sweep
 constexpr int kPushes = 20;         // in one pose, before the next one has its turn
 constexpr double kHeld = 1e-7;      // of the part's size: farther outside than this is outside
-constexpr double kSteepest = 0.25;  // cosine: a point whose push leans more from a face's normal is pushed as if so
-constexpr double kMore = 1.0 / 64;  // pushes are longer by this, so that they end
+constexpr double kSteepest = 0.2;   // cosine: pushes that lean more from a face's normal count as if they leant so
+constexpr double kMore = 1.0 / 64;  // pushes are longer by this share, so that they end
 
 /// Planes of a hull: unit normals pointing outward, and offsets.
 struct Planes {
@@ -95,10 +98,10 @@ class PartCover {
   /// Pushes the points outward until in no sampled pose anything sticks out.
   /// @return false when that did not come to an end
   [[nodiscard]] bool grow() {
-    findNormals();
+    findDirections();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       bool held = true;
-      for (int s = 0; s < sampled_.poseCount(); ++s) held = holdIn(s) && held;
+      for (int s = 0; s < sampled_.poseCount(); ++s) held = holdIn(s, std::min(1.0, kTurn * sweep)) && held;
       if (held) return true;
     }
     return false;
@@ -125,7 +128,7 @@ class PartCover {
     std::vector<CoverPoint> points;
     points.reserve(chosen_.size());
     for (const Chosen& c : chosen_) {
-      points.push_back({candidates_[static_cast<std::size_t>(c.candidate)], c.push * c.normal});
+      points.push_back({candidates_[static_cast<std::size_t>(c.candidate)], c.push});
     }
     std::sort(points.begin(), points.end(), [](const CoverPoint& a, const CoverPoint& b) { return a.point < b.point; });
     return points;
@@ -133,15 +136,15 @@ class PartCover {
 
   [[nodiscard]] double longestPush() const {
     double longest = 0.0;
-    for (const Chosen& c : chosen_) longest = std::max(longest, c.push);
+    for (const Chosen& c : chosen_) longest = std::max(longest, c.push.norm());
     return longest;
   }
 
  private:
   struct Chosen {
     VertexIndex candidate = 0;
-    Vec3 normal = Vec3::Zero();  ///< in the bind pose, unit
-    double push = 0.0;           ///< [m]
+    Vec3 direction = Vec3::Zero();  ///< of its push, in the bind pose
+    Vec3 push = Vec3::Zero();       ///< in the bind pose [m]
   };
   struct LookAt {
     std::vector<VertexIndex> candidate;
@@ -173,12 +176,12 @@ class PartCover {
     at.reserve(chosen_.size());
     for (const Chosen& c : chosen_) {
       at.push_back(positionOf(point(c.candidate), poses.pose(p)));
-      if (c.push > 0.0) at.back() += turnOf(point(c.candidate), poses.pose(p)) * (c.push * c.normal);
+      if (!c.push.isZero()) at.back() += turnOf(point(c.candidate), poses.pose(p)) * c.push;
     }
     return at;
   }
 
-  void take(VertexIndex candidate) { chosen_.push_back({candidate, Vec3::Zero(), 0.0}); }
+  void take(VertexIndex candidate) { chosen_.push_back({candidate, Vec3::Zero()}); }
 
   /// Four points that span a volume in the first pose, or all there are.
   void takeFirst() {
@@ -226,51 +229,91 @@ class PartCover {
     return std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == candidate; });
   }
 
-  /// Outward directions: normals of the hull at each point, from all poses turned back to the bind pose.
-  void findNormals() {
-    for (int s = 0; s < sampled_.poseCount(); ++s) {
-      const ConvexHull hull = convexHull(chosenPositions(sampled_, s));
-      std::vector<Vec3> sums(hull.vertices.size(), Vec3::Zero());
-      for (const Triangle& t : hull.triangles) {
-        const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-        const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
-        const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
-        const Vec3 normal = (b - a).cross(c - a);
-        for (const VertexIndex v : t) sums[static_cast<std::size_t>(v)] += normal;
-      }
-      for (std::size_t v = 0; v < sums.size(); ++v) {
-        Chosen& chosen = chosen_[static_cast<std::size_t>(hull.pointOfVertex[v])];
-        chosen.normal += turnOf(point(chosen.candidate), sampled_.pose(s)).transpose() * sums[v].stableNormalized();
-      }
+  /// Sets the direction of each point's push: outward in the bind pose, of about unit length. All points pushed alike
+  /// stretch the part by as much along each of its principal axes, so no face loses what another one gains.
+  void findDirections() {
+    std::vector<Vec3> bind;
+    bind.reserve(candidates_.size());
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      bind.push_back(bindPositionOf(point(static_cast<VertexIndex>(i))));
+      mean += bind.back() / static_cast<double>(candidates_.size());
     }
-    for (Chosen& c : chosen_) c.normal.stableNormalize();
+    Mat3 spread = Mat3::Zero();
+    for (const Vec3& p : bind) spread += (p - mean) * (p - mean).transpose();
+    const Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
+    Aabb box;
+    for (const Vec3& p : bind) box.extend(axes.transpose() * p);
+    const Vec3 reach = (0.5 * (box.max - box.min)).cwiseMax(1e-3 * box.diagonal());
+    for (Chosen& c : chosen_) {
+      const Vec3 own = axes.transpose() * bind[static_cast<std::size_t>(c.candidate)] - box.center();
+      c.direction = axes * own.cwiseQuotient(reach);
+    }
   }
 
-  /// Pushes points until nothing sticks out in one pose. @return whether nothing did from the start
-  bool holdIn(int pose) {
+  /// Pushes points until nothing sticks out in one pose. A push along the normal of the face that something sticks out
+  /// of is the shortest; but where two faces meet at a sharp edge, one loses what the other gains, and only pushes
+  /// outward come to an end.
+  /// @param outward  share of the outward direction in a push, 0 to 1
+  /// @return whether nothing stuck out from the start
+  bool holdIn(int pose, double outward) {
     const LookAt& look = lookAt_[static_cast<std::size_t>(pose)];
-    std::vector<Vec3> directions;
-    directions.reserve(chosen_.size());
-    for (const Chosen& c : chosen_) directions.push_back(turnOf(point(c.candidate), sampled_.pose(pose)) * c.normal);
+    std::vector<Mat3> turns;
+    turns.reserve(chosen_.size());
+    for (const Chosen& c : chosen_) turns.push_back(turnOf(point(c.candidate), sampled_.pose(pose)));
+    std::vector<Vec3> moves(chosen_.size());
     for (int push = 0; push < kPushes; ++push) {
       const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
       if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // nothing is held by a plane
       const Planes planes = planesOf(hull);
-      const Eigen::VectorXd out = (planes.normals * look.at).rowwise().maxCoeff() - planes.offsets;
-      if (out.maxCoeff() <= kHeld * size_) return push == 0;
-      std::vector<double> more(chosen_.size(), 0.0);
-      for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
-        const auto row = static_cast<Eigen::Index>(f);
-        if (out[row] <= 0.0) continue;
-        for (const VertexIndex v : hull.triangles[f]) {
-          const auto c = static_cast<std::size_t>(hull.pointOfVertex[static_cast<std::size_t>(v)]);
-          const double along = planes.normals.row(row).dot(directions[c]);
-          more[c] = std::max(more[c], (1.0 + kMore) * out[row] / std::max(along, kSteepest));
+      const Eigen::MatrixXd above = (planes.normals * look.at).colwise() - planes.offsets;
+      if (above.maxCoeff() <= kHeld * size_) return push == 0;
+
+      // For each point that sticks out, the corners of the face below it move outward, most the nearest ones, by no
+      // more than those before it have moved them already.
+      std::fill(moves.begin(), moves.end(), Vec3::Zero());
+      for (Eigen::Index i = 0; i < above.cols(); ++i) {
+        Eigen::Index face = 0;
+        const double distance = above.col(i).maxCoeff(&face);
+        if (distance <= 0.0) continue;
+        const Triangle& t = hull.triangles[static_cast<std::size_t>(face)];
+        const Vec3 normal = planes.normals.row(face).transpose();
+        Vec3 gains = sharesOf(look.at.col(i), hull, t);
+        double missing = (1.0 + kMore) * distance;
+        for (int k = 0; k < 3; ++k) missing -= gains[k] * normal.dot(moves[chosenOf(hull, t, k)]);
+        if (missing <= 0.0) continue;
+        std::array<Vec3, 3> along;
+        for (int k = 0; k < 3; ++k) {
+          const std::size_t c = chosenOf(hull, t, k);
+          const Vec3 d = turns[c] * chosen_[c].direction;
+          along[k] = outward * d + (1.0 - outward) * normal;
+          gains[k] *= std::max(kSteepest, normal.dot(along[k]));
+        }
+        for (int k = 0; k < 3; ++k) {
+          moves[chosenOf(hull, t, k)] += missing * gains[k] / gains.squaredNorm() * along[k];
         }
       }
-      for (std::size_t c = 0; c < chosen_.size(); ++c) chosen_[c].push += more[c];
+      for (std::size_t c = 0; c < chosen_.size(); ++c) {
+        chosen_[c].push += turns[c].transpose() * moves[c] * (3.0 / turns[c].squaredNorm());
+      }
     }
     return false;
+  }
+
+  [[nodiscard]] static std::size_t chosenOf(const ConvexHull& hull, const Triangle& t, int corner) {
+    return static_cast<std::size_t>(hull.pointOfVertex[static_cast<std::size_t>(t[static_cast<std::size_t>(corner)])]);
+  }
+
+  /// Barycentric coordinates of the place on a triangle below a point; of one beside it, without what is negative.
+  [[nodiscard]] static Vec3 sharesOf(const Vec3& p, const ConvexHull& hull, const Triangle& t) {
+    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
+    const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
+    const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
+    const Vec3 normal = (b - a).cross(c - a);
+    const Vec3 areas((b - p).cross(c - p).dot(normal), (c - p).cross(a - p).dot(normal),
+                     (a - p).cross(b - p).dot(normal));
+    const Vec3 inside = areas.cwiseMax(0.0);
+    return inside.sum() > 0.0 ? Vec3(inside / inside.sum()) : Vec3::Constant(1.0 / 3.0);
   }
 
   std::span<const PointIndex> candidates_;

@@ -35,9 +35,9 @@ struct CoverSettings {
 
 /// Few points of each part, whose hulls, grown a little, hold the surface in all sampled poses.
 ///
-/// Always the point that sticks out farthest in any sampled pose is taken next. Then points are pushed outward, each
-/// along its own normal in the bind pose, by no more than holds what still sticks out, until in no sampled pose
-/// anything does. The push is part of the lifted point, so growing costs a frame nothing. Held-out poses only measure.
+/// Always the point that sticks out farthest in any sampled pose is taken next. Then points are pushed until in no
+/// sampled pose anything sticks out. A push turns with the bones as the surface does and is part of the lifted point,
+/// so growing costs a frame nothing. Held-out poses only measure.
 /// @param decomposition  made from a character's mesh
 /// @param lifted         its points, liftPoints()
 /// @param sampled        1 pose or more

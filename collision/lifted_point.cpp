@@ -32,13 +32,6 @@ BoneKey boneKeyOf(const LiftedPoint& point) {
   return key;
 }
 
-/// Where the bind pose has a point: the moments of all bones together.
-Vec3 bindPositionOf(const LiftedPoint& point) {
-  Vec3 sum = Vec3::Zero();
-  for (const LiftedTerm& t : point) sum += t.moment;
-  return sum;
-}
-
 /// Whether the point moves as a mesh vertex does, all its bones taking one bind position along. A cut point between
 /// vertices of different weights does not.
 bool hasOneBindPosition(const LiftedPoint& point) {
@@ -49,6 +42,12 @@ bool hasOneBindPosition(const LiftedPoint& point) {
 }
 
 }  // namespace
+
+Vec3 bindPositionOf(const LiftedPoint& point) {
+  Vec3 sum = Vec3::Zero();
+  for (const LiftedTerm& t : point) sum += t.moment;
+  return sum;
+}
 
 std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposition& decomposition) {
   CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),

@@ -28,6 +28,9 @@ using LiftedPoint = std::vector<LiftedTerm>;
 /// @param worldFromModel  for each joint: where it takes the bind pose, worldFromJoint * jointFromModel
 [[nodiscard]] Vec3 positionOf(const LiftedPoint& point, std::span<const Affine3> worldFromModel);
 
+/// Where the bind pose has a lifted point [m], model space.
+[[nodiscard]] Vec3 bindPositionOf(const LiftedPoint& point);
+
 /// The points of a part that can be on its hull in some pose, ascending. The others are inside it in every pose:
 ///   - cut points between points that are in the part themselves, as where parts were joined again;
 ///   - points inside the hull of others that follow the same bones with the same weights: one affine map moves them
