@@ -1,9 +1,10 @@
 #include "collision/world.h"
 
+#include "collision/part_dispatcher.h"
+#include "collision/part_shape.h"
 #include "geometry/result.h"
 
-// All of Bullet that Lorica uses is behind this file.
-#include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -18,8 +19,13 @@ namespace {
 constexpr double kTeleportSpeed = 25.0;
 // Hulls are inflated by this; GJK keeps touching shapes apart with it. Boxes and balls have their margin inside.
 constexpr btScalar kPartMargin = 0.001f;
-// A hull that changed by less keeps its old shape, and with it the contacts of what rests on it.
-constexpr double kShapeTolerance = 0.0005;
+// Where the hull moved by less, in the part's own frame, contacts of what rests on it stay.
+constexpr btScalar kSurfaceTolerance = 0.0005f;
+// A part and a prop that may meet come closer by no more than this in a substep: half of what the thinnest pair that is
+// promised to meet, 2 cm and 4 cm, measure together is 3 cm.
+constexpr double kLongestApproach = 0.025;
+// Faster approaches get no finer substeps.
+constexpr double kFastestApproach = 2.0 * kTeleportSpeed;
 constexpr double kSamePlace = 0.02;
 // The sweep-and-prune grid. Things outside are still handled, only less sharply told apart.
 constexpr btScalar kGridHalfSize = 64.0f;
@@ -55,8 +61,35 @@ class DynamicsWorld : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
+  /// Contacts that will close within the substep count as closed where things bounce. Bullet would else take from the
+  /// bounce the speed that closes them, so that it would depend on where in the substep things meet.
+  void performDiscreteCollisionDetection() override {
+    btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+    const btScalar seconds = getDispatchInfo().m_timeStep;
+    for (int m = 0; m < getDispatcher()->getNumManifolds(); ++m) {
+      btPersistentManifold* manifold = getDispatcher()->getManifoldByIndexInternal(m);
+      for (int i = 0; i < manifold->getNumContacts(); ++i) {
+        btManifoldPoint& contact = manifold->getContactPoint(i);
+        if (contact.getDistance() <= 0.0f || contact.m_combinedRestitution <= 0.0f) continue;
+        const btScalar closing = closingSpeed(*manifold, contact);
+        if (closing > getSolverInfo().m_restitutionVelocityThreshold && closing * seconds > contact.getDistance()) {
+          contact.setDistance(0.0f);
+        }
+      }
+    }
+  }
+
  protected:
   void saveKinematicState(btScalar /*timeStep*/) override {}
+
+ private:
+  static btScalar closingSpeed(const btPersistentManifold& manifold, const btManifoldPoint& contact) {
+    const auto& a = static_cast<const btRigidBody&>(*manifold.getBody0());
+    const auto& b = static_cast<const btRigidBody&>(*manifold.getBody1());
+    const btVector3 speed = b.getVelocityInLocalPoint(contact.getPositionWorldOnB() - b.getCenterOfMassPosition()) -
+                            a.getVelocityInLocalPoint(contact.getPositionWorldOnA() - a.getCenterOfMassPosition());
+    return speed.dot(contact.m_normalWorldOnB);
+  }
 };
 
 /// A part's motion within one frame: the origin goes straight, the rotation turns evenly about one axis.
@@ -66,6 +99,7 @@ struct Sweep {
   Vec3 travel = Vec3::Zero();  ///< over the whole frame [m]
   Vec3 axis = Vec3::UnitX();   ///< world, unit
   double angle = 0.0;          ///< over the whole frame [rad]
+  double radius = 0.0;         ///< around the origin, of all that is swept along [m]
 
   [[nodiscard]] btTransform at(double fraction) const {
     return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
@@ -86,37 +120,44 @@ Sweep sweepOf(const LivePart& part, double seconds) {
 
   double radiusSq = 0.0;
   for (const Vec3& p : part.shape.vertices) radiusSq = std::max(radiusSq, p.squaredNorm());
-  const double path = sweep.travel.norm() + std::abs(sweep.angle) * std::sqrt(radiusSq);
+  sweep.radius = std::sqrt(radiusSq);
+  const double path = sweep.travel.norm() + std::abs(sweep.angle) * sweep.radius;
   if (path > kTeleportSpeed * seconds) {
-    sweep = Sweep();
     sweep.origin = end.translation();
     sweep.rotation = Quat(end.linear());
+    sweep.travel = Vec3::Zero();
+    sweep.angle = 0.0;
   }
   return sweep;
 }
 
 struct PartBody {
-  btAlignedObjectArray<btVector3> points;  ///< the shape reads them in place
-  std::vector<VertexIndex> pointOfVertex;
-  btConvexPointCloudShape shape;
+  PartShape shape{kPartMargin};
   std::unique_ptr<btRigidBody> body;
   bool inWorld = false;
+  bool reshaped = false;
   Sweep sweep;
 };
 
 struct PropBody {
   std::unique_ptr<btConvexInternalShape> shape;
   std::unique_ptr<btRigidBody> body;
+  double radius = 0.0;  ///< around the middle [m]
+  bool round = false;
+
+  /// How fast the surface goes about the middle [m/s]; that of a ball stays in its place.
+  [[nodiscard]] double spin() const { return round ? 0.0 : radius * body->getAngularVelocity().length(); }
+  /// No point is faster [m/s].
+  [[nodiscard]] double speed() const { return body->getLinearVelocity().length() + spin(); }
 };
 
-/// The collision shape must follow: other corners, or one that moved visibly since the shape was taken.
-bool shapeDiffers(const PartBody& body, const ConvexHull& shape) {
-  if (body.pointOfVertex != shape.pointOfVertex) return true;
-  for (std::size_t v = 0; v < shape.vertices.size(); ++v) {
-    const Vec3 held = fromBullet(body.points[static_cast<int>(v)]);
-    if ((shape.vertices[v] - held).squaredNorm() > kShapeTolerance * kShapeTolerance) return true;
-  }
-  return false;
+/// Whether a contact is still on the hull. Its own place on the part is on the inflated hull of then.
+bool isOnSurface(const PartShape& shape, const btVector3& place) {
+  const btSphereShape point(0.0f);
+  const btTransform there(btMatrix3x3::getIdentity(), place);
+  btGjkEpaSolver2::sResults results;
+  return btGjkEpaSolver2::Distance(&shape, btTransform::getIdentity(), &point, there, place, results) &&
+         std::abs(results.distance - shape.getMargin()) <= kSurfaceTolerance;
 }
 
 }  // namespace
@@ -124,7 +165,7 @@ bool shapeDiffers(const PartBody& body, const ConvexHull& shape) {
 struct World::Impl {
   Settings settings;
   btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
+  PartDispatcher dispatcher{&configuration};
   // Not the usual btDbvtBroadphase: its tree is balanced by comparing addresses, so the order of contacts, and with it
   // the motion, would differ from run to run.
   btAxisSweep3 broadphase{btVector3(-kGridHalfSize, -kGridHalfSize, -kGridHalfSize),
@@ -143,6 +184,8 @@ struct World::Impl {
   void addProp(const Prop& prop);
   void setPartCount(std::size_t count);
   void takePart(PartBody& body, const LivePart& part, double seconds);
+  void forgetContacts();
+  [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
   void collectContacts();
   void noteContact(const Contact& contact);
   void readProps();
@@ -162,6 +205,7 @@ World::Impl::Impl(const Settings& s) : settings(s) {
   info.m_splitImpulse = 1;
   info.m_splitImpulsePenetrationThreshold = -0.002f;
   info.m_numIterations = 20;
+  info.m_leastSquaresResidualThreshold = 1e-10f;  // once no contact changes a speed by more than 10 um/s, enough
   world.setGravity(toBullet(settings.gravity));
 
   btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &floorShape);
@@ -183,8 +227,11 @@ void World::Impl::addProp(const Prop& prop) {
   PropBody body;
   if (prop.shape == PropShape::kSphere) {
     body.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(prop.halfExtents.x()));
+    body.radius = prop.halfExtents.x();
+    body.round = true;
   } else {
     body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
+    body.radius = prop.halfExtents.norm();
   }
   const auto mass = static_cast<btScalar>(prop.mass);
   btVector3 inertia;
@@ -212,7 +259,6 @@ void World::Impl::setPartCount(std::size_t count) {
   }
   while (parts.size() < count) {
     auto part = std::make_unique<PartBody>();
-    part->shape.setMargin(kPartMargin);
     btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &part->shape);
     construction.m_friction = 1.0f;
     construction.m_restitution = 1.0f;
@@ -233,22 +279,57 @@ void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds)
   part.sweep = sweepOf(live, seconds);
   part.body->setWorldTransform(part.sweep.at(0.0));
 
-  if (!part.inWorld || (live.reshaped && shapeDiffers(part, live.shape))) {
-    part.pointOfVertex = live.shape.pointOfVertex;
-    part.points.resizeNoInitialize(static_cast<int>(live.shape.vertices.size()));
-    for (std::size_t v = 0; v < live.shape.vertices.size(); ++v) {
-      part.points[static_cast<int>(v)] = toBullet(live.shape.vertices[v]);
-    }
-    part.shape.setPoints(&part.points[0], part.points.size());
-    // Contacts of the old shape would hold up what rested on it, for ever.
-    if (part.inWorld) {
-      broadphase.getOverlappingPairCache()->cleanProxyFromPairs(part.body->getBroadphaseProxy(), &dispatcher);
-    }
-  }
+  part.reshaped = live.reshaped || !part.inWorld;
+  if (part.reshaped) part.shape.setPoints(live.shape.vertices);
   if (!part.inWorld) {
     world.addRigidBody(part.body.get(), kPartGroup, kPropGroup);
     part.inWorld = true;
   }
+}
+
+/// Bullet follows a contact by the places where it was on both bodies, and would for ever hold up what rested on a hull
+/// that is no longer there.
+void World::Impl::forgetContacts() {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
+    const bool partIsA = manifold->getBody0()->isKinematicObject();
+    const btCollisionObject* object = partIsA ? manifold->getBody0() : manifold->getBody1();
+    if (!object->isKinematicObject()) continue;
+    const PartBody& part = *parts[static_cast<std::size_t>(object->getUserIndex())];
+    if (!part.reshaped) continue;
+    for (int i = manifold->getNumContacts() - 1; i >= 0; --i) {
+      const btManifoldPoint& contact = manifold->getContactPoint(i);
+      if (!isOnSurface(part.shape, partIsA ? contact.m_localPointA : contact.m_localPointB)) {
+        manifold->removeContactPoint(i);
+      }
+    }
+  }
+}
+
+/// How long the next substep may be: as usual, and shorter where a part and a prop may meet in it at speed.
+/// @param fraction  how much of the frame is done
+/// @param usual     length of a substep when nothing is fast [s]
+/// @param seconds   of the frame
+double World::Impl::longestSubstep(double fraction, double usual, double seconds) const {
+  double fastestProp = 0.0;
+  for (const PropBody& prop : propBodies) fastestProp = std::max(fastestProp, prop.speed());
+  double rate = kLongestApproach / usual;  // [m/s]: an approach as fast as that can do with the usual length
+  for (const std::unique_ptr<PartBody>& part : parts) {
+    const Sweep& sweep = part->sweep;
+    const double turning = std::abs(sweep.angle) / seconds * sweep.radius;
+    if (!part->inWorld || sweep.travel.norm() / seconds + turning + fastestProp <= rate) continue;
+    const Vec3 place = sweep.origin + fraction * sweep.travel;
+    for (const PropBody& prop : propBodies) {
+      const Vec3 velocity = sweep.travel / seconds - fromBullet(prop.body->getLinearVelocity());
+      const double speed = std::min(velocity.norm() + turning + prop.spin(), kFastestApproach);
+      if (speed <= rate) continue;
+      // The spheres around both, moving straight: may they meet within a usual substep?
+      const Vec3 apart = place - fromBullet(prop.body->getWorldTransform().getOrigin());
+      const double soonest = std::clamp(-apart.dot(velocity) / std::max(velocity.squaredNorm(), 1e-12), 0.0, usual);
+      if ((apart + soonest * velocity).norm() <= sweep.radius + prop.radius + kLongestApproach) rate = speed;
+    }
+  }
+  return kLongestApproach / rate;
 }
 
 void World::Impl::collectContacts() {
@@ -309,17 +390,27 @@ void World::step(std::span<const LivePart> parts, double seconds) {
   impl_->setPartCount(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) impl_->takePart(*impl_->parts[i], parts[i], seconds);
 
-  const int substeps =
-      seconds == 0.0 ? 0 : std::max(1, static_cast<int>(std::ceil(seconds / impl_->settings.substepSeconds - 1e-6)));
-  for (int k = 0; k < substeps; ++k) {
+  impl_->forgetContacts();
+
+  const double usual = seconds / std::max(1.0, std::ceil(seconds / impl_->settings.substepSeconds - 1e-6));
+  double done = 0.0;  // of the frame
+  while (seconds > 0.0 && done < 1.0) {
+    // What is left is cut into equal substeps.
+    const double longest = impl_->longestSubstep(done, usual, seconds);
+    const double left = std::max(1.0, std::ceil((1.0 - done) * seconds / longest - 1e-6));
+    const double length = (1.0 - done) * seconds / left;
     // Parts stand where they are at the start of the substep, as props do, and their velocity says where they go.
     for (const std::unique_ptr<PartBody>& part : impl_->parts) {
-      part->body->setWorldTransform(part->sweep.at(static_cast<double>(k) / substeps));
+      part->body->setWorldTransform(part->sweep.at(done));
       part->body->setLinearVelocity(toBullet(Vec3(part->sweep.travel / seconds)));
       part->body->setAngularVelocity(toBullet(Vec3(part->sweep.axis * (part->sweep.angle / seconds))));
     }
-    impl_->world.stepSimulation(static_cast<btScalar>(seconds / substeps), 0);
+    // What overlaps is moved apart by a fifth in a substep of the longest kind, and in shorter ones by less.
+    impl_->world.getSolverInfo().m_erp2 =
+        static_cast<btScalar>(0.2 * std::min(1.0, length / impl_->settings.substepSeconds));
+    impl_->world.stepSimulation(static_cast<btScalar>(length), 0);
     impl_->collectContacts();
+    done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
   }
   for (const std::unique_ptr<PartBody>& part : impl_->parts) part->body->setWorldTransform(part->sweep.at(1.0));
 
