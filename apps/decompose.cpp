@@ -1,5 +1,6 @@
 #include "acd/decompose.h"
 
+#include "apps/cover.h"
 #include "apps/hull_export.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
@@ -32,7 +33,7 @@ struct Options {
   std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
   int orientations = 0;  // 0 = the preset's
-  int hullVertices = 0;  // 0 = not given
+  CoverRequest cover;    // of a mesh, only the bound on the vertices
   std::string output;
   std::string obj;
 };
@@ -43,6 +44,13 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{} is for characters, and {} is a mesh that does not move",
                              options.keyframes != 0 ? "--keyframes" : "--motion", subject.name)};
+  }
+  if (!subject.character && options.cover.tolerance) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--cover is for characters, and {} is a mesh that does not move", subject.name)};
+  }
+  if (subject.character) {
+    if (Result<void> fine = checkCover(options.cover, *subject.character); !fine) return fine;
   }
   if (!options.output.empty()) {
     if (Result<void> fine = checkOutput("--output", options.output, ".lorica"); !fine) return fine;
@@ -64,6 +72,18 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
 struct Ending {
   const char* by = "parts";  // or "error", "distance", "convex"
   std::optional<double> distance;
+};
+
+/// All that came of it.
+struct Outcome {
+  TimedDecomposition made;
+  Quality quality;
+  Keyframes keyframes;
+  Ending ending;
+  HullExport hulls;                   // where they are exported or, of a mesh, bounded
+  std::optional<CoverPromise> cover;  // of a character, unless it is exact
+  double coverVolume = 0.0;           // how much more volume its hulls hold: volumeGrowth()
+  int threads = 0;
 };
 
 Ending findEnding(const Options& options, int maxParts, const Decomposition& made, const Quality& quality,
@@ -111,9 +131,14 @@ std::string sentence(const HullExport& hulls) {
                      percent(*worst - 1.0), worst - hulls.growth.begin());
 }
 
-nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const TimedDecomposition& made,
-                              const Quality& quality, const Keyframes& keyframes, const Ending& ending,
-                              const HullExport& hulls, int threads) {
+/// Whether hulls in one pose are made larger, to have few vertices: those of a mesh, and the bind pose's where they are
+/// exported. A character's in motion are another matter, see CoverPromise.
+bool boundsHulls(const Options& options, const Subject& subject) {
+  return options.cover.hullVertices > 0 && (!subject.character || !options.obj.empty());
+}
+
+nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const Outcome& outcome) {
+  const auto& [made, quality, keyframes, ending, hulls, cover, coverVolume, threads] = outcome;
   nlohmann::ordered_json json;
   json["input"] = subject.name;
   json["parts"] = made.decomposition.parts.size();
@@ -138,8 +163,10 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
           {{"recording", chosen.recording}, {"frame", chosen.frame}, {"time", chosen.time}});
     }
   }
-  if (options.hullVertices > 0) {
-    json["hullVertices"] = options.hullVertices;
+  if (subject.character) addCoverTo(json, cover);
+  if (cover) json["cover"]["volumeGrowth"] = coverVolume;
+  if (options.cover.hullVertices > 0) json["hullVertices"] = options.cover.hullVertices;
+  if (boundsHulls(options, subject)) {
     json["hullGrowth"] = hulls.totalGrowth;
     json["hullGrowthPerPart"] = hulls.growth;
   }
@@ -148,8 +175,8 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
   return json;
 }
 
-Report toReport(const Options& options, const Subject& subject, const TimedDecomposition& made, const Quality& quality,
-                const Keyframes& keyframes, const Ending& ending, const HullExport& hulls, int threads) {
+Report toReport(const Options& options, const Subject& subject, const Outcome& outcome) {
+  const auto& [made, quality, keyframes, ending, hulls, cover, coverVolume, threads] = outcome;
   Report report(fmt::format("{}: {}", subject.name,
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
@@ -173,8 +200,12 @@ Report toReport(const Options& options, const Subject& subject, const TimedDecom
   report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
   report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
   report.line("hash", hexDigits(hashOf(made.decomposition)));
-  if (options.hullVertices > 0)
-    report.line("hull vertices", sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
+  if (subject.character) addCoverTo(report, cover);
+  if (cover) report.line("cover volume", percent(coverVolume) + " more than that of exact hulls");
+  if (boundsHulls(options, subject)) {
+    report.line(subject.character ? "exported hulls" : "hull vertices",
+                sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
+  }
   if (!options.output.empty()) report.line("written", options.output);
   if (!options.obj.empty()) report.line("hulls written", options.obj);
   if (!keyframes.chosen.empty()) {
@@ -199,15 +230,25 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!subject) return subject.error();
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
 
-  // The poses to fit: a mesh has one, a character those of a motion.
-  Keyframes keyframes{subject->mesh.vertices, 1, {}, 0.0};
+  // The poses to fit: a mesh has one, a character those of a motion. And those to choose a cover in.
+  Outcome outcome;
+  outcome.keyframes = Keyframes{subject->mesh.vertices, 1, {}, 0.0};
+  outcome.threads = common.threadCount();
+  std::optional<CoverPoses> coverPoses;
   if (subject->character) {
+    const Result<std::vector<Recording>> motions = readMotions(options.motions);
+    if (!motions) return motions.error();
     const int count = options.keyframes != 0 ? options.keyframes : kDefaultKeyframes;
-    Result<Keyframes> sampled = trainingKeyframes(*subject->character, options.motions, count);
+    Result<Keyframes> sampled = trainingKeyframes(*subject->character, *motions, count);
     if (!sampled) return sampled.error();
-    keyframes = std::move(*sampled);
+    outcome.keyframes = std::move(*sampled);
+    if (!options.cover.exact()) {
+      Result<CoverPoses> poses = coverPosesOf(*subject->character, *motions);
+      if (!poses) return poses.error();
+      coverPoses = std::move(*poses);
+    }
   }
-  const PoseView poses{keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
+  const PoseView poses{outcome.keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
 
   // The work.
   DecomposeSettings settings;
@@ -220,59 +261,72 @@ Result<void> run(const Options& options, const CommonOptions& common) {
                                                : DecomposePreset::kQuality;
   settings.candidateEdges = options.candidates;
   settings.planesPerEdge = options.orientations;
-  settings.threads = common.threadCount();
-  const Result<TimedDecomposition> made = decomposeWithProgress(subject->name, subject->mesh, poses, settings);
+  settings.threads = outcome.threads;
+  Result<TimedDecomposition> made = decomposeWithProgress(subject->name, subject->mesh, poses, settings);
   if (!made) return made.error();
-  const Quality quality = measureQuality(made->decomposition, subject->mesh, poses);
-  const Ending ending = findEnding(options, settings.maxParts, made->decomposition, quality, poses);
-
-  HullExport hulls;
-  if (options.hullVertices > 0 || !options.obj.empty()) {
-    hulls = exportHulls(made->decomposition, subject->mesh.vertices, options.hullVertices, settings.threads);
+  outcome.made = std::move(*made);
+  const Decomposition& decomposition = outcome.made.decomposition;
+  if (coverPoses) {
+    Result<CoverPromise> cover =
+        chooseCoverWithProgress(*subject->character, decomposition, *coverPoses, options.cover, outcome.threads);
+    if (!cover) return cover.error();
+    outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *coverPoses, *cover);
+    outcome.cover = std::move(*cover);
+  }
+  outcome.quality = measureQuality(decomposition, subject->mesh, poses);
+  outcome.ending = findEnding(options, settings.maxParts, decomposition, outcome.quality, poses);
+  if (boundsHulls(options, *subject) || !options.obj.empty()) {
+    outcome.hulls = exportHulls(decomposition, subject->mesh.vertices, options.cover.hullVertices, outcome.threads);
   }
   if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
 
   // The outputs, each written whole or not at all.
   if (!options.output.empty()) {
-    const DecompositionFile content =
+    DecompositionFile content =
         fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr, poses,
-                    made->decomposition, quality);
+                    decomposition, outcome.quality);
+    content.cover = outcome.cover;
     if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
   }
   if (!options.obj.empty()) {
-    if (Result<void> written = writeObjObjects(options.obj, hulls.objects); !written) return written;
+    if (Result<void> written = writeObjObjects(options.obj, outcome.hulls.objects); !written) return written;
   }
-  return publish(common, toReport(options, *subject, *made, quality, keyframes, ending, hulls, settings.threads),
-                 toJson(options, *subject, *made, quality, keyframes, ending, hulls, settings.threads));
+  return publish(common, toReport(options, *subject, outcome), toJson(options, *subject, outcome));
 }
 
 }  // namespace
 
 Command addDecompose(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(parent, common, "decompose",
-                                "Cut a closed mesh, or a character in motion, into parts that are almost convex.",
-                                "  lorica decompose bunny.off --parts 16\n"
-                                "      16 parts; how close their hulls are to the mesh\n"
-                                "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
-                                "      also one object (o part_0, ...) for each part's hull, to use elsewhere\n"
-                                "  lorica decompose bunny.off --parts 16 --hull-vertices 32 --export-obj hulls.obj\n"
-                                "      hulls that an engine takes: larger ones with no more than 32 vertices each\n"
-                                "  lorica decompose bunny.off --parts 16 --preset quality\n"
-                                "      tighter parts for some seconds more\n"
-                                "  lorica decompose bunny.off --max-error 5% --parts 64\n"
-                                "      until the hulls have 5 % more volume than the mesh, but at most 64 parts\n"
-                                "  lorica decompose bracket.stl\n"
-                                "      go on until no concave edge remains (Ctrl-C cancels)\n"
-                                "  lorica decompose mannequin -o body.lorica\n"
-                                "      16 parts that stay tight in 12 poses of the shipped recordings\n"
-                                "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
-                                "      trained on a motion of your own\n"
-                                "  lorica decompose mannequin --keyframes auto --motion walk --motion dance.csv\n"
-                                "      trained on poses of both that differ most\n"
-                                "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
-                                "\nFor a character, --export-obj writes its bind pose, and volumes, score and error "
-                                "are means over the keyframes.");
+  CLI::App* app = addSubcommand(
+      parent, common, "decompose", "Cut a closed mesh, or a character in motion, into parts that are almost convex.",
+      "  lorica decompose bunny.off --parts 16\n"
+      "      16 parts; how close their hulls are to the mesh\n"
+      "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
+      "      also one object (o part_0, ...) for each part's hull, to use elsewhere\n"
+      "  lorica decompose bunny.off --parts 16 --hull-vertices 32 --export-obj hulls.obj\n"
+      "      hulls that an engine takes: larger ones with no more than 32 vertices each\n"
+      "  lorica decompose bunny.off --parts 16 --preset quality\n"
+      "      tighter parts for some seconds more\n"
+      "  lorica decompose bunny.off --max-error 5% --parts 64\n"
+      "      until the hulls have 5 % more volume than the mesh, but at most 64 parts\n"
+      "  lorica decompose bracket.stl\n"
+      "      go on until no concave edge remains (Ctrl-C cancels)\n"
+      "  lorica decompose mannequin -o body.lorica\n"
+      "      16 parts that stay tight in 12 poses of the shipped recordings\n"
+      "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
+      "      trained on a motion of your own\n"
+      "  lorica decompose mannequin --keyframes auto --motion walk --motion dance.csv\n"
+      "      trained on poses of both that differ most\n"
+      "  lorica decompose mannequin --hull-vertices 64 -o body.lorica\n"
+      "      hulls of at most 64 vertices in every frame, grown to hold the body\n"
+      "  lorica decompose mannequin --cover 0.002 -o body.lorica\n"
+      "      as few points as keep the body inside to 2 mm, then grown by what is missing\n"
+      "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
+      "\nFor a character, --export-obj writes its bind pose, with --hull-vertices in larger "
+      "hulls that hold all of\nit, and volumes, score and error are means over the keyframes. "
+      "Points to cover it are chosen in 128 poses,\nhalf of them from the motions and half at "
+      "random within joint limits, and measured in 128 others.");
   app->add_option("INPUT", options->input, "Closed mesh (.off, .obj, .ply, .stl) or `mannequin`")
       ->required()
       ->type_name("");
@@ -301,8 +355,14 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
   addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: the preset's, 8]");
   addCount(*app, "--orientations", options->orientations, 1,
            "Planes tried at each of them [default: the preset's, 5 or, fast, 3]");
-  addCount(*app, "--hull-vertices", options->hullVertices, 4,
-           "Enclose each hull in a larger one of at most so many vertices, say by how much it grows, and export these");
+  addCover(
+      *app, options->cover.tolerance,
+      "Of a character, what `lorica play` keeps inside the hulls: `exact`, the surface in every pose; a length: it "
+      "may stick out so far before the hulls of few points are grown [default: exact]");
+  addCount(
+      *app, "--hull-vertices", options->cover.hullVertices, 4,
+      "Enclose each hull in a larger one of at most so many vertices and say by how much it grows; of a character, "
+      "in every frame");
   app->add_option("-o,--output", options->output, "Write the decomposition, for `lorica play`")
       ->type_name("FILE.lorica");
   app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");

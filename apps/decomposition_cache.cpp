@@ -4,6 +4,7 @@
 #include "apps/quality.h"
 #include "apps/report.h"
 #include "apps/training.h"
+#include "collision/lifted_point.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -17,8 +18,9 @@ namespace fs = std::filesystem;
 
 constexpr int kParts = 16;
 constexpr int kKeyframes = 12;
-/// Raise it when decompose() gives other parts for the same input, or caches of older programs would live on.
-constexpr std::uint64_t kAlgorithmVersion = 2;
+/// Raise it when decompose() or chooseCover() gives something else for the same input, or when files hold more: or
+/// caches of older programs would live on.
+constexpr std::uint64_t kAlgorithmVersion = 3;
 
 /// Hash of all that the result depends on.
 std::uint64_t cacheKey(const TriMesh& mesh, const Keyframes& keyframes, const DecomposeSettings& settings) {
@@ -28,6 +30,32 @@ std::uint64_t cacheKey(const TriMesh& mesh, const Keyframes& keyframes, const De
   const std::string rest = fmt::format("{} {} {} {} {}", kAlgorithmVersion, topologyHash(mesh), keyframes.count,
                                        settings.maxParts, static_cast<int>(settings.preset));
   return contentHash(rest, contentHash(positions));
+}
+
+/// Hash of all that a cover depends on.
+std::uint64_t cacheKey(const Character& character, const Decomposition& decomposition, const CoverPoses& poses,
+                       const CoverRequest& request) {
+  std::vector<double> numbers;
+  for (const std::vector<Affine3>* of : {&poses.sampled, &poses.heldOut}) {
+    for (const Affine3& worldFromModel : *of) {
+      numbers.insert(numbers.end(), worldFromModel.data(), worldFromModel.data() + 16);
+    }
+  }
+  for (const LiftedPoint& point : liftPoints(character, decomposition)) {
+    for (const LiftedTerm& t : point) {
+      numbers.insert(numbers.end(), {static_cast<double>(t.joint), t.moment.x(), t.moment.y(), t.moment.z(), t.weight});
+    }
+  }
+  const std::string_view bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double));
+  const std::string rest =
+      fmt::format("cover {} {} {} {} {}", kAlgorithmVersion, hashOf(decomposition), poses.sampledView().poseCount(),
+                  request.tolerance.value_or(0.0), request.hullVertices);
+  return contentHash(rest, contentHash(bytes));
+}
+
+fs::path cacheFile(std::uint64_t key) {
+  const fs::path folder = cacheFolder();
+  return folder.empty() ? fs::path() : folder / (hexDigits(key) + ".lorica");
 }
 
 /// What the cache holds, if it is whole and fits the mesh.
@@ -48,7 +76,8 @@ std::optional<DecompositionFile> readCache(const fs::path& file, const TriMesh& 
 
 void writeCache(const fs::path& file, const DecompositionFile& content) {
   if (file.empty()) {
-    warn("neither XDG_CACHE_HOME nor HOME names a folder, so the decomposition is not kept for the next start");
+    warn(fmt::format("neither XDG_CACHE_HOME nor HOME names a folder, so the {} is not kept for the next start",
+                     content.cover ? "cover" : "decomposition"));
     return;
   }
   std::error_code error;
@@ -57,7 +86,9 @@ void writeCache(const fs::path& file, const DecompositionFile& content) {
   if (!error) {
     if (const Result<void> written = writeDecomposition(file, content); !written) problem = written.error().message;
   }
-  if (!problem.empty()) warn(problem + "; the decomposition is not kept for the next start");
+  if (!problem.empty()) {
+    warn(fmt::format("{}; the {} is not kept for the next start", problem, content.cover ? "cover" : "decomposition"));
+  }
 }
 
 }  // namespace
@@ -70,15 +101,15 @@ std::filesystem::path cacheFolder() {
 }
 
 Result<DefaultDecomposition> defaultDecomposition(const Character& character, int threads) {
-  const Result<Keyframes> keyframes = trainingKeyframes(character, {}, kKeyframes);
+  const Result<std::vector<Recording>> motions = readShippedRecordings();
+  if (!motions) return motions.error();
+  const Result<Keyframes> keyframes = trainingKeyframes(character, *motions, kKeyframes);
   if (!keyframes) return keyframes.error();
   DecomposeSettings settings;
   settings.maxParts = kParts;
   settings.threads = threads;
 
-  const fs::path folder = cacheFolder();
-  const fs::path file =
-      folder.empty() ? fs::path() : folder / (hexDigits(cacheKey(character.mesh, *keyframes, settings)) + ".lorica");
+  const fs::path file = cacheFile(cacheKey(character.mesh, *keyframes, settings));
   if (std::optional<DecompositionFile> cached = readCache(file, character.mesh)) {
     return DefaultDecomposition{std::move(*cached), true, 0.0};
   }
@@ -91,6 +122,25 @@ Result<DefaultDecomposition> defaultDecomposition(const Character& character, in
       fileContent(character.name, character.mesh, &character, poses, std::move(made->decomposition), quality);
   writeCache(file, content);
   return DefaultDecomposition{std::move(content), false, made->seconds};
+}
+
+Result<CoverPromise> cachedCover(const Character& character, const DecompositionFile& content,
+                                 const CoverRequest& request, int threads) {
+  const Result<std::vector<Recording>> motions = readShippedRecordings();
+  if (!motions) return motions.error();
+  const Result<CoverPoses> poses = coverPosesOf(character, *motions);
+  if (!poses) return poses.error();
+  const fs::path file = cacheFile(cacheKey(character, content.decomposition, *poses, request));
+  std::optional<DecompositionFile> cached = readCache(file, character.mesh);
+  if (cached && cached->cover && hashOf(cached->decomposition) == hashOf(content.decomposition)) {
+    return std::move(*cached->cover);
+  }
+  Result<CoverPromise> cover = chooseCoverWithProgress(character, content.decomposition, *poses, request, threads);
+  if (!cover) return cover.error();
+  DecompositionFile kept = content;
+  kept.cover = *cover;
+  writeCache(file, kept);
+  return std::move(*cover);
 }
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
+#include "apps/cover.h"
 #include "skinning/character.h"
 
 #include <filesystem>
@@ -19,6 +20,13 @@ struct DefaultDecomposition {
 /// topology, keyframe positions, settings, version of the algorithm. A damaged cache file is computed again, a cache
 /// that cannot be written is a warning.
 [[nodiscard]] Result<DefaultDecomposition> defaultDecomposition(const Character& character, int threads);
+
+/// A cover of a decomposition, chosen in poses of the shipped recordings: computed the first time, with a progress bar,
+/// and kept in the cache as the decomposition is.
+/// @param content  made from the character's mesh
+/// @param request  not exact
+[[nodiscard]] Result<CoverPromise> cachedCover(const Character& character, const DecompositionFile& content,
+                                               const CoverRequest& request, int threads);
 
 /// $XDG_CACHE_HOME/lorica or ~/.cache/lorica; empty where neither variable holds an absolute path.
 [[nodiscard]] std::filesystem::path cacheFolder();

@@ -42,7 +42,7 @@ struct Show {
 /// Plays over and over until the window is closed or the time is over.
 Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   while (true) {
-    Result<Session> session = startSession(show.character, show.body.file.decomposition, show.performance.frames);
+    Result<Session> session = startSession(show.character, show.body.file, show.performance.frames);
     if (!session) return session.error();
     PlaybackLimit limit;
     if (options.seconds > 0.0) limit.seconds = options.seconds - show.seconds;
@@ -62,7 +62,7 @@ Result<void> playForFiles(const Options& options, Show& show) {
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
   if (!pictures) warn(pictures.error().message + "; the demo runs without pictures");
 
-  Result<Session> session = startSession(show.character, show.body.file.decomposition, show.performance.frames);
+  Result<Session> session = startSession(show.character, show.body.file, show.performance.frames);
   if (!session) return session.error();
   const double wanted = options.seconds > 0.0 ? options.seconds : kVideoSeconds;
   const double first = show.performance.frames.front().time;
@@ -123,6 +123,7 @@ Report toReport(const Show& show) {
   report.line("body", fmt::format("{} made from {}, {}", counted(std::ssize(body.decomposition.parts), "convex part"),
                                   counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
   report.line("error", fmt::format("the hulls hold {} more volume than the body", percent(body.meanError)));
+  show.tally.addTrainingTo(report);
   report.line("contacts",
               fmt::format("{} on {} of {} boxes and balls", counted(show.tally.touches(), "touch", "touches"),
                           show.tally.propsTouched(), show.tally.propCount()));

@@ -1,3 +1,4 @@
+#include "apps/cover.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
 
@@ -158,6 +159,24 @@ Json partsToJson(const DecompositionFile& content) {
   return parts;
 }
 
+/// What a live body made of it promises, and in which poses it was trained: of what moves.
+void addPromise(const DecompositionFile& content, Facts& facts) {
+  addCoverTo(facts.report, content.cover);
+  addCoverTo(facts.json, content.cover);
+  facts.json["training"] = nullptr;
+  if (!content.training) {
+    facts.report.line("training", "not in the file, which an older Lorica wrote");
+    return;
+  }
+  const TrainingRange& training = *content.training;
+  facts.report.line("training", fmt::format("{} in {}; poses up to {:.2f} m from one of these are known",
+                                            counted(std::ssize(training.probes), "probe"),
+                                            counted(training.keyframeCount, "keyframe"), training.knownDistance));
+  facts.json["training"] = {{"probes", training.probes.size()},
+                            {"keyframes", training.keyframeCount},
+                            {"knownDistance", training.knownDistance}};
+}
+
 Result<Facts> describeDecomposition(const fs::path& file) {
   const Result<DecompositionFile> content = readDecomposition(file);
   if (!content) return content.error();
@@ -196,6 +215,7 @@ Result<Facts> describeDecomposition(const fs::path& file) {
   json["cutPoints"] = made.cutPoints.size();
   json["error"] = content->meanError;
   json["errorPerKeyframe"] = content->errorPerKeyframe;
+  if (animated || content->training || content->cover || !content->bonesOfPart.empty()) addPromise(*content, facts);
   json["hash"] = hexDigits(hashOf(made));
   json["bytes"] = bytes;
   json["ladder"] = Json::array();

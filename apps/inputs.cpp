@@ -119,23 +119,22 @@ Result<std::vector<Recording>> readShippedRecordings() {
   return recordings;
 }
 
-Result<Keyframes> trainingKeyframes(const Character& character, std::span<const std::string> motions, int count) {
-  std::vector<std::vector<SkeletonFrame>> frames;
-  std::vector<std::string> names;
-  const auto add = [&](Recording& recording) {
-    names.push_back(std::move(recording.name));
-    frames.push_back(std::move(recording.frames));
-  };
-  if (motions.empty()) {
-    Result<std::vector<Recording>> shipped = readShippedRecordings();
-    if (!shipped) return shipped.error();
-    for (Recording& recording : *shipped) add(recording);
-  }
+Result<std::vector<Recording>> readMotions(std::span<const std::string> motions) {
+  if (motions.empty()) return readShippedRecordings();
+  std::vector<Recording> recordings;
+  recordings.reserve(motions.size());
   for (const std::string& motion : motions) {
     Result<Recording> recording = readRecording(motion);
     if (!recording) return recording.error();
-    add(*recording);
+    recordings.push_back(std::move(*recording));
   }
+  return recordings;
+}
+
+Result<Keyframes> trainingKeyframes(const Character& character, std::span<const Recording> motions, int count) {
+  std::vector<std::vector<SkeletonFrame>> frames;
+  frames.reserve(motions.size());
+  for (const Recording& recording : motions) frames.push_back(recording.frames);
   if (count == kChooseKeyframes) {
     Result<ChosenKeyframes> found =
         chooseKeyframes(character, frames, kDefaultKeyframes, kLikeEnough * character.height);
@@ -143,7 +142,7 @@ Result<Keyframes> trainingKeyframes(const Character& character, std::span<const 
     Keyframes keyframes{std::move(found->positions), static_cast<int>(found->sources.size()), {}, found->farthest};
     keyframes.chosen.reserve(found->sources.size());
     for (const KeyframeSource& source : found->sources) {
-      keyframes.chosen.push_back({names[source.recording], source.frame, source.time});
+      keyframes.chosen.push_back({motions[source.recording].name, source.frame, source.time});
     }
     return keyframes;
   }

@@ -43,6 +43,10 @@ struct Recording {
 /// The clean recordings that ship, in a fixed order: what decompositions train on by default.
 [[nodiscard]] Result<std::vector<Recording>> readShippedRecordings();
 
+/// Recordings by their paths or names.
+/// @param motions  as given on the command line; empty = the shipped clean recordings
+[[nodiscard]] Result<std::vector<Recording>> readMotions(std::span<const std::string> motions);
+
 /// Where the shipped recordings lie: $LORICA_RECORDINGS, or beside the folder of the program, as in a build and as
 /// installed.
 [[nodiscard]] Result<std::filesystem::path> recordingsFolder();
@@ -69,9 +73,9 @@ inline constexpr int kDefaultKeyframes = 12;
 inline constexpr int kChooseKeyframes = -1;
 
 /// Keyframes taken uniformly over recordings laid end to end, or chosen.
-/// @param motions  files or names as given on the command line; empty = the shipped clean recordings
+/// @param motions  see readMotions()
 /// @param count    1 or more, or kChooseKeyframes
-[[nodiscard]] Result<Keyframes> trainingKeyframes(const Character& character, std::span<const std::string> motions,
+[[nodiscard]] Result<Keyframes> trainingKeyframes(const Character& character, std::span<const Recording> motions,
                                                   int count);
 
 }  // namespace lorica

@@ -1,4 +1,5 @@
 #include "acd/decomposition_file.h"
+#include "apps/cover.h"
 #include "apps/decomposition_cache.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
@@ -28,6 +29,7 @@ struct Options {
   std::string recording;
   std::string character = "mannequin";
   std::string decomposition;
+  CoverRequest cover;  // not given = as the file has it
   std::string snapshots;
   int every = 30;
   PlaybackLimit limit;
@@ -50,6 +52,18 @@ Result<DecompositionFile> chooseDecomposition(const Options& options, const Char
                              character.name, grouped(std::ssize(character.mesh.vertices)))};
   }
   return read;
+}
+
+/// The decomposition with the cover that was asked for; without a request its own, exact where it has none.
+Result<DecompositionFile> chooseBody(const Options& options, const Character& character, int threads) {
+  Result<DecompositionFile> body = chooseDecomposition(options, character, threads);
+  if (!body || !options.cover.given()) return body;
+  body->cover.reset();
+  if (options.cover.exact()) return body;
+  Result<CoverPromise> cover = cachedCover(character, *body, options.cover, threads);
+  if (!cover) return cover.error();
+  body->cover = std::move(*cover);
+  return body;
 }
 
 /// Runs all frames without a window, with a picture every so often where pictures are wanted.
@@ -111,6 +125,7 @@ nlohmann::ordered_json toJson(const Recording& recording, const Session& session
   json["character"] = session.character().name;
   json["parts"] = file.decomposition.parts.size();
   json["error"] = file.meanError;
+  addCoverTo(json, file.cover);
   tally.addTo(json);
   json["snapshots"] = pictures;
   json["hash"] = hexDigits(session.hash());
@@ -124,6 +139,8 @@ Report toReport(const Options& options, const Recording& recording, const Sessio
   report.line("parts",
               fmt::format("{}, {} more volume than the body (mean over {})", file.decomposition.parts.size(),
                           percent(file.meanError), counted(std::ssize(file.errorPerKeyframe), "training keyframe")));
+  addCoverTo(report, file.cover);
+  tally.addTrainingTo(report);
   report.line("contacts",
               fmt::format("{}, on {}; {} over all frames", counted(tally.touches(), "touch", "touches"),
                           counted(tally.propsTouched(), "prop"), counted(tally.contacts(), "contact point")));
@@ -141,6 +158,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.recording, options.decomposition}); !fine) return fine;
   const Result<Character> character = findCharacter(options.character);
   if (!character) return character.error();
+  if (Result<void> fine = checkCover(options.cover, *character); !fine) return fine;
   if (options.window && !displayAvailable()) {
     return Error{ErrorCode::kNoDisplay,
                  "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --snapshots DIR needs "
@@ -151,9 +169,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   }
   const Result<Recording> recording = readRecording(options.recording);
   if (!recording) return recording.error();
-  const Result<DecompositionFile> file = chooseDecomposition(options, *character, common.threadCount());
+  const Result<DecompositionFile> file = chooseBody(options, *character, common.threadCount());
   if (!file) return file.error();
-  Result<Session> session = startSession(*character, file->decomposition, recording->frames);
+  Result<Session> session = startSession(*character, *file, recording->frames);
   if (!session) return session.error();
 
   Tally tally;
@@ -184,14 +202,23 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "  lorica decompose mannequin --parts 24 -o body.lorica\n"
       "  lorica play joints.csv --decomposition body.lorica\n"
       "      joints of your own, a decomposition of your own\n"
+      "  lorica play walk --hull-vertices 64\n"
+      "      hulls of at most 64 vertices, which hold the body in 128 sampled poses\n"
       "  lorica play wave --json - | jq .stages.total.median\n"
-      "\nWithout --decomposition: 16 parts from 12 keyframes, computed the first time and then cached.");
+      "\nWithout --decomposition: 16 parts from 12 keyframes, computed the first time and then cached. So is what\n"
+      "--cover and --hull-vertices ask for, from poses of the shipped recordings and random ones.");
   app->add_option("RECORDING", options->recording, "Joint CSV, or the name of a shipped recording")
       ->required()
       ->type_name("");
   app->add_option("--character", options->character, "Who performs it [default: mannequin]")->type_name("NAME");
   app->add_option("--decomposition", options->decomposition, "What `lorica decompose -o` wrote")
       ->type_name("FILE.lorica");
+  addCover(
+      *app, options->cover.tolerance,
+      "What the hulls hold: `exact`, the surface in every pose; a length: it may stick out so far before the hulls "
+      "of few points are grown [default: as decomposed, else exact]");
+  addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
+           "At most so many vertices a hull in every frame, grown to hold the body");
   CLI::Option* snapshots =
       app->add_option("--snapshots", options->snapshots, "Write pictures to this folder")->type_name("DIR");
   addCount(*app, "--every", options->every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);

@@ -28,9 +28,10 @@ double secondsSince(Clock::time_point start) {
 
 }  // namespace
 
-Result<Session> startSession(const Character& character, const Decomposition& decomposition,
+Result<Session> startSession(const Character& character, const DecompositionFile& body,
                              const std::vector<SkeletonFrame>& frames) {
-  return Session::create(character, decomposition, makeRecordedSource(frames), makeDemoWorld(kSceneSeed));
+  return Session::create(character, body.decomposition, makeRecordedSource(frames), makeDemoWorld(kSceneSeed),
+                         body.cover, body.training);
 }
 
 std::string captionOf(const std::string& name, const Session& session, double seconds) {
@@ -39,6 +40,7 @@ std::string captionOf(const std::string& name, const Session& session, double se
   std::string caption =
       fmt::format("{}   {:.1f} s   {}", name, seconds, counted(std::ssize(session.body().parts()), "convex part"));
   if (!touched.empty()) caption += fmt::format("   touching {}", counted(std::ssize(touched), "prop"));
+  if (session.outsideKnownRange()) caption += "   unknown pose";
   return caption;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "acd/decomposition_file.h"
 #include "apps/inputs.h"
 #include "apps/tally.h"
 #include "session/session.h"
@@ -10,7 +11,8 @@
 namespace lorica {
 
 /// A session of one character that performs one recording among the demo's boxes and balls.
-[[nodiscard]] Result<Session> startSession(const Character& character, const Decomposition& decomposition,
+/// @param body  the decomposition, its cover (none = exact) and its training
+[[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
                                            const std::vector<SkeletonFrame>& frames);
 
 /// Where to stop before the recording ends.
@@ -31,7 +33,7 @@ struct PlaybackLimit {
 /// Shows the session's last frame until the window is closed, or Ctrl-C.
 void holdInWindow(Window& window, const Session& session, const std::string& caption);
 
-/// One line under a picture: what plays, when, and what touches.
+/// One line under a picture: what plays, when, what touches, and whether the pose is one that training did not know.
 [[nodiscard]] std::string captionOf(const std::string& name, const Session& session, double seconds);
 
 }  // namespace lorica

@@ -169,6 +169,10 @@ std::string percent(double fraction) {
   return fmt::format("{:.1f} %", 100.0 * fraction);
 }
 
+std::string millimetres(double metres) {
+  return fmt::format("{:.2f} mm", 1000.0 * metres);
+}
+
 std::string duration(double microseconds) {
   if (microseconds < 999.5) return fmt::format("{:.0f} us", microseconds);
   if (microseconds < 999.5e3) return fmt::format("{:.2f} ms", microseconds * 1e-3);

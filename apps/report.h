@@ -85,6 +85,9 @@ void warn(const std::string& sentence);
 /// 0.1234 as "12.3 %".
 [[nodiscard]] std::string percent(double fraction);
 
+/// Metres as "1.25 mm".
+[[nodiscard]] std::string millimetres(double metres);
+
 /// Microseconds as "85 us", "1.25 ms" or "2.3 s".
 [[nodiscard]] std::string duration(double microseconds);
 

@@ -48,6 +48,7 @@ Spread spreadOf(const std::vector<StageTimes>& frames, const Stage& stage) {
 
 void Tally::add(const Session& session) {
   stages_.push_back(session.times());
+  if (!start_) start_ = session.frame().time;
   touched_.resize(session.world().props().size(), 0);
   now_.clear();
   for (const Contact& contact : session.world().contacts()) {
@@ -62,6 +63,15 @@ void Tally::add(const Session& session) {
     if (!std::binary_search(touching_.begin(), touching_.end(), pair)) ++touches_;
   }
   std::swap(touching_, now_);
+
+  const std::optional<double> distance = session.trainingDistance();
+  if (!distance) return;
+  if (!training_) training_ = Training{session.training()->knownDistance};
+  training_->largest = std::max(training_->largest, *distance);
+  if (*distance <= training_->knownDistance) return;
+  if (training_->framesOutside++ > 0) return;
+  training_->firstOutside = frames() - 1;
+  training_->firstTime = session.frame().time - *start_;
 }
 
 int Tally::propsTouched() const {
@@ -73,10 +83,37 @@ void Tally::addTo(nlohmann::ordered_json& json) const {
   json["contacts"] = contacts_;
   json["touches"] = touches_;
   json["propsTouched"] = propsTouched();
+  json["training"] = nullptr;
+  if (training_) {
+    json["training"] = {{"knownDistance", training_->knownDistance},
+                        {"largestDistance", training_->largest},
+                        {"framesOutside", training_->framesOutside},
+                        {"firstOutside", nullptr}};
+    if (training_->framesOutside > 0) {
+      json["training"]["firstOutside"] = {{"frame", training_->firstOutside}, {"time", training_->firstTime}};
+    }
+  }
   for (const Stage& stage : kStages) {
     const Spread spread = spreadOf(stages_, stage);
     json["stages"][stage.name] = {{"median", spread.median}, {"p95", spread.p95}};
   }
+}
+
+void Tally::addTrainingTo(Report& report) const {
+  if (!training_) {
+    report.line("training", "not in the decomposition, which an older Lorica made: nobody knows which poses are known");
+    return;
+  }
+  const std::string reach = fmt::format("at most {:.2f} m from the nearest training keyframe, up to {:.2f} m is known",
+                                        training_->largest, training_->knownDistance);
+  if (training_->framesOutside == 0) {
+    report.line("training", "every pose is known: " + reach);
+    return;
+  }
+  report.line("training", fmt::format("{} of {} outside the known range, the first at {:.2f} s (frame {})",
+                                      grouped(training_->framesOutside), counted(frames(), "frame"),
+                                      training_->firstTime, training_->firstOutside));
+  report.line("", reach);
 }
 
 void Tally::addTo(Report& report) const {

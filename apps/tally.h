@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,7 +18,10 @@ class Tally {
   /// Takes the session's last frame into account.
   void add(const Session& session);
   /// A new session of the same recording follows: its contacts start afresh.
-  void restart() { touching_.clear(); }
+  void restart() {
+    touching_.clear();
+    start_.reset();
+  }
 
   [[nodiscard]] int frames() const { return static_cast<int>(stages_.size()); }
   /// Contact points between body and props, summed over the frames.
@@ -28,10 +32,23 @@ class Tally {
   /// How many different props were touched.
   [[nodiscard]] int propsTouched() const;
 
-  /// "frames", "contacts", "touches", "propsTouched" and "stages": each stage's median and p95 [us].
+  /// How far the body was from the poses that trained its decomposition.
+  struct Training {
+    double knownDistance = 0.0;  ///< farther is outside the known range [m]
+    double largest = 0.0;        ///< [m]
+    int framesOutside = 0;
+    int firstOutside = -1;   ///< frame, from 0; -1 = none
+    double firstTime = 0.0;  ///< of that frame, since the first [s]
+  };
+  /// None where the training is not known, or nothing was played.
+  [[nodiscard]] const std::optional<Training>& training() const { return training_; }
+
+  /// "frames", "contacts", "touches", "propsTouched", "training" and "stages": each stage's median and p95 [us].
   void addTo(nlohmann::ordered_json& json) const;
   /// One line a stage.
   void addTo(Report& report) const;
+  /// One line on how far from training the body was; two where it left the known range.
+  void addTrainingTo(Report& report) const;
 
  private:
   std::vector<StageTimes> stages_;
@@ -40,6 +57,8 @@ class Tally {
   std::vector<std::uint8_t> touched_;  // one flag a prop
   long long contacts_ = 0;
   long long touches_ = 0;
+  std::optional<Training> training_;
+  std::optional<double> start_;  // time of the session's first frame [s]
 };
 
 }  // namespace lorica

@@ -38,6 +38,7 @@ DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, cons
   content.errorPerKeyframe = quality.errorPerKeyframe;
   content.ladder = detailLadder(decomposition, mesh, keyframes);
   if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
+  if (character != nullptr || keyframes.keyframeCount() > 1) content.training = trainingRange(decomposition, keyframes);
   content.decomposition = std::move(decomposition);
   return content;
 }

@@ -20,8 +20,8 @@ struct TimedDecomposition {
 [[nodiscard]] Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh,
                                                                PoseView keyframes, DecomposeSettings settings);
 
-/// What a .lorica file keeps of a new decomposition: also its levels of detail, judged in the keyframes, and the bones
-/// that move the parts of a character.
+/// What a .lorica file keeps of a new decomposition: also its levels of detail, judged in the keyframes, the range of
+/// poses that trained it, and the bones that move the parts of a character. No cover.
 /// @param character  null for a mesh
 [[nodiscard]] DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
                                             PoseView keyframes, Decomposition decomposition, const Quality& quality);
