@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <queue>
 #include <utility>
 
@@ -364,7 +365,8 @@ Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<c
     bool held = true;
   };
   std::vector<Outcome> outcomes(partCount);
-  std::atomic<int> done = 0;
+  std::mutex progressMutex;
+  int done = 0;
   std::atomic<bool> cancelled = false;
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   arena.execute([&] {
@@ -382,8 +384,9 @@ Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<c
         outcomes[i].heldOut = cover.farthestOut(heldOut);
         promise.points[i] = cover.points();
       }
-      const int now = ++done;
-      if (settings.progress && !settings.progress(now, static_cast<int>(partCount))) cancelled = true;
+      const std::scoped_lock lock(progressMutex);
+      ++done;
+      if (settings.progress && !settings.progress(done, static_cast<int>(partCount))) cancelled = true;
     });
   });
   if (cancelled) return Error{ErrorCode::kCancelled, "cancelled"};

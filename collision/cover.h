@@ -27,7 +27,7 @@ struct CoverSettings {
   double tolerance = 0.0;   ///< what may stick out of the chosen points' hulls before they grow [m]; 0 = nothing
   int maxHullVertices = 0;  ///< points of each part at most, whatever sticks out; 0 = no bound, else 4 or more
   int threads = 0;          ///< 0 = as many as the machine has; the result does not depend on it
-  std::function<bool(int partsDone, int parts)> progress = {};  ///< return false to cancel
+  std::function<bool(int partsDone, int parts)> progress = {};  ///< one call at a time; return false to cancel
 };
 
 /// Every point that can be on a hull: the surface is inside the hulls in every pose, by construction.

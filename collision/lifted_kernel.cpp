@@ -1,5 +1,8 @@
 #include "collision/lifted_kernel.h"
 
+#include <array>
+#include <limits>
+
 // Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/lifted_kernel.cpp"
@@ -56,6 +59,50 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
   return hn::GetLane(hn::MaxOfLanes(f, largest));
 }
 
+std::int32_t farthestOfRows(std::span<const PointRow> rows, const Vec3f& direction) {
+  const Floats f;
+  const hn::RebindToSigned<Floats> n;
+  const std::size_t lanes = hn::Lanes(f);
+  const auto dx = hn::Set(f, direction.x());
+  const auto dy = hn::Set(f, direction.y());
+  const auto dz = hn::Set(f, direction.z());
+  auto best = hn::Set(f, -std::numeric_limits<float>::infinity());
+  auto which = hn::Zero(n);
+  auto index = hn::Iota(n, 0);
+  std::size_t i = 0;
+  for (; i + lanes <= rows.size(); i += lanes) {
+    auto x = hn::Zero(f);
+    auto y = hn::Zero(f);
+    auto z = hn::Zero(f);
+    auto w = hn::Zero(f);
+    hn::LoadInterleaved4(f, &rows[i].x, x, y, z, w);
+    // Not fused, so that every instruction set rounds alike.
+    const auto along = hn::Add(hn::Add(hn::Mul(dx, x), hn::Mul(dy, y)), hn::Mul(dz, z));
+    const auto farther = hn::Gt(along, best);
+    best = hn::IfThenElse(farther, along, best);
+    which = hn::IfThenElse(hn::RebindMask(n, farther), index, which);
+    index = hn::Add(index, hn::Set(n, static_cast<std::int32_t>(lanes)));
+  }
+  std::array<float, LiftedPart::Terms::kPoints> value;
+  std::array<std::int32_t, LiftedPart::Terms::kPoints> at;
+  hn::StoreU(best, f, value.data());
+  hn::StoreU(which, n, at.data());
+  float most = value[0];
+  std::int32_t row = at[0];
+  for (std::size_t lane = 1; lane < lanes; ++lane) {
+    if (value[lane] < most || (value[lane] == most && at[lane] > row)) continue;
+    most = value[lane];
+    row = at[lane];
+  }
+  for (; i < rows.size(); ++i) {
+    const float along = (direction.x() * rows[i].x + direction.y() * rows[i].y) + direction.z() * rows[i].z;
+    if (!(along > most)) continue;
+    most = along;
+    row = static_cast<std::int32_t>(i);
+  }
+  return row;
+}
+
 }  // namespace lorica::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -64,11 +111,16 @@ HWY_AFTER_NAMESPACE();
 namespace lorica {
 namespace {
 HWY_EXPORT(evaluateGroups);
+HWY_EXPORT(farthestOfRows);
 }  // namespace
 
 float evaluateLifted(std::span<const LiftedPart::Group> groups, std::span<const std::uint32_t> groupBones,
                      const LiftedPart::Terms* terms, const float* bones, PointRow* rows) {
   return HWY_DYNAMIC_DISPATCH(evaluateGroups)(groups, groupBones, terms, bones, rows);
+}
+
+std::int32_t farthestRow(std::span<const PointRow> rows, const Vec3f& direction) {
+  return HWY_DYNAMIC_DISPATCH(farthestOfRows)(rows, direction);
 }
 
 }  // namespace lorica

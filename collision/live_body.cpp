@@ -2,6 +2,7 @@
 
 #include "acd/transfer.h"
 #include "collision/cover.h"
+#include "collision/lifted_kernel.h"
 #include "collision/rigid_fit.h"
 #include "geometry/result.h"
 
@@ -19,8 +20,9 @@ double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::micro>(end - begin).count();
 }
 
-// A part spans about 2^20 ticks from its mean: a millionth of its size is one. MovingHull takes up to 2^22.
-constexpr int kTickBits = 20;
+// A part reaches 2^20 to 2^21 ticks from its mean: less than a millionth of its size is one. MovingHull takes up to
+// 2^22. Coarser ticks round more points onto each other's planes, which makes work.
+constexpr int kTickBits = 21;
 constexpr float kLargest = 4194304.0f;  // 2^22
 constexpr float kSmallest = 65536.0f;   // 2^16: below, ticks are made finer
 
@@ -35,14 +37,15 @@ bool isFinite(const Isometry3& motion) {
 
 }  // namespace
 
-LiveBody::LiveBody(Decomposition decomposition, const Character& character) : decomposition_(std::move(decomposition)) {
+LiveBody::LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail)
+    : decomposition_(std::move(decomposition)), detail_(detail) {
   const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition_);
   cover_ = coverExactly(decomposition_, lifted);
   addTracks(lifted);
 }
 
-LiveBody::LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover)
-    : decomposition_(std::move(decomposition)), cover_(std::move(cover)) {
+LiveBody::LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover, LiveDetail detail)
+    : decomposition_(std::move(decomposition)), cover_(std::move(cover)), detail_(detail) {
   CHECK(cover_.points.size() == decomposition_.parts.size(), "a promise says for each part which points it is made of");
   addTracks(liftPoints(character, decomposition_));
 }
@@ -84,12 +87,24 @@ void LiveBody::addTrack(Track track) {
   CHECK(count > 0, "a decomposition has a part without points");
   vertexOfCandidate_.resize(std::max(vertexOfCandidate_.size(), count));
   LivePart part;
-  part.shape.vertices.reserve(count);
-  part.shape.pointOfVertex.reserve(count);
-  part.shape.triangles.reserve(2 * count);
-  part.previousVertices.reserve(count);
+  if (detail_ == LiveDetail::kFaces) {
+    track.hull.emplace(static_cast<int>(count));
+    part.shape.vertices.reserve(count);
+    part.shape.pointOfVertex.reserve(count);
+    part.shape.triangles.reserve(2 * count);
+    part.previousVertices.reserve(count);
+  }
   parts_.push_back(std::move(part));
   tracks_.push_back(std::move(track));
+}
+
+Vec3 LiveBody::support(PartIndex part, const Vec3& direction) const {
+  const Track& track = tracks_[static_cast<std::size_t>(part)];
+  const Isometry3& worldFromPart = parts_[static_cast<std::size_t>(part)].worldFromPart;
+  const Vec3f own = (worldFromPart.linear().transpose() * direction).cast<float>();
+  const std::span<const PointRow> rows = std::span(track.rows).first(track.candidates.size());
+  const PointRow& row = rows[static_cast<std::size_t>(farthestRow(rows, own))];
+  return worldFromPart * (track.tick * Vec3(row.x, row.y, row.z));
 }
 
 std::size_t LiveBody::candidateCount(PartIndex part) const {
@@ -100,7 +115,8 @@ std::size_t LiveBody::memory() const {
   const auto bytes = [](const auto& vector) { return vector.capacity() * sizeof(vector[0]); };
   std::size_t sum = bytes(meshPoints_) + bytes(vertexOfCandidate_) + bytes(parts_) + bytes(tracks_);
   for (const Track& t : tracks_) {
-    sum += bytes(t.candidates) + bytes(t.rows) + bytes(t.firstPoints) + bytes(t.points);  // + hull
+    sum += bytes(t.candidates) + bytes(t.rows) + bytes(t.firstPoints) + bytes(t.points);
+    if (t.hull) sum += t.hull->memory();
     if (t.lifted) sum += t.lifted->memory();
   }
   for (const LivePart& part : parts_) {
@@ -211,22 +227,22 @@ void LiveBody::reshape(Track& track, LivePart& part) {
   part.shape.pointOfVertex.clear();
   part.shape.triangles.clear();
   part.shape.volume = 0.0;
-  if (track.tick == 0.0 || !isFinite(part.worldFromPart)) return;
+  if (!track.hull || track.tick == 0.0 || !isFinite(part.worldFromPart)) return;
 
-  track.hull.update(std::span(track.rows).first(track.candidates.size()));
-  for (const std::int32_t candidate : track.hull.vertices()) {
+  track.hull->update(std::span(track.rows).first(track.candidates.size()));
+  for (const std::int32_t candidate : track.hull->vertices()) {
     const auto c = static_cast<std::size_t>(candidate);
     vertexOfCandidate_[c] = static_cast<VertexIndex>(part.shape.vertices.size());
     const PointRow& row = track.rows[c];
     part.shape.pointOfVertex.push_back(track.candidates[c]);
     part.shape.vertices.push_back(track.tick * Vec3(row.x, row.y, row.z));
   }
-  for (const Triangle& t : track.hull.faces()) {
+  for (const Triangle& t : track.hull->faces()) {
     part.shape.triangles.push_back({vertexOfCandidate_[static_cast<std::size_t>(t[0])],
                                     vertexOfCandidate_[static_cast<std::size_t>(t[1])],
                                     vertexOfCandidate_[static_cast<std::size_t>(t[2])]});
   }
-  part.shape.volume = track.hull.volume() * track.tick * track.tick * track.tick;
+  part.shape.volume = track.hull->volume() * track.tick * track.tick * track.tick;
 }
 
 }  // namespace lorica

@@ -14,6 +14,12 @@
 
 namespace lorica {
 
+/// What a body keeps up to date.
+enum class LiveDetail : std::uint8_t {
+  kFaces,    ///< hulls with vertices and faces
+  kSupport,  ///< points only, for support(): LivePart::shape stays empty
+};
+
 /// The body that physics can touch: a decomposition carried to each frame. Updating allocates nothing.
 ///
 /// A skinned character's body is carried by its bones alone: the mesh need not be skinned. A mesh sequence without
@@ -22,10 +28,11 @@ class LiveBody {
  public:
   /// A character's body that covers the posed surface exactly, in every pose: coverExactly().
   /// @param decomposition  made from the character's mesh
-  LiveBody(Decomposition decomposition, const Character& character);
+  LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail = LiveDetail::kFaces);
   /// A character's body of few points, which keeps what a promise says.
   /// @param cover  made from the same decomposition and character
-  LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover);
+  LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover,
+           LiveDetail detail = LiveDetail::kFaces);
   /// A body of a mesh sequence.
   explicit LiveBody(Decomposition decomposition);
 
@@ -40,6 +47,10 @@ class LiveBody {
   [[nodiscard]] std::span<const LivePart> parts() const { return parts_; }
   /// What is promised of the surface being inside the hulls. A mesh sequence is covered exactly.
   [[nodiscard]] const CoverPromise& coverage() const { return cover_; }
+  /// The point of a part's hull farthest along a direction, in world space [m], whatever the detail. A scan of all the
+  /// part's points with vector instructions: 64 take 10 ns, 1,000 take 0.1 us, and no answer of before can mislead it.
+  /// @param direction  world, of any length
+  [[nodiscard]] Vec3 support(PartIndex part, const Vec3& direction) const;
   /// How many points of a part are looked at for its hull.
   [[nodiscard]] std::size_t candidateCount(PartIndex part) const;
 
@@ -56,14 +67,13 @@ class LiveBody {
  private:
   /// What is kept of a part from frame to frame.
   struct Track {
-    explicit Track(std::vector<PointIndex> chosen)
-        : candidates(std::move(chosen)), hull(static_cast<int>(candidates.size())) {}
+    explicit Track(std::vector<PointIndex> chosen) : candidates(std::move(chosen)) {}
 
-    std::vector<PointIndex> candidates;  ///< one a row
-    std::vector<PointRow> rows;          ///< in the part's own frame, in whole ticks
-    double tick = 0.0;                   ///< [m]
-    bool moved = false;                  ///< the rows are not those of the frame before
-    MovingHull hull;
+    std::vector<PointIndex> candidates;     ///< one a row
+    std::vector<PointRow> rows;             ///< in the part's own frame, in whole ticks
+    double tick = 0.0;                      ///< [m]
+    bool moved = false;                     ///< the rows are not those of the frame before
+    std::optional<MovingHull> hull;         ///< where faces are wanted
     std::optional<LiftedPart> lifted;       ///< of a character
     std::vector<Vec3> firstPoints, points;  ///< of a mesh sequence: in the first frame about their mean, and now
   };
@@ -75,6 +85,7 @@ class LiveBody {
 
   Decomposition decomposition_;
   CoverPromise cover_;
+  LiveDetail detail_ = LiveDetail::kFaces;
   std::vector<Track> tracks_;
   std::vector<LivePart> parts_;
   std::vector<Vec3> meshPoints_;                ///< of a mesh sequence: vertices and cut points [m]

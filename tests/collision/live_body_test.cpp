@@ -1,9 +1,7 @@
 #include "collision/live_body.h"
 
-#include "acd/decompose.h"
 #include "acd/transfer.h"
-#include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "tests/collision/dancer.h"
 #include "tests/collision/parts.h"
 #include "tests/support/meshes.h"
 
@@ -147,45 +145,8 @@ TEST(LiveBody, ShapesFollowAMeshThatGrowsAThousandfoldAndShrinksAgain) {
   }
 }
 
-// The mannequin cut in eight, and poses of its own to carry it to.
-struct Dancer {
-  Character character = makeMannequin();
-  Decomposition decomposition;
-  std::vector<Affine3> worldFromModel;
-
-  Dancer() : worldFromModel(character.jointFromModel.size()) {
-    DecomposeSettings settings;
-    settings.maxParts = 8;
-    const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
-    Result<Decomposition> made = decompose(character.mesh, bindPose, settings);
-    CHECK(made.ok(), "the mannequin can be cut");
-    decomposition = std::move(made).value();
-  }
-
-  /// Turns every joint by up to `most` [rad] and puts the whole body somewhere.
-  void dance(std::mt19937_64& random, double most) {
-    Pose pose = restPose(character.skeleton);
-    for (JointTransform& joint : pose) {
-      const Vec3 turn = test::uniformVec3(random, -1.0, 1.0);
-      joint.rotation = Quat(Eigen::AngleAxisd(most * turn.norm(), turn.normalized())) * joint.rotation;
-    }
-    pose[0].translation += test::uniformVec3(random, -5.0, 5.0);
-    computeWorldFromJoint(character.skeleton, pose, worldFromModel);
-    computeWorldFromModel(character, worldFromModel, worldFromModel);
-  }
-
-  /// Mesh vertices and cut points, by skinning and the recursion: the slow way.
-  [[nodiscard]] std::vector<Vec3> points() const {
-    std::vector<Vec3> all(static_cast<std::size_t>(decomposition.pointCount()));
-    const auto posed = std::span(all).first(character.mesh.vertices.size());
-    skinLinearBlend(character, worldFromModel, posed);
-    transfer(decomposition, posed, all);
-    return all;
-  }
-};
-
 TEST(LiveBody, OfACharacterIsTheHullOfItsSkinInEveryPose) {
-  Dancer dancer;
+  test::Dancer dancer;
   LiveBody body(dancer.decomposition, dancer.character);
   std::mt19937_64 random(13);
   std::size_t candidates = 0;
@@ -211,7 +172,7 @@ TEST(LiveBody, OfACharacterIsTheHullOfItsSkinInEveryPose) {
 }
 
 TEST(LiveBody, PartsWhoseBonesMoveAsOneKeepTheirShape) {
-  Dancer dancer;
+  test::Dancer dancer;
   LiveBody body(dancer.decomposition, dancer.character);
   std::mt19937_64 random(14);
   dancer.dance(random, 0.5);
@@ -230,7 +191,7 @@ TEST(LiveBody, PartsWhoseBonesMoveAsOneKeepTheirShape) {
 }
 
 TEST(LiveBody, BonesThatAreNotNumbersGiveNoHullsUntilTheyAreAgain) {
-  Dancer dancer;
+  test::Dancer dancer;
   LiveBody body(dancer.decomposition, dancer.character);
   std::mt19937_64 random(15);
   dancer.dance(random, 0.5);
@@ -243,6 +204,31 @@ TEST(LiveBody, BonesThatAreNotNumbersGiveNoHullsUntilTheyAreAgain) {
   for (const LivePart& part : body.parts()) {
     EXPECT_FALSE(part.shape.degenerate());
     EXPECT_TRUE(part.worldFromPart.matrix().allFinite());
+  }
+}
+
+TEST(LiveBody, SupportIsTheFarthestPointOfTheHullWithFacesOrWithout) {
+  test::Dancer dancer;
+  LiveBody faces(dancer.decomposition, dancer.character);
+  LiveBody points(dancer.decomposition, dancer.character, LiveDetail::kSupport);
+  std::mt19937_64 random(16);
+  for (int frame = 0; frame < 5; ++frame) {
+    dancer.dance(random, 1.0);
+    faces.update(dancer.worldFromModel);
+    points.update(dancer.worldFromModel);
+    for (std::size_t i = 0; i < faces.parts().size(); ++i) {
+      EXPECT_TRUE(points.parts()[i].shape.degenerate());
+      EXPECT_EQ(points.parts()[i].worldFromPart.matrix(), faces.parts()[i].worldFromPart.matrix());
+      const ConvexHull hull = worldHull(faces.parts()[i]);
+      for (int k = 0; k < 50; ++k) {
+        const Vec3 direction = test::uniformVec3(random, -1.0, 1.0);
+        double farthest = -std::numeric_limits<double>::infinity();
+        for (const Vec3& v : hull.vertices) farthest = std::max(farthest, direction.dot(v));
+        const auto part = static_cast<PartIndex>(i);
+        EXPECT_NEAR(direction.dot(points.support(part, direction)), farthest, kGrid);
+        EXPECT_EQ(points.support(part, direction), faces.support(part, direction));
+      }
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 #include "collision/moving_hull.h"
 
+#include "collision/live_body.h"
+#include "tests/collision/dancer.h"
 #include "tests/collision/moving_hull_truth.h"
 #include "tests/collision/parts.h"
 
@@ -7,6 +9,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 namespace {
@@ -78,6 +81,25 @@ TEST(MovingHull, UpdatesAllocateNothing) {
   EXPECT_EQ(allocations - before, 0);
   EXPECT_GT(sum.turnedFaces * sum.flips * sum.deletions, 0) << "every repair was made";
   EXPECT_GT(sum.rebuilds, 3);
+}
+
+TEST(LiveBody, FramesOfACharacterAllocateNothing) {
+  Dancer dancer;
+  std::mt19937_64 random(4);
+  std::vector<std::vector<Affine3>> frames;
+  for (int frame = 0; frame < 12; ++frame) {
+    dancer.dance(random, frame % 3 == 0 ? 1.5 : 0.1);
+    frames.push_back(dancer.worldFromModel);
+  }
+  for (Affine3& bone : frames[5]) bone.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (Affine3& bone : frames[8]) bone.linear() *= 1e-3;
+  LiveBody body(dancer.decomposition, dancer.character);
+  const long before = allocations;
+  for (const std::vector<Affine3>& frame : frames) {
+    body.update(frame);
+    (void)body.support(0, Vec3::UnitY());
+  }
+  EXPECT_EQ(allocations - before, 0);
 }
 
 }  // namespace

@@ -1,0 +1,307 @@
+// The promise: in every pose, the posed surface lies inside the hulls.
+
+#include "acd/decompose.h"
+#include "acd/transfer.h"
+#include "capture/synthetic_motion.h"
+#include "collision/cover.h"
+#include "collision/live_body.h"
+#include "session/cover_poses.h"
+#include "session/keyframes.h"
+#include "skinning/joint_limits.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin.h"
+
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <mutex>
+
+namespace lorica {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kPoses = 1000;
+#else
+constexpr int kPoses = 100000;
+#endif
+constexpr int kPosesAChunk = 500;
+constexpr int kSteps = 10;  // from one random pose to the next
+
+struct Subject {
+  Character character = makeMannequin();
+  std::vector<std::vector<SkeletonFrame>> motions;
+  Decomposition decomposition;
+  std::vector<std::vector<PointIndex>> surface;  ///< points of each part, neighbours near each other in the list
+};
+
+/// Points sorted by where the bind pose has them, in cells of 3 cm.
+std::vector<PointIndex> sortedByPlace(std::vector<PointIndex> points, std::span<const Vec3> bind) {
+  const auto cell = [&](PointIndex p) {
+    const Eigen::Vector3i c = (bind[static_cast<std::size_t>(p)] / 0.03).array().floor().cast<int>();
+    return std::array<int, 3>{c.x(), c.y(), c.z()};
+  };
+  std::sort(points.begin(), points.end(),
+            [&](PointIndex a, PointIndex b) { return cell(a) != cell(b) ? cell(a) < cell(b) : a < b; });
+  return points;
+}
+
+/// The mannequin in 16 parts, as the demo has it.
+const Subject& subject() {
+  static const Subject made = [] {
+    Subject s;
+    for (int m = 0; m < kSyntheticMotionCount; ++m) {
+      s.motions.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+    }
+    const Result<std::vector<Vec3>> keyframes = sampleKeyframes(s.character, s.motions, 12);
+    CHECK(keyframes.ok(), "the mannequin is humanoid");
+    const PoseView poses{*keyframes, static_cast<int>(s.character.mesh.vertices.size())};
+    Result<Decomposition> parts = decompose(s.character.mesh, poses, {.maxParts = 16});
+    CHECK(parts.ok(), "the mannequin can be cut");
+    s.decomposition = std::move(*parts);
+    std::vector<Vec3> bind(static_cast<std::size_t>(s.decomposition.pointCount()));
+    transfer(s.decomposition, s.character.mesh.vertices, bind);
+    for (const Part& part : s.decomposition.parts) s.surface.push_back(sortedByPlace(part.points, bind));
+    return s;
+  }();
+  return made;
+}
+
+/// Between two poses that are within limits, and within limits itself: angles are blended, and ranges are convex.
+Pose between(const Skeleton& skeleton, const Pose& a, const Pose& b, double share) {
+  Pose pose = a;
+  for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
+    const std::optional<HumanBone> bone = skeleton.joint(j).bone;
+    const auto i = static_cast<std::size_t>(j);
+    if (!bone) continue;
+    const JointRange& range = jointRange(*bone);
+    const JointAngles from = anglesOf(range, a[i].rotation);
+    const JointAngles to = anglesOf(range, b[i].rotation);
+    pose[i].rotation =
+        rotationOf(range, {from.twist + share * (to.twist - from.twist), from.first + share * (to.first - from.first),
+                           from.second + share * (to.second - from.second)});
+  }
+  return pose;
+}
+
+/// How far points are outside of a part's hull [m], and how many by more than a limit.
+struct Outside {
+  double farthest = 0.0;
+  long count = 0;
+
+  void add(const Outside& other) {
+    farthest = std::max(farthest, other.farthest);
+    count += other.count;
+  }
+};
+
+/// Tests surface points against hulls, face by face.
+class OutsideTest {
+ public:
+  explicit OutsideTest(int pointCount) : cornerOfPoint_(static_cast<std::size_t>(pointCount), -1) {}
+
+  /// @param indices  of the part's points, neighbours near each other in the list
+  /// @param world    where all points are [m]
+  Outside operator()(const LivePart& part, std::span<const PointIndex> indices, std::span<const Vec3> world,
+                     double limit) {
+    const ConvexHull& shape = part.shape;
+    if (shape.degenerate()) return {std::numeric_limits<double>::infinity(), static_cast<long>(indices.size())};
+    Outside outside;
+    gather(part, indices, world, limit, outside.farthest);
+    gatherBalls();
+    for (const Triangle& t : shape.triangles) {
+      const Vec3& a = shape.vertices[static_cast<std::size_t>(t[0])];
+      const Vec3& b = shape.vertices[static_cast<std::size_t>(t[1])];
+      const Vec3& c = shape.vertices[static_cast<std::size_t>(t[2])];
+      const Vec3 normal = (b - a).cross(c - a);
+      // A sliver's plane is noise beyond its own extent; its neighbours bound the same place.
+      const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+      const double lengthSq = normal.squaredNorm();
+      if (lengthSq < 1e-8 * longestSq * longestSq) continue;
+      const double scale = 1.0 / std::sqrt(lengthSq);
+      testAgainst(scale * normal, scale * normal.dot(a));
+    }
+    for (const float out : out_) {
+      outside.farthest = std::max(outside.farthest, static_cast<double>(out));
+      if (static_cast<double>(out) > limit) ++outside.count;
+    }
+    return outside;
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 32;
+  struct Ball {
+    Vec3f center;
+    float radius = 0.0f;
+  };
+
+  /// The points in the part's own frame, where single precision is good for a tenth of a micrometre. A point that is
+  /// a corner of the hull sticks out no farther than it is from that corner: it is judged by that alone.
+  void gather(const LivePart& part, std::span<const PointIndex> indices, std::span<const Vec3> world, double limit,
+              double& farthest) {
+    const ConvexHull& shape = part.shape;
+    for (std::size_t v = 0; v < shape.vertices.size(); ++v) {
+      cornerOfPoint_[static_cast<std::size_t>(shape.pointOfVertex[v])] = static_cast<std::int32_t>(v);
+    }
+    x_.clear(), y_.clear(), z_.clear();
+    const Isometry3 partFromWorld = part.worldFromPart.inverse();
+    for (const PointIndex i : indices) {
+      const Vec3 p = partFromWorld * world[static_cast<std::size_t>(i)];
+      const std::int32_t corner = cornerOfPoint_[static_cast<std::size_t>(i)];
+      if (corner >= 0) {
+        const double apart = (p - shape.vertices[static_cast<std::size_t>(corner)]).norm();
+        if (apart <= limit) {
+          farthest = std::max(farthest, apart);
+          continue;
+        }
+      }
+      x_.push_back(static_cast<float>(p.x()));
+      y_.push_back(static_cast<float>(p.y()));
+      z_.push_back(static_cast<float>(p.z()));
+    }
+    out_.assign(x_.size(), 0.0f);
+    for (const VertexIndex p : shape.pointOfVertex) cornerOfPoint_[static_cast<std::size_t>(p)] = -1;
+  }
+
+  void gatherBalls() {
+    balls_.clear();
+    for (std::size_t begin = 0; begin < x_.size(); begin += kBlock) {
+      Eigen::AlignedBox3f box;
+      const std::size_t end = std::min(x_.size(), begin + kBlock);
+      for (std::size_t i = begin; i < end; ++i) box.extend(Vec3f(x_[i], y_[i], z_[i]));
+      balls_.push_back({box.center(), 0.5f * box.diagonal().norm() + 1e-4f});
+    }
+  }
+
+  void testAgainst(const Vec3& normal, double offset) {
+    const Vec3f n = normal.cast<float>();
+    const auto h = static_cast<float>(offset);
+    for (std::size_t block = 0; block < balls_.size(); ++block) {
+      if (n.dot(balls_[block].center) + balls_[block].radius < h) continue;  // all of them are below
+      const std::size_t end = std::min(x_.size(), (block + 1) * kBlock);
+      for (std::size_t i = block * kBlock; i < end; ++i) {
+        const float d = n.x() * x_[i] + n.y() * y_[i] + n.z() * z_[i] - h;
+        out_[i] = d > out_[i] ? d : out_[i];
+      }
+    }
+  }
+
+  std::vector<std::int32_t> cornerOfPoint_;
+  std::vector<float> x_, y_, z_, out_;
+  std::vector<Ball> balls_;
+};
+
+/// Throws random poses at a body.
+/// @param first  which of all random poses is the first
+/// @param limit  farther outside than this counts [m]
+Outside throwPoses(const LiveBody& fresh, int first, int poses, double limit) {
+  const Subject& s = subject();
+  const Skeleton& skeleton = s.character.skeleton;
+  Outside all;
+  std::mutex mutex;
+  tbb::parallel_for(0, (poses + kPosesAChunk - 1) / kPosesAChunk, [&](int chunk) {
+    RandomNumbers random(1000 + static_cast<std::uint64_t>(first / kPosesAChunk + chunk));
+    LiveBody body = fresh;
+    std::vector<Affine3> worldFromModel(static_cast<std::size_t>(skeleton.jointCount()));
+    std::vector<Vec3> points(static_cast<std::size_t>(s.decomposition.pointCount()));
+    OutsideTest outsideOf(s.decomposition.pointCount());
+    const auto posed = std::span(points).first(s.character.mesh.vertices.size());
+    Outside own;
+    Pose from = randomPoseWithinLimits(skeleton, random);
+    Pose to = from;
+    for (int k = 0; k < kPosesAChunk; ++k) {
+      if (k % kSteps == 0) {
+        from = to;
+        to = randomPoseWithinLimits(skeleton, random);
+      }
+      const Pose pose = between(skeleton, from, to, static_cast<double>(k % kSteps) / kSteps);
+      if (!withinLimits(skeleton, pose)) own.count += 1000000;  // then the test is wrong
+      computeWorldFromJoint(skeleton, pose, worldFromModel);
+      computeWorldFromModel(s.character, worldFromModel, worldFromModel);
+      body.update(worldFromModel);
+      skinLinearBlend(s.character, worldFromModel, posed);
+      transfer(s.decomposition, posed, points);
+      for (std::size_t i = 0; i < body.parts().size(); ++i) {
+        own.add(outsideOf(body.parts()[i], s.surface[i], points, limit));
+      }
+    }
+    const std::scoped_lock lock(mutex);
+    all.add(own);
+  });
+  return all;
+}
+
+// A hundred thousand poses in all, in four shares that can run beside each other.
+class Promise : public testing::TestWithParam<int> {};
+constexpr int kShares = 4;
+
+TEST_P(Promise, ExactHullsHoldTheSurfaceInTwentyFiveThousandRandomPoses) {
+  const Subject& s = subject();
+  const LiveBody body(s.decomposition, s.character);
+  EXPECT_EQ(body.coverage().tolerance, 0.0);
+  const int poses = kPoses / kShares;
+  const Outside outside = throwPoses(body, GetParam() * poses, poses, 1e-5 * s.character.height);
+  std::cout << poses << " poses, exact: " << outside.count << " points outside, the farthest by "
+            << outside.farthest / s.character.height << " of the height\n";
+  EXPECT_EQ(outside.count, 0);
+  EXPECT_LT(outside.farthest, 1e-6 * s.character.height);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shares, Promise, testing::Range(0, kShares));
+
+/// How far the surface sticks out of a body in given poses.
+Outside inPoses(LiveBody body, BonePoseView poses, double limit) {
+  const Subject& s = subject();
+  std::vector<Vec3> points(static_cast<std::size_t>(s.decomposition.pointCount()));
+  const auto posed = std::span(points).first(s.character.mesh.vertices.size());
+  OutsideTest outsideOf(s.decomposition.pointCount());
+  Outside outside;
+  for (int p = 0; p < poses.poseCount(); ++p) {
+    body.update(poses.pose(p));
+    skinLinearBlend(s.character, poses.pose(p), posed);
+    transfer(s.decomposition, posed, points);
+    for (std::size_t i = 0; i < body.parts().size(); ++i) {
+      outside.add(outsideOf(body.parts()[i], s.surface[i], points, limit));
+    }
+  }
+  return outside;
+}
+
+TEST(PromiseOfFewPoints, HoldsInAllSampledPosesAndSaysWhatSticksOutInOthers) {
+  const Subject& s = subject();
+  const double height = s.character.height;
+  const Result<CoverPoses> poses = coverPoses(s.character, s.motions);
+  ASSERT_TRUE(poses.ok()) << poses.error().message;
+  const std::vector<LiftedPoint> lifted = liftPoints(s.character, s.decomposition);
+  for (const CoverSettings& settings : {CoverSettings{.tolerance = 0.005}, CoverSettings{.maxHullVertices = 64},
+                                        CoverSettings{.maxHullVertices = 16}}) {
+    SCOPED_TRACE(testing::Message() << settings.tolerance << " m, " << settings.maxHullVertices << " vertices");
+    const Result<CoverPromise> cover =
+        chooseCover(s.decomposition, lifted, poses->sampledView(), poses->heldOutView(), settings);
+    ASSERT_TRUE(cover.ok()) << cover.error().message;
+    const LiveBody body(s.decomposition, s.character, *cover);
+    std::size_t most = 0;
+    std::size_t points = 0;
+    for (const std::vector<CoverPoint>& part : cover->points) {
+      most = std::max(most, part.size());
+      points += part.size();
+    }
+    if (settings.maxHullVertices > 0) {
+      EXPECT_LE(most, static_cast<std::size_t>(settings.maxHullVertices));
+    } else {
+      EXPECT_LE(cover->sampledShortfall, settings.tolerance);
+    }
+    EXPECT_EQ(inPoses(body, poses->sampledView(), 1e-5 * height).count, 0);
+    EXPECT_NEAR(inPoses(body, poses->heldOutView(), 1e-5 * height).farthest, cover->heldOutShortfall, 2e-6 * height);
+    const Outside outside = throwPoses(body, 0, kPoses / 20, 1e-5 * height);
+    std::cout << points << " points, at most " << most << " a part: stuck out by " << 1e3 * cover->sampledShortfall
+              << " mm, pushed by up to " << 1e3 * cover->growth << " mm; held out " << 1e3 * cover->heldOutShortfall
+              << " mm; worst of " << kPoses / 20 << " random poses " << 1e3 * outside.farthest << " mm\n";
+  }
+}
+
+}  // namespace
+}  // namespace lorica
