@@ -3,7 +3,10 @@
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/SVD>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -132,6 +135,98 @@ TEST(RigidFit, PointsInOnePlaceKeepTheRotation) {
   const Isometry3 fit = fitRigidMotion(from, to, previous.toRotationMatrix());
   EXPECT_LT((fit.linear() - previous.toRotationMatrix()).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((fit.translation() - Vec3(1.0, 2.0, 3.0)).norm(), 1e-12);
+}
+
+/// The best proper rotation for a covariance by definition, Kabsch's way, without a previous one.
+Mat3 bestRotation(const Mat3& covariance) {
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 flip = Mat3::Identity();
+  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
+
+double angleBetween(const Mat3& a, const Mat3& b) {
+  return Eigen::AngleAxisd(Mat3(a.transpose() * b)).angle();
+}
+
+double offOrthonormal(const Mat3& r) {
+  return (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff() + std::abs(r.determinant() - 1.0);
+}
+
+/// A covariance with given singular values; the last may be negative: a mirror.
+Mat3 covarianceWith(std::mt19937_64& random, const Vec3& values) {
+  return uniformRotation(random).toRotationMatrix() * values.asDiagonal() *
+         uniformRotation(random).toRotationMatrix().transpose();
+}
+
+/// Compares the fit with the truth for random covariances of one kind, and previous rotations near, anywhere, opposite
+/// and drifted.
+void expectTruth(std::uint64_t seed, const Vec3& low, const Vec3& high) {
+  std::mt19937_64 random(seed);
+  for (int i = 0; i < 3000; ++i) {
+    Vec3 values;
+    for (int k = 0; k < 3; ++k) values[k] = uniform(random, low[k], high[k]);
+    const double scale = std::pow(10.0, uniform(random, -8.0, 4.0));
+    const Mat3 covariance = covarianceWith(random, scale * values);
+    const Mat3 truth = bestRotation(covariance);
+    const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
+    const double turns[] = {uniform(random, 0.0, 0.1), uniform(random, 0.0, 3.0), std::numbers::pi};
+    Mat3 previous = truth * Eigen::AngleAxisd(turns[i % 3], axis).toRotationMatrix();
+    if (i % 2 == 0) {
+      for (int k = 0; k < 3; ++k) previous.col(k) += uniformVec3(random, -1e-9, 1e-9);
+    }
+    const Mat3 fit = fitRotation(covariance, previous);
+    EXPECT_LT(offOrthonormal(fit), 1e-12) << "case " << i;
+
+    // What the covariance says about each axis is the sum of the two values across it. The pull, where there is one, is
+    // 1e-9 of the norm.
+    const Eigen::JacobiSVD<Mat3> svd(covariance);
+    const Vec3 sizes = svd.singularValues();
+    const double weakest = sizes[1] + (covariance.determinant() < 0.0 ? -sizes[2] : sizes[2]);
+    EXPECT_LT(angleBetween(fit, truth), 3e-9 * covariance.norm() / weakest + 1e-7) << "case " << i;
+    EXPECT_GE((fit.transpose() * covariance).trace(),
+              (truth.transpose() * covariance).trace() - 1e-8 * covariance.norm())
+        << "case " << i;
+  }
+}
+
+TEST(RigidFit, RotationsAreTheBestForRoundedBodies) {
+  expectTruth(11, Vec3(0.3, 0.3, 0.3), Vec3(1.0, 1.0, 1.0));
+}
+
+TEST(RigidFit, RotationsAreTheBestForElongatedBodies) {
+  // A limb 1 : 1000 as points go; the covariance has the squares.
+  expectTruth(12, Vec3(0.5, 0.5e-6, 0.5e-6), Vec3(1.0, 1.5e-6, 1.5e-6));
+  expectTruth(13, Vec3(0.5, 0.5e-3, 0.5e-3), Vec3(1.0, 1.5e-3, 1.5e-3));
+  expectTruth(14, Vec3(0.5, 0.005, 0.005), Vec3(1.0, 0.03, 0.03));  // about where the quick way begins
+}
+
+TEST(RigidFit, RotationsAreTheBestForNearlyFlatBodies) {
+  expectTruth(15, Vec3(0.5, 0.3, 1e-12), Vec3(1.0, 0.9, 1e-9));
+  expectTruth(16, Vec3(0.5, 0.3, 1e-6), Vec3(1.0, 0.9, 1e-3));
+}
+
+TEST(RigidFit, RotationsAreTheBestForMirroredBodies) {
+  expectTruth(17, Vec3(0.7, 0.5, -0.3), Vec3(1.0, 0.7, -0.01));
+}
+
+TEST(RigidFit, AHundredThousandFramesDoNotDrift) {
+  std::mt19937_64 random(18);
+  const Mat3 shape = Vec3(1.0, 0.6, 0.3).asDiagonal();
+  Mat3 truth = Mat3::Identity();
+  Mat3 fit = truth;
+  double worstDrift = 0.0;
+  double worstAngle = 0.0;
+  for (int i = 0; i < 100000; ++i) {
+    const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
+    truth = Eigen::AngleAxisd(uniform(random, 0.0, 0.2), axis) * truth;
+    if (i % 100 == 0) truth = Quat(truth).normalized().toRotationMatrix();
+    fit = fitRotation(truth * shape, fit);
+    worstDrift = std::max(worstDrift, offOrthonormal(fit));
+    worstAngle = std::max(worstAngle, (fit - truth).norm());
+  }
+  EXPECT_LT(worstDrift, 1e-12);
+  EXPECT_LT(worstAngle, 1e-10);
 }
 
 }  // namespace
