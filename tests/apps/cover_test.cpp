@@ -1,0 +1,261 @@
+#include "collision/cover.h"
+#include "acd/decomposition_file.h"
+#include "capture/joint_csv.h"
+#include "geometry/convex_hull.h"
+#include "geometry/mesh_files.h"
+#include "session/cover_poses.h"
+#include "skinning/mannequin.h"
+#include "tests/apps/mesh_text.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica::test {
+namespace {
+
+/// A body of few parts, made of few points.
+CommandResult decomposeBody(const std::filesystem::path& file, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {"decompose", "mannequin", "--parts", "8", "--keyframes", "2", "-o", file};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  arguments.insert(arguments.end(), {"--json", "-"});
+  return runLorica(arguments);
+}
+
+/// One of at most 100 points a part, made once, with its exported hulls.
+struct BoundedBody {
+  TemporaryFolder folder;
+  std::filesystem::path file = folder.path() / "body.lorica";
+  std::filesystem::path hulls = folder.path() / "hulls.obj";
+  CommandResult made = decomposeBody(file, {"--hull-vertices", "100", "--export-obj", hulls});
+};
+const BoundedBody& boundedBody() {
+  static const BoundedBody body;
+  return body;
+}
+
+/// What the command is told to choose covers in: the shipped recordings.
+CoverPoses posesOfTheCommand(const Character& character) {
+  std::vector<std::vector<SkeletonFrame>> recordings;
+  for (const char* name : {"walk", "wave", "jumping_jacks", "squat_and_reach", "punch_and_kick", "turn_around"}) {
+    recordings.push_back(readJointCsv(recordingsFolder() / (std::string(name) + ".csv")).value());
+  }
+  return coverPoses(character, recordings).value();
+}
+
+/// How far points of the parts are outside the hulls that a promise says, in the worst pose [m]: from scratch.
+double farthestOut(const DecompositionFile& body, const std::vector<LiftedPoint>& lifted, BonePoseView poses,
+                   int stride) {
+  double farthest = 0.0;
+  for (int pose = 0; pose < poses.poseCount(); pose += stride) {
+    for (std::size_t i = 0; i < body.decomposition.parts.size(); ++i) {
+      std::vector<Vec3> corners;
+      for (const CoverPoint& p : body.cover->points[i]) {
+        corners.push_back(positionOf(pushed(lifted[static_cast<std::size_t>(p.point)], p.outward), poses.pose(pose)));
+      }
+      std::vector<Vec3> points;
+      for (const PointIndex p : body.decomposition.parts[i].points) {
+        points.push_back(positionOf(lifted[static_cast<std::size_t>(p)], poses.pose(pose)));
+      }
+      farthest = std::max(farthest, largestViolation(convexHull(corners), points));
+    }
+  }
+  return farthest;
+}
+
+TEST(Cover, WhatIsPromisedIsKeptReportedAndStored) {
+  const auto& [folder, file, hulls, made] = boundedBody();
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  const nlohmann::json promise = made.json()["cover"];
+  EXPECT_EQ(promise["exact"], false);
+  EXPECT_EQ(promise["hullVertices"], 100);
+  EXPECT_EQ(promise["sampledPoses"], 128);
+  EXPECT_EQ(promise["heldOutPoses"], 128);
+  EXPECT_GT(promise["volumeGrowth"].get<double>(), 0.0);
+
+  const Result<DecompositionFile> body = readDecomposition(file);
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  ASSERT_TRUE(body->cover.has_value());
+  ASSERT_EQ(body->cover->points.size(), 8u);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_LE(body->cover->points[i].size(), 100u);
+    EXPECT_EQ(promise["pointsPerPart"][i], body->cover->points[i].size());
+  }
+  EXPECT_EQ(promise["growth"], body->cover->growth);
+  EXPECT_EQ(promise["heldOutShortfall"], body->cover->heldOutShortfall);
+
+  const Character character = makeMannequin();
+  const CoverPoses poses = posesOfTheCommand(character);
+  const std::vector<LiftedPoint> lifted = liftPoints(character, body->decomposition);
+  EXPECT_LT(farthestOut(*body, lifted, poses.sampledView(), 4), 1e-5 * character.height);
+  EXPECT_NEAR(farthestOut(*body, lifted, poses.heldOutView(), 1), body->cover->heldOutShortfall, 1e-6);
+
+  // The same in other words.
+  nlohmann::json info = runLorica({"info", file, "--json", "-"}).json()["cover"];
+  EXPECT_EQ(info["pointsPerPart"], promise["pointsPerPart"]);
+  EXPECT_EQ(info["heldOutShortfall"], promise["heldOutShortfall"]);
+  const std::string text = runLorica({"info", file}).out;
+  EXPECT_NE(text.find("chosen in 128 poses, at most 100 a part"), std::string::npos) << text;
+  EXPECT_NE(text.find("in 128 other poses"), std::string::npos) << text;
+}
+
+TEST(Cover, PlayKeepsThePromiseOfTheFileUnlessToldOtherwise) {
+  const TemporaryFolder folder;
+  const std::filesystem::path few = boundedBody().file;
+  const std::filesystem::path all = folder.path() / "all.lorica";
+  ASSERT_EQ(decomposeBody(all, {"--cover", "exact"}).exitCode, 0);
+  EXPECT_FALSE(readDecomposition(all)->cover.has_value()) << "needs no words";
+  CommandSurroundings surroundings;
+  surroundings.cache = folder.path() / "cache";
+  const auto play = [&](const std::filesystem::path& body, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"play", "wave", "--decomposition", body, "--frames", "10", "--json", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = runLorica(arguments, surroundings);
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    nlohmann::json json = result.json();
+    json.erase("stages");
+    return json;
+  };
+  const nlohmann::json exact = play(all, {});
+  const nlohmann::json bounded = play(few, {});
+  EXPECT_EQ(exact["cover"], nlohmann::json({{"exact", true}}));
+  EXPECT_EQ(bounded["cover"]["hullVertices"], 100);
+  EXPECT_NE(bounded["hash"], exact["hash"]);
+  EXPECT_EQ(play(few, {"--cover", "exact"}), exact);
+  EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica"));
+
+  // Chosen at the start it is the same promise, and next time it comes from the cache.
+  EXPECT_EQ(play(all, {"--hull-vertices", "100"}), bounded);
+  ASSERT_EQ(filesIn(surroundings.cache / "lorica").size(), 1u);
+  const std::filesystem::path kept = surroundings.cache / "lorica" / filesIn(surroundings.cache / "lorica").front();
+  const auto written = std::filesystem::last_write_time(kept);
+  EXPECT_EQ(play(all, {"--hull-vertices", "100"}), bounded);
+  EXPECT_EQ(std::filesystem::last_write_time(kept), written);
+  play(all, {"--cover", "0.02"});
+  EXPECT_EQ(filesIn(surroundings.cache / "lorica").size(), 2u) << "another promise has another place";
+}
+
+TEST(Cover, ATighterToleranceKeepsMorePointsAndLessSticksOut) {
+  const TemporaryFolder folder;
+  const CommandResult made = decomposeBody(folder.path() / "loose.lorica", {"--cover", "0.02", "--hull-vertices", "5000"});
+  EXPECT_FALSE(made.json().contains("hullGrowth")) << "that is of bounded hulls in one pose";
+  const nlohmann::json loose = made.json()["cover"];
+  const nlohmann::json tight = decomposeBody(folder.path() / "tight.lorica", {"--cover", "0.005"}).json()["cover"];
+  EXPECT_EQ(loose["tolerance"], 0.02);
+  EXPECT_LE(loose["sampledShortfall"].get<double>(), 0.02);
+  EXPECT_LE(tight["sampledShortfall"].get<double>(), 0.005);
+  EXPECT_LT(tight["volumeGrowth"].get<double>(), loose["volumeGrowth"].get<double>());
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_GT(tight["pointsPerPart"][i].get<int>(), loose["pointsPerPart"][i].get<int>());
+  }
+}
+
+TEST(Cover, WrongValuesAreRefusedBeforeAnyWork) {
+  for (const std::string command : {"decompose", "play"}) {
+    const std::string what = command == "play" ? "walk" : "mannequin";
+    for (const char* bad : {"0", "-0.001", "2mm", "tight", "nan", "inf", ""}) {
+      const CommandResult result = runLorica({command, what, std::string("--cover=") + bad});
+      EXPECT_EQ(result.exitCode, 2) << bad;
+      EXPECT_EQ(result.out, "");
+      EXPECT_NE(result.err.find("--cover"), std::string::npos) << bad << ": " << result.err;
+    }
+    const CommandResult large = runLorica({command, what, "--cover", "2"});
+    EXPECT_EQ(large.exitCode, 2);
+    EXPECT_NE(large.err.find("found 2 m, expected at most 0.17"), std::string::npos) << large.err;
+    const CommandResult both = runLorica({command, what, "--cover", "exact", "--hull-vertices", "64"});
+    EXPECT_EQ(both.exitCode, 2);
+    EXPECT_NE(both.err.find("--hull-vertices 64"), std::string::npos) << both.err;
+  }
+}
+
+TEST(Cover, AMeshThatDoesNotMoveHasNone) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const CommandResult refused = runLorica({"decompose", mesh, "--cover", "0.01"});
+  EXPECT_EQ(refused.exitCode, 2);
+  EXPECT_NE(refused.err.find("--cover is for characters, and l.obj"), std::string::npos) << refused.err;
+  const std::filesystem::path file = folder.path() / "l.lorica";
+  const nlohmann::json made = runLorica({"decompose", mesh, "--hull-vertices", "8", "-o", file, "--json", "-"}).json();
+  EXPECT_FALSE(made.contains("cover"));
+  EXPECT_TRUE(made.contains("hullGrowth"));
+  EXPECT_FALSE(readDecomposition(file)->training.has_value());
+  EXPECT_EQ(runLorica({"info", file}).out.find("cover"), std::string::npos);
+}
+
+TEST(Cover, ExportedHullsOfACharacterHoldTheWholePartInTheBindPose) {
+  const auto& [folder, file, hulls, made] = boundedBody();
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  EXPECT_EQ(made.json()["hullGrowthPerPart"].size(), 8u);
+  const Character character = makeMannequin();
+  const Decomposition decomposition = readDecomposition(file)->decomposition;
+  const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition);
+  const std::vector<Affine3> bindPose(static_cast<std::size_t>(character.skeleton.jointCount()), Affine3::Identity());
+  const std::vector<NamedMesh> objects = readObjObjects(hulls).value();
+  ASSERT_EQ(objects.size(), 8u);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_LE(objects[i].mesh.vertices.size(), 100u);
+    std::vector<Vec3> points;
+    for (const PointIndex p : decomposition.parts[i].points) {
+      points.push_back(positionOf(lifted[static_cast<std::size_t>(p)], bindPose));
+    }
+    EXPECT_LT(largestViolation(convexHull(objects[i].mesh.vertices), points), 1e-9);
+  }
+}
+
+TEST(Cover, CtrlCEndsTheChoice) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "body.lorica";
+  ASSERT_EQ(decomposeBody(file, {}).exitCode, 0);
+  CommandSurroundings surroundings;
+  surroundings.cache = folder.path() / "cache";
+  surroundings.interruptAfterMs = 1500;
+  const CommandResult result = runLorica({"play", "walk", "--decomposition", file, "--cover", "0.0001"}, surroundings);
+  EXPECT_EQ(result.exitCode, 130) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica")) << "nothing is kept of it";
+}
+
+TEST(Training, PlaySaysWhenTheBodyLeavesWhatItWasTrainedOn) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "waver.lorica";
+  const CommandResult made = runLorica(
+      {"decompose", "mannequin", "--parts", "5", "--motion", "wave", "--keyframes", "12", "-o", file, "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  const nlohmann::json known = runLorica({"info", file, "--json", "-"}).json()["training"];
+  EXPECT_EQ(known["keyframes"], 12);
+  EXPECT_EQ(known["probes"], 32);
+  const double knownDistance = known["knownDistance"];
+  const TrainingRange range = readDecomposition(file)->training.value();
+  double sumSq = 0.0;
+  for (const Vec3& p : range.positions) sumSq += p.squaredNorm();
+  EXPECT_NEAR(knownDistance, 0.3 * std::sqrt(sumSq / static_cast<double>(range.positions.size())), 1e-12);
+
+  const nlohmann::json inside = runLorica({"play", "wave", "--decomposition", file, "--json", "-"}).json()["training"];
+  EXPECT_EQ(inside["framesOutside"], 0);
+  EXPECT_TRUE(inside["firstOutside"].is_null());
+  EXPECT_LE(inside["largestDistance"].get<double>(), knownDistance);
+  EXPECT_GT(inside["largestDistance"].get<double>(), 0.0);
+
+  const nlohmann::json outside =
+      runLorica({"play", "squat_and_reach", "--decomposition", file, "--json", "-"}).json()["training"];
+  EXPECT_EQ(outside["knownDistance"], knownDistance);
+  EXPECT_GT(outside["largestDistance"].get<double>(), knownDistance);
+  const int frames = outside["framesOutside"];
+  EXPECT_GT(frames, 50);
+  const int first = outside["firstOutside"]["frame"];
+  EXPECT_NEAR(outside["firstOutside"]["time"].get<double>(), first / 30.0, 1e-3);
+  // Stopped just before and just after it leaves.
+  const auto until = [&file](int count) {
+    return runLorica({"play", "squat_and_reach", "--decomposition", file, "--frames", std::to_string(count)}).out;
+  };
+  EXPECT_NE(until(first).find("every pose is known: at most 0."), std::string::npos) << until(first);
+  EXPECT_NE(until(first + 1).find("1 of " + std::to_string(first + 1) + " frames outside the known range"),
+            std::string::npos)
+      << until(first + 1);
+}
+
+}  // namespace
+}  // namespace lorica::test
