@@ -1,5 +1,6 @@
 #include "collision/world.h"
 
+#include "collision/dynamics_world.h"
 #include "collision/part_dispatcher.h"
 #include "collision/part_shape.h"
 #include "geometry/result.h"
@@ -19,8 +20,10 @@ namespace {
 constexpr double kTeleportSpeed = 25.0;
 // Hulls are inflated by this; GJK keeps touching shapes apart with it. Boxes and balls have their margin inside.
 constexpr btScalar kPartMargin = 0.001f;
-// Where the hull moved by less, in the part's own frame, contacts of what rests on it stay.
-constexpr btScalar kSurfaceTolerance = 0.0005f;
+// From frame to frame a contact follows the hull's surface so far, looked for from a place above it.
+constexpr btScalar kFollowed = 0.002f;
+constexpr btScalar kLookFrom = 0.004f;
+constexpr btScalar kSameNormal = 0.99f;  // cosine
 // A part and a prop that may meet come closer by no more than this in a substep: half of what the thinnest pair that is
 // promised to meet, 2 cm and 4 cm, measure together is 3 cm.
 constexpr double kLongestApproach = 0.025;
@@ -54,43 +57,6 @@ Isometry3 fromBullet(const btTransform& t) {
   result.translation() = fromBullet(t.getOrigin());
   return result;
 }
-
-/// Bullet would take the velocities of kinematic bodies from the difference of single-precision transforms over one
-/// substep, where a turn slower than 10 degrees a second drowns in rounding. Ours are set before each substep instead.
-class DynamicsWorld : public btDiscreteDynamicsWorld {
- public:
-  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
-
-  /// Contacts that will close within the substep count as closed where things bounce. Bullet would else take from the
-  /// bounce the speed that closes them, so that it would depend on where in the substep things meet.
-  void performDiscreteCollisionDetection() override {
-    btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-    const btScalar seconds = getDispatchInfo().m_timeStep;
-    for (int m = 0; m < getDispatcher()->getNumManifolds(); ++m) {
-      btPersistentManifold* manifold = getDispatcher()->getManifoldByIndexInternal(m);
-      for (int i = 0; i < manifold->getNumContacts(); ++i) {
-        btManifoldPoint& contact = manifold->getContactPoint(i);
-        if (contact.getDistance() <= 0.0f || contact.m_combinedRestitution <= 0.0f) continue;
-        const btScalar closing = closingSpeed(*manifold, contact);
-        if (closing > getSolverInfo().m_restitutionVelocityThreshold && closing * seconds > contact.getDistance()) {
-          contact.setDistance(0.0f);
-        }
-      }
-    }
-  }
-
- protected:
-  void saveKinematicState(btScalar /*timeStep*/) override {}
-
- private:
-  static btScalar closingSpeed(const btPersistentManifold& manifold, const btManifoldPoint& contact) {
-    const auto& a = static_cast<const btRigidBody&>(*manifold.getBody0());
-    const auto& b = static_cast<const btRigidBody&>(*manifold.getBody1());
-    const btVector3 speed = b.getVelocityInLocalPoint(contact.getPositionWorldOnB() - b.getCenterOfMassPosition()) -
-                            a.getVelocityInLocalPoint(contact.getPositionWorldOnA() - a.getCenterOfMassPosition());
-    return speed.dot(contact.m_normalWorldOnB);
-  }
-};
 
 /// A part's motion within one frame: the origin goes straight, the rotation turns evenly about one axis.
 struct Sweep {
@@ -151,13 +117,23 @@ struct PropBody {
   [[nodiscard]] double speed() const { return body->getLinearVelocity().length() + spin(); }
 };
 
-/// Whether a contact is still on the hull. Its own place on the part is on the inflated hull of then.
-bool isOnSurface(const PartShape& shape, const btVector3& place) {
+/// Puts a contact's place on a part onto the part's new hull.
+/// @param place   in the part's frame, on the inflated hull of the frame before
+/// @param normal  in the part's frame, outwards, unit
+/// @return false where the hull is no longer near
+bool follow(const PartShape& shape, const btVector3& normal, btVector3& place) {
   const btSphereShape point(0.0f);
-  const btTransform there(btMatrix3x3::getIdentity(), place);
+  const btVector3 above = place + kLookFrom * normal;
   btGjkEpaSolver2::sResults results;
-  return btGjkEpaSolver2::Distance(&shape, btTransform::getIdentity(), &point, there, place, results) &&
-         std::abs(results.distance - shape.getMargin()) <= kSurfaceTolerance;
+  if (!btGjkEpaSolver2::Distance(&shape, btTransform::getIdentity(), &point,
+                                 btTransform(btMatrix3x3::getIdentity(), above), -normal, results)) {
+    return false;
+  }
+  const btVector3 up = (above - results.witnesses[0]) / results.distance;
+  const btScalar moved = results.distance - shape.getMargin() - kLookFrom;
+  if (std::abs(moved) > kFollowed || up.dot(normal) < kSameNormal) return false;
+  place = results.witnesses[0] + shape.getMargin() * up;
+  return true;
 }
 
 }  // namespace
@@ -170,7 +146,7 @@ struct World::Impl {
   // the motion, would differ from run to run.
   btAxisSweep3 broadphase{btVector3(-kGridHalfSize, -kGridHalfSize, -kGridHalfSize),
                           btVector3(kGridHalfSize, kGridHalfSize, kGridHalfSize), kMaxBodies, nullptr, true};
-  btSequentialImpulseConstraintSolver solver;
+  ContactSolver solver;
   DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
   std::unique_ptr<btRigidBody> floor;
@@ -184,7 +160,7 @@ struct World::Impl {
   void addProp(const Prop& prop);
   void setPartCount(std::size_t count);
   void takePart(PartBody& body, const LivePart& part, double seconds);
-  void forgetContacts();
+  void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
   void collectContacts();
   void noteContact(const Contact& contact);
@@ -205,7 +181,7 @@ World::Impl::Impl(const Settings& s) : settings(s) {
   info.m_splitImpulse = 1;
   info.m_splitImpulsePenetrationThreshold = -0.002f;
   info.m_numIterations = 20;
-  info.m_leastSquaresResidualThreshold = 1e-10f;  // once no contact changes a speed by more than 10 um/s, enough
+  info.m_leastSquaresResidualThreshold = 1e-12f;  // no contact changes a speed by more than 1 um/s: that will do
   world.setGravity(toBullet(settings.gravity));
 
   btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &floorShape);
@@ -288,8 +264,9 @@ void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds)
 }
 
 /// Bullet follows a contact by the places where it was on both bodies, and would for ever hold up what rested on a hull
-/// that is no longer there.
-void World::Impl::forgetContacts() {
+/// that is no longer there. Were all contacts of a hull that changed forgotten, what rests on it would creep: each of
+/// the new ones has to learn anew what it carries.
+void World::Impl::followSurfaces() {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
     const bool partIsA = manifold->getBody0()->isKinematicObject();
@@ -298,8 +275,10 @@ void World::Impl::forgetContacts() {
     const PartBody& part = *parts[static_cast<std::size_t>(object->getUserIndex())];
     if (!part.reshaped) continue;
     for (int i = manifold->getNumContacts() - 1; i >= 0; --i) {
-      const btManifoldPoint& contact = manifold->getContactPoint(i);
-      if (!isOnSurface(part.shape, partIsA ? contact.m_localPointA : contact.m_localPointB)) {
+      btManifoldPoint& contact = manifold->getContactPoint(i);
+      const btVector3 outwards = partIsA ? -contact.m_normalWorldOnB : contact.m_normalWorldOnB;
+      btVector3& place = partIsA ? contact.m_localPointA : contact.m_localPointB;
+      if (!follow(part.shape, outwards * object->getWorldTransform().getBasis(), place)) {
         manifold->removeContactPoint(i);
       }
     }
@@ -390,7 +369,7 @@ void World::step(std::span<const LivePart> parts, double seconds) {
   impl_->setPartCount(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) impl_->takePart(*impl_->parts[i], parts[i], seconds);
 
-  impl_->forgetContacts();
+  impl_->followSurfaces();
 
   const double usual = seconds / std::max(1.0, std::ceil(seconds / impl_->settings.substepSeconds - 1e-6));
   double done = 0.0;  // of the frame
