@@ -1,5 +1,6 @@
 // What a frame of a live body costs, stage by stage, beside the obvious way in the same run: CSV on standard output.
 
+#include "acd/level_of_detail.h"
 #include "acd/transfer.h"
 #include "bench/measure.h"
 #include "capture/retarget.h"
@@ -164,10 +165,22 @@ void measureStages(const Character& character, const Decomposition& decompositio
     memory += lifted.back().memory();
   }
   std::vector<Isometry3> places(lifted.size(), Isometry3::Identity());
+  const auto place = [&](std::span<const Affine3> matrices) {
+    for (std::size_t i = 0; i < lifted.size(); ++i) places[i] = lifted[i].place(matrices, places[i].linear());
+  };
+  row("rigid motions of all parts", timeFrames(motions, repeats, 1, none, place, noHash), skinning,
+      "skinning the mesh and its cut points");
+  std::map<const Affine3*, std::vector<Isometry3>> placesOf;
+  for (const Motion& motion : motions) {
+    for (const std::vector<Affine3>& matrices : motion.worldFromModel) {
+      place(matrices);
+      placesOf[matrices.data()] = places;
+    }
+  }
   const auto evaluate = [&](std::span<const Affine3> matrices) {
+    const std::vector<Isometry3>& now = placesOf.at(matrices.data());
     for (std::size_t i = 0; i < lifted.size(); ++i) {
-      places[i] = lifted[i].place(matrices, places[i].linear());
-      lifted[i].take(matrices, places[i], 1e-6);
+      lifted[i].take(matrices, now[i], 0x1p-22);
       (void)lifted[i].evaluate(rows[i]);
     }
   };
@@ -182,8 +195,11 @@ void measureStages(const Character& character, const Decomposition& decompositio
 
   std::optional<LiveBody> body;
   const auto startBody = [&] { body.emplace(decomposition, character); };
-  const auto update = [&](std::span<const Affine3> matrices) { body->update(matrices); };
   const auto hashBody = [&](std::uint64_t h) { return hashOf(*body, h); };
+  const auto startSupport = [&] { body.emplace(decomposition, character, LiveDetail::kSupport); };
+  const auto update = [&](std::span<const Affine3> matrices) { body->update(matrices); };
+  row("support only, exact", timeFrames(motions, repeats, 1, startSupport, update, noHash), skinning,
+      "skinning the mesh and its cut points");
   const FrameTimes hulls = timeFrames(motions, repeats, 1, startBody, update, hashBody);
 
   btConvexHullComputer computer;
@@ -229,7 +245,94 @@ void measureStages(const Character& character, const Decomposition& decompositio
     fmt::print("# its hulls are {:.3f} times as large as the exact ones\n", volume);
     row(fmt::format("hulls with faces of {} points, covering", vertices),
         timeFrames(motions, repeats, 1, startCovered, update, hashBody), bullet, "btConvexHullComputer on all points");
+    if (vertices != 64) continue;
+    fmt::print("# it holds {:.2f} MB\n", static_cast<double>(body->memory()) * 1e-6);
+    const auto startPoints = [&] { body.emplace(decomposition, character, *cover, LiveDetail::kSupport); };
+    row("support only of 64 points, covering", timeFrames(motions, repeats, 1, startPoints, update, noHash), bullet,
+        "btConvexHullComputer on all points");
+    std::vector<LiveBody> crowd(100, covered);
+    const auto updateCrowd = [&](std::span<const Affine3> matrices) {
+      for (LiveBody& one : crowd) one.update(matrices);
+    };
+    row("a hundred characters of 64 points a hull", timeFrames(motions.first(1), 1, 1, none, updateCrowd, noHash),
+        bullet, "btConvexHullComputer on all points of one");
   }
+}
+
+/// Median time of a frame of a body [us].
+double medianFrame(const LiveBody& fresh, std::span<const Motion> motions) {
+  LiveBody body = fresh;
+  return timeFrames(
+             motions.first(1), 2, 1, [] {}, [&](std::span<const Affine3> matrices) { body.update(matrices); },
+             [](std::uint64_t h) { return h; })
+      .median();
+}
+
+void growthRow(const std::string& of, double count, double us) {
+  fmt::print("{},{:.0f},{:.2f}\n", of, count, us);
+  std::fflush(stdout);
+}
+
+/// The character with bones at the ends of limbs joined to their parents until so many are left that move something.
+Character withFewerBones(Character character, int bones) {
+  const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
+  std::vector<JointIndex> standsFor(jointCount);
+  for (std::size_t j = 0; j < jointCount; ++j) standsFor[j] = static_cast<JointIndex>(j);
+  int left = static_cast<int>(jointCount);
+  for (std::size_t j = jointCount; j-- > 1 && left > bones; --left) {
+    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    for (JointIndex& joint : standsFor) {
+      if (joint == static_cast<JointIndex>(j)) joint = parent;
+    }
+  }
+  for (Influence& influence : character.influences) {
+    influence.joint = standsFor[static_cast<std::size_t>(influence.joint)];
+  }
+  return character;
+}
+
+/// How the time of a frame grows with parts, with points a part and with bones.
+int measureGrowth(const Character& character, std::span<const Motion> motions) {
+  fmt::print("grows_with,count,median_us\n");
+  const Result<Decomposition> finest = decomposeMannequin(character, 128);
+  if (!finest) return fail(finest.error());
+  std::vector<double> counts;
+  std::vector<double> times;
+  const auto note = [&](const std::string& of, double count, double us) {
+    growthRow(of, count, us);
+    counts.push_back(count);
+    times.push_back(us);
+  };
+  const auto fit = [&](const std::string& of) {
+    fmt::print("# grows with {} to the power of {:.2f}\n", of, fittedExponent(counts, times));
+    counts.clear();
+    times.clear();
+  };
+  for (int parts = 1; parts <= 128; parts *= 2) {
+    const Decomposition level = levelOfDetail(*finest, parts);
+    note("parts", parts, medianFrame(LiveBody(level, character), motions));
+  }
+  fit("parts, exact");
+  const Decomposition sixteen = levelOfDetail(*finest, 16);
+  const std::vector<LiftedPoint> lifted = liftPoints(character, sixteen);
+  const CoverPromise exact = coverExactly(sixteen, lifted);
+  for (int share = 32; share >= 1; share /= 2) {
+    CoverPromise some = exact;
+    double count = 0.0;
+    for (std::vector<CoverPoint>& points : some.points) {
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < points.size(); i += static_cast<std::size_t>(share)) points[kept++] = points[i];
+      points.resize(kept);
+      count += static_cast<double>(kept);
+    }
+    note("points", count, medianFrame(LiveBody(sixteen, character, some), motions));
+  }
+  fit("points");
+  for (const int bones : {8, 13, 20, 32, 52}) {
+    note("bones", bones, medianFrame(LiveBody(sixteen, withFewerBones(character, bones)), motions));
+  }
+  fit("bones");
+  return 0;
 }
 
 int run(const Options& options) {
@@ -238,6 +341,7 @@ int run(const Options& options) {
   for (int m = 0; m < kSyntheticMotionCount; ++m) {
     motions.push_back(poseAt60Hz(character, static_cast<SyntheticMotion>(m)));
   }
+  if (options.growth) return measureGrowth(character, motions);
   fmt::print("what,median_us,worst_us,beside,beside_median_us,ratio,hash\n");
   const Result<Decomposition> decomposition = decomposeMannequin(character, options.parts);
   if (!decomposition) return fail(decomposition.error());
@@ -254,6 +358,7 @@ int main(int argc, char** argv) {
   app.add_option("--parts", options.parts, "Parts of the mannequin")->check(CLI::PositiveNumber);
   app.add_option("--repeats", options.repeats, "Passes over each motion; of each frame the quickest counts")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--growth", options.growth, "How the time grows with parts, points and bones instead");
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <mutex>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace lorica {
@@ -20,6 +21,7 @@ namespace {
 
 constexpr int kSweeps = 60;         // over all sampled poses, while pushing points outward
 constexpr double kTurn = 0.05;      // by which pushes turn from the faces' normals to outward, with every sweep
+constexpr int kShortSweeps = 10;    // with pushes along the faces' normals only
 constexpr int kPushes = 20;         // in one pose, before the next one has its turn
 constexpr double kHeld = 1e-7;      // of the part's size: farther outside than this is outside
 constexpr double kSteepest = 0.2;   // cosine: pushes that lean more from a face's normal count as if they leant so
@@ -96,13 +98,20 @@ class PartCover {
     for (int s = 0; s < sampled_.poseCount(); ++s) shortfall_ = std::max(shortfall_, farthestOut(s).first);
   }
 
-  /// Pushes the points outward until in no sampled pose anything sticks out.
+  /// Pushes the points outward until in no sampled pose anything sticks out. What short pushes cannot hold becomes a
+  /// point itself, as long as there may be more.
   /// @return false when that did not come to an end
-  [[nodiscard]] bool grow() {
+  [[nodiscard]] bool grow(std::size_t atMost) {
     findDirections();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       bool held = true;
-      for (int s = 0; s < sampled_.poseCount(); ++s) held = holdIn(s, std::min(1.0, kTurn * sweep)) && held;
+      for (int s = 0; s < sampled_.poseCount(); ++s) {
+        if (sweep >= kShortSweeps && chosen_.size() < atMost) {
+          held = takeOutside(s, atMost) && held;
+        } else {
+          held = holdIn(s, std::clamp(kTurn * (sweep - kShortSweeps), 0.0, 1.0)) && held;
+        }
+      }
       if (held) return true;
     }
     return false;
@@ -233,23 +242,45 @@ class PartCover {
   /// Sets the direction of each point's push: outward in the bind pose, of about unit length. All points pushed alike
   /// stretch the part by as much along each of its principal axes, so no face loses what another one gains.
   void findDirections() {
-    std::vector<Vec3> bind;
-    bind.reserve(candidates_.size());
     Vec3 mean = Vec3::Zero();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      bind.push_back(bindPositionOf(point(static_cast<VertexIndex>(i))));
-      mean += bind.back() / static_cast<double>(candidates_.size());
+      mean += bindPositionOf(point(static_cast<VertexIndex>(i))) / static_cast<double>(candidates_.size());
     }
     Mat3 spread = Mat3::Zero();
-    for (const Vec3& p : bind) spread += (p - mean) * (p - mean).transpose();
-    const Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
-    Aabb box;
-    for (const Vec3& p : bind) box.extend(axes.transpose() * p);
-    const Vec3 reach = (0.5 * (box.max - box.min)).cwiseMax(1e-3 * box.diagonal());
-    for (Chosen& c : chosen_) {
-      const Vec3 own = axes.transpose() * bind[static_cast<std::size_t>(c.candidate)] - box.center();
-      c.direction = axes * own.cwiseQuotient(reach);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const Vec3 offset = bindPositionOf(point(static_cast<VertexIndex>(i))) - mean;
+      spread += offset * offset.transpose();
     }
+    axes_ = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
+    box_ = Aabb();
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      box_.extend(axes_.transpose() * bindPositionOf(point(static_cast<VertexIndex>(i))));
+    }
+    for (Chosen& c : chosen_) c.direction = directionOf(c.candidate);
+  }
+
+  [[nodiscard]] Vec3 directionOf(VertexIndex candidate) const {
+    const Vec3 reach = (0.5 * (box_.max - box_.min)).cwiseMax(1e-3 * box_.diagonal());
+    return axes_ * (axes_.transpose() * bindPositionOf(point(candidate)) - box_.center()).cwiseQuotient(reach);
+  }
+
+  /// Takes what sticks out in one pose, farthest first. @return whether nothing did from the start
+  bool takeOutside(int pose, std::size_t atMost) {
+    bool held = true;
+    for (auto [distance, candidate] = farthestOut(pose); distance > kHeld * size_ && chosen_.size() < atMost;
+         std::tie(distance, candidate) = farthestOut(pose)) {
+      held = false;
+      // One that was taken already has been pushed the wrong way.
+      const auto known = std::find_if(chosen_.begin(), chosen_.end(),
+                                      [c = candidate](const Chosen& chosen) { return chosen.candidate == c; });
+      if (known != chosen_.end()) {
+        known->push.setZero();
+        return false;
+      }
+      take(candidate);
+      chosen_.back().direction = directionOf(candidate);
+    }
+    return held;
   }
 
   /// Pushes points until nothing sticks out in one pose. A push along the normal of the face that something sticks out
@@ -322,6 +353,8 @@ class PartCover {
   BonePoseView sampled_;
   std::vector<LookAt> lookAt_;  ///< for each sampled pose
   std::vector<Chosen> chosen_;
+  Mat3 axes_ = Mat3::Identity();  ///< principal ones of the bind pose
+  Aabb box_;                      ///< along them
   double size_ = 0.0;
   double shortfall_ = 0.0;
 };
@@ -378,7 +411,7 @@ Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<c
       if (candidates.size() > 4) {
         PartCover cover(candidates, lifted, sampled);
         cover.choose(settings.tolerance, atMost);
-        outcomes[i].held = cover.grow();
+        outcomes[i].held = cover.grow(atMost);
         outcomes[i].shortfall = cover.shortfall();
         outcomes[i].growth = cover.longestPush();
         outcomes[i].heldOut = cover.farthestOut(heldOut);
