@@ -25,10 +25,34 @@ bool isSlow(const btPersistentManifold& manifold) {
 
 }  // namespace
 
+/// Marks all that rests on a moving body, directly or on top of each other.
+void ContactSolver::markCarried(btPersistentManifold** manifolds, int count) {
+  ++mark_;
+  const auto carries = [&](const btCollisionObject* object) {
+    return object->isKinematicObject() || (!object->isStaticObject() && object->getUserIndex2() == mark_);
+  };
+  for (bool more = true; more;) {
+    more = false;
+    for (int m = 0; m < count; ++m) {
+      const btPersistentManifold& manifold = *manifolds[m];
+      if (manifold.getNumContacts() == 0 || carries(manifold.getBody0()) == carries(manifold.getBody1())) continue;
+      const btCollisionObject* carried = carries(manifold.getBody0()) ? manifold.getBody1() : manifold.getBody0();
+      if (carried->isStaticObject()) continue;
+      const_cast<btCollisionObject*>(carried)->setUserIndex2(mark_);  // as Bullet's own solver does with its indices
+      more = true;
+    }
+  }
+}
+
 void ContactSolver::convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) {
+  markCarried(manifolds, count);
   btContactSolverInfo both = info;
   both.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
-  for (int m = 0; m < count; ++m) convertContact(manifolds[m], isSlow(*manifolds[m]) ? both : info);
+  for (int m = 0; m < count; ++m) {
+    const btPersistentManifold& manifold = *manifolds[m];
+    const bool carried = manifold.getBody0()->getUserIndex2() == mark_ || manifold.getBody1()->getUserIndex2() == mark_;
+    convertContact(manifolds[m], carried && isSlow(manifold) ? both : info);
+  }
 }
 
 void DynamicsWorld::performDiscreteCollisionDetection() {

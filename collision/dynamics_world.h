@@ -8,11 +8,16 @@ namespace lorica {
 /// Bullet's solver, with friction that holds. Internal.
 ///
 /// Bullet lets friction work along one direction at each contact, that of sliding, and resists nothing across it: what
-/// lies on something drifts by up to a millimetre a second, and stacks creep apart. Slow contacts get both directions,
-/// along fixed axes: axes that turned with the velocity would keep stacks awake.
+/// lies on something drifts by up to a millimetre a second, and stacks creep apart. On the floor they fall asleep
+/// before it shows; on a live part nothing sleeps. There slow contacts get both directions, along fixed axes.
 class ContactSolver : public btSequentialImpulseConstraintSolver {
  protected:
   void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
+
+ private:
+  void markCarried(btPersistentManifold** manifolds, int count);
+
+  int mark_ = 0;  ///< second user index of what is carried in this substep
 };
 
 /// Bullet's world, mended where things hit fast and where bodies are moved from outside. Internal.

@@ -25,12 +25,14 @@ std::vector<Vec3> centered(std::vector<Vec3> points) {
 
 std::vector<Vec3> cloud(std::mt19937_64& random, int count, const Vec3& size) {
   std::vector<Vec3> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back(uniformVec3(random, -1.0, 1.0).cwiseProduct(size));
   return centered(points);
 }
 
 std::vector<Vec3> moved(const std::vector<Vec3>& points, const Isometry3& motion) {
   std::vector<Vec3> result;
+  result.reserve(points.size());
   for (const Vec3& p : points) result.push_back(motion * p);
   return result;
 }
@@ -181,7 +183,7 @@ void expectTruth(std::uint64_t seed, const Vec3& low, const Vec3& high) {
     // What the covariance says about each axis is the sum of the two values across it. The pull, where there is one, is
     // 1e-9 of the norm.
     const Eigen::JacobiSVD<Mat3> svd(covariance);
-    const Vec3 sizes = svd.singularValues();
+    const Vec3& sizes = svd.singularValues();
     const double weakest = sizes[1] + (covariance.determinant() < 0.0 ? -sizes[2] : sizes[2]);
     EXPECT_LT(angleBetween(fit, truth), 3e-9 * covariance.norm() / weakest + 1e-7) << "case " << i;
     EXPECT_GE((fit.transpose() * covariance).trace(),
