@@ -140,7 +140,8 @@ TEST(Cover, PlayKeepsThePromiseOfTheFileUnlessToldOtherwise) {
 
 TEST(Cover, ATighterToleranceKeepsMorePointsAndLessSticksOut) {
   const TemporaryFolder folder;
-  const CommandResult made = decomposeBody(folder.path() / "loose.lorica", {"--cover", "0.02", "--hull-vertices", "5000"});
+  const CommandResult made =
+      decomposeBody(folder.path() / "loose.lorica", {"--cover", "0.02", "--hull-vertices", "5000"});
   EXPECT_FALSE(made.json().contains("hullGrowth")) << "that is of bounded hulls in one pose";
   const nlohmann::json loose = made.json()["cover"];
   const nlohmann::json tight = decomposeBody(folder.path() / "tight.lorica", {"--cover", "0.005"}).json()["cover"];
