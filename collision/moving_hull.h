@@ -81,7 +81,6 @@ class MovingHull {
   enum class Link : std::uint8_t {
     kSeenFromVertex,  ///< the vertex sees all of it
     kSimple,          ///< does not cross itself, or the vertex stays
-    kTangled,         ///< anything: faces may be turned afterwards
   };
 
   /// What an update needs and leaves empty: one for all hulls of a thread.

@@ -70,8 +70,7 @@ bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
   int refused = 0;
   for (int left = corners; left > 3;) {
     Scratch::Corner& corner = scratch_->link[static_cast<std::size_t>(tip)];
-    const bool atAnyPrice = link == Link::kTangled && refused == left;
-    if (atAnyPrice || isEar(v, link, corner.before, tip, corner.after)) {
+    if (isEar(v, link, corner.before, tip, corner.after)) {
       scratch_->cuts.push_back(tip);
       scratch_->link[static_cast<std::size_t>(corner.before)].after = corner.after;
       scratch_->link[static_cast<std::size_t>(corner.after)].before = corner.before;
@@ -84,8 +83,7 @@ bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
   }
   const Scratch::Corner& corner = scratch_->link[static_cast<std::size_t>(tip)];
   scratch_->cuts.push_back(tip);
-  return link == Link::kTangled ||
-         det(at(scratch_->link[static_cast<std::size_t>(corner.before)].vertex), at(corner.vertex),
+  return det(at(scratch_->link[static_cast<std::size_t>(corner.before)].vertex), at(corner.vertex),
              at(scratch_->link[static_cast<std::size_t>(corner.after)].vertex)) > 0.0;
 }
 

@@ -89,8 +89,7 @@ bool MovingHull::turnFace(std::int32_t face) {
     queueFace(HullSurface::faceOf(k));
     return true;
   }
-  // Else a corner goes, first the one with most faces amiss: whole if its hole can be closed well, else at any price,
-  // as where several points meet in one place.
+  // Else a corner goes, first the one with most faces amiss, if its hole can be closed well.
   Triangle corners = faces()[static_cast<std::size_t>(face)];
   std::array<int, 3> turned{};
   for (std::size_t i = 0; i < 3; ++i) turned[i] = turnedAround(corners[i]);
@@ -99,10 +98,8 @@ bool MovingHull::turnFace(std::int32_t face) {
     std::swap(turned[i], turned[i + 1]);
     std::swap(corners[i], corners[i + 1]);
   }
-  for (const Link link : {Link::kSimple, Link::kTangled}) {
-    for (const VertexIndex v : corners) {
-      if (takeOut(v, link, {v, v, v})) return true;
-    }
+  for (const VertexIndex v : corners) {
+    if (takeOut(v, Link::kSimple, {v, v, v})) return true;
   }
   return false;
 }
