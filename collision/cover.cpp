@@ -220,7 +220,7 @@ class PartCover {
     const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
     if (hull.degenerate()) {
       // Flat so far: the point farthest from the chosen ones comes next.
-      const Vec3 from = hull.vertices.empty() ? Vec3(look.at.col(0)) : centerOf(hull.vertices);
+      const Vec3 from = hull.vertices.empty() ? Vec3(look.at.col(0)) : boundsOf(hull.vertices).center();
       Eigen::Index farthest = 0;
       const double distance = (look.at.colwise() - from).colwise().norm().maxCoeff(&farthest);
       return {isChosen(look.candidate[static_cast<std::size_t>(farthest)]) ? 0.0 : distance,
@@ -232,8 +232,6 @@ class PartCover {
     const double distance = ((planes.normals * look.at).colwise() - planes.offsets).maxCoeff(&face, &farthest);
     return {std::max(0.0, distance), look.candidate[static_cast<std::size_t>(farthest)]};
   }
-
-  [[nodiscard]] static Vec3 centerOf(std::span<const Vec3> points) { return boundsOf(points).center(); }
 
   [[nodiscard]] bool isChosen(VertexIndex candidate) const {
     return std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == candidate; });

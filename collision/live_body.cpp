@@ -72,9 +72,10 @@ LiveBody::LiveBody(Decomposition decomposition) : decomposition_(std::move(decom
   meshPoints_.resize(static_cast<std::size_t>(decomposition_.pointCount()), Vec3::Zero());
   tracks_.reserve(decomposition_.parts.size());
   for (const Part& part : decomposition_.parts) {
-    std::vector<CoverPoint>& chosen = cover_.points.emplace_back();
-    for (const PointIndex p : spanningPoints(decomposition_, part)) chosen.push_back({p, Vec3::Zero()});
     Track track(spanningPoints(decomposition_, part));
+    std::vector<CoverPoint>& chosen = cover_.points.emplace_back();
+    chosen.reserve(track.candidates.size());
+    for (const PointIndex p : track.candidates) chosen.push_back({p, Vec3::Zero()});
     track.rows.resize(track.candidates.size());
     track.points.resize(track.candidates.size());
     track.firstPoints.resize(track.candidates.size());
