@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -63,7 +64,7 @@ class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
-  Result<std::vector<SkeletonFrame>> read(std::string_view text) {
+  Result<std::vector<std::vector<SkeletonFrame>>> read(std::string_view text) {
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.remove_suffix(1);
@@ -77,7 +78,13 @@ class Reader {
       const Result<void> result = line_ == 1 ? readHeader(row) : readRow(row);
       if (!result) return result.error();
     }
-    return mostSeenUser();
+    if (users_.empty()) {
+      return bad(fmt::format("{}: found a header and no rows, expected at least one frame", file_));
+    }
+    std::vector<std::vector<SkeletonFrame>> people;
+    people.reserve(users_.size());
+    for (User& user : users_) people.push_back(std::move(user.frames));
+    return people;
   }
 
  private:
@@ -202,17 +209,6 @@ class Reader {
     return {};
   }
 
-  Result<std::vector<SkeletonFrame>> mostSeenUser() {
-    User* best = nullptr;
-    for (User& user : users_) {
-      if (best == nullptr || user.frames.size() > best->frames.size()) best = &user;
-    }
-    if (best == nullptr) {
-      return bad(fmt::format("{}: found a header and no rows, expected at least one frame", file_));
-    }
-    return std::move(best->frames);
-  }
-
   void split(std::string_view row) {
     fields_.clear();
     for (std::size_t begin = 0;;) {
@@ -291,6 +287,15 @@ Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& fil
 }
 
 Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name) {
+  Result<std::vector<std::vector<SkeletonFrame>>> people = parseJointCsvOfAll(text, name);
+  if (!people) return people.error();
+  // The first of equals.
+  auto most = std::max_element(people->begin(), people->end(),
+                               [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return std::move(*most);
+}
+
+Result<std::vector<std::vector<SkeletonFrame>>> parseJointCsvOfAll(std::string_view text, std::string_view name) {
   return Reader(std::string(name)).read(text);
 }
 

@@ -18,6 +18,10 @@ namespace lorica {
 /// The same of text in memory. @param name  what the sentences call it
 [[nodiscard]] Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name);
 
+/// The frames of every user, in order of first appearance, each in time order.
+[[nodiscard]] Result<std::vector<std::vector<SkeletonFrame>>> parseJointCsvOfAll(std::string_view text,
+                                                                                 std::string_view name);
+
 /// Writes it, whole or not at all. Reading it again gives the same numbers to the last bit, unless a
 /// quaternion is off unit length by more than 1e-12: it is read normalised.
 /// @param frames  at least one; refused when readJointCsv would refuse the file
