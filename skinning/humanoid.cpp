@@ -1,10 +1,54 @@
 #include "skinning/humanoid.h"
 
 #include "skinning/humanoid_names.h"
+#include "skinning/humanoid_shape.h"
 
 #include <fmt/format.h>
 
 namespace lorica {
+
+namespace {
+
+using enum HumanBone;
+
+/// Takes back what contradicts the hierarchy: a bone whose joint does not hang on that of the bone above it.
+void dropStrayBones(const JointTree& tree, const BoneJoints& given, BoneJoints& bones) {
+  for (std::size_t bone = 0; bone < bones.size(); ++bone) {
+    if (bones[bone] == kNoJoint || given[bone] != kNoJoint) continue;
+    std::optional<HumanBone> above = parentBone(static_cast<HumanBone>(bone));
+    while (above && jointOf(bones, *above) == kNoJoint) above = parentBone(*above);
+    if (above && !tree.isBelow(bones[bone], jointOf(bones, *above))) bones[bone] = kNoJoint;
+  }
+}
+
+}  // namespace
+
+std::optional<HumanBone> parentBone(HumanBone bone) {
+  switch (bone) {
+    case kHips:
+      return std::nullopt;
+    case kLeftUpperLeg:
+    case kRightUpperLeg:
+      return kHips;
+    case kLeftShoulder:
+    case kRightShoulder:
+      return kUpperChest;
+    case kLeftThumbMetacarpal:
+    case kLeftIndexProximal:
+    case kLeftMiddleProximal:
+    case kLeftRingProximal:
+    case kLeftLittleProximal:
+      return kLeftHand;
+    case kRightThumbMetacarpal:
+    case kRightIndexProximal:
+    case kRightMiddleProximal:
+    case kRightRingProximal:
+    case kRightLittleProximal:
+      return kRightHand;
+    default:
+      return static_cast<HumanBone>(static_cast<int>(bone) - 1);
+  }
+}
 
 HumanoidGuess guessHumanoid(const Skeleton& skeleton) {
   BoneJoints given;
@@ -14,11 +58,26 @@ HumanoidGuess guessHumanoid(const Skeleton& skeleton) {
   const std::vector<JointName> names = readJointNames(skeleton);
   const NamedBones named = bonesByNames(tree, names, given);
   HumanoidGuess guess;
-  guess.jointOf = named.jointOf;
+  guess.jointOf = given;
   if (!named.convention.empty()) {
+    if (isFourLegged(tree, named.jointOf)) return guess;
+    guess.jointOf = named.jointOf;
+    dropSidewaysThighs(tree, guess.jointOf);
     addFingersByNames(tree, names, guess.jointOf);
+    addBonesByShape(tree, names, guess.jointOf);
+    dropStrayBones(tree, given, guess.jointOf);
     guess.by = fmt::format("names ({})", named.convention);
+    return guess;
   }
+  const BoneJoints shaped = bonesByShape(tree, names);
+  if (jointOf(shaped, HumanBone::kHips) == kNoJoint) return guess;
+  // Bones that the skeleton has already rule; a shape that sees them elsewhere is wrong.
+  for (std::size_t bone = 0; bone < given.size(); ++bone) {
+    if (given[bone] != kNoJoint && shaped[bone] != given[bone]) return guess;
+  }
+  guess.jointOf = shaped;
+  dropStrayBones(tree, given, guess.jointOf);
+  guess.by = "the skeleton's shape";
   return guess;
 }
 

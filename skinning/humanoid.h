@@ -3,10 +3,14 @@
 #include "skinning/skeleton.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+/// The bone that a bone hangs on in VRM's order of bones; nothing for the hips.
+[[nodiscard]] std::optional<HumanBone> parentBone(HumanBone bone);
 
 /// Which joint is which humanoid bone, and how that was found out.
 struct HumanoidGuess {
