@@ -1,0 +1,122 @@
+#pragma once
+
+#include "geometry/tri_mesh.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+
+/// Answers where a surface is nearest and how often it winds round a point, by a tree of boxes. Internal to body/:
+/// unlike acd/nearest_triangle.h it says which triangle and where on it, and can be told to pass triangles over.
+class TriangleTree {
+ public:
+  struct Hit {
+    double distance = std::numeric_limits<double>::infinity();  ///< [m]; infinite when there is none
+    std::int32_t triangle = -1;                                 ///< in the order in which they were given
+    Vec3 shares = Vec3::Zero();                                 ///< barycentric: point = sum of shares x corners
+  };
+
+  /// @param triangles  at least one
+  TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+
+  /// The nearest of the triangles that `accept(triangle)` does not pass over; of several as near the first.
+  /// @param within  farther ones are none [m]
+  template <typename Accept>
+  [[nodiscard]] Hit nearest(const Vec3& p, double within, Accept&& accept) const;
+  [[nodiscard]] Hit nearest(const Vec3& p) const {
+    return nearest(p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; });
+  }
+
+  /// Calls visit(triangle) for all triangles that come as near as `radius` to p, until it returns false.
+  template <typename Visit>
+  void forEachWithin(const Vec3& p, double radius, Visit&& visit) const;
+
+  /// How often the surface winds round p: 1 inside and 0 outside where it is closed and its triangles run
+  /// counter-clockwise from outside; something between where it is open (Jacobson et al. 2013). Far groups of triangles
+  /// count as one dipole (Barill et al. 2018), which is good to a few hundredths.
+  [[nodiscard]] double windingNumber(const Vec3& p) const;
+
+ private:
+  struct Node {
+    Aabb box;
+    Vec3 center = Vec3::Zero();  ///< mean of the triangles, by area
+    Vec3 dipole = Vec3::Zero();  ///< sum of normal x area
+    double radius = 0.0;         ///< about the center, of all corners
+    std::int32_t first = 0;      ///< leaf: its first triangle; else: its second child (the first one follows it)
+    std::int32_t count = 0;      ///< leaf: how many; 0 for an inner node
+  };
+  void build(std::size_t first, std::size_t count);
+  void measure(Node& node, std::size_t first, std::size_t count) const;
+
+  std::vector<std::array<Vec3, 3>> corners_;  ///< in the order of the tree
+  std::vector<std::int32_t> original_;
+  std::vector<Node> nodes_;
+};
+
+/// The nearest point of a triangle, which may be as thin as it likes.
+/// @return squared distance and barycentric coordinates
+[[nodiscard]] std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& triangle);
+
+[[nodiscard]] inline double distanceSqToBox(const Vec3& p, const Aabb& box) {
+  return (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).squaredNorm();
+}
+
+template <typename Accept>
+TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& accept) const {
+  Hit hit;
+  double best = within * within;
+  std::array<std::pair<std::int32_t, double>, 64> stack;  // the tree is balanced: never deeper than 32
+  int depth = 0;
+  stack[depth++] = {0, distanceSqToBox(p, nodes_[0].box)};
+  while (depth > 0) {
+    const auto [index, boxDistanceSq] = stack[--depth];
+    if (boxDistanceSq > best) continue;
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    if (node.count > 0) {
+      for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
+        const auto [distanceSq, shares] = nearestOnTriangle(p, corners_[i]);
+        if (distanceSq > best || (distanceSq == best && hit.triangle >= 0 && original_[i] > hit.triangle)) continue;
+        if (!accept(original_[i])) continue;
+        best = distanceSq;
+        hit = {std::sqrt(distanceSq), original_[i], shares};
+      }
+      continue;
+    }
+    std::pair<std::int32_t, double> near{index + 1,
+                                         distanceSqToBox(p, nodes_[static_cast<std::size_t>(index) + 1].box)};
+    std::pair<std::int32_t, double> far{node.first,
+                                        distanceSqToBox(p, nodes_[static_cast<std::size_t>(node.first)].box)};
+    if (far.second < near.second) std::swap(near, far);
+    stack[depth++] = far;
+    stack[depth++] = near;
+  }
+  return hit;
+}
+
+template <typename Visit>
+void TriangleTree::forEachWithin(const Vec3& p, double radius, Visit&& visit) const {
+  const double radiusSq = radius * radius;
+  std::array<std::int32_t, 64> stack;
+  int depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::int32_t index = stack[--depth];
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    if (distanceSqToBox(p, node.box) > radiusSq) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.first;
+      stack[depth++] = index + 1;
+      continue;
+    }
+    for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
+      if (nearestOnTriangle(p, corners_[i]).first <= radiusSq && !visit(original_[i])) return;
+    }
+  }
+}
+
+}  // namespace lorica
