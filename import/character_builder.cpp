@@ -97,9 +97,7 @@ class CharacterBuilder {
   [[nodiscard]] Result<void> chooseUnits() {
     Aabb box = box_;
     if (box.empty()) {
-      for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
-        if (chosen_[i] != 0) box.extend(frames_.fileFromNode[i].translation());
-      }
+      for (const std::size_t i : nodesThatShowSize()) box.extend(frames_.fileFromNode[i].translation());
     }
     const double longest = box.empty() ? 0.0 : (box.max - box.min).maxCoeff();
     if (!std::isfinite(longest)) return bad("its bind pose is not finite");
@@ -107,6 +105,22 @@ class CharacterBuilder {
     if (!guess.note.empty()) out_.notes.push_back(std::move(guess.note));
     out_.metresPerUnit = guess.metresPerUnit;
     return {};
+  }
+
+  /// Of a file of motion alone: the nodes that move, if there are, since a camera may stand far away.
+  [[nodiscard]] std::vector<std::size_t> nodesThatShowSize() const {
+    std::vector<char> moves(scene_.nodes.size(), 0);
+    for (const FileClip& clip : scene_.clips) {
+      for (const FileTrack& track : clip.tracks) moves[static_cast<std::size_t>(track.node)] = 1;
+    }
+    std::vector<std::size_t> moving;
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+      if (chosen_[i] == 0) continue;
+      all.push_back(i);
+      if (moves[i] != 0) moving.push_back(i);
+    }
+    return moving.empty() ? all : moving;
   }
 
   // 4. A joint for each node chosen.

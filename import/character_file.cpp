@@ -1,6 +1,7 @@
 #include "import/character_file.h"
 
 #include "geometry/files.h"
+#include "import/assimp_file.h"
 #include "import/file_scene.h"
 #include "import/gltf_file.h"
 
@@ -20,12 +21,14 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
 [[nodiscard]] Kind kindOf(std::string_view content) {
   if (content.starts_with("glTF")) return Kind::kGltf;
   if (content.starts_with("Kaydara FBX Binary")) return Kind::kFbx;
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) return Kind::kCollada;  // UTF-16
   const std::string_view start = content.substr(0, 4096);
   const std::size_t first = start.find_first_not_of("\xEF\xBB\xBF \t\r\n");
   if (first == std::string_view::npos) return Kind::kUnknown;
   if (start[first] == '{') return Kind::kGltf;
   if (start[first] == '<' && start.find("<COLLADA") != std::string_view::npos) return Kind::kCollada;
-  if (start[first] == ';' && start.find("FBX") != std::string_view::npos) return Kind::kFbx;
+  const bool comment = start[first] == ';' && start.find("FBX") != std::string_view::npos;
+  if (comment || start.substr(first).starts_with("FBXHeaderExtension")) return Kind::kFbx;
   return Kind::kUnknown;
 }
 
@@ -39,7 +42,11 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       scene = readGltfScene(bytes, name, folder);
       break;
     case Kind::kFbx:
+      scene = readAssimpScene(bytes, name, AssimpFormat::kFbx);
+      break;
     case Kind::kCollada:
+      scene = readAssimpScene(bytes, name, AssimpFormat::kCollada);
+      break;
     case Kind::kUnknown:
       break;
   }
