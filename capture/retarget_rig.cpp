@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace lorica {
 namespace {
@@ -77,13 +79,17 @@ double legLengthOf(const RetargetRig& rig, std::span<const Affine3> worldFromJoi
 }
 
 /// Where the sole is, of which a skeleton says only the joints above it. The floor is y = 0 in the rest pose, unless
-/// that is nowhere near the ankle.
-void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std::size_t side, const Vec3& forward) {
+/// that is nowhere near the ankle or the rest pose does not stand; then it is under the toes.
+/// @param ground  worldFromGround: +Y away from the floor, +Z ahead
+void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std::size_t side, const Quat& ground,
+                 bool stands) {
   // Shares of the distance from ankle to toes, and of the leg, as adults have them.
   constexpr double kHeelBehind = 0.45;
   constexpr double kTipAhead = 0.55;
   constexpr double kToesAhead = 0.16;
   constexpr double kAnkleHeight = 0.1;
+  constexpr double kToesHeight = 0.03;
+  constexpr double kLowestAnkle = 0.05;
   constexpr double kHighestAnkle = 0.35;
   const Skeleton& skeleton = rig.skeleton;
   const Affine3& foot = worldFromJoint[static_cast<std::size_t>(skeleton.jointOf(limbs()[kFirstLeg + side].end))];
@@ -91,18 +97,58 @@ void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std:
   const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint[static_cast<std::size_t>(toesJoint)];
   const Vec3 ankle = foot.translation();
   const double leg = legLengthOf(rig, worldFromJoint, side);
-  const bool floorAtZero = ankle.y() >= 0.0 && ankle.y() < kHighestAnkle * leg;
-  rig.restAnkleHeight[side] = floorAtZero ? ankle.y() : kAnkleHeight * leg;
+  Vec3 ahead = ground.conjugate() * (toes.translation() - ankle);
+  const double toesUnder = -ahead.y();
+  const bool floorAtZero = stands && ankle.y() >= 0.0 && ankle.y() < kHighestAnkle * leg;
+  if (floorAtZero) {
+    rig.restAnkleHeight[side] = ankle.y();
+  } else if (toesJoint != kNoJoint) {
+    rig.restAnkleHeight[side] = std::clamp(toesUnder + kToesHeight * leg, kLowestAnkle * leg, kHighestAnkle * leg);
+  } else {
+    rig.restAnkleHeight[side] = kAnkleHeight * leg;
+  }
 
-  Vec3 ahead = toes.translation() - ankle;
   ahead.y() = 0.0;
-  if (ahead.dot(forward) < kShortestBone) ahead = kToesAhead * leg * forward;
-  const Vec3 under = ankle - Vec3(0.0, rig.restAnkleHeight[side], 0.0);
-  rig.ballFromAnkle[side] = under + ahead - ankle;
-  rig.sole[side].heel = foot.inverse() * Vec3(under - kHeelBehind * ahead);
-  rig.sole[side].ball = foot.inverse() * Vec3(under + ahead);
-  rig.sole[side].tip = toes.inverse() * Vec3(under + (1.0 + kTipAhead) * ahead);
+  if (ahead.z() < kShortestBone) {
+    ahead = Vec3(0.0, 0.0, kToesAhead * leg);
+  } else if (std::abs(ahead.x()) < ahead.z()) {
+    rig.toesHeading[side] = Quat(Eigen::AngleAxisd(std::atan2(ahead.x(), ahead.z()), Vec3::UnitY()));
+  }
+  rig.ballFromAnkle[side] = ahead - Vec3(0.0, rig.restAnkleHeight[side], 0.0);
+  const auto below = [&](double share) -> Vec3 {
+    return ankle + ground * Vec3(share * ahead - Vec3(0.0, rig.restAnkleHeight[side], 0.0));
+  };
+  rig.sole[side].heel = foot.inverse() * below(-kHeelBehind);
+  rig.sole[side].ball = foot.inverse() * below(1.0);
+  rig.sole[side].tip = toes.inverse() * below(1.0 + kTipAhead);
 }
+
+/// A rest pose's foot may point down, as in files whose limbs all lie on axes: the turn that makes it stand.
+Quat flatFoot(const Vec3& toesFromAnkle) {
+  constexpr double kSteepest = 0.85;  // sine; high heels stay below
+  constexpr double kSlope = 0.45;     // of the line from ankle to toes in a foot that stands [rad]
+  const double length = toesFromAnkle.norm();
+  if (length < kShortestBone || std::abs(toesFromAnkle.y()) < kSteepest * length) return Quat::Identity();
+  const Vec3 standing(0.0, -std::sin(kSlope), std::cos(kSlope));
+  return swingBetween(toesFromAnkle / length, standing, Vec3::UnitX());
+}
+
+/// A finger's bones from the palm outwards.
+using Finger = std::array<HumanBone, 3>;
+constexpr std::array<std::array<Finger, 4>, 2> kFingers = {{
+    {{{HumanBone::kLeftIndexProximal, HumanBone::kLeftIndexIntermediate, HumanBone::kLeftIndexDistal},
+      {HumanBone::kLeftMiddleProximal, HumanBone::kLeftMiddleIntermediate, HumanBone::kLeftMiddleDistal},
+      {HumanBone::kLeftRingProximal, HumanBone::kLeftRingIntermediate, HumanBone::kLeftRingDistal},
+      {HumanBone::kLeftLittleProximal, HumanBone::kLeftLittleIntermediate, HumanBone::kLeftLittleDistal}}},
+    {{{HumanBone::kRightIndexProximal, HumanBone::kRightIndexIntermediate, HumanBone::kRightIndexDistal},
+      {HumanBone::kRightMiddleProximal, HumanBone::kRightMiddleIntermediate, HumanBone::kRightMiddleDistal},
+      {HumanBone::kRightRingProximal, HumanBone::kRightRingIntermediate, HumanBone::kRightRingDistal},
+      {HumanBone::kRightLittleProximal, HumanBone::kRightLittleIntermediate, HumanBone::kRightLittleDistal}}},
+}};
+constexpr std::array<Finger, 2> kThumbs = {{
+    {HumanBone::kLeftThumbMetacarpal, HumanBone::kLeftThumbProximal, HumanBone::kLeftThumbDistal},
+    {HumanBone::kRightThumbMetacarpal, HumanBone::kRightThumbProximal, HumanBone::kRightThumbDistal},
+}};
 
 }  // namespace
 
@@ -121,6 +167,23 @@ const std::array<LimbBones, kLimbCount>& limbs() {
        Vec3::UnitX()},
   }};
   return all;
+}
+
+HumanBone otherSide(HumanBone bone) {
+  static const std::array<HumanBone, kHumanBoneCount> others = [] {
+    std::array<HumanBone, kHumanBoneCount> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      all[i] = static_cast<HumanBone>(i);
+      std::string name(nameOf(all[i]));
+      if (name.starts_with("left"))
+        name.replace(0, 4, "right");
+      else if (name.starts_with("right"))
+        name.replace(0, 5, "left");
+      all[i] = humanBoneNamed(name).value_or(all[i]);
+    }
+    return all;
+  }();
+  return others[static_cast<std::size_t>(bone)];
 }
 
 std::span<const HumanBone> bonesNeededToRetarget() {
@@ -184,7 +247,9 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   const Vec3 shoulderLine = at(HumanBone::kLeftUpperArm) - at(HumanBone::kRightUpperArm);
   const std::optional<Quat> hipsFrame = frameAlongLeft(hipLine, up);
   const std::optional<Quat> chestFrame = frameAlongUp(shoulderLine, up);
-  const std::optional<Quat> groundFrame = frameAlongUp(hipLine, Vec3::UnitY());
+  constexpr double kUpright = 0.5;
+  const bool stands = up.y() > kUpright * up.norm();
+  const std::optional<Quat> groundFrame = stands ? frameAlongUp(hipLine, Vec3::UnitY()) : hipsFrame;
   if (!hipsFrame || !chestFrame || !groundFrame) {
     return refused("the skeleton's rest pose has no upright trunk: hips, shoulders and neck lie on a line");
   }
@@ -233,14 +298,35 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
     const Quat lowerSwing = swingBetween(upperSwing * lower, limb.axis, limb.hinge) * upperSwing;
     set(limb.upper, upperSwing);
     set(limb.lower, lowerSwing);
-    // A hand goes along with its forearm; a foot stays as flat on the ground as it was.
-    set(limb.end, leg ? groundFrame->conjugate() : lowerSwing);
-    if (!leg) continue;
+    // A hand goes along with its forearm, and the fingers with the hand, but for what they are curled.
+    if (!leg) {
+      set(limb.end, lowerSwing);
+      for (const HumanBone bone : kThumbs[i]) set(bone, lowerSwing);
+      for (const Finger& finger : kFingers[i]) {
+        Quat swing = lowerSwing;
+        Vec3 flat = limb.axis;
+        for (std::size_t k = 0; k < finger.size(); ++k) {
+          if (k + 1 < finger.size() && has(finger[k]) && has(finger[k + 1])) {
+            const Vec3 along = swing * (at(finger[k + 1]) - at(finger[k]));
+            if (k == 0) flat = Vec3(along.x(), 0.0, along.z());
+            if (along.norm() >= kShortestBone && flat.dot(limb.axis) > 0.3 * along.norm()) {
+              swing = swingBetween(along.normalized(), flat.normalized(), Vec3::UnitY()) * swing;
+            }
+          }
+          set(finger[k], swing);
+        }
+      }
+      continue;
+    }
     const std::size_t side = i - kFirstLeg;
+    Quat ground = *groundFrame;
+    if (has(kToes[side])) {
+      ground = ground * flatFoot(ground.conjugate() * (at(kToes[side]) - at(limb.end))).conjugate();
+      set(kToes[side], ground.conjugate());
+    }
+    set(limb.end, ground.conjugate());
     rig.legLength += 0.5 * legLengthOf(rig, worldFromJoint, side);
-    measureFoot(rig, worldFromJoint, side, *groundFrame * Vec3::UnitZ());
-    rig.ballFromAnkle[side] = groundFrame->conjugate() * rig.ballFromAnkle[side];
-    if (has(kToes[side])) set(kToes[side], groundFrame->conjugate());
+    measureFoot(rig, worldFromJoint, side, ground, stands && ground.angularDistance(*groundFrame) < 1e-9);
   }
 
   rig.restHips = at(HumanBone::kHips);

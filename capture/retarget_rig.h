@@ -32,6 +32,9 @@ inline constexpr int kFirstLeg = 2;
 /// The same, exactly along `up`.
 [[nodiscard]] std::optional<Quat> frameAlongUp(const Vec3& left, const Vec3& up);
 
+/// The bone on the other side of the body; the same in the middle.
+[[nodiscard]] HumanBone otherSide(HumanBone bone);
+
 /// The smallest rotation from one unit vector to another; about `spare`, which is perpendicular to `from` or nearly,
 /// when they are opposite.
 [[nodiscard]] Quat swingBetween(const Vec3& from, const Vec3& to, const Vec3& spare);
@@ -39,11 +42,13 @@ inline constexpr int kFirstLeg = 2;
 /// What retargeting needs to know of a skeleton, whatever its rest pose, joint axes and size.
 ///
 /// The pivot is the T-pose, facing +Z, of the orientations in TrackedJoint. `tposeFromJoint` of a bone is its world
-/// rotation when the character stands so: the rest pose turned to face +Z, its arms swung level and its legs swung
-/// straight. Then an orientation q in TrackedJoint's sense makes the world rotation q * tposeFromJoint.
+/// rotation when the character stands so: the rest pose turned upright to face +Z, its arms swung level, its legs swung
+/// straight, its fingers stretched as flat as the hand. Feet stay on the ground as flat as they were, whatever the legs
+/// do; those that point down at rest are swung flat. A rest pose may lie or sit. Then an orientation q in
+/// TrackedJoint's sense makes the world rotation q * tposeFromJoint.
 struct RetargetRig {
   Skeleton skeleton;
-  std::vector<Quat> tposeFromJoint;  ///< one a joint; identity where no tracked bone is
+  std::vector<Quat> tposeFromJoint;  ///< one a joint; identity where no bone is
   std::vector<double> spineShare;    ///< one a joint: 0 turns with the hips, 1 with the chest
   JointIndex hips = kNoJoint;
   JointIndex chest = kNoJoint;    ///< the uppermost of upperChest, chest and spine
@@ -58,6 +63,9 @@ struct RetargetRig {
     Vec3 tip;         ///< in the toes' joint; in the foot's where the skeleton has no toes
   };
   std::array<Sole, 2> sole;
+  /// About +Y: where the toes' joint lies from the ankle in T-pose, against straight ahead. Feet are seldom built
+  /// straight: this takes out what is only the shape of the foot.
+  std::array<Quat, 2> toesHeading = {Quat::Identity(), Quat::Identity()};
 
   /// @return the rig, or which humanoid bones are missing, out of order or of no length
   static Result<RetargetRig> create(const Skeleton& skeleton);
