@@ -103,9 +103,10 @@ struct Body {
   for (const JointIndex top : arms.tops) {
     if (tree.isBelowOrSame(legs.branch, top)) return std::nullopt;
   }
-  if (legs.tops == arms.tops) return std::nullopt;
+  // Limbs that all hang on one joint are a spider's.
+  if (legs.branch == arms.branch) return std::nullopt;
   Body body{legs, arms, {}, {}, tree.commonAncestor(legs.branch, arms.branch), kNoJoint, Vec3::Zero()};
-  if (body.hips == kNoJoint || (body.hips == arms.branch && legs.branch != arms.branch)) return std::nullopt;
+  if (body.hips == kNoJoint || body.hips == arms.branch) return std::nullopt;
   for (std::size_t side = 0; side < 2; ++side) {
     body.leg[side] = splitLimb(tree, reach.wayDown(legs.tops[side]), LimbKind::kLeg);
     body.arm[side] = splitLimb(tree, reach.wayDown(arms.tops[side]), LimbKind::kArm);
