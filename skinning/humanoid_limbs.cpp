@@ -50,10 +50,16 @@ constexpr double kSamePlace = 1e-3;
   if (std::min(upper.norm(), lower.norm()) < kSamePlace * wholeLength) return -1.0;
   double score = std::min(upper.norm(), lower.norm()) / longer;
   score += 0.3 * (upper.norm() + lower.norm()) / wholeLength;
+  // A collar bone may come before, a hand or foot after; more than that is a piece of the limb left out.
   double before = 0.0;
-  for (std::size_t i = 1; i <= at[0]; ++i) before += distance(tree, way[i - 1], way[i]);
-  score -= 0.5 * before / (upper.norm() + lower.norm());
-  score -= 0.08 * static_cast<double>(at[2] - at[0] - 2);
+  double after = 0.0;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    if (i <= at[0]) before += distance(tree, way[i - 1], way[i]);
+    if (i > at[2]) after += distance(tree, way[i - 1], way[i]);
+  }
+  const double both = upper.norm() + lower.norm();
+  score -= 0.5 * std::max(0.0, before / both - 0.4) + std::max(0.0, after / both - 0.35);
+  score -= 0.1 * static_cast<double>(at[2] - at[0] - 2);
   score -= 3.0 * (bulge(tree, way, at[0], at[1]) + bulge(tree, way, at[1], at[2])) / wholeLength;
   if (kind == LimbKind::kArm && tree.children(way[at[2]]).size() >= 3) score += 0.5;
   if (kind == LimbKind::kLeg && at[2] + 1 < way.size()) {
@@ -155,8 +161,9 @@ void addFingersByShape(const JointTree& tree, const Reach& reach, bool left, Bon
   std::stable_sort(fingers.begin(), fingers.end(), [&](JointIndex a, JointIndex b) { return reached(a) < reached(b); });
   const JointIndex thumb = fingers.front();
   fingers.erase(fingers.begin());
+  // First joints may all lie at one place, to be moved from there by the second.
   const auto knuckle = [&](JointIndex finger) {
-    return tree.position(fingerJoints(tree, reach, hand, finger, false).front());
+    return tree.position(fingerJoints(tree, reach, hand, finger, false).at(1));
   };
   Vec3 across = Vec3::Zero();
   for (const JointIndex a : fingers) {

@@ -85,13 +85,29 @@ struct Body {
       return joint != kNoJoint && (tree.isBelowOrSame(joint, child));
     });
     if (isTaken || isHelper(names[static_cast<std::size_t>(child)])) continue;
-    const Vec3 way = tree.position(reach.wayDown(child).back()) - tree.position(chest);
-    const double height = way.dot(up);
-    if (height < 0.6 * way.norm() || height <= highest) continue;
-    highest = height;
-    best = child;
+    for (const JointIndex joint : reach.wayDown(child)) {
+      const Vec3 way = tree.position(joint) - tree.position(chest);
+      const double height = way.dot(up);
+      if (height < 0.6 * way.norm() || height <= highest * (1.0 + 1e-6)) continue;
+      highest = height;
+      best = child;
+    }
   }
   return best;
+}
+
+/// Whether both limbs of a pair are split into segments as long as each other's.
+[[nodiscard]] bool areAlike(const JointTree& tree, const std::array<Limb, 2>& limbs) {
+  const auto alike = [&](JointIndex Limb::*from, JointIndex Limb::*to) {
+    std::array<double, 2> lengths{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      if ((limbs[0].*to == kNoJoint) != (limbs[1].*to == kNoJoint)) return false;
+      if (limbs[i].*to == kNoJoint) return true;
+      lengths[i] = (tree.position(limbs[i].*to) - tree.position(limbs[i].*from)).norm();
+    }
+    return std::min(lengths[0], lengths[1]) > 0.7 * std::max(lengths[0], lengths[1]);
+  };
+  return alike(&Limb::upper, &Limb::lower) && alike(&Limb::lower, &Limb::end);
 }
 
 /// Whether these two pairs are legs and arms of a standing body; else nothing.
@@ -122,13 +138,14 @@ struct Body {
   body.up.normalize();
   if (body.up.dot(down.normalized()) > -0.5) return std::nullopt;
 
-  // Both pairs part to the same two sides, across the trunk.
+  // Both pairs part to the same two sides, across the trunk, and are each other's mirror image.
   const Vec3 legsApart = tree.position(body.leg[0].upper) - tree.position(body.leg[1].upper);
   const Vec3 armsApart = tree.position(body.arm[0].upper) - tree.position(body.arm[1].upper);
-  if (std::abs(armsApart.normalized().dot(body.up)) > 0.5) return std::nullopt;
-  if (legsApart.norm() > 0.02 * down.norm() && std::abs(legsApart.normalized().dot(armsApart.normalized())) < 0.8) {
-    return std::nullopt;
-  }
+  const Vec3 across = armsApart.normalized();
+  if (std::abs(across.dot(body.up)) > 0.3) return std::nullopt;
+  if (std::abs(across.dot(armTop - legTop)) > 0.2 * (armTop - legTop).norm()) return std::nullopt;
+  if (legsApart.norm() > 0.02 * down.norm() && std::abs(legsApart.normalized().dot(across)) < 0.9) return std::nullopt;
+  if (!areAlike(tree, body.leg) || !areAlike(tree, body.arm)) return std::nullopt;
   const std::array<JointIndex, 4> taken = {legs.tops[0], legs.tops[1], arms.tops[0], arms.tops[1]};
   body.head = findHead(tree, reach, names, arms.branch, body.up, taken);
   if (body.head == kNoJoint) return std::nullopt;
