@@ -31,8 +31,8 @@ inline constexpr int kJointFormatCount = static_cast<int>(JointFormat::kNite2) +
 [[nodiscard]] std::optional<JointFormat> jointFormatNamed(std::string_view name);
 
 struct JointStreamSettings {
-  std::optional<JointFormat> format;  ///< none = told by the content
-  std::optional<int> person;          ///< of several in one stream; none = the one that moves most
+  std::optional<JointFormat> format = {};  ///< none = told by the content
+  std::optional<int> person = {};          ///< of several in one stream; none = the one that moves most
 };
 
 /// What a file of joints holds of one person, in Lorica's units and axes.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 /// Which layout a file has, from its header or from how many numbers its rows have.
 namespace lorica::joints {
@@ -49,8 +50,10 @@ bool isNumberWithin(std::string_view field, double least, double most) {
   return readNumber(field, value) == NumberKind::kNumber && value >= least && value <= most;
 }
 
+enum class Fit : std::uint8_t { kNone, kFirst, kAll };
+
 /// Whether the first rows are such rows.
-bool rowsAre(JointFormat format, std::string_view text, std::string_view file) {
+Fit fitOf(JointFormat format, std::string_view text, std::string_view file) {
   RowReader reader(text, file);
   std::size_t rows = 0;
   bool mayBeHeader = format == JointFormat::kNite2;
@@ -97,9 +100,9 @@ bool rowsAre(JointFormat format, std::string_view text, std::string_view file) {
       double value = 0.0;
       fits = readNumber(reader.field(c), value) != NumberKind::kBad;
     }
-    if (!fits) return rows > 0 && reader.cutOff();
+    if (!fits) return rows == 0 ? Fit::kNone : reader.cutOff() ? Fit::kAll : Fit::kFirst;
   }
-  return rows > 0;
+  return rows > 0 ? Fit::kAll : Fit::kNone;
 }
 
 std::string listed(const std::vector<JointFormat>& formats, std::string_view last) {
@@ -122,13 +125,19 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   if (isBodyRow(reader)) return JointFormat::kKinect2Bodies;
 
   std::vector<JointFormat> fitting;
+  std::vector<JointFormat> beginning;
   std::vector<JointFormat> all;
+  all.reserve(kJointFormatCount);
   for (int i = 0; i < kJointFormatCount; ++i) {
     const auto format = static_cast<JointFormat>(i);
     all.push_back(format);
-    if (rowsAre(format, text, file)) fitting.push_back(format);
+    const Fit fit = fitOf(format, text, file);
+    if (fit == Fit::kAll) fitting.push_back(format);
+    if (fit == Fit::kFirst) beginning.push_back(format);
   }
   if (fitting.size() == 1) return fitting.front();
+  // A file with a bad row in it: reading it names the row.
+  if (fitting.empty() && beginning.size() == 1) return beginning.front();
   if (fitting.empty()) {
     return Error{
         ErrorCode::kBadFormat,

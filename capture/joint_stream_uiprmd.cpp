@@ -82,7 +82,11 @@ Result<RawStream> parseUiPrmd(std::string_view positions, std::string_view file,
     }
     Observation row;
     row.frame.time = static_cast<double>(raw.rows.size());
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) row.frame.joints[j] = {place[kSource[j]], turn[kSource[j]], 1.0};
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) row.frame.joints[j] = {place[kSource[j]], std::nullopt, 1.0};
+    // Limbs carry no true twist: elbows bend about any axis, and hands, shins and feet flip from frame to frame.
+    for (const BodyJoint j : {BodyJoint::kHead, BodyJoint::kNeck, BodyJoint::kTorso}) {
+      row.frame[j].orientation = turn[kSource[static_cast<std::size_t>(j)]];
+    }
     row.frame[BodyJoint::kHead].position = 0.5 * (place[kSource[0]] + place[kHeadTip]);
     row.toes = {place[kToes[0]], place[kToes[1]]};
     raw.rows.push_back(std::move(row));

@@ -1,0 +1,255 @@
+#include "capture/smoothing.h"
+
+#include "capture/joint_csv.h"
+#include "capture/retarget.h"
+#include "skinning/mannequin.h"
+#include "tests/capture/figures.h"
+#include "tests/geometry/allocation_watch.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace lorica {
+namespace {
+
+using J = BodyJoint;
+constexpr double kPi = std::numbers::pi;
+
+/// All joints at one place.
+SkeletonFrame frameAt(double time, const Vec3& place) {
+  SkeletonFrame frame;
+  frame.time = time;
+  for (TrackedJoint& joint : frame.joints) joint = {place, std::nullopt, 1.0};
+  return frame;
+}
+
+TEST(OneEuro, WhatStandsStillStaysAndTheFirstFrameIsShownAsItIs) {
+  OneEuroFilter filter;
+  for (int f = 0; f < 90; ++f) {
+    SkeletonFrame frame = frameAt(f / 30.0, Vec3(0.1, 1.2, -0.3));
+    frame[J::kHead].orientation = Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()));
+    filter.apply(frame);
+    EXPECT_LT((frame[J::kHead].position - Vec3(0.1, 1.2, -0.3)).norm(), 1e-15);
+    EXPECT_LT(frame[J::kHead].orientation->angularDistance(Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()))), 1e-7);
+  }
+  EXPECT_EQ(filter.delay(), 0.0);
+}
+
+TEST(OneEuro, ARampLagsByTheInverseOfTheCutoffWhateverTheSteps) {
+  std::mt19937 random(3);
+  for (const double speed : {0.2, 1.0, 3.0}) {
+    for (const double beta : {0.0, 0.5, 2.0}) {
+      const OneEuroSettings settings{.minCutoff = 1.0, .beta = beta};
+      OneEuroFilter filter(settings);
+      double time = 0.0;
+      SkeletonFrame frame;
+      for (int f = 0; f < 3000; ++f) {
+        time += 0.01 + 0.03 * static_cast<double>(random() % 1000) / 1000.0;
+        frame = frameAt(time, Vec3(0.6, 0.8, 0.0) * speed * time);
+        filter.apply(frame);
+      }
+      const double expected = 1.0 / (2.0 * kPi * (settings.minCutoff + beta * speed));
+      const double behind = (Vec3(0.6, 0.8, 0.0) * speed * time - frame[J::kNeck].position).norm();
+      EXPECT_NEAR(behind, speed * expected, 1e-6 * speed);
+      // The first second, while the speed is not known yet, lags more.
+      EXPECT_NEAR(filter.delay(), expected, 0.003) << speed << " " << beta;
+    }
+  }
+}
+
+TEST(OneEuro, ASineLagsByThePhaseOfTheFilter) {
+  for (const double rate : {30.0, 60.0, 200.0}) {
+    for (const double frequency : {0.5, 1.0, 2.0}) {
+      const OneEuroSettings settings{.minCutoff = 1.5, .beta = 0.0};
+      OneEuroFilter filter(settings);
+      const double omega = 2.0 * kPi * frequency;
+      for (int f = 0; f < static_cast<int>(60.0 * rate); ++f) {
+        SkeletonFrame frame = frameAt(f / rate, Vec3(0.3 * std::sin(omega * f / rate), 0, 0));
+        filter.apply(frame);
+      }
+      // share / (1 - (1 - share) / z) at z = exp(i omega / rate).
+      const double share = 1.0 / (1.0 + rate / (2.0 * kPi * settings.minCutoff));
+      const std::complex<double> response = share / (1.0 - (1.0 - share) * std::polar(1.0, -omega / rate));
+      // Straight lines between 30 frames a second are no sine: hence the milliseconds.
+      EXPECT_NEAR(filter.delay(), -std::arg(response) / omega, rate < 50.0 ? 0.004 : 0.0015)
+          << rate << " " << frequency;
+    }
+  }
+}
+
+TEST(OneEuro, OrientationsLagAsAngles) {
+  OneEuroFilter filter({.minCutoff = 1.0, .beta = 0.0});
+  SkeletonFrame frame;
+  const double turn = 1.5;  // rad/s, more than a whole turn in all
+  for (int f = 0; f <= 300; ++f) {
+    frame = frameAt(f / 30.0, Vec3::Zero());
+    frame[J::kHead].orientation = Quat(Eigen::AngleAxisd(turn * f / 30.0, Vec3(1, 2, 2) / 3.0));
+    if (f % 2 == 1) frame[J::kHead].orientation->coeffs() *= -1.0;  // the same rotation
+    filter.apply(frame);
+  }
+  const Quat measured(Eigen::AngleAxisd(turn * 10.0, Vec3(1, 2, 2) / 3.0));
+  EXPECT_NEAR(measured.angularDistance(*frame[J::kHead].orientation), turn / (2.0 * kPi), 1e-6);
+  EXPECT_NEAR(frame[J::kHead].orientation->norm(), 1.0, 1e-12);
+  EXPECT_FALSE(frame[J::kNeck].orientation);
+}
+
+TEST(OneEuro, ALostJointIsPassedOnAndStartsAnew) {
+  OneEuroFilter filter;
+  for (int f = 0; f < 60; ++f) {
+    SkeletonFrame frame = frameAt(f / 30.0, Vec3(f / 30.0, 1, 0));
+    if (f >= 20 && f < 30) frame[J::kLeftHand] = {Vec3(9, 9, 9), std::nullopt, 0.0};
+    filter.apply(frame);
+    if (f >= 20 && f < 30) {
+      EXPECT_EQ(frame[J::kLeftHand].confidence, 0.0);
+      EXPECT_EQ(frame[J::kLeftHand].position, Vec3(9, 9, 9));
+    }
+    if (f == 30) {
+      EXPECT_EQ(frame[J::kLeftHand].position, Vec3(1, 1, 0));
+    }
+    EXPECT_LT(frame[J::kRightHand].position.x(), f / 30.0 + 1e-12);
+  }
+}
+
+TEST(OneEuro, TimesThatStandStillOrGoBackShowWhatWasShown) {
+  OneEuroFilter filter;
+  SkeletonFrame frame = frameAt(1.0, Vec3::Zero());
+  filter.apply(frame);
+  frame = frameAt(1.1, Vec3::UnitX());
+  filter.apply(frame);
+  const Vec3 shown = frame[J::kHead].position;
+  for (const double time : {1.1, 0.5, std::numeric_limits<double>::quiet_NaN()}) {
+    frame = frameAt(time, Vec3(5, 5, 5));
+    filter.apply(frame);
+    EXPECT_EQ(frame[J::kHead].position, shown) << time;
+  }
+  frame = frameAt(100.0, Vec3(5, 5, 5));  // after a long pause the new place is what counts
+  filter.apply(frame);
+  EXPECT_LT((frame[J::kHead].position - Vec3(5, 5, 5)).norm(), 0.01);
+  frame = frameAt(100.1, Vec3(5, std::numeric_limits<double>::infinity(), 5));
+  filter.apply(frame);
+  frame = frameAt(100.2, Vec3(5, 5, 5));
+  filter.apply(frame);
+  EXPECT_EQ(frame[J::kHead].position, Vec3(5, 5, 5));
+}
+
+TEST(OneEuro, AllocatesNothingPerFrame) {
+  const auto frames = readJointCsv(test::recordingsFolder() / "walk_noisy.csv");
+  ASSERT_TRUE(frames);
+  std::vector<SkeletonFrame> shown = *frames;
+  OneEuroFilter filter;
+  const test::AllocationWatch watch;
+  for (SkeletonFrame& frame : shown) {
+    filter.apply(frame);
+    mirror(frame);
+  }
+  EXPECT_GE(filter.delay(), 0.0);
+  EXPECT_EQ(watch.largest(), 0u);
+}
+
+/// How much two neighbours of a joint's error differ from the one between: what the eye sees as shaking [m].
+double shaking(const std::vector<SkeletonFrame>& frames, const std::vector<SkeletonFrame>& clean,
+               const std::vector<SkeletonFrame>& noisy) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t f = 32; f < frames.size(); ++f) {
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      const auto error = [&](std::size_t g) -> Vec3 {
+        return frames[g].joints[j].position - clean[g].joints[j].position;
+      };
+      bool seen = true;
+      for (std::size_t g = f - 2; g <= f; ++g) seen = seen && noisy[g].joints[j].confidence == 1.0;
+      if (!seen) continue;
+      sum += (error(f) - 2.0 * error(f - 1) + error(f - 2)).squaredNorm();
+      count += 1.0;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST(OneEuro, TheDefaultsCalmTheNoisyRecordingsWithinAFrame) {
+  for (const char* name : {"walk", "punch_and_kick"}) {
+    SCOPED_TRACE(name);
+    const auto clean = readJointCsv(test::recordingsFolder() / (std::string(name) + ".csv"));
+    const auto noisy = readJointCsv(test::recordingsFolder() / (std::string(name) + "_noisy.csv"));
+    ASSERT_TRUE(clean && noisy);
+    std::vector<SkeletonFrame> smoothed = *noisy;
+    OneEuroFilter filter;
+    for (SkeletonFrame& frame : smoothed) filter.apply(frame);
+    EXPECT_GT(shaking(*noisy, *clean, *noisy) / shaking(smoothed, *clean, *noisy), 1.6);
+    EXPECT_GT(filter.delay(), 0.010);
+    EXPECT_LT(filter.delay(), 0.033);
+  }
+}
+
+TEST(OneEuro, ALostJointStillHoldsAndComesBackWithoutAJump) {
+  const auto frames = readJointCsv(test::recordingsFolder() / "walk_noisy.csv");
+  ASSERT_TRUE(frames);
+  const Character mannequin = makeMannequin();
+  for (const bool smooth : {false, true}) {
+    OneEuroFilter filter;
+    Retargeter retargeter = *Retargeter::create(mannequin.skeleton);
+    Pose pose(static_cast<std::size_t>(mannequin.skeleton.jointCount())), before;
+    const auto forearm = static_cast<std::size_t>(mannequin.skeleton.jointOf(HumanBone::kLeftLowerArm));
+    Quat held = Quat::Identity();
+    double largest = 0.0;
+    for (std::size_t f = 0; f < frames->size(); ++f) {
+      SkeletonFrame frame = (*frames)[f];
+      if (f >= 100 && f < 200) frame[J::kLeftHand] = {Vec3(3, 3, 3), std::nullopt, 0.0};
+      if (smooth) filter.apply(frame);
+      retargeter.apply(frame, pose);
+      if (f == 99) held = pose[forearm].rotation;
+      if (f == 110) {
+        EXPECT_LT(pose[forearm].rotation.angularDistance(held), 1e-6) << "held";
+      }
+      if (f == 180) {
+        const Quat& rest = mannequin.skeleton.joint(static_cast<JointIndex>(forearm)).rest.rotation;
+        EXPECT_LT(pose[forearm].rotation.angularDistance(rest), 0.02) << "eased to rest";
+      }
+      if (f >= 195 && f < 215) {
+        largest = std::max(largest, before[forearm].rotation.angularDistance(pose[forearm].rotation));
+      }
+      before = pose;
+    }
+    EXPECT_LE(largest, 2.0 * ConfidenceHoldSettings{}.returnTurn / 30.0);
+  }
+}
+
+TEST(Mirror, SwapsSidesAndTwiceIsOnce) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const SkeletonFrame frame = test::makeFrame(test::randomPose(seed), 0.5, true);
+    SkeletonFrame mirrored = frame;
+    mirror(mirrored);
+    const Vec3 hand = frame[J::kLeftHand].position;
+    EXPECT_EQ(mirrored[J::kRightHand].position, Vec3(-hand.x(), hand.y(), hand.z()));
+    EXPECT_EQ(mirrored.time, frame.time);
+    mirror(mirrored);
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      EXPECT_EQ(mirrored.joints[j].position, frame.joints[j].position);
+      EXPECT_EQ(mirrored.joints[j].orientation->coeffs(), frame.joints[j].orientation->coeffs());
+    }
+  }
+}
+
+TEST(Mirror, OrientationsStillPointAlongTheirLimbs) {
+  const auto along = [](const SkeletonFrame& f, J from, J to, const Vec3& axis) {
+    return test::angleBetween(*f[from].orientation * axis, f[to].position - f[from].position);
+  };
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    SkeletonFrame frame = test::makeFrame(test::randomPose(seed), 0.5, true);
+    mirror(frame);
+    EXPECT_LT(along(frame, J::kLeftShoulder, J::kLeftElbow, Vec3::UnitX()), 1e-6);
+    EXPECT_LT(along(frame, J::kRightShoulder, J::kRightElbow, -Vec3::UnitX()), 1e-6);
+    EXPECT_LT(along(frame, J::kLeftElbow, J::kLeftHand, Vec3::UnitX()), 1e-6);
+    EXPECT_LT(along(frame, J::kRightHip, J::kRightKnee, -Vec3::UnitY()), 1e-6);
+    EXPECT_LT(along(frame, J::kLeftKnee, J::kLeftFoot, -Vec3::UnitY()), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace lorica
