@@ -149,7 +149,7 @@ TEST(BoneMap, EveryBeginningOfAFileEndsInASentence) {
   const std::string whole = *readFile(file);
   const std::string body = whole.substr(0, whole.size() - 1);  // the line's end may be missing
   for (std::size_t size = 0; size < body.size(); ++size) {
-    EXPECT_NE(readMessage(body.substr(0, size)), "read") << size;
+    EXPECT_FALSE(parseBoneMap(body.substr(0, size), "map.json").ok()) << size;
   }
   EXPECT_EQ(readMessage(body), "read");
   const std::string deep(100000, '[');
