@@ -16,7 +16,7 @@ struct CoverPoint {
 struct CoverPromise {
   double tolerance = 0.0;                       ///< [m]; 0 = exact, in every pose
   int maxHullVertices = 0;                      ///< of each hull in every frame; 0 = no bound
-  std::vector<std::vector<CoverPoint>> points;  ///< for each part, points of that part
+  std::vector<std::vector<CoverPoint>> points;  ///< for each part, points of that part, or vertices of no part
   int sampledPoses = 0;                         ///< that the points were chosen in
   int heldOutPoses = 0;                         ///< that the promise was measured in, none of them sampled
   double growth = 0.0;                          ///< the longest of all displacements [m]

@@ -18,7 +18,7 @@ namespace {
 
 // docs/LORICA_FILE.md describes the layout. A change of it raises kVersion, and older versions stay readable.
 constexpr std::string_view kMagic = "LORICA\r\n";  // the line end betrays a transfer in text mode
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 
@@ -136,12 +136,13 @@ class Writer {
 
   void putVersion3(const DecompositionFile& content) { appendVersion3(content, payload_); }
 
-  [[nodiscard]] std::string file() const {
+  /// @param version  the oldest that can say all of the content, so that older readers understand as much as they can
+  [[nodiscard]] std::string file(std::uint32_t version) const {
     std::string bytes(kMagic);
     bytes.reserve(kHeaderBytes + payload_.size());
-    appendLittleEndian(kVersion, bytes);
+    appendLittleEndian(version, bytes);
     appendLittleEndian(static_cast<std::uint64_t>(payload_.size()), bytes);
-    appendLittleEndian(contentHash(payload_, kVersion), bytes);
+    appendLittleEndian(contentHash(payload_, version), bytes);
     return bytes + payload_;
   }
 
@@ -167,7 +168,7 @@ std::string encode(const DecompositionFile& content) {
   writer.putLadder(content.ladder);
   writer.putBones(content.bonesOfPart);
   writer.putVersion3(content);
-  return writer.file();
+  return writer.file(needsVersion4(content) ? 4 : 3);
 }
 
 // ---- Reading ----
@@ -350,8 +351,8 @@ void takeBones(ByteReader& reader, DecompositionFile& content) {
   }
 }
 
-/// Takes versions 2 and 3, of which the newer one has more at the end.
-DecompositionFile takeVersion2Or3(ByteReader& reader, std::uint32_t version) {
+/// Takes versions 2 to 4, of which the newer ones have more at the end.
+DecompositionFile takeVersion2To4(ByteReader& reader, std::uint32_t version) {
   DecompositionFile content;
   Scratch scratch;
   takeDescription(reader, content);
@@ -360,7 +361,7 @@ DecompositionFile takeVersion2Or3(ByteReader& reader, std::uint32_t version) {
   takeParts(reader, content.decomposition, scratch);
   takeLadder(reader, content);
   takeBones(reader, content);
-  if (version >= 3) takeVersion3(reader, content);
+  if (version >= 3) takeVersion3Or4(reader, version, content);
   return content;
 }
 
@@ -396,7 +397,7 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
   }
 
   ByteReader reader(bytes, kHeaderBytes, fileName);
-  DecompositionFile content = version == 1 ? takeVersion1(reader) : takeVersion2Or3(reader, version);
+  DecompositionFile content = version == 1 ? takeVersion1(reader) : takeVersion2To4(reader, version);
   if (reader.ok() && reader.left() > 0) {
     reader.fail(reader.offset(), fmt::format("{} bytes are left after the end", reader.left()));
   }

@@ -36,7 +36,7 @@ struct DecompositionFile {
 [[nodiscard]] std::uint64_t topologyHash(const TriMesh& mesh);
 
 /// Little-endian binary with version and checksum, described in docs/LORICA_FILE.md; written whole or not at all. The
-/// version is the newest.
+/// version is 3, or 4 where the cover holds vertices that no part has.
 /// @return success; kInvalidArgument where the content does not hold together, kUnwritable
 [[nodiscard]] Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content);
 

@@ -103,9 +103,9 @@ TrainingRange takeTraining(ByteReader& reader, int pointCount) {
 
 // ---- Cover promise ----
 
-/// Where each point stands in the part's list; one past its end for a point that is not in there, which reading back
-/// refuses.
-void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, std::string& payload) {
+/// Where each point stands in the part's list; past its end stand all vertices of the mesh, for those that no part has.
+/// What is neither is past that end, too, and reading back refuses it.
+void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, int vertexCount, std::string& payload) {
   appendCount(points.size(), payload);
   std::vector<std::uint32_t> places;
   places.reserve(points.size());
@@ -114,7 +114,9 @@ void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, std
   for (const CoverPoint& point : points) {
     const auto found = std::lower_bound(part.points.begin(), part.points.end(), point.point);
     const bool isThere = found != part.points.end() && *found == point.point;
-    const auto place = static_cast<std::uint32_t>((isThere ? found : part.points.end()) - part.points.begin());
+    const PointIndex beside = point.point >= 0 && point.point < vertexCount ? point.point : vertexCount;
+    const auto place = isThere ? static_cast<std::uint32_t>(found - part.points.begin())
+                               : static_cast<std::uint32_t>(part.points.size()) + static_cast<std::uint32_t>(beside);
     places.push_back(zigzag(place - before));
     before = place;
     displaced = displaced || point.outward != Vec3::Zero();
@@ -125,7 +127,8 @@ void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, std
   for (const CoverPoint& point : points) appendVector(point.outward, payload);
 }
 
-void appendCover(const CoverPromise& cover, std::span<const Part> parts, std::string& payload) {
+void appendCover(const CoverPromise& cover, const Decomposition& decomposition, std::string& payload) {
+  const std::span<const Part> parts = decomposition.parts;
   appendLittleEndian(cover.tolerance, payload);
   appendLittleEndian(static_cast<std::int32_t>(cover.maxHullVertices), payload);
   appendLittleEndian(static_cast<std::int32_t>(cover.sampledPoses), payload);
@@ -135,11 +138,20 @@ void appendCover(const CoverPromise& cover, std::span<const Part> parts, std::st
   appendLittleEndian(cover.heldOutShortfall, payload);
   appendCount(cover.points.size(), payload);
   for (std::size_t i = 0; i < std::min(cover.points.size(), parts.size()); ++i) {
-    appendCoverPoints(cover.points[i], parts[i], payload);
+    appendCoverPoints(cover.points[i], parts[i], decomposition.vertexCount, payload);
   }
 }
 
-std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, const Part& part) {
+bool isInAPart(PointIndex point, std::span<const Part> parts) {
+  return std::any_of(parts.begin(), parts.end(), [point](const Part& part) {
+    return std::binary_search(part.points.begin(), part.points.end(), point);
+  });
+}
+
+/// @param beside  how many vertices of the mesh may stand after the part's points; none before version 4
+std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, std::span<const Part> parts,
+                                        std::size_t beside) {
+  const Part& part = parts[index];
   const std::size_t count = reader.takeCount("the number of a part's cover points", kPackedBytes);
   const std::size_t begin = reader.offset();
   std::vector<std::uint32_t> places(count);
@@ -148,19 +160,29 @@ std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, c
   std::uint32_t place = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     place += unzigzag(places[i]);
-    if (place >= part.points.size()) {
+    if (place >= part.points.size() + beside) {
       reader.fail(begin, fmt::format("cover point {} of part {} is the part's point {}, expected 0 to {}", i, index,
-                                     place, std::ssize(part.points) - 1));
+                                     place, part.points.size() + beside - 1));
       return {};
     }
-    points[i].point = part.points[place];
+    if (place < part.points.size()) {
+      points[i].point = part.points[place];
+      continue;
+    }
+    points[i].point = static_cast<PointIndex>(place - part.points.size());
+    if (isInAPart(points[i].point, parts)) {
+      reader.fail(begin, fmt::format("cover point {} of part {} is vertex {}, expected one of the part or of no part",
+                                     i, index, points[i].point));
+      return {};
+    }
   }
   if (!takeKnown(reader, "whether a part's cover points are displaced")) return points;
   for (CoverPoint& point : points) point.outward = takeVector(reader, "a displacement of a cover point");
   return points;
 }
 
-CoverPromise takeCover(ByteReader& reader, std::span<const Part> parts) {
+CoverPromise takeCover(ByteReader& reader, std::uint32_t version, const Decomposition& decomposition) {
+  const std::span<const Part> parts = decomposition.parts;
   CoverPromise cover;
   cover.tolerance = takeDistance(reader, "the tolerance of the cover");
   cover.maxHullVertices = reader.takeIndex("the bound on a hull's vertices", 0, kLargestIndex + 1);
@@ -173,9 +195,11 @@ CoverPromise takeCover(ByteReader& reader, std::span<const Part> parts) {
   if (reader.ok() && count != parts.size()) {
     reader.fail(reader.offset() - 4, fmt::format("{} parts with cover points, expected {}", count, parts.size()));
   }
-  cover.points.reserve(reader.ok() ? count : 0);
+  if (!reader.ok()) return cover;
+  const std::size_t beside = version >= 4 ? static_cast<std::size_t>(decomposition.vertexCount) : 0;
+  cover.points.reserve(count);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    cover.points.push_back(takeCoverPoints(reader, i, parts[i]));
+    cover.points.push_back(takeCoverPoints(reader, i, parts, beside));
   }
   return cover;
 }
@@ -186,15 +210,26 @@ void appendVersion3(const DecompositionFile& content, std::string& payload) {
   appendLittleEndian(static_cast<std::uint8_t>(content.training ? 1 : 0), payload);
   if (content.training) appendTraining(*content.training, payload);
   appendLittleEndian(static_cast<std::uint8_t>(content.cover ? 1 : 0), payload);
-  if (content.cover) appendCover(*content.cover, content.decomposition.parts, payload);
+  if (content.cover) appendCover(*content.cover, content.decomposition, payload);
 }
 
-void takeVersion3(ByteReader& reader, DecompositionFile& content) {
+bool needsVersion4(const DecompositionFile& content) {
+  if (!content.cover) return false;
+  const std::vector<Part>& parts = content.decomposition.parts;
+  for (std::size_t i = 0; i < std::min(content.cover->points.size(), parts.size()); ++i) {
+    for (const CoverPoint& p : content.cover->points[i]) {
+      if (!std::binary_search(parts[i].points.begin(), parts[i].points.end(), p.point)) return true;
+    }
+  }
+  return false;
+}
+
+void takeVersion3Or4(ByteReader& reader, std::uint32_t version, DecompositionFile& content) {
   if (takeKnown(reader, "whether the training is known")) {
     content.training = takeTraining(reader, content.decomposition.pointCount());
   }
   if (takeKnown(reader, "whether the cover is known")) {
-    content.cover = takeCover(reader, content.decomposition.parts);
+    content.cover = takeCover(reader, version, content.decomposition);
   }
 }
 

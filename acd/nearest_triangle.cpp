@@ -40,8 +40,10 @@ double distanceSqToTriangle(const Vec3& p, const std::array<Vec3, 3>& triangle) 
   return std::min({distanceSqToSegment(p, a, b), distanceSqToSegment(p, b, c), distanceSqToSegment(p, c, a)});
 }
 
-NearestTriangle::NearestTriangle(std::vector<std::array<Vec3, 3>> corners) : triangles_(std::move(corners)) {
-  CHECK(!triangles_.empty(), "NearestTriangle needs a triangle: see score()");
+NearestTriangle::NearestTriangle(std::vector<std::array<Vec3, 3>> corners) {
+  CHECK(!corners.empty(), "NearestTriangle needs a triangle: see score()");
+  triangles_.reserve(corners.size());
+  for (const std::array<Vec3, 3>& t : corners) triangles_.push_back({t, static_cast<std::int32_t>(triangles_.size())});
   nodes_.reserve(triangles_.size());
   build(0, triangles_.size());
 }
@@ -51,8 +53,9 @@ void NearestTriangle::build(std::size_t first, std::size_t count) {
   nodes_.emplace_back();
   Aabb centers;
   for (std::size_t i = first; i < first + count; ++i) {
-    for (const Vec3& corner : triangles_[i]) nodes_[self].box.extend(corner);
-    centers.extend(triangles_[i][0] + triangles_[i][1] + triangles_[i][2]);
+    const std::array<Vec3, 3>& t = triangles_[i].corners;
+    for (const Vec3& corner : t) nodes_[self].box.extend(corner);
+    centers.extend(t[0] + t[1] + t[2]);
   }
   if (count <= kLeafSize) {
     nodes_[self].first = static_cast<std::int32_t>(first);
@@ -61,7 +64,7 @@ void NearestTriangle::build(std::size_t first, std::size_t count) {
   }
   Eigen::Index axis = 0;
   (centers.max - centers.min).maxCoeff(&axis);
-  const auto center = [axis](const std::array<Vec3, 3>& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
+  const auto center = [axis](const Entry& e) { return e.corners[0][axis] + e.corners[1][axis] + e.corners[2][axis]; };
   const auto begin = triangles_.begin() + static_cast<std::ptrdiff_t>(first);
   const std::size_t half = count / 2;
   std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half), begin + static_cast<std::ptrdiff_t>(count),
@@ -83,7 +86,7 @@ NearestTriangle::Hit NearestTriangle::nearest(const Vec3& p) const {
     const Node& node = nodes_[index];
     if (node.count > 0) {
       for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
-        const double distanceSq = distanceSqToTriangle(p, triangles_[i]);
+        const double distanceSq = distanceSqToTriangle(p, triangles_[i].corners);
         if (distanceSq >= best) continue;
         best = distanceSq;
         found = i;
@@ -96,7 +99,7 @@ NearestTriangle::Hit NearestTriangle::nearest(const Vec3& p) const {
     stack[depth++] = far;
     stack[depth++] = near;
   }
-  return {std::sqrt(best), found};
+  return {std::sqrt(best), found, triangles_[static_cast<std::size_t>(found)].given};
 }
 
 }  // namespace lorica

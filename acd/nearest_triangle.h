@@ -14,6 +14,7 @@ class NearestTriangle {
   struct Hit {
     double distance = 0.0;   ///< [m]
     std::int32_t index = 0;  ///< for corners()
+    std::int32_t given = 0;  ///< the same triangle in the order in which they were given
   };
 
   /// @param corners  at least one triangle; segments and points (equal corners) are fine
@@ -26,7 +27,7 @@ class NearestTriangle {
 
   /// A triangle by the index of a hit; not the order in which they were given.
   [[nodiscard]] const std::array<Vec3, 3>& corners(std::int32_t index) const {
-    return triangles_[static_cast<std::size_t>(index)];
+    return triangles_[static_cast<std::size_t>(index)].corners;
   }
 
  private:
@@ -35,9 +36,13 @@ class NearestTriangle {
     std::int32_t first = 0;  ///< leaf: its first triangle; else: its second child (the first one follows it)
     std::int32_t count = 0;  ///< leaf: how many; 0 for an inner node
   };
+  struct Entry {
+    std::array<Vec3, 3> corners;
+    std::int32_t given = 0;
+  };
   void build(std::size_t first, std::size_t count);
 
-  std::vector<std::array<Vec3, 3>> triangles_;
+  std::vector<Entry> triangles_;
   std::vector<Node> nodes_;
 };
 

@@ -42,6 +42,38 @@ void askInFront(const TriangleTree& tree, const std::array<Vec3, 3>& t, double d
   for (const Vec3& corner : t) visit(tree.windingNumber(0.3 * middle + 0.7 * corner + front));
 }
 
+/// @param groupOfTriangle  which group each triangle belongs to
+std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const std::int32_t> groupOfTriangle,
+                                   std::size_t groups) {
+  std::vector<Thickness> result(groups);
+  std::vector<Vec3> sum(groups, Vec3::Zero());
+  std::vector<Mat3> squares(groups, Mat3::Zero());
+  const Vec3 origin = surfaceBounds(source.mesh).center();
+  for (std::size_t k = 0; k < groupOfTriangle.size(); ++k) {
+    if (source.roles[k] != TriangleRole::kSkin) continue;
+    const auto g = static_cast<std::size_t>(groupOfTriangle[k]);
+    const std::array<Vec3, 3> t = source.corners(k);
+    const double area = areaOf(t);
+    const Vec3 at = middleOf(t) - origin;
+    result[g].area += area;
+    sum[g] += area * at;
+    // A long triangle is no point: over it the mean of x x' is that of its corners and its middle, weighted like this.
+    for (const Vec3& corner : t) squares[g] += area / 12.0 * (corner - origin) * (corner - origin).transpose();
+    squares[g] += 0.75 * area * at * at.transpose();
+  }
+  for (std::size_t g = 0; g < groups; ++g) {
+    Thickness& size = result[g];
+    if (!(size.area > 0.0)) continue;
+    const Vec3 mean = sum[g] / size.area;
+    const Mat3 spread = squares[g] / size.area - mean * mean.transpose();
+    const Vec3 along = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
+    // Round a circle the mean square of one coordinate is half the radius squared.
+    size.least = 2.0 * std::sqrt(2.0 * along[0]);
+    size.middle = 2.0 * std::sqrt(2.0 * along[1]);
+  }
+  return result;
+}
+
 }  // namespace
 
 std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
@@ -119,43 +151,21 @@ SolidSource::SolidSource(const Character& character, Welded welded)
     if (hidden) roles[k] = TriangleRole::kHidden;
   });
 
-  const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
-  sizeOfJoint.resize(jointCount);
-  std::vector<Vec3> sum(jointCount, Vec3::Zero());
-  std::vector<Mat3> squares(jointCount, Mat3::Zero());
-  const Vec3 origin = surfaceBounds(mesh).center();
-  for (std::size_t k = 0; k < count; ++k) {
-    if (roles[k] != TriangleRole::kSkin) continue;
-    const auto j = static_cast<std::size_t>(jointOfTriangle[k]);
-    const std::array<Vec3, 3> t = corners(k);
-    const Vec3 at = middleOf(t) - origin;
-    sizeOfJoint[j].area += areaOf(t);
-    sum[j] += areaOf(t) * at;
-    // A long triangle is no point: over a triangle the mean of x x' is that of its corners and its middle so weighted.
-    for (const Vec3& corner : t) squares[j] += areaOf(t) / 12.0 * (corner - origin) * (corner - origin).transpose();
-    squares[j] += 0.75 * areaOf(t) * at * at.transpose();
-  }
-  for (std::size_t j = 0; j < jointCount; ++j) {
-    LimbSize& size = sizeOfJoint[j];
-    if (!(size.area > 0.0)) continue;
-    const Vec3 mean = sum[j] / size.area;
-    const Mat3 spread = squares[j] / size.area - mean * mean.transpose();
-    const Vec3 along = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
-    // Round a circle the mean square of one coordinate is half the radius squared.
-    size.least = 2.0 * std::sqrt(2.0 * along[0]);
-    size.middle = 2.0 * std::sqrt(2.0 * along[1]);
-  }
+  patchOfTriangle = patches.patchOfTriangle;
+  ofJoint = thicknesses(*this, jointOfTriangle, static_cast<std::size_t>(character.skeleton.jointCount()));
+  ofPatch = thicknesses(*this, patchOfTriangle, patches.patches.size());
 }
 
 double chooseResolution(const SolidSource& source) {
-  std::vector<LimbSize> limbs = source.sizeOfJoint;
-  std::stable_sort(limbs.begin(), limbs.end(), [](const LimbSize& a, const LimbSize& b) { return a.least < b.least; });
+  std::vector<Thickness> limbs = source.ofJoint;
+  std::stable_sort(limbs.begin(), limbs.end(),
+                   [](const Thickness& a, const Thickness& b) { return a.least < b.least; });
   double whole = 0.0;
-  for (const LimbSize& limb : limbs) whole += limb.area;
+  for (const Thickness& limb : limbs) whole += limb.area;
   if (!(whole > 0.0)) whole = surfaceArea(source.mesh.vertices, source.mesh.triangles);
   double passed = 0.0;
   double thin = 0.0;
-  for (const LimbSize& limb : limbs) {
+  for (const Thickness& limb : limbs) {
     if (limb.area == 0.0) continue;
     thin = limb.least;
     passed += limb.area;

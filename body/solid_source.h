@@ -17,8 +17,8 @@ enum class TriangleRole : std::uint8_t {
   kSheet,   ///< outside on both sides: capes, cards of hair, a skirt that hangs free
 };
 
-/// How thick the skin that one bone moves most is.
-struct LimbSize {
+/// How thick a piece of skin is.
+struct Thickness {
   double area = 0.0;    ///< [m^2]
   double least = 0.0;   ///< across, where it is thinnest: of a tube its diameter [m]
   double middle = 0.0;  ///< the next direction: of a tube the same, of a blade its width [m]
@@ -35,7 +35,9 @@ class SolidSource {
   Limbs limbs;
   std::vector<JointIndex> jointOfTriangle;  ///< what moves each most
   std::vector<TriangleRole> roles;
-  std::vector<LimbSize> sizeOfJoint;
+  std::vector<std::int32_t> patchOfTriangle;
+  std::vector<Thickness> ofJoint;       ///< of the skin that each joint moves most
+  std::vector<Thickness> ofPatch;       ///< of the skin in each patch
   std::optional<TriangleTree> tree;     ///< of all triangles
   std::optional<TriangleTree> winding;  ///< of those that are no sheets
 

@@ -182,8 +182,10 @@ class Solid {
     TriMesh rods;
     rods.vertices = source_.mesh.vertices;
     for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
-      const LimbSize& limb = source_.sizeOfJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])];
-      if (source_.roles[k] == TriangleRole::kSkin && limb.middle < kRod * voxel_ && !isInSolid(k)) {
+      if (source_.roles[k] != TriangleRole::kSkin) continue;
+      const double across = std::min(source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])].middle,
+                                     source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])].middle);
+      if (across < kRod * voxel_ && !isInSolid(k)) {
         rods.triangles.push_back(source_.mesh.triangles[k]);
       }
     }

@@ -1,5 +1,6 @@
 #include "collision/cover.h"
 
+#include "collision/passengers.h"
 #include "geometry/convex_hull.h"
 
 #include <fmt/format.h>
@@ -362,8 +363,9 @@ class PartCover {
 CoverPromise coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted) {
   CoverPromise promise;
   promise.points.resize(decomposition.parts.size());
+  const std::vector<std::vector<PointIndex>> passengers = passengersOf(decomposition, lifted);
   for (std::size_t i = 0; i < promise.points.size(); ++i) {
-    for (const PointIndex p : hullCandidates(decomposition, decomposition.parts[i], lifted)) {
+    for (const PointIndex p : hullCandidates(decomposition, decomposition.parts[i], lifted, passengers[i])) {
       promise.points[i].push_back({p, Vec3::Zero()});
     }
   }

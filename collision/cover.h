@@ -30,7 +30,8 @@ struct CoverSettings {
   std::function<bool(int partsDone, int parts)> progress = {};  ///< one call at a time; return false to cancel
 };
 
-/// Every point that can be on a hull: the surface is inside the hulls in every pose, by construction.
+/// Every point that can be on a hull: the surface is inside the hulls in every pose, by construction, and so is every
+/// vertex that people see beside it, passengersOf().
 [[nodiscard]] CoverPromise coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted);
 
 /// Few points of each part, whose hulls, grown a little, hold the surface in all sampled poses.

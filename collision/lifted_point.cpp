@@ -82,10 +82,12 @@ Vec3 positionOf(const LiftedPoint& point, std::span<const Affine3> worldFromMode
 }
 
 std::vector<PointIndex> hullCandidates(const Decomposition& decomposition, const Part& part,
-                                       std::span<const LiftedPoint> lifted) {
+                                       std::span<const LiftedPoint> lifted, std::span<const PointIndex> passengers) {
   std::map<BoneKey, std::vector<PointIndex>> together;
   std::vector<PointIndex> candidates;
-  for (const PointIndex p : spanningPoints(decomposition, part)) {
+  std::vector<PointIndex> spanning = spanningPoints(decomposition, part);
+  spanning.insert(spanning.end(), passengers.begin(), passengers.end());
+  for (const PointIndex p : spanning) {
     const LiftedPoint& point = lifted[static_cast<std::size_t>(p)];
     if (hasOneBindPosition(point)) {
       together[boneKeyOf(point)].push_back(p);

@@ -35,8 +35,10 @@ using LiftedPoint = std::vector<LiftedTerm>;
 ///   - cut points between points that are in the part themselves, as where parts were joined again;
 ///   - points inside the hull of others that follow the same bones with the same weights: one affine map moves them
 ///   all.
-/// @param lifted  of all points of the decomposition
+/// @param lifted      of all points of the decomposition
+/// @param passengers  vertices that the part is to hold besides its own, see collision/passengers.h
 [[nodiscard]] std::vector<PointIndex> hullCandidates(const Decomposition& decomposition, const Part& part,
-                                                     std::span<const LiftedPoint> lifted);
+                                                     std::span<const LiftedPoint> lifted,
+                                                     std::span<const PointIndex> passengers = {});
 
 }  // namespace lorica

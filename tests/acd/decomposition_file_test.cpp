@@ -309,6 +309,23 @@ TEST(DecompositionFile, Version3StillLoadsAndIsStillWritten) {
   EXPECT_EQ(sampleBytes(), *readFile(keptFile("version3.lorica")));
 }
 
+/// The same with vertices in the cover that no part has.
+DecompositionFile sampleOfVersion4() {
+  DecompositionFile content = sample();
+  content.cover->points[0].push_back({5, {0.0, 0.0, 0.125}});
+  content.cover->points[1].push_back({10, {0, 0, 0}});
+  return content;
+}
+
+TEST(DecompositionFile, Version4HoldsVerticesThatNoPartHas) {
+  EXPECT_EQ(bytesOf(sampleOfVersion4()).at(8), 4);
+  EXPECT_EQ(sampleBytes().at(8), 3);  // as old as it can be
+  const auto read = readDecomposition(keptFile("version4.lorica"));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  expectEqual(*read, sampleOfVersion4());
+  EXPECT_EQ(bytesOf(sampleOfVersion4()), *readFile(keptFile("version4.lorica")));
+}
+
 /// What a training range is trusted for once it was read.
 void expectUsable(const TrainingRange& training, const Decomposition& d) {
   ASSERT_TRUE(!training.probes.empty() && training.probes.size() <= kMaxProbes);
@@ -331,7 +348,11 @@ void expectUsable(const CoverPromise& cover, const Decomposition& d) {
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     const std::vector<PointIndex>& own = d.parts[i].points;
     for (const CoverPoint& point : cover.points[i]) {
-      ASSERT_TRUE(std::binary_search(own.begin(), own.end(), point.point));
+      const bool ofNone = std::none_of(d.parts.begin(), d.parts.end(), [&](const Part& part) {
+        return std::binary_search(part.points.begin(), part.points.end(), point.point);
+      });
+      ASSERT_TRUE(std::binary_search(own.begin(), own.end(), point.point) ||
+                  (ofNone && point.point >= 0 && point.point < d.vertexCount));
       ASSERT_TRUE(point.outward.allFinite());
     }
   }
@@ -342,7 +363,7 @@ class KeptVersion : public testing::TestWithParam<const char*> {
   const std::string bytes = *readFile(keptFile(GetParam()));
 };
 INSTANTIATE_TEST_SUITE_P(DecompositionFile, KeptVersion,
-                         testing::Values("version1.lorica", "version2.lorica", "version3.lorica"),
+                         testing::Values("version1.lorica", "version2.lorica", "version3.lorica", "version4.lorica"),
                          [](const auto& chosen) { return std::string(chosen.param, 8); });
 
 TEST_P(KeptVersion, EveryDamagedByteIsRefused) {
@@ -428,11 +449,11 @@ TEST(DecompositionFile, SaysWhatIsWrong) {
   const auto with = [&](std::size_t at, auto value) { return changedAt(bytes, at, value); };
   using Byte = std::uint8_t;
   std::string newer = bytes;
-  newer[8] = 4;
+  newer[8] = 5;
   EXPECT_EQ(whyNot("ply\n"), "a.lorica: not a .lorica file: its first 8 bytes are not LORICA, CR, LF");
   EXPECT_EQ(whyNot(bytes.substr(0, 20)), "a.lorica: ends at byte 20 within the header of 28 bytes");
   EXPECT_EQ(whyNot(newer),
-            "a.lorica: has format version 4; this Lorica reads versions 1 to 3, a newer one wrote the file");
+            "a.lorica: has format version 5; this Lorica reads versions 1 to 4, a newer one wrote the file");
   EXPECT_EQ(whyNot(bytes.substr(0, bytes.size() - 5)),
             "a.lorica: byte 12: announces 256 bytes after the header, 251 are there");
   EXPECT_EQ(whyNot(with(28, std::uint32_t{4000000000u})),
@@ -566,9 +587,13 @@ TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
   content.cover->points[0][1].point = 2;  // of the other part
   written = writeDecomposition(file, content);
   ASSERT_FALSE(written.ok());
-  EXPECT_NE(written.error().message.find("cover point 1 of part 0 is the part's point 4, expected 0 to 3"),
+  EXPECT_NE(written.error().message.find("cover point 1 of part 0 is vertex 2, expected one of the part or of no part"),
             std::string::npos)
       << written.error().message;
+  for (const PointIndex wrong : {-1, 12, 14}) {
+    content.cover->points[1][0].point = wrong;
+    EXPECT_FALSE(writeDecomposition(file, content).ok()) << wrong;
+  }
   content = sample();
   content.cover->points[1][0].outward.y() = std::nan("");
   EXPECT_FALSE(writeDecomposition(file, content).ok());
