@@ -7,6 +7,7 @@
 #include "capture/synthetic_motion.h"
 #include "collision/cover.h"
 #include "collision/live_body.h"
+#include "collision/rigid_fit.h"
 #include "session/keyframes.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
@@ -152,6 +153,7 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const FrameTimes skinning = timeFrames(motions, repeats, 1, none, skinAll, noHash);
 
   std::vector<LiftedPart> lifted;
+  std::vector<LiftedPart::TakenPose> taken;
   std::vector<std::vector<PointRow>> rows;
   const std::vector<LiftedPoint> all = liftPoints(character, decomposition);
   std::size_t candidateCount = 0;
@@ -161,12 +163,21 @@ void measureStages(const Character& character, const Decomposition& decompositio
     for (const PointIndex p : hullCandidates(decomposition, part, all)) own.push_back(all[static_cast<std::size_t>(p)]);
     candidateCount += own.size();
     lifted.emplace_back(own);
+    taken.push_back(lifted.back().noPose());
     rows.emplace_back(lifted.back().rowCount());
     memory += lifted.back().memory();
   }
   std::vector<Isometry3> places(lifted.size(), Isometry3::Identity());
+  std::vector<Mat3> covariances(lifted.size());
+  std::vector<Mat3> rotations(lifted.size(), Mat3::Identity());
   const auto place = [&](std::span<const Affine3> matrices) {
-    for (std::size_t i = 0; i < lifted.size(); ++i) places[i] = lifted[i].place(matrices, places[i].linear());
+    for (std::size_t i = 0; i < lifted.size(); ++i) {
+      const LiftedPart::Moments moments = lifted[i].momentsOf(matrices);
+      places[i].translation() = moments.mean;
+      covariances[i] = moments.covariance;
+    }
+    fitRotations(covariances, rotations);
+    for (std::size_t i = 0; i < lifted.size(); ++i) places[i].linear() = rotations[i];
   };
   row("rigid motions of all parts", timeFrames(motions, repeats, 1, none, place, noHash), skinning,
       "skinning the mesh and its cut points");
@@ -180,8 +191,8 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const auto evaluate = [&](std::span<const Affine3> matrices) {
     const std::vector<Isometry3>& now = placesOf.at(matrices.data());
     for (std::size_t i = 0; i < lifted.size(); ++i) {
-      lifted[i].take(matrices, now[i], 0x1p-22);
-      (void)lifted[i].evaluate(rows[i]);
+      lifted[i].take(matrices, now[i], 0x1p-22, taken[i]);
+      (void)lifted[i].evaluate(taken[i], rows[i]);
     }
   };
   const auto hashRows = [&](std::uint64_t h) {

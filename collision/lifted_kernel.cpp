@@ -13,38 +13,73 @@ HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, LiftedPart::Terms::kPoints>;  // any smaller power of two divides a block too
+using Floats = hn::CappedTag<float, LiftedPart::kBlock>;  // any smaller power of two divides a block too
+using Float = hn::Vec<Floats>;
+
+// Both sums are fused where there is such an instruction: alike from AVX2 and NEON on, and within rounding elsewhere.
+
+// Adds a block's points: weights times the bones' matrices times (place, 1).
+HWY_INLINE void addPlaces(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
+                          const float* lanes, Float& x, Float& y, Float& z) {
+  const Floats f;
+  constexpr std::size_t kBlock = LiftedPart::kBlock;
+  const auto px = hn::Load(f, lanes);
+  const auto py = hn::Load(f, lanes + kBlock);
+  const auto pz = hn::Load(f, lanes + 2 * kBlock);
+  for (std::uint32_t b = 0; b < count; ++b) {
+    const auto& m = matrices[bones[b]].column;
+    const auto weight = hn::Load(f, lanes + (3 + b) * kBlock);
+    const auto moved = [&](std::size_t r) HWY_ATTR {
+      const auto z0 = hn::MulAdd(hn::Set(f, m[2][r]), pz, hn::Set(f, m[3][r]));
+      return hn::MulAdd(hn::Set(f, m[0][r]), px, hn::MulAdd(hn::Set(f, m[1][r]), py, z0));
+    };
+    x = hn::MulAdd(weight, moved(0), x);
+    y = hn::MulAdd(weight, moved(1), y);
+    z = hn::MulAdd(weight, moved(2), z);
+  }
+}
+
+// Adds a block's points: the bones' matrices times (moment, weight).
+HWY_INLINE void addMoments(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
+                           const float* lanes, Float& x, Float& y, Float& z) {
+  const Floats f;
+  constexpr std::size_t kBlock = LiftedPart::kBlock;
+  for (std::uint32_t b = 0; b < count; ++b, lanes += 4 * kBlock) {
+    const auto& m = matrices[bones[b]].column;
+    const auto qx = hn::Load(f, lanes);
+    const auto qy = hn::Load(f, lanes + kBlock);
+    const auto qz = hn::Load(f, lanes + 2 * kBlock);
+    const auto qw = hn::Load(f, lanes + 3 * kBlock);
+    const auto add = [&](auto to, std::size_t r) HWY_ATTR {
+      to = hn::MulAdd(hn::Set(f, m[0][r]), qx, to);
+      to = hn::MulAdd(hn::Set(f, m[1][r]), qy, to);
+      to = hn::MulAdd(hn::Set(f, m[2][r]), qz, to);
+      return hn::MulAdd(hn::Set(f, m[3][r]), qw, to);
+    };
+    x = add(x, 0);
+    y = add(y, 1);
+    z = add(z, 2);
+  }
+}
 
 float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const std::uint32_t> groupBones,
-                     const LiftedPart::Terms* terms, const float* bones, PointRow* rows) {
+                     const LiftedPart::Lane* lanes, const FourColumns<float>* matrices, PointRow* rows) {
   const Floats f;
-  constexpr std::size_t kBlock = LiftedPart::Terms::kPoints;
   auto largest = hn::Zero(f);
   for (const LiftedPart::Group& group : groups) {
-    const LiftedPart::Terms* blockTerms = terms + group.firstTerms;
+    const std::uint32_t* bones = &groupBones[group.firstBone];
+    const std::size_t lanesOfOne = LiftedPart::lanesOfBlock(group.bones, group.onePlace);
+    const float* block = lanes[group.firstLane].of.data();
     float* out = &rows[group.firstRow].x;
-    for (std::uint32_t block = 0; block < group.blocks; ++block) {
-      for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(f)) {
+    for (std::uint32_t k = 0; k < group.blocks; ++k) {
+      for (std::size_t lane = 0; lane < LiftedPart::kBlock; lane += hn::Lanes(f)) {
         auto x = hn::Zero(f);
         auto y = hn::Zero(f);
         auto z = hn::Zero(f);
-        for (std::uint32_t b = 0; b < group.bones; ++b) {
-          const float* m = bones + 12 * groupBones[group.firstBone + b];
-          const LiftedPart::Terms& q = blockTerms[b];
-          const auto qx = hn::Load(f, q.x.data() + lane);
-          const auto qy = hn::Load(f, q.y.data() + lane);
-          const auto qz = hn::Load(f, q.z.data() + lane);
-          const auto qw = hn::Load(f, q.weight.data() + lane);
-          // Fused where there is such an instruction: alike from AVX2 and NEON on, and within rounding elsewhere.
-          const auto add = [&](auto sum, const float* r) HWY_ATTR {
-            sum = hn::MulAdd(hn::Set(f, r[0]), qx, sum);
-            sum = hn::MulAdd(hn::Set(f, r[1]), qy, sum);
-            sum = hn::MulAdd(hn::Set(f, r[2]), qz, sum);
-            return hn::MulAdd(hn::Set(f, r[3]), qw, sum);
-          };
-          x = add(x, m);
-          y = add(y, m + 4);
-          z = add(z, m + 8);
+        if (group.onePlace) {
+          addPlaces(bones, group.bones, matrices, block + lane, x, y, z);
+        } else {
+          addMoments(bones, group.bones, matrices, block + lane, x, y, z);
         }
         x = hn::Round(x);
         y = hn::Round(y);
@@ -52,8 +87,8 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
         largest = hn::Max(largest, hn::Max(hn::Abs(x), hn::Max(hn::Abs(y), hn::Abs(z))));
         hn::StoreInterleaved4(x, y, z, hn::Zero(f), f, out + 4 * lane);
       }
-      blockTerms += group.bones;
-      out += 4 * kBlock;
+      block += lanesOfOne * LiftedPart::kBlock;
+      out += 4 * LiftedPart::kBlock;
     }
   }
   return hn::GetLane(hn::MaxOfLanes(f, largest));
@@ -83,8 +118,8 @@ std::int32_t farthestOfRows(std::span<const PointRow> rows, const Vec3f& directi
     which = hn::IfThenElse(hn::RebindMask(n, farther), index, which);
     index = hn::Add(index, hn::Set(n, static_cast<std::int32_t>(lanes)));
   }
-  std::array<float, LiftedPart::Terms::kPoints> value;
-  std::array<std::int32_t, LiftedPart::Terms::kPoints> at;
+  std::array<float, LiftedPart::kBlock> value;
+  std::array<std::int32_t, LiftedPart::kBlock> at;
   hn::StoreU(best, f, value.data());
   hn::StoreU(which, n, at.data());
   float most = value[0];
@@ -115,8 +150,8 @@ HWY_EXPORT(farthestOfRows);
 }  // namespace
 
 float evaluateLifted(std::span<const LiftedPart::Group> groups, std::span<const std::uint32_t> groupBones,
-                     const LiftedPart::Terms* terms, const float* bones, PointRow* rows) {
-  return HWY_DYNAMIC_DISPATCH(evaluateGroups)(groups, groupBones, terms, bones, rows);
+                     const LiftedPart::Lane* lanes, const FourColumns<float>* matrices, PointRow* rows) {
+  return HWY_DYNAMIC_DISPATCH(evaluateGroups)(groups, groupBones, lanes, matrices, rows);
 }
 
 std::int32_t farthestRow(std::span<const PointRow> rows, const Vec3f& direction) {

@@ -5,10 +5,10 @@
 namespace lorica {
 
 /// The inner loop of LiftedPart::evaluate(), with vector instructions. Internal, as all here.
-/// @param bones  twelve numbers for each bone of the part, row by row
+/// @param matrices  of the part's bones
 /// @return the largest absolute coordinate
 [[nodiscard]] float evaluateLifted(std::span<const LiftedPart::Group> groups, std::span<const std::uint32_t> groupBones,
-                                   const LiftedPart::Terms* terms, const float* bones, PointRow* rows);
+                                   const LiftedPart::Lane* lanes, const FourColumns<float>* matrices, PointRow* rows);
 
 /// Which row is farthest along a direction; of several, the first. The same on every instruction set.
 /// @param rows  at least one

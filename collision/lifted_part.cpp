@@ -1,40 +1,57 @@
 #include "collision/lifted_part.h"
 
 #include "collision/lifted_kernel.h"
-#include "collision/rigid_fit.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace lorica {
 namespace {
 
-constexpr double kStill = 0.25;  // of a step: closer than this to the pose taken last, a pose is the same
+constexpr double kStill = 0.25;       // of a step: closer than this to the pose taken last, a pose is the same
+constexpr double kSamePlace = 1e-12;  // of a metre, and of the distance from the model's origin
 
-using Bones = std::vector<JointIndex>;
+/// Which points can share blocks.
+struct Layout {
+  std::vector<JointIndex> bones;  ///< ascending
+  bool onePlace = false;          ///< each bone moves the same place of the bind pose
 
-Bones bonesOf(const LiftedPoint& point) {
-  Bones bones;
-  bones.reserve(point.size());
-  for (const LiftedTerm& t : point) bones.push_back(t.joint);
-  return bones;
+  auto operator<=>(const Layout&) const = default;
+};
+
+Layout layoutOf(const LiftedPoint& point) {
+  Layout layout;
+  layout.bones.reserve(point.size());
+  layout.onePlace = true;
+  const Vec3 place = bindPositionOf(point);
+  for (const LiftedTerm& t : point) {
+    layout.bones.push_back(t.joint);
+    layout.onePlace = layout.onePlace && (t.moment - t.weight * place).norm() <= kSamePlace * (1.0 + place.norm());
+  }
+  return layout;
 }
 
-/// Points by the bones that move them. A few points that would leave most of a block empty join those that follow the
-/// same bones and some more.
-std::map<Bones, std::vector<std::int32_t>> groupByBones(std::span<const LiftedPoint> points) {
-  std::map<Bones, std::vector<std::int32_t>> groups;
-  for (std::size_t i = 0; i < points.size(); ++i) groups[bonesOf(points[i])].push_back(static_cast<std::int32_t>(i));
+/// Whether points of one layout can be in blocks of another: unused bones weigh nothing there.
+bool fits(const Layout& small, const Layout& large) {
+  return (small.onePlace || !large.onePlace) &&
+         std::includes(large.bones.begin(), large.bones.end(), small.bones.begin(), small.bones.end());
+}
+
+/// Points by their layout. A few points that would leave most of a block empty join others.
+std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const LiftedPoint> points) {
+  std::map<Layout, std::vector<std::int32_t>> groups;
+  for (std::size_t i = 0; i < points.size(); ++i) groups[layoutOf(points[i])].push_back(static_cast<std::int32_t>(i));
+  const auto lanesOf = [](const Layout& layout) {
+    return LiftedPart::lanesOfBlock(layout.bones.size(), layout.onePlace);
+  };
   for (auto small = groups.begin(); small != groups.end();) {
     auto home = groups.end();
-    if (small->second.size() <= LiftedPart::Terms::kPoints / 2) {
+    if (small->second.size() <= LiftedPart::kBlock / 2) {
       for (auto other = groups.begin(); other != groups.end(); ++other) {
-        if (other == small ||
-            !std::includes(other->first.begin(), other->first.end(), small->first.begin(), small->first.end())) {
-          continue;
-        }
-        if (home == groups.end() || other->first.size() < home->first.size()) home = other;
+        if (other == small || !fits(small->first, other->first)) continue;
+        if (home == groups.end() || lanesOf(other->first) < lanesOf(home->first)) home = other;
       }
     }
     if (home == groups.end()) {
@@ -65,96 +82,96 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
   }
   for (const Vec3& p : bind) radius_ = std::max(radius_, (p - bindMean_).norm());
   for (auto& [joint, bone] : boneOfJoint) {
-    bone = static_cast<std::uint32_t>(bones_.size());
-    bones_.emplace_back().joint = joint;
+    bone = static_cast<std::uint32_t>(joints_.size());
+    joints_.push_back(joint);
   }
-  taken_.resize(bones_.size(), BoneMatrix::Constant(std::numeric_limits<float>::quiet_NaN()));
-  next_ = taken_;
+
+  // Sums over all points, bone by bone.
+  sums_.resize(joints_.size());
+  weightMean_ = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 offset = bind[i] - bindMean_;
     for (const LiftedTerm& t : points[i]) {
-      BoneSums& bone = bones_[boneOfJoint[t.joint]];
-      const Vec3 offset = bind[i] - bindMean_;
-      const Vec3 moment = t.moment - t.weight * bindMean_;
-      bone.meanMoment += share * moment;
-      bone.meanWeight += share * t.weight;
-      bone.spread.topRows<3>() += moment * offset.transpose();
-      bone.spread.row(3) += t.weight * offset.transpose();
+      FourColumns<double>& sum = sums_[boneOfJoint[t.joint]];
+      const Eigen::Vector4d lifted(t.moment.x(), t.moment.y(), t.moment.z(), t.weight);
+      for (std::size_t r = 0; r < 4; ++r) {
+        const double entry = lifted[static_cast<Eigen::Index>(r)];
+        for (std::size_t c = 0; c < 3; ++c) sum.column[c][r] += entry * offset[static_cast<Eigen::Index>(c)];
+        sum.column[3][r] += entry * share;
+      }
+      offsetSum_ += t.weight * offset;
+      weightMean_ += t.weight * share;
     }
   }
 
-  // Blocks of points by bone set, moments about the part's mean.
+  // Blocks of points that are moved alike, places and moments about the part's mean.
   order_.reserve(points.size());
-  for (const auto& [bones, members] : groupByBones(points)) {
+  for (const auto& [layout, members] : groupByLayout(points)) {
     Group group;
     group.firstRow = static_cast<std::uint32_t>(order_.size());
-    group.blocks = static_cast<std::uint32_t>((members.size() + Terms::kPoints - 1) / Terms::kPoints);
-    group.firstTerms = static_cast<std::uint32_t>(terms_.size());
+    group.blocks = static_cast<std::uint32_t>((members.size() + kBlock - 1) / kBlock);
+    group.firstLane = static_cast<std::uint32_t>(lanes_.size());
     group.firstBone = static_cast<std::uint32_t>(groupBones_.size());
-    group.bones = static_cast<std::uint32_t>(bones.size());
-    terms_.resize(terms_.size() + group.blocks * bones.size());
+    group.bones = static_cast<std::uint32_t>(layout.bones.size());
+    group.onePlace = layout.onePlace;
+    const std::size_t lanesOfOne = lanesOfBlock(group.bones, group.onePlace);
+    lanes_.resize(lanes_.size() + group.blocks * lanesOfOne);
     for (std::size_t i = 0; i < members.size(); ++i) {
-      Terms* block = &terms_[group.firstTerms + i / Terms::kPoints * bones.size()];
-      for (const LiftedTerm& t : points[static_cast<std::size_t>(members[i])]) {
-        const auto bone = std::lower_bound(bones.begin(), bones.end(), t.joint) - bones.begin();
-        const Vec3 moment = t.moment - t.weight * bindMean_;
-        const std::size_t lane = i % Terms::kPoints;
-        block[bone].x[lane] = static_cast<float>(moment.x());
-        block[bone].y[lane] = static_cast<float>(moment.y());
-        block[bone].z[lane] = static_cast<float>(moment.z());
-        block[bone].weight[lane] = static_cast<float>(t.weight);
+      Lane* block = &lanes_[group.firstLane + i / kBlock * lanesOfOne];
+      const std::size_t lane = i % kBlock;
+      const auto write = [&](std::size_t first, const Vec3& v) {
+        for (int axis = 0; axis < 3; ++axis)
+          block[first + static_cast<std::size_t>(axis)].of[lane] = static_cast<float>(v[axis]);
+      };
+      const auto member = static_cast<std::size_t>(members[i]);
+      if (layout.onePlace) write(0, bind[member] - bindMean_);
+      for (const LiftedTerm& t : points[member]) {
+        const auto bone = static_cast<std::size_t>(std::lower_bound(layout.bones.begin(), layout.bones.end(), t.joint) -
+                                                   layout.bones.begin());
+        if (!layout.onePlace) write(4 * bone, t.moment - t.weight * bindMean_);
+        block[layout.onePlace ? 3 + bone : 4 * bone + 3].of[lane] = static_cast<float>(t.weight);
       }
       order_.push_back(members[i]);
     }
-    for (const JointIndex joint : bones) groupBones_.push_back(boneOfJoint[joint]);
+    for (const JointIndex joint : layout.bones) groupBones_.push_back(boneOfJoint[joint]);
     groups_.push_back(group);
-    rowCount_ = std::max(rowCount_, group.firstRow + group.blocks * Terms::kPoints);
+    rowCount_ = std::max(rowCount_, group.firstRow + group.blocks * kBlock);
   }
 }
 
-Isometry3 LiftedPart::place(std::span<const Affine3> worldFromModel, const Mat3& previous) const {
-  Vec3 mean = Vec3::Zero();
-  for (const BoneSums& bone : bones_) {
-    const Affine3& m = worldFromModel[static_cast<std::size_t>(bone.joint)];
-    mean += m.linear() * bone.meanMoment + bone.meanWeight * (m * bindMean_);
-  }
-  // Offsets sum to zero, so the mean drops out of the covariance; without it, digits are kept far from the origin.
-  Mat3 covariance = Mat3::Zero();
-  for (const BoneSums& bone : bones_) {
-    const Affine3& m = worldFromModel[static_cast<std::size_t>(bone.joint)];
-    covariance += m.linear() * bone.spread.topRows<3>() + (m * bindMean_ - mean) * bone.spread.row(3);
-  }
-  Isometry3 worldFromPart = Isometry3::Identity();
-  worldFromPart.linear() = fitRotation(covariance, previous);
-  worldFromPart.translation() = mean;
-  return worldFromPart;
+LiftedPart::Moments LiftedPart::momentsOf(std::span<const Affine3> worldFromModel) const {
+  // Far from the world's origin digits are kept by looking from where one of the bones is.
+  const Vec3 origin = worldFromModel[static_cast<std::size_t>(joints_.front())].translation();
+  const FourColumns<double> sums = sumOverBones(worldFromModel, origin, joints_, sums_);
+  const Eigen::Map<const Eigen::Matrix4d> sum(sums.column[0].data());
+  // Offsets are from the bind mean, so what they sum to, and with it the mean, nearly drops out of the covariance.
+  const Vec3 mean = sum.col(3).head<3>();
+  return {mean + weightMean_ * origin, sum.topLeftCorner<3, 3>() - mean * offsetSum_.transpose()};
 }
 
-bool LiftedPart::take(std::span<const Affine3> worldFromModel, const Isometry3& worldFromPart, double tick) {
-  const Mat3 stepsFromWorld = worldFromPart.linear().transpose() / tick;
-  // No point lies farther than the radius from the mean in the bind pose, so no entry moves one by more than this.
-  const auto reach = static_cast<float>(3.0 * radius_);
-  bool moved = false;
-  for (std::size_t b = 0; b < bones_.size(); ++b) {
-    const Affine3& m = worldFromModel[static_cast<std::size_t>(bones_[b].joint)];
-    BoneMatrix& matrix = next_[b];
-    matrix.leftCols<3>() = (stepsFromWorld * m.linear()).cast<float>();
-    matrix.col(3) = (stepsFromWorld * (m * bindMean_ - worldFromPart.translation())).cast<float>();
-    const BoneMatrix change = (matrix - taken_[b]).cwiseAbs();
-    const float most = change.leftCols<3>().maxCoeff() * reach + change.col(3).maxCoeff();
-    if (!(most <= static_cast<float>(kStill))) moved = true;  // also when nothing was taken yet
+LiftedPart::TakenPose LiftedPart::noPose() const {
+  TakenPose pose(joints_.size());
+  for (FourColumns<float>& matrix : pose) {
+    for (auto& column : matrix.column) column.fill(std::numeric_limits<float>::quiet_NaN());
   }
-  if (moved) std::swap(next_, taken_);
-  return moved;
+  return pose;
 }
 
-float LiftedPart::evaluate(std::span<PointRow> rows) const {
+bool LiftedPart::take(std::span<const Affine3> worldFromModel, const Isometry3& worldFromPart, double tick,
+                      TakenPose& taken) const {
+  const BoneView view{worldFromPart.linear().transpose() / tick, worldFromPart.translation(), bindMean_,
+                      static_cast<float>(radius_), static_cast<float>(kStill)};
+  return viewBones(worldFromModel, view, joints_, taken);
+}
+
+float LiftedPart::evaluate(const TakenPose& taken, std::span<PointRow> rows) const {
   CHECK(rows.size() >= rowCount_, "the caller sizes rows: rowCount() of them");
-  return evaluateLifted(groups_, groupBones_, terms_.data(), taken_.front().data(), rows.data());
+  return evaluateLifted(groups_, groupBones_, lanes_.data(), taken.data(), rows.data());
 }
 
 std::size_t LiftedPart::memory() const {
-  return order_.size() * sizeof(order_[0]) + bones_.size() * sizeof(BoneSums) + 2 * taken_.size() * sizeof(BoneMatrix) +
-         groups_.size() * sizeof(Group) + groupBones_.size() * sizeof(groupBones_[0]) + terms_.size() * sizeof(Terms);
+  return order_.size() * sizeof(order_[0]) + joints_.size() * (sizeof(JointIndex) + sizeof(FourColumns<double>)) +
+         groups_.size() * sizeof(Group) + groupBones_.size() * sizeof(groupBones_[0]) + lanes_.size() * sizeof(Lane);
 }
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
 #include "collision/live_body.h"
 
 #include "acd/transfer.h"
-#include "collision/cover.h"
 #include "collision/lifted_kernel.h"
 #include "collision/rigid_fit.h"
 #include "geometry/result.h"
@@ -37,88 +36,65 @@ bool isFinite(const Isometry3& motion) {
 
 }  // namespace
 
-LiveBody::LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail)
-    : decomposition_(std::move(decomposition)), detail_(detail) {
-  const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition_);
-  cover_ = coverExactly(decomposition_, lifted);
-  addTracks(lifted);
-}
-
-LiveBody::LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover, LiveDetail detail)
-    : decomposition_(std::move(decomposition)), cover_(std::move(cover)), detail_(detail) {
-  CHECK(cover_.points.size() == decomposition_.parts.size(), "a promise says for each part which points it is made of");
-  addTracks(liftPoints(character, decomposition_));
-}
-
-void LiveBody::addTracks(std::span<const LiftedPoint> lifted) {
-  tracks_.reserve(decomposition_.parts.size());
-  for (const std::vector<CoverPoint>& chosen : cover_.points) {
-    std::vector<LiftedPoint> points;
-    points.reserve(chosen.size());
-    for (const CoverPoint& p : chosen) points.push_back(pushed(lifted[static_cast<std::size_t>(p.point)], p.outward));
-    LiftedPart packed(points);
-    std::vector<PointIndex> rows;
-    rows.reserve(chosen.size());
-    for (const std::int32_t i : packed.order()) rows.push_back(chosen[static_cast<std::size_t>(i)].point);
-    Track track(std::move(rows));
-    track.rows.resize(packed.rowCount());
-    track.tick = tickFor(packed.radius());
-    track.lifted.emplace(std::move(packed));
-    addTrack(std::move(track));
-  }
-}
-
-LiveBody::LiveBody(Decomposition decomposition) : decomposition_(std::move(decomposition)) {
-  meshPoints_.resize(static_cast<std::size_t>(decomposition_.pointCount()), Vec3::Zero());
-  tracks_.reserve(decomposition_.parts.size());
-  for (const Part& part : decomposition_.parts) {
-    Track track(spanningPoints(decomposition_, part));
-    std::vector<CoverPoint>& chosen = cover_.points.emplace_back();
-    chosen.reserve(track.candidates.size());
-    for (const PointIndex p : track.candidates) chosen.push_back({p, Vec3::Zero()});
-    track.rows.resize(track.candidates.size());
-    track.points.resize(track.candidates.size());
-    track.firstPoints.resize(track.candidates.size());
-    addTrack(std::move(track));
-  }
-}
-
-void LiveBody::addTrack(Track track) {
-  const std::size_t count = track.candidates.size();
-  CHECK(count > 0, "a decomposition has a part without points");
-  vertexOfCandidate_.resize(std::max(vertexOfCandidate_.size(), count));
-  LivePart part;
-  if (detail_ == LiveDetail::kFaces) {
+LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : plan_(std::move(plan)) {
+  CHECK(plan_ != nullptr, "a body has a plan");
+  tracks_.resize(plan_->parts().size());
+  parts_.resize(tracks_.size());
+  covariances_.resize(tracks_.size());
+  rotations_.resize(tracks_.size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const BodyPlan::PartPlan& own = plan_->parts()[i];
+    const std::size_t count = own.candidates.size();
+    Track& track = tracks_[i];
+    if (own.lifted) {
+      track.rows.resize(own.lifted->rowCount());
+      track.tick = tickFor(own.lifted->radius());
+      track.taken = own.lifted->noPose();
+    } else {
+      track.rows.resize(count);
+      track.points.resize(count);
+      track.firstPoints.resize(count);
+      meshPoints_.resize(static_cast<std::size_t>(decomposition().pointCount()), Vec3::Zero());
+    }
+    vertexOfCandidate_.resize(std::max(vertexOfCandidate_.size(), count));
+    if (detail != LiveDetail::kFaces) continue;
     track.hull.emplace(static_cast<int>(count));
+    LivePart& part = parts_[i];
     part.shape.vertices.reserve(count);
     part.shape.pointOfVertex.reserve(count);
     part.shape.triangles.reserve(2 * count);
     part.previousVertices.reserve(count);
   }
-  parts_.push_back(std::move(part));
-  tracks_.push_back(std::move(track));
 }
+
+LiveBody::LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail)
+    : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition), character), detail) {}
+
+LiveBody::LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover, LiveDetail detail)
+    : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition), character, std::move(cover)), detail) {}
+
+LiveBody::LiveBody(Decomposition decomposition) : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition))) {}
 
 Vec3 LiveBody::support(PartIndex part, const Vec3& direction) const {
   const Track& track = tracks_[static_cast<std::size_t>(part)];
   const Isometry3& worldFromPart = parts_[static_cast<std::size_t>(part)].worldFromPart;
   const Vec3f own = (worldFromPart.linear().transpose() * direction).cast<float>();
-  const std::span<const PointRow> rows = std::span(track.rows).first(track.candidates.size());
+  const std::span<const PointRow> rows = std::span(track.rows).first(candidateCount(part));
   const PointRow& row = rows[static_cast<std::size_t>(farthestRow(rows, own))];
   return worldFromPart * (track.tick * Vec3(row.x, row.y, row.z));
 }
 
 std::size_t LiveBody::candidateCount(PartIndex part) const {
-  return tracks_[static_cast<std::size_t>(part)].candidates.size();
+  return plan_->parts()[static_cast<std::size_t>(part)].candidates.size();
 }
 
 std::size_t LiveBody::memory() const {
   const auto bytes = [](const auto& vector) { return vector.capacity() * sizeof(vector[0]); };
-  std::size_t sum = bytes(meshPoints_) + bytes(vertexOfCandidate_) + bytes(parts_) + bytes(tracks_);
+  std::size_t sum = bytes(meshPoints_) + bytes(vertexOfCandidate_) + bytes(covariances_) + bytes(rotations_) +
+                    bytes(parts_) + bytes(tracks_);
   for (const Track& t : tracks_) {
-    sum += bytes(t.candidates) + bytes(t.rows) + bytes(t.firstPoints) + bytes(t.points);
+    sum += bytes(t.rows) + bytes(t.taken) + bytes(t.firstPoints) + bytes(t.points);
     if (t.hull) sum += t.hull->memory();
-    if (t.lifted) sum += t.lifted->memory();
   }
   for (const LivePart& part : parts_) {
     sum += bytes(part.shape.vertices) + bytes(part.shape.pointOfVertex) + bytes(part.shape.triangles) +
@@ -134,19 +110,28 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     LivePart& part = parts_[i];
     part.previousWorldFromPart = part.worldFromPart;
-    part.worldFromPart = tracks_[i].lifted->place(worldFromModel, part.previousWorldFromPart.linear());
+    const LiftedPart::Moments moments = plan_->parts()[i].lifted->momentsOf(worldFromModel);
+    part.worldFromPart.translation() = moments.mean;
+    covariances_[i] = moments.covariance;
+    rotations_[i] = part.previousWorldFromPart.linear();
+  }
+  fitRotations(covariances_, rotations_);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    LivePart& part = parts_[i];
+    part.worldFromPart.linear() = rotations_[i];
     if (!started_) part.previousWorldFromPart = part.worldFromPart;
   }
   const Clock::time_point placed = Clock::now();
 
   for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const LiftedPart& lifted = *plan_->parts()[i].lifted;
     Track& track = tracks_[i];
     // A few rounds, where a pose is so much larger or smaller than the last one that it needs other ticks.
     for (int round = 0; round < 4; ++round) {
-      const bool taken = track.lifted->take(worldFromModel, parts_[i].worldFromPart, track.tick);
+      const bool taken = lifted.take(worldFromModel, parts_[i].worldFromPart, track.tick, track.taken);
       if (round == 0) track.moved = taken;
       if (!taken || !isFinite(parts_[i].worldFromPart)) break;
-      const float largest = track.lifted->evaluate(track.rows);
+      const float largest = lifted.evaluate(track.taken, track.rows);
       if (largest >= kSmallest && largest <= kLargest) break;
       const double tick = tickFor(track.tick * static_cast<double>(largest));
       if (tick == 0.0) break;
@@ -165,10 +150,11 @@ void LiveBody::update(std::span<const Vec3> posed) {
   CHECK(!meshPoints_.empty(), "a character's body is moved by its bones");
   const Clock::time_point begin = Clock::now();
 
-  transfer(decomposition_, posed, meshPoints_);
-  for (Track& track : tracks_) {
-    for (std::size_t k = 0; k < track.candidates.size(); ++k) {
-      track.points[k] = meshPoints_[static_cast<std::size_t>(track.candidates[k])];
+  transfer(decomposition(), posed, meshPoints_);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const std::vector<PointIndex>& candidates = plan_->parts()[i].candidates;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      tracks_[i].points[k] = meshPoints_[static_cast<std::size_t>(candidates[k])];
     }
   }
   const Clock::time_point carried = Clock::now();
@@ -215,12 +201,12 @@ void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
 }
 
 void LiveBody::reshapeAll() {
-  for (std::size_t i = 0; i < parts_.size(); ++i) reshape(tracks_[i], parts_[i]);
+  for (std::size_t i = 0; i < parts_.size(); ++i) reshape(plan_->parts()[i], tracks_[i], parts_[i]);
   started_ = true;
 }
 
 /// Lets the hull follow the rows.
-void LiveBody::reshape(Track& track, LivePart& part) {
+void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part) {
   part.reshaped = track.moved;
   if (!track.moved) return;
   std::swap(part.previousVertices, part.shape.vertices);
@@ -230,12 +216,12 @@ void LiveBody::reshape(Track& track, LivePart& part) {
   part.shape.volume = 0.0;
   if (!track.hull || track.tick == 0.0 || !isFinite(part.worldFromPart)) return;
 
-  track.hull->update(std::span(track.rows).first(track.candidates.size()));
+  track.hull->update(std::span(track.rows).first(plan.candidates.size()));
   for (const std::int32_t candidate : track.hull->vertices()) {
     const auto c = static_cast<std::size_t>(candidate);
     vertexOfCandidate_[c] = static_cast<VertexIndex>(part.shape.vertices.size());
     const PointRow& row = track.rows[c];
-    part.shape.pointOfVertex.push_back(track.candidates[c]);
+    part.shape.pointOfVertex.push_back(plan.candidates[c]);
     part.shape.vertices.push_back(track.tick * Vec3(row.x, row.y, row.z));
   }
   for (const Triangle& t : track.hull->faces()) {

@@ -2,12 +2,13 @@
 
 #include "acd/cover.h"
 #include "acd/decomposition.h"
-#include "collision/lifted_part.h"
+#include "collision/body_plan.h"
 #include "collision/live_part.h"
 #include "collision/moving_hull.h"
 #include "geometry/math.h"
 #include "skinning/character.h"
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,8 +25,13 @@ enum class LiveDetail : std::uint8_t {
 ///
 /// A skinned character's body is carried by its bones alone: the mesh need not be skinned. A mesh sequence without
 /// bones is carried by its vertex positions. How: docs/LIVE_HULLS.md.
+///
+/// Copies share the plan: a hundred characters of one kind hold its constants once.
 class LiveBody {
  public:
+  /// A body in no pose yet.
+  /// @param plan  not null
+  explicit LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail = LiveDetail::kFaces);
   /// A character's body that covers the posed surface exactly, in every pose: coverExactly().
   /// @param decomposition  made from the character's mesh
   LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail = LiveDetail::kFaces);
@@ -43,10 +49,10 @@ class LiveBody {
   /// @param posed  vertexCount positions of the mesh [m]
   void update(std::span<const Vec3> posed);
 
-  [[nodiscard]] const Decomposition& decomposition() const { return decomposition_; }
+  [[nodiscard]] const Decomposition& decomposition() const { return plan_->decomposition(); }
   [[nodiscard]] std::span<const LivePart> parts() const { return parts_; }
   /// What is promised of the surface being inside the hulls. A mesh sequence is covered exactly.
-  [[nodiscard]] const CoverPromise& coverage() const { return cover_; }
+  [[nodiscard]] const CoverPromise& coverage() const { return plan_->coverage(); }
   /// The point of a part's hull farthest along a direction, in world space [m], whatever the detail. A scan of all the
   /// part's points with vector instructions: 64 take 10 ns, 1,000 take 0.1 us, and no answer of before can mislead it.
   /// @param direction  world, of any length
@@ -61,35 +67,30 @@ class LiveBody {
     double hulls = 0;   ///< candidates to hulls
   };
   [[nodiscard]] const Timing& timing() const { return timing_; }
-  /// Bytes held, beside the decomposition.
+  [[nodiscard]] const std::shared_ptr<const BodyPlan>& plan() const { return plan_; }
+  /// Bytes held, beside the plan.
   [[nodiscard]] std::size_t memory() const;
 
  private:
   /// What is kept of a part from frame to frame.
   struct Track {
-    explicit Track(std::vector<PointIndex> chosen) : candidates(std::move(chosen)) {}
-
-    std::vector<PointIndex> candidates;     ///< one a row
-    std::vector<PointRow> rows;             ///< in the part's own frame, in whole ticks
+    std::vector<PointRow> rows;             ///< of the candidates, in the part's own frame, in whole ticks
     double tick = 0.0;                      ///< [m]
     bool moved = false;                     ///< the rows are not those of the frame before
     std::optional<MovingHull> hull;         ///< where faces are wanted
-    std::optional<LiftedPart> lifted;       ///< of a character
+    LiftedPart::TakenPose taken;            ///< of a character
     std::vector<Vec3> firstPoints, points;  ///< of a mesh sequence: in the first frame about their mean, and now
   };
-  void addTracks(std::span<const LiftedPoint> lifted);
-  void addTrack(Track track);
-  void readRows(Track& track, const Isometry3& worldFromPart);
-  void reshape(Track& track, LivePart& part);
+  static void readRows(Track& track, const Isometry3& worldFromPart);
+  void reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part);
   void reshapeAll();
 
-  Decomposition decomposition_;
-  CoverPromise cover_;
-  LiveDetail detail_ = LiveDetail::kFaces;
+  std::shared_ptr<const BodyPlan> plan_;
   std::vector<Track> tracks_;
   std::vector<LivePart> parts_;
   std::vector<Vec3> meshPoints_;                ///< of a mesh sequence: vertices and cut points [m]
   std::vector<VertexIndex> vertexOfCandidate_;  ///< scratch
+  std::vector<Mat3> covariances_, rotations_;   ///< scratch, of the parts
   Timing timing_;
   bool started_ = false;
 };

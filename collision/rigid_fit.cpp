@@ -1,5 +1,6 @@
 #include "collision/rigid_fit.h"
 
+#include "collision/rotation_kernel.h"
 #include "geometry/result.h"
 
 #include <Eigen/SVD>
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kThin = 1e-4;     // of the norm cubed: below this determinant, points are nearly flat, or mirrored
 constexpr double kSettled = 1e-9;  // change of a step after which the next one, its square, is below rounding
-constexpr int kNearSteps = 5;
 constexpr int kSteps = 30;
 
 /// By singular values, for any covariance.
@@ -28,30 +28,11 @@ Mat3 fitThin(const Mat3& covariance, const Mat3& previous) {
   return u * svd.matrixV().transpose();
 }
 
-}  // namespace
-
-Mat3 fitRotation(const Mat3& covariance, const Mat3& previous) {
+/// From afar: polar decomposition by Newton's method, with scaling (Higham 1986).
+Mat3 fitFar(const Mat3& covariance, const Mat3& previous) {
   const double norm = covariance.norm();
   if (!(covariance.determinant() > kThin * norm * norm * norm)) return fitThin(covariance, previous);
-
-  // From a rotation nearby a few Newton steps lead to the one that makes R^T covariance symmetric. That is the best one
-  // if the product is positive definite too.
-  const double tiny = kThin * norm;
-  Mat3 r = 0.5 * previous * (3.0 * Mat3::Identity() - previous.transpose() * previous);  // drift of many frames undone
-  for (int step = 0; step < kNearSteps; ++step) {
-    const Mat3 a = r.transpose() * covariance;
-    const Mat3 p = 0.5 * (a + a.transpose());
-    const bool definite = p(0, 0) > tiny && p(0, 0) * p(1, 1) - p(0, 1) * p(0, 1) > tiny * tiny &&
-                          p.determinant() > 0.5 * covariance.determinant();
-    if (!definite) break;
-    const Vec3 skew(a(2, 1) - a(1, 2), a(0, 2) - a(2, 0), a(1, 0) - a(0, 1));
-    const Vec3 turn = (p.trace() * Mat3::Identity() - p).inverse() * skew;
-    r = r * Quat(2.0, turn.x(), turn.y(), turn.z()).normalized().toRotationMatrix();
-    if (turn.norm() <= kSettled) return r;
-  }
-
-  // Else polar decomposition by Newton's method, with scaling (Higham 1986).
-  r = covariance / norm;
+  Mat3 r = covariance / norm;
   for (int step = 0; step < kSteps; ++step) {
     const Mat3 inverse = r.inverse().transpose();
     const double scale = std::sqrt(inverse.norm() / r.norm());
@@ -61,6 +42,43 @@ Mat3 fitRotation(const Mat3& covariance, const Mat3& previous) {
     if (change <= kSettled) return r;
   }
   return fitThin(covariance, previous);
+}
+
+}  // namespace
+
+void fitRotations(std::span<const Mat3> covariances, std::span<Mat3> rotations) {
+  CHECK(covariances.size() == rotations.size(), "a rotation for each covariance");
+  constexpr std::size_t kAtOnce = MatrixBlock::kMatrices;
+  for (std::size_t first = 0; first < covariances.size(); first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, covariances.size() - first);
+    MatrixBlock from;
+    MatrixBlock fits;
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t e = 0; e < 9; ++e) {
+        const auto row = static_cast<Eigen::Index>(e / 3);
+        const auto column = static_cast<Eigen::Index>(e % 3);
+        from.entry[e][k] = covariances[first + k](row, column);
+        fits.entry[e][k] = rotations[first + k](row, column);
+      }
+    }
+    const std::uint32_t found = fitNearby(from, fits);
+    for (std::size_t k = 0; k < count; ++k) {
+      Mat3& rotation = rotations[first + k];
+      if ((found >> k & 1U) == 0) {
+        rotation = fitFar(covariances[first + k], rotation);
+        continue;
+      }
+      for (std::size_t e = 0; e < 9; ++e) {
+        rotation(static_cast<Eigen::Index>(e / 3), static_cast<Eigen::Index>(e % 3)) = fits.entry[e][k];
+      }
+    }
+  }
+}
+
+Mat3 fitRotation(const Mat3& covariance, const Mat3& previous) {
+  Mat3 rotation = previous;
+  fitRotations({&covariance, 1}, {&rotation, 1});
+  return rotation;
 }
 
 Vec3 centroidOf(std::span<const Vec3> points) {

@@ -3,6 +3,7 @@
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 #include <Eigen/SVD>
 
 #include <algorithm>
@@ -229,6 +230,32 @@ TEST(RigidFit, AHundredThousandFramesDoNotDrift) {
   }
   EXPECT_LT(worstDrift, 1e-12);
   EXPECT_LT(worstAngle, 1e-10);
+}
+
+TEST(RigidFit, ManyAtOnceAreTheSameAsEachAloneOnEveryInstructionSet) {
+  std::mt19937_64 random(19);
+  for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 16u, 33u}) {
+    std::vector<Mat3> covariances;
+    std::vector<Mat3> previous;
+    for (std::size_t i = 0; i < count; ++i) {
+      // Every fifth is flat and every seventh mirrored: they go another way.
+      const Vec3 values(1.0, 0.6, i % 5 == 4 ? 1e-9 : i % 7 == 6 ? -0.3 : 0.4);
+      covariances.push_back(covarianceWith(random, values));
+      const Quat off(Eigen::AngleAxisd(uniform(random, 0.0, 0.5), uniformRotation(random) * Vec3::UnitX()));
+      previous.emplace_back(bestRotation(covariances.back()) * off);
+    }
+    std::vector<Mat3> alone;
+    for (std::size_t i = 0; i < count; ++i) alone.push_back(fitRotation(covariances[i], previous[i]));
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      std::vector<Mat3> rotations = previous;
+      fitRotations(covariances, rotations);
+      for (std::size_t i = 0; i < count; ++i) {
+        EXPECT_EQ(rotations[i], alone[i]) << i << " of " << count << ", " << hwy::TargetName(target);
+      }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+  }
 }
 
 }  // namespace
