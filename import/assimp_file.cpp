@@ -315,7 +315,7 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // else files of motion get made-up meshes
-    importer.SetIOHandler(new NoOtherFiles);  // owned by the importer
+    importer.SetIOHandler(new NoOtherFiles);                              // owned by the importer
     const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
                                                        format == AssimpFormat::kFbx ? "fbx" : "dae");
     if (scene == nullptr) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/SVD>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -51,6 +53,10 @@ std::string grouped(std::uint64_t number) {
     text.push_back(digits[i]);
   }
   return text;
+}
+
+std::string titled(const char* kind, std::size_t index, const std::string& name) {
+  return name.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} {} '{}'", kind, index, name);
 }
 
 }  // namespace lorica

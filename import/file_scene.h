@@ -88,4 +88,7 @@ struct FileScene {
 /// 1234567 as "1,234,567".
 [[nodiscard]] std::string grouped(std::uint64_t number);
 
+/// "mesh 3 'Body'", or "mesh 3" where it has no name.
+[[nodiscard]] std::string titled(const char* kind, std::size_t index, const std::string& name);
+
 }  // namespace lorica

@@ -22,7 +22,7 @@ class ClipReader {
       : document_(document),
         accessors_(accessors),
         animation_(document.model.animations[animation]),
-        who_(fmt::format("animation {} '{}'", animation, animation_.name)) {
+        who_(titled("animation", animation, animation_.name)) {
     clip.name = animation_.name.empty() ? fmt::format("clip {}", animation) : animation_.name;
   }
 

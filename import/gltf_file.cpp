@@ -144,7 +144,7 @@ class GltfSceneReader {
     scene_.skins.reserve(document_.model.skins.size());
     for (std::size_t s = 0; s < document_.model.skins.size(); ++s) {
       const tinygltf::Skin& from = document_.model.skins[s];
-      const std::string who = fmt::format("skin {} '{}'", s, from.name);
+      const std::string who = titled("skin", s, from.name);
       if (from.joints.empty()) return bad(who + ": has no joints, expected at least one");
       for (const int joint : from.joints) {
         if (Result<void> known = checkIndex(document_, joint, scene_.nodes.size(), who, "joint node"); !known) {

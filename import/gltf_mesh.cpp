@@ -177,7 +177,8 @@ Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors,
 
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
     const tinygltf::Primitive& primitive = mesh.primitives[p];
-    const std::string who = fmt::format("mesh {} '{}', primitive {}", meshIndex, mesh.name, p);
+    const std::string who =
+        fmt::format("{}, primitive {}", titled("mesh", static_cast<std::size_t>(meshIndex), mesh.name), p);
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
       return Error{ErrorCode::kBadFormat,
                    fmt::format("{}: {}: mode {}, expected 0 to 6", document.name, who, primitive.mode)};
