@@ -151,6 +151,37 @@ TEST(Humanoid, OfDeformAndControlJointsTheDeformingChainIsTaken) {
   EXPECT_EQ(contradictions(whole, guess), "");
 }
 
+// As the BVH files of CMU's database have them: joints of no length between, and a mitten for a hand.
+TEST(Humanoid, CmuHasMoreJointsThanBones) {
+  std::map<HumanBone, std::string> truth = namesOf(rig("CMU"));
+  truth[kLeftThumbMetacarpal] = "LThumb";
+  truth[kRightThumbMetacarpal] = "RThumb";
+  truth[kLeftMiddleProximal] = "LFingers";
+  truth[kRightMiddleProximal] = "RFingers";
+  const Skeleton skeleton = changed(renamedMannequin(truth), [](std::vector<Joint>& joints) {
+    const std::map<std::string, std::string> above = {{"LeftUpLeg", "LHipJoint"},
+                                                      {"RightUpLeg", "RHipJoint"},
+                                                      {"Head", "Neck1"},
+                                                      {"LFingers", "LeftFingerBase"},
+                                                      {"RFingers", "RightFingerBase"}};
+    std::vector<Joint> all;
+    std::vector<JointIndex> movedTo;
+    for (Joint joint : joints) {
+      if (joint.parent != kNoJoint) joint.parent = movedTo[static_cast<std::size_t>(joint.parent)];
+      if (const auto between = above.find(joint.name); between != above.end()) {
+        all.push_back(child(joint.parent, between->second, Vec3::Zero()));
+        joint.parent = static_cast<JointIndex>(all.size()) - 1;
+      }
+      movedTo.push_back(static_cast<JointIndex>(all.size()));
+      all.push_back(joint);
+    }
+    joints = all;
+  });
+  const HumanoidGuess guess = guessHumanoid(skeleton);
+  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
+  EXPECT_EQ(guess.by, "names (CMU)");
+}
+
 // Biped hangs the thighs on the first spine and the collar bones on the neck.
 TEST(Humanoid, OldBipedsHangThighsOnTheSpineAndCollarBonesOnTheNeck) {
   std::map<HumanBone, std::string> truth = namesOf(rig("3ds Max Biped"));
