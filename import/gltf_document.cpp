@@ -85,24 +85,33 @@ struct Parts {
   return parts;
 }
 
-[[nodiscard]] Result<Json> parseJson(std::string_view text, const std::string& name) {
-  constexpr std::array<std::string_view, 5> kUnread = {"images", "textures", "materials", "samplers", "cameras"};
-  bool tooDeep = false;
-  const auto keep = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    tooDeep = tooDeep || depth > kMostLevels;
-    if (depth > kMostLevels) return false;
-    if (event != Json::parse_event_t::key) return true;
-    const std::string& key = parsed.get_ref<const std::string&>();
-    // "samplers" at the top are of textures; deeper, of animations.
-    if (depth == 1) return key != "extras" && std::find(kUnread.begin(), kUnread.end(), key) == kUnread.end();
-    // The extensions of the whole file hold VRM's bones at depth 2 and below, so only "extras" can go there.
-    return key != "extras";
-  };
-  try {
-    Json document = Json::parse(text, keep);
-    if (tooDeep) {
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON nests deeper than {} levels", name, kMostLevels)};
+/// How deep brackets nest, before anything is made of them.
+[[nodiscard]] int levelsOf(std::string_view text) {
+  int levels = 0;
+  int most = 0;
+  bool inString = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (inString) {
+      if (c == '\\') ++i;
+      if (c == '"') inString = false;
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '[' || c == '{') {
+      most = std::max(most, ++levels);
+    } else if (c == ']' || c == '}') {
+      --levels;
     }
+  }
+  return most;
+}
+
+[[nodiscard]] Result<Json> parseJson(std::string_view text, const std::string& name) {
+  if (levelsOf(text) > kMostLevels) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON nests deeper than {} levels", name, kMostLevels)};
+  }
+  try {
+    Json document = Json::parse(text);
     if (!document.is_object()) {
       return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is no object, expected one of glTF", name)};
     }
@@ -112,9 +121,13 @@ struct Parts {
   }
 }
 
-/// Takes extensions off every element: what they say is not read, and small ones would grow large in tinygltf.
+/// Takes extensions and extras off every element: what they say is not read, and small ones would grow large in
+/// tinygltf.
 void dropExtensions(Json& value) {
-  if (value.is_object()) value.erase("extensions");
+  if (value.is_object()) {
+    value.erase("extensions");
+    value.erase("extras");
+  }
   if (!value.is_structured()) return;
   for (Json& child : value) dropExtensions(child);  // at most kMostLevels deep
 }
@@ -260,6 +273,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   if (const auto extensions = json->find("extensions"); extensions != json->end() && extensions->is_object()) {
     document.extensions = std::move(*extensions);
   }
+  for (const char* unread : {"images", "textures", "materials", "samplers", "cameras"}) json->erase(unread);
   dropExtensions(*json);
 
   std::string problem;
