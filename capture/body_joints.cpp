@@ -189,7 +189,7 @@ Result<SkeletalMotion> skeletalMotionOf(const std::vector<SkeletonFrame>& frames
   Result<Skeleton> skeleton = skeletonFrom(Lengths(frames));
   if (!skeleton) return skeleton.error();
   motion.skeleton = std::move(*skeleton);
-  Result<Retargeter> retargeter = Retargeter::create(motion.skeleton);
+  Result<Retargeter> retargeter = Retargeter::create(motion.skeleton, {.hold = {}, .plantFeet = false});
   if (!retargeter) return retargeter.error();
   Pose pose = restPose(motion.skeleton);
   motion.times.reserve(frames.size());

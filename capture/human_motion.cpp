@@ -47,12 +47,7 @@ HumanBody::HumanBody(RetargetRig rig)
 }
 
 void HumanBody::evaluate(std::span<const JointTransform> pose) {
-  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
-  for (std::size_t j = 0; j < pose.size(); ++j) {
-    const JointIndex parent = rig_.skeleton.joint(static_cast<JointIndex>(j)).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation_[index(parent)];
-    worldRotation_[j] = (above * pose[j].rotation).normalized();
-  }
+  evaluatePose(rig_.skeleton, pose, worldRotation_, worldFromJoint_);
 }
 
 Vec3 HumanBody::placeOf(HumanBone bone) const {
@@ -140,24 +135,7 @@ void HumanBody::pose(const HumanPose& human, std::span<const Quat> spineTurns, s
 }
 
 void HumanBody::reach(std::size_t side, const Vec3& ankle, std::span<JointTransform> pose) {
-  const LimbBones& leg = limbs()[kFirstLeg + side];
-  const Skeleton& skeleton = rig_.skeleton;
-  const JointIndex thigh = skeleton.jointOf(leg.upper);
-  const JointIndex shin = skeleton.jointOf(leg.lower);
-  const JointIndex foot = skeleton.jointOf(leg.end);
-  const Vec3 hinge = worldRotation(thigh) * (tposeFromJoint_[index(thigh)].conjugate() * leg.hinge);
-  const LegTurns turns = reachWithLeg(placeOf(leg.upper), placeOf(leg.lower), placeOf(leg.end), hinge, ankle);
-  // What hangs between two of these joints turns with the upper one.
-  const auto aboveOf = [&](JointIndex joint) {
-    const JointIndex parent = skeleton.joint(joint).parent;
-    return parent == kNoJoint ? Quat::Identity() : worldRotation_[index(parent)];
-  };
-  const auto set = [&](JointIndex joint, const Quat& above, const Quat& world) {
-    pose[index(joint)].rotation = (above.conjugate() * world).normalized();
-  };
-  set(thigh, aboveOf(thigh), turns.thigh * worldRotation(thigh));
-  set(shin, turns.thigh * aboveOf(shin), turns.shin * worldRotation(shin));
-  set(foot, turns.shin * aboveOf(foot), worldRotation(foot));
+  bendLeg(rig_, side, ankle, worldRotation_, worldFromJoint_, pose);
   evaluate(pose);
 }
 

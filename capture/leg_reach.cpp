@@ -1,7 +1,5 @@
 #include "capture/leg_reach.h"
 
-#include "capture/retarget_rig.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,10 +10,47 @@ namespace {
 constexpr double kLongestReach = 0.999;
 constexpr double kShortest = 1e-6;
 
-}  // namespace
-
 double reachOfLeg(double thigh, double shin) {
   return kLongestReach * (thigh + shin);
+}
+
+}  // namespace
+
+double dropToReach(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& wanted) {
+  const double reach = std::max(reachOfLeg((knee - hip).norm(), (ankle - knee).norm()), (ankle - hip).norm());
+  if ((wanted - hip).norm() <= reach) return 0.0;
+  const double level = std::hypot(wanted.x() - hip.x(), wanted.z() - hip.z());
+  const double height = level < reach ? std::sqrt(reach * reach - level * level) : 0.0;
+  return std::max(0.0, hip.y() - wanted.y() - height);
+}
+
+void evaluatePose(const Skeleton& skeleton, std::span<const JointTransform> pose, std::span<Quat> worldRotation,
+                  std::span<Affine3> worldFromJoint) {
+  computeWorldFromJoint(skeleton, pose, worldFromJoint);
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[static_cast<std::size_t>(parent)];
+    worldRotation[j] = (above * pose[j].rotation).normalized();
+  }
+}
+
+void bendLeg(const RetargetRig& rig, std::size_t side, const Vec3& ankle, std::span<const Quat> worldRotation,
+             std::span<const Affine3> worldFromJoint, std::span<JointTransform> pose) {
+  const LimbBones& leg = limbs()[kFirstLeg + side];
+  const auto index = [&](HumanBone bone) { return static_cast<std::size_t>(rig.skeleton.jointOf(bone)); };
+  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(bone)].translation(); };
+  const Quat& thigh = worldRotation[index(leg.upper)];
+  const Vec3 hinge = thigh * (rig.tposeFromJoint[index(leg.upper)].conjugate() * leg.hinge);
+  const LegTurns turns = reachWithLeg(at(leg.upper), at(leg.lower), at(leg.end), hinge, ankle);
+  // What hangs between two of these joints turns with the upper one.
+  const auto set = [&](HumanBone bone, const Quat& turnAbove, const Quat& turn) {
+    const JointIndex parent = rig.skeleton.joint(rig.skeleton.jointOf(bone)).parent;
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[static_cast<std::size_t>(parent)];
+    pose[index(bone)].rotation = ((turnAbove * above).conjugate() * turn * worldRotation[index(bone)]).normalized();
+  };
+  set(leg.upper, Quat::Identity(), turns.thigh);
+  set(leg.lower, turns.thigh, turns.shin);
+  set(leg.end, turns.shin, Quat::Identity());
 }
 
 LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& hinge, const Vec3& wanted) {

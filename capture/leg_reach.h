@@ -1,6 +1,8 @@
 #pragma once
 
-#include "geometry/math.h"
+#include "capture/retarget_rig.h"
+
+#include <span>
 
 namespace lorica {
 
@@ -18,7 +20,19 @@ struct LegTurns {
 [[nodiscard]] LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& hinge,
                                     const Vec3& wanted);
 
-/// How far a leg reaches: nearly its length, for a knee that is quite straight snaps [m].
-[[nodiscard]] double reachOfLeg(double thigh, double shin);
+/// How far straight down a hip must come so that its ankle reaches a place; 0 when it does, or never will. A leg
+/// reaches nearly its length, for a knee that is quite straight snaps; one that is straighter already may stay so [m].
+[[nodiscard]] double dropToReach(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& wanted);
+
+/// World rotations, scales left out, and world transforms of a pose. Allocates nothing.
+/// @param worldRotation, worldFromJoint  one a joint, written
+void evaluatePose(const Skeleton& skeleton, std::span<const JointTransform> pose, std::span<Quat> worldRotation,
+                  std::span<Affine3> worldFromJoint);
+
+/// Brings the ankle of a character to a place by bending the leg; the foot keeps its turn in the world. Legs, their
+/// places known, may be bent one after the other before the pose is evaluated again.
+/// @param worldRotation, worldFromJoint  as evaluatePose wrote them
+void bendLeg(const RetargetRig& rig, std::size_t side, const Vec3& ankle, std::span<const Quat> worldRotation,
+             std::span<const Affine3> worldFromJoint, std::span<JointTransform> pose);
 
 }  // namespace lorica

@@ -203,16 +203,8 @@ class MotionRetargeter {
       to_.move(Vec3::Zero(), pose(f));
       for (std::size_t side = 0; side < 2; ++side) {
         const LimbBones& leg = limbs()[kFirstLeg + side];
-        const Vec3 hip = to_.placeOf(leg.upper);
-        const Vec3 knee = to_.placeOf(leg.lower);
-        const Vec3 ankle = to_.placeOf(leg.end);
-        const Vec3& wanted = ankles[side][f];
-        // A leg as straight as the source's needs no help.
-        const double reach = std::max(reachOfLeg((knee - hip).norm(), (ankle - knee).norm()), (ankle - hip).norm());
-        if ((wanted - hip).norm() <= reach) continue;
-        const double level = std::hypot(wanted.x() - hip.x(), wanted.z() - hip.z());
-        const double height = level < reach ? std::sqrt(reach * reach - level * level) : 0.0;
-        need[f] = std::max(need[f], hip.y() - wanted.y() - height);
+        need[f] = std::max(need[f], dropToReach(to_.placeOf(leg.upper), to_.placeOf(leg.lower), to_.placeOf(leg.end),
+                                                ankles[side][f]));
       }
       need[f] = std::clamp(need[f], 0.0, kLargestNudge * to_.rig().legLength);
     }

@@ -66,15 +66,16 @@ std::optional<Vec3> Retargeter::Person::direction(BodyJoint a, BodyJoint b) cons
   return Vec3(v / length);
 }
 
-Result<Retargeter> Retargeter::create(const Skeleton& skeleton, const ConfidenceHoldSettings& hold) {
+Result<Retargeter> Retargeter::create(const Skeleton& skeleton, const RetargetSettings& settings) {
   Result<RetargetRig> rig = RetargetRig::create(skeleton);
   if (!rig) return rig.error();
-  return Retargeter(std::move(*rig), hold);
+  return Retargeter(std::move(*rig), settings);
 }
 
-Retargeter::Retargeter(RetargetRig rig, const ConfidenceHoldSettings& hold)
+Retargeter::Retargeter(RetargetRig rig, const RetargetSettings& settings)
     : rig_(std::move(rig)),
-      hold_(rig_.skeleton, hold),
+      settings_(settings),
+      hold_(rig_.skeleton, settings.hold),
       worldRotation_(static_cast<std::size_t>(rig_.skeleton.jointCount()), Quat::Identity()),
       worldFromJoint_(static_cast<std::size_t>(rig_.skeleton.jointCount())) {}
 
@@ -102,6 +103,7 @@ void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pos
     worldRotation_[j] = (worldFromParent * pose[j].rotation).normalized();
   }
   placeRoot(person, pose);
+  if (settings_.plantFeet) plantFeet(person, pose);
 }
 
 Retargeter::Person Retargeter::readPerson(const SkeletonFrame& frame) {
@@ -443,6 +445,20 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
   // No sole goes under the floor, whatever is held or eases: legs may straighten while the hips stay low.
   shownHips.y() = std::max(shownHips.y(), hipsFromMiddle.y() - lowest);
   pose[hips].translation = rig_.hipsParentFromWorld * shownHips;
+}
+
+void Retargeter::plantFeet(const Person& person, std::span<JointTransform> pose) {
+  std::array<TrackedFoot, 2> feet;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const LimbBones& leg = limbs()[kFirstLeg + side];
+    const BodyJoint joint = leg.endJoint;
+    feet[side].seen = person.has(joint) && person.has(leg.lowerJoint) && person.middleHip;
+    if (!feet[side].seen) continue;
+    feet[side].place = person.at(joint);
+    feet[side].above = person.at(joint).y() - standingFoot_.value_or(0.0);
+  }
+  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
+  footLock_.apply(rig_, feet, legRatio_, hold_.step(), worldRotation_, worldFromJoint_, pose);
 }
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "capture/confidence_hold.h"
+#include "capture/foot_lock.h"
 #include "capture/retarget_rig.h"
 #include "capture/skeleton_frame.h"
 #include "skinning/skeleton.h"
@@ -12,6 +13,11 @@
 
 namespace lorica {
 
+struct RetargetSettings {
+  ConfidenceHoldSettings hold;
+  bool plantFeet = true;  ///< see FootLock; without it limbs point exactly as the person's
+};
+
 /// Turns tracked joints into a pose of one character, whatever its rest pose, joint axes and proportions.
 ///
 /// Hips and chest take the frames of the hip line, the shoulder line and the trunk; the spine shares out the bend
@@ -21,7 +27,7 @@ namespace lorica {
 ///
 /// The root starts where the person stands and moves by the person's motion scaled by the ratio of leg lengths. Its
 /// height puts the lower foot as high above the floor as the person's is above its own standing height, scaled; no
-/// foot is left under the floor.
+/// foot is left under the floor. A foot that stands still keeps its place (FootLock): its leg bends for that.
 ///
 /// Bones whose joints are unknown hold, then ease to rest (ConfidenceHold). Fingers stay at rest; toes give way to the
 /// floor.
@@ -29,7 +35,7 @@ namespace lorica {
 class Retargeter {
  public:
   /// @return the retargeter, or which humanoid bones the skeleton lacks (bonesNeededToRetarget)
-  static Result<Retargeter> create(const Skeleton& skeleton, const ConfidenceHoldSettings& hold = {});
+  static Result<Retargeter> create(const Skeleton& skeleton, const RetargetSettings& settings = {});
 
   /// @param pose  jointCount local transforms, written
   void apply(const SkeletonFrame& frame, std::span<JointTransform> pose);
@@ -64,7 +70,7 @@ class Retargeter {
     bool catchingUp = false;
   };
 
-  Retargeter(RetargetRig rig, const ConfidenceHoldSettings& hold);
+  Retargeter(RetargetRig rig, const RetargetSettings& settings);
 
   [[nodiscard]] static Person readPerson(const SkeletonFrame& frame);
   [[nodiscard]] std::optional<Quat> solve(HumanBone bone, JointIndex joint, const Person& person);
@@ -85,11 +91,14 @@ class Retargeter {
   void measureLegs(const Person& person);
   void measureFloor(const Person& person);
   void placeRoot(const Person& person, std::span<JointTransform> pose);
+  void plantFeet(const Person& person, std::span<JointTransform> pose);
 
   static constexpr std::size_t kLegSamples = 63;
 
   RetargetRig rig_;
+  RetargetSettings settings_;
   ConfidenceHold hold_;
+  FootLock footLock_;
   std::vector<Quat> worldRotation_;      ///< one a joint, as shown
   std::vector<Affine3> worldFromJoint_;  ///< one a joint, as shown but for the root's place
   std::array<Twist, kLimbCount> upperTwist_;
