@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
+#include <map>
 
 namespace lorica {
 namespace {
@@ -19,16 +19,21 @@ constexpr std::array<std::string_view, kJointFormatCount> kFormatNames = {
 Result<JointStream> parseLorica(std::string_view text, std::string_view name, const JointStreamSettings& settings) {
   Result<std::vector<std::vector<SkeletonFrame>>> all = parseJointCsvOfAll(text, name);
   if (!all) return all.error();
-  std::sort(all->begin(), all->end(), [](const auto& a, const auto& b) { return a.front().user < b.front().user; });
+  std::map<int, joints::WayMeter> ways;
+  for (const std::vector<SkeletonFrame>& its : *all) {
+    joints::WayMeter& meter = ways[its.front().user];
+    for (const SkeletonFrame& frame : its) meter.add(frame);
+  }
   JointStream stream;
-  stream.people.reserve(all->size());
-  for (const std::vector<SkeletonFrame>& its : *all) stream.people.push_back(its.front().user);
-  const Result<std::size_t> chosen = joints::choosePerson(*all, stream.people, name, settings);
+  stream.people.reserve(ways.size());
+  for (const auto& [person, meter] : ways) stream.people.push_back(person);
+  const Result<int> chosen = joints::choosePerson(ways, name, settings);
   if (!chosen) return chosen.error();
-  stream.frames = std::move((*all)[*chosen]);
-  if (!settings.person && all->size() > 1) {
-    stream.notes.push_back(
-        fmt::format("Of {} persons the one that moves most was taken: {}.", all->size(), stream.people[*chosen]));
+  for (std::vector<SkeletonFrame>& its : *all) {
+    if (its.front().user == *chosen) stream.frames = std::move(its);
+  }
+  if (!settings.person && ways.size() > 1) {
+    stream.notes.push_back(fmt::format("Of {} persons the one that moves most was taken: {}.", ways.size(), *chosen));
   }
   return stream;
 }

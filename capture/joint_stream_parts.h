@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -102,11 +103,23 @@ class PersonTracks {
 /// Chooses the person, gives times in seconds, turns the sensor's axes into Lorica's and sets the person on the floor.
 [[nodiscard]] Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view file,
                                          const JointStreamSettings& settings);
+/// How far a person goes [m]. Steps of some centimetres are counted as one, so that jitter is no way.
+class WayMeter {
+ public:
+  void add(const SkeletonFrame& frame);
+  [[nodiscard]] double way() const { return way_; }
+  [[nodiscard]] std::size_t frames() const { return frames_; }
+
+ private:
+  std::optional<Vec3> from_;
+  double way_ = 0.0;
+  std::size_t frames_ = 0;
+};
+
 /// The person that the settings name, else the one that moves most; or the sentence that says who is there.
-/// @param rows  of each person, as many as `people`
-[[nodiscard]] Result<std::size_t> choosePerson(std::span<const std::vector<SkeletonFrame>> rows,
-                                               std::span<const int> people, std::string_view file,
-                                               const JointStreamSettings& settings);
+/// @param ways  of each person, by number; at least one
+[[nodiscard]] Result<int> choosePerson(const std::map<int, WayMeter>& ways, std::string_view file,
+                                       const JointStreamSettings& settings);
 
 // One for each layout. The sentences of failure name file, line, column, found and expected.
 [[nodiscard]] Result<RawStream> parseMsrAction3d(std::string_view text, std::string_view file);

@@ -51,23 +51,6 @@ std::optional<Vec3> between(const SkeletonFrame& frame, J from, J to) {
   return Vec3(*b - *a);
 }
 
-/// How far a person goes [m]. Steps of some centimetres are counted as one, so that jitter is no way.
-double wayOf(std::span<const SkeletonFrame> frames) {
-  constexpr double kStep = 0.05;
-  double way = 0.0;
-  std::optional<Vec3> from;
-  for (const SkeletonFrame& frame : frames) {
-    const std::optional<Vec3> place = placeOf(frame);
-    if (!place) continue;
-    if (!from) from = place;
-    const double step = (*place - *from).norm();
-    if (step < kStep) continue;
-    way += step;
-    from = place;
-  }
-  return way;
-}
-
 /// Seconds of a tick such that the rows come nearest to 30 a second.
 double guessedTick(std::span<const Observation> rows, std::vector<std::string>& notes) {
   std::vector<double> steps;
@@ -314,25 +297,34 @@ void noteLean(std::span<const Observation> rows, std::vector<std::string>& notes
 
 }  // namespace
 
-Result<std::size_t> choosePerson(std::span<const std::vector<SkeletonFrame>> rows, std::span<const int> people,
-                                 std::string_view file, const JointStreamSettings& settings) {
+void WayMeter::add(const SkeletonFrame& frame) {
+  constexpr double kStep = 0.05;
+  ++frames_;
+  const std::optional<Vec3> place = placeOf(frame);
+  if (!place) return;
+  if (!from_) from_ = place;
+  const double step = (*place - *from_).norm();
+  if (step < kStep) return;
+  way_ += step;
+  from_ = place;
+}
+
+Result<int> choosePerson(const std::map<int, WayMeter>& ways, std::string_view file,
+                         const JointStreamSettings& settings) {
   if (settings.person) {
-    const auto found = std::find(people.begin(), people.end(), *settings.person);
-    if (found != people.end()) return static_cast<std::size_t>(found - people.begin());
+    if (ways.contains(*settings.person)) return *settings.person;
+    std::vector<int> people;
+    people.reserve(ways.size());
+    for (const auto& [person, meter] : ways) people.push_back(person);
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: there is no person {}, expected {} {}", file, *settings.person,
-                             people.size() > 1 ? "one of" : "", fmt::join(people, ", "))};
+                 fmt::format("{}: found no person {}, expected {}{}", file, *settings.person,
+                             people.size() > 1 ? "one of " : "", fmt::join(people, ", "))};
   }
-  std::size_t best = 0;
-  double bestWay = -1.0;
-  for (std::size_t p = 0; p < people.size(); ++p) {
-    const double way = wayOf(rows[p]);
-    if (way > bestWay || (way == bestWay && rows[p].size() > rows[best].size())) {
-      best = p;
-      bestWay = way;
-    }
-  }
-  return best;
+  const auto movesLess = [](const auto& a, const auto& b) {
+    if (a.second.way() != b.second.way()) return a.second.way() < b.second.way();
+    return a.second.frames() < b.second.frames();
+  };
+  return std::max_element(ways.begin(), ways.end(), movesLess)->first;
 }
 
 Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view file,
@@ -340,18 +332,13 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   JointStream stream;
   stream.format = format;
   stream.notes = std::move(raw.notes);
-  std::map<int, std::vector<SkeletonFrame>> framesOf;
-  for (const Observation& row : raw.rows) framesOf[row.frame.user].push_back(row.frame);
-  std::vector<std::vector<SkeletonFrame>> frames;
-  frames.reserve(framesOf.size());
-  stream.people.reserve(framesOf.size());
-  for (auto& [person, its] : framesOf) {
-    stream.people.push_back(person);
-    frames.push_back(std::move(its));
-  }
-  const Result<std::size_t> chosen = choosePerson(frames, stream.people, file, settings);
+  std::map<int, WayMeter> ways;
+  for (const Observation& row : raw.rows) ways[row.frame.user].add(row.frame);
+  stream.people.reserve(ways.size());
+  for (const auto& [id, meter] : ways) stream.people.push_back(id);
+  const Result<int> chosen = choosePerson(ways, file, settings);
   if (!chosen) return chosen.error();
-  const int person = stream.people[*chosen];
+  const int person = *chosen;
   if (!settings.person && stream.people.size() > 1) {
     stream.notes.push_back(
         fmt::format("Of {} persons the one that moves most was taken: {}.", stream.people.size(), person));

@@ -215,7 +215,7 @@ TEST(JointStream, OfSixBodiesTheOneThatMovesIsTaken) {
 
   const auto nobody = parseJointStream(text, "two.txt", {.person = 7});
   ASSERT_FALSE(nobody);
-  EXPECT_EQ(nobody.error().message, "two.txt: there is no person 7, expected one of 1, 2");
+  EXPECT_EQ(nobody.error().message, "two.txt: found no person 7, expected one of 1, 2");
 }
 
 TEST(JointStream, StatesAreConfidence) {

@@ -134,7 +134,8 @@ TEST(UiPrmd, TheMannequinDoesTheExercises) {
       const Vec3 arm = frame[J::kLeftElbow].position - frame[J::kLeftShoulder].position;
       EXPECT_LT(test::angleBetween(at(B::kLeftLowerArm) - at(B::kLeftUpperArm), arm), test::degrees(0.5));
       const Vec3 thigh = frame[J::kRightKnee].position - frame[J::kRightHip].position;
-      EXPECT_LT(test::angleBetween(at(B::kRightLowerLeg) - at(B::kRightUpperLeg), thigh), test::degrees(0.5));
+      // Legs may give way to keep a standing foot in its place.
+      EXPECT_LT(test::angleBetween(at(B::kRightLowerLeg) - at(B::kRightUpperLeg), thigh), test::degrees(15.0));
       // No backward knee: the shin never points more to the front than the thigh does.
       const Vec3 left = at(B::kLeftUpperLeg) - at(B::kRightUpperLeg);
       const Vec3 upper = at(B::kRightLowerLeg) - at(B::kRightUpperLeg);
