@@ -66,13 +66,6 @@ Result<void> checkCover(const CoverRequest& request, const Character& character)
   return {};
 }
 
-Result<CoverPoses> coverPosesOf(const Character& character, std::span<const Recording> recordings) {
-  std::vector<std::vector<SkeletonFrame>> frames;
-  frames.reserve(recordings.size());
-  for (const Recording& recording : recordings) frames.push_back(recording.frames);
-  return coverPoses(character, frames);
-}
-
 Result<CoverPromise> chooseCoverWithProgress(const Character& character, const Decomposition& decomposition,
                                              const CoverPoses& poses, const CoverRequest& request, int threads) {
   const NothingToCleanUp nothing;  // files are written later

@@ -2,7 +2,6 @@
 
 #include "acd/cover.h"
 #include "acd/decomposition.h"
-#include "apps/inputs.h"
 #include "apps/report.h"
 #include "session/cover_poses.h"
 #include "skinning/character.h"
@@ -11,7 +10,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <optional>
-#include <span>
 #include <string>
 
 namespace lorica {
@@ -31,9 +29,6 @@ CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std
 
 /// Refuses, before any work, a request that contradicts itself or that has the body swell beyond use.
 [[nodiscard]] Result<void> checkCover(const CoverRequest& request, const Character& character);
-
-/// The poses that covers are chosen and measured in: half frames of these recordings, half at random.
-[[nodiscard]] Result<CoverPoses> coverPosesOf(const Character& character, std::span<const Recording> recordings);
 
 /// chooseCover() with a progress bar; Ctrl-C cancels it. Exact where nothing was asked for.
 /// @param decomposition  made from the character's mesh

@@ -30,6 +30,7 @@ struct Options {
   double maxDistance = 0.0;  // 0 = not given
   int keyframes = 0;         // 0 = not given, kAuto = to be chosen
   std::vector<std::string> motions;
+  CharacterOptions character;
   std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
   int orientations = 0;  // 0 = the preset's
@@ -159,8 +160,7 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
     json["keyframes"] = quality.errorPerKeyframe.size();
     json["errorPerKeyframe"] = quality.errorPerKeyframe;
     for (const ChosenFrame& chosen : keyframes.chosen) {
-      json["chosenKeyframes"].push_back(
-          {{"recording", chosen.recording}, {"frame", chosen.frame}, {"time", chosen.time}});
+      json["chosenKeyframes"].push_back({{"motion", chosen.motion}, {"frame", chosen.frame}, {"time", chosen.time}});
     }
   }
   if (subject.character) addCoverTo(json, cover);
@@ -209,11 +209,11 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
   if (!options.output.empty()) report.line("written", options.output);
   if (!options.obj.empty()) report.line("hulls written", options.obj);
   if (!keyframes.chosen.empty()) {
-    Table table{{"frame", "time [s]", "error", "recording"}, {}, 3};
+    Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};
     for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
-      const auto& [recording, frame, time] = keyframes.chosen[k];
+      const auto& [motion, frame, time] = keyframes.chosen[k];
       table.rows.push_back(
-          {std::to_string(frame), fmt::format("{:.2f}", time), percent(quality.errorPerKeyframe[k]), recording});
+          {std::to_string(frame), fmt::format("{:.2f}", time), percent(quality.errorPerKeyframe[k]), motion});
     }
     report.table(std::move(table));
     report.note(
@@ -226,7 +226,7 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   // The input, and whether all that is asked of it makes sense.
-  const Result<Subject> subject = readSubject(options.input);
+  const Result<Subject> subject = readSubject(options.input, options.character);
   if (!subject) return subject.error();
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
 
@@ -234,18 +234,18 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Outcome outcome;
   outcome.keyframes = Keyframes{subject->mesh.vertices, 1, {}, 0.0};
   outcome.threads = common.threadCount();
-  std::optional<CoverPoses> coverPoses;
+  std::optional<CoverPoses> posesToCover;
   if (subject->character) {
-    const Result<std::vector<Recording>> motions = readMotions(options.motions);
-    if (!motions) return motions.error();
-    const int count = options.keyframes != 0 ? options.keyframes : kDefaultKeyframes;
-    Result<Keyframes> sampled = trainingKeyframes(*subject->character, *motions, count);
+    const Result<Training> training = trainingMotions(*subject, options.motions);
+    if (!training) return training.error();
+    const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
+    Result<Keyframes> sampled = trainingKeyframes(*subject->character, *training, count);
     if (!sampled) return sampled.error();
     outcome.keyframes = std::move(*sampled);
     if (!options.cover.exact()) {
-      Result<CoverPoses> poses = coverPosesOf(*subject->character, *motions);
+      Result<CoverPoses> poses = coverPoses(*subject->character, training->motions);
       if (!poses) return poses.error();
-      coverPoses = std::move(*poses);
+      posesToCover = std::move(*poses);
     }
   }
   const PoseView poses{outcome.keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
@@ -266,11 +266,11 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!made) return made.error();
   outcome.made = std::move(*made);
   const Decomposition& decomposition = outcome.made.decomposition;
-  if (coverPoses) {
+  if (posesToCover) {
     Result<CoverPromise> cover =
-        chooseCoverWithProgress(*subject->character, decomposition, *coverPoses, options.cover, outcome.threads);
+        chooseCoverWithProgress(*subject->character, decomposition, *posesToCover, options.cover, outcome.threads);
     if (!cover) return cover.error();
-    outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *coverPoses, *cover);
+    outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *cover);
     outcome.cover = std::move(*cover);
   }
   outcome.quality = measureQuality(decomposition, subject->mesh, poses);
@@ -314,6 +314,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "      go on until no concave edge remains (Ctrl-C cancels)\n"
       "  lorica decompose mannequin -o body.lorica\n"
       "      16 parts that stay tight in 12 poses of the shipped recordings\n"
+      "  lorica decompose hero.glb -o hero.lorica\n"
+      "      a character of your own, trained on its own clips\n"
       "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
       "      trained on a motion of your own\n"
       "  lorica decompose mannequin --keyframes auto --motion walk --motion dance.csv\n"
@@ -327,7 +329,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "hulls that hold all of\nit, and volumes, score and error are means over the keyframes. "
       "Points to cover it are chosen in 128 poses,\nhalf of them from the motions and half at "
       "random within joint limits, and measured in 128 others.");
-  app->add_option("INPUT", options->input, "Closed mesh (.off, .obj, .ply, .stl) or `mannequin`")
+  app->add_option("INPUT", options->input,
+                  "Closed mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae) or `mannequin`")
       ->required()
       ->type_name("");
   addCount(
@@ -347,11 +350,14 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       *app, "--keyframes", options->keyframes, 1,
       "Poses that a character is trained on, evenly over the motions; `auto`: up to 12 that differ most, and "
       "says which [default: 12]");
-  app->add_option("--motion", options->motions,
-                  "Take the keyframes from this recording; may be given again [default: those that ship]")
+  app->add_option(
+         "--motion", options->motions,
+         "Take the keyframes from this motion; may be given again [default: the character's own clips, else the "
+         "recordings that ship]")
       ->type_name("FILE")
       ->expected(1)
       ->take_all();
+  addCharacterOptions(*app, options->character);
   addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: the preset's, 8]");
   addCount(*app, "--orientations", options->orientations, 1,
            "Planes tried at each of them [default: the preset's, 5 or, fast, 3]");

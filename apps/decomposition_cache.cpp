@@ -1,6 +1,5 @@
 #include "apps/decomposition_cache.h"
 
-#include "apps/inputs.h"
 #include "apps/quality.h"
 #include "apps/report.h"
 #include "apps/training.h"
@@ -17,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kParts = 16;
-constexpr int kKeyframes = 12;
 /// Raise it when decompose() or chooseCover() gives something else for the same input, or when files hold more: or
 /// caches of older programs would live on.
 constexpr std::uint64_t kAlgorithmVersion = 3;
@@ -100,10 +98,11 @@ std::filesystem::path cacheFolder() {
   return {};
 }
 
-Result<DefaultDecomposition> defaultDecomposition(const Character& character, int threads) {
-  const Result<std::vector<Recording>> motions = readShippedRecordings();
-  if (!motions) return motions.error();
-  const Result<Keyframes> keyframes = trainingKeyframes(character, *motions, kKeyframes);
+Result<DefaultDecomposition> defaultDecomposition(const Subject& subject, int threads) {
+  const Character& character = *subject.character;
+  const Result<Training> training = trainingMotions(subject, {});
+  if (!training) return training.error();
+  const Result<Keyframes> keyframes = trainingKeyframes(character, *training, std::nullopt);
   if (!keyframes) return keyframes.error();
   DecomposeSettings settings;
   settings.maxParts = kParts;
@@ -124,11 +123,12 @@ Result<DefaultDecomposition> defaultDecomposition(const Character& character, in
   return DefaultDecomposition{std::move(content), false, made->seconds};
 }
 
-Result<CoverPromise> cachedCover(const Character& character, const DecompositionFile& content,
-                                 const CoverRequest& request, int threads) {
-  const Result<std::vector<Recording>> motions = readShippedRecordings();
-  if (!motions) return motions.error();
-  const Result<CoverPoses> poses = coverPosesOf(character, *motions);
+Result<CoverPromise> cachedCover(const Subject& subject, const DecompositionFile& content, const CoverRequest& request,
+                                 int threads) {
+  const Character& character = *subject.character;
+  const Result<Training> training = trainingMotions(subject, {});
+  if (!training) return training.error();
+  const Result<CoverPoses> poses = coverPoses(character, training->motions);
   if (!poses) return poses.error();
   const fs::path file = cacheFile(cacheKey(character, content.decomposition, *poses, request));
   std::optional<DecompositionFile> cached = readCache(file, character.mesh);

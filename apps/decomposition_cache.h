@@ -2,14 +2,15 @@
 
 #include "acd/decomposition_file.h"
 #include "apps/cover.h"
+#include "apps/inputs.h"
 #include "skinning/character.h"
 
 #include <filesystem>
 
 namespace lorica {
 
-/// The decomposition that `demo` and `play` use when none is given: 16 parts from 12 keyframes of the shipped
-/// recordings.
+/// The decomposition that `demo` and `play` use when none is given: 16 parts from up to 12 keyframes of what the
+/// character trains on by default, see trainingMotions().
 struct DefaultDecomposition {
   DecompositionFile file;
   bool fromCache = false;
@@ -19,13 +20,14 @@ struct DefaultDecomposition {
 /// Computes it the first time, with a progress bar, and keeps it in the cache under a hash of all that it depends on:
 /// topology, keyframe positions, settings, version of the algorithm. A damaged cache file is computed again, a cache
 /// that cannot be written is a warning.
-[[nodiscard]] Result<DefaultDecomposition> defaultDecomposition(const Character& character, int threads);
+[[nodiscard]] Result<DefaultDecomposition> defaultDecomposition(const Subject& subject, int threads);
 
-/// A cover of a decomposition, chosen in poses of the shipped recordings: computed the first time, with a progress bar,
-/// and kept in the cache as the decomposition is.
-/// @param content  made from the character's mesh
+/// A cover of a decomposition, chosen in poses of what the character trains on by default: computed the first time,
+/// with a progress bar, and kept in the cache as the decomposition is.
+/// @param subject  a character
+/// @param content  made from its mesh
 /// @param request  not exact
-[[nodiscard]] Result<CoverPromise> cachedCover(const Character& character, const DecompositionFile& content,
+[[nodiscard]] Result<CoverPromise> cachedCover(const Subject& subject, const DecompositionFile& content,
                                                const CoverRequest& request, int threads);
 
 /// $XDG_CACHE_HOME/lorica or ~/.cache/lorica; empty where neither variable holds an absolute path.

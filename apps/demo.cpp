@@ -31,7 +31,7 @@ struct Options {
 /// What the demo shows and what came of it.
 struct Show {
   Character character;
-  Recording performance;
+  Motion performance;
   DefaultDecomposition body;
   Tally tally;
   double seconds = 0.0;  // of the performance that were played
@@ -42,14 +42,14 @@ struct Show {
 /// Plays over and over until the window is closed or the time is over.
 Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   while (true) {
-    Result<Session> session = startSession(show.character, show.body.file, show.performance.frames);
+    Result<Session> session = startSession(show.character, show.body.file, show.performance);
     if (!session) return session.error();
     PlaybackLimit limit;
     if (options.seconds > 0.0) limit.seconds = options.seconds - show.seconds;
     show.tally.restart();
     const Result<bool> stillOpen = playInWindow(window, *session, show.performance.name, limit, show.tally);
     if (!stillOpen) return stillOpen.error();
-    show.seconds += session->frame().time - show.performance.frames.front().time;
+    show.seconds += session->time() - show.performance.firstTime();
     show.hash = session->hash();
     if (!*stillOpen || (options.seconds > 0.0 && show.seconds >= options.seconds)) return {};
   }
@@ -62,12 +62,12 @@ Result<void> playForFiles(const Options& options, Show& show) {
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
   if (!pictures) warn(pictures.error().message + "; the demo runs without pictures");
 
-  Result<Session> session = startSession(show.character, show.body.file, show.performance.frames);
+  Result<Session> session = startSession(show.character, show.body.file, show.performance);
   if (!session) return session.error();
   const double wanted = options.seconds > 0.0 ? options.seconds : kVideoSeconds;
-  const double first = show.performance.frames.front().time;
+  const double first = show.performance.firstTime();
   int frames = 0;
-  for (const SkeletonFrame& frame : show.performance.frames) frames += frame.time - first < wanted - 1e-6 ? 1 : 0;
+  for (const SkeletonFrame& frame : show.performance.joints) frames += frame.time - first < wanted - 1e-6 ? 1 : 0;
 
   ProgressBar bar(pictures ? "Drawing the demo" : "Running the demo", "frames");
   for (int frame = 0; frame < frames; ++frame) {
@@ -76,7 +76,7 @@ Result<void> playForFiles(const Options& options, Show& show) {
     if (!more) return more.error();
     if (!*more) break;
     show.tally.add(*session);
-    show.seconds = session->frame().time - first;
+    show.seconds = session->time() - first;
     if (pictures) {
       const std::string caption = captionOf(show.performance.name, *session, show.seconds);
       if (Result<void> drawn = pictures->add(*session, caption, show.seconds, frame, frames); !drawn) return drawn;
@@ -142,7 +142,8 @@ Report toReport(const Show& show) {
 }
 
 /// The window that was asked for, or that a display invites; nothing when the demo is to be drawn to files.
-Result<std::optional<Window>> chooseWindow(const Options& options) {
+/// @param height  of the character [m]
+Result<std::optional<Window>> chooseWindow(const Options& options, double height) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
     fmt::print(stderr, "No display, so no window: drawing a video and pictures to {} instead.\n", options.out);
@@ -150,7 +151,7 @@ Result<std::optional<Window>> chooseWindow(const Options& options) {
   }
   Result<Window> window = Window::create("Lorica", kWindowWidth, kWindowHeight);
   if (window) {
-    window->setCamera(windowCamera());
+    window->setCamera(windowCamera(height));
     return std::optional<Window>(std::move(*window));
   }
   if (options.window) return window.error();
@@ -169,15 +170,15 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (options.headless || !displayAvailable()) {
     if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
   }
-  Result<Recording> performance = makePerformance();
+  Result<Motion> performance = makePerformance();
   if (!performance) return performance.error();
-  Result<Character> character = findCharacter("mannequin");
-  if (!character) return character.error();
-  Result<DefaultDecomposition> body = defaultDecomposition(*character, common.threadCount());
+  Result<Subject> mannequin = readCharacter("mannequin");
+  if (!mannequin) return mannequin.error();
+  Result<DefaultDecomposition> body = defaultDecomposition(*mannequin, common.threadCount());
   if (!body) return body.error();
 
-  Show show{std::move(*character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
-  Result<std::optional<Window>> window = chooseWindow(options);
+  Show show{std::move(*mannequin->character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
+  Result<std::optional<Window>> window = chooseWindow(options, show.character.height);
   if (!window) return window.error();
   const Result<void> played = *window ? playForPeople(options, **window, show) : playForFiles(options, show);
   if (!played) return played;

@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr double kFramesPerSecond = 30.0;
-constexpr int kMoments = 3;              // columns of the sheet
-constexpr double kCameraDistance = 4.0;  // [m]
+constexpr int kMoments = 3;               // columns of the sheet
+constexpr double kCameraDistance = 2.29;  // in heights of the character
 
 /// Half as wide and high, each pixel the mean of four.
 Image halved(const Image& image) {
@@ -67,7 +67,7 @@ Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
 
 Result<void> DemoPictures::add(const Session& session, const std::string& caption, double seconds, int frame,
                                int frames) {
-  if (!scene_) scene_ = std::make_unique<SessionScene>(session.body().decomposition());
+  if (!scene_) scene_ = std::make_unique<SessionScene>(session);
   follow_.update(session, seconds - lastSeconds_);
   lastSeconds_ = seconds;
   SceneOptions show;

@@ -1,16 +1,14 @@
 #include "apps/inputs.h"
 
-#include "apps/report.h"
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
+#include "apps/interrupt.h"
+#include "apps/options.h"
+#include "apps/progress_bar.h"
 #include "geometry/mesh_files.h"
 #include "geometry/mesh_repair.h"
-#include "session/keyframes.h"
+#include "import/bone_map.h"
 #include "skinning/mannequin.h"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 namespace lorica {
 namespace {
@@ -18,50 +16,71 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
-constexpr double kLikeEnough = 0.02;  // of the character's height: poses that need no keyframe each
 
-/// The names that `play NAME` understands: "jumping_jacks, walk, ...".
-std::string shippedNames(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
+/// makeBody() with a progress bar; Ctrl-C cancels it.
+Result<Body> makeBodyWithProgress(const Character& character, const CharacterOptions& options) {
+  const NothingToCleanUp nothing;
+  ProgressBar bar("Making a body of " + character.name, "steps");
+  BodySettings settings;
+  settings.resolution = options.bodyResolution;
+  settings.progress = [&bar](int done, int steps) {
+    bar.update(done, steps);
+    return !interrupted();
+  };
+  Result<Body> body = makeBody(character, settings);
+  if (!body) return Error{body.error().code, character.name + ": " + body.error().message};
+  return body;
+}
+
+Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
+  Result<CharacterFile> read = readCharacterFile(file);
+  if (!read) return read.error();
+  if (read->character.mesh.triangles.empty()) {
+    return Error{ErrorCode::kBadMesh, fmt::format("{}: no triangles, only {}; expected a character with a surface",
+                                                  file.string(), read->clips.empty() ? "joints" : "motion")};
   }
-  std::sort(names.begin(), names.end());
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-Result<Recording> readRecordingFile(const fs::path& file) {
-  Result<std::vector<SkeletonFrame>> frames = readJointCsv(file);
-  if (!frames) return frames.error();
-  return Recording{file.stem().string(), std::move(*frames)};
-}
-
-/// A word without folder or extension, that names no file here, can only mean a shipped recording.
-bool isBareName(const std::string& text) {
-  std::error_code ignored;
-  return text.find('/') == std::string::npos && !fs::path(text).has_extension() && !fs::exists(text, ignored);
+  if (!options.map.empty()) {
+    const Result<BoneMap> map = readBoneMap(options.map);
+    if (!map) return map.error();
+    Result<Skeleton> mapped = applyBoneMap(read->character.skeleton, *map, options.map);
+    if (!mapped) return mapped.error();
+    read->character.skeleton = std::move(*mapped);
+  }
+  Result<Body> body = makeBodyWithProgress(read->character, options);
+  if (!body) return body.error();
+  Subject subject{read->character.name, body->character.mesh, std::nullopt, "", std::move(*read), std::move(*body)};
+  if (subject.file->skins > 0 || !subject.file->clips.empty()) subject.character = subject.body->character;
+  return subject;
 }
 
 }  // namespace
 
-Result<Subject> readSubject(const std::string& input) {
+void addCharacterOptions(CLI::App& app, CharacterOptions& options) {
+  app.add_option("--map", options.map,
+                 "Which joint is which humanoid bone, where names and shape do not tell; `lorica info --write-map` "
+                 "starts one")
+      ->type_name("FILE.json");
+  addLength(app, "--body-resolution", options.bodyResolution,
+            "Edge of the voxels, where the character's surface is open and one has to be made [default: from its "
+            "thickness]");
+}
+
+Result<Subject> readSubject(const std::string& input, const CharacterOptions& options) {
   if (input == kMannequin) {
-    Result<Character> character = findCharacter(input);
-    if (!character) return character.error();
-    TriMesh mesh = character->mesh;
-    return Subject{input, std::move(mesh), std::move(*character), ""};
+    Character character = makeMannequin();
+    TriMesh mesh = character.mesh;
+    return Subject{input, std::move(mesh), std::move(character), "", std::nullopt, std::nullopt};
   }
-  std::error_code ignored;
   if (isBareName(input)) {
     return Error{ErrorCode::kNotFound,
-                 fmt::format("{}: no such file and no character of that name, expected a mesh (.off, .obj, .ply, .stl) "
-                             "or {}",
+                 fmt::format("{}: no such file and no character of that name, expected a mesh (.off, .obj, .ply, "
+                             ".stl), a character (.glb, .gltf, .vrm, .fbx, .dae) or {}",
                              input, kMannequin)};
   }
+  if (isCharacterFile(input)) return readCharacterSubject(input, options);
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
-  Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, ""};
+  Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, "", std::nullopt, std::nullopt};
   if (Result<MeshRepair> repair = repairClosedMesh(subject.mesh); repair && repair->changed()) {
     subject.mended = repair->summary();
     subject.mesh = std::move(repair->mesh);
@@ -69,93 +88,19 @@ Result<Subject> readSubject(const std::string& input) {
   return subject;
 }
 
-Result<Character> findCharacter(const std::string& name) {
-  if (name == kMannequin) return makeMannequin();
-  return Error{ErrorCode::kNotFound, fmt::format("{}: no character of that name, expected {}", name, kMannequin)};
-}
-
-Result<std::filesystem::path> recordingsFolder() {
-  std::error_code error;
-  if (const std::string chosen = environment("LORICA_RECORDINGS"); !chosen.empty()) {
-    if (fs::is_directory(chosen, error)) return fs::path(chosen);
-    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: there is no such folder", chosen)};
+Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options) {
+  if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
+    return Error{ErrorCode::kNotFound, fmt::format("{}: no character of that name, expected {} or a character file "
+                                                   "(.glb, .gltf, .vrm, .fbx, .dae)",
+                                                   nameOrFile, kMannequin)};
   }
-  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
-  // build/lorica, build/PRESET/lorica, and PREFIX/bin/lorica.
-  for (const char* relative : {"../recordings", "../../recordings", "../share/lorica/recordings"}) {
-    const fs::path folder = (program / relative).lexically_normal();
-    if (fs::is_directory(folder, error)) return folder;
+  Result<Subject> subject = readSubject(nameOrFile, options);
+  if (subject && !subject->character) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: a shape without skin and clips, which nothing can move; expected a character", nameOrFile)};
   }
-  return Error{ErrorCode::kNotFound,
-               fmt::format("the shipped recordings are not beside {} nor in ../share/lorica/recordings: set "
-                           "LORICA_RECORDINGS to their folder",
-                           program.string())};
-}
-
-Result<Recording> readRecording(const std::string& pathOrName) {
-  if (!isBareName(pathOrName)) return readRecordingFile(pathOrName);
-  const Result<fs::path> folder = recordingsFolder();
-  if (!folder) return folder.error();
-  const fs::path file = *folder / (pathOrName + ".csv");
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: no such file and no shipped recording of that name, expected "
-                                                   "a joint CSV or one of {}",
-                                                   pathOrName, shippedNames(*folder))};
-  }
-  return readRecordingFile(file);
-}
-
-Result<std::vector<Recording>> readShippedRecordings() {
-  const Result<fs::path> folder = recordingsFolder();
-  if (!folder) return folder.error();
-  std::vector<Recording> recordings;
-  for (int motion = 0; motion < kSyntheticMotionCount; ++motion) {
-    const std::string name(nameOf(static_cast<SyntheticMotion>(motion)));
-    Result<Recording> recording = readRecordingFile(*folder / (name + ".csv"));
-    if (!recording) return recording.error();
-    recordings.push_back(std::move(*recording));
-  }
-  return recordings;
-}
-
-Result<std::vector<Recording>> readMotions(std::span<const std::string> motions) {
-  if (motions.empty()) return readShippedRecordings();
-  std::vector<Recording> recordings;
-  recordings.reserve(motions.size());
-  for (const std::string& motion : motions) {
-    Result<Recording> recording = readRecording(motion);
-    if (!recording) return recording.error();
-    recordings.push_back(std::move(*recording));
-  }
-  return recordings;
-}
-
-Result<Keyframes> trainingKeyframes(const Character& character, std::span<const Recording> motions, int count) {
-  std::vector<std::vector<SkeletonFrame>> frames;
-  frames.reserve(motions.size());
-  for (const Recording& recording : motions) frames.push_back(recording.frames);
-  if (count == kChooseKeyframes) {
-    Result<ChosenKeyframes> found =
-        chooseKeyframes(character, frames, kDefaultKeyframes, kLikeEnough * character.height);
-    if (!found) return found.error();
-    Keyframes keyframes{std::move(found->positions), static_cast<int>(found->sources.size()), {}, found->farthest};
-    keyframes.chosen.reserve(found->sources.size());
-    for (const KeyframeSource& source : found->sources) {
-      keyframes.chosen.push_back({motions[source.recording].name, source.frame, source.time});
-    }
-    return keyframes;
-  }
-  std::size_t frameCount = 0;
-  for (const std::vector<SkeletonFrame>& recording : frames) frameCount += recording.size();
-  if (static_cast<std::size_t>(count) > frameCount) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--keyframes: found {}, expected at most {}, the number of frames to choose from", count,
-                             frameCount)};
-  }
-  Result<std::vector<Vec3>> positions = sampleKeyframes(character, frames, count);
-  if (!positions) return positions.error();
-  return Keyframes{std::move(*positions), count, {}, 0.0};
+  return subject;
 }
 
 }  // namespace lorica

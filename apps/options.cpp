@@ -89,6 +89,11 @@ CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, c
   return app.add_option(name, value, description)->type_name("S")->check(numberAboveZero("seconds"));
 }
 
+CLI::Option* addPositive(CLI::App& app, const std::string& name, double& value, const std::string& description,
+                         const std::string& typeName) {
+  return app.add_option(name, value, description)->type_name(typeName)->check(numberAboveZero("a number"));
+}
+
 CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description) {
   return app.add_option(name, value, description)->type_name("METRES")->check(numberAboveZero("a length"));
 }

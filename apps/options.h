@@ -38,17 +38,22 @@ CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, 
 /// An option that takes seconds above zero.
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
+/// An option that takes a number above zero.
+CLI::Option* addPositive(CLI::App& app, const std::string& name, double& value, const std::string& description,
+                         const std::string& typeName);
+
 /// An option that takes a length above zero.
 CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
 /// An option that takes a share above zero, as a number or in percent: 0.05 or 5%.
 CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
-/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, info.cpp.
+/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, info.cpp, convert.cpp.
 [[nodiscard]] Command addDemo(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addScore(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addPlay(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addInfo(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addConvert(CLI::App& parent, CommonOptions& common);
 
 }  // namespace lorica

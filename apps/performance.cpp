@@ -69,21 +69,22 @@ void append(std::vector<SkeletonFrame>& frames, std::vector<SkeletonFrame> piece
 
 }  // namespace
 
-Result<Recording> makePerformance() {
-  Recording performance{"kick and walk", {}};
+Result<Motion> makePerformance() {
+  Motion performance;
+  performance.name = "kick and walk";
   for (const Piece& piece : kPieces) {
-    const Result<Recording> recording = readRecording(piece.recording);
+    const Result<Motion> recording = readMotion(piece.recording);
     if (!recording) return recording.error();
     std::vector<SkeletonFrame> frames;
-    const double start = recording->frames.front().time;
-    for (const SkeletonFrame& frame : recording->frames) {
+    const double start = recording->joints.front().time;
+    for (const SkeletonFrame& frame : recording->joints) {
       const double time = frame.time - start;
       if (time >= piece.from && time <= piece.to) frames.push_back(frame);
     }
-    append(performance.frames, std::move(frames));
+    append(performance.joints, std::move(frames));
   }
-  for (std::size_t i = 0; i < performance.frames.size(); ++i) {
-    performance.frames[i].time = static_cast<double>(i) / kRate;
+  for (std::size_t i = 0; i < performance.joints.size(); ++i) {
+    performance.joints[i].time = static_cast<double>(i) / kRate;
   }
   return performance;
 }

@@ -2,7 +2,6 @@
 
 #include "apps/interrupt.h"
 #include "apps/snapshots.h"
-#include "capture/joint_csv.h"
 #include "session/demo_scene.h"
 
 #include <fmt/format.h>
@@ -16,7 +15,9 @@ namespace lorica {
 namespace {
 
 constexpr std::uint64_t kSceneSeed = 1;
-constexpr double kWindowDistance = 5.2;  // [m]
+// In heights of the character.
+constexpr double kWindowDistance = 2.97;
+const Vec3 kWindowTarget(0.171, 0.486, 0.229);
 constexpr int kMostStepsAPicture = 6;
 constexpr double kLongestPause = 0.25;  // [s]: a gap in a recording, or a dragged window, is not waited out
 
@@ -28,10 +29,12 @@ double secondsSince(Clock::time_point start) {
 
 }  // namespace
 
-Result<Session> startSession(const Character& character, const DecompositionFile& body,
-                             const std::vector<SkeletonFrame>& frames) {
-  return Session::create(character, body.decomposition, makeRecordedSource(frames), makeDemoWorld(kSceneSeed),
-                         body.cover, body.training);
+Result<Session> startSession(const Character& character, const DecompositionFile& body, const Motion& motion,
+                             const MotionOptions& options) {
+  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, options);
+  if (!source) return source.error();
+  return Session::create(character, body.decomposition, std::move(*source), makeDemoWorld(kSceneSeed), body.cover,
+                         body.training);
 }
 
 std::string captionOf(const std::string& name, const Session& session, double seconds) {
@@ -44,16 +47,16 @@ std::string captionOf(const std::string& name, const Session& session, double se
   return caption;
 }
 
-Camera windowCamera() {
+Camera windowCamera(double height) {
   Camera camera;
-  camera.target = Vec3(0.3, 0.85, 0.4);
-  camera.eye = camera.target + kWindowDistance * kViewDirection;
+  camera.target = height * kWindowTarget;
+  camera.eye = camera.target + height * kWindowDistance * kViewDirection;
   return camera;
 }
 
 Result<bool> playInWindow(Window& window, Session& session, const std::string& name, const PlaybackLimit& limit,
                           Tally& tally) {
-  const SessionScene scene(session.body().decomposition());
+  const SessionScene scene(session);
   Clock::time_point due = Clock::now();
   double firstTime = 0.0;
   std::string caption = name;
@@ -62,13 +65,13 @@ Result<bool> playInWindow(Window& window, Session& session, const std::string& n
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
     // A picture may take longer than a frame: what is due is computed, up to a limit that keeps the window alive.
     for (int steps = 0; steps < kMostStepsAPicture && Clock::now() >= due && window.wantsStep(); ++steps) {
-      const double previousTime = session.frame().time;
+      const double previousTime = session.time();
       const Result<bool> more = session.step();
       if (!more) return more.error();
       if (!*more) return true;
-      if (!started) firstTime = session.frame().time;
-      const double seconds = session.frame().time - firstTime;
-      const double step = started ? session.frame().time - previousTime : 0.0;
+      if (!started) firstTime = session.time();
+      const double seconds = session.time() - firstTime;
+      const double step = started ? session.time() - previousTime : 0.0;
       started = true;
       tally.add(session);
       caption = captionOf(name, session, seconds);
@@ -90,7 +93,7 @@ Result<bool> playInWindow(Window& window, Session& session, const std::string& n
 }
 
 void holdInWindow(Window& window, const Session& session, const std::string& caption) {
-  const SessionScene scene(session.body().decomposition());
+  const SessionScene scene(session);
   while (window.open() && !interrupted()) {
     window.show(scene.of(session), caption);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -10,10 +10,10 @@
 
 namespace lorica {
 
-/// A session of one character that performs one recording among the demo's boxes and balls.
+/// A session of one character that performs one motion among the demo's boxes and balls.
 /// @param body  the decomposition, its cover (none = exact) and its training
 [[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
-                                           const std::vector<SkeletonFrame>& frames);
+                                           const Motion& motion, const MotionOptions& options = {});
 
 /// Where to stop before the recording ends.
 struct PlaybackLimit {
@@ -28,7 +28,8 @@ struct PlaybackLimit {
                                         const PlaybackLimit& limit, Tally& tally);
 
 /// Where a window looks from at first: the whole of a shipped recording stays in the picture.
-[[nodiscard]] Camera windowCamera();
+/// @param height  of the character [m]
+[[nodiscard]] Camera windowCamera(double height);
 
 /// Shows the session's last frame until the window is closed, or Ctrl-C.
 void holdInWindow(Window& window, const Session& session, const std::string& caption);

@@ -1,5 +1,7 @@
 #include "apps/snapshots.h"
 
+#include "collision/passengers.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,11 +10,24 @@ namespace lorica {
 namespace {
 
 constexpr double kFollowSeconds = 0.6;  // time constant of the camera
-constexpr double kTargetHeight = 0.95;  // [m]: the middle of a standing body
+constexpr double kTargetHeight = 0.54;  // of the character's height: the middle of a standing body
 
 }  // namespace
 
-SessionScene::SessionScene(const Decomposition& decomposition) {
+SessionScene::SessionScene(const Session& session) {
+  const Decomposition& decomposition = session.body().decomposition();
+  if (const Character& character = session.character(); !character.shown.empty()) {
+    triangles_ = character.shown;
+    std::vector<PartIndex> partOfVertex(character.mesh.vertices.size(), 0);
+    const std::vector<std::vector<PointIndex>> passengers =
+        passengersOf(decomposition, liftPoints(character, decomposition));
+    for (std::size_t p = 0; p < passengers.size(); ++p) {
+      for (const PointIndex v : passengers[p]) partOfVertex[static_cast<std::size_t>(v)] = static_cast<PartIndex>(p);
+    }
+    partOfTriangle_.reserve(triangles_.size());
+    for (const Triangle& t : triangles_) partOfTriangle_.push_back(partOfVertex[static_cast<std::size_t>(t[0])]);
+    return;
+  }
   for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
     const Part& part = decomposition.parts[p];
     for (std::size_t t = 0; t < part.triangles.size(); ++t) {
@@ -40,7 +55,8 @@ void FollowCamera::update(const Session& session, double seconds) {
   const JointIndex hips = session.character().skeleton.jointOf(HumanBone::kHips);
   const std::size_t joint = static_cast<std::size_t>(std::max(hips, JointIndex{0}));
   Vec3 wanted = session.worldFromJoint()[joint].translation();
-  wanted.y() = kTargetHeight;
+  height_ = session.character().height;
+  wanted.y() = kTargetHeight * height_;
   const double step = started_ ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;
   target_ += step * (wanted - target_);
   started_ = true;
@@ -49,7 +65,7 @@ void FollowCamera::update(const Session& session, double seconds) {
 Camera FollowCamera::camera() const {
   Camera camera;
   camera.target = target_;
-  camera.eye = target_ + distance_ * kViewDirection;
+  camera.eye = target_ + heights_ * height_ * kViewDirection;
   return camera;
 }
 

@@ -13,31 +13,35 @@ namespace lorica {
 /// From the body to the camera: its right side and a little from the front and above, so that a kick shows. Unit.
 inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();
 
-/// What a picture shows of a session: the skin, cut where the parts meet and coloured by part, and what surrounds it.
+/// What a picture shows of a session: the skin, coloured by part, and what surrounds it. A body is cut where the parts
+/// meet; a surface that is shown instead of the body has whole triangles, each of the part that covers its first
+/// corner.
 class SessionScene {
  public:
-  explicit SessionScene(const Decomposition& decomposition);
+  explicit SessionScene(const Session& session);
 
   /// Borrows from the session and from this object.
   [[nodiscard]] Scene of(const Session& session) const;
 
  private:
-  std::vector<Triangle> triangles_;  // the surface of all parts, without caps, over their points
+  std::vector<Triangle> triangles_;  // what is shown, or the surface of all parts, without caps, over their points
   std::vector<PartIndex> partOfTriangle_;
 };
 
-/// A camera that keeps a moving body in the picture: it follows the hips, calmly, and stays level.
+/// A camera that keeps a moving body in the picture: it follows the hips, or the first joint that has no human bone's
+/// name, calmly, and stays level.
 class FollowCamera {
  public:
-  /// @param distance  from the body [m]
-  explicit FollowCamera(double distance) : distance_(distance) {}
+  /// @param heights  how far from the body, in heights of the character
+  explicit FollowCamera(double heights) : heights_(heights) {}
 
   /// @param seconds  since the last frame [s]
   void update(const Session& session, double seconds);
   [[nodiscard]] Camera camera() const;
 
  private:
-  double distance_;
+  double heights_;
+  double height_ = 0.0;  // of the character [m]
   Vec3 target_ = Vec3::Zero();
   bool started_ = false;
 };

@@ -48,7 +48,7 @@ Spread spreadOf(const std::vector<StageTimes>& frames, const Stage& stage) {
 
 void Tally::add(const Session& session) {
   stages_.push_back(session.times());
-  if (!start_) start_ = session.frame().time;
+  if (!start_) start_ = session.time();
   touched_.resize(session.world().props().size(), 0);
   now_.clear();
   for (const Contact& contact : session.world().contacts()) {
@@ -71,7 +71,7 @@ void Tally::add(const Session& session) {
   if (*distance <= training_->knownDistance) return;
   if (training_->framesOutside++ > 0) return;
   training_->firstOutside = frames() - 1;
-  training_->firstTime = session.frame().time - *start_;
+  training_->firstTime = session.time() - *start_;
 }
 
 int Tally::propsTouched() const {

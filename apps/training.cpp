@@ -2,11 +2,84 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
+#include "session/keyframes.h"
 #include "session/part_bones.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
 
 namespace lorica {
+namespace {
+
+constexpr double kLikeEnough = 0.02;  // of the character's height: poses that need no keyframe each
+
+}  // namespace
+
+Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions) {
+  const Character& character = *subject.character;
+  Training training;
+  const auto add = [&](const Motion& motion) -> Result<void> {
+    Result<SkeletalMotion> performed = performedBy(character, motion);
+    if (!performed) return performed.error();
+    training.motions.push_back(std::move(*performed));
+    return {};
+  };
+  for (const std::string& name : motions) {
+    const Result<Motion> motion = readMotion(name);
+    if (!motion) return motion.error();
+    if (Result<void> added = add(*motion); !added) return added.error();
+  }
+  if (!training.motions.empty()) return training;
+  if (subject.file && !subject.file->clips.empty()) {
+    training.ownClips = true;
+    training.motions.reserve(subject.file->clips.size());
+    for (const Clip& clip : subject.file->clips) {
+      training.motions.push_back(framesOf(character.skeleton, clip));
+      training.motions.back().name = clip.name;
+    }
+    return training;
+  }
+  if (RetargetRig::create(character.skeleton)) {
+    const Result<std::vector<Motion>> shipped = readShippedRecordings();
+    if (!shipped) return shipped.error();
+    for (const Motion& motion : *shipped) {
+      if (Result<void> added = add(motion); !added) return added.error();
+    }
+    return training;
+  }
+  training.motions.push_back({"rest pose", character.skeleton, {0.0}, restPose(character.skeleton)});
+  return training;
+}
+
+Result<Keyframes> trainingKeyframes(const Character& character, const Training& training, std::optional<int> count) {
+  std::size_t frameCount = 0;
+  for (const SkeletalMotion& motion : training.motions) frameCount += motion.times.size();
+  if (!count) {
+    count =
+        training.ownClips ? kChooseKeyframes : static_cast<int>(std::min<std::size_t>(kDefaultKeyframes, frameCount));
+  }
+  if (*count == kChooseKeyframes) {
+    Result<ChosenKeyframes> found =
+        chooseKeyframes(character, training.motions, kDefaultKeyframes, kLikeEnough * character.height);
+    if (!found) return found.error();
+    Keyframes keyframes{std::move(found->positions), static_cast<int>(found->sources.size()), {}, found->farthest};
+    keyframes.chosen.reserve(found->sources.size());
+    for (const KeyframeSource& source : found->sources) {
+      keyframes.chosen.push_back({training.motions[source.motion].name, source.frame, source.time});
+    }
+    return keyframes;
+  }
+  if (static_cast<std::size_t>(*count) > frameCount) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--keyframes: found {}, expected at most {}, the number of frames to choose from", *count,
+                             frameCount)};
+  }
+  Result<std::vector<Vec3>> positions = sampleKeyframes(character, training.motions, *count);
+  if (!positions) return positions.error();
+  return Keyframes{std::move(*positions), *count, {}, 0.0};
+}
 
 Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh, PoseView keyframes,
                                                  DecomposeSettings settings) {

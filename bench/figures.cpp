@@ -6,6 +6,7 @@
 #include "bench/plot.h"
 #include "capture/synthetic_motion.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/mannequin.h"
 
 #include <fmt/format.h>
@@ -31,14 +32,16 @@ struct Options {
   std::vector<int> figures = {3, 8, 9, 0};
 };
 
-using Motions = std::vector<std::vector<SkeletonFrame>>;
+using Motions = std::vector<SkeletalMotion>;
 
 /// The character, its motions and the settings: what every figure needs.
 class Studio {
  public:
   explicit Studio(const Options& options) : options_(options), character_(makeMannequin()) {
-    for (int m = 0; m < kSyntheticMotionCount; ++m)
-      motions_.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+    motions_.reserve(kSyntheticMotionCount);
+    for (int m = 0; m < kSyntheticMotionCount; ++m) {
+      motions_.push_back(perform(character_.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+    }
   }
 
   [[nodiscard]] const Options& options() const { return options_; }
@@ -79,9 +82,9 @@ class Studio {
   }
 
   /// Mean error over every tenth frame of a motion.
-  [[nodiscard]] double errorOver(const Decomposition& parts, const std::vector<SkeletonFrame>& motion) const {
+  [[nodiscard]] double errorOver(const Decomposition& parts, const SkeletalMotion& motion) const {
     const Motions alone = {motion};
-    return meanOf(errors(parts, uniformFrames(alone, std::max(2, static_cast<int>(motion.size()) / 10))));
+    return meanOf(errors(parts, uniformFrames(alone, std::max(2, motion.frameCount() / 10))));
   }
 
  private:

@@ -9,6 +9,7 @@
 #include "collision/live_body.h"
 #include "collision/rigid_fit.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
 
@@ -130,9 +131,11 @@ double volumeOf(const LiveBody& body) {
 }
 
 Result<Decomposition> decomposeMannequin(const Character& character, int parts) {
-  std::vector<std::vector<SkeletonFrame>> training;
+  std::vector<SkeletalMotion> training;
   training.reserve(kSyntheticMotionCount);
-  for (int m = 0; m < kSyntheticMotionCount; ++m) training.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    training.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+  }
   const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
   if (!keyframes) return keyframes.error();
   const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};

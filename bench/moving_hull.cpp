@@ -8,6 +8,7 @@
 #include "capture/synthetic_motion.h"
 #include "collision/lifted_point.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/mannequin.h"
 
 #include <LinearMath/btConvexHullComputer.h>
@@ -68,15 +69,14 @@ std::vector<Frame> ticksOf(const Decomposition& decomposition, std::span<const s
   return frames;
 }
 
-/// Every frame of a recording at 30 Hz, and between two of them the pose halfway.
-std::vector<std::vector<Vec3>> posesAt60Hz(const Character& character, std::span<const SkeletonFrame> recording) {
-  const Result<std::vector<Vec3>> all = poseAllFrames(character, recording);
-  CHECK(all.ok(), "the mannequin can be posed");
+/// Every frame of a motion at 30 Hz, and between two of them the pose halfway.
+std::vector<std::vector<Vec3>> posesAt60Hz(const Character& character, const SkeletalMotion& motion) {
+  const std::vector<Vec3> all = poseAllFrames(character, motion);
   const std::size_t vertexCount = character.mesh.vertices.size();
   std::vector<std::vector<Vec3>> poses;
-  poses.reserve(2 * recording.size());
-  for (std::size_t f = 0; f < recording.size(); ++f) {
-    const auto begin = all->begin() + static_cast<std::ptrdiff_t>(f * vertexCount);
+  poses.reserve(2 * motion.times.size());
+  for (std::size_t f = 0; f < motion.times.size(); ++f) {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(f * vertexCount);
     std::vector<Vec3> pose(begin, begin + static_cast<std::ptrdiff_t>(vertexCount));
     if (f > 0) {
       std::vector<Vec3> between = pose;
@@ -188,9 +188,11 @@ double timeNewBuild(const Rows& rows) {
 
 int run(const Options& options) {
   const Character character = makeMannequin();
-  std::vector<std::vector<SkeletonFrame>> motions;
+  std::vector<SkeletalMotion> motions;
   motions.reserve(kSyntheticMotionCount);
-  for (int m = 0; m < kSyntheticMotionCount; ++m) motions.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    motions.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+  }
   const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, motions, 12);
   if (!keyframes) return fail(keyframes.error());
   DecomposeSettings settings;

@@ -5,6 +5,7 @@
 #include "capture/synthetic_motion.h"
 #include "geometry/files.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/mannequin.h"
 
 #include <fmt/format.h>
@@ -84,10 +85,11 @@ Result<std::string> measure(const Point& point, const Options& options) {
     positions = mesh.vertices;
   } else {
     const Character character = makeMannequin();
-    std::vector<std::vector<SkeletonFrame>> motions;
+    std::vector<SkeletalMotion> motions;
     motions.reserve(kSyntheticMotionCount);
-    for (int m = 0; m < kSyntheticMotionCount; ++m)
-      motions.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+    for (int m = 0; m < kSyntheticMotionCount; ++m) {
+      motions.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+    }
     Result<std::vector<Vec3>> sampled = sampleKeyframes(character, motions, point.keyframes);
     if (!sampled) return sampled.error();
     mesh = character.mesh;

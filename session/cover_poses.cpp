@@ -1,6 +1,6 @@
 #include "session/cover_poses.h"
 
-#include "capture/retarget.h"
+#include "capture/retarget_rig.h"
 #include "skinning/joint_limits.h"
 #include "skinning/linear_blend.h"
 
@@ -16,8 +16,10 @@ constexpr std::uint64_t kSampledSeed = 20180801;
 constexpr std::uint64_t kHeldOutSeed = 20180802;
 constexpr double kAtRest = 1e-6;  // sine of half the angle by which a bone's rest axes may differ from the model's
 
-/// Whether each human bone, and all joints above it, rest without a turn.
-bool restsAlongModelAxes(const Skeleton& skeleton) {
+/// Whether a human's joint limits say anything of this skeleton: it is a humanoid, and each human bone, and all joints
+/// above it, rest without a turn.
+bool hasKnownLimits(const Skeleton& skeleton) {
+  if (!RetargetRig::create(skeleton)) return false;
   for (const Joint& joint : skeleton.joints()) {
     const Joint* above = joint.bone ? &joint : nullptr;
     while (above != nullptr) {
@@ -29,7 +31,7 @@ bool restsAlongModelAxes(const Skeleton& skeleton) {
 }
 
 /// Appends where a pose takes the bind pose.
-void append(const Character& character, const Pose& pose, std::vector<Affine3>& worldFromModel) {
+void append(const Character& character, std::span<const JointTransform> pose, std::vector<Affine3>& worldFromModel) {
   const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
   worldFromModel.resize(worldFromModel.size() + jointCount);
   const std::span<Affine3> last = std::span(worldFromModel).last(jointCount);
@@ -44,19 +46,17 @@ void appendRandom(const Character& character, int count, std::uint64_t seed, std
 
 }  // namespace
 
-Result<CoverPoses> coverPoses(const Character& character, std::span<const std::vector<SkeletonFrame>> recordings,
-                              int count) {
+Result<CoverPoses> coverPoses(const Character& character, std::span<const SkeletalMotion> motions, int count) {
   CHECK(count >= 2, "poses of two kinds are asked for");
-  Result<Retargeter> fresh = Retargeter::create(character.skeleton);
-  if (!fresh) return fresh.error();
   std::size_t frameCount = 0;
-  for (const std::vector<SkeletonFrame>& recording : recordings) frameCount += recording.size();
-  const bool random = restsAlongModelAxes(character.skeleton);
+  for (const SkeletalMotion& motion : motions) frameCount += motion.times.size();
+  const bool random = hasKnownLimits(character.skeleton);
   if (frameCount == 0 && !random) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("'{}': there are no recordings, and its bones do not rest along the model's axes, "
-                             "expected one or the other to take poses from",
-                             character.name)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("'{}': there are no motions, and it is no humanoid whose bones rest along the model's axes, "
+                    "expected one or the other to take poses from",
+                    character.name)};
   }
 
   CoverPoses poses;
@@ -72,14 +72,10 @@ Result<CoverPoses> coverPoses(const Character& character, std::span<const std::v
   const auto frameOf = [&](std::size_t i) { return (2 * i * (frameCount - 1) + steps) / (2 * steps); };
   std::size_t next = 0;
   std::size_t frame = 0;
-  for (const std::vector<SkeletonFrame>& recording : recordings) {
-    // Each recording is another performance: nothing is held over from the one before.
-    Retargeter retargeter = *fresh;
-    Pose pose = restPose(character.skeleton);
-    for (std::size_t f = 0; f < recording.size() && next < wanted; ++f, ++frame) {
-      retargeter.apply(recording[f], pose);
+  for (const SkeletalMotion& motion : motions) {
+    for (int f = 0; f < motion.frameCount() && next < wanted; ++f, ++frame) {
       if (frame != frameOf(next)) continue;
-      append(character, pose, next % 2 == 0 ? poses.sampled : poses.heldOut);
+      append(character, motion.pose(f), next % 2 == 0 ? poses.sampled : poses.heldOut);
       ++next;
     }
   }

@@ -1,6 +1,5 @@
 #include "session/keyframes.h"
 
-#include "capture/retarget.h"
 #include "geometry/rigid_distance.h"
 #include "skinning/linear_blend.h"
 
@@ -12,56 +11,46 @@
 namespace lorica {
 namespace {
 
-/// Poses one character by frames in their order; remembers what a retargeter remembers between them.
+/// Skins one character in pose after pose.
 class Poser {
  public:
-  Poser(const Character& character, Retargeter retargeter)
-      : character_(character),
-        retargeter_(std::move(retargeter)),
-        pose_(restPose(character.skeleton)),
-        worldFromJoint_(static_cast<std::size_t>(character.skeleton.jointCount())) {}
+  explicit Poser(const Character& character)
+      : character_(character), worldFromModel_(static_cast<std::size_t>(character.skeleton.jointCount())) {}
 
-  void follow(const SkeletonFrame& frame) { retargeter_.apply(frame, pose_); }
-
-  void skin(std::span<Vec3> posed) {
-    computeWorldFromJoint(character_.skeleton, pose_, worldFromJoint_);
-    computeWorldFromModel(character_, worldFromJoint_, worldFromJoint_);
-    skinLinearBlend(character_, worldFromJoint_, posed);
+  void skin(std::span<const JointTransform> pose, std::span<Vec3> posed) {
+    computeWorldFromJoint(character_.skeleton, pose, worldFromModel_);
+    computeWorldFromModel(character_, worldFromModel_, worldFromModel_);
+    skinLinearBlend(character_, worldFromModel_, posed);
   }
 
  private:
   const Character& character_;
-  Retargeter retargeter_;
-  Pose pose_;
-  std::vector<Affine3> worldFromJoint_;
+  std::vector<Affine3> worldFromModel_;
 };
 
-std::size_t frameCountOf(std::span<const std::vector<SkeletonFrame>> recordings) {
+std::size_t frameCountOf(std::span<const SkeletalMotion> motions) {
   std::size_t count = 0;
-  for (const std::vector<SkeletonFrame>& recording : recordings) count += recording.size();
+  for (const SkeletalMotion& motion : motions) count += motion.times.size();
   return count;
 }
 
-/// Poses a character by some frames of recordings, counted as if these were laid end to end.
+/// Poses a character by some frames of motions, counted as if these were laid end to end.
 /// @param frames  ascending
 /// @return positions [m], as many as frames times vertexCount, frame-major
-Result<std::vector<Vec3>> poseFrames(const Character& character, std::span<const std::vector<SkeletonFrame>> recordings,
-                                     std::span<const std::size_t> frames) {
+std::vector<Vec3> poseFrames(const Character& character, std::span<const SkeletalMotion> motions,
+                             std::span<const std::size_t> frames) {
   const std::size_t vertexCount = character.mesh.vertices.size();
   std::vector<Vec3> positions(frames.size() * vertexCount);
+  Poser poser(character);
   std::size_t next = 0;
-  std::size_t frame = 0;
-  for (const std::vector<SkeletonFrame>& recording : recordings) {
-    // Each recording is another performance: nothing is held over from the one before.
-    Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
-    if (!retargeter) return retargeter.error();
-    Poser poser(character, std::move(retargeter).value());
-    for (std::size_t f = 0; f < recording.size(); ++f, ++frame) {
-      poser.follow(recording[f]);
-      if (next == frames.size() || frames[next] != frame) continue;
-      poser.skin(std::span(positions).subspan(next * vertexCount, vertexCount));
-      ++next;
+  std::size_t first = 0;  // frame of the motion, counted so
+  for (const SkeletalMotion& motion : motions) {
+    const std::size_t end = first + motion.times.size();
+    for (; next < frames.size() && frames[next] < end; ++next) {
+      poser.skin(motion.pose(static_cast<int>(frames[next] - first)),
+                 std::span(positions).subspan(next * vertexCount, vertexCount));
     }
+    first = end;
   }
   return positions;
 }
@@ -97,49 +86,43 @@ Character withFewerVertices(const Character& character) {
 
 }  // namespace
 
-Result<std::vector<Vec3>> poseAllFrames(const Character& character, std::span<const SkeletonFrame> recording) {
-  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
-  if (!retargeter) return retargeter.error();
-  Poser poser(character, std::move(retargeter).value());
-
+std::vector<Vec3> poseAllFrames(const Character& character, const SkeletalMotion& motion) {
   const std::size_t vertexCount = character.mesh.vertices.size();
-  std::vector<Vec3> positions(recording.size() * vertexCount);
-  for (std::size_t f = 0; f < recording.size(); ++f) {
-    poser.follow(recording[f]);
-    poser.skin(std::span(positions).subspan(f * vertexCount, vertexCount));
+  std::vector<Vec3> positions(motion.times.size() * vertexCount);
+  Poser poser(character);
+  for (int f = 0; f < motion.frameCount(); ++f) {
+    poser.skin(motion.pose(f), std::span(positions).subspan(static_cast<std::size_t>(f) * vertexCount, vertexCount));
   }
   return positions;
 }
 
-Result<std::vector<Vec3>> sampleKeyframes(const Character& character,
-                                          std::span<const std::vector<SkeletonFrame>> recordings, int count) {
-  const std::size_t frameCount = frameCountOf(recordings);
+Result<std::vector<Vec3>> sampleKeyframes(const Character& character, std::span<const SkeletalMotion> motions,
+                                          int count) {
+  const std::size_t frameCount = frameCountOf(motions);
   if (count < 1)
     return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes asked for, expected 1 or more", count)};
   const auto wanted = static_cast<std::size_t>(count);
   if (wanted > frameCount) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} keyframes asked for, the recordings have {} frames", count, frameCount)};
+                 fmt::format("{} keyframes asked for, the motions have {} frames", count, frameCount)};
   }
-  return poseFrames(character, recordings, evenly(wanted, frameCount));
+  return poseFrames(character, motions, evenly(wanted, frameCount));
 }
 
-Result<ChosenKeyframes> chooseKeyframes(const Character& character,
-                                        std::span<const std::vector<SkeletonFrame>> recordings, int atMost,
+Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<const SkeletalMotion> motions, int atMost,
                                         double closeEnough) {
-  const std::size_t frameCount = frameCountOf(recordings);
+  const std::size_t frameCount = frameCountOf(motions);
   if (atMost < 1) {
     return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes asked for, expected 1 or more", atMost)};
   }
-  if (frameCount == 0) return Error{ErrorCode::kInvalidArgument, "the recordings have no frames to choose from"};
+  if (frameCount == 0) return Error{ErrorCode::kInvalidArgument, "the motions have no frames to choose from"};
 
   // All poses, small and about their centroids.
   const Character few = withFewerVertices(character);
   const std::vector<std::size_t> looked = evenly(std::min(frameCount, kFramesCompared), frameCount);
-  Result<std::vector<Vec3>> posed = poseFrames(few, recordings, looked);
-  if (!posed) return posed.error();
+  std::vector<Vec3> posed = poseFrames(few, motions, looked);
   const std::size_t size = few.mesh.vertices.size();
-  const auto pose = [&](std::size_t i) { return std::span(*posed).subspan(i * size, size); };
+  const auto pose = [&](std::size_t i) { return std::span(posed).subspan(i * size, size); };
   for (std::size_t i = 0; i < looked.size(); ++i) {
     Vec3 centroid = Vec3::Zero();
     for (const Vec3& p : pose(i)) centroid += p / static_cast<double>(size);
@@ -162,16 +145,16 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character,
   }
   std::sort(chosen.begin(), chosen.end());
 
-  Result<std::vector<Vec3>> positions = poseFrames(character, recordings, chosen);
-  if (!positions) return positions.error();
-  result.positions = std::move(*positions);
-  std::size_t first = 0;  // frame of the recording, counted as if all were laid end to end
-  for (std::size_t r = 0; r < recordings.size(); ++r) {
+  result.positions = poseFrames(character, motions, chosen);
+  result.sources.reserve(chosen.size());
+  std::size_t first = 0;  // frame of the motion, counted as if all were laid end to end
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    const std::vector<double>& times = motions[m].times;
     for (const std::size_t frame : chosen) {
-      if (frame < first || frame >= first + recordings[r].size()) continue;
-      result.sources.push_back({r, frame - first, recordings[r][frame - first].time});
+      if (frame < first || frame >= first + times.size()) continue;
+      result.sources.push_back({m, frame - first, times[frame - first]});
     }
-    first += recordings[r].size();
+    first += times.size();
   }
   return result;
 }

@@ -79,9 +79,8 @@ Result<void> checkTraining(const TrainingRange& training, const Decomposition& d
 
 }  // namespace
 
-Result<Session> Session::create(Character character, Decomposition decomposition,
-                                std::unique_ptr<SkeletonSource> source, World world, std::optional<CoverPromise> cover,
-                                std::optional<TrainingRange> training) {
+Result<Session> Session::create(Character character, Decomposition decomposition, std::unique_ptr<PoseSource> source,
+                                World world, std::optional<CoverPromise> cover, std::optional<TrainingRange> training) {
   CHECK(source != nullptr, "a session needs a source");
   const std::size_t vertexCount = character.mesh.vertices.size();
   const std::size_t triangleCount = character.mesh.triangles.size();
@@ -99,19 +98,15 @@ Result<Session> Session::create(Character character, Decomposition decomposition
   if (training) {
     if (Result<void> fits = checkTraining(*training, decomposition); !fits) return fits.error();
   }
-  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
-  if (!retargeter) return retargeter.error();
   LiveBody body = cover ? LiveBody(std::move(decomposition), character, std::move(*cover))
                         : LiveBody(std::move(decomposition), character);
-  return Session(std::move(character), std::move(body), std::move(source), std::move(world),
-                 std::move(retargeter).value(), std::move(training));
+  return Session(std::move(character), std::move(body), std::move(source), std::move(world), std::move(training));
 }
 
-Session::Session(Character character, LiveBody body, std::unique_ptr<SkeletonSource> source, World world,
-                 Retargeter retargeter, std::optional<TrainingRange> training)
+Session::Session(Character character, LiveBody body, std::unique_ptr<PoseSource> source, World world,
+                 std::optional<TrainingRange> training)
     : character_(std::move(character)),
       source_(std::move(source)),
-      retargeter_(std::move(retargeter)),
       body_(std::move(body)),
       world_(std::move(world)),
       training_(std::move(training)),
@@ -127,14 +122,12 @@ Session::Session(Character character, LiveBody body, std::unique_ptr<SkeletonSou
 }
 
 Result<bool> Session::step() {
-  Result<std::optional<SkeletonFrame>> next = source_->next();
+  const Clock::time_point begin = Clock::now();
+  const Result<std::optional<double>> next = source_->next(pose_);
   if (!next) return next.error();
   if (!next->has_value()) return false;
-  const double seconds = frameCount_ == 0 ? kFirstFrameSeconds : frameSeconds((*next)->time, frame_.time);
-  frame_ = **next;
-
-  const Clock::time_point begin = Clock::now();
-  retargeter_.apply(frame_, pose_);
+  const double seconds = frameCount_ == 0 ? kFirstFrameSeconds : frameSeconds(**next, time_);
+  time_ = **next;
   computeWorldFromJoint(character_.skeleton, pose_, worldFromJoint_);
   computeWorldFromModel(character_, worldFromJoint_, worldFromModel_);
   const Clock::time_point retargeted = Clock::now();

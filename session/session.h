@@ -2,11 +2,10 @@
 
 #include "acd/cover.h"
 #include "acd/training_range.h"
-#include "capture/retarget.h"
-#include "capture/skeleton_frame.h"
 #include "collision/lifted_point.h"
 #include "collision/live_body.h"
 #include "collision/world.h"
+#include "session/pose_source.h"
 #include "skinning/character.h"
 
 #include <cstdint>
@@ -16,7 +15,7 @@
 
 namespace lorica {
 
-/// Time of each stage of one frame [us]; retarget includes forward kinematics.
+/// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics.
 struct StageTimes {
   double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0;
   [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics; }
@@ -25,13 +24,12 @@ struct StageTimes {
 /// The headless frame: source -> pose -> hulls -> contacts. Tests, benchmarks, pictures and the window run this.
 class Session {
  public:
+  /// @param source    poses of the character's skeleton
   /// @param cover     made from the same decomposition and character; without one the body covers exactly
   /// @param training  of the same decomposition, for trainingDistance()
-  /// @return the session, or which humanoid bones the character lacks, or that the decomposition fits another mesh, the
-  ///         cover or the training another decomposition
-  static Result<Session> create(Character character, Decomposition decomposition,
-                                std::unique_ptr<SkeletonSource> source, World world,
-                                std::optional<CoverPromise> cover = std::nullopt,
+  /// @return the session, or that the decomposition fits another mesh, the cover or the training another decomposition
+  static Result<Session> create(Character character, Decomposition decomposition, std::unique_ptr<PoseSource> source,
+                                World world, std::optional<CoverPromise> cover = std::nullopt,
                                 std::optional<TrainingRange> training = std::nullopt);
 
   /// Runs one frame. Physics moves by the time between frames, held between 1 ms and 0.1 s; the first takes 1/30 s.
@@ -39,7 +37,9 @@ class Session {
   [[nodiscard]] Result<bool> step();
 
   [[nodiscard]] const Character& character() const { return character_; }
-  [[nodiscard]] const SkeletonFrame& frame() const { return frame_; }
+  [[nodiscard]] const PoseSource& source() const { return *source_; }
+  /// Of this frame [s].
+  [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
   /// The posed mesh and the cut points, pointCount() of them [m]. Physics needs neither: they are computed for
   /// pictures, when asked for.
@@ -60,17 +60,16 @@ class Session {
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
  private:
-  Session(Character character, LiveBody body, std::unique_ptr<SkeletonSource> source, World world,
-          Retargeter retargeter, std::optional<TrainingRange> training);
+  Session(Character character, LiveBody body, std::unique_ptr<PoseSource> source, World world,
+          std::optional<TrainingRange> training);
   Character character_;
-  std::unique_ptr<SkeletonSource> source_;
-  Retargeter retargeter_;
+  std::unique_ptr<PoseSource> source_;
   LiveBody body_;
   World world_;
   std::optional<TrainingRange> training_;
   std::vector<LiftedPoint> probes_;           // of the training range, by the bones
   mutable std::vector<Vec3> probePositions_;  // scratch
-  SkeletonFrame frame_;
+  double time_ = 0.0;
   Pose pose_;
   std::vector<Affine3> worldFromJoint_, worldFromModel_;
   mutable std::vector<Vec3> points_;  // of the frame pointsFrame_

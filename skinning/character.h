@@ -24,6 +24,9 @@ struct Character {
   std::vector<Influence> influences;
   std::vector<std::uint32_t> influenceBegin;  ///< vertexCount + 1 entries
   double height = 0.0;                        ///< of the mesh in the bind pose [m]
+  /// The triangles that people see, over the same vertices; empty = those of `mesh`. Vertices that only these use are
+  /// skinned and covered by the hulls, but not decomposed.
+  std::vector<Triangle> shown;
 };
 
 /// Checks everything that skinning trusts: counts agree, joints in range, weights finite, >= 0, summing to 1 +- 0.001.

@@ -4,6 +4,7 @@
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
 #include "session/cover_poses.h"
+#include "session/pose_source.h"
 #include "skinning/mannequin.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
@@ -43,7 +44,7 @@ CoverPoses posesOfTheCommand(const Character& character) {
   for (const char* name : {"walk", "wave", "jumping_jacks", "squat_and_reach", "punch_and_kick", "turn_around"}) {
     recordings.push_back(readJointCsv(recordingsFolder() / (std::string(name) + ".csv")).value());
   }
-  return coverPoses(character, recordings).value();
+  return coverPoses(character, performAll(character.skeleton, recordings).value()).value();
 }
 
 /// How far points of the parts are outside the hulls that a promise says, in the worst pose [m]: from scratch.

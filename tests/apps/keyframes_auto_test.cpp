@@ -18,12 +18,12 @@ TEST(KeyframesAuto, SaysWhichFramesOfWhichRecording) {
   ASSERT_GT(chosen.size(), 1u);
   ASSERT_LE(chosen.size(), 12u);
   EXPECT_EQ(json["keyframes"], chosen.size());
-  EXPECT_EQ(chosen[0]["recording"], "wave");
+  EXPECT_EQ(chosen[0]["motion"], "wave");
   EXPECT_EQ(chosen[0]["frame"], 0);
   bool fromWalk = false;
   for (const nlohmann::json& frame : chosen) {
-    fromWalk |= frame["recording"] == "walk";
-    EXPECT_TRUE(frame["recording"] == "walk" || frame["recording"] == "wave") << frame;
+    fromWalk |= frame["motion"] == "walk";
+    EXPECT_TRUE(frame["motion"] == "walk" || frame["motion"] == "wave") << frame;
     // Both were recorded at 30 frames a second.
     EXPECT_NEAR(frame["time"].get<double>(), frame["frame"].get<int>() / 30.0, 1e-3);
   }

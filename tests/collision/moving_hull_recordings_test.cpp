@@ -4,6 +4,7 @@
 #include "acd/transfer.h"
 #include "capture/synthetic_motion.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/mannequin.h"
 #include "tests/collision/moving_hull_truth.h"
 #include "tests/collision/parts.h"
@@ -21,9 +22,8 @@ class Recorded {
  public:
   explicit Recorded(SyntheticMotion motion) {
     const Character character = makeMannequin();
-    const Result<std::vector<Vec3>> posed = poseAllFrames(character, synthesizeMotion(motion));
-    CHECK(posed.ok(), "the mannequin can be posed");
-    const PoseView poses{*posed, static_cast<int>(character.mesh.vertices.size())};
+    const std::vector<Vec3> posed = poseAllFrames(character, *perform(character.skeleton, synthesizeMotion(motion)));
+    const PoseView poses{posed, static_cast<int>(character.mesh.vertices.size())};
     const std::vector<Vec3> points(static_cast<std::size_t>(parts().pointCount()));
     frames_.assign(static_cast<std::size_t>(poses.keyframeCount()), points);
     for (int f = 0; f < poses.keyframeCount(); ++f) {

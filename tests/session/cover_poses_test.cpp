@@ -27,6 +27,10 @@ class CoverPosesOf : public testing::Test {
   std::vector<std::vector<SkeletonFrame>> recordings_ = {firstFrames(SyntheticMotion::kWalk, 17),
                                                          firstFrames(SyntheticMotion::kPunchAndKick, 30)};
 
+  [[nodiscard]] std::vector<SkeletalMotion> motions() const {
+    return performAll(character_.skeleton, recordings_).value();
+  }
+
   /// What sessions of the recordings do: worldFromModel of every frame.
   std::vector<std::vector<Affine3>> framesOfSessions() {
     const PoseView bindPose{character_.mesh.vertices, static_cast<int>(character_.mesh.vertices.size())};
@@ -34,7 +38,8 @@ class CoverPosesOf : public testing::Test {
     EXPECT_TRUE(whole.ok());
     std::vector<std::vector<Affine3>> all;
     for (const std::vector<SkeletonFrame>& recording : recordings_) {
-      Result<Session> session = Session::create(character_, *whole, makeRecordedSource(recording), World());
+      Result<Session> session = Session::create(
+          character_, *whole, makeJointPoseSource(character_.skeleton, makeRecordedSource(recording)).value(), World());
       EXPECT_TRUE(session.ok());
       while (*session->step()) {
         std::vector<Affine3>& frame = all.emplace_back(jointCount_);
@@ -72,7 +77,7 @@ class CoverPosesOf : public testing::Test {
 };
 
 TEST_F(CoverPosesOf, HalfAreFramesOfSessionsEvenlyAndHeldOutOnesLieHalfway) {
-  const Result<CoverPoses> poses = coverPoses(character_, recordings_, 20);
+  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
   ASSERT_TRUE(poses.ok()) << poses.error().message;
   EXPECT_EQ(poses->randomPoses, 10);
   ASSERT_EQ(poses->sampledView().poseCount(), 20);
@@ -88,7 +93,7 @@ TEST_F(CoverPosesOf, HalfAreFramesOfSessionsEvenlyAndHeldOutOnesLieHalfway) {
 }
 
 TEST_F(CoverPosesOf, TheOtherHalfAreWithinJointLimitsAndStandAtTheOrigin) {
-  const Result<CoverPoses> poses = coverPoses(character_, recordings_, 20);
+  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
   ASSERT_TRUE(poses.ok());
   const auto hips = static_cast<std::size_t>(character_.skeleton.jointOf(HumanBone::kHips));
   const Vec3 bindHips = character_.jointFromModel[hips].inverse().translation();
@@ -101,8 +106,8 @@ TEST_F(CoverPosesOf, TheOtherHalfAreWithinJointLimitsAndStandAtTheOrigin) {
 }
 
 TEST_F(CoverPosesOf, NoPoseIsThereTwiceAndTheSameInputGivesTheSame) {
-  const Result<CoverPoses> poses = coverPoses(character_, recordings_, 20);
-  const Result<CoverPoses> again = coverPoses(character_, recordings_, 20);
+  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
+  const Result<CoverPoses> again = coverPoses(character_, motions(), 20);
   ASSERT_TRUE(poses.ok() && again.ok());
   std::vector<std::span<const Affine3>> all;
   for (const BonePoseView view : {poses->sampledView(), poses->heldOutView()}) {
@@ -119,13 +124,13 @@ TEST_F(CoverPosesOf, NoPoseIsThereTwiceAndTheSameInputGivesTheSame) {
 
 TEST_F(CoverPosesOf, FewFramesAreEachTakenOnce) {
   recordings_ = {firstFrames(SyntheticMotion::kWave, 3)};
-  const Result<CoverPoses> poses = coverPoses(character_, recordings_, 20);
+  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
   ASSERT_TRUE(poses.ok());
   EXPECT_EQ(poses->sampledView().poseCount(), 2 + 10);
   EXPECT_EQ(poses->heldOutView().poseCount(), 1 + 10);
   recordings_ = {firstFrames(SyntheticMotion::kWave, 1)};
-  EXPECT_EQ(coverPoses(character_, recordings_, 20)->sampledView().poseCount(), 1 + 10);
-  EXPECT_EQ(coverPoses(character_, recordings_, 20)->heldOutView().poseCount(), 10);
+  EXPECT_EQ(coverPoses(character_, motions(), 20)->sampledView().poseCount(), 1 + 10);
+  EXPECT_EQ(coverPoses(character_, motions(), 20)->heldOutView().poseCount(), 10);
 }
 
 TEST_F(CoverPosesOf, WhatOneKindCannotGiveTheOtherMakesUpFor) {
@@ -138,7 +143,7 @@ TEST_F(CoverPosesOf, WhatOneKindCannotGiveTheOtherMakesUpFor) {
   std::vector<Joint> joints(character_.skeleton.joints().begin(), character_.skeleton.joints().end());
   joints.front().rest.rotation = Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
   character_.skeleton = *Skeleton::create(joints);
-  const Result<CoverPoses> recorded = coverPoses(character_, recordings_, 20);
+  const Result<CoverPoses> recorded = coverPoses(character_, motions(), 20);
   ASSERT_TRUE(recorded.ok()) << recorded.error().message;
   EXPECT_EQ(recorded->randomPoses, 0);
   EXPECT_EQ(recorded->sampledView().poseCount(), 20);
@@ -146,14 +151,14 @@ TEST_F(CoverPosesOf, WhatOneKindCannotGiveTheOtherMakesUpFor) {
 
   const Result<CoverPoses> neither = coverPoses(character_, {}, 20);
   ASSERT_FALSE(neither.ok());
-  EXPECT_NE(neither.error().message.find("no recordings"), std::string::npos) << neither.error().message;
+  EXPECT_NE(neither.error().message.find("no motions"), std::string::npos) << neither.error().message;
 }
 
 TEST_F(CoverPosesOf, ACharacterWithoutHumanBonesIsRefusedByTheirNames) {
   Joint root;
   root.name = "root";
   character_.skeleton = *Skeleton::create({root});
-  const Result<CoverPoses> poses = coverPoses(character_, recordings_, 20);
+  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
   ASSERT_FALSE(poses.ok());
   EXPECT_NE(poses.error().message.find("hips"), std::string::npos) << poses.error().message;
 }

@@ -1,4 +1,5 @@
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 
 #include "capture/synthetic_motion.h"
 #include "skinning/mannequin.h"
@@ -24,14 +25,14 @@ class Keyframes : public testing::Test {
   std::size_t vertexCount_ = character_.mesh.vertices.size();
   std::vector<std::vector<SkeletonFrame>> recordings_ = {firstFrames(SyntheticMotion::kWalk, 17),
                                                          firstFrames(SyntheticMotion::kPunchAndKick, 30)};
+  std::vector<SkeletalMotion> motions_ = performAll(character_.skeleton, recordings_).value();
 
   /// Which frame of the recordings laid end to end each keyframe is.
   std::vector<int> framesOf(const std::vector<Vec3>& keyframes) {
     std::vector<Vec3> all;
-    for (const auto& recording : recordings_) {
-      const Result<std::vector<Vec3>> posed = poseAllFrames(character_, recording);
-      EXPECT_TRUE(posed.ok());
-      all.insert(all.end(), posed->begin(), posed->end());
+    for (const SkeletalMotion& motion : motions_) {
+      const std::vector<Vec3> posed = poseAllFrames(character_, motion);
+      all.insert(all.end(), posed.begin(), posed.end());
     }
     std::vector<int> found;
     for (std::size_t k = 0; k * vertexCount_ < keyframes.size(); ++k) {
@@ -50,7 +51,7 @@ class Keyframes : public testing::Test {
 
 TEST_F(Keyframes, AreUniformOverTheRecordingsLaidEndToEnd) {
   for (int count : {1, 2, 5, 12, 47}) {
-    const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character_, recordings_, count);
+    const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character_, motions_, count);
     ASSERT_TRUE(keyframes.ok()) << keyframes.error().message;
     ASSERT_EQ(keyframes->size(), static_cast<std::size_t>(count) * vertexCount_);
     std::vector<int> expected;
@@ -62,36 +63,35 @@ TEST_F(Keyframes, AreUniformOverTheRecordingsLaidEndToEnd) {
 }
 
 TEST_F(Keyframes, MoreThanThereAreFramesIsRefused) {
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character_, recordings_, 48);
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character_, motions_, 48);
   ASSERT_FALSE(keyframes.ok());
   EXPECT_EQ(keyframes.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(keyframes.error().message.find("48"), std::string::npos) << keyframes.error().message;
   EXPECT_NE(keyframes.error().message.find("47"), std::string::npos) << keyframes.error().message;
-  EXPECT_FALSE(sampleKeyframes(character_, recordings_, 0).ok());
+  EXPECT_FALSE(sampleKeyframes(character_, motions_, 0).ok());
   EXPECT_FALSE(sampleKeyframes(character_, {}, 1).ok());
 }
 
 TEST_F(Keyframes, ACharacterWithoutHumanBonesIsRefused) {
-  Character character = character_;
   Joint root;
   root.name = "root";
-  character.skeleton = *Skeleton::create({root});
-  EXPECT_FALSE(sampleKeyframes(character, recordings_, 2).ok());
-  EXPECT_FALSE(poseAllFrames(character, recordings_[0]).ok());
+  const Result<std::vector<SkeletalMotion>> motions = performAll(*Skeleton::create({root}), recordings_);
+  ASSERT_FALSE(motions.ok());
+  EXPECT_NE(motions.error().message.find("hips"), std::string::npos) << motions.error().message;
 }
 
 TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
-  const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, recordings_, 6, 0.0);
+  const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, motions_, 6, 0.0);
   ASSERT_TRUE(chosen.ok()) << chosen.error().message;
   ASSERT_EQ(chosen->sources.size(), 6u);
   const std::vector<int> frames = framesOf(chosen->positions);
   ASSERT_EQ(frames.size(), 6u);
   for (std::size_t k = 0; k < 6; ++k) {
     const KeyframeSource& source = chosen->sources[k];
-    ASSERT_LT(source.recording, 2u);
-    ASSERT_LT(source.frame, recordings_[source.recording].size());
-    EXPECT_EQ(source.time, recordings_[source.recording][source.frame].time);
-    EXPECT_EQ(static_cast<std::size_t>(frames[k]), source.frame + (source.recording == 1 ? 17 : 0));
+    ASSERT_LT(source.motion, 2u);
+    ASSERT_LT(source.frame, recordings_[source.motion].size());
+    EXPECT_EQ(source.time, recordings_[source.motion][source.frame].time);
+    EXPECT_EQ(static_cast<std::size_t>(frames[k]), source.frame + (source.motion == 1 ? 17 : 0));
   }
   EXPECT_EQ(frames.front(), 0) << "the first frame is always one";
   EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end()));
@@ -102,17 +102,17 @@ TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
 TEST_F(Keyframes, MoreOfThemLeaveNoFrameFartherAway) {
   double before = std::numeric_limits<double>::infinity();
   for (const int count : {1, 2, 4, 8, 16}) {
-    const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, recordings_, count, 0.0);
+    const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, motions_, count, 0.0);
     ASSERT_TRUE(chosen.ok());
     EXPECT_LE(chosen->farthest, before);
     before = chosen->farthest;
   }
   // Asked for more than there are frames, or for no more than what differs, they stop by themselves.
-  const Result<ChosenKeyframes> all = chooseKeyframes(character_, recordings_, 1000, 0.0);
+  const Result<ChosenKeyframes> all = chooseKeyframes(character_, motions_, 1000, 0.0);
   ASSERT_TRUE(all.ok());
   EXPECT_LE(all->sources.size(), 47u);
   EXPECT_EQ(all->farthest, 0.0);
-  const Result<ChosenKeyframes> enough = chooseKeyframes(character_, recordings_, 1000, 0.05);
+  const Result<ChosenKeyframes> enough = chooseKeyframes(character_, motions_, 1000, 0.05);
   ASSERT_TRUE(enough.ok());
   EXPECT_LE(enough->farthest, 0.05);
   EXPECT_LT(enough->sources.size(), all->sources.size());
@@ -135,7 +135,7 @@ TEST_F(Keyframes, WhereTheBodyStandsAndTurnsDoesNotCount) {
     frame.time = i / 30.0;
     frames.push_back(frame);
   }
-  const std::vector<std::vector<SkeletonFrame>> standing = {frames};
+  const std::vector<SkeletalMotion> standing = {perform(character_.skeleton, frames).value()};
   Result<ChosenKeyframes> chosen = chooseKeyframes(character_, standing, 5, 1e-3);
   ASSERT_TRUE(chosen.ok());
   EXPECT_EQ(chosen->sources.size(), 1u);
@@ -144,7 +144,7 @@ TEST_F(Keyframes, WhereTheBodyStandsAndTurnsDoesNotCount) {
   SkeletonFrame step = walk[10];
   step.time = 9 / 30.0;
   frames.push_back(step);
-  const std::vector<std::vector<SkeletonFrame>> stepping = {frames};
+  const std::vector<SkeletalMotion> stepping = {perform(character_.skeleton, frames).value()};
   chosen = chooseKeyframes(character_, stepping, 5, 1e-3);
   ASSERT_TRUE(chosen.ok());
   ASSERT_EQ(chosen->sources.size(), 2u);
@@ -153,8 +153,8 @@ TEST_F(Keyframes, WhereTheBodyStandsAndTurnsDoesNotCount) {
 
 TEST_F(Keyframes, NothingToChooseFromIsRefused) {
   EXPECT_FALSE(chooseKeyframes(character_, {}, 5, 0.0).ok());
-  EXPECT_FALSE(chooseKeyframes(character_, recordings_, 0, 0.0).ok());
-  const std::vector<std::vector<SkeletonFrame>> empty(2);
+  EXPECT_FALSE(chooseKeyframes(character_, motions_, 0, 0.0).ok());
+  const std::vector<SkeletalMotion> empty(2, SkeletalMotion{"", character_.skeleton, {}, {}});
   EXPECT_FALSE(chooseKeyframes(character_, empty, 5, 0.0).ok());
 }
 

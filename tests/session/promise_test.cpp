@@ -7,6 +7,7 @@
 #include "collision/live_body.h"
 #include "session/cover_poses.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/joint_limits.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
@@ -33,7 +34,7 @@ constexpr int kSteps = 10;  // from one random pose to the next
 
 struct Subject {
   Character character = makeMannequin();
-  std::vector<std::vector<SkeletonFrame>> motions;
+  std::vector<SkeletalMotion> motions;
   Decomposition decomposition;
   std::vector<std::vector<PointIndex>> surface;  ///< points of each part, neighbours near each other in the list
 };
@@ -54,7 +55,7 @@ const Subject& subject() {
   static const Subject made = [] {
     Subject s;
     for (int m = 0; m < kSyntheticMotionCount; ++m) {
-      s.motions.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+      s.motions.push_back(perform(s.character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
     }
     const Result<std::vector<Vec3>> keyframes = sampleKeyframes(s.character, s.motions, 12);
     CHECK(keyframes.ok(), "the mannequin is humanoid");

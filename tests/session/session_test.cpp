@@ -6,6 +6,7 @@
 #include "collision/cover.h"
 #include "session/demo_scene.h"
 #include "session/keyframes.h"
+#include "session/pose_source.h"
 #include "skinning/mannequin.h"
 
 #include <gtest/gtest.h>
@@ -34,9 +35,13 @@ const Decomposition& eightParts() {
   return result;
 }
 
+std::unique_ptr<PoseSource> performed(std::vector<SkeletonFrame> frames) {
+  return makeJointPoseSource(makeMannequin().skeleton, makeRecordedSource(std::move(frames))).value();
+}
+
 Session makeSession(std::vector<SkeletonFrame> frames, World world = makeDemoWorld(7)) {
   Result<Session> session =
-      Session::create(makeMannequin(), eightParts(), makeRecordedSource(std::move(frames)), std::move(world));
+      Session::create(makeMannequin(), eightParts(), performed(std::move(frames)), std::move(world));
   CHECK(session.ok(), "the mannequin fits its own decomposition");
   return std::move(session).value();
 }
@@ -139,14 +144,14 @@ TEST(Session, FrameTimesMoveThePropsBoundedly) {
 TEST(Session, ADecompositionOfAnotherMeshIsRefusedWithASentence) {
   Decomposition other = eightParts();
   other.vertexCount += 1;
-  const Result<Session> session = Session::create(makeMannequin(), other, makeRecordedSource(punches()), World());
+  const Result<Session> session = Session::create(makeMannequin(), other, performed(punches()), World());
   ASSERT_FALSE(session.ok());
   EXPECT_EQ(session.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(session.error().message.find(std::to_string(other.vertexCount)), std::string::npos)
       << session.error().message;
   other = eightParts();
   other.triangleCount -= 2;
-  EXPECT_FALSE(Session::create(makeMannequin(), other, makeRecordedSource(punches()), World()).ok());
+  EXPECT_FALSE(Session::create(makeMannequin(), other, performed(punches()), World()).ok());
 }
 
 /// Where a session of these frames puts the bones in each of them.
@@ -173,7 +178,7 @@ TEST(Session, HullsOfAFewPointsHoldThePosedMeshInTheFramesThatTheyWereChosenIn) 
   const Result<CoverPromise> cover = chooseCover(eightParts(), liftPoints(character, eightParts()),
                                                  {bones, character.skeleton.jointCount()}, {}, settings);
   ASSERT_TRUE(cover.ok()) << cover.error().message;
-  Result<Session> session = Session::create(character, eightParts(), makeRecordedSource(frames), World(), *cover);
+  Result<Session> session = Session::create(character, eightParts(), performed(frames), World(), *cover);
   ASSERT_TRUE(session.ok()) << session.error().message;
   EXPECT_EQ(session->body().coverage().maxHullVertices, 40);
   EXPECT_EQ(session->body().coverage().growth, cover->growth);
@@ -202,8 +207,7 @@ TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
   TrainingRange range =
       trainingRange(eightParts(), PoseView{*keyframes, static_cast<int>(character.mesh.vertices.size())});
   range.knownDistance = 0.05;
-  Result<Session> session =
-      Session::create(character, eightParts(), makeRecordedSource(frames), World(), std::nullopt, range);
+  Result<Session> session = Session::create(character, eightParts(), performed(frames), World(), std::nullopt, range);
   ASSERT_TRUE(session.ok()) << session.error().message;
   EXPECT_FALSE(session->trainingDistance().has_value()) << "there is no pose yet";
   EXPECT_FALSE(session->outsideKnownRange());
@@ -234,8 +238,8 @@ TEST(Session, CoverAndTrainingOfAnotherDecompositionAreRefusedWithASentence) {
   const Character character = makeMannequin();
   const CoverPromise fine = coverExactly(eightParts(), liftPoints(character, eightParts()));
   const auto sentence = [&](std::optional<CoverPromise> cover, std::optional<TrainingRange> training) {
-    const Result<Session> session = Session::create(character, eightParts(), makeRecordedSource(punches()), World(),
-                                                    std::move(cover), std::move(training));
+    const Result<Session> session =
+        Session::create(character, eightParts(), performed(punches()), World(), std::move(cover), std::move(training));
     return session.ok() ? std::string() : session.error().message;
   };
   EXPECT_EQ(sentence(fine, std::nullopt), "");
@@ -263,7 +267,7 @@ TEST(Session, ACharacterWithoutHumanBonesIsRefused) {
   Joint root;
   root.name = "root";
   character.skeleton = *Skeleton::create({root});
-  const Result<Session> session = Session::create(character, eightParts(), makeRecordedSource(punches()), World());
+  const Result<Session> session = Session::create(character, eightParts(), performed(punches()), World());
   ASSERT_FALSE(session.ok());
   EXPECT_FALSE(session.error().message.empty());
 }

@@ -1,0 +1,113 @@
+#include "apps/motions.h"
+#include "apps/options.h"
+#include "capture/bvh_file.h"
+#include "capture/joint_csv.h"
+#include "capture/motion_retarget.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string input;
+  std::string output;
+  MotionOptions motion;
+};
+
+/// The motion as joints, smoothed and mirrored as asked for.
+Result<std::vector<SkeletonFrame>> asJoints(const Motion& motion, const MotionOptions& options) {
+  std::vector<SkeletonFrame> frames = motion.joints;
+  if (motion.bones) {
+    Result<std::vector<SkeletonFrame>> read = bodyJointsOf(*motion.bones);
+    if (!read) return Error{read.error().code, motion.name + ": " + read.error().message};
+    frames = std::move(*read);
+  }
+  const JointSettings settings = options.joints();
+  std::optional<OneEuroFilter> filter;
+  if (settings.smoothing) filter.emplace(*settings.smoothing);
+  for (SkeletonFrame& frame : frames) {
+    if (settings.mirror) mirror(frame);
+    if (filter) filter->apply(frame);
+  }
+  return frames;
+}
+
+/// A skeleton that nothing is done to keeps its joints.
+Result<SkeletalMotion> asBones(const Motion& motion, const MotionOptions& options) {
+  if (motion.bones && !options.mirror) return *motion.bones;
+  const Result<std::vector<SkeletonFrame>> frames = asJoints(motion, options);
+  if (!frames) return frames.error();
+  return skeletalMotionOf(*frames);
+}
+
+Result<void> write(const Options& options, const Motion& motion) {
+  if (fs::path(options.output).extension() == ".bvh") {
+    const Result<SkeletalMotion> bones = asBones(motion, options.motion);
+    if (!bones) return bones.error();
+    return writeBvh(options.output, *bones);
+  }
+  const Result<std::vector<SkeletonFrame>> frames = asJoints(motion, options.motion);
+  if (!frames) return frames.error();
+  return writeJointCsv(options.output, *frames);
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {options.input, options.output}); !fine) return fine;
+  const std::string extension = fs::path(options.output).extension().string();
+  if (extension != ".csv" && extension != ".bvh") {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found the extension `{}`, expected .csv (Lorica's joints) or .bvh", options.output,
+                             extension)};
+  }
+  if (Result<void> fine = checkOutput("OUT", options.output); !fine) return fine;
+  std::error_code ignored;
+  if (fs::equivalent(options.input, options.output, ignored)) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} is the input and would be overwritten", options.output)};
+  }
+  const Result<Motion> motion = readMotion(options.input, options.motion);
+  if (!motion) return motion.error();
+  if (Result<void> written = write(options, *motion); !written) return written;
+
+  Report report(
+      fmt::format("{}: {}, {:.2f} s", motion->name, counted(motion->frameCount(), "frame"), motion->seconds()));
+  report.line("read as", motion->format);
+  report.line("written", options.output);
+  for (const std::string& note : motion->notes) report.note(note);
+  nlohmann::ordered_json json;
+  json["input"] = options.input;
+  json["format"] = motion->format;
+  json["frames"] = motion->frameCount();
+  json["seconds"] = motion->seconds();
+  json["output"] = options.output;
+  json["notes"] = motion->notes;
+  return publish(common, report, json);
+}
+
+}  // namespace
+
+Command addConvert(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = addSubcommand(parent, common, "convert", "Write any motion as Lorica's joints (.csv) or as BVH.",
+                                "  lorica convert kinect.csv joints.csv\n"
+                                "      what a sensor wrote, in metres, Y up, on the floor\n"
+                                "  lorica convert kinect.csv motion.bvh --person 2\n"
+                                "      the second person, for an animation program\n"
+                                "  lorica convert hero.glb joints.csv --clip Run\n"
+                                "      a character's clip as joints");
+  app->add_option("IN", options->input,
+                  "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
+      ->required()
+      ->type_name("");
+  app->add_option("OUT", options->output, "What to write: .csv or .bvh")->required()->type_name("");
+  addReadingOptions(*app, options->motion);
+  addPlayingOptions(*app, options->motion);
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

@@ -1,0 +1,242 @@
+#include "apps/motions.h"
+
+#include "apps/options.h"
+#include "apps/report.h"
+#include "capture/bvh_file.h"
+#include "capture/joint_csv.h"
+#include "capture/joint_stream.h"
+#include "capture/motion_retarget.h"
+#include "capture/synthetic_motion.h"
+#include "import/character_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kClipRate = 60.0;  // [1/s]
+
+/// The names that `play NAME` understands: "jumping_jacks, walk, ...".
+std::string shippedNames(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string lowerCase(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+bool isBvh(const fs::path& file) {
+  return lowerCase(file.extension().string()) == ".bvh";
+}
+
+/// An option that says nothing about this kind of file would be passed over in silence.
+Result<void> refuse(bool given, const std::string& option, const std::string& file, const char* what) {
+  if (!given) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("{}: {} is for {}, which this file does not hold", file, option, what)};
+}
+
+Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
+  if (Result<void> fine = refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"); !fine) {
+    return fine.error();
+  }
+  JointStreamSettings settings;
+  if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
+  if (options.person > 0) settings.person = options.person;
+  Result<JointStream> stream = readJointStream(file, settings);
+  if (!stream) return stream.error();
+  Motion motion;
+  motion.name = file.stem().string();
+  motion.joints = std::move(stream->frames);
+  motion.format = fmt::format("joints ({})", nameOf(stream->format));
+  motion.notes = std::move(stream->notes);
+  return motion;
+}
+
+Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
+  for (const Result<void>& fine :
+       {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
+        refuse(options.person > 0, "--person", file.string(), "recorded joints"),
+        refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"),
+        refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files, with several clips")}) {
+    if (!fine) return fine.error();
+  }
+  Motion motion;
+  motion.name = file.stem().string();
+  if (isBvh(file)) {
+    Result<BvhFile> read = readBvh(file);
+    if (!read) return read.error();
+    motion.bones = std::move(read->motion);
+    motion.format = "BVH";
+    motion.notes = std::move(read->notes);
+    return motion;
+  }
+  Result<CharacterFile> read = readCharacterFile(file);
+  if (!read) return read.error();
+  const Result<const Clip*> clip = findClip(read->clips, options.clip, file.string());
+  if (!clip) return clip.error();
+  if (!(*clip)->name.empty()) motion.name += ": " + (*clip)->name;
+  motion.bones = framesOf(read->character.skeleton, **clip);
+  motion.fromCharacterFile = true;
+  motion.format = read->format;
+  motion.notes = std::move(read->notes);
+  return motion;
+}
+
+Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options) {
+  return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
+}
+
+}  // namespace
+
+JointSettings MotionOptions::joints() const {
+  JointSettings settings;
+  settings.mirror = mirror;
+  if (smooth == "one-euro") settings.smoothing = oneEuro;
+  return settings;
+}
+
+void addReadingOptions(CLI::App& app, MotionOptions& options) {
+  std::vector<std::string> formats;
+  formats.reserve(kJointFormatCount);
+  for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
+  const std::string names = fmt::format("{}", fmt::join(formats, ", "));
+  app.add_option("--format", options.format,
+                 fmt::format("Layout of recorded joints, where the content does not tell: {}", names))
+      ->type_name("NAME")
+      ->check(oneOf(std::move(formats)));
+  addCount(app, "--person", options.person, 1, "Of several in a stream of joints [default: the one that moves most]");
+  app.add_option("--clip", options.clip, "Of a file with several clips [default: the first]")->type_name("NAME");
+}
+
+void addPlayingOptions(CLI::App& app, MotionOptions& options) {
+  app.add_flag("--mirror", options.mirror, "Left becomes right");
+  app.add_option("--smooth", options.smooth,
+                 "Smooth joints as they come: off or one-euro; the delay is measured and printed [default: off]")
+      ->type_name("NAME")
+      ->check(oneOf({"off", "one-euro"}));
+  addPositive(app, "--min-cutoff", options.oneEuro.minCutoff,
+              fmt::format("One-euro's cutoff at rest [Hz]; lower is calmer [default: {:g}]", options.oneEuro.minCutoff),
+              "HZ");
+  addPositive(
+      app, "--beta", options.oneEuro.beta,
+      fmt::format("How much the cutoff rises with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
+      "NUMBER");
+}
+
+bool isBareName(const std::string& text) {
+  std::error_code ignored;
+  return text.find('/') == std::string::npos && !fs::path(text).has_extension() && !fs::exists(text, ignored);
+}
+
+bool isShippedRecording(const std::string& input) {
+  std::error_code ignored;
+  const Result<fs::path> folder = recordingsFolder();
+  return folder && !fs::exists(input, ignored) && fs::exists(*folder / (input + ".csv"), ignored);
+}
+
+Result<fs::path> recordingsFolder() {
+  std::error_code error;
+  if (const std::string chosen = environment("LORICA_RECORDINGS"); !chosen.empty()) {
+    if (fs::is_directory(chosen, error)) return fs::path(chosen);
+    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: there is no such folder", chosen)};
+  }
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  // build/lorica, build/PRESET/lorica, and PREFIX/bin/lorica.
+  for (const char* relative : {"../recordings", "../../recordings", "../share/lorica/recordings"}) {
+    const fs::path folder = (program / relative).lexically_normal();
+    if (fs::is_directory(folder, error)) return folder;
+  }
+  return Error{ErrorCode::kNotFound,
+               fmt::format("the shipped recordings are not beside {} nor in ../share/lorica/recordings: set "
+                           "LORICA_RECORDINGS to their folder",
+                           program.string())};
+}
+
+Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
+  if (!isBareName(pathOrName)) return readMotionFile(pathOrName, options);
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  const fs::path file = *folder / (pathOrName + ".csv");
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) {
+    return Error{ErrorCode::kNotFound, fmt::format("{}: no such file and no shipped recording of that name, expected "
+                                                   "a motion (joints, .bvh, .glb, .vrm, .fbx, .dae) or one of {}",
+                                                   pathOrName, shippedNames(*folder))};
+  }
+  return readMotionFile(file, options);
+}
+
+Result<std::vector<Motion>> readShippedRecordings() {
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  std::vector<Motion> motions;
+  motions.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    const std::string name(nameOf(static_cast<SyntheticMotion>(m)));
+    Result<Motion> motion = readJoints(*folder / (name + ".csv"), {});
+    if (!motion) return motion.error();
+    motions.push_back(std::move(*motion));
+  }
+  return motions;
+}
+
+Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name, const std::string& source) {
+  if (clips.empty()) {
+    return Error{ErrorCode::kNotFound, source + ": no animation in it, expected at least one clip"};
+  }
+  if (name.empty()) return &clips.front();
+  std::vector<std::string> names;
+  names.reserve(clips.size());
+  for (const Clip& clip : clips) {
+    if (lowerCase(clip.name) == lowerCase(name)) return &clip;
+    names.push_back(clip.name);
+  }
+  return Error{ErrorCode::kNotFound,
+               fmt::format("{}: no clip named {}, expected one of {}", source, name, fmt::join(names, ", "))};
+}
+
+SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip) {
+  return sampleWhole(skeleton, clip, kClipRate);
+}
+
+Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion, const MotionOptions& options) {
+  const auto named = [&](Result<SkeletalMotion> performed) -> Result<SkeletalMotion> {
+    if (!performed)
+      return Error{performed.error().code,
+                   fmt::format("{} on {}: {}", motion.name, character.name, performed.error().message)};
+    performed->name = motion.name;
+    return performed;
+  };
+  if (!motion.bones) return named(perform(character.skeleton, motion.joints, options.joints()));
+  if (motion.fromCharacterFile && !options.mirror) {
+    Result<SkeletalMotion> renamed = renameMotion(*motion.bones, character.skeleton);
+    if (renamed) return named(std::move(renamed));
+  }
+  MotionRetargetSettings settings;
+  settings.mirror = options.mirror;
+  return named(retargetMotion(*motion.bones, character.skeleton, settings));
+}
+
+Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
+                                                 const MotionOptions& options) {
+  if (!motion.bones) {
+    return makeJointPoseSource(character.skeleton, makeRecordedSource(motion.joints), options.joints());
+  }
+  Result<SkeletalMotion> performed = performedBy(character, motion, options);
+  if (!performed) return performed.error();
+  return makeMotionPoseSource(std::move(*performed));
+}
+
+}  // namespace lorica

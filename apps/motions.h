@@ -1,0 +1,86 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+#include "geometry/result.h"
+#include "session/pose_source.h"
+#include "skinning/character.h"
+#include "skinning/clip.h"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// What the command line says of how to read a motion and what to do with it.
+struct MotionOptions {
+  std::string format;  ///< of joints; empty = told by the content
+  int person = 0;      ///< of several in a stream of joints; 0 = the one that moves most
+  std::string clip;    ///< of a file with several; empty = the first
+  bool mirror = false;
+  std::string smooth = "off";  ///< or "one-euro"
+  OneEuroSettings oneEuro;
+
+  [[nodiscard]] JointSettings joints() const;
+};
+
+/// --format, --person, --clip: how a motion is read.
+void addReadingOptions(CLI::App& app, MotionOptions& options);
+/// --mirror, --smooth, --min-cutoff, --beta: what is done to it.
+void addPlayingOptions(CLI::App& app, MotionOptions& options);
+
+/// A motion as its file has it, before a character performs it: joints, or a skeleton of its own.
+struct Motion {
+  std::string name;  ///< a file's stem or a shipped name; "hero: Run" for a clip
+  std::vector<SkeletonFrame> joints;
+  std::optional<SkeletalMotion> bones;  ///< then there are no joints
+  bool fromCharacterFile = false;       ///< the bones are those of a character, which another may share by name
+  std::string format;                   ///< "BVH", "joints (lorica)", "glTF 2.0"
+  std::vector<std::string> notes;       ///< what was guessed, mended or left out
+
+  [[nodiscard]] int frameCount() const { return bones ? bones->frameCount() : static_cast<int>(joints.size()); }
+  [[nodiscard]] double firstTime() const { return bones ? bones->times.front() : joints.front().time; }
+  /// From the first frame to the last [s].
+  [[nodiscard]] double seconds() const { return (bones ? bones->times.back() : joints.back().time) - firstTime(); }
+};
+
+/// Reads a motion by its path or, for a bare name such as `walk`, from those that ship: joints in any known layout,
+/// BVH, or a clip of a character file.
+[[nodiscard]] Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options = {});
+
+/// Whether a word that names no file names a shipped recording.
+[[nodiscard]] bool isShippedRecording(const std::string& input);
+
+/// The clean recordings that ship, in a fixed order: what humanoids without clips of their own train on.
+[[nodiscard]] Result<std::vector<Motion>> readShippedRecordings();
+
+/// Where the shipped recordings lie: $LORICA_RECORDINGS, or beside the folder of the program, as in a build and as
+/// installed.
+[[nodiscard]] Result<std::filesystem::path> recordingsFolder();
+
+/// A word without folder or extension, that names no file here.
+[[nodiscard]] bool isBareName(const std::string& text);
+
+/// The clip that a name means, letters' case aside; the first where the name is empty.
+/// @param source  of the clips, for the sentence
+[[nodiscard]] Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name,
+                                           const std::string& source);
+
+/// A clip as a motion of its skeleton, at 60 frames a second.
+[[nodiscard]] SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip);
+
+/// The whole motion, performed by a character: joints and other humanoids' bones are retargeted; bones of the same
+/// names as the character's, from a character file, move their namesakes.
+[[nodiscard]] Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion,
+                                                 const MotionOptions& options = {});
+
+/// The same, to play: joints are retargeted frame by frame, as live ones are.
+[[nodiscard]] Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
+                                                               const MotionOptions& options = {});
+
+}  // namespace lorica

@@ -1,0 +1,103 @@
+#include "session/pose_source.h"
+
+#include "capture/joint_csv.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+class JointPoseSource final : public PoseSource {
+ public:
+  JointPoseSource(Retargeter retargeter, std::unique_ptr<SkeletonSource> joints, const JointSettings& settings)
+      : retargeter_(std::move(retargeter)), joints_(std::move(joints)), mirror_(settings.mirror) {
+    if (settings.smoothing) filter_.emplace(*settings.smoothing);
+  }
+
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    Result<std::optional<SkeletonFrame>> frame = joints_->next();
+    if (!frame) return frame.error();
+    if (!frame->has_value()) return std::optional<double>();
+    if (mirror_) mirror(**frame);
+    if (filter_) filter_->apply(**frame);
+    retargeter_.apply(**frame, pose);
+    return std::optional<double>((*frame)->time);
+  }
+
+  [[nodiscard]] std::optional<double> smoothingDelay() const override {
+    if (!filter_) return std::nullopt;
+    return filter_->delay();
+  }
+
+ private:
+  Retargeter retargeter_;
+  std::unique_ptr<SkeletonSource> joints_;
+  std::optional<OneEuroFilter> filter_;
+  bool mirror_;
+};
+
+class MotionPoseSource final : public PoseSource {
+ public:
+  explicit MotionPoseSource(SkeletalMotion motion) : motion_(std::move(motion)) {}
+
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    if (frame_ == motion_.frameCount()) return std::optional<double>();
+    const std::span<const JointTransform> next = motion_.pose(frame_);
+    CHECK(next.size() == pose.size(), "the motion is of the character's own skeleton");
+    std::copy(next.begin(), next.end(), pose.begin());
+    return std::optional<double>(motion_.times[static_cast<std::size_t>(frame_++)]);
+  }
+
+ private:
+  SkeletalMotion motion_;
+  int frame_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton,
+                                                        std::unique_ptr<SkeletonSource> joints,
+                                                        const JointSettings& settings) {
+  CHECK(joints != nullptr, "joints come from somewhere");
+  Result<Retargeter> retargeter = Retargeter::create(skeleton);
+  if (!retargeter) return retargeter.error();
+  return std::unique_ptr<PoseSource>(
+      std::make_unique<JointPoseSource>(std::move(retargeter).value(), std::move(joints), settings));
+}
+
+std::unique_ptr<PoseSource> makeMotionPoseSource(SkeletalMotion motion) {
+  return std::make_unique<MotionPoseSource>(std::move(motion));
+}
+
+Result<SkeletalMotion> perform(const Skeleton& skeleton, std::span<const SkeletonFrame> recording,
+                               const JointSettings& settings) {
+  Result<std::unique_ptr<PoseSource>> source =
+      makeJointPoseSource(skeleton, makeRecordedSource({recording.begin(), recording.end()}), settings);
+  if (!source) return source.error();
+  SkeletalMotion motion{"", skeleton, {}, {}};
+  motion.times.reserve(recording.size());
+  motion.poses.reserve(recording.size() * static_cast<std::size_t>(skeleton.jointCount()));
+  Pose pose = restPose(skeleton);
+  while (true) {
+    const Result<std::optional<double>> time = (*source)->next(pose);
+    if (!time) return time.error();
+    if (!time->has_value()) return motion;
+    motion.times.push_back(**time);
+    motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
+  }
+}
+
+Result<std::vector<SkeletalMotion>> performAll(const Skeleton& skeleton,
+                                               std::span<const std::vector<SkeletonFrame>> recordings) {
+  std::vector<SkeletalMotion> motions;
+  motions.reserve(recordings.size());
+  for (const std::vector<SkeletonFrame>& recording : recordings) {
+    Result<SkeletalMotion> motion = perform(skeleton, recording);
+    if (!motion) return motion.error();
+    motions.push_back(std::move(*motion));
+  }
+  return motions;
+}
+
+}  // namespace lorica
