@@ -56,7 +56,7 @@ TEST(BadMesh, EmptyFileIsNamed) {
 
 TEST(BadMesh, UnknownFormatIsNamed) {
   const TemporaryFolder folder;
-  expectMeshRefused(folder, folder.write("body.fbx", "Kaydara FBX Binary"), {".off"});
+  expectMeshRefused(folder, folder.write("body.max", "a scene of another program"), {".off"});
 }
 
 TEST(BadMesh, IndexOutOfRangeNamesTheLine) {

@@ -87,6 +87,15 @@ TEST(PoseSource, AMirroredWaveIsDoneWithTheOtherArm) {
   EXPECT_GT(std::abs(highest(plain, HumanBone::kRightHand) - highest(plain, HumanBone::kLeftHand)), 0.3);
 }
 
+TEST(PoseSource, JointsCannotPoseASkeletonWithoutHumanBones) {
+  Joint root;
+  root.name = "root";
+  const Result<std::unique_ptr<PoseSource>> source =
+      makeJointPoseSource(*Skeleton::create({root}), makeRecordedSource(wave()));
+  ASSERT_FALSE(source.ok());
+  EXPECT_NE(source.error().message.find("hips"), std::string::npos) << source.error().message;
+}
+
 TEST(PoseSource, OnlySmoothedJointsHaveADelay) {
   JointSettings smoothed;
   smoothed.smoothing = OneEuroSettings();
@@ -96,7 +105,7 @@ TEST(PoseSource, OnlySmoothedJointsHaveADelay) {
     Pose pose = restPose(skeleton());
     while (source->next(pose)->has_value()) continue;
     ASSERT_EQ(source->smoothingDelay().has_value(), smooth);
-    if (smooth) EXPECT_LT(*source->smoothingDelay(), 0.2);
+    EXPECT_LT(source->smoothingDelay().value_or(0.0), 0.2);
   }
 }
 

@@ -201,8 +201,8 @@ TEST(Session, HullsOfAFewPointsHoldThePosedMeshInTheFramesThatTheyWereChosenIn) 
 TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
   std::vector<SkeletonFrame> frames = punches();
   const Character character = makeMannequin();
-  const std::vector<std::vector<SkeletonFrame>> recordings = {frames};
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, recordings, 2);
+  const std::vector<SkeletalMotion> motions = {perform(character.skeleton, frames).value()};
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, motions, 2);
   ASSERT_TRUE(keyframes.ok());
   TrainingRange range =
       trainingRange(eightParts(), PoseView{*keyframes, static_cast<int>(character.mesh.vertices.size())});
@@ -262,22 +262,14 @@ TEST(Session, CoverAndTrainingOfAnotherDecompositionAreRefusedWithASentence) {
   EXPECT_NE(sentence(std::nullopt, range).find("probes"), std::string::npos) << sentence(std::nullopt, range);
 }
 
-TEST(Session, ACharacterWithoutHumanBonesIsRefused) {
-  Character character = makeMannequin();
-  Joint root;
-  root.name = "root";
-  character.skeleton = *Skeleton::create({root});
-  const Result<Session> session = Session::create(character, eightParts(), performed(punches()), World());
-  ASSERT_FALSE(session.ok());
-  EXPECT_FALSE(session.error().message.empty());
-}
-
 TEST(Session, WhatTheSourceComplainsAboutIsHandedOn) {
   class BadSource : public SkeletonSource {
    public:
     Result<std::optional<SkeletonFrame>> next() override { return Error{ErrorCode::kBadFormat, "line 7 is torn"}; }
   };
-  Result<Session> session = Session::create(makeMannequin(), eightParts(), std::make_unique<BadSource>(), World());
+  Result<Session> session =
+      Session::create(makeMannequin(), eightParts(),
+                      makeJointPoseSource(makeMannequin().skeleton, std::make_unique<BadSource>()).value(), World());
   ASSERT_TRUE(session.ok());
   const Result<bool> more = session->step();
   ASSERT_FALSE(more.ok());
