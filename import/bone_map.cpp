@@ -129,10 +129,15 @@ class JointNames {
   /// The shortest text that means this joint alone.
   [[nodiscard]] std::string textFor(JointIndex joint) const {
     std::string text = name(joint);
-    JointIndex above = skeleton_.joint(joint).parent;
-    while (above != kNoJoint && find(text).size() > 1 && text.size() < kLongestToCompare) {
-      text = name(above) + "/" + text;
-      above = skeleton_.joint(above).parent;
+    const std::vector<JointIndex>& namesakes = jointsOf_.at(text);
+    const auto isShared = [&] {
+      return std::any_of(namesakes.begin(), namesakes.end(),
+                         [&](JointIndex other) { return other != joint && endsWay(other, text); });
+    };
+    for (JointIndex above = skeleton_.joint(joint).parent; above != kNoJoint && text.size() < kLongestToCompare;
+         above = skeleton_.joint(above).parent) {
+      if (!isShared()) break;
+      text = fmt::format("{}/{}", name(above), text);
     }
     return text;
   }
