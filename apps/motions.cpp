@@ -98,6 +98,10 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
   return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
 }
 
+Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
+  return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
+}
+
 }  // namespace
 
 JointSettings MotionOptions::joints() const {
@@ -213,9 +217,7 @@ SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip) {
 
 Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion, const MotionOptions& options) {
   const auto named = [&](Result<SkeletalMotion> performed) -> Result<SkeletalMotion> {
-    if (!performed)
-      return Error{performed.error().code,
-                   fmt::format("{} on {}: {}", motion.name, character.name, performed.error().message)};
+    if (!performed) return onCharacter(motion, character, performed.error());
     performed->name = motion.name;
     return performed;
   };
@@ -232,7 +234,10 @@ Result<SkeletalMotion> performedBy(const Character& character, const Motion& mot
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const MotionOptions& options) {
   if (!motion.bones) {
-    return makeJointPoseSource(character.skeleton, makeRecordedSource(motion.joints), options.joints());
+    Result<std::unique_ptr<PoseSource>> source =
+        makeJointPoseSource(character.skeleton, makeRecordedSource(motion.joints), options.joints());
+    if (!source) return onCharacter(motion, character, source.error());
+    return source;
   }
   Result<SkeletalMotion> performed = performedBy(character, motion, options);
   if (!performed) return performed.error();

@@ -21,8 +21,9 @@ bool endsWithWord(std::string_view field, std::string_view word) {
 std::optional<JointFormat> formatOfHeader(const RowReader& reader) {
   const auto fields = reader.fields();
   const auto has = [&](auto&& test) { return std::any_of(fields.begin(), fields.end(), test); };
-  if (fields.size() > 5 && sameWord(fields[0], "time") && sameWord(fields[1], "user") &&
-      sameWord(fields[2], "head.x")) {
+  // Two of the three will do: the format's own reader says better what is wrong with the third.
+  if (fields.size() > 5 &&
+      sameWord(fields[0], "time") + sameWord(fields[1], "user") + sameWord(fields[2], "head.x") >= 2) {
     return sameWord(fields[5], "head.qx") ? JointFormat::kLorica : JointFormat::kNite2;
   }
   const bool time = has([](std::string_view f) { return f.size() >= 4 && sameWord(f.substr(0, 4), "time"); });

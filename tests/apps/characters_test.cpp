@@ -1,0 +1,198 @@
+#include "capture/bvh_file.h"
+#include "capture/joint_csv.h"
+#include "tests/apps/mannequin_glb.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace lorica::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder with characters as users have them, made once; the cache is shared, so that each is decomposed once.
+struct Studio {
+  TemporaryFolder folder;
+  fs::path whole = folder.write("whole.glb", mannequinGlb(false));
+  fs::path torn = folder.write("torn.glb", mannequinGlb(true));
+  fs::path nameless = folder.write("nameless.glb", mannequinGlb(false, false));
+  CommandSurroundings surroundings{folder.path(), folder.path() / "cache", 0};
+
+  [[nodiscard]] CommandResult run(const std::vector<std::string>& arguments) const {
+    return runLorica(arguments, surroundings);
+  }
+};
+const Studio& studio() {
+  static const Studio made;
+  return made;
+}
+
+nlohmann::json jsonOf(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--json", "-"});
+  const CommandResult result = studio().run(arguments);
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  return result.exitCode == 0 ? result.json() : nlohmann::json();
+}
+
+void expectRefused(const std::vector<std::string>& arguments, const std::vector<std::string>& fragments) {
+  const CommandResult result = studio().run(arguments);
+  EXPECT_EQ(result.exitCode, 2);
+  for (const std::string& fragment : fragments) {
+    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
+  }
+}
+
+TEST(Characters, InfoSaysWhatAFileHoldsAndWhatIsDoneAboutIt) {
+  const nlohmann::json whole = jsonOf({"info", studio().whole});
+  EXPECT_EQ(whole["kind"], "character");
+  EXPECT_EQ(whole["format"], "glTF 2.0");
+  EXPECT_EQ(whole["bones"]["leftUpperArm"], "mixamorig:LeftArm");
+  EXPECT_EQ(whole["bones"]["hips"], "mixamorig:Hips");
+  EXPECT_TRUE(whole["retargetable"]);
+  EXPECT_EQ(whole["clips"].size(), 2u);
+  EXPECT_EQ(whole["clips"][0]["name"], "Bow");
+  EXPECT_NEAR(whole["clips"][0]["seconds"].get<double>(), 1.0, 1e-6);
+  EXPECT_EQ(whole["body"]["made"], false);
+  EXPECT_EQ(whole["body"]["openEdges"], 0);
+
+  const nlohmann::json torn = jsonOf({"info", studio().torn});
+  EXPECT_EQ(torn["body"]["made"], true);
+  EXPECT_GT(torn["body"]["openEdges"].get<int>(), 50);
+  EXPECT_LT(torn["body"]["bindPose"]["meanToOriginal"].get<double>(), 0.01);
+  EXPECT_LT(torn["body"]["bindPose"]["meanOutside"].get<double>(), 0.01);
+}
+
+TEST(Characters, ACharacterOfAFilePerformsAsTheBuiltInOneDoes) {
+  // The same mesh and joints with the same motion: the file's floats are all that differs.
+  const nlohmann::json built = jsonOf({"play", "wave", "--frames", "30"});
+  const nlohmann::json read = jsonOf({"play", "wave", "--character", studio().whole, "--frames", "30"});
+  EXPECT_EQ(read["parts"], 16);
+  EXPECT_EQ(read["frames"], built["frames"]);
+  EXPECT_NE(read["hash"], built["hash"]);
+  const nlohmann::json again =
+      jsonOf({"play", "wave", "--character", studio().whole, "--frames", "30", "--threads", "1"});
+  EXPECT_EQ(read["hash"], again["hash"]);
+}
+
+TEST(Characters, OwnClipsPlayByNameAndTheFirstByDefault) {
+  EXPECT_EQ(jsonOf({"play", studio().whole})["frames"], 61) << "1 s at 60 frames a second, both ends";
+  EXPECT_EQ(jsonOf({"play", studio().whole, "--clip", "nod"})["frames"], 31);
+  EXPECT_EQ(jsonOf({"play", "--character", studio().whole, "--clip", "Nod"})["frames"], 31);
+  // Another character with joints of the same names.
+  EXPECT_EQ(jsonOf({"play", studio().whole, "--clip", "Nod", "--character", "mannequin"})["frames"], 31);
+  expectRefused({"play", studio().whole, "--clip", "Jump"}, {"Jump", "Bow, Nod"});
+}
+
+TEST(Characters, ATornOnePlaysWithABodyMadeForIt) {
+  const nlohmann::json json = jsonOf({"play", "wave", "--character", studio().torn, "--frames", "10"});
+  EXPECT_EQ(json["parts"], 16);
+  EXPECT_EQ(json["cover"]["exact"], true);
+}
+
+TEST(Characters, BonesWithoutNamesAreFoundByShapeAndAMapPutsThemRight) {
+  const nlohmann::json found = jsonOf({"info", studio().nameless});
+  EXPECT_TRUE(found["retargetable"]);
+  const nlohmann::json named = jsonOf({"info", studio().whole});
+  EXPECT_NEAR(found["height"].get<double>(), named["height"].get<double>(), 1e-3);
+
+  const fs::path map = studio().folder.path() / "map.json";
+  ASSERT_EQ(studio().run({"info", studio().nameless, "--write-map", map}).exitCode, 0);
+  nlohmann::json written = nlohmann::json::parse(std::ifstream(map));
+  EXPECT_EQ(written["bones"]["leftHand"], found["bones"]["leftHand"]);
+  // The arms change places, with all that hangs on them.
+  const nlohmann::json before = written["bones"];
+  for (const auto& [bone, joint] : before.items()) {
+    const bool leg = bone.find("Leg") != std::string::npos || bone.find("Foot") != std::string::npos ||
+                     bone.find("Toes") != std::string::npos;
+    if (bone.starts_with("left") && !leg) written["bones"][bone] = before["right" + bone.substr(4)];
+    if (bone.starts_with("right") && !leg) written["bones"][bone] = before["left" + bone.substr(5)];
+  }
+  std::ofstream(map) << written;
+  const nlohmann::json swapped = jsonOf({"info", studio().nameless, "--map", map});
+  EXPECT_EQ(swapped["bones"]["leftHand"], found["bones"]["rightHand"]);
+
+  written["bones"]["leftHand"] = "bone 999";
+  std::ofstream(map) << written;
+  expectRefused({"info", studio().nameless, "--map", map}, {"map.json", "leftHand", "bone 999"});
+  expectRefused({"info", studio().folder.path() / "whole.off", "--write-map", map}, {"--write-map"});
+}
+
+TEST(Motions, ConvertedToBvhAndBackTheJointsAreWhereTheyWere) {
+  const fs::path bvh = studio().folder.path() / "walk.bvh";
+  const fs::path csv = studio().folder.path() / "walk.csv";
+  ASSERT_EQ(studio().run({"convert", "walk", bvh}).exitCode, 0);
+  ASSERT_EQ(studio().run({"convert", bvh, csv}).exitCode, 0);
+  const std::vector<SkeletonFrame> before = readJointCsv(recordingsFolder() / "walk.csv").value();
+  const std::vector<SkeletonFrame> after = readJointCsv(csv).value();
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t f = 0; f < before.size(); f += 7) {
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      const auto joint = static_cast<BodyJoint>(j);
+      // Bones keep their length, which the bending trunk of the recording does not.
+      EXPECT_LT((before[f][joint].position - after[f][joint].position).norm(), joint == BodyJoint::kTorso ? 0.03 : 0.02)
+          << f << " " << nameOf(joint);
+    }
+  }
+}
+
+TEST(Motions, OutputsThatWouldBeWrongAreRefusedAndNothingIsWritten) {
+  const fs::path csv = studio().folder.write("mine.csv", "not joints");
+  expectRefused({"convert", csv, csv}, {"overwritten"});
+  expectRefused({"convert", "walk", "walk.txt"}, {".txt", ".csv", ".bvh"});
+  expectRefused({"convert", csv, "out.bvh"}, {"mine.csv", "--format"});
+  EXPECT_FALSE(fs::exists(studio().folder.path() / "out.bvh"));
+  expectRefused({"convert", studio().whole, "out.csv", "--person", "2"}, {"--person", "recorded joints"});
+}
+
+TEST(Motions, SmoothingSaysItsDelayAndIsForJointsOnly) {
+  const nlohmann::json plain = jsonOf({"play", "walk_noisy", "--frames", "60"});
+  EXPECT_TRUE(plain["smoothingDelay"].is_null());
+  const nlohmann::json smoothed = jsonOf({"play", "walk_noisy", "--frames", "60", "--smooth", "one-euro"});
+  EXPECT_GT(smoothed["smoothingDelay"].get<double>(), 0.001);
+  EXPECT_LT(smoothed["smoothingDelay"].get<double>(), 0.1);
+  const nlohmann::json calmer =
+      jsonOf({"play", "walk_noisy", "--frames", "60", "--smooth", "one-euro", "--min-cutoff", "0.3", "--beta", "0.1"});
+  EXPECT_GT(calmer["smoothingDelay"].get<double>(), smoothed["smoothingDelay"].get<double>());
+  expectRefused({"play", studio().whole, "--character", "mannequin", "--smooth", "one-euro"},
+                {"--smooth", "recorded joints"});
+  expectRefused({"play", "walk", "--smooth", "much"}, {"--smooth", "one-euro"});
+  expectRefused({"play", "walk", "--min-cutoff", "-1"}, {"--min-cutoff", "above 0"});
+}
+
+TEST(Motions, AMirroredWaveIsAnotherOne) {
+  EXPECT_NE(jsonOf({"play", "wave", "--frames", "20"})["hash"],
+            jsonOf({"play", "wave", "--frames", "20", "--mirror"})["hash"]);
+}
+
+/// A shared character performs a shared BVH and recorded joints.
+void expectPerforms(const char* character, int parts) {
+  LORICA_REQUIRE_DATASET(file, character);
+  LORICA_REQUIRE_DATASET(bvh, "bvh/animated_drawings/zombie.bvh");
+  LORICA_REQUIRE_DATASET(joints, "joints/ui_prmd/m04_s01_e01_positions.txt");
+  for (const fs::path& motion : {bvh, joints}) {
+    const nlohmann::json json = jsonOf({"play", motion, "--character", file, "--frames", "5"});
+    EXPECT_EQ(json["frames"], 5) << motion;
+    EXPECT_EQ(json["parts"], parts) << motion;
+  }
+}
+
+TEST(SharedCharacters, AClosedOnePerformsBvhAndJoints) {
+  expectPerforms("characters/cesiumman/CesiumMan.glb", 16);
+}
+TEST(SharedCharacters, ATornOnePerformsBvhAndJoints) {
+  expectPerforms("characters/godette/Godette_vrm_v4.vrm", 16);
+}
+TEST(SharedCharacters, AnFbxPerformsBvhAndJoints) {
+  expectPerforms("characters/arnaud/arnaud.fbx", 16);
+}
+TEST(SharedCharacters, AnAnimalPlaysItsOwnClipsAndDeclinesAPersonsMotion) {
+  LORICA_REQUIRE_DATASET(fox, "characters/fox/Fox.glb");
+  EXPECT_EQ(jsonOf({"play", fox, "--clip", "Run", "--frames", "5"})["parts"], 16);
+  expectRefused({"play", "walk", "--character", fox}, {"Fox", "hips"});
+}
+
+}  // namespace
+}  // namespace lorica::test
