@@ -62,7 +62,7 @@ bool shellsApart(const TriMesh& mesh, const Components& shells) {
     if (signedVolume(mesh.vertices, triangles[a]) <= 0.0) return false;
     for (std::size_t b = 0; b < a; ++b) {
       const bool apart =
-          (boxes[a].min.array() > boxes[b].max.array()).any() || (boxes[b].min.array() > boxes[a].max.array()).any();
+          (boxes[a].min.array() >= boxes[b].max.array()).any() || (boxes[b].min.array() >= boxes[a].max.array()).any();
       if (!apart) return false;
     }
   }
@@ -75,7 +75,8 @@ class BodyMaker {
 
   Result<Body> run() {
     if (!step(0)) return cancelled();
-    welded_ = weld(character_);
+    const Limbs limbs(character_);
+    welded_ = weld(character_, limbs);
     if (welded_.mesh.triangles.empty()) {
       return Error{ErrorCode::kBadMesh,
                    fmt::format("the character has {} vertices and {} triangles, expected a surface",
@@ -89,12 +90,16 @@ class BodyMaker {
       note(counted(welded_.droppedTriangles, "triangle without area was dropped",
                    "triangles without area were dropped"));
     }
+    if (!(surfaceArea(welded_.mesh.vertices, welded_.mesh.triangles) > 0.0)) {
+      return Error{ErrorCode::kBadMesh, fmt::format("the character's {} triangles have no area, expected a surface",
+                                                    welded_.mesh.triangles.size())};
+    }
     body_.shells = connectedComponents(welded_.mesh.vertices.size(), welded_.mesh.triangles).count;
     if (keepAsItIs()) {
       (void)step(kSteps);
       return std::move(body_);
     }
-    return make();
+    return make(limbs);
   }
 
  private:
@@ -104,14 +109,12 @@ class BodyMaker {
   /// Takes the surface itself where it is closed and one solid.
   bool keepAsItIs() {
     TriMesh mesh = welded_.mesh;
-    Result<MeshRepair> repaired = repairClosedMesh(mesh);
-    bool turned = false;
-    if (!repaired && signedVolume(mesh.vertices, mesh.triangles) < 0.0) {
+    const bool turned = signedVolume(mesh.vertices, mesh.triangles) < 0.0;
+    if (turned) {
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-      repaired = repairClosedMesh(mesh);
-      turned = true;
     }
-    if (!repaired) return false;
+    Result<MeshRepair> repaired = repairClosedMesh(mesh);
+    if (!repaired || !checkClosedTwoManifold(repaired->mesh)) return false;
     const Components shells = connectedComponents(repaired->mesh.vertices.size(), repaired->mesh.triangles);
     if (!shellsApart(repaired->mesh, shells)) {
       note(fmt::format("its {} closed shells are within each other's reach, so one surface was made around them",
@@ -141,14 +144,14 @@ class BodyMaker {
     return true;
   }
 
-  Result<Body> make() {
+  Result<Body> make(const Limbs& limbs) {
     body_.made = true;
     Welded original = welded_;
     if (const std::size_t duplicates = dropDuplicates(original.mesh.triangles); duplicates > 0) {
       note(fmt::format("{} on others were passed over",
                        counted(duplicates, "triangle that lies", "triangles that lie")));
     }
-    const SolidSource source(character_, std::move(original));
+    const SolidSource source(character_, limbs, std::move(original));
     tell(source);
     if (!step(1)) return cancelled();
 

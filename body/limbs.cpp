@@ -6,10 +6,9 @@
 namespace lorica {
 namespace {
 
-// In the largest side of the character's box, which a human's height or span of arms is.
-constexpr double kFarAlong =
-    0.2;  // joints that far from each other never share a place: forearm and belly, hand and thigh
-constexpr double kFarRound = 0.3;  // from the place up one branch and down another: the calves, not the crotch
+// Of the largest side of the character's box, which a human's height or span of arms is.
+constexpr double kDownBoth = 0.15;  // from where two limbs part: thighs half way to the knees, not the crotch
+constexpr double kDownOne = 0.2;    // from the bone that a limb hangs on: the elbow at the chest, not the armpit
 
 }  // namespace
 
@@ -25,25 +24,36 @@ Limbs::Limbs(const Character& character) {
   const Aabb box = surfaceBounds(character.mesh);
   size_ = (box.max - box.min).maxCoeff();
 
+  direction_.assign(count, Vec3::Zero());
+  for (std::size_t j = 0; j < count; ++j) {
+    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    if (parent != kNoJoint) direction_[static_cast<std::size_t>(parent)] += at_[j] - positionOf(parent);
+  }
+  for (std::size_t j = 0; j < count; ++j) {
+    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    if (direction_[j].isZero() && parent != kNoJoint) direction_[j] = at_[j] - positionOf(parent);
+    direction_[j].stableNormalize();
+  }
+
   way_.assign(count * count, 0.0f);
+  meeting_.assign(count * count, kNoJoint);
   onOneBranch_.assign(count * count, 0);
   for (std::size_t j = 0; j < count; ++j) {
-    onOneBranch_[j * count + j] = 1;
-    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    const auto own = static_cast<JointIndex>(j);
+    const JointIndex parent = character.skeleton.joint(own).parent;
+    onOneBranch_[pair(own, own)] = 1;
+    if (parent == kNoJoint) continue;
     for (std::size_t k = 0; k < j; ++k) {
-      // Parents precede children: the way to k is known from the parent.
-      float way = 0.0f;
-      bool one = false;
-      if (parent != kNoJoint) {
-        const auto up = static_cast<std::size_t>(parent);
-        way = way_[up * count + k] + static_cast<float>((at_[j] - at_[up]).norm());
-        // On the branch above j, and not beside it: k does not hang on the parent, the parent hangs on k.
-        one = k == up || (k < up && onOneBranch_[up * count + k] != 0);
-      } else {
-        way = static_cast<float>((at_[j] - at_[k]).norm());
-      }
-      way_[j * count + k] = way_[k * count + j] = way;
-      onOneBranch_[j * count + k] = onOneBranch_[k * count + j] = one ? 1 : 0;
+      // Parents precede children: all is known of the parent already.
+      const auto other = static_cast<JointIndex>(k);
+      const bool above = onOneBranch_[pair(parent, other)] != 0 && other <= parent;
+      onOneBranch_[pair(own, other)] = onOneBranch_[pair(other, own)] = above ? 1 : 0;
+      way_[pair(own, other)] = way_[pair(other, own)] =
+          way_[pair(parent, other)] + static_cast<float>((positionOf(own) - positionOf(parent)).norm());
+      JointIndex meeting = own;
+      if (other != parent)
+        meeting = other > parent && onOneBranch(parent, other) ? parent : meeting_[pair(parent, other)];
+      meeting_[pair(own, other)] = meeting_[pair(other, own)] = meeting;
     }
   }
 }
@@ -52,12 +62,19 @@ bool Limbs::onOneBranch(JointIndex a, JointIndex b) const {
   return onOneBranch_[pair(a, b)] != 0;
 }
 
+double Limbs::along(JointIndex joint, const Vec3& at) const {
+  return std::max(0.0, (at - positionOf(joint)).dot(direction_[static_cast<std::size_t>(joint)]));
+}
+
 bool Limbs::apart(JointIndex a, JointIndex b, const Vec3& at) const {
   if (a == b) return false;
-  const auto way = static_cast<double>(way_[pair(a, b)]);
-  if (way > kFarAlong * size_) return true;
-  if (onOneBranch(a, b)) return false;
-  return way + (at - positionOf(a)).norm() + (at - positionOf(b)).norm() > kFarRound * size_;
+  const JointIndex meeting = meeting_[pair(a, b)];
+  const auto down = [&](JointIndex joint) {
+    const double way = meeting == kNoJoint ? 0.0 : static_cast<double>(way_[pair(meeting, joint)]);
+    return way + along(joint, at);
+  };
+  if (onOneBranch(a, b)) return down(std::max(a, b)) > kDownOne * size_;
+  return std::min(down(a), down(b)) > kDownBoth * size_;
 }
 
 JointIndex strongest(std::span<const Influence> influences) {

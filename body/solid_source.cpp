@@ -82,8 +82,8 @@ std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
           mesh.vertices[static_cast<std::size_t>(t[2])]};
 }
 
-SolidSource::SolidSource(const Character& character, Welded welded)
-    : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(character) {
+SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
+    : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(std::move(known)) {
   const Patches patches = orientPatches(mesh);
   openEdges = patches.openEdges;
   crowdedEdges = patches.crowdedEdges;

@@ -28,7 +28,7 @@ struct Thickness {
 class SolidSource {
  public:
   /// @param welded  without duplicate triangles, at least one triangle
-  SolidSource(const Character& character, Welded welded);
+  SolidSource(const Character& character, Limbs known, Welded welded);
 
   TriMesh mesh;
   std::vector<std::vector<Influence>> influences;  ///< of the vertices

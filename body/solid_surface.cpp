@@ -20,8 +20,8 @@ constexpr float kBlocked = 0.6f;                // voxels: nearer to a triangle 
 constexpr float kCore = 0.45f;                  // voxels: what is solid has a point this deep near by
 constexpr double kRod = 2.0;                    // voxels: limbs thinner than this in two directions are thickened
 constexpr float kRodRadius = 0.6f;              // voxels about the triangles
-constexpr double kTouch = 0.75;                 // voxels: limbs that are both this near touch
-constexpr float kParted = 0.3f;                 // voxels: what is said of a place that was taken out
+constexpr double kTouch = 1.1;    // voxels: limbs touch at a place whose distances from both add up to this
+constexpr float kParted = 0.3f;   // voxels: what is said of a place that was taken out
 constexpr float kSlope = 8.0f;    // voxels of distance that a winding number of 1 more is worth, across holes
 constexpr double kCrumb = 2e-3;   // of the volume: smaller pieces are dropped
 constexpr int kSmoothRounds = 4;  // of smoothing the surface; each takes a step in and one out (Taubin 1995)
@@ -223,22 +223,30 @@ class Solid {
   void part() {
     std::vector<std::size_t> counts(static_cast<std::size_t>(grid_.size[0]), 0);
     tbb::parallel_for(0, grid_.size[0], [&](int x) {
-      std::vector<JointIndex> near;
+      std::vector<std::pair<JointIndex, double>> near;  // how near the skin of each joint is
       for (int y = 0; y < grid_.size[1]; ++y) {
         for (int z = 0; z < grid_.size[2]; ++z) {
           float& value = grid_.values[grid_.index(x, y, z)];
-          if (value >= kParted || value < -static_cast<float>(kTouch)) continue;
+          if (value >= kParted) continue;
           const Vec3 at = placeOf(x, y, z);
           near.clear();
-          bool touch = false;
-          source_.tree->forEachWithin(at, kTouch * voxel_, [&](std::int32_t t) {
-            if (!source_.isSkin(t)) return true;
+          source_.tree->forEachWithin(at, kTouch * voxel_, [&](std::int32_t t, double distance) {
+            if (source_.roles[static_cast<std::size_t>(t)] == TriangleRole::kSheet) return;
             const JointIndex joint = source_.jointOfTriangle[static_cast<std::size_t>(t)];
-            if (std::find(near.begin(), near.end(), joint) != near.end()) return true;
-            for (const JointIndex other : near) touch = touch || source_.limbs.apart(joint, other, at);
-            near.push_back(joint);
-            return !touch;
+            const auto known = std::find_if(near.begin(), near.end(), [&](const auto& n) { return n.first == joint; });
+            if (known == near.end()) {
+              near.emplace_back(joint, distance);
+            } else {
+              known->second = std::min(known->second, distance);
+            }
           });
+          bool touch = false;
+          for (std::size_t a = 0; a < near.size(); ++a) {
+            for (std::size_t b = 0; b < a; ++b) {
+              touch = touch || (near[a].second + near[b].second <= kTouch * voxel_ &&
+                                source_.limbs.apart(near[a].first, near[b].first, at));
+            }
+          }
           if (!touch) continue;
           value = kParted;
           ++counts[static_cast<std::size_t>(x)];

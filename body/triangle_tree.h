@@ -32,7 +32,7 @@ class TriangleTree {
     return nearest(p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; });
   }
 
-  /// Calls visit(triangle) for all triangles that come as near as `radius` to p, until it returns false.
+  /// Calls visit(triangle, distance) for all triangles that come as near as `radius` to p.
   template <typename Visit>
   void forEachWithin(const Vec3& p, double radius, Visit&& visit) const;
 
@@ -114,7 +114,8 @@ void TriangleTree::forEachWithin(const Vec3& p, double radius, Visit&& visit) co
       continue;
     }
     for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
-      if (nearestOnTriangle(p, corners_[i]).first <= radiusSq && !visit(original_[i])) return;
+      const double distanceSq = nearestOnTriangle(p, corners_[i]).first;
+      if (distanceSq <= radiusSq) visit(original_[i], std::sqrt(distanceSq));
     }
   }
 }

@@ -30,8 +30,9 @@ class Places {
  public:
   Places(double samePlace, const Vec3& origin) : samePlace_(samePlace), cell_(kCell * samePlace), origin_(origin) {}
 
-  /// The first kept vertex at a place, or `vertex` itself, which is kept from now on.
-  VertexIndex firstAt(VertexIndex vertex, const Vec3& p, std::span<const Vec3> vertices) {
+  /// The first kept vertex at a place that `fits(kept)`, or `vertex` itself, which is kept from now on.
+  VertexIndex firstAt(VertexIndex vertex, std::span<const Vec3> vertices, const auto& fits) {
+    const Vec3& p = vertices[static_cast<std::size_t>(vertex)];
     const Cell low = cellOf(p - Vec3::Constant(samePlace_));
     const Cell high = cellOf(p + Vec3::Constant(samePlace_));
     VertexIndex found = vertex;
@@ -41,9 +42,8 @@ class Places {
           const auto there = cells_.find({x, y, z});
           if (there == cells_.end()) continue;
           for (const VertexIndex v : there->second) {
-            if (v < found && (vertices[static_cast<std::size_t>(v)] - p).squaredNorm() <= samePlace_ * samePlace_) {
-              found = v;
-            }
+            const double distanceSq = (vertices[static_cast<std::size_t>(v)] - p).squaredNorm();
+            if (v < found && distanceSq <= samePlace_ * samePlace_ && fits(v)) found = v;
           }
         }
       }
@@ -112,7 +112,7 @@ std::vector<Influence> blended(std::span<const std::vector<Influence>* const> li
   return tidied(std::move(all));
 }
 
-Welded weld(const Character& character) {
+Welded weld(const Character& character, const Limbs& limbs) {
   Welded welded;
   const std::span<const Vec3> vertices = character.mesh.vertices;
   std::vector<bool> used(vertices.size(), false);
@@ -122,6 +122,11 @@ Welded weld(const Character& character) {
 
   const Aabb box = surfaceBounds(character.mesh);
   Places places(kSamePlace * box.diagonal(), box.min);
+  const auto jointOf = [&](VertexIndex v) {
+    const auto i = static_cast<std::size_t>(v);
+    const std::uint32_t begin = character.influenceBegin[i];
+    return strongest(std::span(character.influences).subspan(begin, character.influenceBegin[i + 1] - begin));
+  };
   std::vector<VertexIndex> numberOf(vertices.size(), -1);
   std::vector<std::vector<VertexIndex>> members;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -130,7 +135,10 @@ Welded weld(const Character& character) {
       continue;
     }
     const auto own = static_cast<VertexIndex>(v);
-    const VertexIndex first = places.firstAt(own, vertices[v], vertices);
+    const JointIndex joint = jointOf(own);
+    const VertexIndex first = places.firstAt(own, vertices, [&](VertexIndex kept) {
+      return limbs.onOneBranch(jointOf(kept), joint) || !limbs.apart(jointOf(kept), joint, vertices[v]);
+    });
     if (first == own) {
       numberOf[v] = static_cast<VertexIndex>(welded.mesh.vertices.size());
       welded.mesh.vertices.push_back(vertices[v]);

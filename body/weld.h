@@ -1,5 +1,6 @@
 #pragma once
 
+#include "body/limbs.h"
 #include "skinning/character.h"
 
 #include <cstddef>
@@ -20,7 +21,8 @@ struct Welded {
 
 /// Makes one vertex of those that lie within a millionth of the mesh's diagonal of each other. The first of them stays
 /// where it is; order is kept. Its weights are the mean of theirs, so that a seam whose sides differ a little closes.
-[[nodiscard]] Welded weld(const Character& character);
+/// Two limbs that touch are not welded together.
+[[nodiscard]] Welded weld(const Character& character, const Limbs& limbs);
 
 /// Of triangles with the same three corners, whichever way they face, keeps the first: drawn from both sides, they
 /// enclose nothing together.
