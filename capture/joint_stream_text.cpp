@@ -251,6 +251,7 @@ std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const s
       const double length = std::hypot(std::hypot(values[3], values[4]), std::hypot(values[5], values[6]));
       if (length != 0.0 && std::abs(length - 1.0) > 0.01) cost += 10.0;
     }
+    if (cost == 0.0) return numbers;
     if (!best || cost < bestCost) {
       best = numbers;
       bestCost = cost;
