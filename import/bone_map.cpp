@@ -126,7 +126,8 @@ class JointNames {
     return found;
   }
 
-  /// The shortest text that means this joint alone.
+  /// The shortest text that means this joint alone; of at most eight names, for the sake of files that are nothing but
+  /// namesakes.
   [[nodiscard]] std::string textFor(JointIndex joint) const {
     std::string text = name(joint);
     const std::vector<JointIndex>& namesakes = jointsOf_.at(text);
@@ -134,10 +135,10 @@ class JointNames {
       return std::any_of(namesakes.begin(), namesakes.end(),
                          [&](JointIndex other) { return other != joint && endsWay(other, text); });
     };
-    for (JointIndex above = skeleton_.joint(joint).parent; above != kNoJoint && text.size() < kLongestToCompare;
-         above = skeleton_.joint(above).parent) {
-      if (!isShared()) break;
+    JointIndex above = skeleton_.joint(joint).parent;
+    for (int names = 1; names < 8 && above != kNoJoint && isShared(); ++names) {
       text = fmt::format("{}/{}", name(above), text);
+      above = skeleton_.joint(above).parent;
     }
     return text;
   }

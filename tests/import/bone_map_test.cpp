@@ -206,6 +206,23 @@ TEST(BoneMap, NamesThatAreNoTextSurviveAFile) {
   EXPECT_EQ(map->jointOf[at(kHead)], "Kopf/\n\t\"");
 }
 
+// Thousands of joints of one name, as a hostile file has them: written soon, if not usefully.
+TEST(BoneMap, ManyJointsOfOneNameAreWritten) {
+  std::vector<Joint> chain;
+  std::vector<Joint> star;
+  for (JointIndex i = 0; i < 5000; ++i) {
+    chain.push_back(joint("a", i - 1));
+    star.push_back(joint("a", i == 0 ? kNoJoint : 0));
+  }
+  const TemporaryFolder folder;
+  for (const std::vector<Joint>& joints : {chain, star}) {
+    const std::filesystem::path file = folder.path() / "map.json";
+    ASSERT_TRUE(writeBoneMap(file, *Skeleton::create(joints), "hero.glb").ok());
+    const Result<BoneMap> map = readBoneMap(file);
+    EXPECT_TRUE(map.ok()) << map.error().message;
+  }
+}
+
 TEST(BoneMap, AFolderThatIsNotThereCannotBeWritten) {
   const Result<void> written = writeBoneMap("/nowhere/at/all/map.json", small(), "hero.glb");
   ASSERT_FALSE(written.ok());
