@@ -1,5 +1,5 @@
 #include "apps/facts.h"
-#include "capture/retarget_rig.h"
+#include "capture/stand_in_skeleton.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
@@ -30,26 +30,57 @@ std::string inWords(std::string_view bone) {
   return words;
 }
 
-void addSkeleton(const Skeleton& skeleton, Facts& facts) {
+/// "left foot by Foot.L, as if it hung on LowerLeg.L" or "left hand, where what hand_L carries ends".
+std::string inWords(const Skeleton& skeleton, const StandInSkeleton::Substitute& substitute) {
+  const std::string bone = inWords(nameOf(substitute.bone));
+  const std::string& on = skeleton.joint(substitute.on).name;
+  if (substitute.joint != kNoJoint) {
+    return fmt::format("{} by {}, as if it hung on {}", bone, skeleton.joint(substitute.joint).name, on);
+  }
+  const bool end = substitute.bone == HumanBone::kLeftHand || substitute.bone == HumanBone::kRightHand ||
+                   substitute.bone == HumanBone::kLeftFoot || substitute.bone == HumanBone::kRightFoot;
+  if (end) return fmt::format("{}, where the mesh on {} ends", bone, on);
+  return fmt::format("{}, as half of {}, which stays straight", bone, on);
+}
+
+void addSkeleton(const Character& character, Facts& facts) {
+  const Skeleton& skeleton = character.skeleton;
+  const Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
   Json bones = Json::object();
   std::vector<std::string> lacking;
   for (int b = 0; b < kHumanBoneCount; ++b) {
     const auto bone = static_cast<HumanBone>(b);
     const JointIndex joint = skeleton.jointOf(bone);
     if (joint != kNoJoint) bones[std::string(nameOf(bone))] = skeleton.joint(joint).name;
-    if (joint == kNoJoint && b < static_cast<int>(HumanBone::kLeftThumbMetacarpal))
-      lacking.push_back(inWords(nameOf(bone)));
+    if (joint != kNoJoint || b >= static_cast<int>(HumanBone::kLeftThumbMetacarpal)) continue;
+    if (standIn && standIn->skeleton().jointOf(bone) != kNoJoint) continue;
+    lacking.push_back(inWords(nameOf(bone)));
   }
   facts.report.line("joints", fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones.size()));
   if (!bones.empty() && !lacking.empty()) {
     facts.report.line("bones lacking", fmt::format("{}: they stay at rest", fmt::join(lacking, ", ")));
   }
-  const Result<RetargetRig> rig = RetargetRig::create(skeleton);
-  facts.report.line("motion", rig ? "performs any humanoid's motion" : "performs motions of its own joints only");
+  facts.report.line("motion", standIn ? "performs any humanoid's motion" : "performs motions of its own joints only");
+  Json substitutes = Json::array();
+  if (standIn && !standIn->substitutes().empty()) {
+    std::vector<std::string> words;
+    words.reserve(standIn->substitutes().size());
+    for (const StandInSkeleton::Substitute& substitute : standIn->substitutes()) {
+      words.push_back(inWords(skeleton, substitute));
+      Json json = Json::object();
+      json["bone"] = std::string(nameOf(substitute.bone));
+      if (substitute.joint != kNoJoint) json["joint"] = skeleton.joint(substitute.joint).name;
+      json["on"] = skeleton.joint(substitute.on).name;
+      substitutes.push_back(std::move(json));
+    }
+    facts.report.note(
+        fmt::format("Bones that are not there, or hang elsewhere, are stood in for: {}.", fmt::join(words, "; ")));
+  }
   facts.json["joints"] = skeleton.jointCount();
   facts.json["humanoidBones"] = bones.size();
   facts.json["bones"] = std::move(bones);
-  facts.json["retargetable"] = rig.ok();
+  facts.json["retargetable"] = standIn.ok();
+  facts.json["standIns"] = std::move(substitutes);
 }
 
 void addFile(const CharacterFile& file, Facts& facts) {
@@ -172,7 +203,7 @@ Facts describeCharacter(const Subject& subject) {
     facts.report.line("influences", fmt::format("at most {} a vertex", most));
     facts.json["height"] = character.height;
     facts.json["influencesAtMost"] = most;
-    addSkeleton(character.skeleton, facts);
+    addSkeleton(character, facts);
     return facts;
   }
   const CharacterFile& file = *subject.file;
@@ -188,7 +219,7 @@ Facts describeCharacter(const Subject& subject) {
   facts.report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(mesh.vertices)),
                                         grouped(std::ssize(mesh.triangles))));
   facts.report.line("height", fmt::format("{:.3f} m", character.height));
-  addSkeleton(character.skeleton, facts);
+  addSkeleton(character, facts);
   addBody(subject, facts);
   addClips(file.clips, facts);
   for (const std::string& note : file.notes) facts.report.note(note);

@@ -6,6 +6,7 @@
 #include "capture/joint_csv.h"
 #include "capture/joint_stream.h"
 #include "capture/motion_retarget.h"
+#include "capture/stand_in_skeleton.h"
 #include "capture/synthetic_motion.h"
 #include "import/character_file.h"
 
@@ -221,21 +222,25 @@ Result<SkeletalMotion> performedBy(const Character& character, const Motion& mot
     performed->name = motion.name;
     return performed;
   };
-  if (!motion.bones) return named(perform(character.skeleton, motion.joints, options.joints()));
+  if (!motion.bones) return named(perform(character, motion.joints, options.joints()));
   if (motion.fromCharacterFile && !options.mirror) {
     Result<SkeletalMotion> renamed = renameMotion(*motion.bones, character.skeleton);
     if (renamed) return named(std::move(renamed));
   }
   MotionRetargetSettings settings;
   settings.mirror = options.mirror;
-  return named(retargetMotion(*motion.bones, character.skeleton, settings));
+  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+  if (!standIn) return named(standIn.error());
+  Result<SkeletalMotion> performed = retargetMotion(*motion.bones, standIn->skeleton(), settings);
+  if (!performed) return named(std::move(performed));
+  return named(standIn->carryBack(std::move(*performed)));
 }
 
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const MotionOptions& options) {
   if (!motion.bones) {
     Result<std::unique_ptr<PoseSource>> source =
-        makeJointPoseSource(character.skeleton, makeRecordedSource(motion.joints), options.joints());
+        makeJointPoseSource(character, makeRecordedSource(motion.joints), options.joints());
     if (!source) return onCharacter(motion, character, source.error());
     return source;
   }

@@ -2,6 +2,7 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
+#include "capture/stand_in_skeleton.h"
 #include "session/keyframes.h"
 #include "session/part_bones.h"
 
@@ -41,7 +42,7 @@ Result<Training> trainingMotions(const Subject& subject, std::span<const std::st
     }
     return training;
   }
-  if (RetargetRig::create(character.skeleton)) {
+  if (canPerform(character)) {
     const Result<std::vector<Motion>> shipped = readShippedRecordings();
     if (!shipped) return shipped.error();
     for (const Motion& motion : *shipped) {

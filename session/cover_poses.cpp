@@ -1,6 +1,6 @@
 #include "session/cover_poses.h"
 
-#include "capture/retarget_rig.h"
+#include "capture/stand_in_skeleton.h"
 #include "skinning/joint_limits.h"
 #include "skinning/linear_blend.h"
 
@@ -16,10 +16,9 @@ constexpr std::uint64_t kSampledSeed = 20180801;
 constexpr std::uint64_t kHeldOutSeed = 20180802;
 constexpr double kAtRest = 1e-6;  // sine of half the angle by which a bone's rest axes may differ from the model's
 
-/// Whether a human's joint limits say anything of this skeleton: it is a humanoid, and each human bone, and all joints
-/// above it, rest without a turn.
+/// Whether a human's joint limits say anything of this skeleton: each human bone, and all joints above it, rest without
+/// a turn.
 bool hasKnownLimits(const Skeleton& skeleton) {
-  if (!RetargetRig::create(skeleton)) return false;
   for (const Joint& joint : skeleton.joints()) {
     const Joint* above = joint.bone ? &joint : nullptr;
     while (above != nullptr) {
@@ -39,9 +38,14 @@ void append(const Character& character, std::span<const JointTransform> pose, st
   computeWorldFromModel(character, last, last);
 }
 
-void appendRandom(const Character& character, int count, std::uint64_t seed, std::vector<Affine3>& worldFromModel) {
+void appendRandom(const Character& character, StandInSkeleton& standIn, int count, std::uint64_t seed,
+                  std::vector<Affine3>& worldFromModel) {
   RandomNumbers random(seed);
-  for (int i = 0; i < count; ++i) append(character, randomPoseWithinLimits(character.skeleton, random), worldFromModel);
+  Pose pose = restPose(character.skeleton);
+  for (int i = 0; i < count; ++i) {
+    standIn.carryBack(randomPoseWithinLimits(standIn.skeleton(), random), pose);
+    append(character, pose, worldFromModel);
+  }
 }
 
 }  // namespace
@@ -50,7 +54,8 @@ Result<CoverPoses> coverPoses(const Character& character, std::span<const Skelet
   CHECK(count >= 2, "poses of two kinds are asked for");
   std::size_t frameCount = 0;
   for (const SkeletalMotion& motion : motions) frameCount += motion.times.size();
-  const bool random = hasKnownLimits(character.skeleton);
+  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+  const bool random = standIn && hasKnownLimits(standIn->skeleton());
   if (frameCount == 0 && !random) {
     return Error{
         ErrorCode::kInvalidArgument,
@@ -80,8 +85,10 @@ Result<CoverPoses> coverPoses(const Character& character, std::span<const Skelet
     }
   }
 
-  appendRandom(character, poses.randomPoses, kSampledSeed, poses.sampled);
-  appendRandom(character, poses.randomPoses, kHeldOutSeed, poses.heldOut);
+  if (random) {
+    appendRandom(character, *standIn, poses.randomPoses, kSampledSeed, poses.sampled);
+    appendRandom(character, *standIn, poses.randomPoses, kHeldOutSeed, poses.heldOut);
+  }
   return poses;
 }
 

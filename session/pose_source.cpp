@@ -1,6 +1,7 @@
 #include "session/pose_source.h"
 
 #include "capture/joint_csv.h"
+#include "capture/stand_in_skeleton.h"
 
 #include <algorithm>
 #include <utility>
@@ -37,6 +38,26 @@ class JointPoseSource final : public PoseSource {
   bool mirror_;
 };
 
+/// Poses a stand-in, and the character as that.
+class StandInPoseSource final : public PoseSource {
+ public:
+  StandInPoseSource(StandInSkeleton standIn, std::unique_ptr<PoseSource> source)
+      : standIn_(std::move(standIn)), source_(std::move(source)), pose_(restPose(standIn_.skeleton())) {}
+
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    Result<std::optional<double>> time = source_->next(pose_);
+    if (time && time->has_value()) standIn_.carryBack(pose_, pose);
+    return time;
+  }
+
+  [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
+
+ private:
+  StandInSkeleton standIn_;
+  std::unique_ptr<PoseSource> source_;
+  Pose pose_;  ///< of the stand-in
+};
+
 class MotionPoseSource final : public PoseSource {
  public:
   explicit MotionPoseSource(SkeletalMotion motion) : motion_(std::move(motion)) {}
@@ -54,6 +75,41 @@ class MotionPoseSource final : public PoseSource {
   int frame_ = 0;
 };
 
+std::unique_ptr<SkeletonSource> recordedSource(std::span<const SkeletonFrame> recording) {
+  return makeRecordedSource({recording.begin(), recording.end()});
+}
+
+/// All that a source has.
+Result<SkeletalMotion> playedBy(const Skeleton& skeleton, Result<std::unique_ptr<PoseSource>> source,
+                                std::size_t frameCount) {
+  if (!source) return source.error();
+  SkeletalMotion motion{"", skeleton, {}, {}};
+  motion.times.reserve(frameCount);
+  motion.poses.reserve(frameCount * static_cast<std::size_t>(skeleton.jointCount()));
+  Pose pose = restPose(skeleton);
+  while (true) {
+    const Result<std::optional<double>> time = (*source)->next(pose);
+    if (!time) return time.error();
+    if (!time->has_value()) return motion;
+    motion.times.push_back(**time);
+    motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
+  }
+}
+
+/// @param performer  a Skeleton or a Character
+template <typename Performer>
+Result<std::vector<SkeletalMotion>> performEach(const Performer& performer,
+                                                std::span<const std::vector<SkeletonFrame>> recordings) {
+  std::vector<SkeletalMotion> motions;
+  motions.reserve(recordings.size());
+  for (const std::vector<SkeletonFrame>& recording : recordings) {
+    Result<SkeletalMotion> motion = perform(performer, recording);
+    if (!motion) return motion.error();
+    motions.push_back(std::move(*motion));
+  }
+  return motions;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton,
@@ -66,38 +122,39 @@ Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton
       std::make_unique<JointPoseSource>(std::move(retargeter).value(), std::move(joints), settings));
 }
 
+Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& character,
+                                                        std::unique_ptr<SkeletonSource> joints,
+                                                        const JointSettings& settings) {
+  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+  if (!standIn) return standIn.error();
+  Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(standIn->skeleton(), std::move(joints), settings);
+  if (!source || standIn->substitutes().empty()) return source;
+  return std::unique_ptr<PoseSource>(std::make_unique<StandInPoseSource>(std::move(*standIn), std::move(*source)));
+}
+
 std::unique_ptr<PoseSource> makeMotionPoseSource(SkeletalMotion motion) {
   return std::make_unique<MotionPoseSource>(std::move(motion));
 }
 
 Result<SkeletalMotion> perform(const Skeleton& skeleton, std::span<const SkeletonFrame> recording,
                                const JointSettings& settings) {
-  Result<std::unique_ptr<PoseSource>> source =
-      makeJointPoseSource(skeleton, makeRecordedSource({recording.begin(), recording.end()}), settings);
-  if (!source) return source.error();
-  SkeletalMotion motion{"", skeleton, {}, {}};
-  motion.times.reserve(recording.size());
-  motion.poses.reserve(recording.size() * static_cast<std::size_t>(skeleton.jointCount()));
-  Pose pose = restPose(skeleton);
-  while (true) {
-    const Result<std::optional<double>> time = (*source)->next(pose);
-    if (!time) return time.error();
-    if (!time->has_value()) return motion;
-    motion.times.push_back(**time);
-    motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
-  }
+  return playedBy(skeleton, makeJointPoseSource(skeleton, recordedSource(recording), settings), recording.size());
+}
+
+Result<SkeletalMotion> perform(const Character& character, std::span<const SkeletonFrame> recording,
+                               const JointSettings& settings) {
+  return playedBy(character.skeleton, makeJointPoseSource(character, recordedSource(recording), settings),
+                  recording.size());
 }
 
 Result<std::vector<SkeletalMotion>> performAll(const Skeleton& skeleton,
                                                std::span<const std::vector<SkeletonFrame>> recordings) {
-  std::vector<SkeletalMotion> motions;
-  motions.reserve(recordings.size());
-  for (const std::vector<SkeletonFrame>& recording : recordings) {
-    Result<SkeletalMotion> motion = perform(skeleton, recording);
-    if (!motion) return motion.error();
-    motions.push_back(std::move(*motion));
-  }
-  return motions;
+  return performEach(skeleton, recordings);
+}
+
+Result<std::vector<SkeletalMotion>> performAll(const Character& character,
+                                               std::span<const std::vector<SkeletonFrame>> recordings) {
+  return performEach(character, recordings);
 }
 
 }  // namespace lorica

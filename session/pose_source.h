@@ -3,6 +3,7 @@
 #include "capture/retarget.h"
 #include "capture/skeleton_frame.h"
 #include "capture/smoothing.h"
+#include "skinning/character.h"
 #include "skinning/clip.h"
 
 #include <memory>
@@ -37,6 +38,11 @@ struct JointSettings {
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton,
                                                                       std::unique_ptr<SkeletonSource> joints,
                                                                       const JointSettings& settings = {});
+/// The same of a character whose skeleton may lack lower limbs, hands and feet, or have them elsewhere, see
+/// StandInSkeleton.
+[[nodiscard]] Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& character,
+                                                                      std::unique_ptr<SkeletonSource> joints,
+                                                                      const JointSettings& settings = {});
 
 /// Plays a motion of the character's own skeleton, frame by frame.
 [[nodiscard]] std::unique_ptr<PoseSource> makeMotionPoseSource(SkeletalMotion motion);
@@ -46,9 +52,14 @@ struct JointSettings {
 /// @return the motion of the character's skeleton, or which humanoid bones it lacks
 [[nodiscard]] Result<SkeletalMotion> perform(const Skeleton& skeleton, std::span<const SkeletonFrame> recording,
                                              const JointSettings& settings = {});
+/// The same by a StandInSkeleton, where the character's own needs one.
+[[nodiscard]] Result<SkeletalMotion> perform(const Character& character, std::span<const SkeletonFrame> recording,
+                                             const JointSettings& settings = {});
 
 /// The same of several recordings: each is another performance, nothing is held over from the one before.
 [[nodiscard]] Result<std::vector<SkeletalMotion>> performAll(const Skeleton& skeleton,
+                                                             std::span<const std::vector<SkeletonFrame>> recordings);
+[[nodiscard]] Result<std::vector<SkeletalMotion>> performAll(const Character& character,
                                                              std::span<const std::vector<SkeletonFrame>> recordings);
 
 }  // namespace lorica
