@@ -37,6 +37,10 @@ HumanBody::HumanBody(RetargetRig rig)
   for (const B bone : {B::kHips, B::kSpine, B::kChest, B::kUpperChest}) {
     if (skeleton.jointOf(bone) != kNoJoint) spine_.push_back(bone);
   }
+  if (const JointIndex neck = skeleton.jointOf(B::kNeck); neck != kNoJoint) {
+    const Quat upright = swingBetween(rig_.neckAxis, Vec3::UnitY(), Vec3::UnitX());
+    tposeFromJoint_[index(neck)] = upright * tposeFromJoint_[index(neck)];
+  }
   for (std::size_t side = 0; side < 2; ++side) {
     for (const B bone : {side == 0 ? B::kLeftFoot : B::kRightFoot, side == 0 ? B::kLeftToes : B::kRightToes}) {
       const JointIndex joint = skeleton.jointOf(bone);

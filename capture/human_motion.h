@@ -24,8 +24,8 @@ struct HumanPose {
   }
 };
 
-/// Reads poses of a humanoid skeleton, and poses it. Feet are turned by the line from ankle to toes here, as limbs are
-/// by theirs: what is only the shape of a foot is taken out.
+/// Reads poses of a humanoid skeleton, and poses it. Feet are turned by the heading of the line from ankle to toes
+/// here, and necks by the line from neck to head, as limbs are by theirs: what is only their shape is taken out.
 /// Internal to the retargeting of motions.
 class HumanBody {
  public:
@@ -64,7 +64,7 @@ class HumanBody {
   void evaluate(std::span<const JointTransform> pose);
 
   RetargetRig rig_;
-  std::vector<Quat> tposeFromJoint_;  ///< rig_'s, the feet's headings taken out
+  std::vector<Quat> tposeFromJoint_;  ///< rig_'s, the shapes of feet and neck taken out
   std::vector<HumanBone> spine_;      ///< hips, then those of spine, chest and upperChest that there are
   std::vector<Quat> worldRotation_;
   std::vector<Affine3> worldFromJoint_;

@@ -9,12 +9,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
 
 namespace lorica {
 namespace {
 
 /// How long a foot takes from its own way to the place where it stands, and back [s].
 constexpr double kBlendSeconds = 0.15;
+/// A standing sole may be this much too high or low, of the leg's length: 5 mm.
+constexpr double kSoleTolerance = 0.006;
+/// The root's way is smoothed over this time, either side, twice [s].
+constexpr double kShiftSeconds = 0.1;
 /// The root is lowered for legs that are too short within this time, either side [s].
 constexpr double kNudgeSeconds = 0.15;
 /// And at most by this share of the leg.
@@ -144,17 +151,21 @@ class MotionRetargeter {
   }
 
   /// Where an ankle goes in a stance: as the source's does, scaled, from where the stance has it in the mean. So a
-  /// foot that stands still there stands still here. Its height keeps the sole as high as the source's, scaled.
+  /// foot that stands still there stands still here. Its height keeps the sole about as high as the source's, scaled.
   [[nodiscard]] Vec3 standingAnkle(std::size_t frame, std::size_t side, const Vec3& meanOffset) const {
     Vec3 ankle = meanOffset + ratio_ * sourceFeet_[frame][side].ankle;
     const FootPlace& foot = feetAsPosed_[frame][side];
-    ankle.y() = foot.ankle.y() - foot.lowest + wantedSole(frame, side);
+    // Legs that are nearly straight bend by degrees for millimetres, so a height that is about right stays.
+    const double wanted = wantedSole(frame, side);
+    const double tolerance = kSoleTolerance * to_.rig().legLength;
+    const double sole = std::clamp(foot.lowest, std::max(0.0, wanted - tolerance), wanted + tolerance);
+    ankle.y() = foot.ankle.y() - foot.lowest + sole;
     return ankle;
   }
 
-  /// What is added to each ankle's place, a frame.
-  [[nodiscard]] std::vector<Vec3> correctionsOf(std::size_t side) const {
-    std::vector<Vec3> corrections(frameCount(), Vec3::Zero());
+  /// What a stance adds to its ankle's place; nothing where the foot does not stand.
+  [[nodiscard]] std::vector<std::optional<Vec3>> pullsOf(std::size_t side) const {
+    std::vector<std::optional<Vec3>> pulls(frameCount());
     for (const FootContact& contact : contacts_[side]) {
       const auto first = static_cast<std::size_t>(contact.first);
       const auto last = static_cast<std::size_t>(contact.last);
@@ -164,11 +175,68 @@ class MotionRetargeter {
       }
       offset /= static_cast<double>(last - first + 1);
       for (std::size_t f = first; f <= last; ++f) {
-        corrections[f] = standingAnkle(f, side, offset) - feetAsPosed_[f][side].ankle;
+        pulls[f] = standingAnkle(f, side, offset) - feetAsPosed_[f][side].ankle;
       }
     }
-    // Between two stances a correction fades out and the next one fades in; when there is little time, one into the
-    // other.
+    return pulls;
+  }
+
+  /// For each frame, what a function makes of the values within a time around it, either side.
+  template <typename Value, typename Merge>
+  [[nodiscard]] std::vector<Value> nearby(const std::vector<Value>& values, double seconds, Merge&& merge) const {
+    std::vector<Value> out;
+    out.reserve(values.size());
+    std::size_t first = 0;
+    std::size_t end = 0;
+    for (std::size_t f = 0; f < values.size(); ++f) {
+      while (out_.times[first] < out_.times[f] - seconds) ++first;
+      while (end < values.size() && out_.times[end] <= out_.times[f] + seconds) ++end;
+      out.push_back(merge(std::span(values).subspan(first, end - first)));
+    }
+    return out;
+  }
+
+  template <typename Value>
+  [[nodiscard]] std::vector<Value> smoothed(const std::vector<Value>& values, double seconds) const {
+    return nearby(values, seconds, [](std::span<const Value> v) {
+      Value sum = v.front();
+      for (const Value& x : v.subspan(1)) sum += x;
+      return Value(sum / static_cast<double>(v.size()));
+    });
+  }
+
+  /// Moves the root along with what the standing feet ask for in the mean, smoothly: legs then point as the source's,
+  /// and little is left for them to bend.
+  [[nodiscard]] std::vector<Vec3> rootShifts(const std::array<std::vector<std::optional<Vec3>>, 2>& pulls) const {
+    std::vector<Vec3> shifts(frameCount(), Vec3::Zero());
+    std::optional<std::size_t> before;
+    for (std::size_t f = 0; f < frameCount(); ++f) {
+      const std::optional<Vec3>& left = pulls[0][f];
+      const std::optional<Vec3>& right = pulls[1][f];
+      if (!left && !right) continue;
+      shifts[f] = left && right ? Vec3(0.5 * (*left + *right)) : left ? *left : *right;
+      shifts[f].y() = 0.0;
+      // In the air on the straight line from one stance to the next.
+      for (std::size_t g = before ? *before + 1 : 0; g < f; ++g) {
+        const double share =
+            before ? (out_.times[g] - out_.times[*before]) / (out_.times[f] - out_.times[*before]) : 1.0;
+        const Vec3 from = before ? shifts[*before] : shifts[f];
+        shifts[g] = from + share * (shifts[f] - from);
+      }
+      before = f;
+    }
+    if (before) std::fill(shifts.begin() + static_cast<std::ptrdiff_t>(*before), shifts.end(), shifts[*before]);
+    return smoothed(smoothed(shifts, kShiftSeconds), kShiftSeconds);
+  }
+
+  /// What is added to each ankle's place beyond the root's shift: in a stance what its pull asks for, between two
+  /// stances that of the one fades out and that of the next fades in; when there is little time, one into the other.
+  [[nodiscard]] std::vector<Vec3> bendsOf(std::size_t side, const std::vector<std::optional<Vec3>>& pulls,
+                                          const std::vector<Vec3>& shifts) const {
+    std::vector<Vec3> bends(frameCount(), Vec3::Zero());
+    for (std::size_t f = 0; f < frameCount(); ++f) {
+      if (pulls[f]) bends[f] = *pulls[f] - shifts[f];
+    }
     const std::vector<FootContact>& contacts = contacts_[side];
     for (std::size_t i = 0; i <= contacts.size(); ++i) {
       const bool hasBefore = i > 0;
@@ -176,24 +244,19 @@ class MotionRetargeter {
       const std::size_t from = hasBefore ? static_cast<std::size_t>(contacts[i - 1].last) + 1 : 0;
       const std::size_t to = hasAfter ? static_cast<std::size_t>(contacts[i].first) : frameCount();
       double blend = kBlendSeconds;
-      if (hasBefore && hasAfter) {
-        const double gap = out_.times[to] - out_.times[from - 1];
-        if (gap < 2.0 * blend) blend = gap;
-      }
+      if (hasBefore && hasAfter) blend = std::min(blend, out_.times[to] - out_.times[from - 1]);
       for (std::size_t f = from; f < to; ++f) {
-        Vec3 sum = Vec3::Zero();
         if (hasBefore) {
           const double since = out_.times[f] - out_.times[from - 1];
-          sum += (1.0 - smoothStep(0.0, blend, since)) * corrections[from - 1];
+          bends[f] += (1.0 - smoothStep(0.0, blend, since)) * bends[from - 1];
         }
         if (hasAfter) {
           const double until = out_.times[to] - out_.times[f];
-          sum += (1.0 - smoothStep(0.0, blend, until)) * corrections[to];
+          bends[f] += (1.0 - smoothStep(0.0, blend, until)) * bends[to];
         }
-        corrections[f] = sum;
       }
     }
-    return corrections;
+    return bends;
   }
 
   /// How far the root must come down so that both legs reach, smoothed: the largest need nearby, then its mean.
@@ -206,40 +269,28 @@ class MotionRetargeter {
         need[f] = std::max(need[f], dropToReach(to_.placeOf(leg.upper), to_.placeOf(leg.lower), to_.placeOf(leg.end),
                                                 ankles[side][f]));
       }
-      need[f] = std::clamp(need[f], 0.0, kLargestNudge * to_.rig().legLength);
+      need[f] = std::min(need[f], kLargestNudge * to_.rig().legLength);
     }
-    const auto nearby = [&](const std::vector<double>& values, auto&& merge) {
-      std::vector<double> out(values.size());
-      std::size_t first = 0;
-      std::size_t end = 0;
-      for (std::size_t f = 0; f < values.size(); ++f) {
-        while (out_.times[first] < out_.times[f] - kNudgeSeconds) ++first;
-        while (end < values.size() && out_.times[end] <= out_.times[f] + kNudgeSeconds) ++end;
-        out[f] = merge(std::span(values).subspan(first, end - first));
-      }
-      return out;
-    };
     const std::vector<double> largest =
-        nearby(need, [](std::span<const double> v) { return *std::max_element(v.begin(), v.end()); });
-    return nearby(largest, [](std::span<const double> v) {
-      double sum = 0.0;
-      for (const double x : v) sum += x;
-      return sum / static_cast<double>(v.size());
-    });
+        nearby(need, kNudgeSeconds, [](std::span<const double> v) { return *std::max_element(v.begin(), v.end()); });
+    return smoothed(largest, kNudgeSeconds);
   }
 
   void plantFeet() {
+    const std::array<std::vector<std::optional<Vec3>>, 2> pulls = {pullsOf(0), pullsOf(1)};
+    const std::vector<Vec3> shifts = rootShifts(pulls);
     std::array<std::vector<Vec3>, 2> ankles;
     for (std::size_t side = 0; side < 2; ++side) {
-      ankles[side] = correctionsOf(side);
+      ankles[side] = bendsOf(side, pulls[side], shifts);
       for (std::size_t f = 0; f < frameCount(); ++f) {
         const FootPlace& foot = feetAsPosed_[f][side];
         Vec3& ankle = ankles[side][f];
-        ankle += foot.ankle;
+        ankle += foot.ankle + shifts[f];
         // No sole goes under the floor: limbs of other lengths may have put it there.
         ankle.y() = std::max(ankle.y(), foot.ankle.y() - foot.lowest);
       }
     }
+    for (std::size_t f = 0; f < frameCount(); ++f) to_.move(shifts[f], pose(f));
     const std::vector<double> down = nudges(ankles);
     for (std::size_t f = 0; f < frameCount(); ++f) {
       to_.move(Vec3(0.0, -down[f], 0.0), pose(f));

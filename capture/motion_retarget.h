@@ -24,8 +24,9 @@ struct MotionRetargetSettings {
 /// soles seldom go below; the target's is y = 0, and its lower foot is as high above it as the source's, scaled.
 ///
 /// A stance (foot_contacts.h) keeps the foot on the source's way, scaled, from where the limbs' directions put it in
-/// the mean of the stance; before and after it the foot comes and goes within 0.15 s. Hip and knee bend for that, in
-/// the plane in which they bend already, knees forwards. Where a leg is too short the root comes down, smoothly.
+/// the mean of the stance; before and after it the foot comes and goes within 0.15 s. The root goes along with what
+/// both feet ask for in the mean; for the rest hip and knee bend, in the plane in which they bend already, knees
+/// forwards. Where a leg is too short the root comes down, smoothly.
 /// @param target  with its humanoid bones
 /// @return the motion on the target's skeleton, frame for frame; or which humanoid bones either of them lacks
 [[nodiscard]] Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Skeleton& target,

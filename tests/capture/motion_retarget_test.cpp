@@ -265,7 +265,7 @@ struct Figures {
   double slide = 0.0;      ///< of an ankle in a stance, beyond what the source's does, scaled [m]
   double toesSlide = 0.0;  ///< of the toes' joint [m]
   int stances = 0;
-  double limbs = 0.0;          ///< between directions of arms [rad]
+  double limbs = 0.0;          ///< between directions of arms and neck [rad]
   double kneeBackwards = 0.0;  ///< sine
   double lowestSole = 0.0;     ///< [m]
   double jerk = 0.0;           ///< of an ankle's acceleration beyond the source's, over 3 frames [m]
@@ -283,6 +283,14 @@ Figures measure(const SkeletalMotion& source, const SkeletalMotion& out) {
   for (int f = 0; f < source.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(source, f);
     const std::vector<Affine3> b = worldOf(out, f);
+    const auto has = [&](B bone) {
+      return source.skeleton.jointOf(bone) != kNoJoint && out.skeleton.jointOf(bone) != kNoJoint;
+    };
+    if (has(B::kNeck) && has(B::kHead)) {
+      worst.limbs = std::max(worst.limbs,
+                             angleBetween(placeOf(source.skeleton, a, B::kHead) - placeOf(source.skeleton, a, B::kNeck),
+                                          placeOf(out.skeleton, b, B::kHead) - placeOf(out.skeleton, b, B::kNeck)));
+    }
     for (std::size_t i = 0; i < kLimbCount; ++i) {
       const LimbBones& limb = limbs()[i];
       const auto direction = [&](const Skeleton& skeleton, const std::vector<Affine3>& world, B x, B y) -> Vec3 {
