@@ -154,13 +154,20 @@ TEST_F(CoverPosesOf, WhatOneKindCannotGiveTheOtherMakesUpFor) {
   EXPECT_NE(neither.error().message.find("no motions"), std::string::npos) << neither.error().message;
 }
 
-TEST_F(CoverPosesOf, ACharacterWithoutHumanBonesIsRefusedByTheirNames) {
+TEST_F(CoverPosesOf, ACharacterWithoutHumanBonesHasThePosesOfItsMotionsAlone) {
   Joint root;
   root.name = "root";
   character_.skeleton = *Skeleton::create({root});
-  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
-  ASSERT_FALSE(poses.ok());
-  EXPECT_NE(poses.error().message.find("hips"), std::string::npos) << poses.error().message;
+  const Result<CoverPoses> none = coverPoses(character_, {}, 20);
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.error().code, ErrorCode::kInvalidArgument);
+  const std::vector<SkeletalMotion> rest = {{"rest", character_.skeleton, {0.0}, restPose(character_.skeleton)}};
+  character_.jointFromModel = {Affine3::Identity()};
+  const Result<CoverPoses> one = coverPoses(character_, rest, 20);
+  ASSERT_TRUE(one.ok()) << one.error().message;
+  EXPECT_EQ(one->randomPoses, 0);
+  EXPECT_EQ(one->sampledView().poseCount(), 1);
+  EXPECT_EQ(one->heldOutView().poseCount(), 0);
 }
 
 }  // namespace
