@@ -215,9 +215,12 @@ Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
     const JointIndex parent = joint.parent;
     const bool moved = j >= ownCount || parent != character.skeleton.joint(order[k]).parent;
     if (moved) {
-      if (!(std::abs(draft.world[at(parent)].linear().determinant()) > 1e-18)) {
+      // Both ways: into the new parent now, and back into the old one in each frame.
+      const JointIndex before = j < ownCount ? character.skeleton.joint(order[k]).parent : kNoJoint;
+      for (const JointIndex above : {parent, before}) {
+        if (above == kNoJoint || std::abs(draft.world[at(above)].linear().determinant()) > 1e-18) continue;
         return Error{ErrorCode::kInvalidArgument,
-                     fmt::format("the joint {} is scaled to nothing", draft.joints[at(parent)].name)};
+                     fmt::format("the joint {} is scaled to nothing", draft.joints[at(above)].name)};
       }
       joint.rest = relative(draft.rotation[at(parent)], draft.world[at(parent)], draft.rotation[j], draft.world[j]);
     }
