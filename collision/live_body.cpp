@@ -36,7 +36,7 @@ bool isFinite(const Isometry3& motion) {
 
 }  // namespace
 
-LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : plan_(std::move(plan)) {
+LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : plan_(std::move(plan)), detail_(detail) {
   CHECK(plan_ != nullptr, "a body has a plan");
   tracks_.resize(plan_->parts().size());
   parts_.resize(tracks_.size());
@@ -56,7 +56,6 @@ LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : pl
       track.firstPoints.resize(count);
       meshPoints_.resize(static_cast<std::size_t>(decomposition().pointCount()), Vec3::Zero());
     }
-    vertexOfCandidate_.resize(std::max(vertexOfCandidate_.size(), count));
     if (detail != LiveDetail::kFaces) continue;
     track.hull.emplace(static_cast<int>(count));
     LivePart& part = parts_[i];
@@ -65,6 +64,20 @@ LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : pl
     part.shape.triangles.reserve(2 * count);
     part.previousVertices.reserve(count);
   }
+}
+
+// What is assigned to keeps its room; what is copied by default has none to spare.
+LiveBody::LiveBody(const LiveBody& other) : LiveBody(other.plan_, other.detail_) {
+  tracks_ = other.tracks_;
+  parts_ = other.parts_;
+  meshPoints_ = other.meshPoints_;
+  timing_ = other.timing_;
+  started_ = other.started_;
+}
+
+LiveBody& LiveBody::operator=(const LiveBody& other) {
+  if (this != &other) *this = LiveBody(other);
+  return *this;
 }
 
 LiveBody::LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail)
@@ -90,8 +103,7 @@ std::size_t LiveBody::candidateCount(PartIndex part) const {
 
 std::size_t LiveBody::memory() const {
   const auto bytes = [](const auto& vector) { return vector.capacity() * sizeof(vector[0]); };
-  std::size_t sum = bytes(meshPoints_) + bytes(vertexOfCandidate_) + bytes(covariances_) + bytes(rotations_) +
-                    bytes(parts_) + bytes(tracks_);
+  std::size_t sum = bytes(meshPoints_) + bytes(covariances_) + bytes(rotations_) + bytes(parts_) + bytes(tracks_);
   for (const Track& t : tracks_) {
     sum += bytes(t.rows) + bytes(t.taken) + bytes(t.firstPoints) + bytes(t.points);
     if (t.hull) sum += t.hull->memory();
@@ -210,26 +222,27 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
   part.reshaped = track.moved;
   if (!track.moved) return;
   std::swap(part.previousVertices, part.shape.vertices);
-  part.shape.vertices.clear();
-  part.shape.pointOfVertex.clear();
-  part.shape.triangles.clear();
-  part.shape.volume = 0.0;
-  if (!track.hull || track.tick == 0.0 || !isFinite(part.worldFromPart)) return;
-
-  track.hull->update(std::span(track.rows).first(plan.candidates.size()));
-  for (const std::int32_t candidate : track.hull->vertices()) {
-    const auto c = static_cast<std::size_t>(candidate);
-    vertexOfCandidate_[c] = static_cast<VertexIndex>(part.shape.vertices.size());
-    const PointRow& row = track.rows[c];
-    part.shape.pointOfVertex.push_back(plan.candidates[c]);
-    part.shape.vertices.push_back(track.tick * Vec3(row.x, row.y, row.z));
+  const MovingHull* hull = nullptr;
+  if (track.hull && track.tick != 0.0 && isFinite(part.worldFromPart)) {
+    track.hull->update(std::span(track.rows).first(plan.candidates.size()));
+    hull = &*track.hull;
   }
-  for (const Triangle& t : track.hull->faces()) {
-    part.shape.triangles.push_back({vertexOfCandidate_[static_cast<std::size_t>(t[0])],
-                                    vertexOfCandidate_[static_cast<std::size_t>(t[1])],
-                                    vertexOfCandidate_[static_cast<std::size_t>(t[2])]});
+  const std::span<const VertexIndex> vertices = hull ? hull->vertices() : std::span<const VertexIndex>();
+  const std::span<const Triangle> faces = hull ? hull->faces() : std::span<const Triangle>();
+  part.shape.vertices.resize(vertices.size());
+  part.shape.pointOfVertex.resize(vertices.size());
+  part.shape.triangles.resize(faces.size());
+  part.shape.volume = hull ? hull->volume() * track.tick * track.tick * track.tick : 0.0;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const auto candidate = static_cast<std::size_t>(vertices[v]);
+    const PointRow& row = track.rows[candidate];
+    part.shape.pointOfVertex[v] = plan.candidates[candidate];
+    part.shape.vertices[v] = track.tick * Vec3(row.x, row.y, row.z);
   }
-  part.shape.volume = track.hull->volume() * track.tick * track.tick * track.tick;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& [a, b, c] = faces[f];
+    part.shape.triangles[f] = {hull->placeOf(a), hull->placeOf(b), hull->placeOf(c)};
+  }
 }
 
 }  // namespace lorica

@@ -26,12 +26,17 @@ enum class LiveDetail : std::uint8_t {
 /// A skinned character's body is carried by its bones alone: the mesh need not be skinned. A mesh sequence without
 /// bones is carried by its vertex positions. How: docs/LIVE_HULLS.md.
 ///
-/// Copies share the plan: a hundred characters of one kind hold its constants once.
+/// Copies share the plan, so a hundred characters of one kind hold its constants once, and have room for any frame too.
 class LiveBody {
  public:
   /// A body in no pose yet.
   /// @param plan  not null
   explicit LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail = LiveDetail::kFaces);
+  LiveBody(const LiveBody& other);
+  LiveBody& operator=(const LiveBody& other);
+  LiveBody(LiveBody&&) noexcept = default;
+  LiveBody& operator=(LiveBody&&) noexcept = default;
+  ~LiveBody() = default;
   /// A character's body that covers the posed surface exactly, in every pose: coverExactly().
   /// @param decomposition  made from the character's mesh
   LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail = LiveDetail::kFaces);
@@ -68,7 +73,7 @@ class LiveBody {
   };
   [[nodiscard]] const Timing& timing() const { return timing_; }
   [[nodiscard]] const std::shared_ptr<const BodyPlan>& plan() const { return plan_; }
-  /// Bytes held, beside the plan.
+  /// Bytes held, beside the plan: room for any frame, most of which is never touched.
   [[nodiscard]] std::size_t memory() const;
 
  private:
@@ -86,11 +91,11 @@ class LiveBody {
   void reshapeAll();
 
   std::shared_ptr<const BodyPlan> plan_;
+  LiveDetail detail_ = LiveDetail::kFaces;
   std::vector<Track> tracks_;
   std::vector<LivePart> parts_;
-  std::vector<Vec3> meshPoints_;                ///< of a mesh sequence: vertices and cut points [m]
-  std::vector<VertexIndex> vertexOfCandidate_;  ///< scratch
-  std::vector<Mat3> covariances_, rotations_;   ///< scratch, of the parts
+  std::vector<Vec3> meshPoints_;               ///< of a mesh sequence: vertices and cut points [m]
+  std::vector<Mat3> covariances_, rotations_;  ///< scratch, of the parts
   Timing timing_;
   bool started_ = false;
 };

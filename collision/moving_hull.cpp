@@ -46,11 +46,16 @@ MovingHull::MovingHull(int pointCount) : surface_(pointCount) {
   }
   insideCount_ = n;
 
-  // A permutation by a stride without common divisor, far from simple fractions of the count.
-  scrambled_.reserve(n);
-  std::size_t stride = std::max<std::size_t>(1, (n * 618) / 1000);
-  while (std::gcd(stride, n) != 1) ++stride;
-  for (std::size_t i = 0, p = 0; i < n; ++i, p = (p + stride) % n) scrambled_.push_back(static_cast<VertexIndex>(p));
+  // Without common divisor, and far from simple fractions of the count.
+  stride_ = std::max<std::size_t>(1, (n * 618) / 1000);
+  while (std::gcd(stride_, n) != 1) ++stride_;
+}
+
+// All points once, neighbours far apart.
+template <class Visit>
+void MovingHull::visitScrambled(const Visit& visit) const {
+  const std::size_t n = slot_.size();
+  for (std::size_t i = 0, p = 0; i < n; ++i, p = (p + stride_) % n) visit(static_cast<VertexIndex>(p));
 }
 
 void MovingHull::update(std::span<const PointRow> points) {
@@ -64,14 +69,12 @@ void MovingHull::update(std::span<const PointRow> points) {
 }
 
 double MovingHull::volume() const {
-  double sum = 0.0;
-  for (const Triangle& t : faces()) sum += det(at(t[0]), at(t[1]), at(t[2]));
-  return sum / 6.0;
+  return sumOfDeterminants(points_.data(), faces().data(), surface_.faceCount()) / 6.0;
 }
 
 std::size_t MovingHull::memory() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return sizeof(*this) + surface_.memory() + bytes(vertices_) + bytes(inside_) + bytes(slot_) + bytes(scrambled_);
+  return sizeof(*this) + surface_.memory() + bytes(vertices_) + bytes(inside_) + bytes(slot_);
 }
 
 VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) const {
@@ -80,7 +83,11 @@ VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) co
     return direction.x() * q.x + direction.y() * q.y + direction.z() * q.z;
   };
   const auto higherOf = [&](VertexIndex a, VertexIndex b) { return along(b) > along(a) ? b : a; };
-  if (flat()) return std::accumulate(scrambled_.begin(), scrambled_.end(), startHint, higherOf);
+  if (flat()) {
+    VertexIndex highest = startHint;
+    visitScrambled([&](VertexIndex p) { highest = higherOf(highest, p); });
+    return highest;
+  }
   VertexIndex best = isVertex(startHint) ? startHint : vertices_.front();
   double most = along(best);
   while (true) {
@@ -127,11 +134,10 @@ bool MovingHull::build() {
 
   // Last frame's vertices are likely to be vertices again, and then the others are inside at once.
   scratch_->unsettled.clear();
-  for (const VertexIndex p : scrambled_) {
-    if (isVertex(p)) scratch_->unsettled.push_back(p);
-  }
-  for (const VertexIndex p : scrambled_) {
-    if (!isVertex(p)) scratch_->unsettled.push_back(p);
+  for (const bool wasVertex : {true, false}) {
+    visitScrambled([&](VertexIndex p) {
+      if (isVertex(p) == wasVertex) scratch_->unsettled.push_back(p);
+    });
   }
   startOver();
   for (const Triangle& t : first) {
@@ -142,23 +148,26 @@ bool MovingHull::build() {
       }
     }
   }
-  for (const VertexIndex p : scrambled_) {
+  visitScrambled([&](VertexIndex p) {
     if (isVertex(p)) becomeVertex(p);
-  }
+  });
   return settleAll();
 }
 
-// Leaves no faces and no vertices. Certificates stay: they hold nothing now, but tell where to look.
+// Leaves no faces and no vertices. Certificates stay: they hold nothing now, but tell where to look. So do a vertex's
+// neighbours: they are likely to be near again, though all has moved.
 void MovingHull::startOver() {
-  surface_.clear();
   while (!scratch_->queue.empty()) {
     scratch_->queued[static_cast<std::size_t>(scratch_->queue.back())] = 0;
     scratch_->queue.pop_back();
   }
   while (!vertices_.empty()) {
     const VertexIndex v = vertices_.back();
-    becomeInside(v, {v, v, v});
+    const HalfEdge out = surface_.outOf(v);
+    const HalfEdge onward = surface_.turn(surface_.turn(out));
+    becomeInside(v, {surface_.end(out), surface_.apex(out), surface_.end(onward)});
   }
+  surface_.clear();
 }
 
 double MovingHull::faceDet(std::int32_t face) const {
@@ -187,7 +196,8 @@ bool MovingHull::legalise() {
       ++counts_.flips;
       const std::int32_t f = HullSurface::faceOf(h);
       const std::int32_t g = HullSurface::faceOf(k);
-      for (const HalfEdge outer : {3 * f, 3 * f + 2, 3 * g, 3 * g + 1}) queueEdge(outer);
+      queueConcave(f, 3 * f, 3 * f + 2);
+      queueConcave(g, 3 * g, 3 * g + 1);
     }
   }
   return true;
@@ -217,11 +227,11 @@ bool MovingHull::settleAll() {
                      [&](VertexIndex p) { return isVertex(p) || settle(p); });
 }
 
-// A face that may be near a point.
-std::int32_t MovingHull::hintFor(VertexIndex p) const {
+// A vertex that may be near a point.
+VertexIndex MovingHull::hintFor(VertexIndex p) const {
   const HullCertificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
   for (const VertexIndex v : {last.a, last.b, last.c}) {
-    if (isVertex(v)) return HullSurface::faceOf(surface_.outOf(v));
+    if (isVertex(v)) return v;
   }
   // Of a few vertices, that whose direction is nearest, or about so.
   constexpr std::size_t kTries = 12;
@@ -232,7 +242,7 @@ std::int32_t MovingHull::hintFor(VertexIndex p) const {
   for (std::size_t i = step; i < vertices_.size(); i += step) {
     if (towards(vertices_[i]) > towards(nearest)) nearest = vertices_[i];
   }
-  return HullSurface::faceOf(surface_.outOf(nearest));
+  return nearest;
 }
 
 // Gives a point a new certificate, or makes it a vertex where it is outside.
@@ -262,51 +272,82 @@ bool MovingHull::settle(VertexIndex p) {
   const HalfEdge out = surface_.outOf(p);
   HalfEdge h = out;
   do {
-    queueEdge(HullSurface::next(h));
-    if (zeros == 2) queueEdge(h);
+    const HalfEdge rim = HullSurface::next(h);
+    queueConcave(HullSurface::faceOf(h), rim, zeros == 2 ? h : rim);
     h = surface_.turn(h);
   } while (h != out);
   return legalise();
 }
 
-// Walks from face to face towards the point's direction. On a convex surface each step reaches a plane that the ray
-// from s meets earlier, so only coplanar faces could make it turn in a circle; then all faces are looked at.
-MovingHull::Place MovingHull::locate(VertexIndex p, std::int32_t hint) const {
+// Walks along the arc from a vertex to the point's direction. Seen from s, the arc leaves each face that it enters
+// through the edge with the face's third corner on the other side, so one product a step tells where it goes on.
+//
+//      L ----- q       The arc comes in over the edge from R to L. With q on its left it leaves between q and R, else
+//       \    /         between L and q.
+//        \ /
+//         R
+MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
   const PointRow& point = at(p);
+  const exact::Row across = exact::cross(exact::rowOf(point), exact::rowOf(at(from)));
+  const auto leftOfArc = [&](VertexIndex q) { return exact::dot(across, exact::rowOf(at(q))); };
   const auto edge = [&](HalfEdge h) { return det(at(surface_.start(h)), at(surface_.end(h)), point); };
-  std::array<double, 3> beside{};
-  HalfEdge first = 3 * hint;
-  double besideFirst = edge(first);
-  const auto cross = [&](HalfEdge h, double besideIt) {
-    first = surface_.twin(h);
-    besideFirst = -besideIt;
-  };
-  if (besideFirst < 0.0) cross(first, besideFirst);
-  for (int step = 0; step < surface_.faceCount(); ++step) {
-    const HalfEdge second = HullSurface::next(first);
-    const double besideSecond = edge(second);
-    if (besideSecond < 0.0) {
-      cross(second, besideSecond);
-      continue;
+
+  // The sector at the vertex into which the arc sets out: between a corner on its left... the one before is on its
+  // right.
+  const HalfEdge out = surface_.outOf(from);
+  HalfEdge h = out;
+  double first = leftOfArc(surface_.end(h));
+  double second = 0.0;
+  if (first >= 0.0) {
+    while ((second = leftOfArc(surface_.apex(h))) >= 0.0) {
+      h = surface_.turn(h);
+      first = second;
+      if (h == out) break;
     }
-    const HalfEdge third = HullSurface::next(second);
-    const double besideThird = edge(third);
-    if (besideThird < 0.0) {
-      cross(third, besideThird);
-      continue;
-    }
-    const std::int32_t face = HullSurface::faceOf(first);
-    beside[static_cast<std::size_t>(first - 3 * face)] = besideFirst;
-    beside[static_cast<std::size_t>(second - 3 * face)] = besideSecond;
-    beside[static_cast<std::size_t>(third - 3 * face)] = besideThird;
-    return {face, beside[0], beside[1], beside[2]};
+  } else {
+    do {
+      second = first;
+      h = HullSurface::next(surface_.twin(h));
+      first = leftOfArc(surface_.end(h));
+    } while (first < 0.0 && h != out);
   }
+  HalfEdge rim = HullSurface::next(h);
+  double beyond = edge(rim);
+  if (beyond >= 0.0) {
+    if (first >= 0.0 && second <= 0.0) return placeAt(h, first, beyond, -second);
+  } else {
+    for (int step = 0; step < surface_.faceCount(); ++step) {
+      const HalfEdge entry = surface_.twin(rim);
+      const bool left = leftOfArc(surface_.apex(entry)) >= 0.0;
+      rim = left ? HullSurface::previous(entry) : HullSurface::next(entry);
+      const double entered = -beyond;
+      beyond = edge(rim);
+      if (beyond < 0.0) continue;
+      const double beside = edge(left ? HullSurface::next(entry) : HullSurface::previous(entry));
+      if (beside < 0.0) break;
+      return left ? placeAt(entry, entered, beside, beyond) : placeAt(entry, entered, beyond, beside);
+    }
+  }
+  // Only where the point lies in the direction straight away from the vertex there is no arc.
   for (std::int32_t face = 0; face < surface_.faceCount(); ++face) {
-    for (std::size_t i = 0; i < 3; ++i) beside[i] = edge(3 * face + static_cast<HalfEdge>(i));
-    if (beside[0] >= 0.0 && beside[1] >= 0.0 && beside[2] >= 0.0) return {face, beside[0], beside[1], beside[2]};
+    const Place place{face, edge(3 * face), edge(3 * face + 1), edge(3 * face + 2)};
+    if (place.ab >= 0.0 && place.bc >= 0.0 && place.ca >= 0.0) return place;
   }
   CHECK(false, "the faces of a star-shaped surface cover all directions");
   return {};
+}
+
+// The place in the face of h, beside h, the next half-edge and the one before.
+MovingHull::Place MovingHull::placeAt(HalfEdge h, double beside, double besideNext, double besidePrevious) {
+  const std::int32_t face = HullSurface::faceOf(h);
+  switch (h - 3 * face) {
+    case 0:
+      return {face, beside, besideNext, besidePrevious};
+    case 1:
+      return {face, besidePrevious, beside, besideNext};
+    default:
+      return {face, besideNext, besidePrevious, beside};
+  }
 }
 
 // Takes a point from its place in inside_; the surface must hold it.
@@ -328,6 +369,18 @@ void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
   vertices_.pop_back();
   slot = static_cast<std::int32_t>(insideCount_);
   inside_[insideCount_++] = {certificate[0], certificate[1], certificate[2], p};
+}
+
+// Most edges beside a change are convex; those need no place in the queue.
+void MovingHull::queueConcave(std::int32_t face, HalfEdge h, HalfEdge k) {
+  const Triangle& t = faces()[static_cast<std::size_t>(face)];
+  const PointRow& a = at(t[0]);
+  const exact::Row normal = exact::cross(exact::between(a, at(t[1])), exact::between(a, at(t[2])));
+  const auto above = [&](HalfEdge edge) {
+    return exact::dot(normal, exact::between(a, at(surface_.opposite(edge)))) > 0.0;
+  };
+  if (above(h)) queueEdge(h);
+  if (k != h && above(k)) queueEdge(k);
 }
 
 void MovingHull::queueEdge(HalfEdge h) {

@@ -46,6 +46,9 @@ class MovingHull {
   /// Ids of the points on those faces. Some may lie within a plane or edge of the hull; no two are at the same place.
   [[nodiscard]] std::span<const VertexIndex> vertices() const { return vertices_; }
 
+  /// Where in vertices() a vertex is.
+  [[nodiscard]] std::int32_t placeOf(VertexIndex vertex) const { return slot_[static_cast<std::size_t>(vertex)]; }
+
   /// [ticks^3]; 0 when flat.
   [[nodiscard]] double volume() const;
 
@@ -111,6 +114,8 @@ class MovingHull {
   [[nodiscard]] double faceDet(std::int32_t face) const;
   [[nodiscard]] bool isVertex(VertexIndex p) const { return surface_.outOf(p) != HullSurface::kNone; }
 
+  template <class Visit>
+  void visitScrambled(const Visit& visit) const;
   bool repair();
   bool build();
   void scanFaces();
@@ -122,17 +127,19 @@ class MovingHull {
   bool checkCertificates();
   bool settleAll();
   bool settle(VertexIndex p);
-  [[nodiscard]] std::int32_t hintFor(VertexIndex p) const;
+  [[nodiscard]] VertexIndex hintFor(VertexIndex p) const;
   void startOver();
   [[nodiscard]] bool holds(const HullCertificate& certificate) const;
   [[nodiscard]] bool isPierced(std::int32_t face) const;
-  [[nodiscard]] Place locate(VertexIndex p, std::int32_t hint) const;
+  [[nodiscard]] Place locate(VertexIndex p, VertexIndex from) const;
+  [[nodiscard]] static Place placeAt(HalfEdge h, double beside, double besideNext, double besidePrevious);
 
   bool takeOut(VertexIndex v, Link link, const Triangle& certificate);
   [[nodiscard]] bool planCuts(VertexIndex v, Link link, int corners);
   [[nodiscard]] bool isEar(VertexIndex v, Link link, int before, int tip, int after) const;
   void becomeVertex(VertexIndex p);
   void becomeInside(VertexIndex p, const Triangle& certificate);
+  void queueConcave(std::int32_t face, HalfEdge h, HalfEdge k);
   void queueEdge(HalfEdge h);
   void queueFace(std::int32_t face);
 
@@ -141,8 +148,8 @@ class MovingHull {
   std::vector<VertexIndex> vertices_;
   std::vector<HullCertificate> inside_;  ///< insideCount_, and padding
   std::size_t insideCount_ = 0;
-  std::vector<std::int32_t> slot_;      ///< of each point, in vertices_ or inside_
-  std::vector<VertexIndex> scrambled_;  ///< all points, in a fixed order without pattern
+  std::vector<std::int32_t> slot_;  ///< of each point, in vertices_ or inside_
+  std::size_t stride_ = 1;          ///< from point to point, in a fixed order of all without pattern
   Counts counts_;
 
   Scratch* scratch_ = nullptr;  ///< of this thread; valid within update()

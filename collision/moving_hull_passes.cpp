@@ -1,5 +1,10 @@
 #include "collision/moving_hull_passes.h"
 
+#include "collision/moving_hull_exact.h"
+
+#include <array>
+#include <numeric>
+
 // Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 // Not for vectors whose size only the machine knows: such cannot be members of a struct.
 #undef HWY_DISABLED_TARGETS
@@ -12,6 +17,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {
 
+// The corners' determinant, rounded as vectors round it.
+HWY_INLINE double determinant(const PointRow* points, const Triangle& face) {
+  const PointRow& a = points[face[0]];
+  const exact::Row n = exact::cross(exact::between(a, points[face[1]]), exact::between(a, points[face[2]]));
+  return n.x * a.x + n.y * a.y + n.z * a.z;
+}
+
 #if HWY_TARGET == HWY_SCALAR
 
 // A machine without vectors decides exactly at once: all are in doubt.
@@ -23,6 +35,14 @@ int doubtfulFaces(const PointRow*, const Triangle*, const VertexIndex*, int coun
 int doubtfulCertificates(const PointRow*, const HullCertificate*, int count, std::int32_t* doubts) {
   for (int i = 0; i < count; ++i) doubts[i] = i;
   return count;
+}
+
+double sumDeterminants(const PointRow* points, const Triangle* faces, int count) {
+  std::array<double, kPassWidth> sums{};
+  for (int face = 0; face < count; ++face) {
+    sums[static_cast<std::size_t>(face % kPassWidth)] += determinant(points, faces[face]);
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 #else
@@ -175,6 +195,39 @@ int doubtfulCertificates(const PointRow* points, const HullCertificate* certific
   return found;
 }
 
+// Lanes of a sum for faces whose numbers are alike modulo kPassWidth, whatever the vectors' width.
+HWY_INLINE void addDeterminants(const Rows& a, const Rows& ab, const Rows& ac, bool upper, double* sums) {
+  const hn::Rebind<double, hn::Half<Floats> > d;
+  const hn::Half<Floats> h;
+  const auto wide = [&](Float v)
+                        HWY_ATTR { return hn::PromoteTo(d, upper ? hn::UpperHalf(h, v) : hn::LowerHalf(h, v)); };
+  const auto ux = wide(ab.x), uy = wide(ab.y), uz = wide(ab.z);
+  const auto vx = wide(ac.x), vy = wide(ac.y), vz = wide(ac.z);
+  const auto nx = hn::Sub(hn::Mul(uy, vz), hn::Mul(uz, vy));
+  const auto ny = hn::Sub(hn::Mul(uz, vx), hn::Mul(ux, vz));
+  const auto nz = hn::Sub(hn::Mul(ux, vy), hn::Mul(uy, vx));
+  const auto det = hn::Add(hn::Add(hn::Mul(nx, wide(a.x)), hn::Mul(ny, wide(a.y))), hn::Mul(nz, wide(a.z)));
+  double* here = sums + (upper ? kLanes / 2 : 0);
+  hn::StoreU(hn::Add(hn::LoadU(d, here), det), d, here);
+}
+
+double sumDeterminants(const PointRow* points, const Triangle* faces, int count) {
+  HWY_ALIGN std::array<double, kPassWidth> sums{};
+  int first = 0;
+  for (; first + kLanes <= count; first += kLanes) {
+    const std::int32_t* ids = faces[first].data();
+    const Rows a = rowsOf(points, ids, 3);
+    const Rows b = rowsOf(points, ids + 1, 3);
+    const Rows c = rowsOf(points, ids + 2, 3);
+    double* here = sums.data() + first % kPassWidth;
+    addDeterminants(a, b - a, c - a, false, here);
+    addDeterminants(a, b - a, c - a, true, here);
+  }
+  for (; first < count; ++first)
+    sums[static_cast<std::size_t>(first % kPassWidth)] += determinant(points, faces[first]);
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
 #endif  // HWY_TARGET == HWY_SCALAR
 
 }  // namespace lorica::HWY_NAMESPACE
@@ -186,6 +239,7 @@ namespace {
 
 HWY_EXPORT(doubtfulFaces);
 HWY_EXPORT(doubtfulCertificates);
+HWY_EXPORT(sumDeterminants);
 
 }  // namespace
 
@@ -197,6 +251,10 @@ int findDoubtfulFaces(const PointRow* points, const Triangle* faces, const Verte
 int findDoubtfulCertificates(const PointRow* points, const HullCertificate* certificates, int count,
                              std::int32_t* doubts) {
   return HWY_DYNAMIC_DISPATCH(doubtfulCertificates)(points, certificates, count, doubts);
+}
+
+double sumOfDeterminants(const PointRow* points, const Triangle* faces, int count) {
+  return HWY_DYNAMIC_DISPATCH(sumDeterminants)(points, faces, count);
 }
 
 }  // namespace lorica

@@ -43,6 +43,10 @@ int findDoubtfulFaces(const PointRow* points, const Triangle* faces, const Verte
 int findDoubtfulCertificates(const PointRow* points, const HullCertificate* certificates, int count,
                              std::int32_t* doubts);
 
+/// Six times the volume between the faces and the origin, in double precision; always summed in the same order.
+/// @param faces  count, and readable up to the next multiple of kPassWidth
+[[nodiscard]] double sumOfDeterminants(const PointRow* points, const Triangle* faces, int count);
+
 /// So many are read at a time, at most: what lies beyond the last must be zero or have been valid once.
 inline constexpr int kPassWidth = 16;
 

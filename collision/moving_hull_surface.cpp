@@ -6,10 +6,20 @@ namespace lorica {
 
 HullSurface::HullSurface(int pointCount) {
   const auto most = static_cast<std::size_t>(std::max(4, 2 * pointCount - 4));
-  faces_.resize(most + kPadding);
-  opposites_.resize(3 * (most + kPadding));
-  twins_.resize(3 * most, kNone);
+  faces_.reserve(most + kPadding + 1);
+  opposites_.reserve(3 * faces_.capacity());
+  twins_.reserve(3 * faces_.capacity());
   outOf_.resize(static_cast<std::size_t>(pointCount), kNone);
+  touchMore();
+}
+
+// The vectors grow within what they have reserved.
+void HullSurface::touchMore() {
+  constexpr std::size_t kMore = 4 * kPadding;
+  const std::size_t size = std::min(faces_.size() + kMore, faces_.capacity());
+  faces_.resize(size);
+  opposites_.resize(3 * size);
+  twins_.resize(3 * size, kNone);
 }
 
 void HullSurface::clear() {
@@ -20,11 +30,6 @@ void HullSurface::clear() {
 std::size_t HullSurface::memory() const {
   return faces_.capacity() * sizeof(Triangle) +
          (opposites_.capacity() + twins_.capacity() + outOf_.capacity()) * sizeof(std::int32_t);
-}
-
-std::int32_t HullSurface::addFace(VertexIndex a, VertexIndex b, VertexIndex c) {
-  setFace(faceCount_, a, b, c);
-  return faceCount_++;
 }
 
 bool HullSurface::eraseFace(std::int32_t face) {

@@ -12,7 +12,7 @@ namespace lorica {
 ///
 /// Half-edge h = 3 * face + i runs from corner i of its face to the next; its apex is the corner left over, its twin
 /// the same edge seen from the other face. Faces stay contiguous: one that goes is replaced by the last. All memory is
-/// taken at the start.
+/// taken at the start, and touched when so many faces come about for the first time.
 class HullSurface {
  public:
   using HalfEdge = std::int32_t;
@@ -49,7 +49,11 @@ class HullSurface {
   [[nodiscard]] bool hasThreeEdges(HalfEdge h) const { return turn(turn(turn(h))) == h; }
 
   /// Appends a face whose edges the caller has yet to glue.
-  std::int32_t addFace(VertexIndex a, VertexIndex b, VertexIndex c);
+  std::int32_t addFace(VertexIndex a, VertexIndex b, VertexIndex c) {
+    if (static_cast<std::size_t>(faceCount_) + kPadding >= faces_.size()) touchMore();
+    setFace(faceCount_, a, b, c);
+    return faceCount_++;
+  }
   /// Overwrites a face; its edges keep their old twins until glued.
   void setFace(std::int32_t face, VertexIndex a, VertexIndex b, VertexIndex c) {
     faces_[static_cast<std::size_t>(face)] = {a, b, c};
@@ -85,11 +89,13 @@ class HullSurface {
   // Corners lie behind each other in memory, without gaps between faces.
   [[nodiscard]] VertexIndex corner(HalfEdge h) const { return faces_.data()->data()[h]; }
 
+  void touchMore();
+
   int faceCount_ = 0;
-  std::vector<Triangle> faces_;
+  std::vector<Triangle> faces_;  ///< faceCount_ and at least so many more as may be read; as others that follow
   std::vector<VertexIndex> opposites_;
   std::vector<HalfEdge> twins_;
-  std::vector<HalfEdge> outOf_;
+  std::vector<HalfEdge> outOf_;  ///< of each point
 };
 
 }  // namespace lorica

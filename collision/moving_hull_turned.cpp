@@ -36,8 +36,10 @@ void MovingHull::scanFaces() {
     }
     if ((doubt & kMayBePierced) != 0 && isPierced(face)) scratch_->pierced.push_back(face);
     for (int edge = 0; edge < 3; ++edge) {
+      if ((doubt & kEdgeMayBeConcave << edge) == 0) continue;
+      // A concave edge is in doubt from both its faces; one of them is enough.
       const HalfEdge h = 3 * face + edge;
-      if ((doubt & kEdgeMayBeConcave << edge) != 0 && side(a, b, c, at(surface_.opposite(h))) > 0.0) queueEdge(h);
+      if (h < surface_.twin(h) && side(a, b, c, at(surface_.opposite(h))) > 0.0) queueEdge(h);
     }
   }
 }

@@ -4,47 +4,11 @@
 #include "tests/collision/dancer.h"
 #include "tests/collision/moving_hull_truth.h"
 #include "tests/collision/parts.h"
+#include "tests/support/allocation_count.h"
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <limits>
-#include <new>
-
-namespace {
-std::atomic<long> allocations{0};
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  std::abort();
-}
-}  // namespace
-
-// This test program counts what it allocates.
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-// std::stable_sort asks this way; without it a sanitizer would see its memory freed by another family.
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
-}
 
 namespace lorica::test {
 namespace {
@@ -66,7 +30,7 @@ TEST(MovingHull, UpdatesAllocateNothing) {
   }
 
   MovingHull hull(300);
-  const long before = allocations;
+  const long before = allocationCount();
   ASSERT_GT(before, 0) << "the counter works: making all this did allocate";
   MovingHull::Counts sum;
   for (const std::vector<PointRow>& rows : frames) {
@@ -78,7 +42,7 @@ TEST(MovingHull, UpdatesAllocateNothing) {
     (void)hull.support(Vec3::UnitX(), 0);
     (void)hull.volume();
   }
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(allocationCount() - before, 0);
   EXPECT_GT(sum.turnedFaces * sum.flips * sum.deletions, 0) << "every repair was made";
   EXPECT_GT(sum.rebuilds, 3);
 }
@@ -94,12 +58,18 @@ TEST(LiveBody, FramesOfACharacterAllocateNothing) {
   for (Affine3& bone : frames[5]) bone.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   for (Affine3& bone : frames[8]) bone.linear() *= 1e-3;
   LiveBody body(dancer.decomposition, dancer.character);
-  const long before = allocations;
-  for (const std::vector<Affine3>& frame : frames) {
-    body.update(frame);
-    (void)body.support(0, Vec3::UnitY());
+  LiveBody copy = body;
+  LiveBody assigned(body.plan(), LiveDetail::kSupport);
+  assigned = copy;
+  LiveBody ofPlan(body.plan());
+  const long before = allocationCount();
+  for (LiveBody* one : {&body, &copy, &assigned, &ofPlan}) {
+    for (const std::vector<Affine3>& frame : frames) {
+      one->update(frame);
+      (void)one->support(0, Vec3::UnitY());
+    }
   }
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(allocationCount() - before, 0);
 }
 
 }  // namespace

@@ -3,13 +3,14 @@
 #include "collision/lifted_point.h"
 #include "collision/rigid_fit.h"
 #include "tests/collision/dancer.h"
+#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lorica {
 namespace {
@@ -72,9 +73,7 @@ TEST(LiftedPart, IsTheScalarReferenceForAnyNumberOfPointsOnEveryInstructionSet) 
     SCOPED_TRACE(count);
     const std::vector<LiftedPoint> points = randomPoints(random, count);
     const std::vector<Affine3> bones = randomBones(random);
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      SCOPED_TRACE(hwy::TargetName(target));
-      hwy::SetSupportedTargetsForTest(target);
+    test::onEveryInstructionSet([&] {
       const LiftedPart part(points);
       const Isometry3 worldFromPart = placeOf(part, bones);
       LiftedPart::TakenPose taken = part.noPose();
@@ -98,9 +97,51 @@ TEST(LiftedPart, IsTheScalarReferenceForAnyNumberOfPointsOnEveryInstructionSet) 
       EXPECT_EQ(std::count(times.begin(), times.end(), 1), static_cast<std::ptrdiff_t>(count)) << "each point once";
       EXPECT_EQ(largest, seen);
       EXPECT_LT((worldFromPart.translation() - mean).norm(), 1e-12);
-    }
-    hwy::SetSupportedTargetsForTest(0);
+    });
   }
+}
+
+TEST(LiftedPart, SeesAndSumsItsBonesTheSameOnEveryInstructionSet) {
+  std::mt19937_64 random(25);
+  const std::vector<LiftedPoint> points = randomPoints(random, 100);
+  const std::vector<Affine3> bones = randomBones(random);
+  const LiftedPart part(points);
+  const LiftedPart::Moments moments = part.momentsOf(bones);
+  const Isometry3 worldFromPart = placeOf(part, bones);
+  LiftedPart::TakenPose taken = part.noPose();
+  ASSERT_TRUE(part.take(bones, worldFromPart, 0x1p-21, taken));
+  test::onEveryInstructionSet([&] {
+    EXPECT_EQ(part.momentsOf(bones).mean, moments.mean);
+    EXPECT_EQ(part.momentsOf(bones).covariance, moments.covariance);
+    LiftedPart::TakenPose again = part.noPose();
+    ASSERT_TRUE(part.take(bones, worldFromPart, 0x1p-21, again));
+    for (std::size_t b = 0; b < taken.size(); ++b) EXPECT_EQ(again[b].column, taken[b].column);
+  });
+}
+
+TEST(LiftedPart, TakesAPoseThatMovesAnyPointAndNoOther) {
+  constexpr double kTick = 0x1p-21;
+  std::mt19937_64 random(26);
+  const std::vector<LiftedPoint> points = randomPoints(random, 40);
+  const std::vector<Affine3> bones = randomBones(random);
+  const LiftedPart part(points);
+  const Isometry3 worldFromPart = placeOf(part, bones);
+  test::onEveryInstructionSet([&] {
+    for (std::size_t b = 0; b < 5; ++b) {
+      LiftedPart::TakenPose taken = part.noPose();
+      ASSERT_TRUE(part.take(bones, worldFromPart, kTick, taken));
+      const LiftedPart::TakenPose before = taken;
+      std::vector<Affine3> moved = bones;
+      moved[b].translation().z() += 1e-3 * kTick;
+      EXPECT_FALSE(part.take(moved, worldFromPart, kTick, taken));
+      EXPECT_EQ(taken[0].column, before[0].column);
+      moved[b].translation().z() += 2.0 * kTick;
+      EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken)) << "bone " << b;
+      moved[b].translation().z() = std::numeric_limits<double>::quiet_NaN();
+      EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken));
+      EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken)) << "what is no number never is as it was";
+    }
+  });
 }
 
 TEST(LiftedPart, PlacesItselfAsAFitOfAllPointsWould) {
@@ -164,11 +205,7 @@ TEST(FarthestRow, IsTheFirstOfTheFarthestOnEveryInstructionSet) {
       for (std::size_t i = 1; i < count; ++i) {
         if (along(i) > along(static_cast<std::size_t>(truth))) truth = static_cast<std::int32_t>(i);
       }
-      for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-        hwy::SetSupportedTargetsForTest(target);
-        EXPECT_EQ(farthestRow(rows, direction), truth) << count << " rows, " << hwy::TargetName(target);
-      }
-      hwy::SetSupportedTargetsForTest(0);
+      test::onEveryInstructionSet([&] { EXPECT_EQ(farthestRow(rows, direction), truth) << count << " rows"; });
     }
   }
 }

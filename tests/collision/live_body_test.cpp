@@ -12,6 +12,7 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
+#include <memory>
 
 namespace lorica {
 namespace {
@@ -230,6 +231,46 @@ TEST(LiveBody, SupportIsTheFarthestPointOfTheHullWithFacesOrWithout) {
         EXPECT_EQ(points.support(part, direction), faces.support(part, direction));
       }
     }
+  }
+}
+
+TEST(LiveBody, BodiesOfOnePlanAndCopiesGoTheirOwnWays) {
+  test::Dancer dancer;
+  const auto plan = std::make_shared<const BodyPlan>(dancer.decomposition, dancer.character);
+  std::mt19937_64 random(18);
+  const auto expectSame = [](const LiveBody& one, const LiveBody& other) {
+    for (std::size_t i = 0; i < one.parts().size(); ++i) {
+      const LivePart& a = one.parts()[i];
+      const LivePart& b = other.parts()[i];
+      EXPECT_EQ(a.worldFromPart.matrix(), b.worldFromPart.matrix());
+      EXPECT_EQ(a.shape.vertices, b.shape.vertices);
+      EXPECT_EQ(a.shape.pointOfVertex, b.shape.pointOfVertex);
+      EXPECT_EQ(a.shape.triangles, b.shape.triangles);
+      EXPECT_EQ(a.shape.volume, b.shape.volume);
+      EXPECT_EQ(a.reshaped, b.reshaped);
+    }
+  };
+  LiveBody first(plan);
+  LiveBody second(plan);
+  LiveBody alone(dancer.decomposition, dancer.character);
+  for (int frame = 0; frame < 10; ++frame) {
+    dancer.dance(random, 0.3);
+    second.update(dancer.worldFromModel);
+    dancer.dance(random, 0.3);
+    first.update(dancer.worldFromModel);
+    alone.update(dancer.worldFromModel);
+    expectSame(first, alone);
+  }
+  LiveBody copy = first;
+  second = first;
+  EXPECT_EQ(copy.plan(), plan);
+  EXPECT_EQ(copy.memory(), first.memory());
+  expectSame(copy, first);
+  for (int frame = 0; frame < 5; ++frame) {
+    dancer.dance(random, 0.3);
+    for (LiveBody* body : {&first, &copy, &second}) body->update(dancer.worldFromModel);
+    expectSame(copy, first);
+    expectSame(second, first);
   }
 }
 

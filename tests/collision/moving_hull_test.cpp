@@ -1,10 +1,10 @@
 #include "collision/moving_hull.h"
 
+#include "tests/collision/instruction_sets.h"
 #include "tests/collision/moving_hull_truth.h"
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <functional>
 #include <numbers>
@@ -326,17 +326,10 @@ TEST(MovingHull, SameFramesGiveTheSameFaces) {
 }
 
 // Filters of another width or rounding leave other faces in doubt, and nothing of that may show.
-TEST(MovingHull, EveryInstructionSetGivesTheSameFaces) {
-  struct Everything {
-    ~Everything() { only(0); }
-    static void only(std::int64_t targets) {
-      hwy::SetSupportedTargetsForTest(targets);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    }
-  } restore;
-  const auto run = [](std::int64_t target) {
-    Everything::only(target);
+TEST(MovingHull, EveryInstructionSetGivesTheSameFacesAndVolume) {
+  const auto run = [] {
     std::vector<Triangle> all;
+    std::vector<double> volumes;
     for (const Shape& shape : shapes()) {
       Random random(13);
       MovingHull hull(static_cast<int>(shape.points.size()));
@@ -346,14 +339,14 @@ TEST(MovingHull, EveryInstructionSetGivesTheSameFaces) {
         const std::vector<PointRow> rows = aboutTheirMean(posed, 1e4);
         hull.update(rows);
         all.insert(all.end(), hull.faces().begin(), hull.faces().end());
+        volumes.push_back(hull.volume());
       }
     }
-    return all;
+    return std::make_pair(all, volumes);
   };
-  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  const std::vector<Triangle> first = run(targets.front());
-  ASSERT_GT(first.size(), 10000u);
-  for (const std::int64_t target : targets) EXPECT_EQ(run(target), first) << hwy::TargetName(target);
+  const auto first = run();
+  ASSERT_GT(first.first.size(), 10000u);
+  test::onEveryInstructionSet([&] { EXPECT_EQ(run(), first); });
 }
 
 TEST(MovingHull, SupportIsTheHighestOfAllPoints) {

@@ -1,9 +1,9 @@
 #include "collision/rigid_fit.h"
 
+#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 #include <Eigen/SVD>
 
 #include <algorithm>
@@ -246,15 +246,11 @@ TEST(RigidFit, ManyAtOnceAreTheSameAsEachAloneOnEveryInstructionSet) {
     }
     std::vector<Mat3> alone;
     for (std::size_t i = 0; i < count; ++i) alone.push_back(fitRotation(covariances[i], previous[i]));
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      hwy::SetSupportedTargetsForTest(target);
+    test::onEveryInstructionSet([&] {
       std::vector<Mat3> rotations = previous;
       fitRotations(covariances, rotations);
-      for (std::size_t i = 0; i < count; ++i) {
-        EXPECT_EQ(rotations[i], alone[i]) << i << " of " << count << ", " << hwy::TargetName(target);
-      }
-    }
-    hwy::SetSupportedTargetsForTest(0);
+      for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(rotations[i], alone[i]) << i << " of " << count;
+    });
   }
 }
 

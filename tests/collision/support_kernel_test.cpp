@@ -1,9 +1,9 @@
 #include "collision/support_kernel.h"
 
+#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <limits>
@@ -49,14 +49,7 @@ void expectSameAsSlow() {
 }
 
 TEST(SupportKernel, FindsTheFirstFarthestPointWithEveryInstructionSet) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    SCOPED_TRACE(hwy::TargetName(target));
-    expectSameAsSlow();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  test::onEveryInstructionSet(expectSameAsSlow);
 }
 
 TEST(SupportKernel, ADirectionThatIsNoNumberGivesAPoint) {
