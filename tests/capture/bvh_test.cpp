@@ -1,5 +1,6 @@
 #include "capture/bvh_file.h"
 
+#include "capture/motion_retarget.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin.h"
 #include "tests/capture/figures.h"
@@ -279,6 +280,30 @@ TEST(Bvh, ARootThatNeverMovesStaysAtItsOffset) {
   const Result<BvhFile> file = parseBvh(text, "x");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(file->motion.pose(1)[0].translation, Vec3(0, 0.9, 0));
+}
+
+TEST(Bvh, WhatTheFuzzerStartsFromIsReadOrRefused) {
+  const std::filesystem::path folder = test::recordingsFolder().parent_path() / "tests" / "fuzz" / "corpus" / "bvh";
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    SCOPED_TRACE(entry.path().filename());
+    ++files;
+    const Result<BvhFile> file = readBvh(entry.path());
+    if (!file) {
+      EXPECT_NE(file.error().message.find("expected"), std::string::npos) << file.error().message;
+      continue;
+    }
+    EXPECT_LE(file->motion.poses.size(), std::filesystem::file_size(entry.path()));
+    for (const JointTransform& t : file->motion.poses) {
+      ASSERT_TRUE(t.translation.allFinite() && t.rotation.coeffs().allFinite());
+    }
+    const Result<SkeletalMotion> carried = retargetMotion(file->motion, makeMannequin().skeleton);
+    if (!carried) continue;
+    for (const JointTransform& t : carried->poses) {
+      ASSERT_TRUE(t.translation.allFinite() && t.rotation.coeffs().allFinite());
+    }
+  }
+  EXPECT_GE(files, 7);
 }
 
 // A second evaluation that shares nothing with the reader: words by stream, a 4x4 matrix a channel.

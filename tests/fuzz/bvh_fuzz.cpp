@@ -1,0 +1,61 @@
+#include "capture/bvh_file.h"
+#include "capture/motion_retarget.h"
+#include "geometry/result.h"
+#include "skinning/mannequin.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+/// Any bytes as a BVH file. What is accepted must be sound, fit the bytes that it came from, and be fit to be carried
+/// over to another skeleton.
+namespace {
+
+using namespace lorica;
+
+bool isFinite(const JointTransform& t) {
+  return t.translation.allFinite() && t.rotation.coeffs().allFinite() && t.scale.allFinite();
+}
+
+void expectSound(const SkeletalMotion& motion, std::size_t frames, std::size_t joints) {
+  CHECK(motion.times.size() == frames && motion.poses.size() == frames * joints, "frames got lost");
+  for (std::size_t f = 1; f < frames; ++f) CHECK(motion.times[f] > motion.times[f - 1], "times do not rise");
+  for (const JointTransform& t : motion.poses) {
+    CHECK(isFinite(t) && std::abs(t.rotation.norm() - 1.0) < 1e-6, "a joint without place or turn");
+  }
+}
+
+void retarget(const SkeletalMotion& motion) {
+  static const Skeleton mannequin = makeMannequin().skeleton;
+  const Result<SkeletalMotion> out = retargetMotion(motion, mannequin);
+  if (!out) return;
+  expectSound(*out, motion.times.size(), static_cast<std::size_t>(mannequin.jointCount()));
+  const Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(motion);
+  CHECK(frames.ok(), "retargeted, but no body");
+  for (const SkeletonFrame& frame : *frames) {
+    for (const TrackedJoint& joint : frame.joints) CHECK(joint.position.allFinite(), "a joint nowhere");
+  }
+  CHECK(skeletalMotionOf(*frames).ok(), "joints that make no skeleton");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const Result<BvhFile> file = parseBvh(text, "fuzz");
+  if (!file) {
+    const std::string& message = file.error().message;
+    CHECK(message.rfind("fuzz, line ", 0) == 0, "an error that does not say where");
+    CHECK(message.find("found") != std::string::npos || message.find("ends here") != std::string::npos,
+          "an error that does not say what was found");
+    CHECK(message.find("expected") != std::string::npos, "an error that does not say what was expected");
+    return 0;
+  }
+  const SkeletalMotion& motion = file->motion;
+  CHECK(motion.frameCount() > 0 && motion.poses.size() <= size, "more joints and frames than bytes");
+  CHECK(!file->unit.empty() && file->metresPerUnit > 0.0, "no unit");
+  expectSound(motion, motion.times.size(), static_cast<std::size_t>(motion.skeleton.jointCount()));
+  if (motion.frameCount() <= 20) retarget(motion);
+  return 0;
+}
