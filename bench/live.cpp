@@ -352,6 +352,7 @@ int measureGrowth(const Character& character, std::span<const Motion> motions) {
 int run(const Options& options) {
   const Character character = makeMannequin();
   std::vector<Motion> motions;
+  motions.reserve(kSyntheticMotionCount);
   for (int m = 0; m < kSyntheticMotionCount; ++m) {
     motions.push_back(poseAt60Hz(character, static_cast<SyntheticMotion>(m)));
   }

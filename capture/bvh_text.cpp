@@ -313,8 +313,9 @@ class Parser {
     const std::size_t channels = out_.channelCount;
     std::vector<double>& values = out_.values;
     // A number takes two bytes at least, whatever the header promises.
+    const std::size_t most = bytes_ / 2;
     values.reserve(static_cast<std::size_t>(
-        std::clamp(*promisedFrames_ * static_cast<double>(channels), 0.0, static_cast<double>(bytes_ / 2))));
+        std::clamp(*promisedFrames_ * static_cast<double>(channels), 0.0, static_cast<double>(most))));
     bool wrapped = false;
     std::size_t rowLine = 0;
     std::size_t missing = 0;  // of the last row
