@@ -197,7 +197,7 @@ class BodyMaker {
                        counted(solid.droppedPieces, "loose piece is", "loose pieces are")));
     }
     if (solid.thinVoxels > 0) note(fmt::format("what is thinner than {:.4g} m is covered, not cut", body_.resolution));
-    if (solid.rodTriangles > 0) note("limbs thinner than two voxels were made as thick as voxels need");
+    if (solid.rodTriangles > 0) note("limbs too thin for voxels were made as thick as these need");
     if (solid.partedVoxels > 0) {
       note(fmt::format("limbs that touch in the bind pose were parted, at {}",
                        counted(solid.partedVoxels, "voxel", "voxels")));

@@ -70,6 +70,7 @@ std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const st
     // Round a circle the mean square of one coordinate is half the radius squared.
     size.least = 2.0 * std::sqrt(2.0 * along[0]);
     size.middle = 2.0 * std::sqrt(2.0 * along[1]);
+    size.length = std::sqrt(12.0 * along[2]);  // and along a rod a twelfth of its square
   }
   return result;
 }

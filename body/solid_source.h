@@ -22,6 +22,7 @@ struct Thickness {
   double area = 0.0;    ///< [m^2]
   double least = 0.0;   ///< across, where it is thinnest: of a tube its diameter [m]
   double middle = 0.0;  ///< the next direction: of a tube the same, of a blade its width [m]
+  double length = 0.0;  ///< the third [m]
 };
 
 /// What a solid is made of. Triangles as they came, turned to face alike and outward.

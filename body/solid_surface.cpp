@@ -18,13 +18,14 @@ constexpr std::size_t kMostVoxels = 48u << 20;  // 200 MB of distances
 constexpr float kInside = 0.5f;                 // winding number
 constexpr float kBlocked = 0.6f;                // voxels: nearer to a triangle than this is no way through
 constexpr float kCore = 0.45f;                  // voxels: what is solid has a point this deep near by
-constexpr double kRod = 2.0;                    // voxels: limbs thinner than this in two directions are thickened
+constexpr int kLayer = 9;                       // voxels of 27 that a layer of one voxel takes
+constexpr double kRod = 2.5;                    // voxels: limbs thinner than this in two directions are thickened
 constexpr float kRodRadius = 0.6f;              // voxels about the triangles
 constexpr double kTouch = 1.1;    // voxels: limbs touch at a place whose distances from both add up to this
 constexpr float kParted = 0.3f;   // voxels: what is said of a place that was taken out
 constexpr float kSlope = 8.0f;    // voxels of distance that a winding number of 1 more is worth, across holes
 constexpr double kCrumb = 2e-3;   // of the volume: smaller pieces are dropped
-constexpr int kSmoothRounds = 4;  // of smoothing the surface; each takes a step in and one out (Taubin 1995)
+constexpr int kSmoothRounds = 8;  // of smoothing the surface; each takes a step in and one out (Taubin 1995)
 constexpr double kStepIn = 0.5;
 constexpr double kStepOut = -0.53;
 constexpr int kBlock = 4;  // voxels: far from triangles winding numbers are asked for in blocks
@@ -160,10 +161,34 @@ class Solid {
       for (std::size_t axis = 0; axis < 3; ++axis) spread(kept, axis);
     }
     for (std::size_t i = 0; i < kept.size(); ++i) {
-      if (grid_.values[i] >= 0.0f || kept[i] != 0) continue;
-      grid_.values[i] = kParted;
-      ++result_.thinVoxels;
+      if (grid_.values[i] < 0.0f && kept[i] == 0) takeOut(i);
     }
+    // Of what is left by the border of a sheet, a layer of one voxel.
+    std::vector<std::size_t> layers;
+    for (int x = 1; x + 1 < grid_.size[0]; ++x) {
+      for (int y = 1; y + 1 < grid_.size[1]; ++y) {
+        for (int z = 1; z + 1 < grid_.size[2]; ++z) {
+          if (grid_.at(x, y, z) < 0.0f && solidAround(x, y, z) <= kLayer) layers.push_back(grid_.index(x, y, z));
+        }
+      }
+    }
+    for (const std::size_t i : layers) takeOut(i);
+  }
+
+  void takeOut(std::size_t voxel) {
+    grid_.values[voxel] = kParted;
+    ++result_.thinVoxels;
+  }
+
+  /// How many voxels of the block of 27 about one are solid, itself included.
+  [[nodiscard]] int solidAround(int x, int y, int z) const {
+    int count = 0;
+    for (int i = x - 1; i <= x + 1; ++i) {
+      for (int j = y - 1; j <= y + 1; ++j) {
+        for (int k = z - 1; k <= z + 1; ++k) count += grid_.at(i, j, k) < 0.0f ? 1 : 0;
+      }
+    }
+    return count;
   }
 
   /// Sets each voxel whose neighbour along an axis is set.
@@ -183,9 +208,12 @@ class Solid {
     rods.vertices = source_.mesh.vertices;
     for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
       if (source_.roles[k] != TriangleRole::kSkin) continue;
-      const double across = std::min(source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])].middle,
-                                     source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])].middle);
-      if (across < kRod * voxel_ && !isInSolid(k)) {
+      const auto isRod = [&](const Thickness& size) {
+        return size.middle < kRod * voxel_ && size.length > kRod * voxel_;
+      };
+      const bool rod = isRod(source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])]) ||
+                       isRod(source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])]);
+      if (rod && !isInSolid(k)) {
         rods.triangles.push_back(source_.mesh.triangles[k]);
       }
     }
@@ -204,14 +232,7 @@ class Solid {
     const std::array<Vec3, 3> t = source_.corners(triangle);
     const auto near = [&](const Vec3& p) {
       const Eigen::Vector3i at = ((p - grid_.origin) / voxel_).array().round().cast<int>();
-      for (int x = at.x() - 1; x <= at.x() + 1; ++x) {
-        for (int y = at.y() - 1; y <= at.y() + 1; ++y) {
-          for (int z = at.z() - 1; z <= at.z() + 1; ++z) {
-            if (grid_.at(x, y, z) < 0.0f) return true;
-          }
-        }
-      }
-      return false;
+      return solidAround(at.x(), at.y(), at.z()) > kLayer;
     };
     const Vec3 middle = (t[0] + t[1] + t[2]) / 3.0;
     return near(middle) && std::all_of(t.begin(), t.end(), [&](const Vec3& corner) {
