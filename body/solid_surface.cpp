@@ -208,11 +208,10 @@ class Solid {
     rods.vertices = source_.mesh.vertices;
     for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
       if (source_.roles[k] != TriangleRole::kSkin) continue;
-      const auto isRod = [&](const Thickness& size) {
-        return size.middle < kRod * voxel_ && size.length > kRod * voxel_;
-      };
-      const bool rod = isRod(source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])]) ||
-                       isRod(source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])]);
+      const Thickness& limb = source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])];
+      const Thickness& piece = source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])];
+      const bool rod =
+          limb.middle < kRod * voxel_ || (piece.middle < kRod * voxel_ && piece.length > kRod * voxel_);  // no rivet
       if (rod && !isInSolid(k)) {
         rods.triangles.push_back(source_.mesh.triangles[k]);
       }
