@@ -72,8 +72,10 @@ TEST(WorldHits, ABallAtRestLeavesAtOnePlusRestitutionTimesTheHand) {
     const double seconds = 1.0 / rates[i % 4];
     const Vec3 direction = uniformRotation(random) * Vec3::UnitX();
     // The face that hits is tilted by up to 30 degrees, and hits a little beside its middle.
-    const Quat tilt(Eigen::AngleAxisd(uniform(random, 0.0, 0.5), uniformRotation(random) * Vec3::UnitX()));
-    const Quat rotation = tilt * Quat::FromTwoVectors(Vec3::UnitX(), direction);
+    // Drawn one by one: compilers differ in the order of arguments.
+    const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
+    const double angle = uniform(random, 0.0, 0.5);
+    const Quat rotation = Eigen::AngleAxisd(angle, axis) * Quat::FromTwoVectors(Vec3::UnitX(), direction);
     const Vec3 normal = rotation * Vec3::UnitX();
 
     World world = weightless();
@@ -83,14 +85,15 @@ TEST(WorldHits, ABallAtRestLeavesAtOnePlusRestitutionTimesTheHand) {
     ball.friction = 0.0;
     world.addProp(ball);
     const Vec3 target = middle + uniformVec3(random, -0.02, 0.02);
-    Hand hand(Vec3(uniform(random, 0.01, 0.05), 0.15, 0.2), rotation, target, speed * direction,
-              (2.0 + uniform(random, 0.0, 1.0)) * seconds + 0.3 / speed);
+    const double lead = (2.0 + uniform(random, 0.0, 1.0)) * seconds + 0.3 / speed;
+    const double thickness = uniform(random, 0.01, 0.05);
+    Hand hand(Vec3(thickness, 0.15, 0.2), rotation, target, speed * direction, lead);
     for (int frame = 0; frame < 1000 && !hand.touched(); ++frame) hand.step(world, seconds);
     hand.step(world, seconds);
     // In the hand's frame an infinitely heavy wall comes at the ball: what is along the normal turns round. Overlaps of
-    // less than 2 mm are undone with up to 0.1 m/s.
+    // less than 2 mm are undone with up to 0.12 m/s.
     const Vec3 expected = (1.0 + restitution) * speed * direction.dot(normal) * normal;
-    EXPECT_LT((world.props()[0].velocity - expected).norm(), 0.001 * speed + 0.1)
+    EXPECT_LT((world.props()[0].velocity - expected).norm(), 0.001 * speed + 0.12)
         << "case " << i << ", " << speed << " m/s, restitution " << restitution;
   }
 }
