@@ -52,9 +52,9 @@ Scene SessionScene::of(const Session& session) const {
 }
 
 void FollowCamera::update(const Session& session, double seconds) {
-  const JointIndex hips = session.character().skeleton.jointOf(HumanBone::kHips);
-  const std::size_t joint = static_cast<std::size_t>(std::max(hips, JointIndex{0}));
-  Vec3 wanted = session.worldFromJoint()[joint].translation();
+  Vec3 wanted = Vec3::Zero();
+  for (const LivePart& part : session.body().parts()) wanted += part.worldFromPart.translation();
+  wanted /= static_cast<double>(session.body().parts().size());
   height_ = session.character().height;
   wanted.y() = kTargetHeight * height_;
   const double step = started_ ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;

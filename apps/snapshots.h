@@ -28,8 +28,7 @@ class SessionScene {
   std::vector<PartIndex> partOfTriangle_;
 };
 
-/// A camera that keeps a moving body in the picture: it follows the hips, or the first joint that has no human bone's
-/// name, calmly, and stays level.
+/// A camera that keeps a moving body in the picture: it follows the middle of its parts, calmly, and stays level.
 class FollowCamera {
  public:
   /// @param heights  how far from the body, in heights of the character
