@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "import/assimp_file.h"
+#include "import/collada_check.h"
 #include "import/file_scene.h"
 #include "import/gltf_file.h"
 
@@ -45,6 +46,10 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       scene = readAssimpScene(bytes, name, AssimpFormat::kFbx);
       break;
     case Kind::kCollada:
+      if (Result<void> sound = checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+          !sound) {
+        return sound.error();
+      }
       scene = readAssimpScene(bytes, name, AssimpFormat::kCollada);
       break;
     case Kind::kUnknown:

@@ -36,7 +36,8 @@ struct CharacterFile {
 
 /// Reads a character by what is in the file: glTF 2.0 (.gltf, .glb), VRM 0.x and 1.0, FBX, COLLADA (.dae).
 ///
-/// Humanoid bones come from VRM's own list, else from guessHumanoid().
+/// Humanoid bones come from VRM's own list, else from guessHumanoid(). Reading glTF or VRM takes at most 250 bytes of
+/// memory for each byte of the file, or 130 MB where that is more, whatever the file says.
 /// @return what it holds; or a sentence with file, element, found and expected
 [[nodiscard]] Result<CharacterFile> readCharacterFile(const std::filesystem::path& file);
 

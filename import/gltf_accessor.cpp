@@ -137,7 +137,7 @@ Result<void> checkIndex(const GltfDocument& document, int index, std::size_t cou
 }
 
 GltfAccessors::GltfAccessors(const GltfDocument& document)
-    : document_(document), budget_(std::max<std::uint64_t>(16 * document.fileBytes, 4'000'000)) {}
+    : document_(document), budget_(std::max<std::uint64_t>(8 * document.fileBytes, 2'000'000)) {}
 
 Error GltfAccessors::bad(const std::string& what) const {
   return {ErrorCode::kBadFormat, document_.name + ": " + what};

@@ -11,7 +11,7 @@ namespace lorica {
 
 /// Reads accessors after checking all that they refer to. Numbers come as doubles, normalised ones in [-1, 1].
 ///
-/// All accessors together give at most 16 numbers for each byte of the file, and 4 million at least: a file may name
+/// All accessors together give at most 8 numbers for each byte of the file, and 2 million at least: a file may name
 /// the same bytes many times over, or zeros that it need not hold.
 class GltfAccessors {
  public:

@@ -26,8 +26,7 @@ struct GltfDocument {
 
 /// Reads a .gltf, .glb or .vrm. Nothing that is not needed reaches tinygltf, so that images may be broken or absent.
 ///
-/// At most 100,000 elements of a kind and 64 levels of JSON are read. What is allocated stays below 100 MB or 100
-/// times the bytes of the file, whichever is more.
+/// At most 100,000 elements of a kind and 64 levels of JSON are read.
 /// @param bytes   must outlive the document
 /// @param folder  where other files are looked for; empty: there are none
 [[nodiscard]] Result<GltfDocument> parseGltf(std::span<const std::byte> bytes, const std::string& name,

@@ -254,6 +254,26 @@ TEST(AssimpFile, BrokenFilesAreRefusedInASentence) {
   }
 }
 
+TEST(ColladaFile, WhatAssimpDoesNotBearIsRefusedBefore) {
+  const auto complaint = [](const std::string& from, const std::string& to) {
+    std::string text = colladaText("Y_UP");
+    text.replace(text.find(from), from.size(), to);
+    const Result<CharacterFile> file = parsedText(text, "t.dae");
+    return file.ok() ? std::string() : file.error().message;
+  };
+  EXPECT_EQ(complaint("<p>0 2 1", "<p>0 x 1"), "t.dae: line 11: <p> holds byte 120, expected whole numbers");
+  EXPECT_EQ(complaint("<v>0 0", "<v>0 \x9e"), "t.dae: line 27: <v> holds byte 158, expected whole numbers");
+  EXPECT_EQ(complaint("count=\"32\"", "count=\"-2\""),
+            "t.dae: line 18: <float_array> has no count, expected a whole number");
+  EXPECT_EQ(complaint("count=\"32\"", "count=\"4000000000\""),
+            "t.dae: line 18: <float_array> says 4,000,000,000 values in 67 bytes");
+  EXPECT_EQ(complaint("count=\"2\" stride=\"16\"", "count=\"3\" stride=\"16\""),
+            "t.dae: line 20: <accessor> reads 48 values of 'ba', which has 32");
+  EXPECT_EQ(complaint("source=\"#pa\"", "source=\"#pb\""),
+            "t.dae: line 6: <accessor> reads from 'pb', which is not there");
+  EXPECT_EQ(complaint("<library_geometries>", "<!-- <p>x</p> --><library_geometries>"), "");
+}
+
 TEST(AssimpFile, EveryShortenedBinaryFbxFailsCleanlyOrReadsWhatIsThere) {
   LORICA_REQUIRE_DATASET(path, "characters/arnaud/run.fbx");
   const Result<std::string> whole = readFile(path);
