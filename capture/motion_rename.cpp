@@ -75,14 +75,37 @@ struct World {
   }
 };
 
+/// Which joints move in their parents, by more than a hundredth of their bone.
+std::vector<bool> shiftingJoints(const SkeletalMotion& motion) {
+  constexpr double kOfTheBone = 0.01;
+  std::vector<bool> shifts(motion.skeleton.joints().size(), false);
+  const std::span<const JointTransform> first = motion.pose(0);
+  for (int f = 1; f < motion.frameCount(); ++f) {
+    const std::span<const JointTransform> pose = motion.pose(f);
+    for (std::size_t j = 0; j < shifts.size(); ++j) {
+      const double shift = (pose[j].translation - first[j].translation).norm();
+      shifts[j] = shifts[j] || shift > kOfTheBone * first[j].translation.norm() + 1e-9;
+    }
+  }
+  return shifts;
+}
+
+/// Metres in a unit of a joint's translation.
+double metresAbove(const World& rest, const Skeleton& skeleton, JointIndex joint) {
+  const JointIndex parent = skeleton.joint(joint).parent;
+  if (parent == kNoJoint) return 1.0;
+  return std::max(1e-9, std::cbrt(std::abs(rest.matrix[index(parent)].linear().determinant())));
+}
+
 class Renamer {
  public:
   Renamer(const SkeletalMotion& source, const Skeleton& target)
       : source_(source), target_(target), namesake_(namesakes(source.skeleton, target)) {
     for (std::size_t j = 0; j < namesake_.size(); ++j) above_.push_back(namedAbove(static_cast<JointIndex>(j)));
-    const Pose rest = restPose(source.skeleton);
-    sourceRest_.compute(source.skeleton, rest);
+    sourceRest_.compute(source.skeleton, restPose(source.skeleton));
+    targetRest_.compute(target, restPose(target));
     sizeRatio_ = sizeRatio();
+    shifts_ = shiftingJoints(source);
   }
 
   [[nodiscard]] Result<void> check() const {
@@ -142,14 +165,12 @@ class Renamer {
 
   /// The target's size over the source's, by the joints that they share; 1 when they differ little.
   [[nodiscard]] double sizeRatio() const {
-    std::vector<Affine3> targetRest(namesake_.size());
-    computeWorldFromJoint(target_, restPose(target_), targetRest);
     double target = 0.0;
     double source = 0.0;
     for (std::size_t j = 0; j < namesake_.size(); ++j) {
       if (above_[j] == kNoJoint) continue;
       const auto up = index(above_[j]);
-      target += (targetRest[j].translation() - targetRest[up].translation()).norm();
+      target += (targetRest_.matrix[j].translation() - targetRest_.matrix[up].translation()).norm();
       source += (sourceRest_.matrix[index(namesake_[j])].translation() -
                  sourceRest_.matrix[index(namesake_[up])].translation())
                     .norm();
@@ -166,13 +187,12 @@ class Renamer {
     if (directlyBelow(joint)) {
       const JointTransform& theirs = sourcePose_[index(from)];
       local.rotation = theirs.rotation.normalized();
-      // A character of other proportions keeps its bones' lengths; what a joint moves in its parent it moves here.
-      const double shift = mine.rest.translation.norm() > 0.0 && rest.translation.norm() > 0.0
-                               ? mine.rest.translation.norm() / rest.translation.norm()
-                               : sizeRatio_;
-      const bool sameLength = std::abs(shift - 1.0) < kSameSize;
-      local.translation =
-          sameLength ? theirs.translation : mine.rest.translation + shift * (theirs.translation - rest.translation);
+      // A character of other proportions keeps its bones' lengths; the hips, and joints that move in their parents, go
+      // where their namesakes are. The rest pose of a file that holds a clip may be any pose of it.
+      if (mine.bone == HumanBone::kHips || shifts_[index(from)]) {
+        const double unit = metresAbove(sourceRest_, source_.skeleton, from) / metresAbove(targetRest_, target_, joint);
+        local.translation = sizeRatio_ * unit * theirs.translation;
+      }
       local.scale = mine.rest.scale.cwiseProduct(theirs.scale.cwiseQuotient(rest.scale));
       if (!local.scale.allFinite()) local.scale = mine.rest.scale;
       return;
@@ -210,6 +230,8 @@ class Renamer {
   std::vector<JointIndex> namesake_;
   std::vector<JointIndex> above_;  ///< see namedAbove
   World sourceRest_;
+  World targetRest_;
+  std::vector<bool> shifts_;  ///< of the source's joints, see shiftingJoints
   double sizeRatio_ = 1.0;
   std::span<const JointTransform> sourcePose_;
   World sourceWorld_;

@@ -33,7 +33,8 @@ struct MotionRetargetSettings {
                                                     const MotionRetargetSettings& settings = {});
 
 /// A motion onto a skeleton that has joints of the same names, a scene's name before a colon aside: each takes the
-/// local transform of its namesake. Bones keep the lengths that they have here. Where other joints lie between two
+/// local transform of its namesake. Bones keep the lengths that they have here; hips and joints that move in their
+/// parents go where their namesakes are, by the ratio of the skeletons' sizes. Where other joints lie between two
 /// namesakes, or above the topmost ones, the transform from one to the other, or in the world, is taken. Joints without
 /// a namesake stay at rest.
 /// @return the motion on the target's skeleton, or that too few names agree (fewer than half of the moving joints)

@@ -538,6 +538,28 @@ TEST(RenameMotion, NodesAboveAndBetweenAreSeenThrough) {
   }
 }
 
+TEST(RenameMotion, TheRestPoseOfTheClipsFileMayBeAnyPose) {
+  FigureSettings settings;
+  settings.armature = true;
+  settings.crookedAxes = true;
+  const Figure figure = makeFigure(settings);
+  SkeletalMotion source = motionOf(figure, randomPoses(6));
+  const auto hips = static_cast<std::size_t>(figure.skeleton.jointOf(B::kHips));
+  std::vector<Joint> joints(figure.skeleton.joints().begin(), figure.skeleton.joints().end());
+  for (int f = 0; f < source.frameCount(); ++f) {
+    source.poses[static_cast<std::size_t>(f) * joints.size() + hips].translation += Vec3(40.0, 5.0 * f, -20.0);
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j) joints[j].rest = source.pose(3)[j];
+  source.skeleton = *Skeleton::create(std::move(joints));
+  const Result<SkeletalMotion> out = renameMotion(source, figure.skeleton);
+  ASSERT_TRUE(out) << out.error().message;
+  for (int f = 0; f < source.frameCount(); ++f) {
+    const std::vector<Affine3> a = worldOf(source, f);
+    const std::vector<Affine3> b = worldOf(*out, f);
+    for (std::size_t j = 0; j < a.size(); ++j) EXPECT_TRUE(a[j].isApprox(b[j], 1e-6)) << f << " " << j;
+  }
+}
+
 TEST(RenameMotion, BonesKeepTheirOwnLengths) {
   FigureSettings tall;
   tall.thigh = 0.6;
