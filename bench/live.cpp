@@ -23,6 +23,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 
 namespace lorica::bench {
 namespace {
@@ -142,6 +143,32 @@ Result<Decomposition> decomposeMannequin(const Character& character, int parts) 
   return decompose(character.mesh, poses, {.maxParts = parts});
 }
 
+/// Poses of all motions in turn, each far from the one before.
+Motion jumpsBetween(std::span<const Motion> motions) {
+  Motion jumps{"jumps", {}};
+  for (std::size_t i = 0; i < 400; ++i) {
+    const auto& poses = motions[i % motions.size()].worldFromModel;
+    jumps.worldFromModel.push_back(poses[i * 97 % poses.size()]);
+  }
+  return jumps;
+}
+
+/// Prints what bodies of a plan hold, and how much of that they touch over a motion, as the system counts it.
+void printMemory(const std::shared_ptr<const BodyPlan>& plan, const Motion& motion) {
+  constexpr std::size_t kBodies = 32;
+  const double before = residentBytes();
+  std::vector<LiveBody> bodies;
+  bodies.reserve(kBodies);
+  for (std::size_t i = 0; i < kBodies; ++i) {
+    bodies.emplace_back(plan);
+    for (std::size_t f = 0; f < motion.worldFromModel.size(); f += 10) bodies.back().update(motion.worldFromModel[f]);
+  }
+  const double touched = (residentBytes() - before) / kBodies;
+  fmt::print("# a body has room of {:.3f} MB and touches {:.3f} MB of it; all share {:.3f} MB beside the file\n",
+             1e-6 * static_cast<double>(bodies.front().memory()), 1e-6 * touched,
+             1e-6 * static_cast<double>(plan->memory()));
+}
+
 /// The table of the stages.
 void measureStages(const Character& character, const Decomposition& decomposition, std::span<const Motion> motions,
                    int repeats) {
@@ -160,7 +187,6 @@ void measureStages(const Character& character, const Decomposition& decompositio
   std::vector<std::vector<PointRow>> rows;
   const std::vector<LiftedPoint> all = liftPoints(character, decomposition);
   std::size_t candidateCount = 0;
-  std::size_t memory = 0;
   for (const Part& part : decomposition.parts) {
     std::vector<LiftedPoint> own;
     for (const PointIndex p : hullCandidates(decomposition, part, all)) own.push_back(all[static_cast<std::size_t>(p)]);
@@ -168,7 +194,6 @@ void measureStages(const Character& character, const Decomposition& decompositio
     lifted.emplace_back(own);
     taken.push_back(lifted.back().noPose());
     rows.emplace_back(lifted.back().rowCount());
-    memory += lifted.back().memory();
   }
   std::vector<Isometry3> places(lifted.size(), Isometry3::Identity());
   std::vector<Mat3> covariances(lifted.size());
@@ -207,10 +232,11 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const FrameTimes candidates = timeFrames(motions, repeats, 1, none, evaluate, hashRows);
   row(fmt::format("all {} candidates", candidateCount), candidates, skinning, "skinning the mesh and its cut points");
 
+  const auto plan = std::make_shared<const BodyPlan>(decomposition, character);
   std::optional<LiveBody> body;
-  const auto startBody = [&] { body.emplace(decomposition, character); };
+  const auto startBody = [&] { body.emplace(plan); };
   const auto hashBody = [&](std::uint64_t h) { return hashOf(*body, h); };
-  const auto startSupport = [&] { body.emplace(decomposition, character, LiveDetail::kSupport); };
+  const auto startSupport = [&] { body.emplace(plan, LiveDetail::kSupport); };
   const auto update = [&](std::span<const Affine3> matrices) { body->update(matrices); };
   row("support only, exact", timeFrames(motions, repeats, 1, startSupport, update, noHash), skinning,
       "skinning the mesh and its cut points");
@@ -226,10 +252,13 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const FrameTimes bullet = timeFrames(motions, 1, kReferenceStride, none, bulletHulls, noHash);
   row("hulls with faces", hulls, bullet, "btConvexHullComputer on the same points");
 
-  fmt::print(
-      "# {} vertices, {} joints, {} parts; {} frames at 60 Hz; a body holds {:.2f} MB, of which {:.2f} MB points\n",
-      character.mesh.vertices.size(), character.skeleton.jointCount(), decomposition.parts.size(), skinning.us.size(),
-      static_cast<double>(body->memory()) * 1e-6, static_cast<double>(memory) * 1e-6);
+  const std::vector<Motion> jumps = {jumpsBetween(motions)};
+  row("hulls with faces after a jump", timeFrames(jumps, repeats, 1, startBody, update, hashBody), bullet,
+      "btConvexHullComputer on the same points");
+
+  fmt::print("# {} vertices, {} joints, {} parts; {} frames at 60 Hz\n", character.mesh.vertices.size(),
+             character.skeleton.jointCount(), decomposition.parts.size(), skinning.us.size());
+  printMemory(plan, motions.front());
 
   // Few points a part, chosen in poses of the motions and in random ones.
   std::vector<Affine3> sampled;
@@ -247,9 +276,10 @@ void measureStages(const Character& character, const Decomposition& decompositio
         "# cover of {} points a part, from {} poses in {:.1f} s: {:.1f} mm stuck out, pushed by up to {:.1f} mm\n",
         vertices, poses.poseCount(), std::chrono::duration<double>(Clock::now() - begin).count(),
         1e3 * cover->sampledShortfall, 1e3 * cover->growth);
-    const auto startCovered = [&] { body.emplace(decomposition, character, *cover); };
-    LiveBody covered(decomposition, character, *cover);
-    LiveBody exact(decomposition, character);
+    const auto fewer = std::make_shared<const BodyPlan>(decomposition, character, *cover);
+    const auto startCovered = [&] { body.emplace(fewer); };
+    LiveBody covered(fewer);
+    LiveBody exact(plan);
     double volume = 0.0;
     for (int p = 0; p < poses.poseCount(); ++p) {
       covered.update(poses.pose(p));
@@ -260,11 +290,11 @@ void measureStages(const Character& character, const Decomposition& decompositio
     row(fmt::format("hulls with faces of {} points, covering", vertices),
         timeFrames(motions, repeats, 1, startCovered, update, hashBody), bullet, "btConvexHullComputer on all points");
     if (vertices != 64) continue;
-    fmt::print("# it holds {:.2f} MB\n", static_cast<double>(body->memory()) * 1e-6);
-    const auto startPoints = [&] { body.emplace(decomposition, character, *cover, LiveDetail::kSupport); };
+    printMemory(fewer, motions.front());
+    const auto startPoints = [&] { body.emplace(fewer, LiveDetail::kSupport); };
     row("support only of 64 points, covering", timeFrames(motions, repeats, 1, startPoints, update, noHash), bullet,
         "btConvexHullComputer on all points");
-    std::vector<LiveBody> crowd(100, covered);
+    std::vector<LiveBody> crowd(100, LiveBody(fewer));
     const auto updateCrowd = [&](std::span<const Affine3> matrices) {
       for (LiveBody& one : crowd) one.update(matrices);
     };

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <numeric>
 
+#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -49,6 +50,17 @@ double cpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// A number that /proc tells of this process; 0 where it does not.
+double kibibytesOf(const std::string& name) {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    double kibibytes = 0.0;
+    if (word == name && status >> kibibytes) return kibibytes;
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 Result<std::string> inOwnProcess(const std::function<Result<std::string>()>& work) {
@@ -85,13 +97,12 @@ Result<std::string> inOwnProcess(const std::function<Result<std::string>()>& wor
 }
 
 double peakMemoryMiB() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word) {
-    double kibibytes = 0.0;
-    if (word == "VmHWM:" && status >> kibibytes) return kibibytes / 1024.0;
-  }
-  return 0.0;
+  return kibibytesOf("VmHWM:") / 1024.0;
+}
+
+double residentBytes() {
+  ::malloc_trim(0);  // what was freed is not held
+  return kibibytesOf("VmRSS:") * 1024.0;
 }
 
 Result<Timed> timeDecompose(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, int repeats) {

@@ -18,6 +18,9 @@ namespace lorica::bench {
 /// Most memory that this process has held at a time, from /proc [MiB].
 [[nodiscard]] double peakMemoryMiB();
 
+/// Memory that this process holds and has touched, from /proc [bytes].
+[[nodiscard]] double residentBytes();
+
 /// A decomposition with what it cost.
 struct Timed {
   Decomposition decomposition;

@@ -280,26 +280,25 @@ bool MovingHull::settle(VertexIndex p) {
 }
 
 // Walks along the arc from a vertex to the point's direction. Seen from s, the arc leaves each face that it enters
-// through the edge with the face's third corner on the other side, so one product a step tells where it goes on.
+// through an edge of the face's third corner, so one product a step tells where it goes on.
 //
-//      L ----- q       The arc comes in over the edge from R to L. With q on its left it leaves between q and R, else
-//       \    /         between L and q.
-//        \ /
+//      L ----- q       The arc comes in over the edge from L to R. With q on its right it leaves between q and L, else
+//       \     /        between R and q.
+//        \  /
 //         R
 MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
   const PointRow& point = at(p);
   const exact::Row across = exact::cross(exact::rowOf(point), exact::rowOf(at(from)));
-  const auto leftOfArc = [&](VertexIndex q) { return exact::dot(across, exact::rowOf(at(q))); };
+  const auto rightOfArc = [&](VertexIndex q) { return exact::dot(across, exact::rowOf(at(q))); };
   const auto edge = [&](HalfEdge h) { return det(at(surface_.start(h)), at(surface_.end(h)), point); };
 
-  // The sector at the vertex into which the arc sets out: between a corner on its left... the one before is on its
-  // right.
+  // The face at the vertex into which the arc sets out: that with its second corner on the right and its third not.
   const HalfEdge out = surface_.outOf(from);
   HalfEdge h = out;
-  double first = leftOfArc(surface_.end(h));
+  double first = rightOfArc(surface_.end(h));
   double second = 0.0;
   if (first >= 0.0) {
-    while ((second = leftOfArc(surface_.apex(h))) >= 0.0) {
+    while ((second = rightOfArc(surface_.apex(h))) >= 0.0) {
       h = surface_.turn(h);
       first = second;
       if (h == out) break;
@@ -308,7 +307,7 @@ MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
     do {
       second = first;
       h = HullSurface::next(surface_.twin(h));
-      first = leftOfArc(surface_.end(h));
+      first = rightOfArc(surface_.end(h));
     } while (first < 0.0 && h != out);
   }
   HalfEdge rim = HullSurface::next(h);
@@ -318,14 +317,14 @@ MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
   } else {
     for (int step = 0; step < surface_.faceCount(); ++step) {
       const HalfEdge entry = surface_.twin(rim);
-      const bool left = leftOfArc(surface_.apex(entry)) >= 0.0;
-      rim = left ? HullSurface::previous(entry) : HullSurface::next(entry);
+      const bool right = rightOfArc(surface_.apex(entry)) >= 0.0;
+      rim = right ? HullSurface::previous(entry) : HullSurface::next(entry);
       const double entered = -beyond;
       beyond = edge(rim);
       if (beyond < 0.0) continue;
-      const double beside = edge(left ? HullSurface::next(entry) : HullSurface::previous(entry));
+      const double beside = edge(right ? HullSurface::next(entry) : HullSurface::previous(entry));
       if (beside < 0.0) break;
-      return left ? placeAt(entry, entered, beside, beyond) : placeAt(entry, entered, beyond, beside);
+      return right ? placeAt(entry, entered, beside, beyond) : placeAt(entry, entered, beyond, beside);
     }
   }
   // Only where the point lies in the direction straight away from the vertex there is no arc.
