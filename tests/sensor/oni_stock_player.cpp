@@ -1,0 +1,36 @@
+// Plays an .oni recording with the stock OpenNI2 and writes its depth frames, as they are, to a file: the time [us],
+// the number of bytes, the bytes, all in this machine's order. A program of its own, since the stock player crashes.
+
+#include <OpenNI.h>
+
+#include <cstdint>
+#include <cstdio>
+
+int main(int argc, char** argv) {
+  if (argc != 3 || openni::OpenNI::initialize() != openni::STATUS_OK) return 2;
+  openni::Device device;
+  openni::VideoStream depth;
+  if (device.open(argv[1]) != openni::STATUS_OK || depth.create(device, openni::SENSOR_DEPTH) != openni::STATUS_OK) {
+    std::fprintf(stderr, "%s\n", openni::OpenNI::getExtendedError());
+    return 3;
+  }
+  device.getPlaybackControl()->setRepeatEnabled(false);
+  device.getPlaybackControl()->setSpeed(-1.0f);
+  const int count = device.getPlaybackControl()->getNumberOfFrames(depth);
+  std::FILE* out = std::fopen(argv[2], "wb");
+  if (out == nullptr || depth.start() != openni::STATUS_OK) return 4;
+  for (int i = 0; i < count; ++i) {
+    openni::VideoFrameRef frame;
+    if (depth.readFrame(&frame) != openni::STATUS_OK) return 5;
+    const std::uint64_t numbers[2] = {frame.getTimestamp(), static_cast<std::uint64_t>(frame.getDataSize())};
+    std::fwrite(numbers, sizeof numbers, 1, out);
+    std::fwrite(frame.getData(), 1, static_cast<std::size_t>(frame.getDataSize()), out);
+  }
+  if (std::fclose(out) != 0) return 6;
+  // In this order the player does not crash.
+  depth.stop();
+  device.close();
+  depth.destroy();
+  openni::OpenNI::shutdown();
+  return 0;
+}
