@@ -1,0 +1,158 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+/// The body that is fitted to depth: a tree of 18 nodes with 43 degrees of freedom, covered by tapered capsules whose
+/// measures are the built-in mannequin's, so that its joints are those of the humanoid bones. Single precision: a
+/// millimetre in five metres needs no more.
+namespace lorica::fit {
+
+using V3 = Eigen::Vector3f;
+using M3 = Eigen::Matrix3f;
+using Q = Eigen::Quaternionf;
+
+enum Node : std::uint8_t {
+  kPelvis,
+  kSpine,
+  kChest,
+  kNeck,
+  kLeftClavicle,
+  kRightClavicle,
+  kLeftUpperArm,
+  kRightUpperArm,
+  kLeftForearm,
+  kRightForearm,
+  kLeftHand,
+  kRightHand,
+  kLeftThigh,
+  kRightThigh,
+  kLeftShin,
+  kRightShin,
+  kLeftFoot,
+  kRightFoot,
+};
+inline constexpr int kNodeCount = 18;
+inline constexpr int kDofCount = 43;
+
+/// What of a body differs from the mannequin, as factors; symmetric left and right.
+enum Proportion : std::uint8_t {
+  kSize,  ///< of everything
+  kTrunkLength,
+  kShoulderBreadth,
+  kHipBreadth,
+  kUpperArmLength,
+  kForearmLength,
+  kThighLength,
+  kShinLength,
+  kTrunkGirth,
+  kLimbGirth,
+};
+inline constexpr int kProportionCount = 10;
+inline constexpr std::int8_t kNoProportion = -1;
+
+struct Proportions {
+  std::array<float, kProportionCount> factor;
+  Proportions() { factor.fill(1.0F); }
+};
+
+/// How a node turns in its parent: freely, or about one or two axes in a row (rotation = about first * about second).
+struct NodeDef {
+  int parent;
+  V3 place;  ///< in the mannequin's T-pose, model space [m]
+  int firstDof;
+  int dofCount;  ///< 3: free (the pelvis has 6: its place first); 2 and 1: axes
+  std::array<V3, 2> axis;
+  std::array<float, 2> least, most;         ///< of the angles [rad]
+  std::array<std::int8_t, 3> lengthsAlong;  ///< Proportion that scales x, y, z in this node, or kNoProportion
+  std::int8_t girth;
+};
+[[nodiscard]] const std::array<NodeDef, kNodeCount>& nodeDefs();
+
+/// A tapered capsule, flattened or widened along its node's x axis: a ball of radius r there reaches r / flat along x.
+struct Capsule {
+  Node node;
+  V3 a, b;  ///< in the node, of the mannequin [m]
+  float radiusA, radiusB;
+  float flat;
+};
+inline constexpr int kCapsuleCount = 21;
+[[nodiscard]] const std::array<Capsule, kCapsuleCount>& capsuleDefs();
+
+/// Free nodes hold a rotation, the others their angles.
+struct BodyPose {
+  V3 root = V3::Zero();                                  ///< the middle between the hips, floor frame [m]
+  std::array<Q, kNodeCount> turn;                        ///< parentFromNode; of the pelvis floorFromNode
+  std::array<std::array<float, 2>, kNodeCount> angle{};  ///< [rad]
+  BodyPose() { turn.fill(Q::Identity()); }
+};
+
+using Step = Eigen::Matrix<float, kDofCount, 1>;
+/// Free nodes turn by a rotation vector in their parent's frame; angles add up, held within their limits.
+[[nodiscard]] BodyPose stepped(const BodyPose& pose, const Step& step);
+/// The step that leads from one pose to another.
+[[nodiscard]] Step stepBetween(const BodyPose& from, const BodyPose& to);
+
+/// A capsule ready for distances: everything in floor frame units.
+struct ShapedCapsule {
+  int node;
+  V3 a, ab;  ///< in the node; x already flattened
+  float inverseAbSq;
+  float radiusA, radiusAb;
+  float flat;
+  V3 middle;    ///< of its bounding ball, floor frame
+  float reach;  ///< radius of its bounding ball
+};
+
+/// A degree of freedom as a twist: a point s of its subtree moves by turn x (s - root) + move for each unit, root being
+/// the pelvis' place: near to the body single precision has digits to spare.
+struct Twist {
+  V3 turn, move;
+};
+
+/// A pose worked out.
+struct PosedBody {
+  std::array<M3, kNodeCount> rotation;  ///< floorFromNode
+  std::array<V3, kNodeCount> place;
+  std::array<V3, kNodeCount> scale;  ///< of coordinates in the node
+  std::array<float, kNodeCount> girth;
+  std::array<ShapedCapsule, kCapsuleCount> capsule;
+  std::array<Twist, kDofCount> twist;
+};
+void poseBody(const BodyPose& pose, const Proportions& proportions, PosedBody& body);
+
+/// A place in a node, given in the mannequin's T-pose in model space.
+[[nodiscard]] V3 placeIn(const PosedBody& body, Node node, const V3& modelPlace);
+
+/// The 15 joints, orientations as TrackedJoint has them; confidences 0.
+void readJoints(const PosedBody& body, SkeletonFrame& frame);
+
+/// Signed distance of a point from a capsule's surface.
+struct SurfaceHit {
+  float distance;  ///< [m], negative inside
+  V3 normal;       ///< outward, floor frame
+  float along;     ///< 0 at a, 1 at b
+};
+[[nodiscard]] inline SurfaceHit distanceTo(const PosedBody& body, const ShapedCapsule& c, const V3& p) {
+  const auto node = static_cast<std::size_t>(c.node);
+  V3 q = body.rotation[node].transpose() * (p - body.place[node]);
+  q.x() *= c.flat;
+  q -= c.a;
+  float t = q.dot(c.ab) * c.inverseAbSq;
+  t = t < 0.0F ? 0.0F : (t > 1.0F ? 1.0F : t);
+  q -= t * c.ab;
+  const float length = q.norm();
+  const float r = c.radiusA + t * c.radiusAb;
+  V3 gradient = length > 1e-6F ? V3(q / length) : V3::UnitZ();
+  gradient.x() *= c.flat;
+  const float slope = gradient.norm();
+  return {(length - r) / slope, body.rotation[node] * (gradient / slope), t};
+}
+
+}  // namespace lorica::fit
