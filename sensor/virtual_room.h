@@ -15,7 +15,7 @@ namespace lorica {
 /// What stands around the people whom a depth camera sees: world frame, Y up, floor y = 0 [m]. Motions begin near the
 /// origin and face +Z, where the camera stands.
 struct VirtualRoom {
-  Isometry3 worldFromCamera = worldFromCameraAt({0.0, 1.1, 2.7}, 0.05);
+  Isometry3 worldFromCamera = worldFromCameraAt({0.0, 1.1, 3.0}, 0.05);
   bool floor = true;
   std::optional<double> wall = -1.6;  ///< a wall z = this, across the view [m]
   std::vector<Aabb> boxes;            ///< furniture
