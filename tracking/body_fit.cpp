@@ -311,7 +311,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   for (std::size_t k = 0; k < kProportionCount; ++k) {
     const auto d = kDofCount + static_cast<int>(k);
     // Bodies differ by about a tenth; girths and single lengths belong together with the whole.
-    const float usual = k == kSize ? 0.12F : (k >= kTrunkGirth ? 0.10F : 0.06F);
+    const float usual = k == kSize || k == kHeadSize ? 0.15F : (k >= kTrunkGirth ? 0.10F : 0.06F);
     const float toUsual = 1.0F / (usual * usual);
     matrix(d, d) += 1.0F / (deviation[k] * deviation[k]) + toUsual;
     gradient[d] += toUsual * (proportions.factor[k] - 1.0F);
@@ -322,8 +322,8 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   if (!delta.allFinite() || delta.head<kDofCount>().cwiseAbs().maxCoeff() > 0.3F) return;
   Proportions next = proportions;
   for (std::size_t k = 0; k < kProportionCount; ++k) {
-    const float step = std::clamp(delta[kDofCount + static_cast<int>(k)], -0.03F, 0.03F);
-    next.factor[k] = std::clamp(next.factor[k] + step, 0.6F, 1.5F);
+    const float step = std::clamp(delta[kDofCount + static_cast<int>(k)], -0.05F, 0.05F);
+    next.factor[k] = std::clamp(next.factor[k] + step, 0.55F, 1.8F);
   }
   const BodyPose tried = stepped(pose, delta.head<kDofCount>());
   poseBody(tried, next, body_);

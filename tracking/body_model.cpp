@@ -38,7 +38,7 @@ std::array<NodeDef, kNodeCount> makeNodes() {
   set(kPelvis, -1, {0.0F, leftHip.y(), leftHip.z()}, 6, {kHipBreadth, kTrunkLength, no}, kTrunkGirth);
   set(kSpine, kPelvis, {0.0F, 1.07F, -0.017F}, 3, {no, kTrunkLength, no}, kTrunkGirth);
   set(kChest, kSpine, {0.0F, 1.21F, -0.022F}, 3, {no, kTrunkLength, no}, kTrunkGirth);
-  set(kNeck, kChest, bonePlace(B::kNeck), 3, {no, no, no}, no);
+  set(kNeck, kChest, bonePlace(B::kNeck), 3, {kHeadSize, kHeadSize, kHeadSize}, kHeadSize);
   for (const int side : {0, 1}) {
     const auto at = [&](B bone) { return side == 0 ? bonePlace(bone) : mirroredX(bonePlace(bone)); };
     const auto axis = [&](const V3& v) { return side == 0 ? v : mirroredAxis(v); };

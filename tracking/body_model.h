@@ -53,8 +53,9 @@ enum Proportion : std::uint8_t {
   kShinLength,
   kTrunkGirth,
   kLimbGirth,
+  kHeadSize,
 };
-inline constexpr int kProportionCount = 10;
+inline constexpr int kProportionCount = 11;
 inline constexpr std::int8_t kNoProportion = -1;
 
 struct Proportions {

@@ -8,6 +8,9 @@ namespace {
 
 constexpr float kPi = 3.14159265F;
 constexpr float kMannequinHeight = 1.752F;  ///< [m]
+constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is found anew
+constexpr float kLostShare = 0.20F;         ///< of points that the body does not explain: the person is lost
+constexpr int kLostViews = 5;               ///< so many times in a row
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
 constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
@@ -72,59 +75,76 @@ void PersonFit::move(const Eigen::Isometry3f& newFromOld) {
   }
 }
 
-bool PersonFit::start(const BodyView& view) {
+bool PersonFit::start(const BodyView& view, bool again) {
   const auto points = view.points();
   if (points.size() < 60) return false;
   float top = -1e9F;
-  float bottom = 1e9F;
-  for (const BodyView::Point& point : points) {
-    top = std::max(top, point.place.y());
-    bottom = std::min(bottom, point.place.y());
-  }
+  for (const BodyView::Point& point : points) top = std::max(top, point.place.y());
   const V3 away = V3(view.middle().x() - view.cameraPlace().x(), 0.0F, view.middle().z() - view.cameraPlace().z());
   const V3 back = away.normalized();
   const float towards = std::atan2(-back.x(), -back.z());
-  proportions_ = Proportions();
-  const bool upright = top > 1.35F && top < 2.15F;
-  if (upright) proportions_.factor[kSize] = std::clamp(top / kMannequinHeight, 0.8F, 1.2F);
-  const float size = proportions_.factor[kSize];
-
-  struct Tried {
-    BodyPose pose;
-    float cost;
-  };
-  std::array<Tried, 20> tried;
-  std::size_t count = 0;
   const V3 middle = view.middle() + 0.10F * back;
+
+  count_ = 0;
+  const auto add = [&](const BodyPose& pose, const Proportions& proportions) {
+    if (count_ < candidates_.size()) candidates_[count_++] = {pose, proportions, 0.0F};
+  };
+  Proportions standing = again ? proportions_ : Proportions();
+  if (!again) standing.factor[kSize] = std::clamp(top / kMannequinHeight, 0.6F, 1.25F);
+  Proportions usual = again ? proportions_ : Proportions();
+  const float size = usual.factor[kSize];
   for (const float turn : {0.0F, kPi, 0.5F * kPi, -0.5F * kPi}) {
     const float heading = towards + turn;
-    const V3 standing(middle.x(), upright ? 0.915F * size : std::min(0.915F, top - 0.83F), middle.z());
-    const V3 sitting(middle.x(), top - 0.80F * size, middle.z());
-    tried[count++].pose = standingPose(standing, heading, 0.15F, 0.0F, 0.2F);
-    tried[count++].pose = standingPose(standing, heading, 1.4F, 0.0F, 0.2F);
-    tried[count++].pose = standingPose(standing, heading, 0.2F, 0.8F, 1.2F);
-    if (top < 1.55F) tried[count++].pose = sittingPose(sitting, heading);
+    const V3 hips(middle.x(), top - (kMannequinHeight - 0.915F) * standing.factor[kSize], middle.z());
+    const V3 seat(middle.x(), top - 0.80F * size, middle.z());
+    add(standingPose(hips, heading, 0.15F, 0.0F, 0.2F), standing);
+    add(standingPose(hips, heading, 1.4F, 0.0F, 0.2F), standing);
+    add(standingPose(hips, heading, 0.2F, 0.8F, 1.2F), standing);
+    if (top < 1.55F && top > 0.8F) add(sittingPose(seat, heading), usual);
+    if (again) continue;
+    // Children and comic figures: a large head.
+    Proportions large = standing;
+    large.factor[kSize] *= 0.86F;
+    large.factor[kHeadSize] = 1.6F;
+    const V3 low(middle.x(), 0.915F * large.factor[kSize], middle.z());
+    add(standingPose(low, heading, 0.3F, 0.0F, 0.2F), large);
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    tried[i].cost = fitter_.fit(view, proportions_, looseAround(tried[i].pose), kRough, tried[i].pose).plausible();
+  if (again) {
+    add(pose_, proportions_);
+    add(turnedAbout(pose_, proportions_), proportions_);
   }
-  std::stable_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(count),
-                   [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
-  count = std::min<std::size_t>(count, 4);
-  for (std::size_t i = 0; i < count; ++i) {
-    pose_ = tried[i].pose;
+  const auto byCost = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
+  for (std::size_t i = 0; i < count_; ++i) {
+    Candidate& c = candidates_[i];
+    c.cost = fitter_.fit(view, c.proportions, looseAround(c.pose), kRough, c.pose).plausible();
+  }
+  std::stable_sort(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_), byCost);
+  count_ = std::min<std::size_t>(count_, 4);
+  std::array<float, kProportionCount> deviation;
+  deviation.fill(0.04F);
+  for (std::size_t i = 0; i < count_; ++i) {
+    Candidate& c = candidates_[i];
+    pose_ = c.pose;
+    proportions_ = c.proportions;
     fitter_.fit(view, proportions_, looseAround(pose_), kMedium, pose_);
+    for (int round = 0; round < (again ? 0 : 5); ++round) {
+      fitter_.refineProportions(view, deviation, pose_, proportions_);
+      fitter_.fit(view, proportions_, looseAround(pose_), kLimb, pose_);
+    }
     for (const Limb limb : {kLeftArm, kRightArm, kLeftLeg, kRightLeg}) tryLimb(view, limb);
-    tried[i].cost = fitter_.fit(view, proportions_, looseAround(pose_), kMedium, pose_).plausible();
-    tried[i].pose = pose_;
+    c.cost = fitter_.fit(view, proportions_, looseAround(pose_), kMedium, pose_).plausible();
+    c.pose = pose_;
+    c.proportions = proportions_;
   }
-  const auto best = std::min_element(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(count),
-                                     [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
+  const auto best =
+      std::min_element(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_), byCost);
   pose_ = best->pose;
+  proportions_ = best->proportions;
   before_ = pose_;
   velocity_.setZero();
   started_ = true;
-  views_ = 0;
+  if (!again) views_ = 0;
+  sinceStart_ = 0;
   doubt_ = 0.0F;
   other_.reset();
   return true;
@@ -170,8 +190,13 @@ void PersonFit::considerFacing(const BodyView& view) {
 }
 
 bool PersonFit::follow(const BodyView& view, float seconds) {
-  (void)seconds;
-  if (!started_ && !start(view)) return false;
+  if (view.points().size() < 40) return false;
+  if (!started_) {
+    if (!start(view, false)) return false;
+  } else if (seconds > kGapSeconds || (lost_ >= kLostViews && sinceStart_ >= kLostViews)) {
+    start(view, true);
+    lost_ = 0;
+  }
   static const Step stiffness = followStiffness();
   PosePrior prior;
   prior.pose = stepped(pose_, 0.7F * velocity_);
@@ -183,10 +208,12 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   searchLimbs(view);
   considerFacing(view);
   ++views_;
+  ++sinceStart_;
   std::array<float, kProportionCount> deviation;
   deviation.fill(views_ < 30 ? 0.01F : 0.001F);
   fitter_.refineProportions(view, deviation, pose_, proportions_);
   support_ = fitter_.supportOf(view, proportions_, pose_);
+  lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
   velocity_ = stepBetween(last, pose_);
   const float fastest = velocity_.tail<kDofCount - 3>().cwiseAbs().maxCoeff();
   if (fastest > 0.5F) velocity_ *= 0.5F / fastest;

@@ -33,16 +33,27 @@ class PersonFit {
   void move(const Eigen::Isometry3f& newFromOld);
 
  private:
-  bool start(const BodyView& view);
+  /// @param again  keeps the proportions and also tries where the person was
+  bool start(const BodyView& view, bool again);
   void searchLimbs(const BodyView& view);
   bool tryLimb(const BodyView& view, Limb limb);
   void considerFacing(const BodyView& view);
   [[nodiscard]] PosePrior looseAround(const BodyPose& pose) const;
 
+  struct Candidate {
+    BodyPose pose;
+    Proportions proportions;
+    float cost;
+  };
+
   BodyFitter fitter_;
   LimbSearch search_;
   bool started_ = false;
   int views_ = 0;
+  int sinceStart_ = 0;
+  int lost_ = 0;  ///< views in a row
+  std::array<Candidate, 24> candidates_;
+  std::size_t count_ = 0;
   BodyPose pose_, before_;
   Step velocity_ = Step::Zero();
   Proportions proportions_;
