@@ -1,0 +1,70 @@
+#include "tracking/person_gates.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+
+bool isOversize(const DepthComponent& one) {
+  const Vec3f size = one.most - one.least;
+  return std::hypot(size.x(), size.z()) > 2.4F || size.y() > 2.5F || one.area > 2.0;
+}
+
+bool goesOnIntoBackground(const DepthComponent& one) {
+  return 2 * one.newCells < one.cells && one.backgroundContacts > std::max(6, one.borderCells * 3 / 20);
+}
+
+bool isMainPiece(const DepthComponent& one, int cells, int slot) {
+  return 2 * one.overlap[static_cast<std::size_t>(slot)] > cells;
+}
+
+bool mayBePerson(const DepthComponent& one, const DepthGrid& grid, bool floorFound) {
+  const bool cutAbove = one.top <= grid.firstRow + 1, cutBelow = one.bottom >= grid.lastRow - 1;
+  const bool cut = cutAbove || cutBelow || one.left <= grid.firstColumn + 1 || one.right >= grid.lastColumn - 1;
+  const bool moving = 5 * one.newCells > 3 * one.cells;
+  const Vec3f size = one.most - one.least;
+  if (isOversize(one) || std::min(size.x(), size.z()) > 1.3F) return false;
+  if (one.area < (cut ? 0.1 : 0.15)) return false;
+  if (floorFound) {
+    if (one.most.y() < (moving ? 0.8F : 1.1F) && !cutAbove) return false;
+    if (one.least.y() > 0.5F && !cutBelow && !moving) return false;
+  } else if (size.y() < 0.4F) {
+    return false;
+  }
+  const float depth = std::sqrt(static_cast<float>(one.area / (grid.cellArea * one.cells)));
+  if (depth > 5.5F) return false;
+  return one.thickness() > 0.012F + depthNoise(depth);
+}
+
+bool mayBePartOfPerson(const DepthComponent& one) {
+  return one.area > 0.03 && 2 * one.newCells > one.cells && !isOversize(one);
+}
+
+bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places, std::span<const std::uint8_t> person,
+                         int slot, std::span<const int> heights) {
+  int total = 0, above = 0;
+  for (const int count : heights) total += count;
+  auto bin = static_cast<int>(heights.size()) - 1;
+  for (; bin > 0 && above < 3 + total / 500; --bin) above += heights[static_cast<std::size_t>(bin)];
+  const float top = 0.02F * static_cast<float>(bin) - 0.5F;
+
+  // Widths of two slices, across what the camera sees.
+  std::array<float, 2> least{1e9F, 1e9F}, most{-1e9F, -1e9F};
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      if (person[grid.index(c, r)] != slot + 1) continue;
+      const Vec3f place = places(grid, c, r);
+      const float down = top - place.y();
+      const bool head = down > 0.06F && down<0.16F, shoulders = down> 0.33F && down < 0.48F;
+      if (!head && !shoulders) continue;
+      const std::size_t slice = head ? 0 : 1;
+      least[slice] = std::min(least[slice], place.x());
+      most[slice] = std::max(most[slice], place.x());
+    }
+  }
+  const float head = most[0] - least[0], shoulders = most[1] - least[1];
+  return head > 0.1F && head < 0.34F && shoulders > 0.26F && shoulders < 0.8F && shoulders > 1.35F * head;
+}
+
+}  // namespace lorica
