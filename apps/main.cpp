@@ -46,13 +46,15 @@ int run(int argc, char** argv) {
       "  lorica demo                              # see it: a character knocks boxes and balls about\n"
       "  lorica decompose mannequin -o body.lorica\n"
       "  lorica play walk --decomposition body.lorica\n"
+      "  lorica live --virtual                    # follow a person before a depth camera, here a virtual one\n"
       "  lorica info hero.glb                     # your own character: what is in it\n"
       "  lorica play walk --character hero.glb --window\n"
       "\n`lorica COMMAND --help` says more about each command.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {
-      lorica::addDemo(app, common), lorica::addDecompose(app, common), lorica::addScore(app, common),
-      lorica::addPlay(app, common), lorica::addInfo(app, common),      lorica::addConvert(app, common),
+      lorica::addDemo(app, common),    lorica::addDecompose(app, common), lorica::addScore(app, common),
+      lorica::addPlay(app, common),    lorica::addLive(app, common),      lorica::addInfo(app, common),
+      lorica::addConvert(app, common),
   };
 
   try {

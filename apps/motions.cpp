@@ -1,5 +1,6 @@
 #include "apps/motions.h"
 
+#include "apps/depth_motion.h"
 #include "apps/options.h"
 #include "apps/report.h"
 #include "capture/bvh_file.h"
@@ -96,6 +97,14 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
 }
 
 Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options) {
+  if (isDepthRecording(file)) {
+    for (const Result<void>& fine :
+         {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
+          refuse(!options.clip.empty(), "--clip", file.string(), "character files, with several clips")}) {
+      if (!fine) return fine.error();
+    }
+    return readDepthMotion(file, options);
+  }
   return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
 }
 
@@ -121,7 +130,9 @@ void addReadingOptions(CLI::App& app, MotionOptions& options) {
                  fmt::format("Layout of recorded joints, where the content does not tell: {}", names))
       ->type_name("NAME")
       ->check(oneOf(std::move(formats)));
-  addCount(app, "--person", options.person, 1, "Of several in a stream of joints [default: the one that moves most]");
+  addCount(app, "--person", options.person, 1,
+           "Of several in a stream of joints, or before a depth camera by the order of coming [default: the one that "
+           "moves most; before a camera the nearest]");
   app.add_option("--clip", options.clip, "Of a file with several clips [default: the first]")->type_name("NAME");
 }
 
@@ -177,7 +188,7 @@ Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& op
   std::error_code ignored;
   if (!fs::exists(file, ignored)) {
     return Error{ErrorCode::kNotFound, fmt::format("{}: no such file and no shipped recording of that name, expected "
-                                                   "a motion (joints, .bvh, .glb, .vrm, .fbx, .dae) or one of {}",
+                                                   "a motion (joints, .bvh, .oni, .glb, .vrm, .fbx, .dae) or one of {}",
                                                    pathOrName, shippedNames(*folder))};
   }
   return readMotionFile(file, options);

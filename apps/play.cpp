@@ -1,6 +1,5 @@
 #include "acd/decomposition_file.h"
-#include "apps/cover.h"
-#include "apps/decomposition_cache.h"
+#include "apps/body_choice.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
@@ -19,55 +18,19 @@
 namespace lorica {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr int kSnapshotWidth = 1280;
-constexpr int kSnapshotHeight = 720;
-constexpr double kCameraDistance = 2.29;  // in heights of the character
+constexpr int kWindowWidth = 1280;
+constexpr int kWindowHeight = 720;
 
 struct Options {
   std::string motion;     // empty = the character's own clip
   std::string character;  // empty = the mannequin, or the motion's file where that is a character with a surface
   CharacterOptions reading;
   MotionOptions performing;
-  std::string decomposition;
-  CoverRequest cover;  // not given = as the file has it
-  std::string snapshots;
-  int every = 30;
+  BodyOptions body;
+  SnapshotOptions pictures;
   PlaybackLimit limit;
   bool window = false;
 };
-
-/// The decomposition that was asked for, checked against the character, or the default one.
-Result<DecompositionFile> chooseDecomposition(const Options& options, const Subject& subject, int threads) {
-  const Character& character = *subject.character;
-  if (options.decomposition.empty()) {
-    Result<DefaultDecomposition> made = defaultDecomposition(subject, threads);
-    if (!made) return made.error();
-    return std::move(made->file);
-  }
-  Result<DecompositionFile> read = readDecomposition(options.decomposition);
-  if (!read) return read.error();
-  if (read->meshHash != topologyHash(character.mesh)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: made from {} with {} vertices, expected one made from {} with {}",
-                             options.decomposition, read->source, grouped(read->decomposition.vertexCount),
-                             character.name, grouped(std::ssize(character.mesh.vertices)))};
-  }
-  return read;
-}
-
-/// The decomposition with the cover that was asked for; without a request its own, exact where it has none.
-Result<DecompositionFile> chooseBody(const Options& options, const Subject& subject, int threads) {
-  Result<DecompositionFile> body = chooseDecomposition(options, subject, threads);
-  if (!body || !options.cover.given()) return body;
-  body->cover.reset();
-  if (options.cover.exact()) return body;
-  Result<CoverPromise> cover = cachedCover(subject, *body, options.cover, threads);
-  if (!cover) return cover.error();
-  body->cover = std::move(*cover);
-  return body;
-}
 
 /// Who plays what.
 struct Cast {
@@ -113,25 +76,11 @@ Result<Cast> readCast(const Options& options) {
 /// Runs all frames without a window, with a picture every so often where pictures are wanted.
 /// @return how many pictures were written
 Result<int> playHeadless(const Options& options, const Motion& motion, Session& session, Tally& tally) {
-  std::optional<SnapshotCamera> pictures;
-  if (!options.snapshots.empty()) {
-    Result<SnapshotCamera> made = SnapshotCamera::create(kSnapshotWidth, kSnapshotHeight);
-    if (!made) return made.error();
-    pictures.emplace(std::move(*made));
-    std::error_code error;
-    fs::create_directories(options.snapshots, error);
-    if (error) {
-      return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.snapshots, error.message())};
-    }
-  }
-
-  const SessionScene scene(session);
-  FollowCamera follow(kCameraDistance);
+  Result<std::optional<SnapshotSeries>> pictures = SnapshotSeries::create(options.pictures, session);
+  if (!pictures) return pictures.error();
   int frames = motion.frameCount();
   if (options.limit.frames > 0) frames = std::min(frames, options.limit.frames);
   ProgressBar bar("Playing " + motion.name, "frames");
-  int written = 0;
-  double previousTime = motion.firstTime();
   for (int frame = 0; frame < frames; ++frame) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
     const Result<bool> more = session.step();
@@ -139,21 +88,14 @@ Result<int> playHeadless(const Options& options, const Motion& motion, Session& 
     if (!*more) break;
     tally.add(session);
     bar.update(frame + 1, frames);
-    follow.update(session, session.time() - previousTime);
-    previousTime = session.time();
-    if (!pictures || frame % options.every != 0) continue;
-    SceneOptions show;
-    show.caption = captionOf(motion.name, session, session.time() - motion.firstTime());
-    const Image image = pictures->draw(scene.of(session), show, follow.camera());
-    const fs::path file = fs::path(options.snapshots) / fmt::format("frame_{:04}.png", frame);
-    if (Result<void> saved = writePng(file, image); !saved) return saved.error();
-    ++written;
+    if (!*pictures) continue;
+    if (Result<void> drawn = (*pictures)->add(session, motion.name); !drawn) return drawn.error();
   }
-  return written;
+  return *pictures ? (*pictures)->written() : 0;
 }
 
 Result<void> playWithWindow(const Options& options, const Motion& motion, Session& session, Tally& tally) {
-  Result<Window> window = Window::create("Lorica: " + motion.name, kSnapshotWidth, kSnapshotHeight);
+  Result<Window> window = Window::create("Lorica: " + motion.name, kWindowWidth, kWindowHeight);
   if (!window) return window.error();
   window->setCamera(windowCamera(session.character().height));
   const Result<bool> stillOpen = playInWindow(*window, session, motion.name, options.limit, tally);
@@ -196,8 +138,8 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
               fmt::format("{}, on {}; {} over all frames", counted(tally.touches(), "touch", "touches"),
                           counted(tally.propsTouched(), "prop"), counted(tally.contacts(), "contact point")));
   report.line("hash", hexDigits(session.hash()));
-  if (!options.snapshots.empty()) {
-    report.line("pictures", fmt::format("{} in {}", counted(pictures, "PNG file"), options.snapshots));
+  if (!options.pictures.folder.empty()) {
+    report.line("pictures", fmt::format("{} in {}", counted(pictures, "PNG file"), options.pictures.folder));
   }
   report.gap();
   report.line("time a frame", "median");
@@ -207,7 +149,8 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.motion, options.character, options.decomposition}); !fine) {
+  if (Result<void> fine = checkJsonOutput(common, {options.motion, options.character, options.body.decomposition});
+      !fine) {
     return fine;
   }
   if (options.window && !displayAvailable()) {
@@ -215,14 +158,12 @@ Result<void> run(const Options& options, const CommonOptions& common) {
                  "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --snapshots DIR needs "
                  "none"};
   }
-  if (!options.snapshots.empty()) {
-    if (Result<void> fine = checkOutputFolder("--snapshots", options.snapshots); !fine) return fine;
-  }
+  if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   const Result<Cast> cast = readCast(options);
   if (!cast) return cast.error();
   const auto& [subject, motion] = *cast;
-  if (Result<void> fine = checkCover(options.cover, *subject.character); !fine) return fine;
-  const Result<DecompositionFile> file = chooseBody(options, subject, common.threadCount());
+  if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
   if (!file) return file.error();
   Result<Session> session = startSession(*subject.character, *file, motion, options.performing);
   if (!session) return session.error();
@@ -275,17 +216,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   addReadingOptions(*app, options->performing);
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);
-  app->add_option("--decomposition", options->decomposition, "What `lorica decompose -o` wrote")
-      ->type_name("FILE.lorica");
-  addCover(
-      *app, options->cover.tolerance,
-      "What the hulls hold: `exact`, the surface in every pose; a length: it may stick out so far before the hulls "
-      "of few points are grown [default: as decomposed, else exact]");
-  addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
-           "At most so many vertices a hull in every frame, grown to hold the body");
-  CLI::Option* snapshots =
-      app->add_option("--snapshots", options->snapshots, "Write pictures to this folder")->type_name("DIR");
-  addCount(*app, "--every", options->every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
+  addBodyOptions(*app, options->body);
+  CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
   app->add_flag("--window", options->window, "Watch it in a window, at the recording's pace")->excludes(snapshots);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};

@@ -33,7 +33,12 @@ Result<Session> startSession(const Character& character, const DecompositionFile
                              const MotionOptions& options) {
   Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, options);
   if (!source) return source.error();
-  return Session::create(character, body.decomposition, std::move(*source), makeDemoWorld(kSceneSeed), body.cover,
+  return startSession(character, body, std::move(*source));
+}
+
+Result<Session> startSession(const Character& character, const DecompositionFile& body,
+                             std::unique_ptr<PoseSource> source) {
+  return Session::create(character, body.decomposition, std::move(source), makeDemoWorld(kSceneSeed), body.cover,
                          body.training);
 }
 

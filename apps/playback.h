@@ -6,6 +6,7 @@
 #include "session/session.h"
 #include "viewer/window.h"
 
+#include <memory>
 #include <string>
 
 namespace lorica {
@@ -14,6 +15,10 @@ namespace lorica {
 /// @param body  the decomposition, its cover (none = exact) and its training
 [[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
                                            const Motion& motion, const MotionOptions& options = {});
+
+/// The same of whatever moves the character.
+[[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
+                                           std::unique_ptr<PoseSource> source);
 
 /// Where to stop before the recording ends.
 struct PlaybackLimit {

@@ -1,16 +1,24 @@
 #include "apps/snapshots.h"
 
+#include "apps/options.h"
+#include "apps/playback.h"
 #include "collision/passengers.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 namespace lorica {
 namespace {
 
 constexpr double kFollowSeconds = 0.6;  // time constant of the camera
-constexpr double kTargetHeight = 0.54;  // of the character's height: the middle of a standing body
+constexpr int kWidth = 1280;
+constexpr int kHeight = 720;
+constexpr double kCameraDistance = 2.29;  // in heights of the character
+constexpr double kTargetHeight = 0.54;    // of the character's height: the middle of a standing body
 
 }  // namespace
 
@@ -87,6 +95,47 @@ Result<SnapshotCamera> SnapshotCamera::create(int width, int height) {
 Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, const Camera& camera) {
   renderer_.draw(scene, options, camera, width_, height_);
   return renderer_.readBack();
+}
+
+CLI::Option* addSnapshotOptions(CLI::App& app, SnapshotOptions& options) {
+  CLI::Option* snapshots =
+      app.add_option("--snapshots", options.folder, "Write pictures to this folder")->type_name("DIR");
+  addCount(app, "--every", options.every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
+  return snapshots;
+}
+
+Result<void> checkSnapshots(const SnapshotOptions& options) {
+  return options.folder.empty() ? Result<void>() : checkOutputFolder("--snapshots", options.folder);
+}
+
+Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
+  if (options.folder.empty()) return std::optional<SnapshotSeries>();
+  Result<SnapshotCamera> pictures = SnapshotCamera::create(kWidth, kHeight);
+  if (!pictures) return pictures.error();
+  std::error_code error;
+  std::filesystem::create_directories(options.folder, error);
+  if (error) {
+    return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.folder, error.message())};
+  }
+  return std::optional<SnapshotSeries>(SnapshotSeries(options, std::move(*pictures), session));
+}
+
+SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session)
+    : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(kCameraDistance) {}
+
+Result<void> SnapshotSeries::add(const Session& session, const std::string& name) {
+  if (!firstTime_) firstTime_ = previousTime_ = session.time();
+  follow_.update(session, session.time() - previousTime_);
+  previousTime_ = session.time();
+  const int frame = session.frameCount() - 1;
+  if (frame % options_.every != 0) return {};
+  SceneOptions show;
+  show.caption = captionOf(name, session, session.time() - *firstTime_);
+  const Image image = pictures_.draw(scene_.of(session), show, follow_.camera());
+  const std::filesystem::path file = std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", frame);
+  if (Result<void> saved = writePng(file, image); !saved) return saved;
+  ++written_;
+  return {};
 }
 
 }  // namespace lorica

@@ -5,6 +5,9 @@
 #include "viewer/renderer.h"
 #include "viewer/scene.h"
 
+#include <CLI/CLI.hpp>
+
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +64,40 @@ class SnapshotCamera {
   std::string rendererName_;
   int width_;
   int height_;
+};
+
+/// --snapshots and --every.
+struct SnapshotOptions {
+  std::string folder;  ///< empty = no pictures
+  int every = 30;      ///< frames
+};
+
+/// @return --snapshots, for others to exclude
+CLI::Option* addSnapshotOptions(CLI::App& app, SnapshotOptions& options);
+
+/// Fails early where the folder cannot be.
+[[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
+
+/// Pictures of a session as it runs, frame_0000.png and so on, from a camera that follows.
+class SnapshotSeries {
+ public:
+  /// @param session  outlives the series
+  /// @return nothing where no pictures are wanted; the series; or why there can be none
+  static Result<std::optional<SnapshotSeries>> create(const SnapshotOptions& options, const Session& session);
+
+  /// Once a frame; draws those that are due. @param name  of what plays, for the caption
+  [[nodiscard]] Result<void> add(const Session& session, const std::string& name);
+  [[nodiscard]] int written() const { return written_; }
+
+ private:
+  SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session);
+  SnapshotOptions options_;
+  SnapshotCamera pictures_;
+  SessionScene scene_;
+  FollowCamera follow_;
+  std::optional<double> firstTime_;
+  double previousTime_ = 0.0;
+  int written_ = 0;
 };
 
 }  // namespace lorica

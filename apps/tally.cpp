@@ -1,10 +1,12 @@
 #include "apps/tally.h"
 
+#include "apps/spread.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -24,24 +26,11 @@ constexpr Stage kStages[] = {
     {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
 };
 
-struct Spread {
-  double median = 0.0;
-  double p95 = 0.0;
-};
-
-/// Nearest rank, so that every figure was measured in some frame.
-double quantile(const std::vector<double>& sorted, double share) {
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-  return sorted[std::max<std::size_t>(rank, 1) - 1];
-}
-
-Spread spreadOf(const std::vector<StageTimes>& frames, const Stage& stage) {
-  if (frames.empty()) return {};
+Spread spreadOfStage(const std::vector<StageTimes>& frames, const Stage& stage) {
   std::vector<double> times;
   times.reserve(frames.size());
   for (const StageTimes& frame : frames) times.push_back(stage.of(frame));
-  std::sort(times.begin(), times.end());
-  return {quantile(times, 0.5), quantile(times, 0.95)};
+  return spreadOf(std::move(times));
 }
 
 }  // namespace
@@ -94,7 +83,7 @@ void Tally::addTo(nlohmann::ordered_json& json) const {
     }
   }
   for (const Stage& stage : kStages) {
-    const Spread spread = spreadOf(stages_, stage);
+    const Spread spread = spreadOfStage(stages_, stage);
     json["stages"][stage.name] = {{"median", spread.median}, {"p95", spread.p95}};
   }
 }
@@ -118,7 +107,7 @@ void Tally::addTrainingTo(Report& report) const {
 
 void Tally::addTo(Report& report) const {
   for (const Stage& stage : kStages) {
-    const Spread spread = spreadOf(stages_, stage);
+    const Spread spread = spreadOfStage(stages_, stage);
     report.line(stage.name, fmt::format("{:>8}  (95 % below {:>8})  {}", duration(spread.median), duration(spread.p95),
                                         stage.what));
   }

@@ -4,6 +4,7 @@
 #include "capture/stand_in_skeleton.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace lorica {
@@ -17,7 +18,9 @@ class JointPoseSource final : public PoseSource {
   }
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    const auto begin = std::chrono::steady_clock::now();
     Result<std::optional<SkeletonFrame>> frame = joints_->next();
+    waited_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (!frame) return frame.error();
     if (!frame->has_value()) return std::optional<double>();
     if (mirror_) mirror(**frame);
@@ -30,12 +33,14 @@ class JointPoseSource final : public PoseSource {
     if (!filter_) return std::nullopt;
     return filter_->delay();
   }
+  [[nodiscard]] double waited() const override { return waited_; }
 
  private:
   Retargeter retargeter_;
   std::unique_ptr<SkeletonSource> joints_;
   std::optional<OneEuroFilter> filter_;
   bool mirror_;
+  double waited_ = 0.0;
 };
 
 /// Poses a stand-in, and the character as that.
@@ -51,6 +56,7 @@ class StandInPoseSource final : public PoseSource {
   }
 
   [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
+  [[nodiscard]] double waited() const override { return source_->waited(); }
 
  private:
   StandInSkeleton standIn_;

@@ -25,6 +25,9 @@ class PoseSource {
 
   /// How long smoothing has the poses lag behind the data [s], as measured so far; none where nothing is smoothed.
   [[nodiscard]] virtual std::optional<double> smoothingDelay() const { return std::nullopt; }
+
+  /// How long the last next() waited for joints and whoever finds them [s]; 0 where they were there.
+  [[nodiscard]] virtual double waited() const { return 0.0; }
 };
 
 /// What is done to joints before they pose a character.

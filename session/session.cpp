@@ -136,7 +136,7 @@ Result<bool> Session::step() {
   world_.step(body_.parts(), seconds);
   const Clock::time_point end = Clock::now();
 
-  times_.retarget = microsecondsBetween(begin, retargeted);
+  times_.retarget = std::max(0.0, microsecondsBetween(begin, retargeted) - 1e6 * source_->waited());
   times_.motion = body_.timing().motion;
   times_.points = body_.timing().points;
   times_.hulls = body_.timing().hulls;

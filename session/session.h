@@ -15,7 +15,8 @@
 
 namespace lorica {
 
-/// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics.
+/// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics, and not what the source
+/// waited for its joints.
 struct StageTimes {
   double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0;
   [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics; }

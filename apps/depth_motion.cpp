@@ -1,0 +1,63 @@
+#include "apps/depth_motion.h"
+
+#include "apps/interrupt.h"
+#include "apps/progress_bar.h"
+#include "apps/report.h"
+#include "sensor/oni_source.h"
+#include "tracking/depth_joints.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+std::string whoWasSeen(int followed, int frames, int mostPeople) {
+  if (followed == 0) return fmt::format("nobody is seen in any of {}", counted(frames, "depth frame"));
+  const std::string others = mostPeople > 1 ? fmt::format("; {} people at once, see --person", mostPeople) : "";
+  return fmt::format("a person is followed in {} of {}{}", grouped(followed), counted(frames, "depth frame"), others);
+}
+
+}  // namespace
+
+bool isDepthRecording(const std::filesystem::path& file) {
+  return file.extension() == ".oni";
+}
+
+Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options) {
+  Result<std::unique_ptr<OniSource>> depth = openOni(file);
+  if (!depth) return depth.error();
+  const int frames = (*depth)->info().frameCount;
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+
+  DepthJoints people(std::move(*depth), std::move(*tracker), options.person);
+  Motion motion;
+  motion.name = file.stem().string();
+  motion.format = "OpenNI depth recording";
+  motion.joints.reserve(static_cast<std::size_t>(frames));
+  ProgressBar bar("Following " + motion.name, "frames");
+  int followed = 0;
+  int mostPeople = 0;
+  while (true) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<std::optional<SkeletonFrame>> joints = people.next();
+    if (!joints) return joints.error();
+    if (!joints->has_value()) break;
+    motion.joints.push_back(**joints);
+    followed += people.sight().followed ? 1 : 0;
+    mostPeople = std::max(mostPeople, people.sight().people);
+    bar.update(static_cast<int>(motion.joints.size()), frames);
+  }
+  motion.notes.push_back(whoWasSeen(followed, frames, mostPeople));
+  if (options.person > 0 && followed == 0 && mostPeople > 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: there is no person {}, expected one of at most {} at once", file.string(),
+                             options.person, mostPeople)};
+  }
+  return motion;
+}
+
+}  // namespace lorica

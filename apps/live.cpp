@@ -1,0 +1,205 @@
+#include "apps/body_choice.h"
+#include "apps/depth_inputs.h"
+#include "apps/inputs.h"
+#include "apps/interrupt.h"
+#include "apps/live_log.h"
+#include "apps/options.h"
+#include "apps/playback.h"
+#include "apps/snapshots.h"
+#include "geometry/files.h"
+#include "tracking/depth_joints.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+constexpr int kWindowWidth = 1280;
+constexpr int kWindowHeight = 720;
+
+struct Options {
+  DepthOptions depth;
+  int person = 0;
+  std::string character = "mannequin";
+  CharacterOptions reading;
+  MotionOptions performing;
+  BodyOptions body;
+  SnapshotOptions pictures;
+  PlaybackLimit limit;
+  bool window = false;
+  bool headless = false;
+};
+
+/// What runs, and what came of it.
+struct Live {
+  Session session;
+  const DepthJoints* joints;  // the session's own
+  std::string name;
+  LiveLog log;
+  Tally tally;
+  int pictures = 0;
+};
+
+/// One frame. @return false at the end
+Result<bool> step(const Options& options, Live& live, double& firstTime) {
+  const Result<bool> more = live.session.step();
+  if (!more || !*more) return more;
+  if (live.session.frameCount() == 1) firstTime = live.session.time();
+  const double seconds = live.session.time() - firstTime;
+  live.log.add(live.joints->sight(), seconds);
+  live.tally.add(live.session);
+  const PlaybackLimit& limit = options.limit;
+  const bool over = (limit.frames > 0 && live.session.frameCount() >= limit.frames) ||
+                    (limit.seconds > 0.0 && seconds >= limit.seconds);
+  return !over;
+}
+
+Result<void> runHeadless(const Options& options, Live& live) {
+  Result<std::optional<SnapshotSeries>> pictures = SnapshotSeries::create(options.pictures, live.session);
+  if (!pictures) return pictures.error();
+  double firstTime = 0.0;
+  while (!interrupted()) {
+    const Result<bool> more = step(options, live, firstTime);
+    if (!more) return more.error();
+    if (*pictures) {
+      if (Result<void> drawn = (*pictures)->add(live.session, live.name); !drawn) return drawn;
+    }
+    if (!*more) break;
+  }
+  if (*pictures) live.pictures = (*pictures)->written();
+  return {};
+}
+
+Result<void> runInWindow(const Options& options, Live& live) {
+  Result<Window> window = Window::create("Lorica: " + live.name, kWindowWidth, kWindowHeight);
+  if (!window) return window.error();
+  window->setCamera(windowCamera(live.session.character().height));
+  const SessionScene scene(live.session);
+  double firstTime = 0.0;
+  while (window->open() && !interrupted()) {
+    if (window->wantsStep()) {
+      const Result<bool> more = step(options, live, firstTime);
+      if (!more) return more.error();
+      if (!*more) return {};
+    }
+    const std::string state = live.log.state();
+    window->show(scene.of(live.session), captionOf(live.name, live.session, live.session.time() - firstTime) +
+                                             (state.empty() ? "" : "   " + state));
+  }
+  return {};
+}
+
+nlohmann::ordered_json toJson(const Live& live, const DecompositionFile& body) {
+  nlohmann::ordered_json json;
+  json["source"] = live.name;
+  json["character"] = live.session.character().name;
+  json["parts"] = body.decomposition.parts.size();
+  live.log.addTo(json);
+  live.tally.addTo(json);
+  const std::optional<double> delay = live.session.source().smoothingDelay();
+  json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
+  json["snapshots"] = live.pictures;
+  json["hash"] = hexDigits(live.session.hash());
+  return json;
+}
+
+Report toReport(const Options& options, const Live& live) {
+  Report report(fmt::format("{} followed {}: {}", live.session.character().name, live.name,
+                            counted(live.tally.frames(), "frame")));
+  live.log.addTo(report);
+  if (const std::optional<double> delay = live.session.source().smoothingDelay()) {
+    report.line("smoothing", fmt::format("joints lag by {:.0f} ms more", 1e3 * *delay));
+  }
+  live.tally.addTrainingTo(report);
+  report.line("contacts", fmt::format("{}, on {}", counted(live.tally.touches(), "touch", "touches"),
+                                      counted(live.tally.propsTouched(), "prop")));
+  if (!options.pictures.folder.empty()) {
+    report.line("pictures", fmt::format("{} in {}", counted(live.pictures, "PNG file"), options.pictures.folder));
+  }
+  report.gap();
+  report.line("time a frame", "median");
+  live.tally.addTo(report);
+  return report;
+}
+
+/// A window where one was asked for or can be had and nothing else was asked for.
+Result<bool> chooseWindow(const Options& options) {
+  if (options.headless || !options.pictures.folder.empty()) return false;
+  if (displayAvailable()) return true;
+  if (options.window) {
+    return Error{ErrorCode::kNoDisplay,
+                 "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --headless and "
+                 "--snapshots DIR need none"};
+  }
+  return false;
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {options.character, options.body.decomposition}); !fine) return fine;
+  if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
+  const Result<bool> inWindow = chooseWindow(options);
+  if (!inWindow) return inWindow.error();
+  const Result<Subject> subject = readCharacter(options.character, options.reading);
+  if (!subject) return subject.error();
+  if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;
+  const Result<DecompositionFile> body = chooseBody(options.body, *subject, common.threadCount());
+  if (!body) return body.error();
+
+  // The source is opened last: a live one runs on while others are made ready.
+  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
+  if (!depth) return depth.error();
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return tracker.error();
+  auto joints = std::make_unique<DepthJoints>(std::move(*depth), std::move(*tracker), options.person);
+  const DepthJoints* watched = joints.get();
+  Result<std::unique_ptr<PoseSource>> source =
+      makeJointPoseSource(*subject->character, std::move(joints), options.performing.joints());
+  if (!source) return source.error();
+  Result<Session> session = startSession(*subject->character, *body, std::move(*source));
+  if (!session) return session.error();
+
+  Live live{std::move(*session), watched, watched->source().name(), {}, {}, 0};
+  if (!*inWindow) fmt::print(stderr, "Following {}; Ctrl-C ends.\n", live.name);
+  const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
+  if (!ran) return ran;
+  return publish(common, toReport(options, live), toJson(live, *body));
+}
+
+}  // namespace
+
+Command addLive(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = addSubcommand(
+      parent, common, "live", "Follow whoever stands before a depth camera: the character moves as they do.",
+      "  lorica live\n"
+      "      the first OpenNI2 depth camera; a window where there is a display\n"
+      "  lorica live --virtual\n"
+      "      without a camera: a virtual one before a virtual person\n"
+      "  lorica live --virtual --motion jumping_jacks --character hero.glb\n"
+      "  lorica live --virtual --seconds 4 --snapshots pictures\n"
+      "      pictures/frame_0000.png, ...; needs no display\n"
+      "  lorica live --driver libfreenect-openni2/libFreenectDriver.so.0\n"
+      "      a Kinect, by a driver of your own\n"
+      "\nCtrl-C ends it, and a summary follows. Which camera needs which driver: docs/SENSORS.md.");
+  addDepthOptions(*app, options->depth);
+  addCount(*app, "--person", options->person, 1, "Whom to follow, by the order of coming [default: the nearest]");
+  app->add_option("--character", options->character,
+                  "Who performs: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+      ->type_name("FILE");
+  addPlayingOptions(*app, options->performing);
+  addCharacterOptions(*app, options->reading);
+  addBodyOptions(*app, options->body);
+  CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
+  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
+  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
+  CLI::Option* window = app->add_flag("--window", options->window, "In a window, and an error where none can be had");
+  window->excludes(snapshots);
+  app->add_flag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

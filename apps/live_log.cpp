@@ -1,0 +1,69 @@
+#include "apps/live_log.h"
+
+#include "apps/spread.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+
+namespace lorica {
+
+void LiveLog::add(const DepthSight& sight, double seconds) {
+  if (sight.read == DepthRead::kFrame) {
+    const std::chrono::duration<double, std::micro> latency = std::chrono::steady_clock::now() - sight.arrived;
+    latency_.push_back(latency.count());
+    track_.push_back(1e6 * sight.trackSeconds);
+    followed_ += sight.followed ? 1 : 0;
+    if (sight.followed && !firstPose_) firstPose_ = seconds;
+    mostPeople_ = std::max(mostPeople_, sight.people);
+  }
+  const bool unplugged = sight.read == DepthRead::kUnplugged;
+  if (unplugged && !unplugged_) ++unplugs_;
+  const char* news = nullptr;
+  if (unplugged != unplugged_) {
+    news = unplugged ? "the sensor is unplugged; it may come back" : "the sensor is back";
+  } else if (sight.read == DepthRead::kFrame && sight.followed != wasFollowed_) {
+    news = sight.followed ? "a person is followed" : "nobody is seen";
+  }
+  if (news != nullptr) fmt::print(stderr, "{:6.1f} s  {}\n", seconds, news);
+  unplugged_ = unplugged;
+  if (sight.read == DepthRead::kFrame) wasFollowed_ = sight.followed;
+}
+
+std::string LiveLog::state() const {
+  if (unplugged_) return "the sensor is unplugged";
+  return wasFollowed_ ? "" : "nobody is seen";
+}
+
+void LiveLog::addTo(nlohmann::ordered_json& json) const {
+  json["depthFrames"] = track_.size();
+  json["framesWithPerson"] = followed_;
+  json["mostPeople"] = mostPeople_;
+  json["unplugged"] = unplugs_;
+  json["firstPose"] = firstPose_ ? nlohmann::ordered_json(*firstPose_) : nlohmann::ordered_json();
+  const Spread track = spreadOf(track_);
+  const Spread latency = spreadOf(latency_);
+  json["tracking"] = {{"median", track.median}, {"p95", track.p95}};
+  json["latency"] = {{"median", latency.median}, {"p95", latency.p95}};
+}
+
+void LiveLog::addTo(Report& report) const {
+  if (followed_ == 0) {
+    report.line("person", fmt::format("nobody was seen in {}", counted(std::ssize(track_), "depth frame")));
+  } else {
+    report.line("person",
+                fmt::format("followed in {} of {}, at first after {:.2f} s; at most {} at once", grouped(followed_),
+                            counted(std::ssize(track_), "depth frame"), *firstPose_, mostPeople_));
+  }
+  if (unplugs_ > 0) report.line("sensor", "unplugged " + counted(unplugs_, "time"));
+  if (track_.empty()) return;
+  const Spread track = spreadOf(track_);
+  const Spread latency = spreadOf(latency_);
+  report.line("tracking", fmt::format("{} a frame (95 % below {})", duration(track.median), duration(track.p95)));
+  report.line("latency", fmt::format("{} from a depth frame to posed hulls (95 % below {})", duration(latency.median),
+                                     duration(latency.p95)));
+}
+
+}  // namespace lorica

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "apps/report.h"
+#include "tracking/depth_joints.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// What is told of a live performance as it runs and after it.
+class LiveLog {
+ public:
+  /// Takes a frame into account whose hulls are posed by now; says on standard error what changed before the camera.
+  /// @param seconds  since the first frame [s]
+  void add(const DepthSight& sight, double seconds);
+
+  /// For the caption: "nobody is seen", "the sensor is unplugged", or empty.
+  [[nodiscard]] std::string state() const;
+
+  /// "depthFrames", "framesWithPerson", ..., "tracking" and "latency" in microseconds.
+  void addTo(nlohmann::ordered_json& json) const;
+  void addTo(Report& report) const;
+
+ private:
+  std::vector<double> track_, latency_;  // [us], one a depth frame
+  int followed_ = 0;
+  int mostPeople_ = 0;
+  int unplugs_ = 0;
+  std::optional<double> firstPose_;  // since the first frame [s]
+  bool unplugged_ = false;
+  bool wasFollowed_ = false;
+};
+
+}  // namespace lorica
