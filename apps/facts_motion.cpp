@@ -1,5 +1,5 @@
 #include "apps/facts.h"
-#include "capture/retarget_rig.h"
+#include "capture/motion_retarget.h"
 
 #include <fmt/format.h>
 
@@ -33,12 +33,20 @@ void addBones(const Skeleton& skeleton, Facts& facts) {
   const auto bones = std::count_if(skeleton.joints().begin(), skeleton.joints().end(),
                                    [](const Joint& joint) { return joint.bone.has_value(); });
   facts.report.line("joints", fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones));
-  const Result<RetargetRig> rig = RetargetRig::create(skeleton);
-  facts.report.line("retargeting", rig ? "any humanoid can perform it"
-                                       : "only characters with the same joints: " + rig.error().message);
+  const Result<std::vector<HumanBone>> atRest = bonesLeftAtRest(skeleton);
+  std::string retargeting = "any humanoid can perform it";
+  if (!atRest) {
+    retargeting = "only characters with the same joints: " + atRest.error().message;
+  } else if (!atRest->empty()) {
+    std::vector<std::string_view> names;
+    names.reserve(atRest->size());
+    for (const HumanBone bone : *atRest) names.push_back(nameOf(bone));
+    retargeting += fmt::format("; it lacks {}, which stay at rest", fmt::join(names, ", "));
+  }
+  facts.report.line("retargeting", retargeting);
   facts.json["joints"] = skeleton.jointCount();
   facts.json["humanoidBones"] = bones;
-  facts.json["retargetable"] = rig.ok();
+  facts.json["retargetable"] = atRest.ok();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "capture/motion_retarget.h"
 
+#include "capture/completed_skeleton.h"
 #include "capture/human_motion.h"
 #include "capture/retarget.h"
 
@@ -157,6 +158,25 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
                              motion.name, motion.poses.size(), motion.times.size(), joints)};
+  }
+  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(motion.skeleton);
+  if (!completed) {
+    return Error{completed.error().code, fmt::format("the motion {}: {}", motion.name, completed.error().message)};
+  }
+  if (!completed->isWhole()) {
+    Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(completed->complete(motion));
+    if (!frames) return frames;
+    for (SkeletonFrame& frame : *frames) {
+      for (const TrackedBone& tracked : kTracked) {
+        TrackedJoint& joint = frame[tracked.joint];
+        if (!completed->knowsPlaceOf(tracked.bone)) joint = {};
+        if (!completed->speaksOf(tracked.bone)) {
+          joint.orientation.reset();
+          joint.confidence *= 0.5;
+        }
+      }
+    }
+    return frames;
   }
   Result<HumanBody> body = HumanBody::create(motion.skeleton);
   if (!body) return Error{body.error().code, fmt::format("the motion {}: {}", motion.name, body.error().message)};

@@ -1,6 +1,7 @@
 #include "capture/bvh_file.h"
 
 #include "capture/bvh_text.h"
+#include "capture/retarget_rig.h"
 #include "geometry/files.h"
 #include "skinning/humanoid.h"
 
@@ -218,6 +219,38 @@ Quat turnToYUp(const SkeletalMotion& motion, BvhFile& out) {
   return axis == 1 ? Quat(0.0, 1.0, 0.0, 0.0) : Quat::FromTwoVectors(from, Vec3::UnitY());
 }
 
+/// A forearm or shin that ends in an end site, and not in a hand or foot, gets a joint there: else nothing says where
+/// it points.
+Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, SkeletalMotion& motion) {
+  std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
+  const std::size_t before = joints.size();
+  for (const LimbBones& limb : limbs()) {
+    const JointIndex lower = motion.skeleton.jointOf(limb.lower);
+    if (lower == kNoJoint || motion.skeleton.jointOf(limb.end) != kNoJoint) continue;
+    const auto site = std::find_if(text.endSites.begin(), text.endSites.end(),
+                                   [&](const auto& s) { return s.first == lower && s.second.norm() > 0.0; });
+    if (site == text.endSites.end()) continue;
+    Joint joint;
+    joint.name = joints[static_cast<std::size_t>(lower)].name + " (end site)";
+    joint.parent = lower;
+    joint.rest.translation = metresPerUnit * site->second;
+    joints.push_back(std::move(joint));
+  }
+  if (joints.size() == before) return {};
+  std::vector<JointTransform> poses;
+  poses.reserve(motion.times.size() * joints.size());
+  for (int f = 0; f < motion.frameCount(); ++f) {
+    const std::span<const JointTransform> pose = motion.pose(f);
+    poses.insert(poses.end(), pose.begin(), pose.end());
+    for (std::size_t j = before; j < joints.size(); ++j) poses.push_back(joints[j].rest);
+  }
+  Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
+  if (!skeleton) return skeleton.error();
+  motion.skeleton = std::move(*skeleton);
+  motion.poses = std::move(poses);
+  return {};
+}
+
 Result<Skeleton> skeletonOf(const BvhText& text, double metresPerUnit) {
   std::vector<Joint> joints;
   joints.reserve(text.joints.size());
@@ -278,6 +311,7 @@ Result<BvhFile> parseBvh(std::string_view text, std::string_view name) {
     if (Result<void> done = turnMotion(turn, motion); !done) return done.error();
     findBones();
   }
+  if (Result<void> done = addLimbEnds(*parsed, out.metresPerUnit, motion); !done) return done.error();
   return out;
 }
 

@@ -12,7 +12,9 @@ namespace lorica {
 
 /// A motion read from a BVH file, in Lorica's units and axes: metres, Y up.
 struct BvhFile {
-  SkeletalMotion motion;  ///< joints carry the file's names and, where found, humanoid bones; end sites are no joints
+  /// Joints carry the file's names and, where found, humanoid bones. End sites are no joints, but where a forearm or
+  /// shin ends in one and has no hand or foot.
+  SkeletalMotion motion;
   double metresPerUnit = 1.0;      ///< guessed from the skeleton's height
   std::string unit;                ///< "centimetres", "metres", "inches", ...
   std::vector<std::string> notes;  ///< what was guessed or mended: one sentence each

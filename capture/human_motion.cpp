@@ -14,11 +14,6 @@ std::size_t index(JointIndex joint) {
   return static_cast<std::size_t>(joint);
 }
 
-/// The orientation, turned the shortest way so that its `axis` points along a direction.
-Quat pointed(const Quat& orientation, const Vec3& axis, const Vec3& direction, const Vec3& spare) {
-  return (swingBetween(orientation * axis, direction, orientation * spare) * orientation).normalized();
-}
-
 }  // namespace
 
 Result<HumanBody> HumanBody::create(const Skeleton& skeleton) {

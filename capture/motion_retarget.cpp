@@ -1,5 +1,6 @@
 #include "capture/motion_retarget.h"
 
+#include "capture/completed_skeleton.h"
 #include "capture/foot_contacts.h"
 #include "capture/human_motion.h"
 #include "capture/leg_reach.h"
@@ -30,11 +31,6 @@ constexpr double kLargestNudge = 0.15;
 constexpr double kFeetSayHeight = 0.3;
 constexpr double kFeetSayNothing = 0.8;
 
-double smoothStep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
 Vec3 mirrored(const Vec3& v) {
   return {-v.x(), v.y(), v.z()};
 }
@@ -59,8 +55,12 @@ HumanPose mirrored(const HumanPose& pose) {
 
 class MotionRetargeter {
  public:
-  MotionRetargeter(const SkeletalMotion& source, HumanBody from, HumanBody to, const MotionRetargetSettings& settings)
-      : source_(source), from_(std::move(from)), to_(std::move(to)), settings_(settings) {}
+  /// @param source  on the completed skeleton
+  MotionRetargeter(const SkeletalMotion& source, const CompletedSkeleton& completed, HumanBody from, HumanBody to,
+                   const MotionRetargetSettings& settings)
+      : source_(source), completed_(completed), from_(std::move(from)), to_(std::move(to)), settings_(settings) {
+    knowsFeet_ = completed_.knowsPlaceOf(limbs()[kFirstLeg].end) && completed_.knowsPlaceOf(limbs()[kFirstLeg + 1].end);
+  }
 
   SkeletalMotion run() {
     out_.name = source_.name;
@@ -71,7 +71,7 @@ class MotionRetargeter {
     ratio_ = to_.rig().legLength / from_.rig().legLength;
     takeTurns();
     standOnFloor();
-    if (settings_.plantFeet) plantFeet();
+    if (settings_.plantFeet && knowsFeet_) plantFeet();
     return std::move(out_);
   }
 
@@ -89,6 +89,9 @@ class MotionRetargeter {
     sourceFeet_.reserve(frameCount());
     for (std::size_t f = 0; f < frameCount(); ++f) {
       HumanPose human = from_.read(source_.pose(static_cast<int>(f)));
+      for (std::size_t b = 0; b < human.turn.size(); ++b) {
+        if (!completed_.speaksOf(static_cast<HumanBone>(b))) human.turn[b].reset();
+      }
       if (settings_.mirror) human = mirrored(human);
       sourceHip_.push_back(human.middleHip);
       sourceFeet_.push_back(human.foot);
@@ -107,8 +110,9 @@ class MotionRetargeter {
     }
   }
 
-  /// Height of a sole that the source asks for [m].
+  /// Height of a sole that the source asks for; of a source without legs, that of one who stands [m].
   [[nodiscard]] double wantedSole(std::size_t frame, std::size_t side) const {
+    if (!knowsFeet_) return 0.0;
     return ratio_ * std::max(0.0, sourceFeet_[frame][side].lowest - floor_);
   }
 
@@ -299,6 +303,8 @@ class MotionRetargeter {
   }
 
   const SkeletalMotion& source_;
+  const CompletedSkeleton& completed_;
+  bool knowsFeet_ = true;
   HumanBody from_;
   HumanBody to_;
   MotionRetargetSettings settings_;
@@ -324,11 +330,28 @@ Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Skelet
                  fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
                              source.name, source.poses.size(), source.times.size(), joints)};
   }
-  Result<HumanBody> from = HumanBody::create(source.skeleton);
+  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(source.skeleton);
+  if (!completed) {
+    return Error{completed.error().code, fmt::format("the motion {}: {}", source.name, completed.error().message)};
+  }
+  Result<HumanBody> from = HumanBody::create(completed->skeleton());
   if (!from) return Error{from.error().code, fmt::format("the motion {}: {}", source.name, from.error().message)};
   Result<HumanBody> to = HumanBody::create(target);
   if (!to) return Error{to.error().code, fmt::format("the character: {}", to.error().message)};
-  return MotionRetargeter(source, std::move(*from), std::move(*to), settings).run();
+  if (completed->isWhole()) {
+    return MotionRetargeter(source, *completed, std::move(*from), std::move(*to), settings).run();
+  }
+  return MotionRetargeter(completed->complete(source), *completed, std::move(*from), std::move(*to), settings).run();
+}
+
+Result<std::vector<HumanBone>> bonesLeftAtRest(const Skeleton& source) {
+  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(source);
+  if (!completed) return completed.error();
+  std::vector<HumanBone> bones;
+  for (int b = 0; b < kHumanBoneCount; ++b) {
+    if (!completed->speaksOf(static_cast<HumanBone>(b))) bones.push_back(static_cast<HumanBone>(b));
+  }
+  return bones;
 }
 
 }  // namespace lorica

@@ -32,11 +32,6 @@ constexpr double kSoleSlack = 0.01;
 constexpr double kLiftSpeed = 1.5;
 constexpr double kLegRatioSeconds = 1.0;
 
-double smoothStep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
 Quat about(const Vec3& axis, double angle) {
   return Quat(Eigen::AngleAxisd(angle, axis));
 }
@@ -49,11 +44,6 @@ double wrapped(double angle) {
 /// Rotation angle of q about a unit axis, q's own axis being that one or nearly [rad].
 double twistAbout(const Quat& q, const Vec3& axis) {
   return wrapped(2.0 * std::atan2(q.vec().dot(axis), q.w()));
-}
-
-/// The orientation, turned the shortest way so that its `axis` points along `direction`.
-Quat pointed(const Quat& orientation, const Vec3& axis, const Vec3& direction, const Vec3& spare) {
-  return (swingBetween(orientation * axis, direction, orientation * spare) * orientation).normalized();
 }
 
 }  // namespace

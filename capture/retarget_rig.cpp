@@ -217,6 +217,15 @@ Quat swingBetween(const Vec3& from, const Vec3& to, const Vec3& spare) {
   return Quat(1.0 + cosine, v.x(), v.y(), v.z()).normalized();
 }
 
+Quat pointed(const Quat& orientation, const Vec3& axis, const Vec3& direction, const Vec3& spare) {
+  return (swingBetween(orientation * axis, direction, orientation * spare) * orientation).normalized();
+}
+
+double smoothStep(double from, double to, double x) {
+  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
 Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   const auto count = static_cast<std::size_t>(skeleton.jointCount());
   const Pose rest = restPose(skeleton);

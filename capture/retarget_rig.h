@@ -39,6 +39,12 @@ inline constexpr int kFirstLeg = 2;
 /// when they are opposite.
 [[nodiscard]] Quat swingBetween(const Vec3& from, const Vec3& to, const Vec3& spare);
 
+/// An orientation, turned the smallest way so that its `axis` points along a unit direction; `spare` as above.
+[[nodiscard]] Quat pointed(const Quat& orientation, const Vec3& axis, const Vec3& direction, const Vec3& spare);
+
+/// From 0 at `from` to 1 at `to`, level at both and beyond.
+[[nodiscard]] double smoothStep(double from, double to, double x);
+
 /// What retargeting needs to know of a skeleton, whatever its rest pose, joint axes and size.
 ///
 /// The pivot is the T-pose, facing +Z, of the orientations in TrackedJoint. `tposeFromJoint` of a bone is its world

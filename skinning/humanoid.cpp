@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lorica {
 
 namespace {
@@ -70,7 +72,16 @@ HumanoidGuess guessHumanoid(const Skeleton& skeleton) {
     return guess;
   }
   const BoneJoints shaped = bonesByShape(tree, names);
-  if (jointOf(shaped, HumanBone::kHips) == kNoJoint) return guess;
+  if (jointOf(shaped, HumanBone::kHips) == kNoJoint) {
+    const bool anyGiven = std::any_of(given.begin(), given.end(), [](JointIndex joint) { return joint != kNoJoint; });
+    const NamedBones upper = anyGiven ? NamedBones{} : upperBodyByNames(tree, names);
+    if (upper.convention.empty()) return guess;
+    guess.jointOf = upper.jointOf;
+    addFingersByNames(tree, names, guess.jointOf);
+    dropStrayBones(tree, given, guess.jointOf);
+    guess.by = fmt::format("names ({})", upper.convention);
+    return guess;
+  }
   // Bones that the skeleton has already rule; a shape that sees them elsewhere is wrong.
   for (std::size_t bone = 0; bone < given.size(); ++bone) {
     if (given[bone] != kNoJoint && shaped[bone] != given[bone]) return guess;

@@ -261,6 +261,49 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   return weight;
 }
 
+/// A body without both legs: of an upper body's sensor, say. What it has must be plain: two whole arms on one trunk.
+/// @return the weight of all bones; 0 when arms or trunk are not there
+[[nodiscard]] int solveWithoutLegs(const JointTree& tree, const ConventionMatch& match, BoneJoints& bones) {
+  bones.fill(kNoJoint);
+  int weight = 0;
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const ChainSearch leg(tree, match, kLeg, side);
+    const ChainSearch arm(tree, match, kArm, side);
+    leg.write(bones);
+    arm.write(bones);
+    weight += leg.weight() + arm.weight();
+  }
+  for (const HumanBone bone : {kLeftUpperArm, kRightUpperArm, kLeftLowerArm, kRightLowerArm}) {
+    if (!has(bones, bone)) return 0;
+  }
+  const JointIndex leftArm = jointOf(bones, kLeftUpperArm);
+  const JointIndex rightArm = jointOf(bones, kRightUpperArm);
+  if (tree.isBelowOrSame(leftArm, rightArm) || tree.isBelow(rightArm, leftArm)) return 0;
+  const ChainSearch headChain(tree, match, kHeadChain, Side::kMiddle);
+  headChain.write(bones);
+  weight += headChain.weight();
+
+  const JointIndex top = topOfTrunk(tree, bones);
+  if (top == kNoJoint || isUsed(bones, top)) return 0;
+  const auto best = [&](HumanBone bone) {
+    for (const Candidate& candidate : match.of(bone)) {
+      if (tree.isBelowOrSame(top, candidate.joint) && !isUsed(bones, candidate.joint)) return candidate.joint;
+    }
+    return kNoJoint;
+  };
+  jointOf(bones, kHips) = best(kHips);
+  std::vector<JointIndex> trunk;
+  for (JointIndex joint = top; joint != kNoJoint && joint != jointOf(bones, kHips); joint = tree.parent(joint)) {
+    const bool named = std::any_of(match.of(kSpine).begin(), match.of(kSpine).end(),
+                                   [&](const Candidate& candidate) { return candidate.joint == joint; });
+    if (named) trunk.insert(trunk.begin(), joint);
+  }
+  weight += static_cast<int>(trunk.size());
+  if (trunk.empty() && !has(bones, kHips)) trunk.push_back(top);
+  assignTrunk(trunk, bones);
+  return weight;
+}
+
 }  // namespace
 
 JointIndex topOfTrunk(const JointTree& tree, const BoneJoints& bones) {
@@ -310,6 +353,23 @@ NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names,
     const ConventionMatch match(convention, names, given);
     BoneJoints bones;
     const int weight = solve(tree, names, match, given, bones);
+    if (weight <= bestWeight) continue;
+    bestWeight = weight;
+    best.jointOf = bones;
+    best.convention = convention.name;
+  }
+  return best;
+}
+
+NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names) {
+  NamedBones best;
+  best.jointOf.fill(kNoJoint);
+  BoneJoints none;
+  none.fill(kNoJoint);
+  int bestWeight = 0;
+  for (const NamingConvention& convention : namingConventions()) {
+    BoneJoints bones;
+    const int weight = solveWithoutLegs(tree, ConventionMatch(convention, names, none), bones);
     if (weight <= bestWeight) continue;
     bestWeight = weight;
     best.jointOf = bones;

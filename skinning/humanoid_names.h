@@ -19,6 +19,9 @@ struct NamedBones {
 /// @param given  bones that are known already; they are kept
 [[nodiscard]] NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names, const BoneJoints& given);
 
+/// The same of a body that lacks legs, or has but one: two arms on a trunk.
+[[nodiscard]] NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names);
+
 /// Adds the fingers that names tell, in whatever convention, below hands that are known.
 void addFingersByNames(const JointTree& tree, std::span<const JointName> names, BoneJoints& bones);
 

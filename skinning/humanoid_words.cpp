@@ -114,7 +114,7 @@ void dropRunningNumbers(std::vector<Words>& all) {
   }
 }
 
-/// Takes the first or last word where at least half of the joints share it.
+/// Takes the first or last word where at least half of the joints share it; not of a few limbs what they are.
 [[nodiscard]] bool dropSharedWord(std::vector<Words>& all, bool first) {
   const auto edge = [&](const Words& words) { return first ? words.front() : words.back(); };
   std::map<std::string, std::size_t> counts;
@@ -125,7 +125,7 @@ void dropRunningNumbers(std::vector<Words>& all) {
     if (sideOf(edge(words)) == Side::kMiddle && !isNumber(edge(words))) ++counts[edge(words)];
   }
   for (const auto& [word, count] : counts) {
-    if (count < 4 || count * 2 < named) continue;
+    if (count < 4 || count * 2 < named || word == "arm" || word == "leg") continue;
     bool dropped = false;
     for (Words& words : all) {
       if (words.size() < 2 || edge(words) != word) continue;

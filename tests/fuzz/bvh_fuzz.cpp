@@ -53,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const SkeletalMotion& motion = file->motion;
-  CHECK(motion.frameCount() > 0 && motion.poses.size() <= size, "more joints and frames than bytes");
+  CHECK(motion.frameCount() > 0 && motion.poses.size() <= 2 * size, "more joints and frames than bytes");
   CHECK(!file->unit.empty() && file->metresPerUnit > 0.0, "no unit");
   expectSound(motion, motion.times.size(), static_cast<std::size_t>(motion.skeleton.jointCount()));
   if (motion.frameCount() <= 20) retarget(motion);
