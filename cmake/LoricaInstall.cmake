@@ -8,8 +8,9 @@ set(lorica_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lorica)
 add_library(lorica_all INTERFACE)
 add_library(lorica::lorica ALIAS lorica_all)
 set_target_properties(lorica_all PROPERTIES EXPORT_NAME lorica)
-target_link_libraries(lorica_all INTERFACE lorica::viewer lorica::session lorica::collision lorica::capture lorica::import lorica::body
-                                           lorica::skinning lorica::acd lorica::geometry)
+target_link_libraries(lorica_all INTERFACE lorica::viewer lorica::session lorica::collision lorica::tracking lorica::sensor
+                                           lorica::capture lorica::import lorica::body lorica::skinning lorica::acd
+                                           lorica::geometry)
 install(TARGETS lorica_all EXPORT loricaTargets)
 
 install(EXPORT loricaTargets NAMESPACE lorica:: DESTINATION ${lorica_package_dir})
