@@ -352,6 +352,7 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
     if (off > 0.1F) continue;
     ++support.points[c];
     support.distance[c] += off;
+    support.seen[c] += view.areaOf(points[i]);
     if (owner) (*owner)[i] = static_cast<std::uint8_t>(m.capsule);
   }
   if (n > 0) {
@@ -359,7 +360,12 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
     support.unexplained = static_cast<float>(unexplained) / static_cast<float>(n);
   }
   for (std::size_t c = 0; c < kCapsuleCount; ++c) {
-    if (support.points[c] > 0) support.distance[c] /= static_cast<float>(support.points[c]);
+    if (support.points[c] == 0) continue;
+    support.distance[c] /= static_cast<float>(support.points[c]);
+    const Capsule& def = capsuleDefs()[c];
+    const float section =
+        (def.b - def.a).norm() * (def.radiusA + def.radiusB) * body_.girth[def.node] * body_.girth[def.node];
+    support.seen[c] *= static_cast<float>(points.size()) / static_cast<float>(n) / section;
   }
   std::array<int, kCapsuleCount> samples{};
   for (const Sample& sample : samplesOfBody()) {

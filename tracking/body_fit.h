@@ -36,6 +36,7 @@ struct FitCost {
 /// What the camera saw of each capsule.
 struct CapsuleSupport {
   std::array<int, kCapsuleCount> points{};
+  std::array<float, kCapsuleCount> seen{};       ///< area of its points over that of its middle section
   std::array<float, kCapsuleCount> distance{};   ///< mean absolute [m]
   std::array<float, kCapsuleCount> violation{};  ///< mean over its samples of how far it is where it cannot be [m]
   std::array<float, kCapsuleCount> hidden{};     ///< share of its samples behind something else

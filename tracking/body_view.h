@@ -33,6 +33,11 @@ class BodyView {
 
   /// In an order whose every beginning is spread evenly over the person.
   [[nodiscard]] std::span<const Point> points() const { return points_; }
+  /// That one point stands for, across the view [m^2].
+  [[nodiscard]] float areaOf(const Point& point) const {
+    const float away = (point.place - cameraPlace_).norm();
+    return kBlock * kBlock * away * away / (focalX_ * focalY_);
+  }
   [[nodiscard]] const V3& cameraPlace() const { return cameraPlace_; }
   /// Floor frame, the median of each coordinate.
   [[nodiscard]] const V3& middle() const { return middle_; }

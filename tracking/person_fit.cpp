@@ -10,6 +10,7 @@ constexpr float kPi = 3.14159265F;
 constexpr float kMannequinHeight = 1.752F;  ///< [m]
 constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is found anew
 constexpr float kLostShare = 0.20F;         ///< of points that the body does not explain: the person is lost
+constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
 constexpr int kLostViews = 5;               ///< so many times in a row
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
@@ -34,6 +35,15 @@ Step followStiffness() {
   }
   deviation.head<3>().setConstant(0.08F);
   return deviation.cwiseAbs2().cwiseInverse();
+}
+
+/// An arm that is not seen most likely comes to hang.
+void easeDown(Limb arm, BodyPose& pose) {
+  static const BodyPose rest = standingPose(V3::Zero(), 0.0F, 0.15F, 0.1F, 0.25F);
+  const Node up = upperNodeOf(arm), low = lowerNodeOf(arm), end = endNodeOf(arm);
+  pose.turn[up] = pose.turn[up].slerp(kEase, rest.turn[up]);
+  pose.angle[low][0] += kEase * (rest.angle[low][0] - pose.angle[low][0]);
+  for (float& angle : pose.angle[end]) angle *= 1.0F - kEase;
 }
 
 PosePrior weakly(const BodyPose& pose, float stiffness) {
@@ -145,6 +155,7 @@ bool PersonFit::start(const BodyView& view, bool again) {
   started_ = true;
   if (!again) views_ = 0;
   sinceStart_ = 0;
+  confidence_.restart();
   doubt_ = 0.0F;
   other_.reset();
   return true;
@@ -200,6 +211,9 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   static const Step stiffness = followStiffness();
   PosePrior prior;
   prior.pose = stepped(pose_, 0.7F * velocity_);
+  for (const Limb arm : {kLeftArm, kRightArm}) {
+    if (confidence_.hidden(arm)) easeDown(arm, prior.pose);
+  }
   prior.stiffness = stiffness;
   const BodyPose last = pose_;
   pose_ = prior.pose;
@@ -213,8 +227,16 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   deviation.fill(views_ < 30 ? 0.01F : 0.001F);
   fitter_.refineProportions(view, deviation, pose_, proportions_);
   support_ = fitter_.supportOf(view, proportions_, pose_);
+  confidence_.update(support_);
   lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
   velocity_ = stepBetween(last, pose_);
+  for (int i = 0; i < kFitLimbCount; ++i) {
+    const auto limb = static_cast<Limb>(i);
+    if (!confidence_.hidden(i)) continue;
+    for (const Node node : {upperNodeOf(limb), lowerNodeOf(limb), endNodeOf(limb)}) {
+      velocity_.segment(nodeDefs()[node].firstDof, nodeDefs()[node].dofCount).setZero();
+    }
+  }
   const float fastest = velocity_.tail<kDofCount - 3>().cwiseAbs().maxCoeff();
   if (fastest > 0.5F) velocity_ *= 0.5F / fastest;
   before_ = last;
@@ -225,7 +247,9 @@ void PersonFit::report(SkeletonFrame& frame) const {
   PosedBody body;
   poseBody(pose_, proportions_, body);
   readJoints(body, frame);
-  for (TrackedJoint& joint : frame.joints) joint.confidence = 1.0;
+  for (std::size_t j = 0; j < frame.joints.size(); ++j) {
+    frame.joints[j].confidence = confidence_[static_cast<BodyJoint>(j)];
+  }
 }
 
 }  // namespace lorica::fit

@@ -2,6 +2,7 @@
 
 #include "capture/skeleton_frame.h"
 #include "tracking/body_fit.h"
+#include "tracking/joint_confidence.h"
 #include "tracking/limb_search.h"
 
 #include <array>
@@ -58,6 +59,7 @@ class PersonFit {
   Step velocity_ = Step::Zero();
   Proportions proportions_;
   CapsuleSupport support_;
+  JointConfidence confidence_;
   FitCost cost_;
 
   // The figure that faces the other way, followed beside while it may be the true one.
