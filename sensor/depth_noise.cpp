@@ -51,6 +51,13 @@ DepthNoiseSettings DepthNoiseSettings::clean() {
   return settings;
 }
 
+DepthNoiseSettings DepthNoiseSettings::mild() {
+  DepthNoiseSettings settings;
+  settings.axial *= 0.2;
+  settings.dropout *= 0.2;
+  return settings;
+}
+
 void DepthNoise::Field::resize(const DepthCamera& camera, int cellSize) {
   cell = cellSize;
   columns = camera.width / cell + 2;

@@ -25,6 +25,8 @@ struct DepthNoiseSettings {
 
   /// Depth rounded to whole millimetres, nothing missing within the range.
   [[nodiscard]] static DepthNoiseSettings clean();
+  /// All of the kinds, but a fifth of the axial noise and of the dropout: what compresses well.
+  [[nodiscard]] static DepthNoiseSettings mild();
 
   friend bool operator==(const DepthNoiseSettings&, const DepthNoiseSettings&) = default;
 };
