@@ -14,7 +14,7 @@ constexpr float kFreeDeviation = 0.02F;  ///< [m]
 constexpr float kFreeWidth = 0.30F;      ///< robust width of samples outside the outline [m]
 constexpr float kFrontWidth = 0.12F;     ///< ... before what was seen [m]
 constexpr float kOccluderGap = 0.15F;    ///< what is this much nearer hides a sample [m]
-constexpr float kCollisionDeviation = 0.015F;
+constexpr float kCollisionDeviation = 0.03F;
 constexpr float kFloorDeviation = 0.02F;
 
 std::vector<Sample> makeSamples() {
