@@ -44,7 +44,7 @@ Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   while (true) {
     Result<Session> session = startSession(show.character, show.body.file, show.performance);
     if (!session) return session.error();
-    PlaybackLimit limit;
+    PlaybackOptions limit;
     if (options.seconds > 0.0) limit.seconds = options.seconds - show.seconds;
     show.tally.restart();
     const Result<bool> stillOpen = playInWindow(window, *session, show.performance.name, limit, show.tally);

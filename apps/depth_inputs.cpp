@@ -1,31 +1,43 @@
 #include "apps/depth_inputs.h"
 
-#include "apps/motions.h"
-#include "sensor/virtual_sensor.h"
-#include "skinning/mannequin.h"
+#include "apps/report.h"
+#include "sensor/openni.h"
+#include "sensor/virtual_script.h"
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <utility>
-#include <vector>
 
 namespace lorica {
 namespace {
 
-Result<std::unique_ptr<DepthSource>> openVirtual(const std::string& name) {
-  const Result<Motion> motion = readMotion(name);
-  if (!motion) return motion.error();
-  Result<VirtualPerformer> performer = motion->bones ? VirtualPerformer::create(makeMannequin(), *motion->bones)
-                                                     : VirtualPerformer::create(makeMannequin(), motion->joints);
-  if (!performer) return performer.error();
-  std::vector<VirtualPerson> people;
-  people.push_back({std::move(*performer)});
-  VirtualSensorSettings settings;
-  settings.live = true;
-  settings.loop = true;
-  Result<VirtualSensor> sensor = VirtualSensor::create(std::move(people), settings);
-  if (!sensor) return sensor.error();
-  return std::unique_ptr<DepthSource>(std::make_unique<VirtualSensor>(std::move(*sensor)));
+namespace fs = std::filesystem;
+
+constexpr const char* kVirtualUri = "lorica://virtual";
+
+/// Lorica's own driver, beside the program as in a build, or as installed; empty where it was not built.
+fs::path virtualDriver() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* library : {"lib", "../lib", "../" LORICA_LIBDIR}) {
+    const fs::path file = (program / library / "lorica/OpenNI2/Drivers/libLoricaSensor.so.0").lexically_normal();
+    if (fs::exists(file, error)) return file;
+  }
+  return {};
+}
+
+/// What the virtual camera shows: --motion, or else what the environment says.
+Result<VirtualScript> virtualScript(const DepthOptions& options) {
+  std::string text = environment(kVirtualScriptVariable);
+  if (!options.motion.empty()) text = "motion=" + options.motion;
+  Result<VirtualScript> script = parseVirtualScript(text);
+  if (!script) {
+    const std::string origin = options.motion.empty() ? kVirtualScriptVariable : "--motion";
+    return Error{script.error().code, origin + ": " + script.error().message};
+  }
+  return script;
 }
 
 }  // namespace
@@ -36,17 +48,51 @@ void addDepthOptions(CLI::App& app, DepthOptions& options) {
                             ->type_name("URI");
   CLI::Option* driver =
       app.add_option("--driver", options.driver, "An OpenNI2 driver that the system lacks: lib*.so")->type_name("FILE");
-  CLI::Option* virtualSensor =
-      app.add_flag("--virtual", options.virtualSensor, "No camera: a virtual one before a virtual person");
-  virtualSensor->excludes(device)->excludes(driver);
-  app.add_option("--motion", options.motion, "What the virtual person performs, over and over [default: wave]")
+  CLI::Option* virtualCamera =
+      app.add_flag("--virtual", options.virtualCamera, "No camera: a virtual one before a virtual person");
+  virtualCamera->excludes(device)->excludes(driver);
+  app.add_option(
+         "--motion", options.motion,
+         "What the virtual person performs, over and over: a shipped recording, joints in .csv, or two of these, "
+         "parted by a comma, for two people [default: as $LORICA_VIRTUAL says, else wave]")
       ->type_name("MOTION")
-      ->needs(virtualSensor);
+      ->needs(virtualCamera);
+}
+
+Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options) {
+  OpenNiSettings settings;
+  if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
+  if (options.virtualCamera) {
+    const Result<VirtualScript> script = virtualScript(options);
+    if (!script) return script.error();
+    settings.drivers.push_back(virtualDriver());
+    if (settings.drivers.back().empty()) {
+      return Error{
+          ErrorCode::kNotFound,
+          "--virtual: Lorica's driver libLoricaSensor.so.0 is not beside the program nor in ../lib: it is built "
+          "where libopenni2-dev is installed"};
+    }
+    // The driver reads it when OpenNI2 loads it, in this process.
+    if (!options.motion.empty()) setenv(kVirtualScriptVariable, ("motion=" + options.motion).c_str(), 1);
+  }
+  const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start(settings);
+  if (!openNi) return openNi.error();
+  Result<std::unique_ptr<DepthSource>> camera = (*openNi)->open(options.virtualCamera ? kVirtualUri : options.device);
+  if (!camera && !options.virtualCamera && camera.error().code == ErrorCode::kNotFound) {
+    return Error{ErrorCode::kNotFound, camera.error().message +
+                                           "; `lorica info --devices` says what is seen and why, and --virtual needs "
+                                           "no camera"};
+  }
+  return camera;
 }
 
 Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {
-  if (options.virtualSensor) return openVirtual(options.motion);
-  return Error{ErrorCode::kUnsupported, "no OpenNI2"};
+  if (!options.virtualCamera || !virtualDriver().empty()) return openCamera(options);
+  const Result<VirtualScript> script = virtualScript(options);
+  if (!script) return script.error();
+  Result<VirtualSensor> sensor = makeVirtualSensor(*script);
+  if (!sensor) return sensor.error();
+  return std::unique_ptr<DepthSource>(std::make_unique<VirtualSensor>(std::move(*sensor)));
 }
 
 }  // namespace lorica

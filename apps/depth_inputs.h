@@ -12,17 +12,20 @@ namespace lorica {
 
 /// Which live depth source the command line means.
 struct DepthOptions {
-  std::string device;  ///< URI; empty = the first
-  std::string driver;  ///< file of an OpenNI2 driver to add; empty = none
-  bool virtualSensor = false;
-  std::string motion = "wave";  ///< what the virtual person performs
+  std::string device;          ///< URI; empty = the first
+  std::string driver;          ///< file of an OpenNI2 driver to add; empty = none
+  bool virtualCamera = false;  ///< Lorica's own driver, see docs/VIRTUAL_SENSOR.md
+  std::string motion;          ///< what virtual people perform; empty = as $LORICA_VIRTUAL says
 };
 
 /// --device, --driver, --virtual, --motion.
 void addDepthOptions(CLI::App& app, DepthOptions& options);
 
-/// Opens the depth source, live.
+/// Opens a camera through OpenNI2, be it a virtual one.
 /// @return the source; or why there is none and what helps
+[[nodiscard]] Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options);
+
+/// The same, but a virtual camera needs no OpenNI2.
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options);
 
 }  // namespace lorica

@@ -1,3 +1,4 @@
+#include "apps/depth_motion.h"
 #include "apps/facts.h"
 #include "apps/inputs.h"
 #include "apps/motions.h"
@@ -20,6 +21,8 @@ struct Options {
   CharacterOptions character;
   MotionOptions motion;
   std::string writeMap;
+  bool devices = false;
+  std::string driver;
 };
 
 bool isMeshFile(const fs::path& file) {
@@ -29,8 +32,13 @@ bool isMeshFile(const fs::path& file) {
 }
 
 Result<Facts> describe(const Options& options) {
+  if (options.devices) return describeDevices(options.driver);
+  if (options.input.empty()) {
+    return Error{ErrorCode::kInvalidArgument, "no file given, expected one, or --devices"};
+  }
   const fs::path file(options.input);
   if (file.extension() == ".lorica") return describeDecomposition(file);
+  if (isDepthRecording(file)) return describeDepthRecording(file);
   const bool shape = options.input == "mannequin" || isMeshFile(file) || isCharacterFile(file);
   if (!shape && (!isBareName(options.input) || isShippedRecording(options.input))) {
     const Result<Motion> motion = readMotion(options.input, options.motion);
@@ -85,13 +93,21 @@ Command addInfo(CLI::App& parent, CommonOptions& common) {
       "  lorica info bunny.off          # is it closed? how convex is it?\n"
       "  lorica info body.lorica        # parts, error, levels of detail, bones of each part\n"
       "  lorica info dance.bvh          # a motion; recorded joints too\n"
+      "  lorica info body.oni           # a depth recording\n"
+      "  lorica info --devices          # which depth cameras are seen, through which drivers\n"
       "  lorica info walk               # a shipped recording\n"
       "  lorica info mannequin          # the built-in character");
-  app->add_option("FILE", options->input,
-                  "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
-                  "joints), decomposition (.lorica), or a shipped name")
-      ->required()
-      ->type_name("");
+  CLI::Option* file =
+      app->add_option(
+             "FILE", options->input,
+             "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
+             "joints), depth (.oni), decomposition (.lorica), or a shipped name")
+          ->type_name("");
+  CLI::Option* devices =
+      app->add_flag("--devices", options->devices, "Depth cameras instead of a file")->excludes(file);
+  app->add_option("--driver", options->driver, "An OpenNI2 driver that the system lacks: lib*.so")
+      ->type_name("FILE")
+      ->needs(devices);
   addCharacterOptions(*app, options->character);
   app->add_option("--write-map", options->writeMap, "Write which joint of a character is which humanoid bone")
       ->type_name("FILE.json");

@@ -1,5 +1,6 @@
 #include "apps/body_choice.h"
 #include "apps/depth_inputs.h"
+#include "apps/depth_picture.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/live_log.h"
@@ -29,7 +30,7 @@ struct Options {
   MotionOptions performing;
   BodyOptions body;
   SnapshotOptions pictures;
-  PlaybackLimit limit;
+  PlaybackOptions limit;
   bool window = false;
   bool headless = false;
 };
@@ -42,6 +43,7 @@ struct Live {
   LiveLog log;
   Tally tally;
   int pictures = 0;
+  Image picture;  // of what the camera sees
 };
 
 /// One frame. @return false at the end
@@ -52,7 +54,7 @@ Result<bool> step(const Options& options, Live& live, double& firstTime) {
   const double seconds = live.session.time() - firstTime;
   live.log.add(live.joints->sight(), seconds);
   live.tally.add(live.session);
-  const PlaybackLimit& limit = options.limit;
+  const PlaybackOptions& limit = options.limit;
   const bool over = (limit.frames > 0 && live.session.frameCount() >= limit.frames) ||
                     (limit.seconds > 0.0 && seconds >= limit.seconds);
   return !over;
@@ -66,7 +68,8 @@ Result<void> runHeadless(const Options& options, Live& live) {
     const Result<bool> more = step(options, live, firstTime);
     if (!more) return more.error();
     if (*pictures) {
-      if (Result<void> drawn = (*pictures)->add(live.session, live.name); !drawn) return drawn;
+      if ((*pictures)->due(live.session)) drawDepthPicture(*live.joints, live.picture);
+      if (Result<void> drawn = (*pictures)->add(live.session, live.name, &live.picture); !drawn) return drawn;
     }
     if (!*more) break;
   }
@@ -85,6 +88,7 @@ Result<void> runInWindow(const Options& options, Live& live) {
       const Result<bool> more = step(options, live, firstTime);
       if (!more) return more.error();
       if (!*more) return {};
+      drawDepthPicture(*live.joints, live.picture);
     }
     const std::string state = live.log.state();
     window->show(scene.of(live.session), captionOf(live.name, live.session, live.session.time() - firstTime) +
@@ -162,7 +166,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Result<Session> session = startSession(*subject->character, *body, std::move(*source));
   if (!session) return session.error();
 
-  Live live{std::move(*session), watched, watched->source().name(), {}, {}, 0};
+  Live live{std::move(*session), watched, watched->source().name(), {}, {}, 0, {}};
   if (!*inWindow) fmt::print(stderr, "Following {}; Ctrl-C ends.\n", live.name);
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
   if (!ran) return ran;

@@ -52,9 +52,9 @@ int run(int argc, char** argv) {
       "\n`lorica COMMAND --help` says more about each command.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {
-      lorica::addDemo(app, common),    lorica::addDecompose(app, common), lorica::addScore(app, common),
-      lorica::addPlay(app, common),    lorica::addLive(app, common),      lorica::addInfo(app, common),
-      lorica::addConvert(app, common),
+      lorica::addDemo(app, common), lorica::addDecompose(app, common), lorica::addScore(app, common),
+      lorica::addPlay(app, common), lorica::addLive(app, common),      lorica::addRecord(app, common),
+      lorica::addInfo(app, common), lorica::addConvert(app, common),
   };
 
   try {

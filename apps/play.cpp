@@ -28,7 +28,7 @@ struct Options {
   MotionOptions performing;
   BodyOptions body;
   SnapshotOptions pictures;
-  PlaybackLimit limit;
+  PlaybackOptions playing;
   bool window = false;
 };
 
@@ -79,7 +79,7 @@ Result<int> playHeadless(const Options& options, const Motion& motion, Session& 
   Result<std::optional<SnapshotSeries>> pictures = SnapshotSeries::create(options.pictures, session);
   if (!pictures) return pictures.error();
   int frames = motion.frameCount();
-  if (options.limit.frames > 0) frames = std::min(frames, options.limit.frames);
+  if (options.playing.frames > 0) frames = std::min(frames, options.playing.frames);
   ProgressBar bar("Playing " + motion.name, "frames");
   for (int frame = 0; frame < frames; ++frame) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
@@ -98,7 +98,7 @@ Result<void> playWithWindow(const Options& options, const Motion& motion, Sessio
   Result<Window> window = Window::create("Lorica: " + motion.name, kWindowWidth, kWindowHeight);
   if (!window) return window.error();
   window->setCamera(windowCamera(session.character().height));
-  const Result<bool> stillOpen = playInWindow(*window, session, motion.name, options.limit, tally);
+  const Result<bool> stillOpen = playInWindow(*window, session, motion.name, options.playing, tally);
   if (!stillOpen) return stillOpen.error();
   if (*stillOpen) holdInWindow(*window, session, motion.name + "   the end, Esc closes");
   return {};
@@ -197,6 +197,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "      a motion and a character of your own\n"
       "  lorica play hero.glb --clip Run\n"
       "      a character's own clip\n"
+      "  lorica play body.oni\n"
+      "      whoever is in a depth recording\n"
       "  lorica decompose mannequin --parts 24 -o body.lorica\n"
       "  lorica play joints.csv --decomposition body.lorica\n"
       "      joints of your own, a decomposition of your own\n"
@@ -207,7 +209,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "--cover and --hull-vertices ask for. Keyframes come from the character's own clips, else from the shipped\n"
       "recordings.");
   app->add_option("MOTION", options->motion,
-                  "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording [default: a "
+                  "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
+                  "recording [default: a "
                   "clip of --character]")
       ->type_name("");
   app->add_option("--character", options->character,
@@ -218,7 +221,9 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   addCharacterOptions(*app, options->reading);
   addBodyOptions(*app, options->body);
   CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
-  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
+  addCount(*app, "--frames", options->playing.frames, 1, "Stop after so many frames");
+  app->add_flag("--as-fast-as-possible", options->playing.hurry,
+                "In a window too; without one nothing waits for the recording's pace");
   app->add_flag("--window", options->window, "Watch it in a window, at the recording's pace")->excludes(snapshots);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

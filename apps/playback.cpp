@@ -59,7 +59,7 @@ Camera windowCamera(double height) {
   return camera;
 }
 
-Result<bool> playInWindow(Window& window, Session& session, const std::string& name, const PlaybackLimit& limit,
+Result<bool> playInWindow(Window& window, Session& session, const std::string& name, const PlaybackOptions& options,
                           Tally& tally) {
   const SessionScene scene(session);
   Clock::time_point due = Clock::now();
@@ -69,7 +69,8 @@ Result<bool> playInWindow(Window& window, Session& session, const std::string& n
   while (window.open()) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
     // A picture may take longer than a frame: what is due is computed, up to a limit that keeps the window alive.
-    for (int steps = 0; steps < kMostStepsAPicture && Clock::now() >= due && window.wantsStep(); ++steps) {
+    for (int steps = 0; steps < kMostStepsAPicture && (options.hurry || Clock::now() >= due) && window.wantsStep();
+         ++steps) {
       const double previousTime = session.time();
       const Result<bool> more = session.step();
       if (!more) return more.error();
@@ -83,8 +84,8 @@ Result<bool> playInWindow(Window& window, Session& session, const std::string& n
       // Late frames are caught up, but a long stop (a pause, a dragged window) is not.
       due += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(step, kLongestPause)));
       if (secondsSince(due) > kLongestPause) due = Clock::now();
-      if (limit.frames > 0 && session.frameCount() >= limit.frames) return true;
-      if (limit.seconds > 0.0 && seconds >= limit.seconds) return true;
+      if (options.frames > 0 && session.frameCount() >= options.frames) return true;
+      if (options.seconds > 0.0 && seconds >= options.seconds) return true;
     }
     if (started) {
       window.show(scene.of(session), caption);

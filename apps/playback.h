@@ -20,17 +20,18 @@ namespace lorica {
 [[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
                                            std::unique_ptr<PoseSource> source);
 
-/// Where to stop before the recording ends.
-struct PlaybackLimit {
-  int frames = 0;        ///< 0 = no limit
+/// How a recording is played.
+struct PlaybackOptions {
+  int frames = 0;        ///< stop after so many; 0 = no limit
   double seconds = 0.0;  ///< of the recording [s]; 0 = no limit
+  bool hurry = false;    ///< does not wait for the recording's pace
 };
 
-/// Runs the session in the window, at the recording's pace, until the recording or the limit ends or the window is
+/// Runs the session in the window until the recording or the limit ends or the window is
 /// closed.
 /// @return false when the window was closed, kCancelled on Ctrl-C, or why a frame could not be read
 [[nodiscard]] Result<bool> playInWindow(Window& window, Session& session, const std::string& name,
-                                        const PlaybackLimit& limit, Tally& tally);
+                                        const PlaybackOptions& limit, Tally& tally);
 
 /// Where a window looks from at first: the whole of a shipped recording stays in the picture.
 /// @param height  of the character [m]

@@ -123,16 +123,18 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
 SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session)
     : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(kCameraDistance) {}
 
-Result<void> SnapshotSeries::add(const Session& session, const std::string& name) {
+Result<void> SnapshotSeries::add(const Session& session, const std::string& name, const Image* inset) {
   if (!firstTime_) firstTime_ = previousTime_ = session.time();
   follow_.update(session, session.time() - previousTime_);
   previousTime_ = session.time();
-  const int frame = session.frameCount() - 1;
-  if (frame % options_.every != 0) return {};
+  if (!due(session)) return {};
   SceneOptions show;
   show.caption = captionOf(name, session, session.time() - *firstTime_);
-  const Image image = pictures_.draw(scene_.of(session), show, follow_.camera());
-  const std::filesystem::path file = std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", frame);
+  Scene scene = scene_.of(session);
+  scene.inset = inset;
+  const Image image = pictures_.draw(scene, show, follow_.camera());
+  const std::filesystem::path file =
+      std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
   if (Result<void> saved = writePng(file, image); !saved) return saved;
   ++written_;
   return {};

@@ -85,8 +85,12 @@ class SnapshotSeries {
   /// @return nothing where no pictures are wanted; the series; or why there can be none
   static Result<std::optional<SnapshotSeries>> create(const SnapshotOptions& options, const Session& session);
 
-  /// Once a frame; draws those that are due. @param name  of what plays, for the caption
-  [[nodiscard]] Result<void> add(const Session& session, const std::string& name);
+  /// Once a frame; draws those that are due.
+  /// @param name   of what plays, for the caption
+  /// @param inset  see Scene; null = none
+  [[nodiscard]] Result<void> add(const Session& session, const std::string& name, const Image* inset = nullptr);
+  /// Whether add() will draw the session's present frame.
+  [[nodiscard]] bool due(const Session& session) const { return (session.frameCount() - 1) % options_.every == 0; }
   [[nodiscard]] int written() const { return written_; }
 
  private:

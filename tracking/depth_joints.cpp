@@ -36,6 +36,10 @@ double DepthJoints::riseTo(double sensorTime) {
   return sensorTime + worldFromSensorTime_;
 }
 
+Isometry3 DepthJoints::cameraFromWorld() const {
+  return tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
+}
+
 Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   const Result<DepthRead> read = depth_->next(image_);
   if (!read) return read.error();
@@ -44,11 +48,11 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   sight_.arrived = std::chrono::steady_clock::now();
   if (*read == DepthRead::kEnd) return std::optional<SkeletonFrame>();
 
-  SkeletonFrame joints;
+  joints_ = {};
   if (*read != DepthRead::kFrame) {
     time_ = time_ ? *time_ + kSilence : 0.0;
-    joints.time = *time_;
-    return std::optional(joints);
+    joints_.time = *time_;
+    return std::optional(joints_);
   }
 
   const std::span<const TrackedPerson> people = tracker_.track(image_);
@@ -59,11 +63,11 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
     sight_.followed = true;
     following_ = person->skeleton.user;
     if (!stage_) stage_ = Vec3(placeOf(*person).x(), 0.0, placeOf(*person).z());
-    joints = person->skeleton;
-    for (TrackedJoint& joint : joints.joints) joint.position -= *stage_;
+    joints_ = person->skeleton;
+    for (TrackedJoint& joint : joints_.joints) joint.position -= *stage_;
   }
-  joints.time = *time_;
-  return std::optional(joints);
+  joints_.time = *time_;
+  return std::optional(joints_);
 }
 
 }  // namespace lorica

@@ -37,6 +37,9 @@ class DepthJoints final : public SkeletonSource {
   [[nodiscard]] const DepthSight& sight() const { return sight_; }
   /// The last image that was had; empty before the first.
   [[nodiscard]] const DepthFrame& image() const { return image_; }
+  /// What next() gave last, world frame.
+  [[nodiscard]] const SkeletonFrame& joints() const { return joints_; }
+  [[nodiscard]] Isometry3 cameraFromWorld() const;
 
  private:
   [[nodiscard]] const TrackedPerson* choose(std::span<const TrackedPerson> people) const;
@@ -48,6 +51,7 @@ class DepthJoints final : public SkeletonSource {
   int following_ = 0;  ///< user number; 0 = nobody
   DepthFrame image_;
   DepthSight sight_;
+  SkeletonFrame joints_;
   std::optional<double> time_;        ///< of the last frame given [s]
   double worldFromSensorTime_ = 0.0;  ///< [s]
   std::optional<Vec3> stage_;         ///< of the world's origin in the floor frame

@@ -140,6 +140,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.resolved);
   i.drawPanel(i.caption, options.caption, false);
   i.drawPanel(i.panel, options.panel, true);
+  if (scene.inset != nullptr && scene.inset->width > 0) i.drawInset(*scene.inset);
 }
 
 Image Renderer::readBack() {

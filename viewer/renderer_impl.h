@@ -77,6 +77,7 @@ struct Renderer::Impl {
   StreamBuffer floorBuffer, markerBuffer;
   std::vector<MarkerVertex> markers;
   PanelGpu caption, panel;
+  GLuint insetTexture = 0;
 
   Result<void> createPrograms();
   void createMeshes();
@@ -92,6 +93,9 @@ struct Renderer::Impl {
   void drawFloor(const FrameSetup& setup);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
   void drawPanel(PanelGpu& target, const std::string& text, bool top);
+  void drawInset(const Image& image);
+  /// The bound texture, straight onto the resolved picture; pixels from the lower left.
+  void drawFlat(int left, int bottom, int width, int height);
 };
 
 }  // namespace lorica

@@ -122,7 +122,20 @@ void Renderer::Impl::drawFloor(const FrameSetup& setup) {
   gl.DrawArrays(GL_TRIANGLES, 6, 24);
 }
 
-/// Straight onto the resolved picture, one texel a pixel.
+void Renderer::Impl::drawFlat(int left, int bottom, int width, int height) {
+  const float sx = 2.0f / static_cast<float>(targets.width), sy = 2.0f / static_cast<float>(targets.height);
+  gl.UseProgram(panelProgram);
+  gl.Uniform4f(panelRectangle, static_cast<float>(left) * sx - 1.0f, static_cast<float>(bottom) * sy - 1.0f,
+               static_cast<float>(left + width) * sx - 1.0f, static_cast<float>(bottom + height) * sy - 1.0f);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.BindVertexArray(emptyVertexArray);
+  gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  gl.Disable(GL_BLEND);
+}
+
+/// One texel a pixel.
 void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& text, bool top) {
   if (text.empty()) return;
   const int lineHeight = std::clamp(targets.height / 34, 12, 48);
@@ -134,20 +147,18 @@ void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& text, bool t
                   image.rgba.data());
     target = {target.texture, text, lineHeight, image.width, image.height};
   }
-  const float margin = 0.5f * static_cast<float>(lineHeight);
-  const float sx = 2.0f / static_cast<float>(targets.width), sy = 2.0f / static_cast<float>(targets.height);
-  const float left = std::floor(margin) * sx - 1.0f;
-  const float bottom =
-      (top ? static_cast<float>(targets.height - target.height) - std::floor(margin) : std::floor(margin)) * sy - 1.0f;
-  gl.UseProgram(panelProgram);
-  gl.Uniform4f(panelRectangle, left, bottom, left + static_cast<float>(target.width) * sx,
-               bottom + static_cast<float>(target.height) * sy);
-  gl.Disable(GL_DEPTH_TEST);
-  gl.Enable(GL_BLEND);
-  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  gl.BindVertexArray(emptyVertexArray);
-  gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-  gl.Disable(GL_BLEND);
+  const int margin = lineHeight / 2;
+  drawFlat(margin, top ? targets.height - target.height - margin : margin, target.width, target.height);
+}
+
+void Renderer::Impl::drawInset(const Image& image) {
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, insetTexture);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+  const int width = targets.width / 4;
+  const int height = width * image.height / image.width;
+  const int margin = std::clamp(targets.height / 34, 12, 48) / 2;
+  drawFlat(targets.width - width - margin, margin, width, height);
 }
 
 }  // namespace lorica

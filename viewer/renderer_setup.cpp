@@ -175,6 +175,7 @@ void Renderer::Impl::createMeshes() {
   createSky();
   caption.texture = gpu.makeTexture(GL_NEAREST);
   panel.texture = gpu.makeTexture(GL_NEAREST);
+  insetTexture = gpu.makeTexture(GL_LINEAR);
 }
 
 }  // namespace lorica

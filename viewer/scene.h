@@ -6,6 +6,7 @@
 #include "geometry/math.h"
 #include "geometry/tri_mesh.h"
 #include "skinning/skeleton.h"
+#include "viewer/image.h"
 
 #include <span>
 #include <string>
@@ -21,6 +22,7 @@ struct Scene {
   std::span<const LivePart> parts;            ///< hull overlay
   std::span<const Prop> props;
   std::span<const Contact> contacts;
+  const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter as wide as the picture; null = none
   const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
 };

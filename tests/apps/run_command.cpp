@@ -29,6 +29,8 @@ std::string contentOf(const std::filesystem::path& file) {
                                const char* err) {
   setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
   setenv("XDG_CACHE_HOME", surroundings.cache.empty() ? "/dev/null" : surroundings.cache.c_str(), 1);
+  unsetenv("LORICA_VIRTUAL");
+  if (!surroundings.virtualCamera.empty()) setenv("LORICA_VIRTUAL", surroundings.virtualCamera.c_str(), 1);
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");
   const int outFile = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0600);

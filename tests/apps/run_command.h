@@ -22,6 +22,7 @@ struct CommandSurroundings {
   std::filesystem::path folder = ".";  ///< where it runs
   std::filesystem::path cache;         ///< XDG_CACHE_HOME; empty = a folder that cannot be written
   int interruptAfterMs = 0;            ///< send SIGINT then; 0 = never
+  std::string virtualCamera{};         ///< LORICA_VIRTUAL: what the virtual camera shows; empty = not set
 };
 
 /// Runs `lorica arguments...` without a display, on the recordings of the source tree.

@@ -180,6 +180,29 @@ TEST_F(Studio, EveryOptionChangesThePicture) {
   EXPECT_EQ(draw({}).rgba, plain.rgba) << "nothing of them stays";
 }
 
+TEST_F(Studio, AnInsetIsAtTheLowerRightUprightAndOpaque) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  // Quarters: red and green above blue and white.
+  Image inset{2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}};
+  const Image plain = studio->draw(scene, {}, frontCamera(), kWidth, kHeight);
+  scene.inset = &inset;
+  const Image with = studio->draw(scene, {}, frontCamera(), kWidth, kHeight);
+  const int side = kWidth / 4, margin = 6;
+  const int left = kWidth - margin - side, top = kHeight - margin - side;
+  using Pixel = decltype(pixelAt(with, 0, 0));
+  EXPECT_EQ(pixelAt(with, left + 5, top + 5), (Pixel{255, 0, 0}));
+  EXPECT_EQ(pixelAt(with, left + side - 5, top + 5), (Pixel{0, 255, 0}));
+  EXPECT_EQ(pixelAt(with, left + 5, top + side - 5), (Pixel{0, 0, 255}));
+  EXPECT_EQ(pixelAt(with, left + side - 5, top + side - 5), (Pixel{255, 255, 255}));
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const bool inside = x >= left && x < left + side && y >= top && y < top + side;
+      if (inside) continue;
+      ASSERT_EQ(pixelAt(plain, x, y), pixelAt(with, x, y)) << x << ", " << y;
+    }
+  }
+}
+
 TEST_F(Studio, PartColorsAreSeenOnTheSkin) {
   LORICA_REQUIRE_STUDIO(studio, "");
   SceneOptions options;

@@ -1,0 +1,127 @@
+#include "apps/depth_inputs.h"
+#include "apps/interrupt.h"
+#include "apps/options.h"
+#include "apps/playback.h"
+#include "sensor/oni_joints.h"
+#include "sensor/openni.h"
+#include "tracking/tracker.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string out;
+  DepthOptions depth;
+  PlaybackOptions limit;
+};
+
+struct Recording {
+  int frames = 0;  // of depth, in the file
+  int rows = 0;    // of joints
+  double seconds = 0.0;
+  bool unplugged = false;  // at some time
+};
+
+/// The joints' file beside the depths'.
+fs::path jointsBeside(const std::string& out) {
+  return fs::path(out).replace_extension(".csv");
+}
+
+/// Reads until the limit or Ctrl-C, while OpenNI2 writes what is read.
+Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tracker, OpenNiRecorder& recorder,
+                         JointCsvWriter& joints) {
+  Recording recording;
+  std::optional<double> firstTime;
+  DepthFrame frame;
+  int read = 0;
+  const PlaybackOptions& limit = options.limit;
+  while (!interrupted()) {
+    const Result<DepthRead> got = depth.next(frame);
+    if (!got) return got.error();
+    recording.unplugged |= *got == DepthRead::kUnplugged;
+    if (*got == DepthRead::kEnd) break;
+    if (*got != DepthRead::kFrame) continue;
+    for (const TrackedPerson& person : tracker.track(frame)) {
+      if (Result<void> added = joints.add(person.skeleton); !added) return added.error();
+    }
+    if (!firstTime) firstTime = frame.time;
+    recording.seconds = frame.time - *firstTime;
+    ++read;
+    if (limit.frames > 0 && read >= limit.frames) break;
+    if (limit.seconds > 0.0 && recording.seconds >= limit.seconds) break;
+  }
+  const Result<int> rows = joints.finish();
+  if (!rows) return rows.error();
+  recording.rows = *rows;
+  const Result<int> frames = recorder.finish();
+  if (!frames) return frames.error();
+  recording.frames = *frames;
+  return recording;
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {options.out, jointsBeside(options.out)}); !fine) return fine;
+  if (Result<void> fine = checkOutput("OUT", options.out, ".oni"); !fine) return fine;
+  Result<std::unique_ptr<DepthSource>> depth = openCamera(options.depth);
+  if (!depth) return depth.error();
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return tracker.error();
+  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**depth, options.out);
+  if (!recorder) return recorder.error();
+  Result<JointCsvWriter> joints = JointCsvWriter::create(jointsBeside(options.out));
+  if (!joints) return joints.error();
+
+  fmt::print(stderr, "Recording {}; Ctrl-C ends.\n", (*depth)->name());
+  const Result<Recording> made = record(options, **depth, *tracker, **recorder, *joints);
+  if (!made) return made.error();
+
+  Report report(fmt::format("Recorded {} of {} ({:.1f} s)", counted(made->frames, "depth frame"), (*depth)->name(),
+                            made->seconds));
+  report.line("depth", options.out);
+  report.line("joints", made->rows == 0 ? "nobody was seen"
+                                        : fmt::format("{}, {}", jointsBeside(options.out).string(),
+                                                      counted(made->rows, "skeleton")));
+  if (made->unplugged) report.note("The sensor was unplugged for a while.");
+  nlohmann::ordered_json json;
+  json["source"] = (*depth)->name();
+  json["depth"] = options.out;
+  json["frames"] = made->frames;
+  json["seconds"] = made->seconds;
+  json["joints"] =
+      made->rows > 0 ? nlohmann::ordered_json(jointsBeside(options.out).string()) : nlohmann::ordered_json();
+  json["skeletons"] = made->rows;
+  json["unplugged"] = made->unplugged;
+  return publish(common, report, json);
+}
+
+}  // namespace
+
+Command addRecord(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = addSubcommand(
+      parent, common, "record", "Record a depth camera to .oni, and the joints of whoever is seen beside it as .csv.",
+      "  lorica record body.oni\n"
+      "      body.oni and body.csv, until Ctrl-C\n"
+      "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
+      "  lorica record body.oni --virtual --seconds 3\n"
+      "      without a camera: a virtual one before a virtual person\n"
+      "  lorica play body.oni\n"
+      "      play what was recorded\n"
+      "\nWhile it runs the files are named body.part.oni and body.part.csv; both can be read even if it is killed.");
+  app->add_option("OUT", options->out, "The recording to write: .oni")->required()->type_name("");
+  addDepthOptions(*app, options->depth);
+  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many depth frames");
+  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

@@ -1,0 +1,105 @@
+#include "geometry/files.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica::test {
+namespace {
+
+/// A body that is quick to make.
+std::filesystem::path makeBody(const TemporaryFolder& folder) {
+  const std::filesystem::path body = folder.path() / "body.lorica";
+  const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});
+  EXPECT_EQ(made.exitCode, 0) << made.err;
+  return body;
+}
+
+CommandSurroundings before(const std::string& virtualCamera) {
+  CommandSurroundings surroundings;
+  surroundings.virtualCamera = virtualCamera;
+  return surroundings;
+}
+
+TEST(Live, AVirtualPersonIsFollowed) {
+  const TemporaryFolder folder;
+  const CommandResult result = runLorica({"live", "--virtual", "--motion", "wave", "--decomposition", makeBody(folder),
+                                          "--frames", "30", "--headless", "--json", "-"});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_GT(json["depthFrames"].get<int>(), 20);
+  EXPECT_GT(json["framesWithPerson"].get<int>(), 20);
+  EXPECT_EQ(json["mostPeople"], 1);
+  EXPECT_EQ(json["unplugged"], 0);
+  EXPECT_LT(json["firstPose"].get<double>(), 1.0);
+  EXPECT_GE(json["latency"]["median"].get<double>(), json["tracking"]["median"].get<double>());
+}
+
+TEST(Live, AnUnpluggedSensorIsSurvivedAndComesBack) {
+  const TemporaryFolder folder;
+  const CommandResult result = runLorica(
+      {"live", "--virtual", "--decomposition", makeBody(folder), "--seconds", "4", "--headless", "--json", "-"},
+      before("unplug=0.8:1.5"));
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["unplugged"], 1) << result.err;
+  EXPECT_NE(result.err.find("the sensor is back"), std::string::npos) << result.err;
+  EXPECT_GT(json["frames"].get<int>(), json["depthFrames"].get<int>()) << "the avatar moves on while it is away";
+  EXPECT_GT(json["framesWithPerson"].get<int>(), json["depthFrames"].get<int>() / 2);
+}
+
+TEST(Live, CtrlCEndsItWithASummary) {
+  const TemporaryFolder folder;
+  CommandSurroundings surroundings;
+  surroundings.interruptAfterMs = 4000;
+  const CommandResult result =
+      runLorica({"live", "--virtual", "--decomposition", makeBody(folder), "--headless"}, surroundings);
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_NE(result.out.find("latency"), std::string::npos) << result.out;
+}
+
+TEST(Live, WrongSourcesAreRefusedInASentence) {
+  const CommandResult noCamera = runLorica({"live", "--headless", "--frames", "5"});
+  EXPECT_EQ(noCamera.exitCode, 2);
+  EXPECT_NE(noCamera.err.find("--virtual"), std::string::npos) << noCamera.err;
+  const CommandResult noMotion = runLorica({"live", "--virtual", "--motion", "flying", "--headless", "--frames", "5"});
+  EXPECT_EQ(noMotion.exitCode, 2);
+  EXPECT_NE(noMotion.err.find("flying"), std::string::npos) << noMotion.err;
+  const CommandResult noDriver = runLorica({"live", "--driver", "nowhere/libX.so.0", "--headless", "--frames", "5"});
+  EXPECT_EQ(noDriver.exitCode, 2);
+  EXPECT_NE(noDriver.err.find("libX.so.0"), std::string::npos) << noDriver.err;
+  EXPECT_EQ(runLorica({"live", "--motion", "walk"}).exitCode, 2) << "nobody performs before a real camera";
+}
+
+TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "seen.oni";
+  const CommandResult recorded = runLorica({"record", out, "--virtual", "--frames", "20", "--json", "-"});
+  ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
+  const int frames = recorded.json()["frames"];
+  EXPECT_GE(frames, 20);
+  EXPECT_GT(recorded.json()["skeletons"].get<int>(), 10);
+  EXPECT_EQ(filesIn(folder.path()), (std::vector<std::string>{"seen.csv", "seen.oni"}));
+
+  EXPECT_EQ(runLorica({"info", out, "--json", "-"}).json()["frames"], frames);
+  const CommandResult played = runLorica({"play", out, "--decomposition", makeBody(folder), "--json", "-"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  EXPECT_EQ(played.json()["frames"], frames) << "every frame once";
+  const CommandResult again = runLorica({"play", out, "--decomposition", makeBody(folder), "--json", "-"});
+  EXPECT_EQ(again.json()["hash"], played.json()["hash"]);
+  EXPECT_EQ(runLorica({"info", folder.path() / "seen.csv", "--json", "-"}).json()["kind"], "recording");
+}
+
+TEST(Record, ADamagedRecordingIsASentence) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "broken.oni";
+  ASSERT_TRUE(writeFileAtomically(file, "NI10 and then nothing of use").ok());
+  for (const char* command : {"play", "info"}) {
+    const CommandResult result = runLorica({command, file});
+    EXPECT_EQ(result.exitCode, 2) << command;
+    EXPECT_NE(result.err.find("broken.oni"), std::string::npos) << result.err;
+  }
+}
+
+}  // namespace
+}  // namespace lorica::test
