@@ -81,7 +81,8 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
       ++seen_[i];
     }
     // Behind the background there is nothing: what was taken for it has left.
-    if (seen_[i] >= (off > 0.0F ? kDeeperAfter : kReplaceAfter)) absorb(grid, i);
+    const bool left = depth_[i] != 0.0F && off > 0.0F;
+    if (seen_[i] >= (left ? kDeeperAfter : kReplaceAfter)) absorb(grid, i);
   }
   findNearest();
 }

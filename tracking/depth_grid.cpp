@@ -6,7 +6,7 @@ namespace lorica {
 
 float depthNoise(float depth) {
   const float past = depth - 0.4F;
-  return 0.0012F + 0.0019F * past * past + 0.0008F * depth * depth;
+  return 0.0012F + 0.0019F * past * past + 0.0003F * depth * depth;
 }
 
 DepthGrid::DepthGrid(const DepthCamera& camera)

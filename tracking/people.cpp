@@ -25,6 +25,7 @@ constexpr float kGapNew = 0.35F;         // between pieces of a person in front 
 constexpr float kGapUnknown = 0.25F;     // and where it is not known [m]
 constexpr int kGapCells = 10;            // that noise and shadows may take out between pieces
 constexpr int kHeightBins = 256;         // of 2 cm, from 0.5 m under the floor
+constexpr float kLeastHeight = 1.1F;     // of whoever does not move, over the floor [m]
 constexpr double kStillSeconds = 3.0;    // that furniture may be taken for a person
 constexpr double kPersonSeconds = 20.0;  // that someone with head and shoulders may stand like a post
 
@@ -41,8 +42,10 @@ struct Slot {
   double born = 0.0, lastSeen = 0.0;  ///< [s]
   Vec3f middle = Vec3f::Zero();       ///< floor frame [m]
   Vec3f velocity = Vec3f::Zero();     ///< [m/s]
+  float top = 0.0F;                   ///< height of the highest cells but a few [m]
+  bool cutAbove = false;              ///< by the image's upper border
   Vec3f sum = Vec3f::Zero();
-  std::array<int, kHeightBins> heights{};
+  std::array<int, kHeightBins> heights{};  ///< cells at each height
 };
 
 }  // namespace
@@ -55,7 +58,7 @@ struct PeopleFinder::Impl {
   void giveBirth();
   void joinPieces();
   void measure();
-  void giveUpFurniture();
+  void giveUpFurniture(bool floorIsNew);
   void report();
   void paint(std::span<const std::uint16_t> depthMm);
   void find(const DepthFrame& frame);
@@ -63,12 +66,13 @@ struct PeopleFinder::Impl {
   [[nodiscard]] Vec3f expected(const Slot& slot) const {
     return slot.middle + static_cast<float>(elapsed) * slot.velocity;
   }
-  [[nodiscard]] bool withinReach(const DepthComponent& one, const Slot& slot) const;
+  /// Along the floor, from the middle of a surface to where a person's is expected [m].
+  [[nodiscard]] float awayFrom(const DepthComponent& one, const Slot& slot) const;
   [[nodiscard]] int freeSlot() const;
   [[nodiscard]] int rememberedSlot(const DepthComponent& one) const;
   void give(std::size_t component, int slot);
   void splitBetween(std::size_t component, unsigned slotMask);
-  [[nodiscard]] CellShift shiftOf(const Slot& slot) const;
+  [[nodiscard]] SplitShare shareOf(const Slot& slot) const;
 
   DepthCamera camera;
   int maxPeople;
@@ -112,7 +116,7 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int most)
       background(grid),
       finder(grid),
       split(grid),
-      floorNoise([](double depth) { return 3.0 * depthNoise(static_cast<float>(depth)) / depth; }),
+      floorNoise([](double depth) { return 2.5 * depthNoise(static_cast<float>(depth)) / depth; }),
       kinds(grid.cellCount()),
       person(grid.cellCount()),
       lastPerson(grid.cellCount()),
@@ -133,16 +137,16 @@ void PeopleFinder::Impl::classify() {
         const std::size_t i = grid.index(c, r);
         const std::uint16_t depthMm = grid.depthMm[i];
         const float above = 0.001F * static_cast<float>(depthMm) * places.slope(c, r) + height;
-        if (depthMm != 0 && above < 0.012F + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
+        if (depthMm != 0 && above < 0.008F + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
       }
     }
   }
   background.classify(grid, kinds);
 }
 
-bool PeopleFinder::Impl::withinReach(const DepthComponent& one, const Slot& slot) const {
+float PeopleFinder::Impl::awayFrom(const DepthComponent& one, const Slot& slot) const {
   const Vec3f apart = one.middle() - expected(slot);
-  return std::hypot(apart.x(), apart.z()) < kReach;
+  return std::hypot(apart.x(), apart.z());
 }
 
 int PeopleFinder::Impl::freeSlot() const {
@@ -189,27 +193,30 @@ void PeopleFinder::Impl::give(std::size_t component, int slot) {
   }
 }
 
-CellShift PeopleFinder::Impl::shiftOf(const Slot& slot) const {
+SplitShare PeopleFinder::Impl::shareOf(const Slot& slot) const {
+  SplitShare share;
+  share.middle = expected(slot);
   const Isometry3 cameraFromFloor = floorFromCamera.inverse();
   const Vec3 before = cameraFromFloor * slot.middle.cast<double>();
-  const Vec3 now = cameraFromFloor * expected(slot).cast<double>();
-  if (before.z() > -0.1 || now.z() > -0.1) return {};
+  const Vec3 now = cameraFromFloor * share.middle.cast<double>();
+  if (before.z() > -0.1 || now.z() > -0.1) return share;
   const double x = (now.x() / -now.z() - before.x() / -before.z()) * camera.focalX() / grid.step;
   const double y = -(now.y() / -now.z() - before.y() / -before.z()) * camera.focalY() / grid.step;
-  return {static_cast<int>(std::lround(std::clamp(x, -8.0, 8.0))),
-          static_cast<int>(std::lround(std::clamp(y, -8.0, 8.0)))};
+  share.columns = static_cast<int>(std::lround(std::clamp(x, -8.0, 8.0)));
+  share.rows = static_cast<int>(std::lround(std::clamp(y, -8.0, 8.0)));
+  return share;
 }
 
 void PeopleFinder::Impl::splitBetween(std::size_t component, unsigned slotMask) {
-  std::array<CellShift, kPersonSlots> shifts{};
+  std::array<SplitShare, kPersonSlots> shares{};
   for (int k = 0; k < kPersonSlots; ++k) {
     if ((slotMask & (1U << static_cast<unsigned>(k))) == 0) continue;
     Slot& slot = slots[static_cast<std::size_t>(k)];
     slot.seen = true;
-    shifts[static_cast<std::size_t>(k)] = shiftOf(slot);
+    shares[static_cast<std::size_t>(k)] = shareOf(slot);
   }
   owner[component] = kSeveral;
-  split.apply(grid, finder, component, slotMask, shifts, LastCells{lastPerson, lastDepthMm}, person);
+  split.apply(grid, finder, places, component, slotMask, shares, LastCells{lastPerson, lastDepthMm}, person);
 }
 
 /// Surfaces that were someone's in the last frame are so now.
@@ -236,7 +243,7 @@ void PeopleFinder::Impl::assign() {
     if ((mask & (mask - 1)) != 0) {
       splitBetween(i, mask);
     } else if (isMainPiece(one, slots[static_cast<std::size_t>(best)].cells, best) ||
-               withinReach(one, slots[static_cast<std::size_t>(best)])) {
+               awayFrom(one, slots[static_cast<std::size_t>(best)]) < kReach) {
       give(i, best);
     }
   }
@@ -270,6 +277,7 @@ void PeopleFinder::Impl::giveBirth() {
     slot.born = slot.lastSeen = time;
     slot.middle = all[component].middle();
     give(component, free);
+    joinPieces();
   }
 }
 
@@ -312,7 +320,14 @@ void PeopleFinder::Impl::joinPieces() {
         look(w, grid.height - 1 - r);
       }
     }
-    if (best >= 0 && withinReach(one, slots[static_cast<std::size_t>(best)])) give(component, best);
+    if (best < 0) continue;
+    // Someone who has gone behind another one looks out beside him.
+    const int hidden = isNew ? rememberedSlot(one) : -1;
+    if (hidden >= 0 &&
+        awayFrom(one, slots[static_cast<std::size_t>(hidden)]) < awayFrom(one, slots[static_cast<std::size_t>(best)])) {
+      best = hidden;
+    }
+    if (awayFrom(one, slots[static_cast<std::size_t>(best)]) < kReach) give(component, best);
   }
 }
 
@@ -321,6 +336,7 @@ void PeopleFinder::Impl::measure() {
     slot.cells = slot.newCells = 0;
     slot.sum.setZero();
     slot.heights.fill(0);
+    slot.cutAbove = false;
   }
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
@@ -331,6 +347,7 @@ void PeopleFinder::Impl::measure() {
       ++slot.cells;
       slot.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
       slot.sum += place;
+      slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
       ++slot.heights[static_cast<std::size_t>(
           std::clamp(static_cast<int>((place.y() + 0.5F) * 50.0F), 0, kHeightBins - 1))];
     }
@@ -339,6 +356,9 @@ void PeopleFinder::Impl::measure() {
     if (!slot.used) continue;
     slot.seen = slot.cells >= kLeastCells;
     if (slot.seen) {
+      int above = 0, bin = kHeightBins;
+      while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[static_cast<std::size_t>(--bin)];
+      slot.top = 0.02F * static_cast<float>(bin + 1) - 0.5F;
       const Vec3f middle = slot.sum / static_cast<float>(slot.cells);
       const double since = time - slot.lastSeen;
       if (since > 1e-4 && since < 0.2) {
@@ -358,12 +378,17 @@ void PeopleFinder::Impl::measure() {
   }
 }
 
-/// What never moves is no person.
-void PeopleFinder::Impl::giveUpFurniture() {
+/// What never moves is no person, nor is what proves to be low once the floor is known.
+void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
   for (int k = 0; k < kPersonSlots; ++k) {
     Slot& slot = slots[static_cast<std::size_t>(k)];
-    if (!slot.seen || slot.moved || time - slot.born < kStillSeconds) continue;
-    if (time - slot.born < kPersonSeconds && hasHeadAndShoulders(grid, places, person, k, slot.heights)) continue;
+    if (!slot.seen || slot.moved) continue;
+    const double age = time - slot.born;
+    const bool low =
+        floorIsNew && !slot.cutAbove && slot.top < kLeastHeight && slot.cells * 25 < static_cast<int>(person.size());
+    const bool likely =
+        age < kStillSeconds || (age < kPersonSeconds && hasHeadAndShoulders(grid, places, person, k, slot.top));
+    if (!low && likely) continue;
     for (std::size_t i = 0; i < person.size(); ++i) {
       if (person[i] != k + 1) continue;
       person[i] = 0;
@@ -426,11 +451,7 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
     segment.left = camera.width;
     segment.top = camera.height;
     segment.middle = next->middle.cast<double>();
-    int above = 0;
-    for (int bin = kHeightBins - 1; bin >= 0 && above < 3 + next->cells / 500; --bin) {
-      above += next->heights[static_cast<std::size_t>(bin)];
-      segment.topHeight = 0.02 * (bin + 1) - 0.5;
-    }
+    segment.topHeight = next->top;
     people.push_back(segment);
     numbers[static_cast<std::size_t>(next - slots.data())] = static_cast<std::uint8_t>(people.size());
   }
@@ -442,7 +463,9 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   time = frame.time;
   started = true;
   grid.fill(frame.depthMm);
+  const bool floorBefore = floor.found();
   floor.update(grid);
+  const bool floorIsNew = floor.found() && !floorBefore;
   floorFromCamera = floor.floorFromCamera();
   places.set(grid, floorFromCamera);
   classify();
@@ -452,7 +475,7 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   giveBirth();
   joinPieces();
   measure();
-  giveUpFurniture();
+  giveUpFurniture(floorIsNew);
 
   // The room is learnt from what is nobody's for sure.
   const std::span<const std::int32_t> label = finder.labels();

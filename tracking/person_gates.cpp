@@ -25,16 +25,17 @@ bool mayBePerson(const DepthComponent& one, const DepthGrid& grid, bool floorFou
   const bool moving = 5 * one.newCells > 3 * one.cells;
   const Vec3f size = one.most - one.least;
   if (isOversize(one) || std::min(size.x(), size.z()) > 1.3F) return false;
-  if (one.area < (cut ? 0.1 : 0.15)) return false;
-  if (floorFound) {
+  // Close to the camera little of a person fits into the image, but that little fills much of it.
+  const bool closeUp = cut && one.cells * 25 >= static_cast<int>(grid.cellCount());
+  if (one.area < (cut ? 0.1 : 0.15) && !closeUp) return false;
+  if (floorFound && !closeUp) {
     if (one.most.y() < (moving ? 0.8F : 1.1F) && !cutAbove) return false;
     if (one.least.y() > 0.5F && !cutBelow && !moving) return false;
-  } else if (size.y() < 0.4F) {
-    return false;
   }
+  if (!floorFound && size.norm() < 0.45F) return false;
   const float depth = std::sqrt(static_cast<float>(one.area / (grid.cellArea * one.cells)));
   if (depth > 5.5F) return false;
-  return one.thickness() > 0.012F + depthNoise(depth);
+  return one.thickness() > 0.008F + 0.6F * depthNoise(depth);
 }
 
 bool mayBePartOfPerson(const DepthComponent& one) {
@@ -42,13 +43,7 @@ bool mayBePartOfPerson(const DepthComponent& one) {
 }
 
 bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places, std::span<const std::uint8_t> person,
-                         int slot, std::span<const int> heights) {
-  int total = 0, above = 0;
-  for (const int count : heights) total += count;
-  auto bin = static_cast<int>(heights.size()) - 1;
-  for (; bin > 0 && above < 3 + total / 500; --bin) above += heights[static_cast<std::size_t>(bin)];
-  const float top = 0.02F * static_cast<float>(bin) - 0.5F;
-
+                         int slot, float top) {
   // Widths of two slices, across what the camera sees.
   std::array<float, 2> least{1e9F, 1e9F}, most{-1e9F, -1e9F};
   for (int r = 0; r < grid.height; ++r) {

@@ -25,9 +25,9 @@ namespace lorica {
 [[nodiscard]] bool mayBePartOfPerson(const DepthComponent& one);
 
 /// Narrow at the top and wider below.
-/// @param person   slot + 1 of each cell
-/// @param heights  count of the person's cells by height, in steps of 2 cm from 0.5 m under the floor
+/// @param person  slot + 1 of each cell
+/// @param top     height of the person [m]
 [[nodiscard]] bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places,
-                                       std::span<const std::uint8_t> person, int slot, std::span<const int> heights);
+                                       std::span<const std::uint8_t> person, int slot, float top);
 
 }  // namespace lorica
