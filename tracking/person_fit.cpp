@@ -1,23 +1,32 @@
 #include "tracking/person_fit.h"
 
+#include "tracking/limb_pose.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace lorica::fit {
 namespace {
 
-constexpr float kPi = 3.14159265F;
 constexpr float kMannequinHeight = 1.752F;  ///< [m]
 constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is found anew
 constexpr float kLostShare = 0.20F;         ///< of points that the body does not explain: the person is lost
+constexpr int kLostViews = 3;               ///< so many times in a row
+constexpr float kLostLimb = 0.06F;          ///< a limb this far where it cannot be is searched for [m]
 constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
-constexpr int kLostViews = 5;               ///< so many times in a row
+constexpr float kMomentum = 0.7F;           ///< of the last step, in the prediction of the next
+
+constexpr int kEarlyViews = 60;        ///< in which rivals are sought without pause
+constexpr int kChallengePause = 60;    ///< views between searches for rivals later
+constexpr int kRivalViews = 6;         ///< that a rival is followed before it can win
+constexpr float kRivalShare = 0.93F;   ///< of the own cost that a rival must stay under
+constexpr float kStartEffort = 12.0F;  ///< milliseconds a view, about
+constexpr float kEarlyEffort = 5.0F;
+constexpr float kChallengeEffort = 2.0F;
+constexpr std::size_t kLeastPoints = 40;
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
-constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
-constexpr std::array<FitStage, 2> kMedium = {{{0.15F, 200, 6}, {0.08F, 400, 6}}};
-constexpr std::array<FitStage, 1> kLimb = {{{0.08F, 400, 4}}};
-constexpr FitStage kJudge = {0.08F, 600, 0};
+constexpr std::array<FitStage, 1> kRivalFollow = {{{0.08F, 400, 4}}};
 
 /// Deviation of each degree of freedom from what is predicted, in one frame.
 Step followStiffness() {
@@ -29,8 +38,8 @@ Step followStiffness() {
     if (n == kSpine || n == kChest) d = 0.12F;
     if (n == kNeck) d = 0.20F;
     if (n == kLeftClavicle || n == kRightClavicle) d = 0.10F;
-    if (n >= kLeftHand && n <= kRightHand) d = 0.25F;
-    if (n >= kLeftFoot) d = 0.20F;
+    if (n == kLeftHand || n == kRightHand) d = 0.25F;
+    if (n == kLeftFoot || n == kRightFoot) d = 0.20F;
     for (int i = 0; i < nodes[n].dofCount; ++i) deviation[nodes[n].firstDof + i] = d;
   }
   deviation.head<3>().setConstant(0.08F);
@@ -46,18 +55,7 @@ void easeDown(Limb arm, BodyPose& pose) {
   for (float& angle : pose.angle[end]) angle *= 1.0F - kEase;
 }
 
-PosePrior weakly(const BodyPose& pose, float stiffness) {
-  PosePrior prior;
-  prior.pose = pose;
-  prior.stiffness.setConstant(stiffness);
-  return prior;
-}
-
 }  // namespace
-
-PosePrior PersonFit::looseAround(const BodyPose& pose) const {
-  return weakly(pose, 0.5F);
-}
 
 float PersonFit::height() const {
   // Feet to crown of the body standing straight.
@@ -71,115 +69,48 @@ float PersonFit::height() const {
 void PersonFit::forget() {
   started_ = false;
   views_ = 0;
-  other_.reset();
-  velocity_.setZero();
+  search_.stop();
+  rival_.reset();
   proportions_ = Proportions();
 }
 
 void PersonFit::move(const Eigen::Isometry3f& newFromOld) {
   const Q turn(newFromOld.linear());
-  for (BodyPose* pose : {&pose_, &before_, other_ ? &*other_ : nullptr}) {
+  for (BodyPose* pose : {&pose_, rival_ ? &rival_->pose : nullptr}) {
     if (!pose) continue;
     pose->root = newFromOld * pose->root;
     pose->turn[kPelvis] = turn * pose->turn[kPelvis];
   }
 }
 
-bool PersonFit::start(const BodyView& view, bool again) {
-  const auto points = view.points();
-  if (points.size() < 60) return false;
-  float top = -1e9F;
-  for (const BodyView::Point& point : points) top = std::max(top, point.place.y());
-  const V3 away = V3(view.middle().x() - view.cameraPlace().x(), 0.0F, view.middle().z() - view.cameraPlace().z());
-  const V3 back = away.normalized();
-  const float towards = std::atan2(-back.x(), -back.z());
-  const V3 middle = view.middle() + 0.10F * back;
-
-  count_ = 0;
-  const auto add = [&](const BodyPose& pose, const Proportions& proportions) {
-    if (count_ < candidates_.size()) candidates_[count_++] = {pose, proportions, 0.0F};
-  };
-  Proportions standing = again ? proportions_ : Proportions();
-  if (!again) standing.factor[kSize] = std::clamp(top / kMannequinHeight, 0.6F, 1.25F);
-  Proportions usual = again ? proportions_ : Proportions();
-  const float size = usual.factor[kSize];
-  for (const float turn : {0.0F, kPi, 0.5F * kPi, -0.5F * kPi}) {
-    const float heading = towards + turn;
-    const V3 hips(middle.x(), top - (kMannequinHeight - 0.915F) * standing.factor[kSize], middle.z());
-    const V3 seat(middle.x(), top - 0.80F * size, middle.z());
-    add(standingPose(hips, heading, 0.15F, 0.0F, 0.2F), standing);
-    add(standingPose(hips, heading, 1.4F, 0.0F, 0.2F), standing);
-    add(standingPose(hips, heading, 0.2F, 0.8F, 1.2F), standing);
-    if (top < 1.55F && top > 0.8F) add(sittingPose(seat, heading), usual);
-    if (again) continue;
-    // Children and comic figures: a large head.
-    Proportions large = standing;
-    large.factor[kSize] *= 0.86F;
-    large.factor[kHeadSize] = 1.6F;
-    const V3 low(middle.x(), 0.915F * large.factor[kSize], middle.z());
-    add(standingPose(low, heading, 0.3F, 0.0F, 0.2F), large);
-  }
-  if (again) {
-    add(pose_, proportions_);
-    add(turnedAbout(pose_, proportions_), proportions_);
-  }
-  const auto byCost = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
-  for (std::size_t i = 0; i < count_; ++i) {
-    Candidate& c = candidates_[i];
-    c.cost = fitter_.fit(view, c.proportions, looseAround(c.pose), kRough, c.pose).plausible();
-  }
-  std::stable_sort(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_), byCost);
-  count_ = std::min<std::size_t>(count_, 4);
-  std::array<float, kProportionCount> deviation;
-  deviation.fill(0.04F);
-  for (std::size_t i = 0; i < count_; ++i) {
-    Candidate& c = candidates_[i];
-    pose_ = c.pose;
-    proportions_ = c.proportions;
-    fitter_.fit(view, proportions_, looseAround(pose_), kMedium, pose_);
-    for (int round = 0; round < (again ? 0 : 5); ++round) {
-      fitter_.refineProportions(view, deviation, pose_, proportions_);
-      fitter_.fit(view, proportions_, looseAround(pose_), kLimb, pose_);
-    }
-    for (const Limb limb : {kLeftArm, kRightArm, kLeftLeg, kRightLeg}) tryLimb(view, limb);
-    c.cost = fitter_.fit(view, proportions_, looseAround(pose_), kMedium, pose_).plausible();
-    c.pose = pose_;
-    c.proportions = proportions_;
-  }
-  const auto best =
-      std::min_element(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_), byCost);
-  pose_ = best->pose;
-  proportions_ = best->proportions;
-  before_ = pose_;
+void PersonFit::take(const Figure& figure) {
+  pose_ = figure.pose;
+  proportions_ = figure.proportions;
   velocity_.setZero();
-  started_ = true;
-  if (!again) views_ = 0;
-  sinceStart_ = 0;
   confidence_.restart();
-  doubt_ = 0.0F;
-  other_.reset();
+  rival_.reset();
+  lost_ = 0;
+}
+
+bool PersonFit::start(const BodyView& view) {
+  if (!search_.busy()) search_.begin(view, std::nullopt);
+  if (!search_.work(view, kStartEffort)) return false;
+  take(search_.found());
+  started_ = true;
+  views_ = 0;
+  sinceChallenge_ = 0;
   return true;
 }
 
-bool PersonFit::tryLimb(const BodyView& view, Limb limb) {
-  const auto candidates = search_.search(view, proportions_, pose_, limb);
-  if (candidates.empty() || candidates[0].cost > search_.presentCost() - 10.0F) return false;
-  const FitCost present = fitter_.costOf(view, proportions_, looseAround(pose_), kJudge, pose_);
-  BodyPose best = pose_;
-  float bestCost = present.plausible() - 6.0F;
-  for (const LimbSearch::Candidate& candidate : candidates) {
-    if (candidate.cost > search_.presentCost() - 5.0F) break;
-    BodyPose pose = candidate.pose;
-    fitter_.fit(view, proportions_, weakly(pose, 4.0F), kLimb, pose);
-    const float cost = fitter_.costOf(view, proportions_, looseAround(pose), kJudge, pose).plausible();
-    if (cost < bestCost) {
-      bestCost = cost;
-      best = pose;
-    }
-  }
-  if (bestCost >= present.plausible() - 6.0F) return false;
-  pose_ = best;
-  return true;
+void PersonFit::resume(const BodyView& view) {
+  // The pose is old: go to where the person is now, and look for another pose beside.
+  pose_.root += V3(view.middle().x() - oldMiddle_.x(), 0.0F, view.middle().z() - oldMiddle_.z());
+  velocity_.setZero();
+  confidence_.restart();
+  rival_.reset();
+  search_.begin(view, Figure{pose_, proportions_});
+  lost_ = kLostViews;
+  views_ = std::min(views_, kEarlyViews / 2);
 }
 
 void PersonFit::searchLimbs(const BodyView& view) {
@@ -189,28 +120,65 @@ void PersonFit::searchLimbs(const BodyView& view) {
     const auto limb = static_cast<Limb>(i);
     float worst = 0.0F;
     for (std::size_t c = 0; c < kCapsuleCount; ++c) {
-      if (!isOf(limb, capsuleDefs()[c].node)) continue;
-      worst = std::max(worst, support_.violation[c]);
+      if (isOf(limb, capsuleDefs()[c].node)) worst = std::max(worst, support_.violation[c]);
     }
-    if (i == turn_ || worst > 0.06F) tryLimb(view, limb);
+    if (i == turn_ || worst > kLostLimb) improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
   }
 }
 
-void PersonFit::considerFacing(const BodyView& view) {
-  (void)view;
+void PersonFit::compareRival(const BodyView& view) {
+  fitter_.fit(view, rival_->proportions, weakly(rival_->pose, 2.0F), kRivalFollow, rival_->pose);
+  const auto judge = [&](const Figure& f) {
+    return fitter_.costOf(view, f.proportions, weakly(f.pose, 0.0F), kJudge, f.pose).plausible();
+  };
+  rivalCost_ += judge(*rival_);
+  ownCost_ += judge({pose_, proportions_});
+  ++rivalViews_;
+  if (rivalCost_ > ownCost_) {
+    rival_.reset();
+  } else if (rivalViews_ >= kRivalViews) {
+    if (rivalCost_ < kRivalShare * ownCost_) {
+      take(*rival_);
+    } else {
+      rival_.reset();
+    }
+  }
+}
+
+void PersonFit::challenge(const BodyView& view) {
+  if (rival_) {
+    compareRival(view);
+    return;
+  }
+  ++sinceChallenge_;
+  const bool lost = lost_ >= kLostViews;
+  if (!search_.busy()) {
+    const int pause = lost ? 0 : (views_ < kEarlyViews ? 4 : kChallengePause);
+    if (sinceChallenge_ < pause) return;
+    // At first the proportions are in doubt too.
+    fresh_ = views_ < 2 * kEarlyViews && !fresh_;
+    search_.begin(view, fresh_ ? std::optional<Figure>() : Figure{pose_, proportions_});
+  }
+  if (!search_.work(view, lost ? kStartEffort : (views_ < kEarlyViews ? kEarlyEffort : kChallengeEffort))) return;
+  sinceChallenge_ = 0;
+  rival_ = search_.found();
+  rivalViews_ = 0;
+  rivalCost_ = 0.0F;
+  ownCost_ = 0.0F;
 }
 
 bool PersonFit::follow(const BodyView& view, float seconds) {
-  if (view.points().size() < 40) return false;
+  if (view.points().size() < kLeastPoints) return false;
   if (!started_) {
-    if (!start(view, false)) return false;
-  } else if (seconds > kGapSeconds || (lost_ >= kLostViews && sinceStart_ >= kLostViews)) {
-    start(view, true);
-    lost_ = 0;
+    oldMiddle_ = view.middle();
+    if (!start(view)) return false;
+  } else if (seconds > kGapSeconds) {
+    resume(view);
   }
+  oldMiddle_ = view.middle();
   static const Step stiffness = followStiffness();
   PosePrior prior;
-  prior.pose = stepped(pose_, 0.7F * velocity_);
+  prior.pose = stepped(pose_, kMomentum * velocity_);
   for (const Limb arm : {kLeftArm, kRightArm}) {
     if (confidence_.hidden(arm)) easeDown(arm, prior.pose);
   }
@@ -220,9 +188,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   cost_ = fitter_.fit(view, proportions_, prior, kFollow, pose_);
   support_ = fitter_.supportOf(view, proportions_, pose_);
   searchLimbs(view);
-  considerFacing(view);
   ++views_;
-  ++sinceStart_;
   std::array<float, kProportionCount> deviation;
   deviation.fill(views_ < 30 ? 0.01F : 0.001F);
   fitter_.refineProportions(view, deviation, pose_, proportions_);
@@ -231,15 +197,15 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
   velocity_ = stepBetween(last, pose_);
   for (int i = 0; i < kFitLimbCount; ++i) {
-    const auto limb = static_cast<Limb>(i);
     if (!confidence_.hidden(i)) continue;
+    const auto limb = static_cast<Limb>(i);
     for (const Node node : {upperNodeOf(limb), lowerNodeOf(limb), endNodeOf(limb)}) {
       velocity_.segment(nodeDefs()[node].firstDof, nodeDefs()[node].dofCount).setZero();
     }
   }
   const float fastest = velocity_.tail<kDofCount - 3>().cwiseAbs().maxCoeff();
   if (fastest > 0.5F) velocity_ *= 0.5F / fastest;
-  before_ = last;
+  challenge(view);
   return true;
 }
 

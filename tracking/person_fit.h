@@ -4,6 +4,7 @@
 #include "tracking/body_fit.h"
 #include "tracking/joint_confidence.h"
 #include "tracking/limb_search.h"
+#include "tracking/person_search.h"
 
 #include <array>
 #include <optional>
@@ -34,40 +35,34 @@ class PersonFit {
   void move(const Eigen::Isometry3f& newFromOld);
 
  private:
-  /// @param again  keeps the proportions and also tries where the person was
-  bool start(const BodyView& view, bool again);
+  bool start(const BodyView& view);
+  void resume(const BodyView& view);
   void searchLimbs(const BodyView& view);
-  bool tryLimb(const BodyView& view, Limb limb);
-  void considerFacing(const BodyView& view);
-  [[nodiscard]] PosePrior looseAround(const BodyPose& pose) const;
-
-  struct Candidate {
-    BodyPose pose;
-    Proportions proportions;
-    float cost;
-  };
+  void challenge(const BodyView& view);
+  void compareRival(const BodyView& view);
+  void take(const Figure& figure);
 
   BodyFitter fitter_;
-  LimbSearch search_;
+  LimbSearch limbs_;
+  PersonSearch search_;
   bool started_ = false;
-  int views_ = 0;
-  int sinceStart_ = 0;
-  int lost_ = 0;  ///< views in a row
-  std::array<Candidate, 24> candidates_;
-  std::size_t count_ = 0;
-  BodyPose pose_, before_;
+  int views_ = 0;              ///< followed since the person came
+  int lost_ = 0;               ///< views in a row that the body does not explain
+  V3 oldMiddle_ = V3::Zero();  ///< of the last view
+  BodyPose pose_;
   Step velocity_ = Step::Zero();
   Proportions proportions_;
   CapsuleSupport support_;
   JointConfidence confidence_;
   FitCost cost_;
+  int turn_ = 0;  ///< whose limb is searched for next
 
-  // The figure that faces the other way, followed beside while it may be the true one.
-  std::optional<BodyPose> other_;
-  float doubt_ = 0.0F;  ///< how much better the other figure explains what was seen, summed over time
-  int sinceOther_ = 0;
-  std::array<float, kFitLimbCount> limbDoubt_{};
-  int turn_ = 0;
+  /// Another figure that may be the true one, followed beside for some views.
+  std::optional<Figure> rival_;
+  int rivalViews_ = 0;
+  float rivalCost_ = 0.0F, ownCost_ = 0.0F;  ///< sums over those views
+  int sinceChallenge_ = 0;
+  bool fresh_ = false;  ///< the search under way asks nothing of what is believed
 };
 
 }  // namespace lorica::fit
