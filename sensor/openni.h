@@ -18,6 +18,7 @@ struct OpenNiCamera {
   std::string name;    ///< "PS1080"
   std::uint16_t usbVendor = 0;
   std::uint16_t usbProduct = 0;
+  std::string driver;  ///< file name of the driver that gives it, as far as can be told
 };
 
 /// A driver file that OpenNI2 was given.

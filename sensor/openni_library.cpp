@@ -1,11 +1,10 @@
 #include "sensor/openni_library.h"
 
 #include "sensor/openni_source.h"
+#include "sensor/openni_working_folder.h"
 
 #include <dlfcn.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -16,22 +15,6 @@ namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Goes back to the working folder, however the block is left: OpenNI2 changes it while it looks for drivers.
-class WorkingFolder {
- public:
-  WorkingFolder() : descriptor_(::open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
-  ~WorkingFolder() {
-    if (descriptor_ < 0) return;
-    if (::fchdir(descriptor_) != 0) std::fprintf(stderr, "lorica: the working folder was lost while OpenNI2 started\n");
-    ::close(descriptor_);
-  }
-  WorkingFolder(const WorkingFolder&) = delete;
-  WorkingFolder& operator=(const WorkingFolder&) = delete;
-
- private:
-  int descriptor_;
-};
 
 /// libOpenNI2 in memory, with the folder that it was loaded from. It stays when OpenNI2 is shut down, and goes when
 /// other drivers are wanted: threads of its may need its code a little longer than it says.
@@ -132,7 +115,36 @@ OpenNiCamera cameraOf(const OniDeviceInfo& info) {
     }
     return out;
   };
-  return {text(info.uri), text(info.vendor), text(info.name), info.usbVendorId, info.usbProductId};
+  return {text(info.uri), text(info.vendor), text(info.name), info.usbVendorId, info.usbProductId, {}};
+}
+
+/// OpenNI2 does not say which driver gives a camera; its own give PrimeSense's and no others.
+std::string driverOf(const OpenNiCamera& camera, const std::vector<OpenNiDriver>& drivers) {
+  constexpr std::uint16_t kPrimeSense = 0x1d27;
+  const bool own = camera.usbVendor == kPrimeSense || camera.vendor == "PrimeSense";
+  std::string names;
+  for (const OpenNiDriver& driver : drivers) {
+    const std::string name = driver.file.filename().string();
+    const bool fits = own ? driver.packaged && name == (camera.name == "PS1080" ? "libPS1080.so.0" : "libPSLink.so.0")
+                          : !driver.packaged;
+    if (fits) names += (names.empty() ? "" : " or ") + name;
+  }
+  return names;
+}
+
+/// Why OpenNI2 did not take one of its own drivers; empty where it did.
+std::string problemOf(const OpenNiDriver& driver) {
+  if (void* there = ::dlopen(driver.file.c_str(), RTLD_NOW | RTLD_NOLOAD)) {
+    ::dlclose(there);
+    return {};
+  }
+  void* alone = ::dlopen(driver.file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (alone == nullptr) {
+    const char* why = dlerror();
+    return why == nullptr ? "cannot be loaded" : why;
+  }
+  ::dlclose(alone);
+  return "does not start";
 }
 
 std::mutex g_mutex;
@@ -184,6 +196,9 @@ Result<void> OpenNiLibrary::initialize() {
       callbacks_ = nullptr;
       return failure("OpenNI2 does not say what is plugged in");
     }
+    for (OpenNiDriver& driver : drivers_) {
+      if (driver.packaged) driver.problem = problemOf(driver);
+    }
   } catch (...) {
     return Error{ErrorCode::kUnreadable, "OpenNI2 failed while it started, in one of its drivers"};
   }
@@ -228,7 +243,10 @@ Result<std::vector<OpenNiCamera>> OpenNiLibrary::cameras() const {
     if (api_.deviceList(&devices, &count) != ONI_STATUS_OK) return failure("OpenNI2 does not list its cameras");
     std::vector<OpenNiCamera> cameras;
     cameras.reserve(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) cameras.push_back(cameraOf(devices[i]));
+    for (int i = 0; i < count; ++i) {
+      cameras.push_back(cameraOf(devices[i]));
+      cameras.back().driver = driverOf(cameras.back(), drivers_);
+    }
     api_.releaseDeviceList(devices);
     return cameras;
   } catch (...) {

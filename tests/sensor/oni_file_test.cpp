@@ -212,6 +212,18 @@ TEST(OniFile, FlippedBytesGiveFramesOrASentence) {
   }
 }
 
+TEST(OniFile, WhatTheFuzzerStartsFromIsRead) {
+  const std::filesystem::path folder = test::recordingsFolder().parent_path() / "tests" / "fuzz" / "corpus" / "oni";
+  int files = 0;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
+    Result<OniFile> file = OniFile::open(entry.path());
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(allFramesOf(*file).size(), 2u) << entry.path();
+    ++files;
+  }
+  EXPECT_GE(files, 9);
+}
+
 TEST(OniFile, ADamagedFrameIsASentenceAndTheOthersAreThere) {
   OniWriterSettings settings;
   settings.codec = OniCodec::kPacked;

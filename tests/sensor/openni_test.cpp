@@ -84,11 +84,13 @@ TEST_F(OpenNiTest, ListsCamerasAndDrivers) {
   EXPECT_EQ((*cameras)[0].vendor, "Lorica");
   EXPECT_EQ((*cameras)[0].name, "Test camera");
   EXPECT_EQ((*cameras)[0].usbVendor, 0x1209);
+  EXPECT_EQ((*cameras)[0].driver, fs::path(LORICA_TEST_DRIVER).filename());
   const std::vector<OpenNiDriver>& drivers = openNi->drivers();
   ASSERT_FALSE(drivers.empty());
   EXPECT_EQ(drivers.back().file, fs::canonical(LORICA_TEST_DRIVER));
   EXPECT_FALSE(drivers.back().packaged);
   EXPECT_TRUE(drivers.front().packaged);
+  for (const OpenNiDriver& driver : drivers) EXPECT_EQ(driver.problem, "") << driver.file;
 }
 
 TEST_F(OpenNiTest, GivesFramesOfTheWantedMode) {
