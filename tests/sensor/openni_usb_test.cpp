@@ -3,7 +3,6 @@
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -28,7 +27,7 @@ class UsbTest : public testing::Test {
   void permit(int device) {
     const fs::path folder = root_.path() / "nodes" / "001";
     fs::create_directories(folder);
-    std::ofstream(folder / (device < 10 ? "00" + std::to_string(device) : "0" + std::to_string(device))) << "x";
+    std::ofstream(folder / std::to_string(1000 + device).substr(1)) << "x";
   }
   [[nodiscard]] std::vector<UsbDepthCamera> cameras() const {
     return usbDepthCameras(root_.path() / "devices", root_.path() / "nodes");
