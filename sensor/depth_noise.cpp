@@ -81,12 +81,17 @@ void DepthNoise::Field::draw(std::uint64_t seed) {
   for (float& value : values) value = deviate(numbers.bits());
 }
 
-float DepthNoise::Field::at(int column, int row) const {
-  const int cellColumn = column / cell;
+void DepthNoise::Field::readRow(int row, std::span<float> out) const {
   const int cellRow = row / cell;
-  const float* corner = &values[static_cast<std::size_t>(cellRow * columns + cellColumn)];
-  const float* w = &weights[static_cast<std::size_t>(((row - cellRow * cell) * cell + column - cellColumn * cell) * 4)];
-  return w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[columns] + w[3] * corner[columns + 1];
+  const float* corner = &values[static_cast<std::size_t>(cellRow * columns)];
+  const float* rowWeights = &weights[static_cast<std::size_t>((row - cellRow * cell) * cell * 4)];
+  for (std::size_t begin = 0; begin < out.size(); begin += static_cast<std::size_t>(cell), ++corner) {
+    const std::size_t count = std::min(out.size() - begin, static_cast<std::size_t>(cell));
+    const float* w = rowWeights;
+    for (std::size_t i = 0; i < count; ++i, w += 4) {
+      out[begin + i] = w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[columns] + w[3] * corner[columns + 1];
+    }
+  }
 }
 
 DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& settings)
@@ -97,6 +102,11 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
   threshold_.assign(pixels, 0.0F);
   smooth_.resize(camera, kSmoothCell);
   clumps_.resize(camera, kClumpCell);
+  smoothRow_.assign(static_cast<std::size_t>(camera.width), 0.0F);
+  clumpsRow_ = rayX_ = smoothRow_;
+  for (int column = 0; column < camera.width; ++column) {
+    rayX_[static_cast<std::size_t>(column)] = static_cast<float>(camera.placeOf(column, 0.0, 1.0).x());
+  }
   jitter_.assign(static_cast<std::size_t>(camera.width / kJitterCell + 1) *
                      static_cast<std::size_t>(camera.height / kJitterCell + 1) * 2,
                  0);
@@ -140,43 +150,61 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
   const auto width = static_cast<std::size_t>(camera_.width);
   const auto fx = static_cast<float>(camera_.focalX());
   const auto fy = static_cast<float>(camera_.focalY());
+  const float middleY = 0.5F * static_cast<float>(camera_.height) - 0.5F;
   const float usual = deviateExceededBy(settings_.dropout);
+  const float perGrazing = settings_.grazing ? 1.0F : 0.0F;
   const auto axial = static_cast<float>(settings_.axial);
+  const float scale = disparityOfInverse_;
   const float quantisation = settings_.steps > 0.0 ? 1.0F / 12.0F : 0.0F;
-  const auto smaller = [](float p, float q) { return std::abs(p) < std::abs(q) ? p : q; };
   for (int row = 0; row < camera_.height; ++row) {
-    const float y = -(static_cast<float>(row) + 0.5F - 0.5F * static_cast<float>(camera_.height)) / fy;
     const std::size_t begin = static_cast<std::size_t>(row) * width;
-    const std::size_t up = row > 0 ? begin - width : begin + width;
-    const std::size_t down = row + 1 < camera_.height ? begin + width : begin - width;
+    const float* here = &inverseDepth[begin];
+    // At the border the one neighbour counts: the other one is its mirror image.
+    const float* above = row > 0 ? here - width : here + width;
+    const float* below = row + 1 < camera_.height ? here + width : here - width;
+    const float upwards = row > 0 ? 1.0F : -1.0F;
+    const float downwards = row + 1 < camera_.height ? 1.0F : -1.0F;
+    const float* rayX = rayX_.data();
+    float* across = smoothRow_.data();
+    for (std::size_t i = 1; i + 1 < width; ++i) {
+      const float left = here[i] - here[i - 1];
+      const float right = here[i + 1] - here[i];
+      across[i] = std::abs(left) < std::abs(right) ? left : right;
+    }
+    across[0] = here[1] - here[0];
+    across[width - 1] = here[width - 1] - here[width - 2];
+
+    const float y = (middleY - static_cast<float>(row)) / fy;
+    float* spread = &spread_[begin];
+    float* threshold = &threshold_[begin];
     for (std::size_t i = 0; i < width; ++i) {
-      const float w = inverseDepth[begin + i];
-      const float left = i > 0 ? inverseDepth[begin + i - 1] : inverseDepth[begin + 1];
-      const float right = i + 1 < width ? inverseDepth[begin + i + 1] : left;
-      const float acrossLeft = i > 0 ? w - left : left - w;
-      const float acrossRight = i + 1 < width ? right - w : acrossLeft;
-      const float a = fx * smaller(acrossLeft, acrossRight);
-      const float upper = row > 0 ? w - inverseDepth[up + i] : inverseDepth[up + i] - w;
-      const float lower = row + 1 < camera_.height ? inverseDepth[down + i] - w : w - inverseDepth[down + i];
-      const float b = -fy * smaller(upper, lower);
-      const float x = (static_cast<float>(i) + 0.5F - 0.5F * static_cast<float>(camera_.width)) / fx;
+      const float w = here[i];
+      const float upper = upwards * (w - above[i]);
+      const float lower = downwards * (below[i] - w);
+      const float x = rayX[i];
+      const float a = fx * across[i];
+      const float b = -fy * (std::abs(upper) < std::abs(lower) ? upper : lower);
       const float c = w - a * x - b * y;
       const float normalSq = (a * a + b * b + c * c) * (x * x + y * y + 1.0F);
-      const float cosine = normalSq > 0.0F ? w / std::sqrt(normalSq) : 1.0F;
+      const float cosine = w / std::sqrt(normalSq + 1e-20F);
 
       // Nguyen et al.: sigma = 0.0012 + 0.0019 (z - 0.4)^2 + 0.0001 / sqrt(z) * theta^2 / (pi / 2 - theta)^2.
-      const float inverse = std::max(w, 0.01F);
-      const float depth = 1.0F / inverse;
-      const float beyond = depth - 0.4F;
+      const float inverse = w > 0.01F ? w : 0.01F;
+      const float beyond = 1.0F / inverse - 0.4F;
       const float fromGrazing = cosine * (1.0F + cosine * cosine * (1.0F / 6.0F));  // pi / 2 - theta, nearly
-      const float ratio = std::max(1.5707963F - fromGrazing, 0.0F) / std::max(fromGrazing, 0.05F);
+      const float rest = 1.5707963F - fromGrazing;
+      const float theta = rest > 0.0F ? rest : 0.0F;
+      const float ratio = theta / (fromGrazing > 0.05F ? fromGrazing : 0.05F);
       const float sigma = 0.0012F + 0.0019F * beyond * beyond + 0.0001F * std::sqrt(inverse) * ratio * ratio;
-      const float inSteps = axial * sigma * disparityOfInverse_ * inverse * inverse;
-      spread_[begin + i] = std::sqrt(std::max(inSteps * inSteps - quantisation, 0.0F));
+      const float inSteps = axial * sigma * scale * inverse * inverse;
+      const float variance = inSteps * inSteps - quantisation;
+      spread[i] = std::sqrt(variance > 0.0F ? variance : 0.0F);
 
       // From the usual deviate down to the one that nearly all exceed.
-      const float lost = std::clamp((kGrazingCosine - cosine) / (kGrazingCosine - kLostCosine), 0.0F, 1.0F);
-      threshold_[begin + i] = settings_.grazing && lost > 0.0F ? std::min(usual, 3.5F - 7.0F * lost) : usual;
+      const float lost = perGrazing * (kGrazingCosine - cosine) / (kGrazingCosine - kLostCosine);
+      const float seldom = 3.5F - 7.0F * lost;
+      const float grazing = lost > 0.0F ? seldom : usual;
+      threshold[i] = grazing < usual ? grazing : usual;
     }
   }
 }
@@ -204,6 +232,8 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
   const int jitterColumns = width / kJitterCell + 1;
   std::size_t at = 0;
   for (int row = 0; row < height; ++row) {
+    if (noisy) smooth_.readRow(row, smoothRow_);
+    if (losing) clumps_.readRow(row, clumpsRow_);
     const int jitterRow = row / kJitterCell * jitterColumns;
     for (int column = 0; column < width; ++column, ++at) {
       const std::size_t cell = static_cast<std::size_t>(jitterRow + column / kJitterCell) * 2;
@@ -212,15 +242,21 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
       const auto from = static_cast<std::size_t>(fromRow * width + fromColumn);
       const float inverse = lit_[from];
       depthMm[at] = 0;
-      if (inverse <= 0.0F || (losing && clumps_.at(column, row) > threshold_[from])) continue;
-      const float deviation = noisy ? shared * smooth_.at(column, row) + own * deviate(white.bits()) : 0.0F;
-      const float disparity = disparityOfInverse_ * inverse + (noisy ? spread_[from] * deviation : 0.0F);
+      if (inverse <= 0.0F || (losing && clumpsRow_[static_cast<std::size_t>(column)] > threshold_[from])) continue;
+      float disparity = disparityOfInverse_ * inverse;
+      if (noisy) {
+        disparity +=
+            spread_[from] * (shared * smoothRow_[static_cast<std::size_t>(column)] + own * deviate(white.bits()));
+      }
+      if (disparity <= 0.0F) continue;
       if (!millimetres_.empty()) {
-        const auto step = static_cast<std::size_t>(std::lround(std::max(disparity, 0.0F)));
+        const float upToHalf = disparity + 0.5F;  // cut, this is rounded
+        const auto step = static_cast<std::size_t>(upToHalf);
         if (step < millimetres_.size()) depthMm[at] = millimetres_[step];
-      } else if (disparity > 0.0F) {
+      } else {
         const float depth = disparityOfInverse_ / disparity;
-        if (depth >= least && depth <= most) depthMm[at] = static_cast<std::uint16_t>(std::lround(1000.0F * depth));
+        const float upToHalf = 1000.0F * depth + 0.5F;
+        if (depth >= least && depth <= most) depthMm[at] = static_cast<std::uint16_t>(upToHalf);
       }
     }
   }

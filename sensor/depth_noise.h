@@ -53,7 +53,8 @@ class DepthNoise {
     std::vector<float> weights;  ///< cell x cell x 4
     void resize(const DepthCamera& camera, int cellSize);
     void draw(std::uint64_t seed);
-    [[nodiscard]] float at(int column, int row) const;
+    /// The values of a row of pixels.
+    void readRow(int row, std::span<float> out) const;
   };
 
   void findLit(std::span<const float> inverseDepth);
@@ -68,6 +69,8 @@ class DepthNoise {
   std::vector<std::int8_t> jitter_;         ///< a lattice of offsets: columns, rows
   std::vector<std::uint16_t> millimetres_;  ///< depth of a disparity [mm], one a step
   Field smooth_, clumps_;
+  std::vector<float> smoothRow_, clumpsRow_;
+  std::vector<float> rayX_;  ///< of a ray of depth 1, one a column
 };
 
 }  // namespace lorica

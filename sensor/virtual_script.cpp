@@ -114,6 +114,7 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
     settings.noise.seed = *seed;
     return std::nullopt;
   }
+  if (key == "start") return number(script.start, 0.0, 1e6);
   if (key == "height") return number(script.height, 0.5, 2.0);
   if (key == "girth") return number(script.girth, 0.5, 2.0);
   if (key == "distance") {
@@ -124,7 +125,7 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   }
   if (key == "unplug") return span(settings.unplugged);
   if (key == "absent") return span(script.absent);
-  return "one of the keys motion, loop, pace, noise, seed, height, girth, distance, unplug, absent";
+  return "one of the keys motion, start, loop, pace, noise, seed, height, girth, distance, unplug, absent";
 }
 
 }  // namespace
@@ -167,6 +168,7 @@ Result<VirtualSensor> makeVirtualSensor(const VirtualScript& script) {
     VirtualPerson person{std::move(*performer)};
     const auto place = static_cast<double>(people.size()) - 0.5 * static_cast<double>(script.motions.size() - 1);
     person.worldFromMotion.translate(Vec3(kApart * place, 0.0, 0.0));
+    person.start = script.start;
     person.absent = script.absent;
     people.push_back(std::move(person));
   }

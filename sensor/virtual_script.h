@@ -23,6 +23,7 @@ struct VirtualScript {
   std::vector<std::string> motions = {"wave"};
   double height = 1.0;
   double girth = 1.0;
+  double start = 0.0;  ///< where in the motions the sensor's time 0 is [s]
   std::vector<TimeSpan> absent;
   VirtualSensorSettings settings;  ///< live and looped, unless said otherwise
 };

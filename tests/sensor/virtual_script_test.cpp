@@ -24,13 +24,14 @@ TEST(VirtualScript, AnEmptyScriptIsOnePersonWhoWavesLive) {
 TEST(VirtualScript, EverySettingIsTaken) {
   const VirtualScript script = parseVirtualScript(
                                    "motion=walk,dance.csv loop=no pace=fast seed=18446744073709551615 noise=mild "
-                                   "height=1.1 girth=1.25 distance=2.5 unplug=2:4.5 absent=1:2")
+                                   "start=1.5 height=1.1 girth=1.25 distance=2.5 unplug=2:4.5 absent=1:2")
                                    .value();
   EXPECT_EQ(script.motions, (std::vector<std::string>{"walk", "dance.csv"}));
   EXPECT_FALSE(script.settings.loop);
   EXPECT_FALSE(script.settings.live);
   EXPECT_EQ(script.settings.noise.seed, ~std::uint64_t{0});
   EXPECT_LT(script.settings.noise.axial, 1.0);
+  EXPECT_EQ(script.start, 1.5);
   EXPECT_EQ(script.height, 1.1);
   EXPECT_EQ(script.girth, 1.25);
   EXPECT_EQ(script.settings.room.worldFromCamera.translation().z(), 2.5);
