@@ -1,0 +1,330 @@
+// How well and how fast Tracker follows rendered people: rows by motion and body as CSV on standard output, then the
+// table of targets on lines that begin with '#'; a chart of error over time for each motion.
+
+#include "bench/measure.h"
+#include "bench/plot.h"
+#include "bench/tracking_errors.h"
+#include "bench/tracking_motions.h"
+#include "geometry/files.h"
+#include "tracking/tracker.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica::bench {
+namespace {
+
+struct Options {
+  std::string data;
+  std::vector<std::string> motions, bodies;
+  int seeds = 5;
+  bool clean = true;
+  int frames = 0;
+  double from = 1.0;
+  std::string plots;
+  bool quick = false;
+};
+
+/// One motion by one body, once.
+struct Run {
+  std::vector<std::vector<JointErrors>> people;  ///< frames of each
+  std::vector<double> ms;                        ///< of each frame, CPU time of all threads
+  std::uint64_t hash = 0;                        ///< of all joints that came out
+};
+
+double processSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+bool named(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::ranges::find(names, name) != names.end();
+}
+
+/// Each tracked person is the one whose torso is nearest, the nearest pair first.
+std::vector<std::optional<SkeletonFrame>> matched(std::span<const VirtualTruth> truth,
+                                                  std::vector<SkeletonFrame> tracked) {
+  std::vector<std::optional<SkeletonFrame>> result(truth.size());
+  for (;;) {
+    double least = 1.0;
+    std::size_t bestTruth = truth.size(), bestTracked = tracked.size();
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      if (result[i] || !truth[i].present) continue;
+      for (std::size_t k = 0; k < tracked.size(); ++k) {
+        const double apart =
+            (truth[i].joints[BodyJoint::kTorso].position - tracked[k][BodyJoint::kTorso].position).norm();
+        if (apart >= least) continue;
+        least = apart;
+        bestTruth = i;
+        bestTracked = k;
+      }
+    }
+    if (bestTruth == truth.size()) return result;
+    result[bestTruth] = tracked[bestTracked];
+    tracked.erase(tracked.begin() + static_cast<std::ptrdiff_t>(bestTracked));
+  }
+}
+
+Result<Run> track(const TrackedBody& body, const TrackedMotion& motion, const DepthNoiseSettings& noise,
+                  int mostFrames) {
+  Result<VirtualSensor> sensor = sensorBefore(body, motion, noise);
+  if (!sensor) return sensor.error();
+  Result<Tracker> tracker = Tracker::create(sensor->camera());
+  if (!tracker) return tracker.error();
+  int frames = static_cast<int>(motion.seconds * 30.0);
+  if (mostFrames > 0) frames = std::min(frames, mostFrames);
+  Run run;
+  run.people.resize(sensor->truth().size());
+  run.ms.reserve(static_cast<std::size_t>(frames));
+  DepthFrame depth;
+  for (int f = 0; f < frames; ++f) {
+    Result<DepthRead> read = sensor->next(depth);
+    if (!read) return read.error();
+    if (*read != DepthRead::kFrame) break;
+    const double before = processSeconds();
+    const std::span<const TrackedPerson> people = tracker->track(depth);
+    run.ms.push_back(1e3 * (processSeconds() - before));
+
+    const Isometry3 cameraFromFloor = tracker->floorFromCamera().inverse();
+    std::vector<SkeletonFrame> skeletons;
+    skeletons.reserve(people.size());
+    for (const TrackedPerson& person : people) skeletons.push_back(moved(person.skeleton, cameraFromFloor));
+    for (const SkeletonFrame& one : skeletons) {
+      for (const TrackedJoint& joint : one.joints) {
+        run.hash = contentHash({reinterpret_cast<const char*>(joint.position.data()), sizeof(Vec3)}, run.hash);
+      }
+    }
+    const std::vector<std::optional<SkeletonFrame>> found = matched(sensor->truth(), std::move(skeletons));
+    run.people.resize(found.size());
+    for (std::size_t p = 0; p < found.size(); ++p) {
+      const VirtualTruth& truth = sensor->truth()[p];
+      SkeletonFrame joints = truth.joints;
+      joints.time = depth.time;
+      run.people[p].push_back(errorsOf(joints, truth.present && truth.pixelCount > 4000, found[p]));
+    }
+  }
+  return run;
+}
+
+/// When the person comes, or comes back: what recovery is counted from [s].
+double awaitedFrom(const TrackedMotion& motion, std::span<const JointErrors> frames) {
+  if (!motion.screens.empty()) return motion.screens.front().when.to;
+  // Someone who walks in counts from when most of the body is in the image for good.
+  for (std::size_t i = frames.size(); i > 0; --i) {
+    if (!frames[i - 1].visible) return i < frames.size() ? frames[i].time : frames[i - 1].time;
+  }
+  return 0.0;
+}
+
+/// The runs of one motion by one body.
+struct Row {
+  const TrackedMotion* motion = nullptr;
+  const TrackedBody* body = nullptr;
+  std::string noise;
+  std::vector<std::vector<JointErrors>> people;
+  std::vector<double> ms;
+  std::vector<double> awaited;  ///< until the person was followed, one a run [s]; 1e9 = never
+  std::uint64_t hash = 0;
+};
+
+double atRank(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+std::string seconds(double value) {
+  return value > 1e8 ? "never" : fmt::format("{:.2f}", value);
+}
+
+void print(const Row& row, double from) {
+  const ErrorSummary s = summaryOf(row.people, from);
+  fmt::print("{},{},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.2f},{:.1f},{:.1f},{},{:.2f},{:.2f},{:016x}\n",
+             row.motion->name, row.body->name, row.noise, s.frames, s.trackedPercent, s.meanMm, s.medianMm, s.p95Mm,
+             s.limbWrongPercent, s.sureWrongPercent, s.surePercent, s.swappedPercent, seconds(atRank(row.awaited, 1.0)),
+             meanOf(row.ms), atRank(row.ms, 0.99), row.hash);
+  std::fflush(stdout);
+}
+
+/// Rows of the same noise that a line of the table is about, together.
+struct Group {
+  std::vector<std::vector<JointErrors>> people;
+  std::vector<double> ms, awaited;
+  void add(const Row& row) {
+    people.insert(people.end(), row.people.begin(), row.people.end());
+    ms.insert(ms.end(), row.ms.begin(), row.ms.end());
+    awaited.insert(awaited.end(), row.awaited.begin(), row.awaited.end());
+  }
+};
+
+void printTable(const std::vector<Row>& rows, double from) {
+  fmt::print("#\n# {:<46} {:<16} {:<26} {:<26} {:<26}\n", "", "target", "noise, other bodies", "clean, other bodies",
+             "noise, the mannequin");
+  const auto line = [&](const char* name, const char* target, const auto& holds, const auto& text) {
+    std::string cells;
+    for (const auto& [clean, own] : {std::pair{false, false}, std::pair{true, false}, std::pair{false, true}}) {
+      Group group;
+      for (const Row& row : rows) {
+        if ((row.noise == "clean") == clean && row.body->own == own && holds(row)) group.add(row);
+      }
+      cells += fmt::format(" {:<26}", group.people.empty() ? std::string("-") : text(group));
+    }
+    fmt::print("# {:<46} {:<16}{}\n", name, target, cells);
+  };
+  const auto of = [](MotionKind kind, bool odd = false) {
+    return [=](const Row& row) { return row.motion->kind == kind && row.body->odd == odd; };
+  };
+  const auto errors = [&](const Group& g) {
+    const ErrorSummary s = summaryOf(g.people, from);
+    return fmt::format("{:.0f} / {:.0f} / {:.0f}", s.meanMm, s.medianMm, s.p95Mm);
+  };
+  const auto limbs = [&](const Group& g) { return fmt::format("{:.1f}", summaryOf(g.people, from).limbWrongPercent); };
+  const auto meanAndLimbs = [&](const Group& g) {
+    const ErrorSummary s = summaryOf(g.people, from);
+    return fmt::format("{:.0f}, {:.1f}", s.meanMm, s.limbWrongPercent);
+  };
+  const auto swapped = [&](const Group& g) {
+    const ErrorSummary s = summaryOf(g.people, 2.0);
+    return fmt::format("{:.1f}, limbs {:.1f}", s.swappedPercent, s.limbWrongPercent);
+  };
+  const auto awaited = [&](const Group& g) {
+    return fmt::format("{} / {}", seconds(atRank(g.awaited, 0.5)), seconds(atRank(g.awaited, 1.0)));
+  };
+  const auto human = [](const Row& row) { return !row.body->odd; };
+  line("ordinary motion: mean / median / p95 [mm]", "35 / 28 / 80", of(MotionKind::kOrdinary), errors);
+  line("ordinary: frames with a limb joint > 150 mm [%]", "4", of(MotionKind::kOrdinary), limbs);
+  line("boxing: the same [%]", "10", of(MotionKind::kBoxing), limbs);
+  line("crossed arms: the same [%]", "25", of(MotionKind::kCrossedArms), limbs);
+  line("odd body, ordinary: mean [mm], limb joint [%]", "60, 15", of(MotionKind::kOrdinary, true), meanAndLimbs);
+  line("confidence >= 0.5 and off by > 150 mm [%]", "2", human, [&](const Group& g) {
+    const ErrorSummary s = summaryOf(g.people, from);
+    return fmt::format("{:.2f} of {:.0f}", s.sureWrongPercent, s.surePercent);
+  });
+  line("back after occlusion: median / most [s]", "0.5", of(MotionKind::kOcclusion), awaited);
+  line("turn on the spot: left is right [%], after 2 s", "0", of(MotionKind::kTurn), swapped);
+  line("starting back turned: the same", "0", of(MotionKind::kBackTurned), swapped);
+  line("sitting on a chair: mean [mm], limb joint [%]", "tracked", of(MotionKind::kSitting), meanAndLimbs);
+  line("two people: mean [mm], limb joint [%]", "both", of(MotionKind::kTwo), meanAndLimbs);
+  line(
+      "one person: CPU ms a frame, mean / p99", "12 / 25",
+      [](const Row& row) { return row.motion->kind != MotionKind::kTwo; },
+      [&](const Group& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
+  line("two people: CPU ms a frame, mean / p99", "30 Hz, 2 cores", of(MotionKind::kTwo),
+       [&](const Group& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
+  line("followed after entering: median / most [s]", "1", of(MotionKind::kEntering), awaited);
+}
+
+/// Error over time, a line for each body, of the first noisy run or else the clean one.
+Result<void> plot(const std::filesystem::path& folder, const TrackedMotion& motion, const std::vector<Row>& rows) {
+  Chart chart;
+  chart.title = motion.name + ": mean error of the joints";
+  chart.xName = "time [s]";
+  chart.yName = "error [mm]";
+  std::map<std::string, bool> drawn;
+  for (const bool clean : {false, true}) {
+    for (const Row& row : rows) {
+      if (row.motion != &motion || (row.noise == "clean") != clean || drawn[row.body->name]) continue;
+      drawn[row.body->name] = true;
+      Series line{row.body->name, {}, {}};
+      for (const JointErrors& frame : row.people.front()) {
+        if (!frame.visible || !frame.tracked) continue;
+        line.x.push_back(frame.time);
+        line.y.push_back(std::min(600.0, 1000.0 * frame.mean()));
+      }
+      if (!line.x.empty()) chart.series.push_back(std::move(line));
+    }
+  }
+  if (chart.series.empty()) return {};
+  return writeCharts(folder / (motion.name + ".png"), {chart});
+}
+
+Result<void> measure(const Options& options) {
+  std::vector<TrackedMotion> motions = formulaMotions();
+  Result<std::vector<TrackedMotion>> more = dataMotions(options.data);
+  if (!more) return more.error();
+  for (TrackedMotion& one : *more) motions.push_back(std::move(one));
+  Result<std::vector<TrackedBody>> bodies = trackedBodies(options.data);
+  if (!bodies) return bodies.error();
+  for (const std::string& name : options.motions) {
+    if (std::ranges::none_of(motions, [&](const TrackedMotion& one) { return one.name == name; })) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--motion {}: there is none of that name", name)};
+    }
+  }
+  for (const std::string& name : options.bodies) {
+    if (std::ranges::none_of(*bodies, [&](const TrackedBody& one) { return one.name == name; })) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--body {}: there is none of that name", name)};
+    }
+  }
+
+  fmt::print(
+      "motion,body,noise,frames,tracked_percent,mean_mm,median_mm,p95_mm,limb_wrong_percent,sure_wrong_percent,"
+      "sure_percent,swapped_percent,followed_after_s,cpu_ms_mean,cpu_ms_p99,hash\n");
+  std::vector<Row> rows;
+  for (const TrackedMotion& motion : motions) {
+    if (!named(options.motions, motion.name)) continue;
+    for (const TrackedBody& body : *bodies) {
+      if (!named(options.bodies, body.name)) continue;
+      Row clean{&motion, &body, "clean", {}, {}, {}, 0}, noisy{&motion, &body, "noise", {}, {}, {}, 0};
+      for (int seed = options.clean ? 0 : 1; seed <= options.seeds; ++seed) {
+        DepthNoiseSettings noise = seed == 0 ? DepthNoiseSettings::clean() : DepthNoiseSettings{};
+        noise.seed = static_cast<std::uint64_t>(seed);
+        Result<Run> run = track(body, motion, noise, options.frames);
+        if (!run)
+          return Error{run.error().code, fmt::format("{} by {}: {}", motion.name, body.name, run.error().message)};
+        Row& row = seed == 0 ? clean : noisy;
+        for (const std::vector<JointErrors>& person : run->people) {
+          row.awaited.push_back(secondsToFollow(person, awaitedFrom(motion, person)).value_or(1e9));
+          row.people.push_back(person);
+        }
+        row.ms.insert(row.ms.end(), run->ms.begin(), run->ms.end());
+        row.hash = contentHash({reinterpret_cast<const char*>(&run->hash), sizeof(run->hash)}, row.hash);
+      }
+      for (Row* row : {&noisy, &clean}) {
+        if (row->people.empty()) continue;
+        print(*row, options.from);
+        rows.push_back(std::move(*row));
+      }
+    }
+    if (options.plots.empty()) continue;
+    if (Result<void> written = plot(options.plots, motion, rows); !written) return written.error();
+  }
+  printTable(rows, options.from);
+  return {};
+}
+
+}  // namespace
+}  // namespace lorica::bench
+
+int main(int argc, char** argv) {
+  using namespace lorica::bench;
+  Options options;
+  CLI::App app{"Follows rendered people and compares with the truth."};
+  app.add_option("data", options.data, "folder of third-party data: more bodies and motions");
+  app.add_option("--motion", options.motions, "these only")->delimiter(',');
+  app.add_option("--body", options.bodies, "these only")->delimiter(',');
+  app.add_option("--seeds", options.seeds, "noisy runs of each motion and body")->check(CLI::Range(0, 100));
+  app.add_flag("!--no-clean", options.clean, "leave out depth without noise");
+  app.add_option("--frames", options.frames, "at most so many of each motion")->check(CLI::Range(1, 100'000));
+  app.add_option("--from", options.from, "errors count from this time on [s]");
+  app.add_option("--plots", options.plots, "folder for a chart of each motion");
+  app.add_flag("--quick", options.quick, "one seed, 120 frames, two bodies, no clean depth");
+  CLI11_PARSE(app, argc, argv);
+  if (options.quick) {
+    options.seeds = 1;
+    options.clean = false;
+    if (options.frames == 0) options.frames = 120;
+    if (options.bodies.empty()) options.bodies = {"tall", "heavy"};
+  }
+  if (lorica::Result<void> done = measure(options); !done) return fail(done.error());
+  return 0;
+}
