@@ -42,7 +42,7 @@ struct Show {
 /// Plays over and over until the window is closed or the time is over.
 Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   while (true) {
-    Result<Session> session = startSession(show.character, show.body.file, show.performance);
+    Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
     if (!session) return session.error();
     PlaybackOptions limit;
     if (options.seconds > 0.0) limit.seconds = options.seconds - show.seconds;
@@ -62,7 +62,7 @@ Result<void> playForFiles(const Options& options, Show& show) {
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
   if (!pictures) warn(pictures.error().message + "; the demo runs without pictures");
 
-  Result<Session> session = startSession(show.character, show.body.file, show.performance);
+  Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
   if (!session) return session.error();
   const double wanted = options.seconds > 0.0 ? options.seconds : kVideoSeconds;
   const double first = show.performance.firstTime();

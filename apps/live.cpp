@@ -6,6 +6,7 @@
 #include "apps/live_log.h"
 #include "apps/options.h"
 #include "apps/playback.h"
+#include "apps/scenes.h"
 #include "apps/snapshots.h"
 #include "geometry/files.h"
 #include "tracking/depth_joints.h"
@@ -29,6 +30,7 @@ struct Options {
   CharacterOptions reading;
   MotionOptions performing;
   BodyOptions body;
+  std::string scene;
   SnapshotOptions pictures;
   PlaybackOptions limit;
   bool window = false;
@@ -153,6 +155,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Result<DecompositionFile> body = chooseBody(options.body, *subject, common.threadCount());
   if (!body) return body.error();
 
+  Result<World> world = openScene(options.scene);
+  if (!world) return world.error();
+
   // The source is opened last: a live one runs on while others are made ready.
   Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
   if (!depth) return depth.error();
@@ -163,7 +168,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Result<std::unique_ptr<PoseSource>> source =
       makeJointPoseSource(*subject->character, std::move(joints), options.performing.joints());
   if (!source) return source.error();
-  Result<Session> session = startSession(*subject->character, *body, std::move(*source));
+  Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
 
   Live live{std::move(*session), watched, watched->source().name(), {}, {}, 0, {}};
@@ -197,6 +202,7 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);
   addBodyOptions(*app, options->body);
+  addSceneOption(*app, options->scene);
   CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");

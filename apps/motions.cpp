@@ -22,17 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr double kClipRate = 60.0;  // [1/s]
 
-/// The names that `play NAME` understands: "jumping_jacks, walk, ...".
-std::string shippedNames(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 std::string lowerCase(std::string text) {
   for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return text;
@@ -180,6 +169,16 @@ Result<fs::path> recordingsFolder() {
                            program.string())};
 }
 
+std::string shippedNames(const fs::path& folder, const std::string& extension) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
   if (!isBareName(pathOrName)) return readMotionFile(pathOrName, options);
   const Result<fs::path> folder = recordingsFolder();
@@ -189,7 +188,7 @@ Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& op
   if (!fs::exists(file, ignored)) {
     return Error{ErrorCode::kNotFound, fmt::format("{}: no such file and no shipped recording of that name, expected "
                                                    "a motion (joints, .bvh, .oni, .glb, .vrm, .fbx, .dae) or one of {}",
-                                                   pathOrName, shippedNames(*folder))};
+                                                   pathOrName, shippedNames(*folder, ".csv"))};
   }
   return readMotionFile(file, options);
 }

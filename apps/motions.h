@@ -63,6 +63,9 @@ struct Motion {
 /// installed.
 [[nodiscard]] Result<std::filesystem::path> recordingsFolder();
 
+/// The names of what ships in a folder: "jumping_jacks, walk, ...".
+[[nodiscard]] std::string shippedNames(const std::filesystem::path& folder, const std::string& extension);
+
 /// A word without folder or extension, that names no file here.
 [[nodiscard]] bool isBareName(const std::string& text);
 

@@ -5,6 +5,7 @@
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/progress_bar.h"
+#include "apps/scenes.h"
 #include "apps/snapshots.h"
 #include "geometry/files.h"
 
@@ -27,6 +28,7 @@ struct Options {
   CharacterOptions reading;
   MotionOptions performing;
   BodyOptions body;
+  std::string scene;
   SnapshotOptions pictures;
   PlaybackOptions playing;
   bool window = false;
@@ -165,7 +167,11 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
   const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
   if (!file) return file.error();
-  Result<Session> session = startSession(*subject.character, *file, motion, options.performing);
+  Result<World> world = openScene(options.scene);
+  if (!world) return world.error();
+  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.performing);
+  if (!source) return source.error();
+  Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
   if (!session) return session.error();
 
   Tally tally;
@@ -197,6 +203,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "      a motion and a character of your own\n"
       "  lorica play hero.glb --clip Run\n"
       "      a character's own clip\n"
+      "  lorica play walk --scene bowling\n"
+      "      among other things: boxes, bowling, curtain, or a scene file of your own\n"
       "  lorica play body.oni\n"
       "      whoever is in a depth recording\n"
       "  lorica decompose mannequin --parts 24 -o body.lorica\n"
@@ -220,6 +228,7 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);
   addBodyOptions(*app, options->body);
+  addSceneOption(*app, options->scene);
   CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after so many frames");
   app->add_flag("--as-fast-as-possible", options->playing.hurry,

@@ -14,7 +14,6 @@
 namespace lorica {
 namespace {
 
-constexpr std::uint64_t kSceneSeed = 1;
 // In heights of the character.
 constexpr double kWindowDistance = 2.97;
 const Vec3 kWindowTarget(0.171, 0.486, 0.229);
@@ -29,17 +28,15 @@ double secondsSince(Clock::time_point start) {
 
 }  // namespace
 
-Result<Session> startSession(const Character& character, const DecompositionFile& body, const Motion& motion,
-                             const MotionOptions& options) {
-  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, options);
-  if (!source) return source.error();
-  return startSession(character, body, std::move(*source));
+Result<Session> startSession(const Character& character, const DecompositionFile& body,
+                             std::unique_ptr<PoseSource> source, World world) {
+  return Session::create(character, body.decomposition, std::move(source), std::move(world), body.cover, body.training);
 }
 
-Result<Session> startSession(const Character& character, const DecompositionFile& body,
-                             std::unique_ptr<PoseSource> source) {
-  return Session::create(character, body.decomposition, std::move(source), makeDemoWorld(kSceneSeed), body.cover,
-                         body.training);
+Result<Session> startDemoSession(const Character& character, const DecompositionFile& body, const Motion& motion) {
+  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion);
+  if (!source) return source.error();
+  return startSession(character, body, std::move(*source), makeDemoWorld(kDemoSeed));
 }
 
 std::string captionOf(const std::string& name, const Session& session, double seconds) {

@@ -11,14 +11,15 @@
 
 namespace lorica {
 
-/// A session of one character that performs one motion among the demo's boxes and balls.
-/// @param body  the decomposition, its cover (none = exact) and its training
+/// A session of one character.
+/// @param body    the decomposition, its cover (none = exact) and its training
+/// @param source  moves the character
 [[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
-                                           const Motion& motion, const MotionOptions& options = {});
+                                           std::unique_ptr<PoseSource> source, World world);
 
-/// The same of whatever moves the character.
-[[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
-                                           std::unique_ptr<PoseSource> source);
+/// The same: the character performs one motion among the demo's boxes and balls.
+[[nodiscard]] Result<Session> startDemoSession(const Character& character, const DecompositionFile& body,
+                                               const Motion& motion);
 
 /// How a recording is played.
 struct PlaybackOptions {

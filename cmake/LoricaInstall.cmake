@@ -21,5 +21,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/lorica-config-version.cma
 install(FILES ${PROJECT_BINARY_DIR}/lorica-config.cmake ${PROJECT_BINARY_DIR}/lorica-config-version.cmake
         DESTINATION ${lorica_package_dir})
 
+install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/scenes)
 install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -117,6 +117,32 @@ struct PropBody {
   [[nodiscard]] double speed() const { return body->getLinearVelocity().length() + spin(); }
 };
 
+PropBody shapeOf(const Prop& prop) {
+  const auto radius = static_cast<btScalar>(prop.halfExtents.x());
+  PropBody body;
+  body.radius = boundingRadius(prop);
+  switch (prop.shape) {
+    case PropShape::kBox:
+      body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
+      break;
+    case PropShape::kSphere:
+      body.shape = std::make_unique<btSphereShape>(radius);
+      body.round = true;
+      break;
+    case PropShape::kCapsule: {
+      const double straight = 2.0 * (prop.halfExtents.y() - prop.halfExtents.x());
+      CHECK(straight >= 0.0, "a capsule is at least as high as wide");
+      body.shape = std::make_unique<btCapsuleShape>(radius, static_cast<btScalar>(straight));
+      break;
+    }
+    case PropShape::kCylinder:
+      body.shape = std::make_unique<btCylinderShape>(
+          toBullet(Vec3(prop.halfExtents.x(), prop.halfExtents.y(), prop.halfExtents.x())));
+      break;
+  }
+  return body;
+}
+
 /// Puts a contact's place on a part onto the part's new hull.
 /// @param place   in the part's frame, on the inflated hull of the frame before
 /// @param normal  in the part's frame, outwards, unit
@@ -138,6 +164,20 @@ bool follow(const PartShape& shape, const btVector3& normal, btVector3& place) {
 
 }  // namespace
 
+double boundingRadius(const Prop& prop) {
+  switch (prop.shape) {
+    case PropShape::kBox:
+      break;
+    case PropShape::kSphere:
+      return prop.halfExtents.x();
+    case PropShape::kCapsule:
+      return prop.halfExtents.y();
+    case PropShape::kCylinder:
+      return prop.halfExtents.head<2>().norm();
+  }
+  return prop.halfExtents.norm();
+}
+
 struct World::Impl {
   Settings settings;
   btDefaultCollisionConfiguration configuration;
@@ -152,12 +192,14 @@ struct World::Impl {
   std::unique_ptr<btRigidBody> floor;
   std::vector<std::unique_ptr<PartBody>> parts;
   std::vector<PropBody> propBodies;
+  std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
   std::vector<Contact> contacts;
 
   explicit Impl(const Settings& s);
   ~Impl();
   void addProp(const Prop& prop);
+  void addLink(int a, int b, const Vec3& place);
   void setPartCount(std::size_t count);
   void takePart(PartBody& body, const LivePart& part, double seconds);
   void followSurfaces();
@@ -188,30 +230,23 @@ World::Impl::Impl(const Settings& s) : settings(s) {
   construction.m_friction = 1.0f;  // the product with a prop's own is taken, so the prop decides
   construction.m_restitution = 1.0f;
   floor = std::make_unique<btRigidBody>(construction);
-  world.addRigidBody(floor.get(), kFloorGroup, kPropGroup);
+  if (settings.floor) world.addRigidBody(floor.get(), kFloorGroup, kPropGroup);
 }
 
 World::Impl::~Impl() {
   setPartCount(0);
+  for (const std::unique_ptr<btTypedConstraint>& link : links) world.removeConstraint(link.get());
   for (PropBody& prop : propBodies) world.removeRigidBody(prop.body.get());
-  world.removeRigidBody(floor.get());
+  if (settings.floor) world.removeRigidBody(floor.get());
 }
 
 void World::Impl::addProp(const Prop& prop) {
-  CHECK(prop.mass > 0.0 && prop.halfExtents.minCoeff() > 0.0, "a prop needs mass and extents above zero");
+  CHECK(prop.mass >= 0.0 && prop.halfExtents.minCoeff() > 0.0, "a prop needs extents above zero, and no negative mass");
   CHECK(props.size() < kMaxBodies / 2, "more props than the broad phase has room for");
-  PropBody body;
-  if (prop.shape == PropShape::kSphere) {
-    body.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(prop.halfExtents.x()));
-    body.radius = prop.halfExtents.x();
-    body.round = true;
-  } else {
-    body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
-    body.radius = prop.halfExtents.norm();
-  }
+  PropBody body = shapeOf(prop);
   const auto mass = static_cast<btScalar>(prop.mass);
-  btVector3 inertia;
-  body.shape->calculateLocalInertia(mass, inertia);
+  btVector3 inertia(0.0f, 0.0f, 0.0f);
+  if (prop.mass > 0.0) body.shape->calculateLocalInertia(mass, inertia);
   btRigidBody::btRigidBodyConstructionInfo construction(mass, nullptr, body.shape.get(), inertia);
   construction.m_friction = static_cast<btScalar>(prop.friction);
   construction.m_restitution = static_cast<btScalar>(prop.restitution);
@@ -219,13 +254,36 @@ void World::Impl::addProp(const Prop& prop) {
   // Bullet lets things sleep below 0.8 m/s, which freezes what still visibly drifts.
   construction.m_linearSleepingThreshold = 0.03f;
   construction.m_angularSleepingThreshold = 0.1f;
-  if (prop.shape == PropShape::kSphere) construction.m_rollingFriction = 0.002f;  // else balls never stop
+  if (prop.shape != PropShape::kBox) construction.m_rollingFriction = 0.002f;  // else what is round never stops
   body.body = std::make_unique<btRigidBody>(construction);
   body.body->setLinearVelocity(toBullet(prop.velocity));
   body.body->setUserIndex(static_cast<int>(props.size()));
-  world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
+  if (prop.mass > 0.0) {
+    world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
+  } else {
+    world.addRigidBody(body.body.get(), kFloorGroup, kPropGroup);
+  }
   propBodies.push_back(std::move(body));
   props.push_back(prop);
+}
+
+void World::Impl::addLink(int a, int b, const Vec3& place) {
+  if (a == kWorldItself) std::swap(a, b);
+  const int count = static_cast<int>(props.size());
+  CHECK(a >= 0 && a < count && b >= kWorldItself && b < count && a != b,
+        "a link ties a prop to another or to the world");
+  btRigidBody& first = *propBodies[static_cast<std::size_t>(a)].body;
+  const btVector3 inFirst = first.getWorldTransform().inverse() * toBullet(place);
+  std::unique_ptr<btPoint2PointConstraint> link;
+  if (b == kWorldItself) {
+    link = std::make_unique<btPoint2PointConstraint>(first, inFirst);
+  } else {
+    btRigidBody& second = *propBodies[static_cast<std::size_t>(b)].body;
+    link = std::make_unique<btPoint2PointConstraint>(first, second, inFirst,
+                                                     second.getWorldTransform().inverse() * toBullet(place));
+  }
+  world.addConstraint(link.get(), true);
+  links.push_back(std::move(link));
 }
 
 void World::Impl::setPartCount(std::size_t count) {
@@ -361,6 +419,10 @@ World& World::operator=(World&&) noexcept = default;
 int World::addProp(const Prop& prop) {
   impl_->addProp(prop);
   return static_cast<int>(impl_->props.size()) - 1;
+}
+
+void World::addLink(int a, int b, const Vec3& place) {
+  impl_->addLink(a, b, place);
 }
 
 void World::step(std::span<const LivePart> parts, double seconds) {

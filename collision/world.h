@@ -11,19 +11,27 @@
 
 namespace lorica {
 
-enum class PropShape : std::uint8_t { kBox, kSphere };
+enum class PropShape : std::uint8_t { kBox, kSphere, kCapsule, kCylinder };
+inline constexpr int kPropShapeCount = 4;
 
 /// A rigid body of the virtual world.
 struct Prop {
   PropShape shape = PropShape::kBox;
-  Vec3 halfExtents = Vec3::Constant(0.1);  ///< box: half its sides; sphere: x is the radius [m]
-  double mass = 1.0;                       ///< [kg]
+  /// Box: half its sides; sphere: x is the radius; capsule and cylinder: about the prop's y axis, x is the radius, y
+  /// half the height, caps included [m].
+  Vec3 halfExtents = Vec3::Constant(0.1);
+  double mass = 1.0;  ///< [kg]; 0 = furniture, which nothing moves and which the avatar passes through
   double friction = 0.6;
   double restitution = 0.2;
   Isometry3 worldFromProp = Isometry3::Identity();
   Vec3 velocity = Vec3::Zero();           ///< [m/s]
   Vec3f color = Vec3f(0.8f, 0.5f, 0.2f);  ///< linear RGB, 0 to 1
 };
+
+/// Of the sphere around a prop's middle that holds it [m].
+[[nodiscard]] double boundingRadius(const Prop& prop);
+
+inline constexpr int kWorldItself = -1;
 
 /// A place where a part of the avatar touched a prop during the last step. Hits shorter than the step are here too.
 struct Contact {
@@ -35,13 +43,14 @@ struct Contact {
   double impulse = 0.0;        ///< along the normal, summed over the step [N s]
 };
 
-/// Rigid-body world with a floor at y = 0, props, and the avatar's parts as kinematic bodies: they push props, and
+/// Rigid-body world with a floor, props, and the avatar's parts as kinematic bodies: they push props, and
 /// nothing pushes them. Parts touch props only, neither each other nor the floor. Bullet, single precision, substeps
 /// that follow from what moves: the same inputs give the same motion, bit for bit.
 class World {
  public:
   struct Settings {
     Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
+    bool floor = true;                    ///< at y = 0
     double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame without fast parts is cut into equal ones
   };
   World();
@@ -50,9 +59,13 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// @param prop  mass and extents above zero
+  /// @param prop  extents above zero, no capsule lower than wide
   /// @return its index in props() and in Contact::prop; they count up from 0
   int addProp(const Prop& prop);
+  /// Ties two props together at a place, as by a ball joint; they do not touch each other from then on.
+  /// @param a,b    of props(), different; kWorldItself for one of them hangs the other up
+  /// @param place  world [m]
+  void addLink(int a, int b, const Vec3& place);
 
   /// Moves the world from the last frame to this one; the parts sweep from their previous to their present motion.
   ///

@@ -31,7 +31,7 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
     const double reach = 0.5 * box.diagonal() + kPropReach;
     for (const Prop& prop : scene.props) {
       const Vec3 place = prop.worldFromProp.translation();
-      const double size = prop.shape == PropShape::kSphere ? prop.halfExtents.x() : prop.halfExtents.norm();
+      const double size = boundingRadius(prop);
       if (!((place - center).norm() < reach) || !std::isfinite(size)) continue;
       box.extend(place - Vec3::Constant(size));
       box.extend(place + Vec3::Constant(size));

@@ -46,27 +46,94 @@ PropMesh makeBevelledBox() {
   return mesh;
 }
 
-PropMesh makePropSphere() {
-  constexpr std::uint32_t kRings = 14, kSegments = 24;
-  PropMesh mesh;
-  for (std::uint32_t i = 0; i <= kRings; ++i) {
-    const double theta = std::numbers::pi * i / kRings;
-    for (std::uint32_t j = 0; j < kSegments; ++j) {
-      const double phi = 2.0 * std::numbers::pi * j / kSegments;
-      mesh.vertices.push_back(
-          {Vec3f::Zero(),
-           Vec3(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)).cast<float>()});
-    }
-  }
-  for (std::uint32_t i = 0; i < kRings; ++i) {
+namespace {
+
+constexpr std::uint32_t kSegments = 24;
+
+/// Joins rings of kSegments vertices each, from the top one down.
+void joinRings(PropMesh& mesh, std::uint32_t ringCount) {
+  for (std::uint32_t i = 0; i + 1 < ringCount; ++i) {
     for (std::uint32_t j = 0; j < kSegments; ++j) {
       const std::uint32_t a = i * kSegments + j, b = i * kSegments + (j + 1) % kSegments;
       const std::uint32_t c = a + kSegments, d = b + kSegments;
       if (i > 0) mesh.indices.insert(mesh.indices.end(), {a, b, d});
-      if (i + 1 < kRings) mesh.indices.insert(mesh.indices.end(), {a, d, c});
+      if (i + 2 < ringCount) mesh.indices.insert(mesh.indices.end(), {a, d, c});
     }
   }
+}
+
+Vec3f around(std::uint32_t segment, double sine, double cosine) {
+  const double phi = 2.0 * std::numbers::pi * segment / kSegments;
+  return Vec3(sine * std::cos(phi), cosine, sine * std::sin(phi)).cast<float>();
+}
+
+constexpr int kHalfSphere = 7;  // steps from a pole to the equator
+
+/// Rings from one latitude to another, counted from the upper pole. @param y  of their corners, in half extents
+void addRings(PropMesh& mesh, int from, int to, float y) {
+  for (int i = from; i <= to; ++i) {
+    const double theta = 0.5 * std::numbers::pi * i / kHalfSphere;
+    for (std::uint32_t j = 0; j < kSegments; ++j) {
+      mesh.vertices.push_back({Vec3f(0.0f, y, 0.0f), around(j, std::sin(theta), std::cos(theta))});
+    }
+  }
+}
+
+}  // namespace
+
+PropMesh makePropSphere() {
+  PropMesh mesh;
+  addRings(mesh, 0, 2 * kHalfSphere, 0.0f);
+  joinRings(mesh, 2 * kHalfSphere + 1);
   return mesh;
+}
+
+PropMesh makePropCapsule() {
+  PropMesh mesh;
+  addRings(mesh, 0, kHalfSphere, 1.0f);
+  addRings(mesh, kHalfSphere, 2 * kHalfSphere, -1.0f);
+  joinRings(mesh, 2 * kHalfSphere + 2);
+  return mesh;
+}
+
+PropMesh makePropCylinder() {
+  struct Ring {
+    double radius, height;  // of the corner, in half extents
+    double tilt;            // of the normal: 0 up, pi / 2 outwards, pi down
+  };
+  // The lids' middles and rims, then the bevels, then the sides.
+  constexpr double kQuarter = 0.25 * std::numbers::pi;
+  constexpr std::array<Ring, 8> kRings = {{{0.0, 1.0, 0.0},
+                                           {1.0, 1.0, 0.0},
+                                           {1.0, 1.0, kQuarter},
+                                           {1.0, 1.0, 2.0 * kQuarter},
+                                           {1.0, -1.0, 2.0 * kQuarter},
+                                           {1.0, -1.0, 3.0 * kQuarter},
+                                           {1.0, -1.0, 4.0 * kQuarter},
+                                           {0.0, -1.0, 4.0 * kQuarter}}};
+  PropMesh mesh;
+  for (const Ring& ring : kRings) {
+    for (std::uint32_t j = 0; j < kSegments; ++j) {
+      mesh.vertices.push_back(
+          {around(j, ring.radius, ring.height), around(j, std::sin(ring.tilt), std::cos(ring.tilt))});
+    }
+  }
+  joinRings(mesh, kRings.size());
+  return mesh;
+}
+
+PropMesh makePropMesh(PropShape shape) {
+  switch (shape) {
+    case PropShape::kBox:
+      return makeBevelledBox();
+    case PropShape::kSphere:
+      return makePropSphere();
+    case PropShape::kCapsule:
+      return makePropCapsule();
+    case PropShape::kCylinder:
+      return makePropCylinder();
+  }
+  return {};
 }
 
 void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances) {
@@ -80,13 +147,13 @@ void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector
     instance.z = m.col(2).head<3>();
     instance.origin = m.col(3).head<3>();
     instance.color = prop.color;
-    if (shape == PropShape::kBox) {
-      instance.bevel = static_cast<float>(std::min(0.12 * prop.halfExtents.minCoeff(), 0.015));
-      instance.extents = prop.halfExtents.cast<float>().array() - instance.bevel;
-    } else {
-      instance.bevel = static_cast<float>(prop.halfExtents.x());
-      instance.extents = Vec3f::Zero();
-    }
+    Vec3 half = prop.halfExtents;
+    if (shape == PropShape::kCylinder) half.z() = half.x();
+    instance.bevel = static_cast<float>(std::min(0.12 * half.minCoeff(), 0.015));
+    if (shape == PropShape::kSphere || shape == PropShape::kCapsule) instance.bevel = static_cast<float>(half.x());
+    if (shape == PropShape::kSphere) half = Vec3::Constant(half.x());
+    if (shape == PropShape::kCapsule) half = Vec3(half.x(), half.y(), half.x());
+    instance.extents = (half.cast<float>().array() - instance.bevel).max(0.0f);
     instances.push_back(instance);
   }
 }

@@ -9,10 +9,10 @@
 namespace lorica {
 
 /// A shape that all props of one kind share. The vertex shader places a vertex at
-/// corner * (halfExtents - bevel) + normal * bevel, so one mesh serves boxes of any proportion with equal bevels.
+/// corner * extents + normal * bevel, so one mesh serves boxes of any proportion with equal bevels.
 struct PropMesh {
   struct Vertex {
-    Vec3f corner;  ///< signs of the box corner it belongs to; zero on a sphere
+    Vec3f corner;  ///< where it is without bevel, in half extents; zero on a sphere
     Vec3f normal;
   };
   std::vector<Vertex> vertices;
@@ -25,11 +25,19 @@ struct PropMesh {
 /// Sphere of 360 vertices and 624 triangles.
 [[nodiscard]] PropMesh makePropSphere();
 
+/// Capsule about y: the two halves of a sphere apart.
+[[nodiscard]] PropMesh makePropCapsule();
+
+/// Cylinder about y with bevelled rims.
+[[nodiscard]] PropMesh makePropCylinder();
+
+[[nodiscard]] PropMesh makePropMesh(PropShape shape);
+
 /// What the vertex shader needs of one prop.
 struct PropInstance {
   Vec3f x, y, z, origin;  ///< columns of worldFromProp
-  Vec3f extents;          ///< half extents less the bevel; zero for a sphere [m]
-  float bevel;            ///< the radius for a sphere [m]
+  Vec3f extents;          ///< half extents less the bevel [m]
+  float bevel;            ///< the radius for a sphere or capsule [m]
   Vec3f color;            ///< linear RGB
 };
 

@@ -71,7 +71,7 @@ struct Renderer::Impl {
   GLuint hullVertexArray = 0, boneVertexArray = 0;
   StreamBuffer hullBuffer, boneBuffer;
 
-  std::array<PropShapeGpu, 2> propShapes;
+  std::array<PropShapeGpu, kPropShapeCount> propShapes;
   GLuint skyVertexArray = 0, floorVertexArray = 0, markerVertexArray = 0;
   GLsizei skyIndexCount = 0;
   StreamBuffer floorBuffer, markerBuffer;

@@ -156,8 +156,9 @@ void Renderer::Impl::createMeshes() {
   boneBuffer.id = gpu.makeBuffer();
   overlayAttributes(boneVertexArray, boneBuffer);
 
-  createPropShape(propShapes[static_cast<std::size_t>(PropShape::kBox)], makeBevelledBox());
-  createPropShape(propShapes[static_cast<std::size_t>(PropShape::kSphere)], makePropSphere());
+  for (std::size_t shape = 0; shape < propShapes.size(); ++shape) {
+    createPropShape(propShapes[shape], makePropMesh(static_cast<PropShape>(shape)));
+  }
 
   floorVertexArray = gpu.makeVertexArray();
   floorBuffer.id = gpu.makeBuffer();

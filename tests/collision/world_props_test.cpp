@@ -143,5 +143,69 @@ TEST(WorldProps, AWorldCanBeMoved) {
   EXPECT_LT(second.props()[0].worldFromProp.translation().y(), 0.2);
 }
 
+Prop shaped(PropShape shape, double radius, double halfHeight, const Isometry3& place) {
+  Prop prop = box(Vec3(radius, halfHeight, radius), place);
+  prop.shape = shape;
+  return prop;
+}
+
+TEST(WorldProps, CapsulesAndCylindersRestOnTheirSidesAndEnds) {
+  World world;
+  Isometry3 lying = at(0, 0.5, 0);
+  lying.rotate(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vec3::UnitZ()));
+  world.addProp(shaped(PropShape::kCapsule, 0.08, 0.3, lying));
+  lying.translation().x() = 2.0;
+  world.addProp(shaped(PropShape::kCylinder, 0.08, 0.3, lying));
+  world.addProp(shaped(PropShape::kCylinder, 0.2, 0.1, at(4, 0.5, 0)));
+  run(world, 4.0);
+  EXPECT_NEAR(world.props()[0].worldFromProp.translation().y(), 0.08, 0.002);
+  EXPECT_NEAR(world.props()[1].worldFromProp.translation().y(), 0.08, 0.002);
+  EXPECT_NEAR(world.props()[2].worldFromProp.translation().y(), 0.1, 0.002);
+}
+
+TEST(WorldProps, FurnitureStaysAndCarriesWhatLiesOnIt) {
+  World world;
+  Prop table = box(Vec3(0.5, 0.02, 0.5), at(0, 0.7, 0));
+  table.mass = 0.0;
+  world.addProp(table);
+  world.addProp(box(Vec3::Constant(0.1), at(0, 1.0, 0)));
+  run(world, 4.0);
+  EXPECT_NEAR(world.props()[0].worldFromProp.translation().y(), 0.7, 1e-6);
+  EXPECT_NEAR(world.props()[1].worldFromProp.translation().y(), 0.82, 0.002);
+}
+
+TEST(WorldProps, ARodSwingsAsFastAsItsLengthSays) {
+  World world;
+  // A thin rod of a metre, hung up at one end and moved aside by 0.1 rad.
+  const Vec3 pivot(0, 3, 0);
+  Isometry3 place = Isometry3(Eigen::Translation3d(pivot)) * Eigen::AngleAxisd(0.1, Vec3::UnitZ());
+  place.translate(Vec3(0, -0.5, 0));
+  world.addProp(shaped(PropShape::kCapsule, 0.01, 0.5, place));
+  world.addLink(0, kWorldItself, pivot);
+  double previous = place.translation().x();
+  ASSERT_GT(previous, 0.0);
+  std::vector<double> crossings;  // downwards through the middle
+  for (int i = 0; i < 400; ++i) {
+    world.step({}, 1.0 / 120.0);
+    const Isometry3& now = world.props()[0].worldFromProp;
+    EXPECT_NEAR((now * Vec3(0, 0.5, 0) - pivot).norm(), 0.0, 0.005);
+    const double x = now.translation().x();
+    if (previous > 0.0 && x <= 0.0) crossings.push_back((i + previous / (previous - x)) / 120.0);
+    previous = x;
+  }
+  ASSERT_GE(crossings.size(), 2u);
+  const double truth = 2.0 * EIGEN_PI * std::sqrt(2.0 * 1.0 / (3.0 * 9.81));
+  EXPECT_NEAR(crossings[1] - crossings[0], truth, 0.02 * truth);
+}
+
+TEST(WorldProps, WithoutAFloorThingsFallOn) {
+  World::Settings settings;
+  settings.floor = false;
+  World world(settings);
+  world.addProp(ball(0.1, at(0, 0.5, 0)));
+  run(world, 1.0);
+  EXPECT_LT(world.props()[0].worldFromProp.translation().y(), -3.0);
+}
+
 }  // namespace
 }  // namespace lorica

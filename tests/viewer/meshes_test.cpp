@@ -221,5 +221,25 @@ TEST(PropMesh, SphereHasItsRadiusAndNearlyItsVolume) {
   EXPECT_NEAR(signedVolume(mesh.vertices, mesh.triangles), ball, 0.04 * ball);
 }
 
+TEST(PropMesh, CapsulesAndCylindersHaveTheirExtentsAndNearlyTheirVolumes) {
+  constexpr double kRadius = 0.2, kHalf = 0.5;
+  constexpr double kDisc = EIGEN_PI * kRadius * kRadius;
+  for (const PropShape shape : {PropShape::kCapsule, PropShape::kCylinder}) {
+    std::vector<Prop> props(1);
+    props[0].shape = shape;
+    props[0].halfExtents = {kRadius, kHalf, 9};
+    std::vector<PropInstance> instances;
+    makePropInstances(props, shape, instances);
+    ASSERT_EQ(instances.size(), 1u);
+    const TriMesh mesh = placed(makePropMesh(shape), instances[0]);
+    const Aabb box = boundsOf(mesh.vertices);
+    EXPECT_LT((box.max - Vec3(kRadius, kHalf, kRadius)).norm(), 1e-5);
+    EXPECT_LT((box.min + Vec3(kRadius, kHalf, kRadius)).norm(), 1e-5);
+    const double truth = shape == PropShape::kCylinder ? kDisc * 2.0 * kHalf
+                                                       : kDisc * 2.0 * (kHalf - kRadius) + 4.0 / 3.0 * kDisc * kRadius;
+    EXPECT_NEAR(signedVolume(mesh.vertices, mesh.triangles), truth, 0.04 * truth);
+  }
+}
+
 }  // namespace
 }  // namespace lorica

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "collision/world.h"
+#include "geometry/result.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lorica {
+
+/// What stands, lies and hangs around an avatar, as a scene file says. Format: docs/SCENES.md.
+struct SceneFile {
+  /// A ball joint between two props, or of one with the world; see World::addLink().
+  struct Link {
+    int a = 0, b = kWorldItself;
+    Vec3 place = Vec3::Zero();  ///< world [m]
+  };
+
+  std::string name;
+  World::Settings world;
+  std::vector<Prop> props;  ///< chains are among them
+  std::vector<Link> links;
+};
+
+/// Reads a scene file and checks all of it.
+/// @return the scene, or a sentence with file, element, found and expected
+[[nodiscard]] Result<SceneFile> readScene(const std::filesystem::path& file);
+/// The same of text in memory. @param name  what the sentences call it
+[[nodiscard]] Result<SceneFile> parseScene(std::string_view text, std::string_view name);
+
+/// The world of a scene, at its begin.
+[[nodiscard]] World makeWorld(const SceneFile& scene);
+
+}  // namespace lorica
