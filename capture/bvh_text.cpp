@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace lorica {
@@ -302,6 +303,32 @@ class Parser {
     return {};
   }
 
+  static bool isNan(std::string_view word) {
+    if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+    return sameWord(word.substr(0, 3), "nan");
+  }
+
+  /// A channel that is not known is what it was last; before it is first known, what it is then; else 0.
+  void fillUnknown() {
+    std::size_t filled = 0;
+    std::vector<double>& values = out_.values;
+    for (std::size_t c = 0; c < out_.channelCount; ++c) {
+      std::size_t i = c;
+      while (i < values.size() && std::isnan(values[i])) i += out_.channelCount;
+      double last = i < values.size() ? values[i] : 0.0;
+      for (i = c; i < values.size(); i += out_.channelCount) {
+        if (std::isnan(values[i])) {
+          values[i] = last;
+          ++filled;
+        }
+        last = values[i];
+      }
+    }
+    if (filled > 0) {
+      out_.notes.push_back(fmt::format("{} numbers are NaN: their channels stay as they were", filled));
+    }
+  }
+
   Result<void> tooManyJoints() const {
     return words_.fail(words_.line(), fmt::format("found {} joints in {} frames or more, expected numbers for them: "
                                                   "that is too much for a file of {} bytes",
@@ -331,7 +358,7 @@ class Parser {
         if (!words_.plainNumber(value)) {
           const std::string_view word = words_.nextOnLine();
           if (word.front() == '\x1a' || word.front() == '\0') break;  // old editors end a text so
-          const std::optional<double> number = numberOf(word);
+          const std::optional<double> number = isNan(word) ? kUnknown : numberOf(word);
           if (!number) {
             return words_.fail(rowLine, fmt::format("found {} in column {}, expected {}", quotedWord(word),
                                                     values.size() - before + 1, kANumber));
@@ -375,6 +402,7 @@ class Parser {
           fmt::format("line {}: the last frame lacks {} of {} numbers and is left out", rowLine, missing, channels));
     }
     values.resize(out_.frameCount * channels);
+    fillUnknown();
     if (static_cast<double>(out_.frameCount) != *promisedFrames_) {
       out_.notes.push_back(
           fmt::format("the header says {} frames, the file has {}", *promisedFrames_, out_.frameCount));
@@ -385,6 +413,7 @@ class Parser {
   std::size_t bytes_;
   Words words_;
   BvhText out_;
+  static constexpr std::optional<double> kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::optional<double> promisedFrames_;
   std::size_t commas_ = 0;
   std::size_t firstRow_ = 0;

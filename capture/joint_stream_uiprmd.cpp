@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <numbers>
 
 /// UI-PRMD (https://webpages.uidaho.edu/ui-prmd/): a person's skeleton as offsets and angles, made from Kinect v2.
@@ -27,7 +28,7 @@ Quat about(const Vec3& axis, double degrees) {
 
 using Row = std::array<Vec3, kJoints>;
 
-/// The next row of 22 x 3 numbers; nothing at the end.
+/// The next row of 22 x 3 numbers, NaN where one is missing; nothing at the end.
 Result<std::optional<Row>> nextRow(RowReader& reader, double largest, std::string_view expected) {
   if (!reader.next()) return std::optional<Row>{};
   if (!reader.fit(kFields)) {
@@ -36,9 +37,14 @@ Result<std::optional<Row>> nextRow(RowReader& reader, double largest, std::strin
   }
   Row row;
   for (std::size_t i = 0; i < kFields; ++i) {
+    double& to = row[i / 3][static_cast<Eigen::Index>(i % 3)];
+    if (double ignored = 0.0; readNumber(reader.field(i), ignored) == NumberKind::kMissing) {
+      to = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
     const Result<double> value = reader.number(i, fmt::format("joint {} {}", i / 3 + 1, "xyz"[i % 3]), largest);
     if (!value) return value.error();
-    row[i / 3][static_cast<Eigen::Index>(i % 3)] = *value;
+    to = *value;
   }
   return std::optional<Row>(row);
 }
@@ -67,6 +73,7 @@ Result<RawStream> parseUiPrmd(std::string_view positions, std::string_view file,
       break;
     }
     // A joint turns what hangs on it, first about Y, then X, then Z: the only order in which feet that stand stay put.
+    // NaN goes down the limb: what hangs on a joint that is not known is not known either.
     std::array<Vec3, kJoints> place;
     std::array<Quat, kJoints> turn;
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -76,19 +83,25 @@ Result<RawStream> parseUiPrmd(std::string_view positions, std::string_view file,
       const Vec3 offset = 0.01 * (**offsets)[j];
       place[j] = j == 0 ? offset : Vec3(place[kParent[j]] + turn[kParent[j]] * offset);
       turn[j] = j == 0 ? local : (turn[kParent[j]] * local).normalized();
-      if (place[j].cwiseAbs().maxCoeff() > kLargestCoordinate) {
+      if (place[j].allFinite() && place[j].cwiseAbs().maxCoeff() > kLargestCoordinate) {
         return offsetRows.fail(fmt::format("found joint {} over 40 m away, expected offsets in centimetres", j + 1));
       }
     }
     Observation row;
     row.frame.time = static_cast<double>(raw.rows.size());
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) row.frame.joints[j] = {place[kSource[j]], std::nullopt, 1.0};
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      if (place[kSource[j]].allFinite()) row.frame.joints[j] = {place[kSource[j]], std::nullopt, 1.0};
+    }
     // Limbs carry no true twist: elbows bend about any axis, and hands, shins and feet flip from frame to frame.
     for (const BodyJoint j : {BodyJoint::kHead, BodyJoint::kNeck, BodyJoint::kTorso}) {
-      row.frame[j].orientation = turn[kSource[static_cast<std::size_t>(j)]];
+      const Quat& its = turn[kSource[static_cast<std::size_t>(j)]];
+      if (row.frame[j].confidence > 0.0 && its.coeffs().allFinite()) row.frame[j].orientation = its;
     }
-    row.frame[BodyJoint::kHead].position = 0.5 * (place[kSource[0]] + place[kHeadTip]);
-    row.toes = {place[kToes[0]], place[kToes[1]]};
+    TrackedJoint& head = row.frame[BodyJoint::kHead];
+    if (head.confidence > 0.0 && place[kHeadTip].allFinite()) head.position = 0.5 * (head.position + place[kHeadTip]);
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (place[kToes[side]].allFinite()) row.toes[side] = place[kToes[side]];
+    }
     raw.rows.push_back(std::move(row));
   }
   if (raw.rows.empty()) {

@@ -133,6 +133,20 @@ TEST(Bvh, FrameCountsMayBeWrong) {
   }
 }
 
+TEST(Bvh, ChannelsThatAreNotKnownStayAsTheyWere) {
+  const std::string head = "MOTION\nFrames: 3\nFrame Time: 0.04\n";
+  const Result<BvhFile> file =
+      parseBvh(with(head + "nan 2 3 0 0 0 nan 0 0\n1 NaN 3 90 0 0 nan 0 0\n-nan(ind) 2 4 nan 0 0 NAN 0 0\n"), "x");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_TRUE(anyNote(*file, "7 numbers are NaN"));
+  ASSERT_EQ(file->motion.frameCount(), 3);
+  EXPECT_EQ(file->motion.pose(0)[0].translation, Vec3(1, 2, 3));
+  EXPECT_EQ(file->motion.pose(1)[0].translation, Vec3(1, 2, 3));
+  EXPECT_EQ(file->motion.pose(2)[0].translation, Vec3(1, 2, 4));
+  EXPECT_EQ(file->motion.pose(2)[0].rotation.coeffs(), file->motion.pose(1)[0].rotation.coeffs());
+  for (int f = 0; f < 3; ++f) EXPECT_EQ(file->motion.pose(f)[1].rotation.coeffs(), Quat::Identity().coeffs());
+}
+
 TEST(Bvh, AFrameCutShortIsLeftOut) {
   const Result<BvhFile> file = parseBvh(with(kMotion) + "1 2 3 4\n", "x");
   ASSERT_TRUE(file) << file.error().message;
@@ -165,8 +179,8 @@ TEST(Bvh, BadFilesAreRefusedWithTheLine) {
                 "x.bvh, line 19: the file ends here, expected a frame of 9 numbers");
   expectRefused(with("MOTION\nFrames: two\nFrame Time: 0.04\n"),
                 "x.bvh, line 17: found 'two', expected the number of frames");
-  expectRefused(replaced(with(kMotion), "90 0 0", "90 nan 0"),
-                "x.bvh, line 20: found 'nan' in column 5, expected a number between -1e9 and 1e9");
+  expectRefused(replaced(with(kMotion), "90 0 0", "90 inf 0"),
+                "x.bvh, line 20: found 'inf' in column 5, expected a number between -1e9 and 1e9");
   expectRefused(replaced(with(kMotion), "90 0 0", "90 0x1 0"),
                 "x.bvh, line 20: found '0x1' in column 5, expected a number between -1e9 and 1e9");
   expectRefused(replaced(with(kMotion), "90 0 0", "90 1e10 0"),

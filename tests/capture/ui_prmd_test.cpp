@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -70,6 +71,31 @@ TEST(UiPrmd, AnglesTurnAboutYThenXThenZ) {
                std::sin(degrees(40)) * x.x() + std::cos(degrees(40)) * x.y(), x.z());
   const SkeletonFrame& frame = stream->frames[0];
   EXPECT_LT((frame[J::kLeftHand].position - frame[J::kLeftShoulder].position - 0.53 * z).norm(), 1e-12);
+}
+
+TEST(UiPrmd, JointsThatAreNotKnownAndThoseThatHangOnThemAreNotSeen) {
+  const test::TemporaryFolder folder;
+  std::string noElbow;
+  for (std::size_t j = 0; j < 22; ++j)
+    noElbow += fmt::format("{}{}", j == 0 ? "" : ",", j == 8 ? "NaN,nan,NaN" : "0,5,0");
+  const auto file = folder.write("a_positions.txt", offsetsRow() + noElbow + "\n" + offsetsRow());
+  // Row 3: the angle of the right knee is lost, so where the foot is.
+  folder.write("a_angles.txt", anglesRow(0, "0,0,0") + anglesRow(0, "0,0,0") + anglesRow(19, "0,,0"));
+  const auto stream = readJointStream(file);
+  ASSERT_TRUE(stream) << stream.error().message;
+  ASSERT_EQ(stream->frames.size(), 3u);
+  const auto unseen = [&](std::size_t f) {
+    std::vector<J> joints;
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      const TrackedJoint& joint = stream->frames[f][static_cast<J>(j)];
+      EXPECT_TRUE(joint.position.allFinite());
+      if (joint.confidence == 0.0) joints.push_back(static_cast<J>(j));
+    }
+    return joints;
+  };
+  EXPECT_EQ(unseen(0), std::vector<J>());
+  EXPECT_EQ(unseen(1), (std::vector<J>{J::kLeftElbow, J::kLeftHand}));
+  EXPECT_EQ(unseen(2), (std::vector<J>{J::kRightFoot}));
 }
 
 double heightOf(const SkeletonFrame& frame, J joint) {
