@@ -65,7 +65,8 @@ class OpenNi {
 /// Records what a camera gives, by OpenNI2's own recorder, into an .oni file. One at a time in a process.
 class OpenNiRecorder {
  public:
-  /// Begins a file beside `file`, named x.part.oni. It can be played even when this program is killed.
+  /// Begins a file beside `file`, named x.part.oni. It can be played even when this program is killed. Images that the
+  /// camera gives from now on are recorded, whether they are read or not.
   /// @param source  one of OpenNi::open(); it must outlive the recorder, and someone must read it
   [[nodiscard]] static Result<std::unique_ptr<OpenNiRecorder>> start(DepthSource& source,
                                                                      const std::filesystem::path& file);

@@ -2,9 +2,13 @@
 #include "sensor/openni_source.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <string_view>
 #include <system_error>
+#include <thread>
 
 namespace lorica {
 namespace {
@@ -41,7 +45,23 @@ class Recorder final : public OpenNiRecorder {
     } catch (...) {
       return Error{ErrorCode::kUnwritable, fmt::format("{}: OpenNI2's recorder failed", beside_.string())};
     }
+    waitForBegin();
     return {};
+  }
+
+  /// OpenNI2 starts recording in a thread of its own and drops what comes before. It has begun once the record that
+  /// says so is in the file. Where that takes very long the first images are lost, which is no reason to fail.
+  void waitForBegin() const {
+    constexpr std::string_view kDataBegin("NIR\0\x08\0\0\0", 8);
+    constexpr auto kStep = std::chrono::milliseconds(2);
+    for (int step = 0; step < 1000; ++step) {
+      std::string head(1 << 16, '\0');
+      std::ifstream file(beside_, std::ios::binary);
+      file.read(head.data(), static_cast<std::streamsize>(head.size()));
+      const bool begun = head.find(kDataBegin) != std::string::npos;
+      std::this_thread::sleep_for(kStep);
+      if (begun) return;
+    }
   }
 
   Result<int> finish() override {

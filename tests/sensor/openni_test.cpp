@@ -298,7 +298,7 @@ TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
     }
     lastNumber = number;
   }
-  // And once more, now that a recorder has been.
+  // And once more, now that a recorder has been. What is read is in the file.
   Result<std::unique_ptr<OpenNiRecorder>> again = OpenNiRecorder::start(**source, path);
   ASSERT_TRUE(again) << again.error().message;
   ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
