@@ -1,6 +1,7 @@
 #include "apps/depth_inputs.h"
 
 #include "apps/report.h"
+#include "sensor/nite.h"
 #include "sensor/openni.h"
 #include "sensor/virtual_script.h"
 
@@ -40,6 +41,36 @@ Result<VirtualScript> virtualScript(const DepthOptions& options) {
   return script;
 }
 
+/// OpenNI2 with the drivers that are asked for, told what the virtual camera shows.
+Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
+  OpenNiSettings settings;
+  if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
+  if (options.virtualCamera) {
+    const Result<VirtualScript> script = virtualScript(options);
+    if (!script) return script.error();
+    settings.drivers.push_back(virtualDriver());
+    if (settings.drivers.back().empty()) {
+      return Error{
+          ErrorCode::kNotFound,
+          "--virtual: Lorica's driver libLoricaSensor.so.0 is not beside the program nor in ../lib: it is built "
+          "where libopenni2-dev is installed"};
+    }
+    // The driver reads it when OpenNI2 loads it, in this process.
+    if (!options.motion.empty()) setenv(kVirtualScriptVariable, ("motion=" + options.motion).c_str(), 1);
+  }
+  return OpenNi::start(settings);
+}
+
+std::string uriOf(const DepthOptions& options) {
+  return options.virtualCamera ? kVirtualUri : options.device;
+}
+
+Error withAdvice(const Error& error, const DepthOptions& options) {
+  if (options.virtualCamera || error.code != ErrorCode::kNotFound) return error;
+  return {error.code,
+          error.message + "; `lorica info --devices` says what is seen and why, and --virtual needs no camera"};
+}
+
 }  // namespace
 
 void addDepthOptions(CLI::App& app, DepthOptions& options) {
@@ -60,30 +91,19 @@ void addDepthOptions(CLI::App& app, DepthOptions& options) {
 }
 
 Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options) {
-  OpenNiSettings settings;
-  if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
-  if (options.virtualCamera) {
-    const Result<VirtualScript> script = virtualScript(options);
-    if (!script) return script.error();
-    settings.drivers.push_back(virtualDriver());
-    if (settings.drivers.back().empty()) {
-      return Error{
-          ErrorCode::kNotFound,
-          "--virtual: Lorica's driver libLoricaSensor.so.0 is not beside the program nor in ../lib: it is built "
-          "where libopenni2-dev is installed"};
-    }
-    // The driver reads it when OpenNI2 loads it, in this process.
-    if (!options.motion.empty()) setenv(kVirtualScriptVariable, ("motion=" + options.motion).c_str(), 1);
-  }
-  const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start(settings);
+  const Result<std::shared_ptr<OpenNi>> openNi = startOpenNi(options);
   if (!openNi) return openNi.error();
-  Result<std::unique_ptr<DepthSource>> camera = (*openNi)->open(options.virtualCamera ? kVirtualUri : options.device);
-  if (!camera && !options.virtualCamera && camera.error().code == ErrorCode::kNotFound) {
-    return Error{ErrorCode::kNotFound, camera.error().message +
-                                           "; `lorica info --devices` says what is seen and why, and --virtual needs "
-                                           "no camera"};
-  }
+  Result<std::unique_ptr<DepthSource>> camera = (*openNi)->open(uriOf(options));
+  if (!camera) return withAdvice(camera.error(), options);
   return camera;
+}
+
+Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library) {
+  const Result<std::shared_ptr<OpenNi>> openNi = startOpenNi(options);
+  if (!openNi) return openNi.error();
+  Result<std::unique_ptr<SkeletonSource>> joints = makeNiteSource(*openNi, library, uriOf(options));
+  if (!joints) return withAdvice(joints.error(), options);
+  return joints;
 }
 
 Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/skeleton_frame.h"
 #include "geometry/result.h"
 #include "sensor/depth_source.h"
 
@@ -25,7 +26,11 @@ void addDepthOptions(CLI::App& app, DepthOptions& options);
 /// @return the source; or why there is none and what helps
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options);
 
-/// The same, but a virtual camera needs no OpenNI2.
+/// The skeletons that NiTE 2 makes of such a camera, see makeNiteSource().
+/// @param library  libNiTE2.so
+[[nodiscard]] Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library);
+
+/// As openCamera(), but a virtual camera needs no OpenNI2.
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options);
 
 }  // namespace lorica

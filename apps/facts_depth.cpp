@@ -1,6 +1,7 @@
 #include "apps/facts.h"
 #include "sensor/oni_file.h"
 #include "sensor/openni.h"
+#include "sensor/openni_usb.h"
 
 #include <fmt/format.h>
 
@@ -13,8 +14,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDegrees = 57.29577951308232;
 
-std::string usbId(const OpenNiCamera& camera) {
-  return fmt::format("{:04x}:{:04x}", camera.usbVendor, camera.usbProduct);
+std::string describe(const OpenNiCamera& camera) {
+  std::string text = camera.vendor + " " + camera.name;
+  if (camera.usbVendor != 0) text += fmt::format(" (USB {:04x}:{:04x})", camera.usbVendor, camera.usbProduct);
+  if (!camera.driver.empty()) text += ", by " + camera.driver;
+  return text;
 }
 
 }  // namespace
@@ -64,9 +68,12 @@ Result<Facts> describeDevices(const std::string& driver) {
   json["kind"] = "devices";
   json["cameras"] = Json::array();
   for (const OpenNiCamera& camera : *cameras) {
-    facts.report.line(camera.uri, fmt::format("{} {} (USB {})", camera.vendor, camera.name, usbId(camera)));
-    json["cameras"].push_back(
-        {{"uri", camera.uri}, {"vendor", camera.vendor}, {"name", camera.name}, {"usb", usbId(camera)}});
+    facts.report.line(camera.uri, describe(camera));
+    json["cameras"].push_back({{"uri", camera.uri},
+                               {"vendor", camera.vendor},
+                               {"name", camera.name},
+                               {"usb", fmt::format("{:04x}:{:04x}", camera.usbVendor, camera.usbProduct)},
+                               {"driver", camera.driver}});
   }
   if (!cameras->empty()) facts.report.gap();
   json["drivers"] = Json::array();
@@ -78,12 +85,13 @@ Result<Facts> describeDevices(const std::string& driver) {
                                {"packaged", known.packaged},
                                {"problem", known.problem.empty() ? Json() : Json(known.problem)}});
   }
+  json["why"] = Json::array();
   if (cameras->empty()) {
-    facts.report.note(
-        "OpenNI2's own drivers know PrimeSense cameras and the Asus Xtion. For a Kinect or another maker's camera give "
-        "its driver with "
-        "--driver. A camera that is plugged in and not listed may need rights to USB devices. See docs/SENSORS.md; "
-        "without any camera, `lorica live --virtual` shows how it works.");
+    for (const std::string& sentence : whyNoCamera(usbDepthCameras(), !driver.empty())) {
+      facts.report.note(sentence);
+      json["why"].push_back(sentence);
+    }
+    facts.report.note("Which camera needs which driver: docs/SENSORS.md. Without any, try `lorica live --virtual`.");
   }
   return facts;
 }

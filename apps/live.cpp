@@ -25,6 +25,7 @@ constexpr int kWindowHeight = 720;
 
 struct Options {
   DepthOptions depth;
+  std::string nite;  // library; empty = Lorica's own tracker
   int person = 0;
   std::string character = "mannequin";
   CharacterOptions reading;
@@ -40,7 +41,7 @@ struct Options {
 /// What runs, and what came of it.
 struct Live {
   Session session;
-  const DepthJoints* joints;  // the session's own
+  const DepthJoints* joints;  // the session's own; null where NiTE 2 tracks
   std::string name;
   LiveLog log;
   Tally tally;
@@ -54,7 +55,7 @@ Result<bool> step(const Options& options, Live& live, double& firstTime) {
   if (!more || !*more) return more;
   if (live.session.frameCount() == 1) firstTime = live.session.time();
   const double seconds = live.session.time() - firstTime;
-  live.log.add(live.joints->sight(), seconds);
+  if (live.joints != nullptr) live.log.add(live.joints->sight(), seconds);
   live.tally.add(live.session);
   const PlaybackOptions& limit = options.limit;
   const bool over = (limit.frames > 0 && live.session.frameCount() >= limit.frames) ||
@@ -70,7 +71,7 @@ Result<void> runHeadless(const Options& options, Live& live) {
     const Result<bool> more = step(options, live, firstTime);
     if (!more) return more.error();
     if (*pictures) {
-      if ((*pictures)->due(live.session)) drawDepthPicture(*live.joints, live.picture);
+      if (live.joints != nullptr && (*pictures)->due(live.session)) drawDepthPicture(*live.joints, live.picture);
       if (Result<void> drawn = (*pictures)->add(live.session, live.name, &live.picture); !drawn) return drawn;
     }
     if (!*more) break;
@@ -90,9 +91,9 @@ Result<void> runInWindow(const Options& options, Live& live) {
       const Result<bool> more = step(options, live, firstTime);
       if (!more) return more.error();
       if (!*more) return {};
-      drawDepthPicture(*live.joints, live.picture);
+      if (live.joints != nullptr) drawDepthPicture(*live.joints, live.picture);
     }
-    const std::string state = live.log.state();
+    const std::string state = live.joints != nullptr ? live.log.state() : "";
     window->show(scene.of(live.session), captionOf(live.name, live.session, live.session.time() - firstTime) +
                                              (state.empty() ? "" : "   " + state));
   }
@@ -104,7 +105,7 @@ nlohmann::ordered_json toJson(const Live& live, const DecompositionFile& body) {
   json["source"] = live.name;
   json["character"] = live.session.character().name;
   json["parts"] = body.decomposition.parts.size();
-  live.log.addTo(json);
+  if (live.joints != nullptr) live.log.addTo(json);
   live.tally.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
@@ -116,7 +117,7 @@ nlohmann::ordered_json toJson(const Live& live, const DecompositionFile& body) {
 Report toReport(const Options& options, const Live& live) {
   Report report(fmt::format("{} followed {}: {}", live.session.character().name, live.name,
                             counted(live.tally.frames(), "frame")));
-  live.log.addTo(report);
+  if (live.joints != nullptr) live.log.addTo(report);
   if (const std::optional<double> delay = live.session.source().smoothingDelay()) {
     report.line("smoothing", fmt::format("joints lag by {:.0f} ms more", 1e3 * *delay));
   }
@@ -144,6 +145,28 @@ Result<bool> chooseWindow(const Options& options) {
   return false;
 }
 
+/// Whoever finds the joints.
+struct Joints {
+  std::unique_ptr<SkeletonSource> source;
+  const DepthJoints* tracked;  // the source; null where NiTE 2 tracks
+  std::string name;
+};
+
+Result<Joints> openJoints(const Options& options) {
+  if (!options.nite.empty()) {
+    Result<std::unique_ptr<SkeletonSource>> source = openNite(options.depth, options.nite);
+    if (!source) return source.error();
+    return Joints{std::move(*source), nullptr, "NiTE 2"};
+  }
+  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
+  if (!depth) return depth.error();
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return tracker.error();
+  auto joints = std::make_unique<DepthJoints>(std::move(*depth), std::move(*tracker), options.person);
+  const DepthJoints* tracked = joints.get();
+  return Joints{std::move(joints), tracked, tracked->source().name()};
+}
+
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.character, options.body.decomposition}); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
@@ -159,19 +182,15 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!world) return world.error();
 
   // The source is opened last: a live one runs on while others are made ready.
-  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
-  if (!depth) return depth.error();
-  Result<Tracker> tracker = Tracker::create((*depth)->camera());
-  if (!tracker) return tracker.error();
-  auto joints = std::make_unique<DepthJoints>(std::move(*depth), std::move(*tracker), options.person);
-  const DepthJoints* watched = joints.get();
+  Result<Joints> joints = openJoints(options);
+  if (!joints) return joints.error();
   Result<std::unique_ptr<PoseSource>> source =
-      makeJointPoseSource(*subject->character, std::move(joints), options.performing.joints());
+      makeJointPoseSource(*subject->character, std::move(joints->source), options.performing.joints());
   if (!source) return source.error();
   Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
 
-  Live live{std::move(*session), watched, watched->source().name(), {}, {}, 0, {}};
+  Live live{std::move(*session), joints->tracked, joints->name, {}, {}, 0, {}};
   if (!*inWindow) fmt::print(stderr, "Following {}; Ctrl-C ends.\n", live.name);
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
   if (!ran) return ran;
@@ -195,7 +214,11 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
       "      a Kinect, by a driver of your own\n"
       "\nCtrl-C ends it, and a summary follows. Which camera needs which driver: docs/SENSORS.md.");
   addDepthOptions(*app, options->depth);
-  addCount(*app, "--person", options->person, 1, "Whom to follow, by the order of coming [default: the nearest]");
+  CLI::Option* person =
+      addCount(*app, "--person", options->person, 1, "Whom to follow, by the order of coming [default: the nearest]");
+  app->add_option("--nite", options->nite, "Have NiTE 2 find the joints, where you have it: libNiTE2.so")
+      ->type_name("FILE")
+      ->excludes(person);
   app->add_option("--character", options->character,
                   "Who performs: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
       ->type_name("FILE");
