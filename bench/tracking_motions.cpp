@@ -110,11 +110,17 @@ TrackedMotion made(std::string name, MotionKind kind, std::vector<SkeletonFrame>
   return result;
 }
 
-/// Forwards, backwards and so on, until it is long enough.
-SkeletalMotion backAndForth(const SkeletalMotion& motion, double start, double seconds) {
-  const int count = motion.frameCount();
-  int first = 0;
-  while (first + 1 < count && motion.times[static_cast<std::size_t>(first)] < motion.times.front() + start) ++first;
+/// From `start` to `end`, back, and so on, until it is long enough.
+SkeletalMotion backAndForth(const SkeletalMotion& motion, double start, double end, double seconds) {
+  const auto frameAt = [&](double time) {
+    int frame = 0;
+    while (frame + 1 < motion.frameCount() &&
+           motion.times[static_cast<std::size_t>(frame)] < motion.times.front() + time) {
+      ++frame;
+    }
+    return frame;
+  };
+  const int first = frameAt(start), count = frameAt(end) + 1;
   SkeletalMotion result{motion.name, motion.skeleton, {}, {}};
   double time = 0.0;
   for (int frame = first, step = 1; time <= seconds && first + 1 < count; frame += step) {
@@ -128,12 +134,12 @@ SkeletalMotion backAndForth(const SkeletalMotion& motion, double start, double s
   return result;
 }
 
-Result<TrackedMotion> fromBvh(const std::filesystem::path& file, const std::string& name, double start) {
+Result<TrackedMotion> fromBvh(const std::filesystem::path& file, const std::string& name, double start, double end) {
   Result<BvhFile> bvh = readBvh(file);
   if (!bvh) return bvh.error();
   TrackedMotion result;
   result.name = name;
-  result.skeletal = backAndForth(bvh->motion, start, result.seconds);
+  result.skeletal = backAndForth(bvh->motion, start, end, result.seconds);
   return result;
 }
 
@@ -168,8 +174,8 @@ std::vector<TrackedMotion> formulaMotions() {
   all.push_back(made("sit_on_chair", MotionKind::kSitting, sitOnChair()));
   all.back().furniture = chairAt({0.0, 0.0, -0.36});
   all.push_back(made("occlusion", MotionKind::kOcclusion, synthesizeMotion(SyntheticMotion::kJumpingJacks)));
-  all.back().screens.push_back({{Vec3(-1.6, 0.0, 1.3), Vec3(1.6, 2.2, 1.35)}, {3.0, 4.0}});
-  all.back().seconds = 6.0;
+  all.back().screens.push_back({{Vec3(-1.6, 0.0, 1.3), Vec3(1.6, 2.2, 1.35)}, {2.0, 3.0}});
+  all.back().seconds = 5.0;
   all.push_back(made("entering", MotionKind::kEntering, wave));
   all.back().absent.push_back({0.0, 2.5});
   all.back().seconds = 5.0;
@@ -182,15 +188,15 @@ Result<std::vector<TrackedMotion>> dataMotions(const std::filesystem::path& fold
   struct File {
     const char* path;
     const char* name;
-    double start;
+    double start, end;  // of what is shown [s]
   };
   std::vector<TrackedMotion> all;
   all.reserve(4);
-  for (const File& one : {File{"bvh/animated_drawings/zombie.bvh", "bvh_zombie", 1.0},
-                          File{"bvh/animated_drawings/jumping_jacks.bvh", "bvh_jumping_jacks", 0.5},
-                          File{"bvh/makehuman/walk1.bvh", "bvh_walk", 0.0}}) {
+  for (const File& one : {File{"bvh/animated_drawings/zombie.bvh", "bvh_zombie", 1.0, 4.0},
+                          File{"bvh/animated_drawings/jumping_jacks.bvh", "bvh_jumping_jacks", 0.5, 60.0},
+                          File{"bvh/makehuman/walk1.bvh", "bvh_walk", 0.0, 60.0}}) {
     if (!isThere(folder / one.path)) continue;
-    Result<TrackedMotion> read = fromBvh(folder / one.path, one.name, one.start);
+    Result<TrackedMotion> read = fromBvh(folder / one.path, one.name, one.start, one.end);
     if (!read) return read.error();
     all.push_back(std::move(*read));
   }
@@ -202,7 +208,7 @@ Result<std::vector<TrackedMotion>> dataMotions(const std::filesystem::path& fold
       crossed.name = "clip_crossed_arms";
       crossed.kind = MotionKind::kCrossedArms;
       crossed.skeletal = backAndForth(sampleWhole(read->character.skeleton, read->clips.front(), kFramesPerSecond), 0.0,
-                                      crossed.seconds);
+                                      60.0, crossed.seconds);
       all.push_back(std::move(crossed));
     }
   }
