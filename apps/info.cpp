@@ -38,9 +38,11 @@ Result<Facts> describe(const Options& options) {
   }
   const fs::path file(options.input);
   if (file.extension() == ".lorica") return describeDecomposition(file);
+  const fs::path shipped = isBareName(options.input) ? shippedRecording(options.input) : fs::path();
   if (isDepthRecording(file)) return describeDepthRecording(file);
+  if (isDepthRecording(shipped)) return describeDepthRecording(shipped);
   const bool shape = options.input == "mannequin" || isMeshFile(file) || isCharacterFile(file);
-  if (!shape && (!isBareName(options.input) || isShippedRecording(options.input))) {
+  if (!shape && (!isBareName(options.input) || !shipped.empty())) {
     const Result<Motion> motion = readMotion(options.input, options.motion);
     if (!motion) return motion.error();
     return describeMotion(*motion);

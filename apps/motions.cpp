@@ -97,6 +97,16 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
   return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
 }
 
+/// Its file; empty where there is none of that name.
+fs::path shippedRecording(const fs::path& folder, const std::string& name) {
+  std::error_code ignored;
+  for (const char* extension : {".csv", ".oni"}) {
+    fs::path file = folder / (name + extension);
+    if (fs::exists(file, ignored)) return file;
+  }
+  return {};
+}
+
 Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
   return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
 }
@@ -145,10 +155,10 @@ bool isBareName(const std::string& text) {
   return text.find('/') == std::string::npos && !fs::path(text).has_extension() && !fs::exists(text, ignored);
 }
 
-bool isShippedRecording(const std::string& input) {
+fs::path shippedRecording(const std::string& name) {
   std::error_code ignored;
   const Result<fs::path> folder = recordingsFolder();
-  return folder && !fs::exists(input, ignored) && fs::exists(*folder / (input + ".csv"), ignored);
+  return folder && !fs::exists(name, ignored) ? shippedRecording(*folder, name) : fs::path();
 }
 
 Result<fs::path> recordingsFolder() {
@@ -183,12 +193,12 @@ Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& op
   if (!isBareName(pathOrName)) return readMotionFile(pathOrName, options);
   const Result<fs::path> folder = recordingsFolder();
   if (!folder) return folder.error();
-  const fs::path file = *folder / (pathOrName + ".csv");
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: no such file and no shipped recording of that name, expected "
-                                                   "a motion (joints, .bvh, .oni, .glb, .vrm, .fbx, .dae) or one of {}",
-                                                   pathOrName, shippedNames(*folder, ".csv"))};
+  const fs::path file = shippedRecording(*folder, pathOrName);
+  if (file.empty()) {
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("{}: no such file and no shipped recording of that name, expected a motion (joints, .bvh, "
+                             ".oni, .glb, .vrm, .fbx, .dae) or one of {}, {}",
+                             pathOrName, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
   }
   return readMotionFile(file, options);
 }

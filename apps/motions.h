@@ -53,8 +53,8 @@ struct Motion {
 /// BVH, or a clip of a character file.
 [[nodiscard]] Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options = {});
 
-/// Whether a word that names no file names a shipped recording.
-[[nodiscard]] bool isShippedRecording(const std::string& input);
+/// The shipped recording that a word means which names no file here; empty where there is none.
+[[nodiscard]] std::filesystem::path shippedRecording(const std::string& name);
 
 /// The clean recordings that ship, in a fixed order: what humanoids without clips of their own train on.
 [[nodiscard]] Result<std::vector<Motion>> readShippedRecordings();

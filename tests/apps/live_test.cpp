@@ -90,6 +90,13 @@ TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
   EXPECT_EQ(runLorica({"info", folder.path() / "seen.csv", "--json", "-"}).json()["kind"], "recording");
 }
 
+TEST(Record, TheShippedRecordingIsPlayedByItsName) {
+  const TemporaryFolder folder;
+  const CommandResult result = runLorica({"play", "wave_depth", "--decomposition", makeBody(folder), "--json", "-"});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["frames"], runLorica({"info", "wave_depth", "--json", "-"}).json()["frames"]);
+}
+
 TEST(Record, ADamagedRecordingIsASentence) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "broken.oni";
