@@ -40,6 +40,11 @@ class StandInSkeleton {
   /// Empty where the stand-in is the character's own skeleton.
   [[nodiscard]] std::span<const Substitute> substitutes() const { return substitutes_; }
 
+  /// The stand-in's joint that a joint of the character goes with.
+  [[nodiscard]] JointIndex standInOf(JointIndex own) const {
+    return standInOf_.empty() ? own : standInOf_[static_cast<std::size_t>(own)];
+  }
+
   /// Writes the character's pose that looks as a stand-in's. Scales are those of the rest pose where a joint hangs
   /// elsewhere. Allocates nothing.
   /// @param standInPose  skeleton().jointCount() local transforms

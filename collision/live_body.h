@@ -54,6 +54,9 @@ class LiveBody {
   /// @param posed  vertexCount positions of the mesh [m]
   void update(std::span<const Vec3> posed);
 
+  /// Sets LivePart::trust, until it is set again.
+  void setTrust(PartIndex part, double trust) { parts_[static_cast<std::size_t>(part)].trust = trust; }
+
   [[nodiscard]] const Decomposition& decomposition() const { return plan_->decomposition(); }
   [[nodiscard]] std::span<const LivePart> parts() const { return parts_; }
   /// What is promised of the surface being inside the hulls. A mesh sequence is covered exactly.

@@ -18,6 +18,8 @@ struct LivePart {
   Isometry3 worldFromPart = Isometry3::Identity();
   Isometry3 previousWorldFromPart = Isometry3::Identity();  ///< one frame ago; in the first frame, the same
   bool reshaped = true;                                     ///< the shape is not the one of the frame before
+  /// 0 to 1: how far the part can be believed to be where it is. Whoever is not believed strikes nothing, see World.
+  double trust = 1.0;
   std::vector<Vec3> previousVertices;  ///< of the shape one frame ago, where `reshaped`; empty in the first frame
 };
 

@@ -18,6 +18,8 @@ namespace {
 
 // Beyond this a part did not move but jumped: the fastest kicks and punches of people stay below 20 m/s.
 constexpr double kTeleportSpeed = 25.0;
+// A part that is not trusted at all strikes no faster; trust lets the bound rise up to where all is a jump.
+constexpr double kDistrustedSpeed = 0.5;
 // Hulls are inflated by this; GJK keeps touching shapes apart with it. Boxes and balls have their margin inside.
 constexpr btScalar kPartMargin = 0.001f;
 // From frame to frame a contact follows the hull's surface so far, looked for from a place above it.
@@ -66,6 +68,7 @@ struct Sweep {
   Vec3 axis = Vec3::UnitX();   ///< world, unit
   double angle = 0.0;          ///< over the whole frame [rad]
   double radius = 0.0;         ///< around the origin, of all that is swept along [m]
+  double strength = 1.0;       ///< what part of its velocity props feel
 
   [[nodiscard]] btTransform at(double fraction) const {
     return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
@@ -93,6 +96,10 @@ Sweep sweepOf(const LivePart& part, double seconds) {
     sweep.rotation = Quat(end.linear());
     sweep.travel = Vec3::Zero();
     sweep.angle = 0.0;
+  }
+  if (part.trust < 1.0) {
+    const double bound = kDistrustedSpeed + std::max(part.trust, 0.0) * (kTeleportSpeed - kDistrustedSpeed);
+    sweep.strength = std::min(1.0, bound * seconds / std::max(path, 1e-9));
   }
   return sweep;
 }
@@ -443,8 +450,9 @@ void World::step(std::span<const LivePart> parts, double seconds) {
     // Parts stand where they are at the start of the substep, as props do, and their velocity says where they go.
     for (const std::unique_ptr<PartBody>& part : impl_->parts) {
       part->body->setWorldTransform(part->sweep.at(done));
-      part->body->setLinearVelocity(toBullet(Vec3(part->sweep.travel / seconds)));
-      part->body->setAngularVelocity(toBullet(Vec3(part->sweep.axis * (part->sweep.angle / seconds))));
+      const double rate = part->sweep.strength / seconds;
+      part->body->setLinearVelocity(toBullet(Vec3(rate * part->sweep.travel)));
+      part->body->setAngularVelocity(toBullet(Vec3(rate * part->sweep.angle * part->sweep.axis)));
     }
     // What overlaps is moved apart by a fifth in a substep of the longest kind, and in shorter ones by less.
     impl_->world.getSolverInfo().m_erp2 =

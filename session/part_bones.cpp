@@ -33,14 +33,14 @@ void weighPoints(const Decomposition& decomposition, const Part& part, std::span
 
 }  // namespace
 
-std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposition, const Character& character) {
+std::vector<std::vector<JointShare>> jointsOfParts(const Decomposition& decomposition, const Character& character) {
   CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
         "the decomposition is one of the character's mesh");
   std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
   transfer(decomposition, character.mesh.vertices, points);
   std::vector<double> weight(points.size());
-  std::vector<std::vector<BoneShare>> bonesOfPart;
-  bonesOfPart.reserve(decomposition.parts.size());
+  std::vector<std::vector<JointShare>> jointsOfPart;
+  jointsOfPart.reserve(decomposition.parts.size());
   for (const Part& part : decomposition.parts) {
     weighPoints(decomposition, part, points, weight);
     std::vector<double> moved(static_cast<std::size_t>(character.skeleton.jointCount()), 0.0);
@@ -52,15 +52,24 @@ std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposit
         all += share;
       }
     }
-    std::vector<BoneShare> bones;
+    std::vector<JointShare> joints;
     for (std::size_t j = 0; j < moved.size(); ++j) {
-      if (moved[j] > 0.0) {
-        bones.push_back({character.skeleton.joint(static_cast<JointIndex>(j)).name, std::min(moved[j] / all, 1.0)});
-      }
+      if (moved[j] > 0.0) joints.push_back({static_cast<JointIndex>(j), std::min(moved[j] / all, 1.0)});
     }
-    std::stable_sort(bones.begin(), bones.end(),
-                     [](const BoneShare& a, const BoneShare& b) { return a.share > b.share; });
-    bonesOfPart.push_back(std::move(bones));
+    std::stable_sort(joints.begin(), joints.end(),
+                     [](const JointShare& a, const JointShare& b) { return a.share > b.share; });
+    jointsOfPart.push_back(std::move(joints));
+  }
+  return jointsOfPart;
+}
+
+std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposition, const Character& character) {
+  std::vector<std::vector<BoneShare>> bonesOfPart;
+  bonesOfPart.reserve(decomposition.parts.size());
+  for (const std::vector<JointShare>& joints : jointsOfParts(decomposition, character)) {
+    std::vector<BoneShare>& bones = bonesOfPart.emplace_back();
+    bones.reserve(joints.size());
+    for (const JointShare& j : joints) bones.push_back({character.skeleton.joint(j.joint).name, j.share});
   }
   return bonesOfPart;
 }

@@ -2,6 +2,7 @@
 
 #include "capture/joint_csv.h"
 #include "capture/stand_in_skeleton.h"
+#include "session/joint_trust.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,8 +13,9 @@ namespace {
 
 class JointPoseSource final : public PoseSource {
  public:
-  JointPoseSource(Retargeter retargeter, std::unique_ptr<SkeletonSource> joints, const JointSettings& settings)
-      : retargeter_(std::move(retargeter)), joints_(std::move(joints)), mirror_(settings.mirror) {
+  JointPoseSource(const Skeleton& skeleton, Retargeter retargeter, std::unique_ptr<SkeletonSource> joints,
+                  const JointSettings& settings)
+      : retargeter_(std::move(retargeter)), joints_(std::move(joints)), trust_(skeleton), mirror_(settings.mirror) {
     if (settings.smoothing) filter_.emplace(*settings.smoothing);
   }
 
@@ -24,6 +26,7 @@ class JointPoseSource final : public PoseSource {
     if (!frame) return frame.error();
     if (!frame->has_value()) return std::optional<double>();
     if (mirror_) mirror(**frame);
+    trust_.take(**frame);
     if (filter_) filter_->apply(**frame);
     retargeter_.apply(**frame, pose);
     return std::optional<double>((*frame)->time);
@@ -33,11 +36,13 @@ class JointPoseSource final : public PoseSource {
     if (!filter_) return std::nullopt;
     return filter_->delay();
   }
+  [[nodiscard]] std::span<const double> trust() const override { return trust_.joints(); }
   [[nodiscard]] double waited() const override { return waited_; }
 
  private:
   Retargeter retargeter_;
   std::unique_ptr<SkeletonSource> joints_;
+  JointTrust trust_;
   std::optional<OneEuroFilter> filter_;
   bool mirror_;
   double waited_ = 0.0;
@@ -52,16 +57,23 @@ class StandInPoseSource final : public PoseSource {
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
     Result<std::optional<double>> time = source_->next(pose_);
     if (time && time->has_value()) standIn_.carryBack(pose_, pose);
+    const std::span<const double> trust = source_->trust();
+    trust_.resize(trust.empty() ? 0 : pose.size());
+    for (std::size_t j = 0; j < trust_.size(); ++j) {
+      trust_[j] = trust[static_cast<std::size_t>(standIn_.standInOf(static_cast<JointIndex>(j)))];
+    }
     return time;
   }
 
   [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
+  [[nodiscard]] std::span<const double> trust() const override { return trust_; }
   [[nodiscard]] double waited() const override { return source_->waited(); }
 
  private:
   StandInSkeleton standIn_;
   std::unique_ptr<PoseSource> source_;
-  Pose pose_;  ///< of the stand-in
+  Pose pose_;                  ///< of the stand-in
+  std::vector<double> trust_;  ///< of the character's joints
 };
 
 class MotionPoseSource final : public PoseSource {
@@ -125,7 +137,7 @@ Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton
   Result<Retargeter> retargeter = Retargeter::create(skeleton);
   if (!retargeter) return retargeter.error();
   return std::unique_ptr<PoseSource>(
-      std::make_unique<JointPoseSource>(std::move(retargeter).value(), std::move(joints), settings));
+      std::make_unique<JointPoseSource>(skeleton, std::move(retargeter).value(), std::move(joints), settings));
 }
 
 Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& character,

@@ -26,6 +26,10 @@ class PoseSource {
   /// How long smoothing has the poses lag behind the data [s], as measured so far; none where nothing is smoothed.
   [[nodiscard]] virtual std::optional<double> smoothingDelay() const { return std::nullopt; }
 
+  /// How far each joint of the character can be believed to be where next() put it, 0 to 1, see JointTrust; empty where
+  /// all of them can.
+  [[nodiscard]] virtual std::span<const double> trust() const { return {}; }
+
   /// How long the last next() waited for joints and whoever finds them [s]; 0 where they were there.
   [[nodiscard]] virtual double waited() const { return 0.0; }
 };

@@ -109,6 +109,7 @@ Session::Session(Character character, LiveBody body, std::unique_ptr<PoseSource>
       source_(std::move(source)),
       body_(std::move(body)),
       world_(std::move(world)),
+      jointsOfPart_(jointsOfParts(body_.decomposition(), character_)),
       training_(std::move(training)),
       pose_(restPose(character_.skeleton)),
       worldFromJoint_(static_cast<std::size_t>(character_.skeleton.jointCount()), Affine3::Identity()),
@@ -132,6 +133,7 @@ Result<bool> Session::step() {
   computeWorldFromModel(character_, worldFromJoint_, worldFromModel_);
   const Clock::time_point retargeted = Clock::now();
   body_.update(worldFromModel_);
+  passTrustOn();
   const Clock::time_point updated = Clock::now();
   world_.step(body_.parts(), seconds);
   const Clock::time_point end = Clock::now();
@@ -145,6 +147,17 @@ Result<bool> Session::step() {
   for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part);
   ++frameCount_;
   return true;
+}
+
+/// A part is believed as far as the joints that move it are.
+void Session::passTrustOn() {
+  const std::span<const double> trust = source_->trust();
+  if (trust.empty()) return;
+  for (std::size_t p = 0; p < jointsOfPart_.size(); ++p) {
+    double distrust = 0.0;
+    for (const JointShare& j : jointsOfPart_[p]) distrust += j.share * (1.0 - trust[static_cast<std::size_t>(j.joint)]);
+    body_.setTrust(static_cast<PartIndex>(p), 1.0 - std::min(distrust, 1.0));
+  }
 }
 
 std::optional<double> Session::trainingDistance() const {

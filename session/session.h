@@ -5,6 +5,7 @@
 #include "collision/lifted_point.h"
 #include "collision/live_body.h"
 #include "collision/world.h"
+#include "session/part_bones.h"
 #include "session/pose_source.h"
 #include "skinning/character.h"
 
@@ -67,6 +68,9 @@ class Session {
   std::unique_ptr<PoseSource> source_;
   LiveBody body_;
   World world_;
+  void passTrustOn();
+
+  std::vector<std::vector<JointShare>> jointsOfPart_;
   std::optional<TrainingRange> training_;
   std::vector<LiftedPoint> probes_;           // of the training range, by the bones
   mutable std::vector<Vec3> probePositions_;  // scratch
