@@ -28,8 +28,8 @@ struct TrainingRange {
 ///
 /// `knownDistance` is 0.3 of the probes' root mean square distance from their centroid, a rule of thumb: on the
 /// built-in character, of 0.55 m, the hulls were as close 0.15 m from the nearest keyframe as in keyframes (relative
-/// volume error 0.10), and from 0.2 m on looser (0.11 to 0.13). Who has all frames of the training motions has
-/// farthestFrame().
+/// volume error 0.10), and from 0.2 m on looser (0.11 to 0.13). Who has all frames of the training motions takes
+/// farthestFrame() where that is more.
 /// @param decomposition  with at least one part that has points
 /// @param keyframes      of the mesh, at least one [m]
 [[nodiscard]] TrainingRange trainingRange(const Decomposition& decomposition, PoseView keyframes);

@@ -235,9 +235,11 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   outcome.keyframes = Keyframes{subject->mesh.vertices, 1, {}, 0.0};
   outcome.threads = common.threadCount();
   std::optional<CoverPoses> posesToCover;
+  std::optional<Training> training;
   if (subject->character) {
-    const Result<Training> training = trainingMotions(*subject, options.motions);
-    if (!training) return training.error();
+    Result<Training> motions = trainingMotions(*subject, options.motions);
+    if (!motions) return motions.error();
+    training = std::move(*motions);
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
     Result<Keyframes> sampled = trainingKeyframes(*subject->character, *training, count);
     if (!sampled) return sampled.error();
@@ -283,8 +285,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // The outputs, each written whole or not at all.
   if (!options.output.empty()) {
     DecompositionFile content =
-        fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr, poses,
-                    decomposition, outcome.quality);
+        fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr,
+                    training ? &*training : nullptr, poses, decomposition, outcome.quality);
     content.cover = outcome.cover;
     if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
   }

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kParts = 16;
 /// Raise it when decompose() or chooseCover() gives something else for the same input, or when files hold more: or
 /// caches of older programs would live on.
-constexpr std::uint64_t kAlgorithmVersion = 3;
+constexpr std::uint64_t kAlgorithmVersion = 4;
 
 /// Hash of all that the result depends on.
 std::uint64_t cacheKey(const TriMesh& mesh, const Keyframes& keyframes, const DecomposeSettings& settings) {
@@ -117,8 +117,8 @@ Result<DefaultDecomposition> defaultDecomposition(const Subject& subject, int th
   Result<TimedDecomposition> made = decomposeWithProgress(character.name, character.mesh, poses, settings);
   if (!made) return made.error();
   const Quality quality = measureQuality(made->decomposition, character.mesh, poses);
-  DecompositionFile content =
-      fileContent(character.name, character.mesh, &character, poses, std::move(made->decomposition), quality);
+  DecompositionFile content = fileContent(character.name, character.mesh, &character, &*training, poses,
+                                          std::move(made->decomposition), quality);
   writeCache(file, content);
   return DefaultDecomposition{std::move(content), false, made->seconds};
 }

@@ -15,6 +15,26 @@ namespace lorica {
 namespace {
 
 constexpr double kLikeEnough = 0.02;  // of the character's height: poses that need no keyframe each
+constexpr std::size_t kMostKnownFrames = 3000;
+
+/// How far any frame of the training is from the keyframe most like it [m].
+double farthestTrained(const TrainingRange& range, const Decomposition& decomposition, const Character& character,
+                       const Training& training) {
+  std::size_t frameCount = 0;
+  for (const SkeletalMotion& motion : training.motions) frameCount += motion.times.size();
+  const std::size_t stride = (frameCount + kMostKnownFrames - 1) / kMostKnownFrames;
+  double farthest = 0.0;
+  for (const SkeletalMotion& motion : training.motions) {
+    SkeletalMotion one{motion.name, motion.skeleton, {0.0}, {}};
+    for (std::size_t f = 0; f < motion.times.size(); f += stride) {
+      const std::span<const JointTransform> pose = motion.pose(static_cast<int>(f));
+      one.poses.assign(pose.begin(), pose.end());
+      const std::vector<Vec3> posed = poseAllFrames(character, one);
+      farthest = std::max(farthest, farthestFrame(range, decomposition, {posed, static_cast<int>(posed.size())}));
+    }
+  }
+  return farthest;
+}
 
 }  // namespace
 
@@ -104,7 +124,8 @@ Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const 
 }
 
 DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
-                              PoseView keyframes, Decomposition decomposition, const Quality& quality) {
+                              const Training* training, PoseView keyframes, Decomposition decomposition,
+                              const Quality& quality) {
   DecompositionFile content;
   content.source = name;
   content.meshHash = topologyHash(mesh);
@@ -113,6 +134,10 @@ DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, cons
   content.ladder = detailLadder(decomposition, mesh, keyframes);
   if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
   if (character != nullptr || keyframes.keyframeCount() > 1) content.training = trainingRange(decomposition, keyframes);
+  if (character != nullptr && training != nullptr) {
+    content.training->knownDistance = std::max(
+        content.training->knownDistance, farthestTrained(*content.training, decomposition, *character, *training));
+  }
   content.decomposition = std::move(decomposition);
   return content;
 }

@@ -59,9 +59,11 @@ struct TimedDecomposition {
                                                                PoseView keyframes, DecomposeSettings settings);
 
 /// What a .lorica file keeps of a new decomposition: also its levels of detail, judged in the keyframes, the range of
-/// poses that trained it, and the bones that move the parts of a character. No cover.
-/// @param character  null for a mesh
+/// poses that trained it, and the bones that move the parts of a character. No cover. Of a character every frame of the
+/// training motions is a known pose, or, of more than 3,000 frames, that many, taken evenly.
+/// @param character  null for a mesh, as is training
 [[nodiscard]] DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
-                                            PoseView keyframes, Decomposition decomposition, const Quality& quality);
+                                            const Training* training, PoseView keyframes, Decomposition decomposition,
+                                            const Quality& quality);
 
 }  // namespace lorica

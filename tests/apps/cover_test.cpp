@@ -220,6 +220,20 @@ TEST(Cover, CtrlCEndsTheChoice) {
   EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica")) << "nothing is kept of it";
 }
 
+TEST(Training, EveryFrameOfTheTrainingIsKnownHoweverFewKeyframesThereAre) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "reacher.lorica";
+  const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--motion", "squat_and_reach",
+                                        "--keyframes", "1", "-o", file, "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  const double known = runLorica({"info", file, "--json", "-"}).json()["training"]["knownDistance"];
+  const nlohmann::json trained =
+      runLorica({"play", "squat_and_reach", "--decomposition", file, "--json", "-"}).json()["training"];
+  EXPECT_EQ(trained["framesOutside"], 0);
+  EXPECT_NEAR(trained["largestDistance"].get<double>(), known, 1e-3 * known);
+  EXPECT_GT(known, 0.2) << "farther than the rule of thumb has it";
+}
+
 TEST(Training, PlaySaysWhenTheBodyLeavesWhatItWasTrainedOn) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "waver.lorica";
