@@ -10,6 +10,7 @@ constexpr int kMargin = 14;           ///< around the person [blocks]
 constexpr int kLeastPixels = 5;       ///< of the person for a block to be theirs
 constexpr float kLayer = 0.06F;       ///< depths this far behind a block's nearest one are another layer [m]
 constexpr float kNormalStep = 0.07F;  ///< neighbours further off in depth are another surface [m]
+constexpr int kCutBlocks = 6;         ///< of a person at the image's border for them to be cut by it
 constexpr std::size_t kMostPoints = 4000;
 
 enum Kind : std::uint8_t { kElse, kPerson, kUnknown };
@@ -120,6 +121,26 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       bottom_ = std::max(bottom_, by + 1);
     }
   }
+  int border = 0;
+  for (int by = 0; by < rows_; ++by) {
+    for (const int bx : {0, 1, 2, columns_ - 3, columns_ - 2, columns_ - 1}) {
+      border +=
+          blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)]
+                      .kind == kPerson
+              ? 1
+              : 0;
+    }
+  }
+  for (int bx = 0; bx < columns_; ++bx) {
+    for (const int by : {0, 1, rows_ - 2, rows_ - 1}) {
+      border +=
+          blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)]
+                      .kind == kPerson
+              ? 1
+              : 0;
+    }
+  }
+  cut_ = border >= kCutBlocks;
   left_ = std::max(0, left_ - kMargin);
   top_ = std::max(0, top_ - kMargin);
   right_ = std::min(columns_, right_ + kMargin);

@@ -39,6 +39,8 @@ class BodyView {
     return kBlock * kBlock * away * away / (focalX_ * focalY_);
   }
   [[nodiscard]] const V3& cameraPlace() const { return cameraPlace_; }
+  /// Whether the person touches the image's border, more than just so.
+  [[nodiscard]] bool cut() const { return cut_; }
   /// Floor frame, the median of each coordinate.
   [[nodiscard]] const V3& middle() const { return middle_; }
 
@@ -78,6 +80,7 @@ class BodyView {
   M3 floorFromCamera_ = M3::Identity();
   V3 cameraPlace_ = V3::Zero();
   V3 middle_ = V3::Zero();
+  bool cut_ = false;
 };
 
 }  // namespace lorica::fit

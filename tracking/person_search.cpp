@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kPi = 3.14159265F;
 constexpr float kMannequinHeight = 1.752F;  ///< [m]
+constexpr float kUnusualWeight = 5.0F;      ///< of proportions unlike the mannequin's
 constexpr float kReachHeight = 2.15F;       ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;        ///< [m]
 
@@ -105,6 +106,12 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
       const float s = usual.factor[kSize];
       add(sittingPose(hips(top - 0.80F * s), heading), usual);
     }
+    if (view.cut()) {
+      // The feet or the head may be out of sight: a usual body with its head on top, or with its feet on the floor.
+      const float s = usual.factor[kSize];
+      add(standingPose(hips(top - 0.84F * s), heading, 0.15F, 0.2F, 0.4F), usual);
+      add(standingPose(hips(kHipHeight * s), heading, 0.15F, 0.2F, 0.4F), usual);
+    }
     const float low = kHipHeight * comic.factor[kSize];
     add(standingPose(hips(low), heading, 0.3F, 0.0F, 0.2F), comic);
     if (present)
@@ -134,10 +141,21 @@ void PersonSearch::refine(const BodyView& view, Figure& figure, int phase) {
   fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kMedium, figure.pose);
 }
 
+float PersonSearch::unusual(const Proportions& proportions) {
+  float sum = 0.0F;
+  for (std::size_t k = 0; k < kProportionCount; ++k) {
+    const float usual = k == kSize || k == kHeadSize ? 0.15F : 0.08F;
+    const float off = (proportions.factor[k] - 1.0F) / usual;
+    sum += off * off;
+  }
+  return kUnusualWeight * sum;
+}
+
 float PersonSearch::oneStep(const BodyView& view) {
   Candidate& c = candidates_[next_];
   if (rough_) {
     c.cost = fitter_.fit(view, c.figure.proportions, weakly(c.figure.pose, 0.5F), kRough, c.figure.pose).plausible();
+    c.cost += unusual(c.figure.proportions);
     if (++next_ < count_) return kRoughEffort;
     std::stable_sort(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_),
                      [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
@@ -157,6 +175,7 @@ float PersonSearch::oneStep(const BodyView& view) {
     Figure& figure = candidates_[i].figure;
     candidates_[i].cost =
         fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose).plausible();
+    candidates_[i].cost += unusual(figure.proportions);
     if (candidates_[i].cost < candidates_[best_].cost) best_ = i;
   }
   busy_ = false;

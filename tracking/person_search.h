@@ -33,10 +33,11 @@ class PersonSearch {
     Figure figure;
     float cost = 0.0F;
   };
-  static constexpr std::size_t kMost = 40;
+  static constexpr std::size_t kMost = 48;
   static constexpr std::size_t kFinal = 3;
 
   void add(const BodyPose& pose, const Proportions& proportions);
+  [[nodiscard]] static float unusual(const Proportions& proportions);
   float oneStep(const BodyView& view);
   void refine(const BodyView& view, Figure& figure, int phase);
 
