@@ -35,11 +35,41 @@ constexpr std::array<ChainBone, 2> kHeadChain = {{{kNeck, 1}, {kHead, 2}}};
   return side == Side::kRight ? mirrored(bone) : bone;
 }
 
+/// What a name means in a convention.
+struct NameRow {
+  HumanBone bone;
+  int rank;
+};
+using NameRows = std::map<std::string, std::vector<NameRow>>;
+
+[[nodiscard]] NameRows readRows(const NamingConvention& convention) {
+  NameRows rows;
+  for (const BoneNames& row : convention.rows) {
+    std::string_view rest = row.names;
+    for (int rank = 0; !rest.empty(); ++rank) {
+      const std::size_t blank = rest.find(' ');
+      rows[std::string(rest.substr(0, blank))].push_back({row.bone, rank});
+      rest = blank == std::string_view::npos ? std::string_view() : rest.substr(blank + 1);
+    }
+  }
+  return rows;
+}
+
+/// One for each of namingConventions(), read once.
+[[nodiscard]] const std::vector<NameRows>& rowsOfConventions() {
+  static const std::vector<NameRows> all = [] {
+    std::vector<NameRows> made;
+    made.reserve(namingConventions().size());
+    for (const NamingConvention& convention : namingConventions()) made.push_back(readRows(convention));
+    return made;
+  }();
+  return all;
+}
+
 /// The joints that a convention's names could mean, for each bone; those of the trunk all under kSpine.
 class ConventionMatch {
  public:
-  ConventionMatch(const NamingConvention& convention, std::span<const JointName> names, const BoneJoints& given) {
-    readRows(convention);
+  ConventionMatch(const NameRows& rows, std::span<const JointName> names, const BoneJoints& given) : rows_(rows) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       const auto joint = static_cast<JointIndex>(i);
       if (std::find(given.begin(), given.end(), joint) != given.end()) continue;
@@ -57,28 +87,12 @@ class ConventionMatch {
   [[nodiscard]] const Candidates& of(HumanBone bone) const { return candidates_[static_cast<std::size_t>(bone)]; }
 
  private:
-  struct Row {
-    HumanBone bone;
-    int rank;
-  };
-
-  void readRows(const NamingConvention& convention) {
-    for (const BoneNames& row : convention.rows) {
-      std::string_view rest = row.names;
-      for (int rank = 0; !rest.empty(); ++rank) {
-        const std::size_t blank = rest.find(' ');
-        rows_[std::string(rest.substr(0, blank))].push_back({row.bone, rank});
-        rest = blank == std::string_view::npos ? std::string_view() : rest.substr(blank + 1);
-      }
-    }
-  }
-
   /// @return whether the key names a bone of this side
   bool add(JointIndex joint, const std::string& key, Side side, int preference) {
     const auto found = rows_.find(key);
     if (found == rows_.end()) return false;
     bool added = false;
-    for (const Row& row : found->second) {
+    for (const NameRow& row : found->second) {
       const bool sided = mirrored(row.bone) != row.bone;
       if (sided != (side != Side::kMiddle)) continue;
       candidates_[static_cast<std::size_t>(ofSide(row.bone, side))].push_back({joint, row.rank * 4 + preference});
@@ -104,7 +118,7 @@ class ConventionMatch {
     }
   }
 
-  std::map<std::string, std::vector<Row>> rows_;
+  const NameRows& rows_;
   std::array<Candidates, kHumanBoneCount> candidates_;
 };
 
@@ -349,14 +363,14 @@ NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names,
   NamedBones best;
   best.jointOf = given;
   int bestWeight = 0;
-  for (const NamingConvention& convention : namingConventions()) {
-    const ConventionMatch match(convention, names, given);
+  for (std::size_t c = 0; c < namingConventions().size(); ++c) {
+    const ConventionMatch match(rowsOfConventions()[c], names, given);
     BoneJoints bones;
     const int weight = solve(tree, names, match, given, bones);
     if (weight <= bestWeight) continue;
     bestWeight = weight;
     best.jointOf = bones;
-    best.convention = convention.name;
+    best.convention = namingConventions()[c].name;
   }
   return best;
 }
@@ -367,13 +381,13 @@ NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> na
   BoneJoints none;
   none.fill(kNoJoint);
   int bestWeight = 0;
-  for (const NamingConvention& convention : namingConventions()) {
+  for (std::size_t c = 0; c < namingConventions().size(); ++c) {
     BoneJoints bones;
-    const int weight = solveWithoutLegs(tree, ConventionMatch(convention, names, none), bones);
+    const int weight = solveWithoutLegs(tree, ConventionMatch(rowsOfConventions()[c], names, none), bones);
     if (weight <= bestWeight) continue;
     bestWeight = weight;
     best.jointOf = bones;
-    best.convention = convention.name;
+    best.convention = namingConventions()[c].name;
   }
   return best;
 }
