@@ -1,13 +1,11 @@
 #include "sensor/oni_records.h"
 
-#include "geometry/little_endian.h"
+#include "sensor/oni_depth_stream.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 
@@ -21,8 +19,6 @@ constexpr std::uint32_t kCountUnknown = 0xffffffff;
 constexpr std::size_t kLookedAt = 600;
 constexpr std::uint32_t kLongestName = 256;
 constexpr std::uint32_t kMostNodes = 64;
-/// The largest sensor images are 1600 x 1200.
-constexpr std::uint32_t kLargestSide = 2048;
 constexpr std::uint64_t kLatestTimeUs = 10'000'000'000'000'000;
 constexpr std::uint64_t kPaddingLookedAt = 1 << 16;
 
@@ -44,36 +40,9 @@ enum Record : std::uint32_t {
 
 enum NodeType : std::uint32_t { kDevice = 1, kDepth = 2, kColor = 3, kInfrared = 5 };
 
-// Pixel formats as OniCEnums.h numbers them.
-constexpr std::uint64_t kMillimetres = 100;
-constexpr std::uint64_t kTenthsOfMillimetres = 101;
-
 struct Node {
   std::uint32_t type = 0;
   bool removed = false;
-};
-
-/// Little-endian numbers out of a record, never beyond its end.
-class Fields {
- public:
-  explicit Fields(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-  template <typename T>
-  std::optional<T> take() {
-    if (bytes_.size() < sizeof(T)) return std::nullopt;
-    const T value = loadLittleEndian<T>(reinterpret_cast<const char*>(bytes_.data()));
-    bytes_ = bytes_.subspan(sizeof(T));
-    return value;
-  }
-  std::optional<std::string_view> text(std::size_t bytes) {
-    if (bytes_.size() < bytes) return std::nullopt;
-    const std::string_view whole(reinterpret_cast<const char*>(bytes_.data()), bytes);
-    bytes_ = bytes_.subspan(bytes);
-    return whole.substr(0, whole.find('\0'));
-  }
-
- private:
-  std::span<const std::uint8_t> bytes_;
 };
 
 /// For sentences: what a file says may be anything.
@@ -101,12 +70,18 @@ class Walk {
     return {ErrorCode::kBadFormat, fmt::format("{}, byte {}: found {}, expected {}", name_, at_, found, expected)};
   }
 
+  /// Of a clause, where in the file.
+  [[nodiscard]] Result<void> located(const Result<void>& result) const {
+    if (result) return result;
+    return Error{result.error().code, fmt::format("{}, byte {}: {}", name_, at_, result.error().message)};
+  }
+
   Result<void> readFileHeader() {
     std::array<std::uint8_t, kFileHeader> raw{};
     if (size_ < kFileHeader || !bytes_.read(0, raw)) {
       return bad(fmt::format("{} bytes", size_), "an .oni recording, which has 24 bytes and more");
     }
-    Fields fields(raw);
+    OniFields fields(raw);
     const std::string_view magic = *fields.text(4);
     if (magic != "NI10") return bad(fmt::format("\"{}\"", printable(magic)), "\"NI10\", as .oni recordings start");
     const int major = *fields.take<std::uint8_t>();
@@ -153,7 +128,7 @@ class Walk {
       return Error{ErrorCode::kUnreadable, fmt::format("{}, byte {}: cannot be read", name_, at_)};
     }
     if (look < recordHeader_) return cutOff(fmt::format("{} bytes before the end of the file", look));
-    Fields header(whole.first(recordHeader_));
+    OniFields header(whole.first(recordHeader_));
     const std::uint32_t magic = *header.take<std::uint32_t>();
     if (magic != kRecordMagic) {
       if (magic == 0 && unfinished() && onlyZeros(at_, kPaddingLookedAt)) return cutOff("zeros");
@@ -174,7 +149,7 @@ class Walk {
       return bad(fmt::format("{} bytes of payload in a record of type {}", payloadBytes, type), "none");
     }
     const std::size_t inSight = std::min<std::size_t>(fieldsBytes, look);
-    const Fields fields(whole.subspan(recordHeader_, inSight - recordHeader_));
+    const OniFields fields(whole.subspan(recordHeader_, inSight - recordHeader_));
     const std::uint32_t ownBytes = fieldsBytes - recordHeader_;
     Result<void> handled = handle(type, node, fields, ownBytes, payloadBytes);
     if (!handled) return handled;
@@ -183,7 +158,7 @@ class Walk {
     return {};
   }
 
-  Result<void> handle(std::uint32_t type, std::uint32_t node, Fields fields, std::uint32_t bytes,
+  Result<void> handle(std::uint32_t type, std::uint32_t node, OniFields fields, std::uint32_t bytes,
                       std::uint32_t payloadBytes) {
     switch (type) {
       case kNodeAdded4:
@@ -224,7 +199,7 @@ class Walk {
     return {};
   }
 
-  Result<void> addNode(std::uint32_t type, std::uint32_t node, Fields fields, std::uint32_t bytes) {
+  Result<void> addNode(std::uint32_t type, std::uint32_t node, OniFields fields, std::uint32_t bytes) {
     const std::uint32_t nameBytes = fields.take<std::uint32_t>().value_or(0);
     if (nameBytes == 0 || nameBytes > kLongestName) {
       return bad(fmt::format("a node's name of {} bytes", nameBytes), "1 to 256");
@@ -252,20 +227,10 @@ class Walk {
     depthNode_ = node;
     declaredFrames_ = frames;
     countMustEnd_ = type == kNodeAdded4;
-    index_.info.codec = static_cast<OniCodec>(*codec);
-    switch (index_.info.codec) {
-      case OniCodec::kRaw:
-      case OniCodec::kPacked:
-      case OniCodec::kTable:
-        return {};
-    }
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}, byte {}: found depth packed as 0x{:08x}, expected NONE, 16zP "
-                             "or 16zT",
-                             name_, at_, *codec)};
+    return located(depth_.setCodec(*codec));
   }
 
-  Result<void> property(std::uint32_t type, std::uint32_t node, Fields fields, std::uint32_t bytes) {
+  Result<void> property(std::uint32_t type, std::uint32_t node, OniFields fields, std::uint32_t bytes) {
     const std::uint32_t nameBytes = fields.take<std::uint32_t>().value_or(0);
     if (nameBytes == 0 || nameBytes > kLongestName) {
       return bad(fmt::format("a property's name of {} bytes", nameBytes), "1 to 256");
@@ -284,122 +249,19 @@ class Walk {
       return {};
     }
     if (depthNode_ != node) return {};
-    if (type == kInt) {
-      const std::uint64_t value = fields.take<std::uint64_t>().value_or(0);
-      if (*name == "xnMirror") mirrored_ = value != 0;
-      if (*name == "oniPixelFormat") return setPixelFormat(value);
-      return {};
-    }
-    if (type != kGeneral) return {};
-    if (*name == "xnMapOutputMode") return setSize(fields, *valueBytes);
-    if (*name == "xnFOV") return setFieldOfView(fields, *valueBytes);
-    if (*name == "xnCropping") return setCrop(fields, *valueBytes);
+    if (type == kInt) return located(depth_.setNumber(*name, fields.take<std::uint64_t>().value_or(0)));
+    if (type == kGeneral) return located(depth_.setGeneral(*name, fields, *valueBytes));
     return {};
   }
 
-  Result<void> setPixelFormat(std::uint64_t format) {
-    if (format != kMillimetres && format != kTenthsOfMillimetres) {
-      return Error{
-          ErrorCode::kUnsupported,
-          fmt::format("{}, byte {}: found depth in pixel format {}, expected 100 (millimetres) or 101 (tenths)", name_,
-                      at_, format)};
-    }
-    const bool tenths = format == kTenthsOfMillimetres;
-    if (tenths != index_.tenths && !index_.frames.empty()) return bad("another unit of depth", "one for all frames");
-    index_.tenths = tenths;
-    return {};
-  }
-
-  Result<void> setSize(Fields fields, std::uint32_t bytes) {
-    const std::uint32_t width = fields.take<std::uint32_t>().value_or(0);
-    const std::uint32_t height = fields.take<std::uint32_t>().value_or(0);
-    const bool sound = bytes == 12 && width > 0 && width <= kLargestSide && height > 0 && height <= kLargestSide;
-    if (!sound) {
-      return bad(fmt::format("images of {} x {} in {} bytes", width, height, bytes), "1 to 2048 pixels, in 12 bytes");
-    }
-    DepthCamera& camera = index_.info.camera;
-    if (!index_.frames.empty() && (std::uint32_t(camera.width) != width || std::uint32_t(camera.height) != height)) {
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}, byte {}: found images of {} x {} behind those of {} x {}, expected one size", name_,
-                               at_, width, height, camera.width, camera.height)};
-    }
-    camera.width = static_cast<int>(width);
-    camera.height = static_cast<int>(height);
-    sized_ = true;
-    return {};
-  }
-
-  Result<void> setFieldOfView(Fields fields, std::uint32_t bytes) {
-    const double horizontal = fields.take<double>().value_or(0.0);
-    const double vertical = fields.take<double>().value_or(0.0);
-    const auto sound = [](double angle) { return angle >= 0.1 && angle <= 3.0; };  // false for NaN
-    if (bytes != 16 || !sound(horizontal) || !sound(vertical)) {
-      return bad(fmt::format("a field of view of {} x {} rad in {} bytes", horizontal, vertical, bytes),
-                 "0.1 to 3, in 16 bytes");
-    }
-    DepthCamera& camera = index_.info.camera;
-    if (!index_.frames.empty() && (camera.horizontalFov != horizontal || camera.verticalFov != vertical)) {
-      return bad("another field of view", "one for all frames");
-    }
-    camera.horizontalFov = horizontal;
-    camera.verticalFov = vertical;
-    return {};
-  }
-
-  Result<void> setCrop(Fields fields, std::uint32_t bytes) {
-    const bool enabled = fields.take<std::uint32_t>().value_or(0) != 0;
-    OniFrameEntry crop;
-    crop.left = fields.take<std::uint16_t>().value_or(0);
-    crop.top = fields.take<std::uint16_t>().value_or(0);
-    crop.width = fields.take<std::uint16_t>().value_or(0);
-    crop.height = fields.take<std::uint16_t>().value_or(0);
-    if (bytes != 12) return bad(fmt::format("a cropping of {} bytes", bytes), "12");
-    crop_ = enabled ? std::optional(crop) : std::nullopt;
-    return {};
-  }
-
-  Result<void> data(std::uint32_t node, Fields fields, std::uint32_t bytes, std::uint32_t payloadBytes) {
+  Result<void> data(std::uint32_t node, OniFields fields, std::uint32_t bytes, std::uint32_t payloadBytes) {
     const std::uint32_t type = nodes_[node].type;
     if (type == kColor) ++index_.info.colorFrameCount;
     if (type == kInfrared) ++index_.info.infraredFrameCount;
     if (depthNode_ != node) return {};
-
-    if (bytes < 12) return bad(fmt::format("{} bytes of fields in a frame", bytes), "its time and number in 12");
-    const std::uint64_t timeUs = fields.take<std::uint64_t>().value_or(0);
-    const std::uint32_t number = fields.take<std::uint32_t>().value_or(0);
-    if (timeUs > kLatestTimeUs || (!unfinished() && latestUs_ != 0 && timeUs > latestUs_)) {
-      return bad(fmt::format("a frame at {} us", timeUs), fmt::format("at most {}, the recording's last", latestUs_));
-    }
-    if (!index_.frames.empty() && (timeUs <= index_.frames.back().timeUs || number <= lastNumber_)) {
-      return bad(fmt::format("frame {} at {} us behind frame {} at {} us", number, timeUs, lastNumber_,
-                             index_.frames.back().timeUs),
-                 "rising numbers and times");
-    }
-    lastNumber_ = number;
-    if (!sized_) return bad("a depth frame", "the images' size before it");
-
-    const auto width = static_cast<std::uint16_t>(index_.info.camera.width);
-    const auto height = static_cast<std::uint16_t>(index_.info.camera.height);
-    OniFrameEntry entry = crop_.value_or(OniFrameEntry{.width = width, .height = height});
-    if (entry.width == 0 || entry.height == 0 || entry.left + entry.width > width ||
-        entry.top + entry.height > height) {
-      return bad(fmt::format("an image cropped to {} x {} at {}, {}", entry.width, entry.height, entry.left, entry.top),
-                 fmt::format("a part of {} x {}", width, height));
-    }
-    const std::size_t pixels = std::size_t{entry.width} * entry.height;
-    const bool fits =
-        index_.info.codec == OniCodec::kRaw ? payloadBytes == 2 * pixels : pixels <= kOniPixelsPerByte * payloadBytes;
-    if (!fits || payloadBytes > 4 * pixels + (1 << 17) + 4) {
-      return bad(fmt::format("{} bytes of depth", payloadBytes), fmt::format("an image of {} pixels", pixels));
-    }
-    if (index_.frames.size() >= std::size_t{std::numeric_limits<int>::max()}) return bad("too many frames", "2^31");
-    entry.timeUs = timeUs;
-    entry.payload = at_ + recordHeader_ + bytes;
-    entry.payloadBytes = payloadBytes;
-    entry.mirrored = mirrored_;
-    index_.info.mirrored = index_.info.mirrored || mirrored_;
-    index_.frames.push_back(entry);
-    return {};
+    const bool bounded = !unfinished() && latestUs_ != 0;
+    const std::uint64_t latestUs = bounded ? std::min(latestUs_, kLatestTimeUs) : kLatestTimeUs;
+    return located(depth_.addFrame(fields, {at_ + recordHeader_ + bytes, payloadBytes}, latestUs));
   }
 
   Result<void> end() {
@@ -438,11 +300,8 @@ class Walk {
   std::optional<std::uint32_t> depthNode_;
   std::uint32_t declaredFrames_ = kCountUnknown;
   bool countMustEnd_ = false;
-  bool sized_ = false;
-  bool mirrored_ = false;
-  std::uint32_t lastNumber_ = 0;
-  std::optional<OniFrameEntry> crop_;
   OniIndex index_;
+  OniDepthStream depth_{index_};
 };
 
 }  // namespace

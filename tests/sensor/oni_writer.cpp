@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -106,7 +107,6 @@ OniWriter::OniWriter(const OniWriterSettings& settings) : settings_(settings) {
   bytes_ = "NI10";
   bytes_ += settings.oldVersion ? std::string("\1\0\0\0\6\0\0\0", 8) : std::string("\1\0\1\0\0\0\0\0", 8);
   bytes_ += packed(std::uint64_t{0}) + packed(std::uint32_t{kColor});
-  borders_ = {bytes_.size()};
 
   addNode(kDevice, kDevice, 0x454e4f4e, "Device");
   property(5, kDevice, "DeviceName", std::string("a test's\0", 9));
@@ -156,7 +156,6 @@ std::string OniWriter::finished() const {
   end.record(7, kDepth, {});
   end.record(7, kColor, {});
   end.record(11, 0, {});
-  borders_ = end.borders_;
   overwrite(end.bytes_, 12, packed(lastUs_));
   const std::size_t header = settings_.oldVersion ? 24 : 28;
   const std::string counts = packed(frames_) + packed(std::uint64_t{0}) + packed(lastUs_);
@@ -171,7 +170,6 @@ void OniWriter::record(std::uint32_t type, std::uint32_t node, const std::string
   bytes_ +=
       packed(static_cast<std::uint32_t>(header + fields.size())) + packed(static_cast<std::uint32_t>(payload.size()));
   bytes_ += std::string(header - 20, '\0') + fields + payload;
-  borders_.push_back(bytes_.size());
 }
 
 void OniWriter::addNode(std::uint32_t type, std::uint32_t node, std::uint32_t codec, const std::string& name) {

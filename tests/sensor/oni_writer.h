@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace lorica::test {
 
@@ -38,8 +37,6 @@ class OniWriter {
   [[nodiscard]] const std::string& unfinished() const { return bytes_; }
   /// Counts, tables and the end record.
   [[nodiscard]] std::string finished() const;
-  /// Where records end, of what finished() gives.
-  [[nodiscard]] const std::vector<std::size_t>& borders() const { return borders_; }
 
  private:
   void record(std::uint32_t type, std::uint32_t node, const std::string& fields, const std::string& payload = {});
@@ -49,7 +46,6 @@ class OniWriter {
 
   OniWriterSettings settings_;
   std::string bytes_;
-  mutable std::vector<std::size_t> borders_;
   std::uint32_t frames_ = 0;
   std::uint64_t lastUs_ = 0;
   std::size_t depthCountAt_ = 0;
