@@ -76,6 +76,8 @@ float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Propo
   for (const CollisionPair& pair : collisionPairs()) {
     const Sample& sample = samples[static_cast<std::size_t>(pair.sample)];
     if (!isOf(limb, body_.capsule[static_cast<std::size_t>(sample.capsule)].node)) continue;
+    const int other = body_.capsule[static_cast<std::size_t>(pair.capsule)].node;
+    if (without_ != limb && isOf(without_, other)) continue;
     cost += collisionOf(body_, ballOf(body_, sample), pair.capsule).cost;
   }
   for (const BallLimit& limit : ballLimits()) {
@@ -112,7 +114,7 @@ void LimbSearch::offer(const BodyPose& pose, float cost, Limb limb) {
 }
 
 std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, const Proportions& proportions,
-                                                          const BodyPose& pose, Limb limb) {
+                                                          const BodyPose& pose, Limb limb, Limb without) {
   static const std::array<std::array<V3, kDirections>, 2> directions = {makeDirections(true), makeDirections(false)};
   const bool arm = limb == kLeftArm || limb == kRightArm;
   const float mirror = (limb & 1) == 0 ? 1.0F : -1.0F;
@@ -125,6 +127,7 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
   const float handLength = (arm ? 0.12F : 0.04F) * body.girth[kPelvis];
   const float reach = upperLength + lowerLength + handLength + 0.15F;
 
+  without_ = without;
   near_.clear();
   loose_.clear();
   const auto points = view.points();
@@ -134,7 +137,8 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
     if ((point.place - origin).squaredNorm() > reach * reach) continue;
     SurfaceMatch m;
     for (int c = 0; c < kCapsuleCount; ++c) {
-      if (!isOf(limb, body.capsule[static_cast<std::size_t>(c)].node)) {
+      const int node = body.capsule[static_cast<std::size_t>(c)].node;
+      if (!isOf(limb, node) && !isOf(without, node)) {
         matchCapsule(body, c, point.place, point.normal, point.ray, m);
       }
     }

@@ -18,10 +18,15 @@ class LimbSearch {
     BodyPose pose;
     float cost;  ///< of the limb alone; comparable within one search
   };
-  /// @param pose  all but the limb is taken as it is
+  /// @param pose     all but the limb is taken as it is
+  /// @param without  another limb that is left out as if it were not there; the limb itself = none
   /// @return the best few candidates, best first, unlike each other; valid until the next call
   std::span<const Candidate> search(const BodyView& view, const Proportions& proportions, const BodyPose& pose,
-                                    Limb limb);
+                                    Limb limb, Limb without);
+  std::span<const Candidate> search(const BodyView& view, const Proportions& proportions, const BodyPose& pose,
+                                    Limb limb) {
+    return search(view, proportions, pose, limb, limb);
+  }
   /// Of the limb as it is in the pose of the last search.
   [[nodiscard]] float presentCost() const { return presentCost_; }
 
@@ -37,6 +42,7 @@ class LimbSearch {
   std::vector<Near> near_;
   std::vector<V3> loose_;
   PosedBody body_;
+  Limb without_ = kLeftArm;
   std::array<Candidate, kMostCandidates> candidates_;
   std::size_t count_ = 0;
   float presentCost_ = 0.0F;

@@ -13,6 +13,10 @@ constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose
 constexpr float kLostShare = 0.20F;         ///< of points that the body does not explain: the person is lost
 constexpr int kLostViews = 3;               ///< so many times in a row
 constexpr float kLostLimb = 0.06F;          ///< a limb this far where it cannot be is searched for [m]
+constexpr float kPassing = 0.45F;           ///< feet this near to each other may be exchanged [m]
+constexpr float kWorse = 1.25F;             ///< times the usual cost at which that is looked into
+constexpr int kPairPause = 2;               ///< views between two such looks
+constexpr float kUsualRise = 0.03F;         ///< by which the usual cost follows the present one, each view
 constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
 constexpr float kMomentum = 0.7F;           ///< of the last step, in the prediction of the next
 
@@ -124,6 +128,14 @@ void PersonFit::searchLimbs(const BodyView& view) {
     }
     if (i == turn_ || worst > kLostLimb) improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
   }
+  // Legs that pass each other may have been exchanged; then the image is explained worse than it was.
+  ++sincePair_;
+  if (sincePair_ < kPairPause || cost_.image() < kWorse * usualCost_) return;
+  PosedBody body;
+  poseBody(pose_, proportions_, body);
+  if ((body.place[kLeftFoot] - body.place[kRightFoot]).norm() > kPassing * proportions_.factor[kSize]) return;
+  improvePair(fitter_, limbs_, view, proportions_, kLeftLeg, pose_);
+  sincePair_ = 0;
 }
 
 void PersonFit::compareRival(const BodyView& view) {
@@ -188,6 +200,9 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   cost_ = fitter_.fit(view, proportions_, prior, kFollow, pose_);
   support_ = fitter_.supportOf(view, proportions_, pose_);
   searchLimbs(view);
+  usualCost_ = views_ == 0
+                   ? cost_.image()
+                   : usualCost_ + (cost_.image() < usualCost_ ? 0.3F : kUsualRise) * (cost_.image() - usualCost_);
   ++views_;
   std::array<float, kProportionCount> deviation;
   deviation.fill(views_ < 30 ? 0.01F : 0.001F);
@@ -205,7 +220,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   }
   const float fastest = velocity_.tail<kDofCount - 3>().cwiseAbs().maxCoeff();
   if (fastest > 0.5F) velocity_ *= 0.5F / fastest;
-  challenge(view);
+  if (sincePair_ > 0) challenge(view);
   return true;
 }
 

@@ -55,7 +55,9 @@ class PersonFit {
   CapsuleSupport support_;
   JointConfidence confidence_;
   FitCost cost_;
-  int turn_ = 0;  ///< whose limb is searched for next
+  float usualCost_ = 0.0F;  ///< of the image, of late
+  int turn_ = 0;            ///< whose limb is searched for next
+  int sincePair_ = 1;       ///< views since both legs were placed anew
 
   /// Another figure that may be the true one, followed beside for some views.
   std::optional<Figure> rival_;

@@ -57,6 +57,30 @@ bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
   return found;
 }
 
+bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
+                 Limb left, BodyPose& pose) {
+  float best = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose).plausible() - 6.0F;
+  const BodyPose present = pose;
+  bool found = false;
+  for (const int order : {0, 1}) {
+    const auto first = static_cast<Limb>(left + order);
+    const auto second = static_cast<Limb>(left + 1 - order);
+    const auto one = search.search(view, proportions, present, first, second);
+    if (one.empty()) continue;
+    BodyPose tried = one[0].pose;
+    const auto other = search.search(view, proportions, tried, second);
+    if (other.empty()) continue;
+    tried = other[0].pose;
+    fitter.fit(view, proportions, weakly(tried, 4.0F), kClose, tried);
+    const float cost = fitter.costOf(view, proportions, weakly(tried, 0.5F), kJudge, tried).plausible();
+    if (cost >= best) continue;
+    best = cost;
+    pose = tried;
+    found = true;
+  }
+  return found;
+}
+
 void PersonSearch::add(const BodyPose& pose, const Proportions& proportions) {
   if (count_ < kMost) candidates_[count_++] = {{pose, proportions}, 0.0F};
 }

@@ -58,6 +58,12 @@ class PersonSearch {
 bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
                  Limb limb, BodyPose& pose);
 
+/// Places both arms, or both legs, anew, one after the other in either order: limbs that pass each other may have been
+/// exchanged. Takes that if it explains the view better.
+/// @param left  kLeftArm or kLeftLeg
+bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
+                 Limb left, BodyPose& pose);
+
 /// The stage at which figures are compared.
 inline constexpr FitStage kJudge = {0.08F, 600, 0};
 /// A prior that only keeps what nothing else holds where it is.
