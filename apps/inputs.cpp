@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace lorica {
 namespace {
 
@@ -30,6 +32,17 @@ Result<Body> makeBodyWithProgress(const Character& character, const CharacterOpt
   Result<Body> body = makeBody(character, settings);
   if (!body) return Error{body.error().code, character.name + ": " + body.error().message};
   return body;
+}
+
+/// An option that says nothing about this input would be passed over in silence.
+Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
+  for (const auto& [given, option] :
+       {std::pair(!options.map.empty(), "--map"), std::pair(options.bodyResolution > 0.0, "--body-resolution")}) {
+    if (!given) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option)};
+  }
+  return {};
 }
 
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
@@ -67,6 +80,7 @@ void addCharacterOptions(CLI::App& app, CharacterOptions& options) {
 
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options) {
   if (input == kMannequin) {
+    if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
     Character character = makeMannequin();
     TriMesh mesh = character.mesh;
     return Subject{input, std::move(mesh), std::move(character), "", std::nullopt, std::nullopt};
@@ -78,6 +92,7 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
                              input, kMannequin)};
   }
   if (isCharacterFile(input)) return readCharacterSubject(input, options);
+  if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
   Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, "", std::nullopt, std::nullopt};

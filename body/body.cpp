@@ -20,6 +20,7 @@ namespace lorica {
 namespace {
 
 constexpr int kSteps = 5;
+constexpr double kCoarsest = 0.125;  // voxel, of the character's longest side
 
 Error cancelled() {
   return {ErrorCode::kCancelled, "cancelled"};
@@ -156,6 +157,13 @@ class BodyMaker {
     if (!step(1)) return cancelled();
 
     body_.resolution = settings_.resolution > 0.0 ? settings_.resolution : chooseResolution(source);
+    const Aabb box = boundsOf(character_.mesh.vertices);
+    const double coarsest = kCoarsest * (box.max - box.min).maxCoeff();
+    if (settings_.resolution > coarsest) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("a body of voxels of {:.4g} m: expected at most {:.4g} m, an eighth of its longest side",
+                               settings_.resolution, coarsest)};
+    }
     Result<SolidSurface> solid = solidSurface(source, body_.resolution);
     if (!solid) return solid.error();
     tell(*solid);

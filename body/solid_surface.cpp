@@ -59,7 +59,7 @@ class Solid {
       if (!(count <= static_cast<double>(kMostVoxels))) {
         return Error{
             ErrorCode::kInvalidArgument,
-            fmt::format("voxels of {} m: the character's box of {} x {} x {} m has more than {} of them", voxel_,
+            fmt::format("voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} of them", voxel_,
                         box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMostVoxels)};
       }
       grid_.size[i] = static_cast<int>(size);

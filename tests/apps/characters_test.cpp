@@ -117,6 +117,8 @@ TEST(Characters, BonesWithoutNamesAreFoundByShapeAndAMapPutsThemRight) {
   written["bones"]["leftHand"] = "bone 999";
   std::ofstream(map) << written;
   expectRefused({"info", studio().nameless, "--map", map}, {"map.json", "leftHand", "bone 999"});
+  expectRefused({"play", "walk", "--map", map}, {"mannequin: --map is for character files"});
+  expectRefused({"play", "walk", "--body-resolution", "0.02"}, {"mannequin: --body-resolution is for character files"});
   expectRefused({"info", studio().folder.path() / "whole.off", "--write-map", map}, {"--write-map"});
 }
 

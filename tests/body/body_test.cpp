@@ -212,6 +212,10 @@ TEST(Body, DegenerateInputIsRefusedInWords) {
   ASSERT_FALSE(fine.ok());
   EXPECT_EQ(fine.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(fine.error().message.find("voxels of 1e-06 m"), std::string::npos) << fine.error().message;
+  const Result<Body> coarse = makeBody(open, {.resolution = 0.13});
+  ASSERT_FALSE(coarse.ok());
+  EXPECT_EQ(coarse.error().message,
+            "a body of voxels of 0.13 m: expected at most 0.125 m, an eighth of its longest side");
 }
 
 TEST(Body, CanBeCancelledAtEveryStep) {
