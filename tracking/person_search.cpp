@@ -183,7 +183,17 @@ float PersonSearch::oneStep(const BodyView& view) {
     if (++next_ < count_) return kRoughEffort;
     std::stable_sort(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_),
                      [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-    count_ = std::min(count_, kFinal);
+    if (count_ > kFinal) {
+      // Other proportions show their worth only once they are fitted: the best such figure goes on in any case.
+      const auto isComic = [](const Candidate& candidate) {
+        return candidate.figure.proportions.factor[kHeadSize] > 1.3F;
+      };
+      const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(count_);
+      const auto finalists = candidates_.begin() + static_cast<std::ptrdiff_t>(kFinal);
+      const auto comic = std::find_if(candidates_.begin(), end, isComic);
+      if (comic != end && comic >= finalists) std::swap(*comic, *(finalists - 1));
+      count_ = kFinal;
+    }
     next_ = 0;
     phase_ = 0;
     rough_ = false;
