@@ -17,6 +17,7 @@ constexpr float kPassing = 0.45F;           ///< feet this near to each other ma
 constexpr float kWorse = 1.25F;             ///< times the usual cost at which that is looked into
 constexpr int kPairPause = 2;               ///< views between two such looks
 constexpr float kUsualRise = 0.03F;         ///< by which the usual cost follows the present one, each view
+constexpr int kMostSearched = 1;            ///< lost limbs searched for in a view beside the one whose turn it is
 constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
 constexpr float kMomentum = 0.7F;           ///< of the last step, in the prediction of the next
 
@@ -25,7 +26,7 @@ constexpr int kChallengePause = 60;    ///< views between searches for rivals la
 constexpr int kRivalViews = 6;         ///< that a rival is followed before it can win
 constexpr float kRivalShare = 0.93F;   ///< of the own cost that a rival must stay under
 constexpr float kStartEffort = 12.0F;  ///< milliseconds a view, about
-constexpr float kEarlyEffort = 5.0F;
+constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
 constexpr std::size_t kLeastPoints = 40;
 
@@ -120,13 +121,16 @@ void PersonFit::resume(const BodyView& view) {
 void PersonFit::searchLimbs(const BodyView& view) {
   // Those that look lost, and one of the others in turn.
   turn_ = (turn_ + 1) % kFitLimbCount;
+  int searched = 0;
   for (int i = 0; i < kFitLimbCount; ++i) {
     const auto limb = static_cast<Limb>(i);
     float worst = 0.0F;
     for (std::size_t c = 0; c < kCapsuleCount; ++c) {
       if (isOf(limb, capsuleDefs()[c].node)) worst = std::max(worst, support_.violation[c]);
     }
-    if (i == turn_ || worst > kLostLimb) improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
+    if (i != turn_ && (worst <= kLostLimb || searched >= kMostSearched)) continue;
+    improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
+    searched += i != turn_ ? 1 : 0;
   }
   // Legs that pass each other may have been exchanged; then the image is explained worse than it was.
   ++sincePair_;

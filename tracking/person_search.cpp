@@ -59,9 +59,8 @@ bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
 
 bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
                  Limb left, BodyPose& pose) {
-  float best = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose).plausible() - 6.0F;
+  const float best = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose).plausible() - 6.0F;
   const BodyPose present = pose;
-  bool found = false;
   for (const int order : {0, 1}) {
     const auto first = static_cast<Limb>(left + order);
     const auto second = static_cast<Limb>(left + 1 - order);
@@ -74,11 +73,10 @@ bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
     fitter.fit(view, proportions, weakly(tried, 4.0F), kClose, tried);
     const float cost = fitter.costOf(view, proportions, weakly(tried, 0.5F), kJudge, tried).plausible();
     if (cost >= best) continue;
-    best = cost;
     pose = tried;
-    found = true;
+    return true;
   }
-  return found;
+  return false;
 }
 
 void PersonSearch::add(const BodyPose& pose, const Proportions& proportions) {
