@@ -315,6 +315,7 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
   const fs::path path = beside_.path() / "body.oni";
   const pid_t child = fork();
   if (child == 0) {
+    (void)setenv("TMPDIR", beside_.path().c_str(), 1);  // what it leaves behind goes with the test
     const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
     if (!openNi) _exit(1);
     const Result<std::unique_ptr<DepthSource>> source = (*openNi)->open();
