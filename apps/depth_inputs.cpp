@@ -31,6 +31,11 @@ fs::path virtualDriver() {
 
 /// What the virtual camera shows: --motion, or else what the environment says.
 Result<VirtualScript> virtualScript(const DepthOptions& options) {
+  if (options.motion.find_first_of(" \t\n") != std::string::npos) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--motion: {}: found a blank, which the virtual camera takes for the end of the name",
+                             options.motion)};
+  }
   std::string text = environment(kVirtualScriptVariable);
   if (!options.motion.empty()) text = "motion=" + options.motion;
   Result<VirtualScript> script = parseVirtualScript(text);

@@ -23,7 +23,7 @@ std::string whoWasSeen(int followed, int frames, int mostPeople) {
 }  // namespace
 
 bool isDepthRecording(const std::filesystem::path& file) {
-  return file.extension() == ".oni";
+  return lowerCase(file.extension().string()) == ".oni";
 }
 
 Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options) {
@@ -54,7 +54,7 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   motion.notes.push_back(whoWasSeen(followed, frames, mostPeople));
   if (options.person > 0 && followed == 0 && mostPeople > 0) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: there is no person {}, expected one of at most {} at once", file.string(),
+                 fmt::format("{}: --person {}: nobody of that number comes, expected 1 to {}", file.string(),
                              options.person, mostPeople)};
   }
   return motion;

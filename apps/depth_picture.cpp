@@ -29,9 +29,8 @@ std::uint8_t shade(std::uint16_t depthMm) {
 
 }  // namespace
 
-void drawDepthPicture(const DepthJoints& joints, Image& picture) {
-  const DepthCamera& camera = joints.source().camera();
-  const DepthFrame& depth = joints.image();
+void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image& picture) {
+  const DepthFrame& depth = sight.image;
   if (depth.depthMm.empty()) return;
   picture.width = camera.width / 2;
   picture.height = camera.height / 2;
@@ -43,10 +42,9 @@ void drawDepthPicture(const DepthJoints& joints, Image& picture) {
       paint(picture, x, y, {value, value, value});
     }
   }
-  const Isometry3 cameraFromWorld = joints.cameraFromWorld();
-  for (const TrackedJoint& joint : joints.joints().joints) {
+  for (const TrackedJoint& joint : sight.joints.joints) {
     if (joint.confidence <= 0.0) continue;
-    const Vec3 place = cameraFromWorld * joint.position;
+    const Vec3 place = sight.cameraFromWorld * joint.position;
     if (place.z() > -0.1) continue;
     const double column = 0.5 * camera.width - camera.focalX() * place.x() / place.z();
     const double row = 0.5 * camera.height + camera.focalY() * place.y() / place.z();

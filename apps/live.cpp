@@ -9,7 +9,7 @@
 #include "apps/scenes.h"
 #include "apps/snapshots.h"
 #include "geometry/files.h"
-#include "tracking/depth_joints.h"
+#include "tracking/live_joints.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -41,7 +41,7 @@ struct Options {
 /// What runs, and what came of it.
 struct Live {
   Session session;
-  const DepthJoints* joints;  // the session's own; null where NiTE 2 tracks
+  const LiveJoints* joints;  // the session's own; null where NiTE 2 tracks
   std::string name;
   LiveLog log;
   Tally tally;
@@ -55,7 +55,7 @@ Result<bool> step(const Options& options, Live& live, double& firstTime) {
   if (!more || !*more) return more;
   if (live.session.frameCount() == 1) firstTime = live.session.time();
   const double seconds = live.session.time() - firstTime;
-  if (live.joints != nullptr) live.log.add(live.joints->sight(), seconds);
+  if (live.joints != nullptr) live.log.add(*live.joints, seconds);
   live.tally.add(live.session);
   const PlaybackOptions& limit = options.limit;
   const bool over = (limit.frames > 0 && live.session.frameCount() >= limit.frames) ||
@@ -71,7 +71,8 @@ Result<void> runHeadless(const Options& options, Live& live) {
     const Result<bool> more = step(options, live, firstTime);
     if (!more) return more.error();
     if (*pictures) {
-      if (live.joints != nullptr && (*pictures)->due(live.session)) drawDepthPicture(*live.joints, live.picture);
+      if (live.joints != nullptr && (*pictures)->due(live.session))
+        drawDepthPicture(live.joints->source().camera(), live.joints->sight(), live.picture);
       if (Result<void> drawn = (*pictures)->add(live.session, live.name, &live.picture); !drawn) return drawn;
     }
     if (!*more) break;
@@ -91,11 +92,13 @@ Result<void> runInWindow(const Options& options, Live& live) {
       const Result<bool> more = step(options, live, firstTime);
       if (!more) return more.error();
       if (!*more) return {};
-      if (live.joints != nullptr) drawDepthPicture(*live.joints, live.picture);
+      if (live.joints != nullptr) drawDepthPicture(live.joints->source().camera(), live.joints->sight(), live.picture);
     }
     const std::string state = live.joints != nullptr ? live.log.state() : "";
-    window->show(scene.of(live.session), captionOf(live.name, live.session, live.session.time() - firstTime) +
-                                             (state.empty() ? "" : "   " + state));
+    Scene shown = scene.of(live.session);
+    shown.inset = &live.picture;
+    window->show(shown, captionOf(live.name, live.session, live.session.time() - firstTime) +
+                            (state.empty() ? "" : "   " + state));
   }
   return {};
 }
@@ -148,7 +151,7 @@ Result<bool> chooseWindow(const Options& options) {
 /// Whoever finds the joints.
 struct Joints {
   std::unique_ptr<SkeletonSource> source;
-  const DepthJoints* tracked;  // the source; null where NiTE 2 tracks
+  const LiveJoints* tracked;  // the source; null where NiTE 2 tracks
   std::string name;
 };
 
@@ -162,8 +165,8 @@ Result<Joints> openJoints(const Options& options) {
   if (!depth) return depth.error();
   Result<Tracker> tracker = Tracker::create((*depth)->camera());
   if (!tracker) return tracker.error();
-  auto joints = std::make_unique<DepthJoints>(std::move(*depth), std::move(*tracker), options.person);
-  const DepthJoints* tracked = joints.get();
+  auto joints = std::make_unique<LiveJoints>(DepthJoints(std::move(*depth), std::move(*tracker), options.person));
+  const LiveJoints* tracked = joints.get();
   return Joints{std::move(joints), tracked, tracked->source().name()};
 }
 

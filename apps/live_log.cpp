@@ -10,12 +10,14 @@
 
 namespace lorica {
 
-void LiveLog::add(const DepthSight& sight, double seconds) {
+void LiveLog::add(const LiveJoints& joints, double seconds) {
+  const DepthSight& sight = joints.sight();
+  frames_ = joints.frameCount();
+  followed_ = joints.followedCount();
   if (sight.read == DepthRead::kFrame) {
     const std::chrono::duration<double, std::micro> latency = std::chrono::steady_clock::now() - sight.arrived;
     latency_.push_back(latency.count());
     track_.push_back(1e6 * sight.trackSeconds);
-    followed_ += sight.followed ? 1 : 0;
     if (sight.followed && !firstPose_) firstPose_ = seconds;
     mostPeople_ = std::max(mostPeople_, sight.people);
   }
@@ -38,7 +40,7 @@ std::string LiveLog::state() const {
 }
 
 void LiveLog::addTo(nlohmann::ordered_json& json) const {
-  json["depthFrames"] = track_.size();
+  json["depthFrames"] = frames_;
   json["framesWithPerson"] = followed_;
   json["mostPeople"] = mostPeople_;
   json["unplugged"] = unplugs_;
@@ -51,11 +53,11 @@ void LiveLog::addTo(nlohmann::ordered_json& json) const {
 
 void LiveLog::addTo(Report& report) const {
   if (followed_ == 0) {
-    report.line("person", fmt::format("nobody was seen in {}", counted(std::ssize(track_), "depth frame")));
+    report.line("person", fmt::format("{} was seen in {}", mostPeople_ > 0 ? "nobody of that number" : "nobody",
+                                      counted(frames_, "depth frame")));
   } else {
-    report.line("person",
-                fmt::format("followed in {} of {}, at first after {:.2f} s; at most {} at once", grouped(followed_),
-                            counted(std::ssize(track_), "depth frame"), *firstPose_, mostPeople_));
+    report.line("person", fmt::format("followed in {} of {}, at first after {:.2f} s; at most {} at once",
+                                      grouped(followed_), counted(frames_, "depth frame"), *firstPose_, mostPeople_));
   }
   if (unplugs_ > 0) report.line("sensor", "unplugged " + counted(unplugs_, "time"));
   if (track_.empty()) return;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/report.h"
-#include "tracking/depth_joints.h"
+#include "tracking/live_joints.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -16,7 +16,7 @@ class LiveLog {
  public:
   /// Takes a frame into account whose hulls are posed by now; says on standard error what changed before the camera.
   /// @param seconds  since the first frame [s]
-  void add(const DepthSight& sight, double seconds);
+  void add(const LiveJoints& joints, double seconds);
 
   /// For the caption: "nobody is seen", "the sensor is unplugged", or empty.
   [[nodiscard]] std::string state() const;
@@ -26,8 +26,9 @@ class LiveLog {
   void addTo(Report& report) const;
 
  private:
-  std::vector<double> track_, latency_;  // [us], one a depth frame
-  int followed_ = 0;
+  std::vector<double> track_, latency_;  // [us], of the images whose joints were shown
+  int frames_ = 0;                       // images that were followed
+  int followed_ = 0;                     // those in which there was a person
   int mostPeople_ = 0;
   int unplugs_ = 0;
   std::optional<double> firstPose_;  // since the first frame [s]

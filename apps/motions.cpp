@@ -22,11 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr double kClipRate = 60.0;  // [1/s]
 
-std::string lowerCase(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
-
 bool isBvh(const fs::path& file) {
   return lowerCase(file.extension().string()) == ".bvh";
 }

@@ -71,6 +71,13 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.out, jointsBeside(options.out)}); !fine) return fine;
   if (Result<void> fine = checkOutput("OUT", options.out, ".oni"); !fine) return fine;
+  // An older recording of both may be replaced; joints that came from elsewhere may not.
+  if (std::error_code ignored; !fs::exists(options.out, ignored) && fs::exists(jointsBeside(options.out), ignored)) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} is there already, and not beside a recording of that name: choose another name for OUT",
+                    jointsBeside(options.out).string())};
+  }
   Result<std::unique_ptr<DepthSource>> depth = openCamera(options.depth);
   if (!depth) return depth.error();
   Result<Tracker> tracker = Tracker::create((*depth)->camera());

@@ -78,6 +78,7 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
     if (Result<void> written = writeFileAtomically(options.json, text); !written) return written;
   }
   report.print();
+  if (std::ferror(stdout) != 0) return Error{ErrorCode::kUnwritable, "standard output: could not write the report"};
   return {};
 }
 
@@ -149,6 +150,11 @@ int terminalWidth(std::FILE* stream) {
   winsize size = {};
   if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   return 80;
+}
+
+std::string lowerCase(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
 }
 
 std::string grouped(long long number) {

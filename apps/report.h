@@ -76,6 +76,9 @@ void warn(const std::string& sentence);
 /// Columns of the terminal behind a stream; 80 where there is none.
 [[nodiscard]] int terminalWidth(std::FILE* stream);
 
+/// A to Z as a to z.
+[[nodiscard]] std::string lowerCase(std::string text);
+
 /// 12345 as "12,345".
 [[nodiscard]] std::string grouped(long long number);
 

@@ -80,6 +80,10 @@ Result<std::string> readFile(const std::filesystem::path& file) {
   struct stat status {};
   if (::fstat(in.get(), &status) != 0) return unreadable(file, errno);
   if (S_ISDIR(status.st_mode)) return unreadable(file, EISDIR);
+  if (S_ISCHR(status.st_mode)) {  // some never end
+    return Error{ErrorCode::kUnreadable,
+                 fmt::format("{}: cannot be read: found a device, expected a file", file.string())};
+  }
 
   // The size is a hint only: pipes have none, and a file may grow while it is read.
   std::string content;

@@ -36,38 +36,37 @@ double DepthJoints::riseTo(double sensorTime) {
   return sensorTime + worldFromSensorTime_;
 }
 
-Isometry3 DepthJoints::cameraFromWorld() const {
-  return tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
-}
-
 Result<std::optional<SkeletonFrame>> DepthJoints::next() {
-  const Result<DepthRead> read = depth_->next(image_);
+  const Result<DepthRead> read = depth_->next(sight_.image);
   if (!read) return read.error();
-  sight_ = {};
   sight_.read = *read;
+  sight_.people = 0;
+  sight_.followed = false;
+  sight_.trackSeconds = 0.0;
   sight_.arrived = std::chrono::steady_clock::now();
+  SkeletonFrame& joints = sight_.joints;
+  joints = {};
   if (*read == DepthRead::kEnd) return std::optional<SkeletonFrame>();
-
-  joints_ = {};
   if (*read != DepthRead::kFrame) {
     time_ = time_ ? *time_ + kSilence : 0.0;
-    joints_.time = *time_;
-    return std::optional(joints_);
+    joints.time = *time_;
+    return std::optional(joints);
   }
 
-  const std::span<const TrackedPerson> people = tracker_.track(image_);
+  const std::span<const TrackedPerson> people = tracker_.track(sight_.image);
   sight_.trackSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sight_.arrived).count();
   sight_.people = static_cast<int>(people.size());
-  time_ = riseTo(image_.time);
+  time_ = riseTo(sight_.image.time);
   if (const TrackedPerson* person = choose(people)) {
     sight_.followed = true;
     following_ = person->skeleton.user;
     if (!stage_) stage_ = Vec3(placeOf(*person).x(), 0.0, placeOf(*person).z());
-    joints_ = person->skeleton;
-    for (TrackedJoint& joint : joints_.joints) joint.position -= *stage_;
+    joints = person->skeleton;
+    for (TrackedJoint& joint : joints.joints) joint.position -= *stage_;
   }
-  joints_.time = *time_;
-  return std::optional(joints_);
+  joints.time = *time_;
+  sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
+  return std::optional(joints);
 }
 
 }  // namespace lorica

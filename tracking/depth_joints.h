@@ -10,13 +10,16 @@
 
 namespace lorica {
 
-/// What a depth source showed when joints were last asked of it.
+/// What a depth source showed when joints were last asked of it, and what came of it.
 struct DepthSight {
   DepthRead read = DepthRead::kWaiting;
   int people = 0;                                 ///< followed in the frame
   bool followed = false;                          ///< whether the joints are a person's; else all are unknown
   double trackSeconds = 0.0;                      ///< what the tracker took [s]
   std::chrono::steady_clock::time_point arrived;  ///< when the frame was had, before it was tracked
+  DepthFrame image;                               ///< the last one that was had; empty before the first
+  SkeletonFrame joints;                           ///< what was given, world frame
+  Isometry3 cameraFromWorld = Isometry3::Identity();
 };
 
 /// The joints of one person before a depth camera.
@@ -35,11 +38,6 @@ class DepthJoints final : public SkeletonSource {
   [[nodiscard]] const DepthSource& source() const { return *depth_; }
   /// Of the last next().
   [[nodiscard]] const DepthSight& sight() const { return sight_; }
-  /// The last image that was had; empty before the first.
-  [[nodiscard]] const DepthFrame& image() const { return image_; }
-  /// What next() gave last, world frame.
-  [[nodiscard]] const SkeletonFrame& joints() const { return joints_; }
-  [[nodiscard]] Isometry3 cameraFromWorld() const;
 
  private:
   [[nodiscard]] const TrackedPerson* choose(std::span<const TrackedPerson> people) const;
@@ -49,9 +47,7 @@ class DepthJoints final : public SkeletonSource {
   Tracker tracker_;
   int wanted_;
   int following_ = 0;  ///< user number; 0 = nobody
-  DepthFrame image_;
   DepthSight sight_;
-  SkeletonFrame joints_;
   std::optional<double> time_;        ///< of the last frame given [s]
   double worldFromSensorTime_ = 0.0;  ///< [s]
   std::optional<Vec3> stage_;         ///< of the world's origin in the floor frame
