@@ -59,8 +59,9 @@ class Solid {
       if (!(count <= static_cast<double>(kMostVoxels))) {
         return Error{
             ErrorCode::kInvalidArgument,
-            fmt::format("voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} of them", voxel_,
-                        box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMostVoxels)};
+            fmt::format(
+                "voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} of them",
+                voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMostVoxels)};
       }
       grid_.size[i] = static_cast<int>(size);
     }

@@ -23,7 +23,8 @@ struct HumanoidGuess {
 /// Finds the humanoid bones of a skeleton: by the names of its joints, as VRM, Mixamo, CMU, MakeHuman, 3ds Max Biped,
 /// Kinect v1 and v2, NiTE and others write them, and where names say nothing, by the skeleton's shape in its rest
 /// pose: two legs down from the hips, two arms and a head up from the chest. Left is at +X of one who faces +Z; a
-/// skeleton that faces elsewhere is told by its feet, its knees, or its names. Of one that lacks legs, the rest by names.
+/// skeleton that faces elsewhere is told by its feet, its knees, or its names. Of one that lacks legs, the rest by
+/// names.
 /// @param skeleton  Y up, in metres; bones that it already has are kept
 [[nodiscard]] HumanoidGuess guessHumanoid(const Skeleton& skeleton);
 
