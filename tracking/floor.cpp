@@ -69,7 +69,7 @@ double FloorFinder::score(const Plane& plane) const {
     under += static_cast<int>(above < -0.06F - 2.0F * tolerance);
   }
   // Mirrors and windows show a little under any floor.
-  return on - 4.0 * std::max(0.0, under - 0.003 * static_cast<double>(samples_.size()));
+  return on - 40.0 * std::max(0.0, under - 0.003 * static_cast<double>(samples_.size()));
 }
 
 bool FloorFinder::refine(Plane& plane) const {
