@@ -45,6 +45,9 @@ Result<void> check(std::size_t people, const VirtualSensorSettings& settings) {
   for (const double part : {noise.axial, noise.lateral, noise.baseline, noise.steps, noise.dropout}) {
     if (!(part >= 0.0 && part <= 100.0)) return bad(fmt::format("a part of the noise is {}, expected 0 to 100", part));
   }
+  if (noise.steps > 0.0 && noise.steps < 0.01) {
+    return bad(fmt::format("steps of depth of {}, expected 0 or 0.01 and more", noise.steps));
+  }
   if (noise.dropout > 0.5) return bad(fmt::format("a dropout of {}, expected 0 to 0.5", noise.dropout));
   if (!(noise.least >= 0.1 && noise.least < noise.most && noise.most <= 60.0)) {
     return bad(fmt::format("a range of {} to {} m, expected one within 0.1 to 60 m", noise.least, noise.most));
