@@ -185,7 +185,7 @@ Step stepBetween(const BodyPose& from, const BodyPose& to) {
 
 void poseBody(const BodyPose& pose, const Proportions& proportions, PosedBody& body) {
   const auto& nodes = nodeDefs();
-  const auto factor = [&](std::int8_t p) { return p < 0 ? 1.0F : proportions.factor[static_cast<std::size_t>(p)]; };
+  const auto factor = [&](int p) { return p < 0 ? 1.0F : proportions.factor[static_cast<std::size_t>(p)]; };
   const float size = proportions.factor[kSize];
   for (std::size_t n = 0; n < kNodeCount; ++n) {
     const NodeDef& def = nodes[n];
