@@ -299,31 +299,41 @@ Result<std::vector<std::vector<SkeletonFrame>>> parseJointCsvOfAll(std::string_v
   return Reader(std::string(name)).read(text);
 }
 
+std::string jointCsvHeader() {
+  std::string text;
+  for (int column = 0; column < kFieldCount; ++column) {
+    if (column > 0) text += ',';
+    text += columnName(column);
+  }
+  text += '\n';
+  return text;
+}
+
+std::string jointCsvRow(const SkeletonFrame& frame) {
+  // fmt writes a double as the shortest text that reads back as the same bits, in any locale.
+  std::string text = fmt::format("{},{}", frame.time, frame.user);
+  auto out = std::back_inserter(text);
+  for (const TrackedJoint& joint : frame.joints) {
+    out = fmt::format_to(out, ",{},{},{}", joint.position.x(), joint.position.y(), joint.position.z());
+    if (joint.orientation) {
+      const Quat& q = *joint.orientation;
+      out = fmt::format_to(out, ",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
+    } else {
+      out = fmt::format_to(out, ",,,,");
+    }
+    out = fmt::format_to(out, ",{}", joint.confidence);
+  }
+  text += '\n';
+  return text;
+}
+
 Result<void> writeJointCsv(const std::filesystem::path& file, std::span<const SkeletonFrame> frames) {
   if (const Result<void> checked = checkFrames(frames); !checked) {
     return Error{checked.error().code, fmt::format("{}: {}", file.string(), checked.error().message)};
   }
-  fmt::memory_buffer text;
-  auto out = std::back_inserter(text);
-  for (int column = 0; column < kFieldCount; ++column) {
-    out = fmt::format_to(out, "{}{}", column == 0 ? "" : ",", columnName(column));
-  }
-  // fmt writes a double as the shortest text that reads back as the same bits, in any locale.
-  for (const SkeletonFrame& frame : frames) {
-    out = fmt::format_to(out, "\n{},{}", frame.time, frame.user);
-    for (const TrackedJoint& joint : frame.joints) {
-      out = fmt::format_to(out, ",{},{},{}", joint.position.x(), joint.position.y(), joint.position.z());
-      if (joint.orientation) {
-        const Quat& q = *joint.orientation;
-        out = fmt::format_to(out, ",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
-      } else {
-        out = fmt::format_to(out, ",,,,");
-      }
-      out = fmt::format_to(out, ",{}", joint.confidence);
-    }
-  }
-  out = fmt::format_to(out, "\n");
-  return writeFileAtomically(file, std::string_view(text.data(), text.size()));
+  std::string text = jointCsvHeader();
+  for (const SkeletonFrame& frame : frames) text += jointCsvRow(frame);
+  return writeFileAtomically(file, text);
 }
 
 std::unique_ptr<SkeletonSource> makeRecordedSource(std::vector<SkeletonFrame> frames) {

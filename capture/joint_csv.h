@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,6 +27,11 @@ namespace lorica {
 /// quaternion is off unit length by more than 1e-12: it is read normalised.
 /// @param frames  at least one; refused when readJointCsv would refuse the file
 [[nodiscard]] Result<void> writeJointCsv(const std::filesystem::path& file, std::span<const SkeletonFrame> frames);
+
+/// The file's first line and one for a frame, each with its end, for whoever writes them as they come. A frame is not
+/// checked.
+[[nodiscard]] std::string jointCsvHeader();
+[[nodiscard]] std::string jointCsvRow(const SkeletonFrame& frame);
 
 /// A SkeletonSource over frames held in memory.
 [[nodiscard]] std::unique_ptr<SkeletonSource> makeRecordedSource(std::vector<SkeletonFrame> frames);

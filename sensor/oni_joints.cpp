@@ -7,8 +7,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <iterator>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -16,33 +14,6 @@ namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string header() {
-  std::string text = "time,user";
-  for (int j = 0; j < kBodyJointCount; ++j) {
-    for (const std::string_view field : {"x", "y", "z", "qx", "qy", "qz", "qw", "confidence"}) {
-      text += fmt::format(",{}.{}", nameOf(static_cast<BodyJoint>(j)), field);
-    }
-  }
-  return text + "\n";
-}
-
-/// The shortest digits that read back as the same bits.
-std::string rowOf(const SkeletonFrame& frame) {
-  std::string text = fmt::format("{},{}", frame.time, frame.user);
-  auto out = std::back_inserter(text);
-  for (const TrackedJoint& joint : frame.joints) {
-    out = fmt::format_to(out, ",{},{},{}", joint.position.x(), joint.position.y(), joint.position.z());
-    if (joint.orientation) {
-      const Quat& q = *joint.orientation;
-      out = fmt::format_to(out, ",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
-    } else {
-      out = fmt::format_to(out, ",,,,");
-    }
-    out = fmt::format_to(out, ",{}", joint.confidence);
-  }
-  return text + "\n";
-}
 
 Error unwritable(const fs::path& file, int error) {
   return {ErrorCode::kUnwritable,
@@ -57,7 +28,7 @@ Result<JointCsvWriter> JointCsvWriter::create(const fs::path& file) {
   const int descriptor = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return unwritable(beside, errno);
   JointCsvWriter writer(file, beside, descriptor);
-  if (const Result<void> written = writer.write(header()); !written) return written.error();
+  if (const Result<void> written = writer.write(jointCsvHeader()); !written) return written.error();
   return writer;
 }
 
@@ -95,8 +66,8 @@ Result<void> JointCsvWriter::add(const SkeletonFrame& frame) {
                              beside_.string(), frame.user, frame.time, last->second)};
   }
   // Whoever reads the file decides what is right: one row that it refused would make the whole file unreadable.
-  static const std::string kHeader = header();
-  const std::string row = rowOf(frame);
+  static const std::string kHeader = jointCsvHeader();
+  const std::string row = jointCsvRow(frame);
   if (const auto read = parseJointCsv(kHeader + row, beside_.string()); !read) return read.error();
   if (const Result<void> written = write(row); !written) return written;
   lastTimes_[frame.user] = frame.time;

@@ -103,7 +103,7 @@ TEST(OniStock, PlaysTheShippedRecordingsAsWeDo) {
     expectStockGivesTheSame(entry.path());
     ++files;
   }
-  if (files == 0) GTEST_SKIP() << "none ships";
+  EXPECT_GT(files, 0);
 }
 
 TEST(OniStock, PlaysARealKinectRecordingAsWeDo) {
