@@ -22,6 +22,10 @@ struct Scene {
   std::span<const LivePart> parts;            ///< hull overlay
   std::span<const Prop> props;
   std::span<const Contact> contacts;
+  std::span<const Vec3f> particles;          ///< centres of grains or drops [m]
+  float particleRadius = 0.0f;               ///< of every one [m]
+  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all, linear RGB: dry sand
+  std::span<const Vec3f> particleColors;     ///< of each, linear RGB; empty = `particleColor`
   const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter as wide as the picture; null = none
   const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
@@ -35,6 +39,7 @@ struct SceneOptions {
   bool bones = false;
   bool props = true;
   bool contacts = true;
+  bool particles = true;
   bool ground = true;
   std::string caption;  ///< one line of text at the lower left; empty = none
   std::string panel;    ///< lines of text at the upper left; empty = none
