@@ -228,7 +228,7 @@ Result<std::vector<TrackedBody>> trackedBodies(const std::filesystem::path& fold
   all.push_back({"tall", withProportions(mannequin, {.height = 1.1}), false, false});
   all.push_back({"heavy", withProportions(mannequin, {.girth = 1.25}), false, false});
   for (const File& one : {File{"characters/arnaud/arnaud.fbx", "arnaud", false},
-                          File{"characters/godette/Godette_vrm_v4.vrm", "godette", false},
+                          File{"characters/godette/Godette_vrm_v4.vrm", "godette", true},
                           File{"characters/cesiumman/CesiumMan.glb", "cesiumman", true},
                           File{"characters/kaykit/Barbarian.glb", "barbarian", true}}) {
     if (!isThere(folder / one.path)) continue;
