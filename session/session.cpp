@@ -134,6 +134,7 @@ Result<bool> Session::step() {
   const Clock::time_point retargeted = Clock::now();
   body_.update(worldFromModel_);
   passTrustOn();
+  doActions();
   const Clock::time_point updated = Clock::now();
   world_.step(body_.parts(), seconds);
   const Clock::time_point end = Clock::now();
@@ -147,6 +148,13 @@ Result<bool> Session::step() {
   for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part);
   ++frameCount_;
   return true;
+}
+
+void Session::doActions() {
+  for (const WorldAction& action : actions_) {
+    if (canBeDone(action, world_)) apply(action, world_);
+  }
+  actions_.clear();
 }
 
 /// A part is believed as far as the joints that move it are.

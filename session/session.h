@@ -7,6 +7,7 @@
 #include "collision/world.h"
 #include "session/part_bones.h"
 #include "session/pose_source.h"
+#include "session/world_action.h"
 #include "skinning/character.h"
 
 #include <cstdint>
@@ -37,6 +38,10 @@ class Session {
   /// Runs one frame. Physics moves by the time between frames, held between 1 ms and 0.1 s; the first takes 1/30 s.
   /// @return false at the end of the stream, or what the source says is wrong with its data
   [[nodiscard]] Result<bool> step();
+
+  /// Does something to the world at the begin of the next step, after what was asked for before it. What cannot be
+  /// done then, see canBeDone(), is passed over.
+  void act(const WorldAction& action) { actions_.push_back(action); }
 
   [[nodiscard]] const Character& character() const { return character_; }
   [[nodiscard]] const PoseSource& source() const { return *source_; }
@@ -69,6 +74,9 @@ class Session {
   LiveBody body_;
   World world_;
   void passTrustOn();
+  void doActions();
+
+  std::vector<WorldAction> actions_;  // of the next step
 
   std::vector<std::vector<JointShare>> jointsOfPart_;
   std::optional<TrainingRange> training_;
