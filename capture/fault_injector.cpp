@@ -1,0 +1,239 @@
+#include "capture/fault_injector.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+constexpr double kDropoutFrames = 5.0, kSwapFrames = 10.0, kFreezeFrames = 15.0;
+constexpr double kLeastLate = 0.03, kMostLate = 0.15;  ///< [s]
+
+/// Each fault has numbers of its own, so that one more fault leaves the others as they are.
+enum Stream : std::uint64_t { kLateStream, kFreezeStream, kSwapStream, kJitterStream, kDropoutStream };
+
+std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream) {
+  return RandomNumbers(RandomNumbers(seed).bits() + stream).bits();
+}
+
+/// A fault as the text names it.
+struct Named {
+  std::string_view name;
+  double FaultSettings::*dose;
+  double byDefault;
+  const char* unit;
+};
+constexpr std::array<Named, 5> kFaults = {{{"dropout", &FaultSettings::dropout, 0.1, "a share of joints from 0 to 1"},
+                                           {"jitter", &FaultSettings::jitter, 0.02, "metres from 0 to 1"},
+                                           {"swap", &FaultSettings::swap, 0.02, "a share of frames from 0 to 1"},
+                                           {"late", &FaultSettings::late, 0.05, "a share of frames from 0 to 1"},
+                                           {"freeze", &FaultSettings::freeze, 0.05, "a share of frames from 0 to 1"}}};
+
+template <typename Number>
+bool parseWhole(std::string_view text, Number& number) {
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stopped == end;
+}
+
+Error unexpected(std::string_view found, std::string_view expected) {
+  return {ErrorCode::kInvalidArgument, fmt::format("found `{}`, expected {}", found, expected)};
+}
+
+/// One word between commas.
+Result<void> takeFault(std::string_view word, FaultSettings& settings, std::vector<std::string_view>& seen) {
+  const std::size_t equals = word.find('=');
+  const std::string_view name = word.substr(0, equals);
+  const bool hasValue = equals != std::string_view::npos;
+  const std::string_view value = hasValue ? word.substr(equals + 1) : std::string_view();
+  if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
+    return unexpected(word, fmt::format("{} once", name));
+  }
+  seen.push_back(name);
+  if (name == "seed") {
+    if (hasValue && parseWhole(value, settings.seed)) return {};
+    return unexpected(word, "a whole number from 0 up, as in seed=7");
+  }
+  const auto* const fault =
+      std::find_if(kFaults.begin(), kFaults.end(), [&](const Named& f) { return f.name == name; });
+  if (fault == kFaults.end()) {
+    return unexpected(word, "dropout, jitter, swap, late, freeze or seed, as in dropout=0.1,swap,seed=7");
+  }
+  double dose = fault->byDefault;
+  if (hasValue && !(parseWhole(value, dose) && dose >= 0.0 && dose <= 1.0)) {
+    return unexpected(word, fmt::format("{}, as in {}={:g}", fault->unit, name, fault->byDefault));
+  }
+  settings.*(fault->dose) = dose;
+  return {};
+}
+
+/// Normal enough, and without functions whose last bit differs between machines: deviation 1, mean 0, within 6.
+double normalFrom(RandomNumbers& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += random.unit();
+  return sum;
+}
+
+using J = BodyJoint;
+constexpr std::array<std::pair<J, J>, 3> kArms = {
+    {{J::kLeftShoulder, J::kRightShoulder}, {J::kLeftElbow, J::kRightElbow}, {J::kLeftHand, J::kRightHand}}};
+constexpr std::array<std::pair<J, J>, 3> kLegs = {
+    {{J::kLeftHip, J::kRightHip}, {J::kLeftKnee, J::kRightKnee}, {J::kLeftFoot, J::kRightFoot}}};
+
+void exchange(const std::array<std::pair<J, J>, 3>& limbs, SkeletonFrame& frame) {
+  for (const auto& [left, right] : limbs) std::swap(frame[left], frame[right]);
+}
+
+class FaultInjector final : public SkeletonSource {
+ public:
+  FaultInjector(std::unique_ptr<SkeletonSource> source, const FaultSettings& settings)
+      : source_(std::move(source)),
+        settings_(settings),
+        frames_(settings),
+        swap_(settings.swap, kSwapFrames, seedOf(settings.seed, kSwapStream)),
+        jitter_(seedOf(settings.seed, kJitterStream)) {
+    dropout_.reserve(kBodyJointCount);
+    for (std::uint64_t j = 0; j < kBodyJointCount; ++j) {
+      dropout_.emplace_back(settings.dropout, kDropoutFrames, seedOf(settings.seed, kDropoutStream + j));
+    }
+  }
+
+  Result<std::optional<SkeletonFrame>> next() override {
+    Result<std::optional<SkeletonFrame>> taken = take();
+    if (!taken || !taken->has_value()) return taken;
+    SkeletonFrame& frame = **taken;
+    overtake(frame);
+    freeze(frame);
+    swap(frame);
+    shake(frame);
+    drop(frame);
+    return taken;
+  }
+
+ private:
+  Result<std::optional<SkeletonFrame>> take() {
+    if (!ahead_) return source_->next();
+    Result<std::optional<SkeletonFrame>> taken = std::move(*ahead_);
+    ahead_.reset();
+    return taken;
+  }
+
+  void overtake(SkeletonFrame& frame) {
+    const double lateness = frames_.lateness();
+    if (lateness == 0.0) return;
+    frame.time += lateness;
+    for (int i = 0; i < kMostOvertaken; ++i) {
+      ahead_ = take();
+      if (!*ahead_ || !(*ahead_)->has_value() || (**ahead_)->time > frame.time) return;
+      ahead_.reset();
+    }
+  }
+
+  void freeze(SkeletonFrame& frame) {
+    if (frames_.frozen() && shown_) {
+      frame.joints = shown_->joints;
+    } else {
+      shown_ = frame;
+    }
+  }
+
+  void swap(SkeletonFrame& frame) {
+    if (!swap_.next()) {
+      swapping_ = false;
+      return;
+    }
+    if (!swapping_) which_ = static_cast<int>(3.0 * swap_.random().unit());  // arms, legs or both
+    swapping_ = true;
+    if (which_ != 1) exchange(kArms, frame);
+    if (which_ != 0) exchange(kLegs, frame);
+  }
+
+  void shake(SkeletonFrame& frame) {
+    if (settings_.jitter == 0.0) return;
+    for (TrackedJoint& joint : frame.joints) {
+      const double x = normalFrom(jitter_), y = normalFrom(jitter_), z = normalFrom(jitter_);
+      if (joint.confidence > 0.0) joint.position += settings_.jitter * Vec3(x, y, z);
+    }
+  }
+
+  void drop(SkeletonFrame& frame) {
+    for (std::size_t j = 0; j < dropout_.size(); ++j) {
+      if (dropout_[j].next()) frame.joints[j] = TrackedJoint();
+    }
+  }
+
+  std::unique_ptr<SkeletonSource> source_;
+  FaultSettings settings_;
+  FrameFaults frames_;
+  FaultRuns swap_;
+  RandomNumbers jitter_;
+  std::vector<FaultRuns> dropout_;  ///< one a joint
+  std::optional<Result<std::optional<SkeletonFrame>>> ahead_;
+  std::optional<SkeletonFrame> shown_;  ///< the last that was not frozen
+  bool swapping_ = false;
+  int which_ = 0;
+};
+
+}  // namespace
+
+Result<FaultSettings> parseFaults(std::string_view text) {
+  FaultSettings settings;
+  std::vector<std::string_view> seen;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    if (Result<void> taken = takeFault(text.substr(0, comma), settings, seen); !taken) return taken.error();
+    if (comma == std::string_view::npos) return settings;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+std::string textOf(const FaultSettings& settings) {
+  if (!settings.any()) return "";
+  std::string text;
+  for (const Named& fault : kFaults) {
+    const double dose = settings.*(fault.dose);
+    if (dose > 0.0) fmt::format_to(std::back_inserter(text), "{}={},", fault.name, dose);
+  }
+  fmt::format_to(std::back_inserter(text), "seed={}", settings.seed);
+  return text;
+}
+
+FaultRuns::FaultRuns(double share, double length, std::uint64_t seed) : random_(seed), share_(share) {
+  if (share <= 0.0) return;
+  // In balance share * end = (1 - share) * begin.
+  end_ = std::min(1.0 / length, (1.0 - share) / share);
+  begin_ = share < 1.0 ? std::min(1.0, end_ * share / (1.0 - share)) : 1.0;
+}
+
+bool FaultRuns::next() {
+  if (share_ <= 0.0) return false;
+  const double dice = random_.unit();
+  on_ = !started_ ? dice < share_ : on_ ? dice >= end_ : dice < begin_;
+  started_ = true;
+  return on_;
+}
+
+FrameFaults::FrameFaults(const FaultSettings& settings)
+    : late_(settings.late),
+      random_(seedOf(settings.seed, kLateStream)),
+      freeze_(settings.freeze, kFreezeFrames, seedOf(settings.seed, kFreezeStream)) {}
+
+double FrameFaults::lateness() {
+  const bool late = random_.unit() < late_;
+  const double lateness = random_.between(kLeastLate, kMostLate);
+  return late ? lateness : 0.0;
+}
+
+std::unique_ptr<SkeletonSource> makeFaultInjector(std::unique_ptr<SkeletonSource> source,
+                                                  const FaultSettings& settings) {
+  CHECK(source != nullptr, "faults are made in joints that come from somewhere");
+  return std::make_unique<FaultInjector>(std::move(source), settings);
+}
+
+}  // namespace lorica
