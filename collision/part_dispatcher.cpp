@@ -3,6 +3,7 @@
 #include "collision/part_shape.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
@@ -16,7 +17,7 @@ const btCollisionObject* objectOf(const btBroadphaseProxy* proxy) {
 }
 
 bool isPart(const btCollisionObject* object) {
-  return object->getCollisionShape()->getShapeType() == PartShape::kType;
+  return object->isKinematicObject();
 }
 
 /// Whether a box b, seen in a frame, is apart from a box along the axes of that frame.
@@ -29,31 +30,48 @@ bool apartAlongAxes(const btVector3& low, const btVector3& high, const btVector3
   return false;
 }
 
-/// Whether a part and a prop are farther apart than `gap`, which includes both margins. False where that is not sure.
-bool areApart(const btCollisionObject& part, const btCollisionObject& prop, btScalar gap) {
+/// Whether a part and a convex shape are farther apart than `gap`, beside both margins. False where that is not sure.
+bool areApart(const btCollisionObject& part, const btConvexInternalShape& shape, const btTransform& worldFromShape,
+              btScalar gap) {
   const auto& hull = static_cast<const PartShape&>(*part.getCollisionShape());
-  const auto& shape = static_cast<const btConvexInternalShape&>(*prop.getCollisionShape());
+  gap += hull.getMargin() + shape.getMargin();
 
   // First by the boxes around both, each along its own axes.
   btVector3 low, high;
   shape.getAabb(btTransform::getIdentity(), low, high);
   const btVector3 half = btScalar(0.5) * (high - low);
+  const btVector3 centerOfShape = btScalar(0.5) * (high + low);
   const btVector3 halfOfHull = btScalar(0.5) * (hull.high() - hull.low());
   const btVector3 centerOfHull = btScalar(0.5) * (hull.high() + hull.low());
   const btVector3 gaps(gap, gap, gap);
-  const btTransform partFromProp = part.getWorldTransform().inverseTimes(prop.getWorldTransform());
-  const btMatrix3x3 spread = partFromProp.getBasis().absolute();
-  if (apartAlongAxes(hull.low(), hull.high(), partFromProp.getOrigin(), spread * half + gaps)) return true;
-  if (apartAlongAxes(low, high, partFromProp.invXform(centerOfHull), spread.transpose() * halfOfHull + gaps)) {
+  const btTransform partFromShape = part.getWorldTransform().inverseTimes(worldFromShape);
+  const btMatrix3x3 spread = partFromShape.getBasis().absolute();
+  if (apartAlongAxes(hull.low(), hull.high(), partFromShape * centerOfShape, spread * half + gaps)) return true;
+  if (apartAlongAxes(low, high, partFromShape.invXform(centerOfHull), spread.transpose() * halfOfHull + gaps)) {
     return true;
   }
 
   btGjkEpaSolver2::sResults results;
-  const bool measured = btGjkEpaSolver2::Distance(
-      &hull, part.getWorldTransform(), &shape, prop.getWorldTransform(),
-      part.getWorldTransform() * centerOfHull - prop.getWorldTransform().getOrigin(), results);
+  const bool measured =
+      btGjkEpaSolver2::Distance(&hull, part.getWorldTransform(), &shape, worldFromShape,
+                                part.getWorldTransform() * centerOfHull - worldFromShape.getOrigin(), results);
   // The distance comes from an iteration that stops within a ten-thousandth.
   return measured && results.distance > btScalar(1.001) * gap;
+}
+
+/// Whether a part and a prop are surely farther apart than `gap`, beside their margins.
+bool areApart(const btCollisionObject& part, const btCollisionObject& prop, btScalar gap) {
+  const btCollisionShape* shape = prop.getCollisionShape();
+  const btTransform& worldFromProp = prop.getWorldTransform();
+  if (!shape->isCompound()) {
+    return areApart(part, static_cast<const btConvexInternalShape&>(*shape), worldFromProp, gap);
+  }
+  const auto& compound = static_cast<const btCompoundShape&>(*shape);
+  for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+    const auto& child = static_cast<const btConvexInternalShape&>(*compound.getChildShape(i));
+    if (!areApart(part, child, worldFromProp * compound.getChildTransform(i), gap)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -76,8 +94,7 @@ bool PartDispatcher::canTouch(const btBroadphasePair& pair) {
   }
   if (!isPart(a)) std::swap(a, b);
   const btCollisionShape* shape = b->getCollisionShape();
-  const btScalar margins = a->getCollisionShape()->getMargin() + shape->getMargin();
-  return !areApart(*a, *b, margins + shape->getContactBreakingThreshold(gContactBreakingThreshold));
+  return !areApart(*a, *b, shape->getContactBreakingThreshold(gContactBreakingThreshold));
 }
 
 void PartDispatcher::nearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,

@@ -12,6 +12,10 @@ PartShape::PartShape(btScalar margin) {
   setMargin(margin);
 }
 
+void PartShape::reserve(std::size_t count) {
+  coordinates_.reserve(3 * (count + kSupportBlock));
+}
+
 void PartShape::setPoints(std::span<const Vec3> points) {
   CHECK(!points.empty(), "a shape has points");
   const int count = static_cast<int>(points.size());

@@ -21,6 +21,8 @@ class PartShape : public btConvexInternalAabbCachingShape {
   /// @param margin  the hull is inflated by this [m]
   explicit PartShape(btScalar margin);
 
+  /// Room for so many points, so that setPoints() allocates nothing.
+  void reserve(std::size_t count);
   /// @param points  in the part's frame, at least one [m]
   void setPoints(std::span<const Vec3> points);
   /// Bounds of the points, without the margin.

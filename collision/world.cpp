@@ -1,12 +1,10 @@
 #include "collision/world.h"
 
-#include "collision/dynamics_world.h"
-#include "collision/part_dispatcher.h"
-#include "collision/part_shape.h"
+#include "collision/bullet_math.h"
+#include "collision/world_impl.h"
 #include "geometry/result.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
-#include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,48 +30,6 @@ constexpr double kLongestApproach = 0.025;
 // Faster approaches get no finer substeps.
 constexpr double kFastestApproach = 2.0 * kTeleportSpeed;
 constexpr double kSamePlace = 0.02;
-// The sweep-and-prune grid. Things outside are still handled, only less sharply told apart.
-constexpr btScalar kGridHalfSize = 64.0f;
-constexpr unsigned short kMaxBodies = 8192;
-
-enum CollisionGroup : int { kFloorGroup = 1, kPropGroup = 2, kPartGroup = 4 };
-
-btVector3 toBullet(const Vec3& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
-}
-
-btTransform toBullet(const Quat& rotation, const Vec3& origin) {
-  const btQuaternion q(static_cast<btScalar>(rotation.x()), static_cast<btScalar>(rotation.y()),
-                       static_cast<btScalar>(rotation.z()), static_cast<btScalar>(rotation.w()));
-  return btTransform(q.normalized(), toBullet(origin));
-}
-
-Vec3 fromBullet(const btVector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Isometry3 fromBullet(const btTransform& t) {
-  const btQuaternion q = t.getRotation();
-  Isometry3 result = Isometry3::Identity();
-  result.linear() = Quat(q.w(), q.x(), q.y(), q.z()).normalized().toRotationMatrix();
-  result.translation() = fromBullet(t.getOrigin());
-  return result;
-}
-
-/// A part's motion within one frame: the origin goes straight, the rotation turns evenly about one axis.
-struct Sweep {
-  Vec3 origin = Vec3::Zero();
-  Quat rotation = Quat::Identity();
-  Vec3 travel = Vec3::Zero();  ///< over the whole frame [m]
-  Vec3 axis = Vec3::UnitX();   ///< world, unit
-  double angle = 0.0;          ///< over the whole frame [rad]
-  double radius = 0.0;         ///< around the origin, of all that is swept along [m]
-  double strength = 1.0;       ///< what part of its velocity props feel
-
-  [[nodiscard]] btTransform at(double fraction) const {
-    return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
-  }
-};
 
 Sweep sweepOf(const LivePart& part, double seconds) {
   const Isometry3& begin = part.previousWorldFromPart;
@@ -104,52 +60,6 @@ Sweep sweepOf(const LivePart& part, double seconds) {
   return sweep;
 }
 
-struct PartBody {
-  PartShape shape{kPartMargin};
-  std::unique_ptr<btRigidBody> body;
-  bool inWorld = false;
-  bool reshaped = false;
-  Sweep sweep;
-};
-
-struct PropBody {
-  std::unique_ptr<btConvexInternalShape> shape;
-  std::unique_ptr<btRigidBody> body;
-  double radius = 0.0;  ///< around the middle [m]
-  bool round = false;
-
-  /// How fast the surface goes about the middle [m/s]; that of a ball stays in its place.
-  [[nodiscard]] double spin() const { return round ? 0.0 : radius * body->getAngularVelocity().length(); }
-  /// No point is faster [m/s].
-  [[nodiscard]] double speed() const { return body->getLinearVelocity().length() + spin(); }
-};
-
-PropBody shapeOf(const Prop& prop) {
-  const auto radius = static_cast<btScalar>(prop.halfExtents.x());
-  PropBody body;
-  body.radius = boundingRadius(prop);
-  switch (prop.shape) {
-    case PropShape::kBox:
-      body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
-      break;
-    case PropShape::kSphere:
-      body.shape = std::make_unique<btSphereShape>(radius);
-      body.round = true;
-      break;
-    case PropShape::kCapsule: {
-      const double straight = 2.0 * (prop.halfExtents.y() - prop.halfExtents.x());
-      CHECK(straight >= 0.0, "a capsule is at least as high as wide");
-      body.shape = std::make_unique<btCapsuleShape>(radius, static_cast<btScalar>(straight));
-      break;
-    }
-    case PropShape::kCylinder:
-      body.shape = std::make_unique<btCylinderShape>(
-          toBullet(Vec3(prop.halfExtents.x(), prop.halfExtents.y(), prop.halfExtents.x())));
-      break;
-  }
-  return body;
-}
-
 /// Puts a contact's place on a part onto the part's new hull.
 /// @param place   in the part's frame, on the inflated hull of the frame before
 /// @param normal  in the part's frame, outwards, unit
@@ -171,50 +81,9 @@ bool follow(const PartShape& shape, const btVector3& normal, btVector3& place) {
 
 }  // namespace
 
-double boundingRadius(const Prop& prop) {
-  switch (prop.shape) {
-    case PropShape::kBox:
-      break;
-    case PropShape::kSphere:
-      return prop.halfExtents.x();
-    case PropShape::kCapsule:
-      return prop.halfExtents.y();
-    case PropShape::kCylinder:
-      return prop.halfExtents.head<2>().norm();
-  }
-  return prop.halfExtents.norm();
+btTransform Sweep::at(double fraction) const {
+  return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
 }
-
-struct World::Impl {
-  Settings settings;
-  btDefaultCollisionConfiguration configuration;
-  PartDispatcher dispatcher{&configuration};
-  // Not the usual btDbvtBroadphase: its tree is balanced by comparing addresses, so the order of contacts, and with it
-  // the motion, would differ from run to run.
-  btAxisSweep3 broadphase{btVector3(-kGridHalfSize, -kGridHalfSize, -kGridHalfSize),
-                          btVector3(kGridHalfSize, kGridHalfSize, kGridHalfSize), kMaxBodies, nullptr, true};
-  ContactSolver solver;
-  DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
-  btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
-  std::unique_ptr<btRigidBody> floor;
-  std::vector<std::unique_ptr<PartBody>> parts;
-  std::vector<PropBody> propBodies;
-  std::vector<std::unique_ptr<btTypedConstraint>> links;
-  std::vector<Prop> props;
-  std::vector<Contact> contacts;
-
-  explicit Impl(const Settings& s);
-  ~Impl();
-  void addProp(const Prop& prop);
-  void addLink(int a, int b, const Vec3& place);
-  void setPartCount(std::size_t count);
-  void takePart(PartBody& body, const LivePart& part, double seconds);
-  void followSurfaces();
-  [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
-  void collectContacts();
-  void noteContact(const Contact& contact);
-  void readProps();
-};
 
 World::Impl::Impl(const Settings& s) : settings(s) {
   CHECK(settings.substepSeconds > 0.0, "a world needs substeps longer than nothing");
@@ -241,6 +110,7 @@ World::Impl::Impl(const Settings& s) : settings(s) {
 }
 
 World::Impl::~Impl() {
+  release();
   setPartCount(0);
   for (const std::unique_ptr<btTypedConstraint>& link : links) world.removeConstraint(link.get());
   for (PropBody& prop : propBodies) world.removeRigidBody(prop.body.get());
@@ -248,37 +118,24 @@ World::Impl::~Impl() {
 }
 
 void World::Impl::addProp(const Prop& prop) {
-  CHECK(prop.mass >= 0.0 && prop.halfExtents.minCoeff() > 0.0, "a prop needs extents above zero, and no negative mass");
   CHECK(props.size() < kMaxBodies / 2, "more props than the broad phase has room for");
-  PropBody body = shapeOf(prop);
-  const auto mass = static_cast<btScalar>(prop.mass);
-  btVector3 inertia(0.0f, 0.0f, 0.0f);
-  if (prop.mass > 0.0) body.shape->calculateLocalInertia(mass, inertia);
-  btRigidBody::btRigidBodyConstructionInfo construction(mass, nullptr, body.shape.get(), inertia);
-  construction.m_friction = static_cast<btScalar>(prop.friction);
-  construction.m_restitution = static_cast<btScalar>(prop.restitution);
-  construction.m_startWorldTransform = toBullet(Quat(prop.worldFromProp.linear()), prop.worldFromProp.translation());
-  // Bullet lets things sleep below 0.8 m/s, which freezes what still visibly drifts.
-  construction.m_linearSleepingThreshold = 0.03f;
-  construction.m_angularSleepingThreshold = 0.1f;
-  if (prop.shape != PropShape::kBox) construction.m_rollingFriction = 0.002f;  // else what is round never stops
-  body.body = std::make_unique<btRigidBody>(construction);
-  body.body->setLinearVelocity(toBullet(prop.velocity));
-  body.body->setUserIndex(static_cast<int>(props.size()));
-  if (prop.mass > 0.0) {
-    world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
-  } else {
-    world.addRigidBody(body.body.get(), kFloorGroup, kPropGroup);
-  }
-  propBodies.push_back(std::move(body));
+  propBodies.push_back(makePropBody(prop, static_cast<int>(props.size())));
+  addBody(propBodies.back(), prop.mass == 0.0);
   props.push_back(prop);
+}
+
+void World::Impl::addBody(const PropBody& body, bool furniture) {
+  if (furniture) {
+    world.addRigidBody(body.body.get(), kFloorGroup, kPropGroup);
+  } else {
+    world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
+  }
 }
 
 void World::Impl::addLink(int a, int b, const Vec3& place) {
   if (a == kWorldItself) std::swap(a, b);
-  const int count = static_cast<int>(props.size());
-  CHECK(a >= 0 && a < count && b >= kWorldItself && b < count && a != b,
-        "a link ties a prop to another or to the world");
+  CHECK(isProp(a) && (b == kWorldItself || isProp(b)) && a != b, "a link ties a prop to another or to the world");
+  for (const int t : thrown) CHECK(t != a && t != b, "thrown props come and go: they take no links");
   btRigidBody& first = *propBodies[static_cast<std::size_t>(a)].body;
   const btVector3 inFirst = first.getWorldTransform().inverse() * toBullet(place);
   std::unique_ptr<btPoint2PointConstraint> link;
@@ -299,7 +156,7 @@ void World::Impl::setPartCount(std::size_t count) {
     parts.pop_back();
   }
   while (parts.size() < count) {
-    auto part = std::make_unique<PartBody>();
+    auto part = std::make_unique<PartBody>(kPartMargin);
     btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &part->shape);
     construction.m_friction = 1.0f;
     construction.m_restitution = 1.0f;
@@ -411,10 +268,7 @@ void World::Impl::noteContact(const Contact& contact) {
 }
 
 void World::Impl::readProps() {
-  for (std::size_t i = 0; i < props.size(); ++i) {
-    props[i].worldFromProp = fromBullet(propBodies[i].body->getWorldTransform());
-    props[i].velocity = fromBullet(propBodies[i].body->getLinearVelocity());
-  }
+  for (std::size_t i = 0; i < props.size(); ++i) propBodies[i].read(props[i]);
 }
 
 World::World() : World(Settings()) {}
@@ -457,6 +311,7 @@ void World::step(std::span<const LivePart> parts, double seconds) {
     // What overlaps is moved apart by a fifth in a substep of the longest kind, and in shorter ones by less.
     impl_->world.getSolverInfo().m_erp2 =
         static_cast<btScalar>(0.2 * std::min(1.0, length / impl_->settings.substepSeconds));
+    impl_->drawGrabbed(length);
     impl_->world.stepSimulation(static_cast<btScalar>(length), 0);
     impl_->collectContacts();
     done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
@@ -474,6 +329,9 @@ std::span<const Prop> World::props() const {
   return impl_->props;
 }
 std::span<const Contact> World::contacts() const {
+  return impl_->contacts;
+}
+std::span<Contact> World::contacts() {
   return impl_->contacts;
 }
 

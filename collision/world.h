@@ -2,34 +2,15 @@
 
 #include "acd/decomposition.h"
 #include "collision/live_part.h"
+#include "collision/prop.h"
 #include "geometry/math.h"
+#include "skinning/skeleton.h"
 
-#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
-#include <vector>
 
 namespace lorica {
-
-enum class PropShape : std::uint8_t { kBox, kSphere, kCapsule, kCylinder };
-inline constexpr int kPropShapeCount = 4;
-
-/// A rigid body of the virtual world.
-struct Prop {
-  PropShape shape = PropShape::kBox;
-  /// Box: half its sides; sphere: x is the radius; capsule and cylinder: about the prop's y axis, x is the radius, y
-  /// half the height, caps included [m].
-  Vec3 halfExtents = Vec3::Constant(0.1);
-  double mass = 1.0;  ///< [kg]; 0 = furniture, which nothing moves and which the avatar passes through
-  double friction = 0.6;
-  double restitution = 0.2;
-  Isometry3 worldFromProp = Isometry3::Identity();
-  Vec3 velocity = Vec3::Zero();           ///< [m/s]
-  Vec3f color = Vec3f(0.8f, 0.5f, 0.2f);  ///< linear RGB, 0 to 1
-};
-
-/// Of the sphere around a prop's middle that holds it [m].
-[[nodiscard]] double boundingRadius(const Prop& prop);
 
 inline constexpr int kWorldItself = -1;
 
@@ -37,10 +18,30 @@ inline constexpr int kWorldItself = -1;
 struct Contact {
   PartIndex part = 0;
   int prop = 0;
+  JointIndex bone = kNoJoint;  ///< of the character, that moves the place most; a world knows none, Session fills it in
   Vec3 point = Vec3::Zero();   ///< world [m]
   Vec3 normal = Vec3::Zero();  ///< from the part to the prop, unit
   double depth = 0.0;          ///< deepest penetration in the step [m], > 0 when they overlap
   double impulse = 0.0;        ///< along the normal, summed over the step [N s]
+};
+
+struct Ray {
+  Vec3 origin = Vec3::Zero();      ///< world [m]
+  Vec3 direction = Vec3::UnitZ();  ///< of any length but 0
+};
+
+/// Where a ray meets a prop.
+struct PropPick {
+  int prop = 0;
+  Vec3 place = Vec3::Zero();  ///< world [m]
+  double distance = 0.0;      ///< from the ray's origin [m]
+};
+
+/// A prop that is held by a place of it.
+struct PropGrab {
+  int prop = 0;
+  Vec3 place = Vec3::Zero();   ///< where the place on the prop is now, world [m]
+  Vec3 target = Vec3::Zero();  ///< where it is drawn to, world [m]
 };
 
 /// Rigid-body world with a floor, props, and the avatar's parts as kinematic bodies: they push props, and
@@ -67,6 +68,26 @@ class World {
   /// @param place  world [m]
   void addLink(int a, int b, const Vec3& place);
 
+  /// So many thrown props there are at most.
+  static constexpr int kMostThrown = 64;
+  /// Adds a prop while the world runs, with the velocity that it has. When there are kMostThrown, the oldest thrown one
+  /// becomes it, at its index.
+  /// @return its index
+  int throwProp(const Prop& prop);
+
+  /// The first prop that a ray meets within 200 m, furniture too. Not through the floor; the avatar is not in the way.
+  [[nodiscard]] std::optional<PropPick> pick(const Ray& ray) const;
+  /// Takes hold of a prop at a place of it: from then on a soft ball joint draws that place to where moveGrab() says,
+  /// with at most 600 N and 200 m/s^2, at up to 8 m/s. What is held before is released.
+  /// @param place  world [m], within 1 m of the prop
+  /// @return false where there is no such prop, or it is furniture, or not there: nothing is held then
+  bool grab(int prop, const Vec3& place);
+  /// @param place  world [m], finite; without a grab nothing happens
+  void moveGrab(const Vec3& place);
+  /// The prop goes on as fast as it is.
+  void release();
+  [[nodiscard]] std::optional<PropGrab> held() const;
+
   /// Moves the world from the last frame to this one; the parts sweep from their previous to their present motion.
   ///
   /// A prop that is hit gets the velocity of the place that hits it, and bounces as its restitution says. Where a
@@ -88,6 +109,8 @@ class World {
   /// Contacts between the avatar and props in the last step, by part, then prop. A pair has a contact for each place
   /// where it touched; touches within 2 cm of each other are one place.
   [[nodiscard]] std::span<const Contact> contacts() const;
+  /// The same, for who knows the bones.
+  [[nodiscard]] std::span<Contact> contacts();
 
  private:
   struct Impl;
