@@ -132,6 +132,8 @@ PropMesh makePropMesh(PropShape shape) {
       return makePropCapsule();
     case PropShape::kCylinder:
       return makePropCylinder();
+    case PropShape::kMesh:
+      break;  // each has a mesh of its own
   }
   return {};
 }
