@@ -2,15 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lorica {
 namespace {
 
 constexpr double kPropReach = 2.5;       // props this near to the subject are lit with shadows [m]
+constexpr double kGrainReach = 0.5;      // and particles as near [m]
 constexpr double kContactHeight = 0.30;  // what is higher above the floor casts no contact shadow [m]
 
 void extendFinite(Aabb& box, const Vec3& p) {
   if (p.allFinite()) box.extend(p);
+}
+
+/// Sand is lit with shadows where it lies around the subject; a grain that has rolled away does not spread the light.
+void extendToParticles(Aabb& box, const Scene& scene, const SceneOptions& options) {
+  if (!options.particles) return;
+  const bool alone = box.empty();
+  const Vec3f middle = alone ? Vec3f::Zero() : Vec3f(box.center().cast<float>());
+  const auto reach = static_cast<float>(alone ? 1e3 : 0.5 * box.diagonal() + kGrainReach);
+  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
+  for (const Vec3f& p : scene.particles) {
+    if (!((p - middle).squaredNorm() < reach * reach)) continue;
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  if (low.x() > high.x()) return;
+  box.extend(low.cast<double>());
+  box.extend(high.cast<double>());
 }
 
 /// What the picture is about: the avatar, else the props, else where the camera looks.
@@ -24,6 +43,7 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
       for (const Vec3& p : part.shape.vertices) extendFinite(box, part.worldFromPart * p);
     }
   }
+  extendToParticles(box, scene, options);
   if (box.empty()) extendFinite(box, target);
   if (box.empty()) box.extend(Vec3::Zero());
   if (options.props) {
@@ -77,6 +97,9 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   u.rayUp << (up / cotangent).cast<float>(), static_cast<float>(cotangent);
   u.viewport << static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
       1.0f / static_cast<float>(height);
+
+  setup.grainPixels =
+      static_cast<float>(0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance);
 
   // Key light: fixed in the room, front left of a figure that faces +Z.
   const Aabb subject = subjectOf(scene, options, camera.target);

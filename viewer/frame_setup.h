@@ -25,6 +25,7 @@ struct FrameSetup {
   FrameUniforms uniforms;
   /// Floor around the subject that shadows can reach, in xz [m].
   Eigen::Vector2f shadedMin, shadedMax;
+  float grainPixels = 0;    ///< radius of a particle near the camera's target [pixels]
   float floorHalfSide = 0;  ///< of the whole floor around uniforms.floorFade [m]
 };
 

@@ -43,6 +43,7 @@
   X(DRAWELEMENTSINSTANCED, DrawElementsInstanced)                   \
   X(ENABLE, Enable)                                                 \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)               \
+  X(FINISH, Finish)                                                 \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)               \
   X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                     \
   X(GENBUFFERS, GenBuffers)                                         \
@@ -51,6 +52,7 @@
   X(GENTEXTURES, GenTextures)                                       \
   X(GENVERTEXARRAYS, GenVertexArrays)                               \
   X(GETERROR, GetError)                                             \
+  X(GETFLOATV, GetFloatv)                                           \
   X(GETINTEGERV, GetIntegerv)                                       \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog)                           \
   X(GETPROGRAMIV, GetProgramiv)                                     \
@@ -66,6 +68,7 @@
   X(READPIXELS, ReadPixels)                                         \
   X(RENDERBUFFERSTORAGE, RenderbufferStorage)                       \
   X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample) \
+  X(SCISSOR, Scissor)                                               \
   X(SHADERSOURCE, ShaderSource)                                     \
   X(TEXIMAGE2D, TexImage2D)                                         \
   X(TEXPARAMETERFV, TexParameterfv)                                 \

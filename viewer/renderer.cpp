@@ -30,11 +30,20 @@ Result<Renderer> Renderer::create(GetProc getProc) {
   return Renderer(std::move(impl));
 }
 
+void Renderer::setQuality(RenderQuality quality) {
+  if (quality != impl_->targets.quality) impl_->targets.setQuality(impl_->gpu, quality);
+}
+
+RenderQuality Renderer::quality() const {
+  return impl_->targets.quality;
+}
+
 void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height) {
   Impl& i = *impl_;
   const GlFunctions& gl = i.gl;
   i.targets.resize(i.gpu, std::max(width, 1), std::max(height, 1));
-  const FrameSetup setup = setUpFrame(scene, options, camera, i.targets.width, i.targets.height, Targets::kShadowSize);
+  const FrameSetup setup =
+      setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
 
   // Everything that changes with the frame goes up first, one upload a buffer.
   gl.BindBuffer(GL_UNIFORM_BUFFER, i.frameBlock);
@@ -61,9 +70,11 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     if (!target.instances.empty()) i.gpu.upload(target.instanceBuffer, target.instances);
   }
 
+  i.uploadMeshProps(scene.props, options.props);
+
   // Shadow map.
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.shadow);
-  gl.Viewport(0, 0, Targets::kShadowSize, Targets::kShadowSize);
+  gl.Viewport(0, 0, i.targets.shadowSize, i.targets.shadowSize);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
   gl.DepthMask(GL_TRUE);
@@ -75,11 +86,12 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.CullFace(GL_FRONT);
   i.drawCasters(Pass::kShadow, skinIndexCount, hullCount);
   gl.Disable(GL_CULL_FACE);
+  if (options.particles) i.drawGrainShadows(scene, setup);
   if (options.ground) i.drawContactShadow(skinIndexCount, hullCount, setup.uniforms.contactArea.z());
 
   // Opaque things, near before far: what they cover is not shaded again.
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
-  gl.Viewport(0, 0, i.targets.width, i.targets.height);
+  gl.Viewport(0, 0, i.targets.drawnWidth, i.targets.drawnHeight);
   gl.Enable(GL_DEPTH_TEST);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.ActiveTexture(GL_TEXTURE1);
@@ -95,6 +107,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   }
   gl.Enable(GL_CULL_FACE);
   i.drawProps(Pass::kLit);
+  if (options.particles) i.drawGrains(scene, setup);
   if (options.ground) i.drawFloor(setup);
   gl.Disable(GL_CULL_FACE);
   gl.UseProgram(i.skyProgram);
@@ -135,9 +148,11 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
 
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, i.targets.picture);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, i.targets.resolved);
-  gl.BlitFramebuffer(0, 0, i.targets.width, i.targets.height, 0, 0, i.targets.width, i.targets.height,
-                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  const bool sameSize = i.targets.drawnWidth == i.targets.width && i.targets.drawnHeight == i.targets.height;
+  gl.BlitFramebuffer(0, 0, i.targets.drawnWidth, i.targets.drawnHeight, 0, 0, i.targets.width, i.targets.height,
+                     GL_COLOR_BUFFER_BIT, sameSize ? GL_NEAREST : GL_LINEAR);
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.resolved);
+  gl.Viewport(0, 0, i.targets.width, i.targets.height);
   i.drawPanel(i.caption, options.caption, false);
   i.drawPanel(i.panel, options.panel, true);
   if (scene.inset != nullptr && scene.inset->width > 0) i.drawInset(*scene.inset);

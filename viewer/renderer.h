@@ -3,6 +3,7 @@
 #include "viewer/image.h"
 #include "viewer/scene.h"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -28,6 +29,13 @@ class OffscreenContext {
   std::unique_ptr<Impl> impl_;
 };
 
+/// How good a picture looks and what it costs; docs/PICTURES.md has the figures.
+enum class RenderQuality : std::uint8_t {
+  kHigh,    ///< smoothed edges, fine shadows
+  kMedium,  ///< edges as the pixels fall
+  kLow,     ///< and drawn smaller than it is shown; text stays sharp
+};
+
 /// Draws scenes with whatever OpenGL 3.3 core context is current; the same code under a window and off screen.
 class Renderer {
  public:
@@ -37,7 +45,11 @@ class Renderer {
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  /// Draws into a multisampled framebuffer of its own of this size.
+  /// From the next draw() on. A new renderer's is high.
+  void setQuality(RenderQuality quality);
+  [[nodiscard]] RenderQuality quality() const;
+
+  /// Draws into a framebuffer of its own of this size.
   void draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height);
   /// What draw() drew last.
   [[nodiscard]] Image readBack();

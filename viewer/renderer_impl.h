@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/gpu.h"
+#include "viewer/grain_list.h"
 #include "viewer/overlay_mesh.h"
 #include "viewer/prop_mesh.h"
 #include "viewer/renderer.h"
@@ -9,6 +10,7 @@
 #include "viewer/targets.h"
 
 #include <array>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,9 +27,16 @@ struct MarkerVertex {
 /// One shape of prop on the GPU.
 struct PropShapeGpu {
   GLuint vertexArray = 0;
+  GLuint vertexBuffer = 0, indexBuffer = 0;
   GLsizei indexCount = 0;
   StreamBuffer instanceBuffer;
   std::vector<PropInstance> instances;
+};
+
+/// A shape of props of its own on the GPU, for as long as anybody holds it.
+struct MeshPropGpu {
+  std::weak_ptr<const PropMeshShape> shape;
+  PropShapeGpu gpu;
 };
 
 /// A text panel as a texture, drawn anew only when its text or size changes.
@@ -72,6 +81,7 @@ struct Renderer::Impl {
   StreamBuffer hullBuffer, boneBuffer;
 
   std::array<PropShapeGpu, kPropShapeCount> propShapes;
+  std::vector<MeshPropGpu> meshProps;
   GLuint skyVertexArray = 0, floorVertexArray = 0, markerVertexArray = 0;
   GLsizei skyIndexCount = 0;
   StreamBuffer floorBuffer, markerBuffer;
@@ -79,17 +89,31 @@ struct Renderer::Impl {
   PanelGpu caption, panel;
   GLuint insetTexture = 0;
 
+  GLuint grainShadowProgram = 0, farGrainProgram = 0, nearGrainProgram = 0;
+  GLint grainShadowUniform = -1, farGrainUniform = -1, nearGrainUniform = -1;
+  GLuint grainVertexArray = 0;
+  StreamBuffer grainBuffer;
+  GrainList grains;
+  bool software = false;      ///< a processor draws: each grain costs
+  float maxPointSize = 1.0f;  ///< of the driver [pixels]
+
   Result<void> createPrograms();
   void createMeshes();
   void attribute(GLuint index, GLint size, GLenum type, GLboolean normalized, std::size_t stride, std::size_t at);
   void overlayAttributes(GLuint vertexArray, const StreamBuffer& buffer);
   void createSky();
   void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
+  void fillPropShape(PropShapeGpu& shape, const PropMesh& mesh);
+  MeshPropGpu& meshPropOf(const std::shared_ptr<const PropMeshShape>& shape);
+  void uploadMeshProps(std::span<const Prop> props, bool shown);
+  void drawPropShape(const PropShapeGpu& shape);
 
   GLsizei uploadSkin(const Scene& scene, const SceneOptions& options);
   void drawCasters(shaders::Pass pass, GLsizei skinIndexCount, GLsizei hullCount);
   void drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide);
   void drawProps(shaders::Pass pass);
+  void drawGrainShadows(const Scene& scene, const FrameSetup& setup);
+  void drawGrains(const Scene& scene, const FrameSetup& setup);
   void drawFloor(const FrameSetup& setup);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
   void drawPanel(PanelGpu& target, const std::string& text, bool top);

@@ -48,11 +48,14 @@ GLsizei Renderer::Impl::uploadMarkers(std::span<const Contact> contacts) {
 
 void Renderer::Impl::drawProps(Pass pass) {
   gl.UseProgram(propProgram[passIndex(pass)]);
-  for (const PropShapeGpu& shape : propShapes) {
-    if (shape.instances.empty()) continue;
-    gl.BindVertexArray(shape.vertexArray);
-    gl.DrawElementsInstanced(GL_TRIANGLES, shape.indexCount, GL_UNSIGNED_INT, nullptr, glCount(shape.instances.size()));
-  }
+  for (const PropShapeGpu& shape : propShapes) drawPropShape(shape);
+  for (const MeshPropGpu& mesh : meshProps) drawPropShape(mesh.gpu);
+}
+
+void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
+  if (shape.instances.empty()) return;
+  gl.BindVertexArray(shape.vertexArray);
+  gl.DrawElementsInstanced(GL_TRIANGLES, shape.indexCount, GL_UNSIGNED_INT, nullptr, glCount(shape.instances.size()));
 }
 
 /// What casts shadows: the skin, or the hulls where no skin is shown, and the props.

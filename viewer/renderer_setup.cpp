@@ -1,7 +1,9 @@
 #include "viewer/frame_setup.h"
 #include "viewer/renderer_impl.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <string_view>
 
 namespace lorica {
 namespace {
@@ -47,6 +49,10 @@ Result<void> Renderer::Impl::createPrograms() {
       {&nearFloorProgram, "near floor", shaders::groundVertex(), shaders::groundFragment(true)},
       {&overlayProgram, "overlay", shaders::overlayVertex(), shaders::overlayFragment()},
       {&markerProgram, "markers", shaders::markerVertex(), shaders::markerFragment()},
+      {&grainShadowProgram, "grain shadows", shaders::grainVertex(Pass::kShadow),
+       shaders::grainFragment(Pass::kShadow, false)},
+      {&farGrainProgram, "far grains", shaders::grainVertex(Pass::kLit), shaders::grainFragment(Pass::kLit, false)},
+      {&nearGrainProgram, "near grains", shaders::grainVertex(Pass::kLit), shaders::grainFragment(Pass::kLit, true)},
       {&blurProgram, "blur", shaders::fullVertex(), shaders::blurFragment()},
       {&panelProgram, "panel", shaders::panelVertex(), shaders::panelFragment()},
   };
@@ -54,6 +60,9 @@ Result<void> Renderer::Impl::createPrograms() {
     if (auto r = make(*entry.program, entry.name, entry.vertex, entry.fragment); !r.ok()) return r;
   }
   blurStride = gl.GetUniformLocation(blurProgram, "stride");
+  grainShadowUniform = gl.GetUniformLocation(grainShadowProgram, "grain");
+  farGrainUniform = gl.GetUniformLocation(farGrainProgram, "grain");
+  nearGrainUniform = gl.GetUniformLocation(nearGrainProgram, "grain");
   markerTint = gl.GetUniformLocation(markerProgram, "tint");
   panelRectangle = gl.GetUniformLocation(panelProgram, "rectangle");
   return {};
@@ -75,19 +84,25 @@ void Renderer::Impl::overlayAttributes(GLuint vertexArray, const StreamBuffer& b
   attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, color));
 }
 
-void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
-  shape.vertexArray = gpu.makeVertexArray();
+void Renderer::Impl::fillPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
   shape.indexCount = glCount(mesh.indices.size());
-  shape.instanceBuffer.id = gpu.makeBuffer();
   gl.BindVertexArray(shape.vertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, gpu.makeBuffer());
+  gl.BindBuffer(GL_ARRAY_BUFFER, shape.vertexBuffer);
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(PropMesh::Vertex)),
                 mesh.vertices.data(), GL_STATIC_DRAW);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(PropMesh::Vertex), offsetof(PropMesh::Vertex, corner));
-  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(PropMesh::Vertex), offsetof(PropMesh::Vertex, normal));
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.makeBuffer());
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, shape.indexBuffer);
   gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint32_t)),
                 mesh.indices.data(), GL_STATIC_DRAW);
+}
+
+void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
+  shape.vertexArray = gpu.makeVertexArray();
+  shape.vertexBuffer = gpu.makeBuffer();
+  shape.indexBuffer = gpu.makeBuffer();
+  shape.instanceBuffer.id = gpu.makeBuffer();
+  fillPropShape(shape, mesh);
+  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(PropMesh::Vertex), offsetof(PropMesh::Vertex, corner));
+  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(PropMesh::Vertex), offsetof(PropMesh::Vertex, normal));
   gl.BindBuffer(GL_ARRAY_BUFFER, shape.instanceBuffer.id);
   struct Field {
     GLint size;
@@ -172,6 +187,19 @@ void Renderer::Impl::createMeshes() {
   gl.BindBuffer(GL_ARRAY_BUFFER, markerBuffer.id);
   attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(MarkerVertex), offsetof(MarkerVertex, center));
   attribute(1, 2, GL_FLOAT, GL_FALSE, sizeof(MarkerVertex), offsetof(MarkerVertex, corner));
+
+  grainVertexArray = gpu.makeVertexArray();
+  grainBuffer.id = gpu.makeBuffer();
+  gl.BindVertexArray(grainVertexArray);
+  gl.BindBuffer(GL_ARRAY_BUFFER, grainBuffer.id);
+  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, center));
+  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, color));
+  GLfloat pointSizes[2] = {1.0f, 1.0f};
+  gl.GetFloatv(GL_POINT_SIZE_RANGE, pointSizes);
+  maxPointSize = std::min(pointSizes[1], 256.0f);
+  const auto* renderer = reinterpret_cast<const char*>(gl.GetString(GL_RENDERER));
+  const std::string_view name = renderer != nullptr ? renderer : "";
+  software = name.find("llvmpipe") != std::string_view::npos || name.find("softpipe") != std::string_view::npos;
 
   createSky();
   caption.texture = gpu.makeTexture(GL_NEAREST);

@@ -332,6 +332,74 @@ void main() {
 )";
 }
 
+std::string grainVertex(Pass pass) {
+  std::string text = std::string(kFrame) + R"(
+layout(location = 0) in vec3 center;
+layout(location = 1) in vec3 tint;
+uniform vec4 grain;
+)";
+  if (pass == Pass::kShadow) {
+    // The map's side is 1 in texture coordinates: rows of shadowFromWorld hold texture lengths a metre.
+    return text + R"(
+void main() {
+  vec3 s = (shadowFromWorld * vec4(center, 1.0)).xyz * 2.0 - 1.0;
+  gl_Position = dot(center, center) < 1e8 ? vec4(s, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+  float perMetre = length(vec3(shadowFromWorld[0].x, shadowFromWorld[1].x, shadowFromWorld[2].x)) / toLight.w;
+  gl_PointSize = clamp(2.0 * grain.x * perMetre, grain.y, grain.z);
+}
+)";
+  }
+  return text + kColor + kShadow + R"(
+flat out vec3 dark;   // as seen, away from the key light
+flat out vec3 bright;
+flat out vec3 light;  // towards the key light, in the camera's axes
+flat out vec3 depths; // of the ball's middle and of its front; 1 / radius in pixels
+void main() {
+  vec4 c = clipFromWorld * vec4(center, 1.0);
+  float distance = max(c.w, 1e-3);
+  // Numbers that are not finite and what is behind the viewer are put where nothing is drawn.
+  gl_Position = dot(center, center) < 1e8 && c.w > grain.x ? c : vec4(2.0, 2.0, 2.0, 1.0);
+  float pixels = rayUp.w * viewport.y * grain.x / distance;
+  gl_PointSize = clamp(pixels, grain.y, grain.z);
+  vec4 front = clipFromWorld * vec4(center - rayForward.xyz * grain.x, 1.0);
+  depths = vec3(0.5 + 0.5 * c.z / distance, 0.5 + 0.5 * front.z / max(front.w, 1e-3), 2.0 / gl_PointSize);
+
+  float lit = shadowAt(center + toLight.xyz * (1.5 * grain.x), vec3(0.0));
+  float open = 1.0 - 0.25 * (1.0 - clamp(center.y * 2.5, 0.0, 1.0));
+  vec3 ambient = vec3(0.42, 0.44, 0.46) * open;
+  dark = toSrgb(toneMap(tint * ambient * 0.80));
+  bright = toSrgb(toneMap(tint * (ambient + vec3(1.22, 1.15, 1.05) * lit)));
+  vec3 side = rayRight.xyz * inversesqrt(dot(rayRight.xyz, rayRight.xyz));
+  light = vec3(dot(toLight.xyz, side), -dot(toLight.xyz, rayUp.xyz) * rayUp.w, -dot(toLight.xyz, rayForward.xyz));
+}
+)";
+}
+
+std::string grainFragment(Pass pass, bool fine) {
+  if (pass == Pass::kShadow) return "#version 330 core\nvoid main() {}\n";
+  std::string text = R"(#version 330 core
+flat in vec3 dark;
+flat in vec3 bright;
+flat in vec3 light;
+flat in vec3 depths;
+out vec4 color;
+void main() {
+  vec2 d = gl_PointCoord * 2.0 - 1.0;
+  float away = dot(d, d);
+  float z = sqrt(max(1.0 - away, 0.0));
+  float key = clamp(0.15 + 0.85 * dot(vec3(d, z), light), 0.0, 1.0);
+  vec3 seen = mix(dark, bright, key);
+)";
+  if (!fine) return text + "  color = vec4(seen, 1.0);\n}\n";
+  return text + R"(
+  float cover = clamp((1.0 - sqrt(away)) / depths.z + 0.5, 0.0, 1.0);
+  if (cover <= 0.0) discard;
+  gl_FragDepth = mix(depths.x, depths.y, z);
+  color = vec4(seen, cover);
+}
+)";
+}
+
 std::string fullVertex() {
   return R"(#version 330 core
 out vec2 place;

@@ -36,6 +36,13 @@ std::string overlayFragment();
 std::string markerVertex();
 std::string markerFragment();
 
+/// Grains: points that look like balls; center 0, color 1. Uniform "grain": radius [m]; the smallest and the largest
+/// point size of the pass [pixels].
+std::string grainVertex(Pass pass);
+/// @param fine  with a round rim that is smoothed by alpha to coverage, and the depth of a ball: for grains of many
+///              pixels. Else square or nearly so, which is drawn before it is shaded.
+std::string grainFragment(Pass pass, bool fine);
+
 /// A triangle over the whole target, and one over the rectangle in uniform "rectangle" (clip space).
 std::string fullVertex();
 std::string blurFragment();

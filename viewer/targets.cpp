@@ -2,17 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace lorica {
+
+namespace {
+
+struct Settings {
+  int samples, shadowSize;
+  double scale;  // of the drawn picture's sides to the finished one's
+};
+
+Settings settingsOf(RenderQuality quality) {
+  switch (quality) {
+    case RenderQuality::kHigh:
+      return {4, 1024, 1.0};
+    case RenderQuality::kMedium:
+      return {0, 768, 1.0};
+    case RenderQuality::kLow:
+      return {0, 512, 0.6};
+  }
+  return {};
+}
+
+}  // namespace
 
 Result<void> Targets::create(Gpu& gpu) {
   const GlFunctions& gl = gpu.gl;
-  GLint most = 0;
-  gl.GetIntegerv(GL_MAX_SAMPLES, &most);
-  samples = most >= 4 ? 4 : 0;
-
   shadowMap = gpu.makeTexture(GL_LINEAR);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT16, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT,
-                GL_UNSIGNED_SHORT, nullptr);
+  setQuality(gpu, quality);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
   // Outside the map everything is lit.
@@ -60,22 +80,35 @@ Result<void> Targets::create(Gpu& gpu) {
   return {};
 }
 
+void Targets::setQuality(const Gpu& gpu, RenderQuality newQuality) {
+  const GlFunctions& gl = gpu.gl;
+  quality = newQuality;
+  const Settings settings = settingsOf(quality);
+  GLint most = 0;
+  gl.GetIntegerv(GL_MAX_SAMPLES, &most);
+  samples = most >= settings.samples ? settings.samples : 0;
+  shadowSize = settings.shadowSize;
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, shadowMap);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT16, shadowSize, shadowSize, 0, GL_DEPTH_COMPONENT,
+                GL_UNSIGNED_SHORT, nullptr);
+  width = height = 0;
+}
+
 void Targets::resize(const Gpu& gpu, int newWidth, int newHeight) {
   if (newWidth == width && newHeight == height) return;
   width = newWidth;
   height = newHeight;
+  const double scale = settingsOf(quality).scale;
+  drawnWidth = std::max(1, static_cast<int>(std::lround(scale * width)));
+  drawnHeight = std::max(1, static_cast<int>(std::lround(scale * height)));
   const GlFunctions& gl = gpu.gl;
-  const auto storage = [&](GLuint renderbuffer, GLenum format, int sampleCount) {
+  for (const auto& [renderbuffer, format] : {std::pair{pictureColor, GL_RGBA8}, {pictureDepth, GL_DEPTH_COMPONENT24}}) {
     gl.BindRenderbuffer(GL_RENDERBUFFER, renderbuffer);
-    if (sampleCount > 0) {
-      gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, sampleCount, format, width, height);
-    } else {
-      gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
-    }
-  };
-  storage(pictureColor, GL_RGBA8, samples);
-  storage(pictureDepth, GL_DEPTH_COMPONENT24, samples);
-  storage(resolvedColor, GL_RGBA8, 0);
+    gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, static_cast<GLenum>(format), drawnWidth, drawnHeight);
+  }
+  gl.BindRenderbuffer(GL_RENDERBUFFER, resolvedColor);
+  gl.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
   gl.BindFramebuffer(GL_FRAMEBUFFER, picture);
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, pictureColor);
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, pictureDepth);

@@ -1,0 +1,40 @@
+#include "viewer/crease_mesh.h"
+#include "viewer/renderer_impl.h"
+
+#include <algorithm>
+
+namespace lorica {
+
+/// The place of a shape among those on the GPU, uploaded when it is new. Shapes that nobody holds any more make room.
+MeshPropGpu& Renderer::Impl::meshPropOf(const std::shared_ptr<const PropMeshShape>& shape) {
+  for (MeshPropGpu& known : meshProps) {
+    if (known.shape.lock() == shape) return known;
+  }
+  auto place =
+      std::find_if(meshProps.begin(), meshProps.end(), [](const MeshPropGpu& known) { return known.shape.expired(); });
+  const PropMesh mesh = makeCreasedMesh(shape->shown);
+  if (place == meshProps.end()) {
+    place = meshProps.emplace(meshProps.end());
+    createPropShape(place->gpu, mesh);
+  } else {
+    fillPropShape(place->gpu, mesh);
+  }
+  place->shape = shape;
+  return *place;
+}
+
+void Renderer::Impl::uploadMeshProps(std::span<const Prop> props, bool shown) {
+  for (MeshPropGpu& mesh : meshProps) mesh.gpu.instances.clear();
+  if (!shown) return;
+  for (const Prop& prop : props) {
+    if (prop.shape != PropShape::kMesh || prop.mesh == nullptr || !prop.worldFromProp.matrix().allFinite()) continue;
+    const Eigen::Matrix4f m = prop.worldFromProp.matrix().cast<float>();
+    meshPropOf(prop.mesh).gpu.instances.push_back({m.col(0).head<3>(), m.col(1).head<3>(), m.col(2).head<3>(),
+                                                   m.col(3).head<3>(), Vec3f::Ones(), 0.0f, prop.color});
+  }
+  for (MeshPropGpu& mesh : meshProps) {
+    if (!mesh.gpu.instances.empty()) gpu.upload(mesh.gpu.instanceBuffer, mesh.gpu.instances);
+  }
+}
+
+}  // namespace lorica
