@@ -62,12 +62,17 @@ bool canBeDone(const WorldAction& action, const World& world) {
 void apply(const WorldAction& action, World& world) {
   switch (action.kind) {
     case WorldAction::Kind::kThrowBall:
-      world.addProp(ballOf(action));
+      world.throwProp(ballOf(action));
       return;
     case WorldAction::Kind::kGrab:
+      (void)world.grab(action.prop, action.place);  // what cannot be held is not
+      return;
     case WorldAction::Kind::kMoveGrab:
+      world.moveGrab(action.place);
+      return;
     case WorldAction::Kind::kRelease:
-      return;  // done as soon as the world can hold props
+      world.release();
+      return;
   }
 }
 

@@ -1,0 +1,179 @@
+#include "session/session_file.h"
+
+#include "geometry/files.h"
+#include "session/session_blocks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kFarthest = 1e6;      ///< of anything recorded, along each axis [m]
+constexpr double kLongestTime = 1e12;  ///< [s]
+constexpr double kUnitTolerance = 1e-3;
+
+/// Reads one step, up to the first thing that is wrong with it.
+class StepReader {
+ public:
+  StepReader(std::string_view payload, const SessionHeader& header, SessionFile& file)
+      : reader_(payload), header_(header), file_(file) {}
+
+  /// @return what is wrong; nothing where all is fine
+  std::optional<std::string> read() {
+    SessionStep step;
+    step.time = time();
+    step.hashes.hulls = reader_.get<std::uint64_t>();
+    step.hashes.props = reader_.get<std::uint64_t>();
+    step.hashes.particles = reader_.get<std::uint64_t>();
+    step.joints = reader_.get<std::uint32_t>();
+    step.poses = reader_.get<std::uint32_t>();
+    step.actions = reader_.get<std::uint32_t>();
+    const std::size_t least = step.joints + step.poses + step.actions;  // each of them is longer than a byte
+    if (reader_.left() < least) return fmt::format("holds {} bytes, expected {} things", reader_.left(), least);
+    if (header_.poseJoints == 0 ? step.poses > 0 : step.joints > 0) {
+      return std::string(header_.poseJoints == 0 ? "holds poses, expected joints" : "holds joints, expected poses");
+    }
+    for (std::size_t i = 0; i < step.joints && !wrong_ && reader_.ok(); ++i) readJoints();
+    for (std::size_t i = 0; i < step.poses && !wrong_ && reader_.ok(); ++i) readPose();
+    for (std::size_t i = 0; i < step.actions && !wrong_ && reader_.ok(); ++i) readAction();
+    if (!reader_.ok()) return "ends too early";
+    if (wrong_) return wrong_;
+    if (reader_.left() > 0) return fmt::format("holds {} bytes too many", reader_.left());
+    file_.steps.push_back(step);
+    return std::nullopt;
+  }
+
+ private:
+  void fail(std::string what) {
+    if (!wrong_) wrong_ = std::move(what);
+  }
+
+  double time() {
+    const auto time = reader_.get<double>();
+    if (!(std::abs(time) <= kLongestTime)) fail(fmt::format("found a time of {} s, expected a finite one", time));
+    return time;
+  }
+
+  Vec3 vector() {
+    Vec3 v;
+    for (int i = 0; i < 3; ++i) v[i] = reader_.get<double>();
+    return v;
+  }
+
+  Vec3 place(const char* of) {
+    const Vec3 v = vector();
+    if (!(v.allFinite() && v.cwiseAbs().maxCoeff() <= kFarthest)) {
+      fail(fmt::format("found {} at ({}, {}, {}), expected it within {:g} m", of, v.x(), v.y(), v.z(), kFarthest));
+    }
+    return v;
+  }
+
+  Quat rotation() {
+    Quat q;
+    for (int i = 0; i < 4; ++i) q.coeffs()[i] = reader_.get<double>();
+    if (!(std::abs(q.norm() - 1.0) <= kUnitTolerance)) {
+      fail(fmt::format("found a quaternion of length {}, expected 1", q.norm()));
+    }
+    return q;
+  }
+
+  void readJoints() {
+    SkeletonFrame frame;
+    frame.time = time();
+    frame.user = reader_.get<std::int32_t>();
+    for (TrackedJoint& joint : frame.joints) {
+      const auto oriented = reader_.get<std::uint8_t>();
+      if (oriented > 1) fail(fmt::format("found {} for whether a joint is oriented, expected 0 or 1", oriented));
+      joint.confidence = reader_.get<double>();
+      if (!(joint.confidence >= 0.0 && joint.confidence <= 1.0)) {
+        fail(fmt::format("found a confidence of {}, expected 0 to 1", joint.confidence));
+      }
+      joint.position = place("a joint");
+      if (oriented == 1) joint.orientation = rotation();
+    }
+    file_.joints.push_back(frame);
+  }
+
+  void readPose() {
+    file_.poseTimes.push_back(time());
+    for (int j = 0; j < header_.poseJoints && !wrong_ && reader_.ok(); ++j) {
+      JointTransform joint;
+      joint.translation = place("a joint");
+      joint.rotation = rotation();
+      joint.scale = place("a scale");
+      file_.poses.push_back(joint);
+    }
+  }
+
+  void readAction() {
+    WorldAction action;
+    const auto kind = reader_.get<std::uint8_t>();
+    if (kind >= kWorldActionKinds) fail(fmt::format("found an action of kind {}, expected 0 to 3", kind));
+    action.kind = static_cast<WorldAction::Kind>(kind % kWorldActionKinds);
+    action.prop = reader_.get<std::int32_t>();
+    action.place = place("an action");
+    action.velocity = place("a velocity");
+    action.radius = reader_.get<double>();
+    if (!(action.radius >= 0.0 && action.radius <= kLargestBall)) {
+      fail(fmt::format("found a ball of radius {}, expected 0 to {:g} m", action.radius, kLargestBall));
+    }
+    file_.actions.push_back(action);
+  }
+
+  ByteReader reader_;
+  const SessionHeader& header_;
+  SessionFile& file_;
+  std::optional<std::string> wrong_;
+};
+
+}  // namespace
+
+Result<SessionFile> parseSession(std::string_view bytes, const std::string& name) {
+  Result<Blocks> blocks = readBlocks(bytes, name);
+  if (!blocks) return blocks.error();
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
+  };
+  const std::vector<Block>& all = blocks->blocks;
+  if (all.size() < 2 || all[0].kind != BlockKind::kHeader || all[1].kind != BlockKind::kScene) {
+    return bad(fmt::format("found {} whole blocks, expected a header, a scene and steps", all.size()));
+  }
+  Result<SessionHeader> header = parseSessionHeader(all[0].payload, name);
+  if (!header) return header.error();
+  SessionFile file;
+  file.header = std::move(*header);
+  file.sceneText = std::string(all[1].payload);
+  file.steps.reserve(all.size());
+  for (std::size_t b = 2; b < all.size(); ++b) {
+    if (file.finished) return bad(fmt::format("byte {}: a block after the end", all[b].offset));
+    if (all[b].kind == BlockKind::kStep) {
+      if (const auto wrong = StepReader(all[b].payload, file.header, file).read()) {
+        return bad(fmt::format("byte {}: step {} {}", all[b].offset, file.steps.size(), *wrong));
+      }
+    } else if (all[b].kind == BlockKind::kEnd && all[b].payload.empty()) {
+      file.finished = true;
+    } else {
+      return bad(fmt::format("byte {}: found a second header or scene, or an end that holds something, expected steps",
+                             all[b].offset));
+    }
+  }
+  if (file.finished && blocks->cut > 0) return bad("bytes after the end");
+  if (file.steps.empty()) return bad("no step in it, expected at least one");
+  if (blocks->cut > 0) {
+    file.notes.push_back(
+        fmt::format("the last {} bytes are a step that was not written to its end; it is dropped", blocks->cut));
+  }
+  if (!file.finished) file.notes.emplace_back("the recording was not closed: what recorded it ended early");
+  return file;
+}
+
+Result<SessionFile> readSession(const std::filesystem::path& file) {
+  const Result<std::string> bytes = readFile(file);
+  if (!bytes) return bytes.error();
+  return parseSession(*bytes, file.string());
+}
+
+}  // namespace lorica

@@ -1,0 +1,141 @@
+#include "geometry/files.h"
+#include "session/scene_element.h"
+#include "session/session_file.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+
+namespace lorica {
+namespace {
+
+constexpr const char* kFormat = "lorica-session-1";
+constexpr int kMostPoseJoints = 100000;
+
+/// Sixteen hexadecimal digits.
+void readHash(SceneElement& element, const char* key, std::uint64_t& hash) {
+  std::string text;
+  element.need(key, "16 hexadecimal digits");
+  element.text(key, text);
+  if (element.failed()) return;
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, hash, 16);
+  if (text.size() != 16 || error != std::errc() || stopped != end) {
+    element.fail(key, fmt::format("\"{}\"", text.substr(0, 40)), "16 hexadecimal digits");
+  }
+}
+
+void readSmoothing(SceneElement element, JointSettings& joints) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  element.allow({"min-cutoff", "beta"});
+  OneEuroSettings settings;
+  element.number("min-cutoff", std::numeric_limits<double>::min(), kMost, settings.minCutoff);
+  element.number("beta", 0.0, kMost, settings.beta);
+  joints.smoothing = settings;
+}
+
+void readFaults(SceneElement& root, SessionHeader& header) {
+  std::string text;
+  root.text("faults", text);
+  if (text.empty() || root.failed()) return;
+  const Result<FaultSettings> faults = parseFaults(text);
+  if (faults) {
+    header.faults = *faults;
+  } else {
+    root.failWith("faults", faults.error().message);
+  }
+}
+
+void readCharacter(SceneElement element, SessionHeader& header) {
+  element.allow({"name", "map", "body-resolution", "hash"});
+  element.text("name", header.character);
+  element.text("map", header.boneMap);
+  element.number("body-resolution", 0.0, 1e3, header.bodyResolution);
+  readHash(element, "hash", header.characterHash);
+}
+
+void readBody(SceneElement element, SessionHeader& header) {
+  element.allow({"file", "hash", "cover", "hull-vertices", "cover-hash", "training-hash"});
+  element.text("file", header.decomposition);
+  readHash(element, "hash", header.decompositionHash);
+  if (element.has("cover")) {
+    double tolerance = 0.0;
+    element.number("cover", 0.0, 1e3, tolerance);
+    header.coverTolerance = tolerance;
+  }
+  element.integer("hull-vertices", 0, std::numeric_limits<int>::max(), header.hullVertices);
+  readHash(element, "cover-hash", header.coverHash);
+  readHash(element, "training-hash", header.trainingHash);
+}
+
+void readScene(SceneElement element, SessionHeader& header) {
+  element.allow({"name", "folder", "seed", "hash"});
+  element.text("name", header.scene);
+  element.text("folder", header.sceneFolder);
+  readHash(element, "seed", header.sceneSeed);
+  readHash(element, "hash", header.worldHash);
+}
+
+}  // namespace
+
+std::string textOf(const SessionHeader& header) {
+  SceneJson json;
+  json["format"] = kFormat;
+  json["source"] = header.source;
+  json["pose-joints"] = header.poseJoints;
+  SceneJson& character = json["character"];
+  character["name"] = header.character;
+  if (!header.boneMap.empty()) character["map"] = header.boneMap;
+  if (header.bodyResolution > 0.0) character["body-resolution"] = header.bodyResolution;
+  character["hash"] = hexDigits(header.characterHash);
+  SceneJson& body = json["decomposition"];
+  if (!header.decomposition.empty()) body["file"] = header.decomposition;
+  body["hash"] = hexDigits(header.decompositionHash);
+  if (header.coverTolerance) body["cover"] = *header.coverTolerance;
+  if (header.hullVertices > 0) body["hull-vertices"] = header.hullVertices;
+  body["cover-hash"] = hexDigits(header.coverHash);
+  body["training-hash"] = hexDigits(header.trainingHash);
+  json["mirror"] = header.joints.mirror;
+  if (header.joints.smoothing) {
+    json["smoothing"]["min-cutoff"] = header.joints.smoothing->minCutoff;
+    json["smoothing"]["beta"] = header.joints.smoothing->beta;
+  }
+  json["faults"] = textOf(header.faults);
+  SceneJson& scene = json["scene"];
+  scene["name"] = header.scene;
+  if (!header.sceneFolder.empty()) scene["folder"] = header.sceneFolder;
+  scene["seed"] = hexDigits(header.sceneSeed);
+  scene["hash"] = hexDigits(header.worldHash);
+  // File names need not be UTF-8.
+  return json.dump(1, ' ', false, SceneJson::error_handler_t::replace);
+}
+
+Result<SessionHeader> parseSessionHeader(std::string_view text, const std::string& name) {
+  const Result<SceneJson> json = parseSceneJson(text, name);
+  if (!json) return json.error();
+  std::optional<std::string> error;
+  SessionHeader header;
+  SceneElement root(*json, "", error);
+  root.allow(
+      {"format", "source", "pose-joints", "character", "decomposition", "mirror", "smoothing", "faults", "scene"});
+  std::string format;
+  root.need("format", fmt::format("\"{}\"", kFormat));
+  root.text("format", format);
+  if (!root.failed() && format != kFormat) {
+    root.fail("format", fmt::format("\"{}\"", format.substr(0, 40)), fmt::format("\"{}\"", kFormat));
+  }
+  root.text("source", header.source);
+  root.integer("pose-joints", 0, kMostPoseJoints, header.poseJoints);
+  for (const char* key : {"character", "decomposition", "scene"}) root.need(key, "an object");
+  if (!root.failed()) readCharacter(root.child("character"), header);
+  if (!root.failed()) readBody(root.child("decomposition"), header);
+  root.flag("mirror", header.joints.mirror);
+  if (root.has("smoothing") && !root.failed()) readSmoothing(root.child("smoothing"), header.joints);
+  readFaults(root, header);
+  if (!root.failed()) readScene(root.child("scene"), header);
+  if (error) return Error{ErrorCode::kBadFormat, fmt::format("{}: header: {}", name, *error)};
+  return header;
+}
+
+}  // namespace lorica

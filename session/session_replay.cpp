@@ -1,0 +1,74 @@
+#include "session/session_replay.h"
+
+#include "capture/joint_csv.h"
+#include "session/treated_source.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+
+Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& recorded, const Character& character) {
+  const SourceTreatment treatment{nullptr, recorded.header.faults, recorded.header.joints};
+  if (recorded.header.poseJoints == 0) {
+    return makeTreatedSource(character, makeRecordedSource(recorded.joints), treatment);
+  }
+  if (recorded.header.poseJoints != character.skeleton.jointCount()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("poses of {} joints were recorded, {} has {}", recorded.header.poseJoints, character.name,
+                             character.skeleton.jointCount())};
+  }
+  SkeletalMotion motion{recorded.header.source, character.skeleton, recorded.poseTimes, recorded.poses};
+  return makeTreatedSource(makeMotionPoseSource(std::move(motion)), treatment);
+}
+
+void SessionReplay::beforeStep(Session& session) {
+  if (over()) return;
+  for (std::size_t i = 0; i < recorded_->steps[step_].actions; ++i) session.act(recorded_->actions[action_++]);
+}
+
+Result<void> SessionReplay::afterStep(const Session& session, std::span<const WorldAction> /*done*/) {
+  if (over()) return {};
+  const SessionStep& step = recorded_->steps[step_];
+  if (!difference_ && (session.time() != step.time || session.hashes() != step.hashes)) {
+    std::vector<std::string> what;
+    if (session.time() != step.time) what.emplace_back("time");
+    if (session.hashes().hulls != step.hashes.hulls) what.emplace_back("hulls");
+    if (session.hashes().props != step.hashes.props) what.emplace_back("props");
+    if (session.hashes().particles != step.hashes.particles) what.emplace_back("particles");
+    difference_ = Difference{static_cast<int>(step_), step.time, fmt::format("{}", fmt::join(what, " and "))};
+  }
+  ++step_;
+  return {};
+}
+
+Result<void> checkReplay(const SessionHeader& header, const std::string& name, const Session& session) {
+  const auto differs = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, what)};
+  };
+  if (hashOf(session.character()) != header.characterHash) {
+    return differs(
+        fmt::format("recorded with a character {} that differs from the one found, expected the same mesh, "
+                    "skeleton and weights: name it with --character",
+                    header.character));
+  }
+  if (hashOf(session.body().decomposition()) != header.decompositionHash) {
+    return differs(fmt::format(
+        "recorded with another decomposition of {}{}: name the one that was used with --decomposition",
+        header.character, header.decomposition.empty() ? ", the default one of then" : ", " + header.decomposition));
+  }
+  if (hashOf(session.training()) != header.trainingHash) {
+    return differs("recorded with a decomposition that was trained in other poses: name that one with --decomposition");
+  }
+  if (hashOf(session.world()) != header.worldHash) {
+    return differs(fmt::format("the scene{} is not as it was: its meshes, or what a scene's text means, have changed",
+                               header.scene.empty() ? "" : " " + header.scene));
+  }
+  return {};
+}
+
+}  // namespace lorica
