@@ -1,22 +1,23 @@
 #include "collision/particle_push.h"
 
-#include "collision/particle_push_exit.h"
+#include "collision/particle_push_grid.h"
 #include "collision/particle_push_hulls.h"
+#include "collision/particle_push_kernel.h"
 #include "geometry/result.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
-#include <optional>
 #include <vector>
 
 namespace lorica {
 namespace {
 
 /// Particles that are looked at in one go.
-constexpr std::size_t kChunk = 8192;
+constexpr std::size_t kChunk = 4096;
 
 }  // namespace
 
@@ -29,6 +30,7 @@ struct ParticlePush::State {
   ParticlePushSettings settings;
   tbb::task_arena arena;
   PushHulls hulls;
+  PushGrid grid;
   std::size_t room = 0;  ///< of `touches`
   /// Each chunk writes where its particles begin: only what is written is ever touched.
   std::unique_ptr<ParticleTouch[]> touches;
@@ -45,33 +47,13 @@ ParticlePush& ParticlePush::operator=(ParticlePush&&) noexcept = default;
 void ParticlePush::prepare(std::span<const LivePart> parts, double seconds) {
   CHECK(seconds > 0.0, "a velocity needs time");
   state_->hulls.prepare(parts, seconds, state_->settings.radius);
+  if (!state_->hulls.hulls().empty()) state_->grid.build(state_->hulls);
 }
 
 std::size_t ParticlePush::State::pushChunk(std::span<Vec3f> positions, std::size_t first, ParticleTouch* out) const {
-  std::size_t count = 0;
-  for (std::size_t i = first; i < std::min(first + kChunk, positions.size()); ++i) {
-    const Vec3f start = positions[i] - hulls.origin();
-    const bool near =
-        (start.array() >= hulls.boxMin().array()).all() && (start.array() <= hulls.boxMax().array()).all();
-    if (!near) continue;
-    std::size_t inside = 0;
-    PushHulls::Nearest deepest;
-    for (std::size_t h = 0; h < hulls.hulls().size(); ++h) {
-      const PushHulls::Hull& hull = hulls.hulls()[h];
-      if ((start.array() < hull.boxMin.array()).any() || (start.array() > hull.boxMax.array()).any()) continue;
-      const PushHulls::Nearest nearest = hulls.nearest(hull, start);
-      if (nearest.height >= deepest.height) continue;
-      deepest = nearest;
-      inside = h;
-    }
-    if (!(deepest.height < 0.0F)) continue;
-    const PushExit exit = findExit(hulls, start, inside, deepest.plane);
-    const PushHulls::Hull& hull = hulls.hulls()[exit.hull];
-    positions[i] = exit.place + hulls.origin();
-    out[count++] = {static_cast<std::uint32_t>(i), hull.part, (exit.place - start).norm(), hulls.normal(exit.plane),
-                    hulls.surfaceVelocity(hull, exit.place)};
-  }
-  return count;
+  std::array<std::uint32_t, kChunk + 16> scratch;  // NOLINT: written before it is read
+  return pushParticles(hulls, grid, positions[first].data(), std::min(kChunk, positions.size() - first),
+                       static_cast<std::uint32_t>(first), scratch.data(), out);
 }
 
 std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {

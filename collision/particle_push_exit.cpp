@@ -1,5 +1,6 @@
 #include "collision/particle_push_exit.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -20,20 +21,17 @@ bool outsideBox(const PushHulls::Hull& hull, const Vec3f& p) {
   return (p.array() < hull.boxMin.array()).any() || (p.array() > hull.boxMax.array()).any();
 }
 
-/// The hull that a point is deepest inside of, and its nearest plane; none where it is inside of none.
-std::optional<Side> deepest(const PushHulls& hulls, const Vec3f& p) {
-  std::optional<Side> side;
-  float lowest = 0.0F;
-  for (std::size_t h = 0; h < hulls.hulls().size(); ++h) {
-    const PushHulls::Hull& hull = hulls.hulls()[h];
-    if (outsideBox(hull, p)) continue;
-    const PushHulls::Nearest nearest = hulls.nearest(hull, p);
-    if (nearest.height >= lowest) continue;
-    lowest = nearest.height;
-    side = Side{h, nearest.plane};
+/// The hulls, and where they are.
+struct Union {
+  const PushHulls& hulls;
+  const PushGrid& grid;
+
+  /// The side through which a point is deepest inside; none where it is outside.
+  [[nodiscard]] std::optional<Side> deepest(const Vec3f& p) const {
+    const PushDepth depth = deepestAt(hulls, grid, p);
+    return depth.height < 0.0F ? std::optional<Side>({depth.hull, depth.plane}) : std::nullopt;
   }
-  return side;
-}
+};
 
 /// The point nearest to `start` that is a margin above all of up to three planes; none where they are too parallel.
 std::optional<Vec3f> ontoAll(const PushHulls& hulls, const Vec3f& start, std::span<const Side> sides) {
@@ -62,6 +60,18 @@ std::optional<Vec3f> ontoAll(const PushHulls& hulls, const Vec3f& start, std::sp
   return (from + moved).cast<float>();
 }
 
+/// Planes that are met on the way, at most; and which of the older ones are tried together with the newest.
+constexpr std::size_t kMostSides = 4;
+constexpr std::array<std::array<std::size_t, 3>, 7> kSubsets = {
+    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 0, 1}, {2, 0, 2}, {2, 1, 2}}};
+
+/// Whether a point that is on these planes is where they are faces.
+bool onSurfaces(const PushHulls& hulls, const Vec3f& p, std::span<const Side> sides) {
+  return std::all_of(sides.begin(), sides.end(), [&](const Side& side) {
+    return hulls.nearest(hulls.hulls()[side.hull], p).height < 8.0F * hulls.margin();
+  });
+}
+
 /// How far to go from `start` along a direction until outside of all hulls, and through which plane. A ray leaves each
 /// convex hull once, so that this comes to an end.
 struct Way {
@@ -69,12 +79,13 @@ struct Way {
   Side side;
 };
 
-Way leaveAlong(const PushHulls& hulls, const Vec3f& start, const Vec3f& direction, Side side) {
+Way leaveAlong(const Union& all, const Vec3f& start, const Vec3f& direction, Side side) {
+  const PushHulls& hulls = all.hulls;
   Way way{0.0F, side};
   const std::size_t rounds = hulls.hulls().size() + 1;
   for (std::size_t round = 0; round < rounds; ++round) {
     const Vec3f here = start + way.length * direction;
-    const std::optional<Side> inside = deepest(hulls, here);
+    const std::optional<Side> inside = all.deepest(here);
     if (!inside) return way;
     const PushHulls::Hull& hull = hulls.hulls()[inside->hull];
     float length = kInfinity;
@@ -92,41 +103,79 @@ Way leaveAlong(const PushHulls& hulls, const Vec3f& start, const Vec3f& directio
   return {};
 }
 
+/// Where else to try when all hints lead far.
+const std::array<Vec3f, 14>& anyDirections() {
+  static const std::array<Vec3f, 14> directions = [] {
+    const float third = std::sqrt(1.0F / 3.0F);
+    std::array<Vec3f, 14> made;
+    for (std::size_t i = 0; i < 8; ++i) {
+      made[i] = third * Vec3f((i & 1) != 0 ? 1.0F : -1.0F, (i & 2) != 0 ? 1.0F : -1.0F, (i & 4) != 0 ? 1.0F : -1.0F);
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+      made[8 + i] = (i % 2 == 0 ? 1.0F : -1.0F) * Vec3f::Unit(static_cast<Eigen::Index>(i / 2));
+    }
+    return made;
+  }();
+  return directions;
+}
+
 }  // namespace
 
-PushExit findExit(const PushHulls& hulls, const Vec3f& start, std::size_t hull, std::size_t plane) {
-  // Out of one hull, and where that leads into others, into the crease between them.
-  std::array<Side, 3> sides = {Side{hull, plane}};
+PushExit findExit(const PushHulls& hulls, const PushGrid& grid, const Vec3f& start, const PushDepth& inside) {
+  const Union all{hulls, grid};
+  // Out of one hull; where that leads into others, out of these, or into the crease between some of them.
+  std::array<Side, kMostSides> sides = {Side{inside.hull, inside.plane}};
   std::size_t count = 1;
-  const float first = hulls.margin() - hulls.height(plane, start);
+  const float first = hulls.margin() - inside.height;
   std::optional<PushExit> found;
   float length = kInfinity;
-  while (true) {
-    const std::optional<Vec3f> place = ontoAll(hulls, start, std::span(sides).first(count));
-    if (!place) break;
-    const std::optional<Side> next = deepest(hulls, *place);
-    if (!next) {
-      length = (*place - start).norm();
-      found = PushExit{*place, sides[count - 1].hull, sides[count - 1].plane};
-      break;
+  while (!found) {
+    std::optional<Side> next;
+    for (const std::array<std::size_t, 3>& others : kSubsets) {
+      std::array<Side, 3> used = {sides[count - 1]};
+      std::size_t usedCount = 1;
+      bool known = true;
+      for (std::size_t i = 0; i < others[0]; ++i) {
+        known = known && others[1 + i] + 1 < count;
+        used[usedCount++] = sides[others[1 + i]];
+      }
+      if (!known) continue;
+      const std::span<const Side> chosen = std::span(used).first(usedCount);
+      const std::optional<Vec3f> place = ontoAll(hulls, start, chosen);
+      if (!place) continue;
+      const float distance = (*place - start).norm();
+      if (distance >= length) continue;
+      const std::optional<Side> met = all.deepest(*place);
+      if (!met) {
+        if (!onSurfaces(hulls, *place, chosen)) continue;
+        length = distance;
+        found = PushExit{*place, used[0].hull, used[0].plane};
+      } else if (!next) {
+        next = met;
+      }
     }
-    if (count == sides.size()) break;
+    if (found || !next || count == kMostSides) break;
     sides[count++] = *next;
   }
-  if (found && length <= 3.0F * first) return *found;
+  if (found && length <= 2.0F * first) return *found;
 
-  // Straight along the nearest way out of any hull that holds the start.
+  // Straight along the normal of any plane met so far, or of the nearest way out of any hull that holds the start.
+  const auto tryAlong = [&](const Vec3f& direction, const Side& side) {
+    const Way way = leaveAlong(all, start, direction, side);
+    if (way.length >= length) return;
+    length = way.length;
+    found = PushExit{start + way.length * direction, way.side.hull, way.side.plane};
+  };
   for (std::size_t h = 0; h < hulls.hulls().size(); ++h) {
     if (outsideBox(hulls.hulls()[h], start)) continue;
     const PushHulls::Nearest nearest = hulls.nearest(hulls.hulls()[h], start);
-    if (nearest.height >= 0.0F) continue;
-    const Vec3f direction = hulls.normal(nearest.plane);
-    const Way way = leaveAlong(hulls, start, direction, {h, nearest.plane});
-    if (way.length >= length) continue;
-    length = way.length;
-    found = PushExit{start + way.length * direction, way.side.hull, way.side.plane};
+    if (nearest.height < 0.0F) tryAlong(hulls.normal(nearest.plane), {h, nearest.plane});
   }
-  return found ? *found : PushExit{start, hull, plane};
+  for (std::size_t i = 1; i < count; ++i) tryAlong(hulls.normal(sides[i].plane), sides[i]);
+  if (length > 2.0F * first) {
+    for (const Vec3f& direction : anyDirections()) tryAlong(direction, sides[0]);
+  }
+  return found ? *found : PushExit{start, inside.hull, inside.plane};
 }
 
 }  // namespace lorica

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/particle_push_hulls.h"
+#include "collision/particle_push_kernel.h"
 
 namespace lorica {
 
@@ -12,9 +12,9 @@ struct PushExit {
 };
 
 /// A way out of the union of the hulls, near if not nearest. How: docs/PARTICLES.md.
-/// @param start  local, inside a hull
-/// @param hull   the one that it is inside of
-/// @param plane  nearest to it of that hull's
-[[nodiscard]] PushExit findExit(const PushHulls& hulls, const Vec3f& start, std::size_t hull, std::size_t plane);
+/// @param start   local, inside a hull
+/// @param inside  the one that it is deepest inside of
+[[nodiscard]] PushExit findExit(const PushHulls& hulls, const PushGrid& grid, const Vec3f& start,
+                                const PushDepth& inside);
 
 }  // namespace lorica

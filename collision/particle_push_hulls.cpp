@@ -23,13 +23,13 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
     if (!pushes(part)) continue;
     for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
   }
-  boxMin_ = Vec3f::Constant(std::numeric_limits<float>::infinity());
-  boxMax_ = -boxMin_;
   if (box.empty() || !box.min.allFinite() || !box.max.allFinite()) return;
-  origin_ = box.min.cast<float>();
   // Rounding of a height: a few units in the last place of a local coordinate, and of a world one where it is written.
   const double farthest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
   margin_ = static_cast<float>(0x1p-20 * (box.diagonal() + farthest));
+  const double grown = radius + 4.0 * static_cast<double>(margin_);
+  origin_ = (box.min.array() - grown).matrix().cast<float>();
+  boxMax_ = (box.max.array() + grown).matrix().cast<float>() - origin_;
 
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (pushes(parts[i])) addHull(parts[i], static_cast<std::uint32_t>(i), seconds, radius);
@@ -77,8 +77,6 @@ void PushHulls::addHull(const LivePart& part, std::uint32_t index, double second
   const Vec3f grown = Vec3f::Constant(static_cast<float>(radius) + margin_);
   hull.boxMin = box.min.cast<float>() - grown;
   hull.boxMax = box.max.cast<float>() + grown;
-  boxMin_ = boxMin_.cwiseMin(hull.boxMin);
-  boxMax_ = boxMax_.cwiseMax(hull.boxMax);
 
   // The material that is at a place now was at previous * place one frame ago.
   const Isometry3 previous = part.previousWorldFromPart * part.worldFromPart.inverse();

@@ -11,7 +11,8 @@ namespace lorica {
 
 /// The planes of the live parts, ready to be asked in single precision. Internal to ParticlePush, as all here.
 ///
-/// Local coordinates are world ones less `origin`, so that they are small and float is fine to some tenths of a micron.
+/// Local coordinates are world ones less `origin`, the lower corner of the box of all: small, so that float is fine to
+/// some tenths of a micron, and above 0 wherever a hull is.
 class PushHulls {
  public:
   /// Planes lie in whole blocks; what a block has too much is infinitely far away, so that no point is above it.
@@ -38,8 +39,7 @@ class PushHulls {
 
   [[nodiscard]] std::span<const Hull> hulls() const { return hulls_; }
   [[nodiscard]] const Vec3f& origin() const { return origin_; }
-  [[nodiscard]] const Vec3f& boxMin() const { return boxMin_; }  ///< local, of all hulls; above boxMax without hulls
-  [[nodiscard]] const Vec3f& boxMax() const { return boxMax_; }
+  [[nodiscard]] const Vec3f& boxMax() const { return boxMax_; }  ///< local, of all hulls; the lower corner is 0
   /// Particles are put this far above a plane, so that no rounding leaves them below [m].
   [[nodiscard]] float margin() const { return margin_; }
   [[nodiscard]] Vec3f normal(std::size_t plane) const { return {x_[plane], y_[plane], z_[plane]}; }
@@ -47,6 +47,11 @@ class PushHulls {
   [[nodiscard]] float height(std::size_t plane, const Vec3f& p) const {
     return ((x_[plane] * p.x() + y_[plane] * p.y()) + z_[plane] * p.z()) - offset_[plane];
   }
+  /// Coordinates of all planes' normals, and offsets.
+  [[nodiscard]] const float* x() const { return x_.data(); }
+  [[nodiscard]] const float* y() const { return y_.data(); }
+  [[nodiscard]] const float* z() const { return z_.data(); }
+  [[nodiscard]] const float* offset() const { return offset_.data(); }
   /// The plane of a hull that a point is highest above, the first of several: below 0, the point is inside and that is
   /// the nearest way out.
   [[nodiscard]] Nearest nearest(const Hull& hull, const Vec3f& p) const;
@@ -56,7 +61,7 @@ class PushHulls {
   void addHull(const LivePart& part, std::uint32_t index, double seconds, double radius);
 
   Vec3f origin_ = Vec3f::Zero();
-  Vec3f boxMin_, boxMax_;
+  Vec3f boxMax_ = Vec3f::Zero();
   float margin_ = 0.0F;
   std::vector<Hull> hulls_;
   std::vector<float> x_, y_, z_, offset_;
