@@ -39,6 +39,7 @@ struct Box {
   double weight = 0.0;
   int channel = 0;
   int extent = 0;  // bins between the outermost ones
+  int middle = 0;  // of them, above the lowest
 };
 
 Box boxOf(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& weightOfBin) {
@@ -52,14 +53,16 @@ Box boxOf(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& wei
     if (most - least > box.extent) {
       box.extent = most - least;
       box.channel = channel;
+      box.middle = (least + most + 1) / 2;
     }
   }
   for (const std::uint32_t bin : box.bins) box.weight += weightOfBin[bin];
   return box;
 }
 
-/// Cuts the box whose colours matter most at its median until there are enough.
-std::vector<Box> medianCut(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& weightOfBin) {
+/// Cuts the box whose colours matter most in halves until there are enough: by size, not by count, so that a few bright
+/// pixels keep their colour.
+std::vector<Box> cutColors(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& weightOfBin) {
   std::vector<Box> boxes;
   boxes.push_back(boxOf(std::move(bins), weightOfBin));
   const auto worth = [](const Box& box) { return std::sqrt(box.weight) * box.extent * box.extent; };
@@ -68,15 +71,8 @@ std::vector<Box> medianCut(std::vector<std::uint32_t> bins, const std::vector<st
         std::max_element(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { return worth(a) < worth(b); });
     if (worst->extent == 0) break;
     Box box = std::move(*worst);
-    std::sort(box.bins.begin(), box.bins.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return std::pair(channelOf(a, box.channel), a) < std::pair(channelOf(b, box.channel), b);
-    });
-    std::size_t half = 0;
-    for (double sum = 0.0; half + 1 < box.bins.size() && sum < 0.5 * box.weight; ++half) {
-      sum += weightOfBin[box.bins[half]];
-    }
-    half = std::max<std::size_t>(half, 1);
-    const auto middle = box.bins.begin() + static_cast<std::ptrdiff_t>(half);
+    const auto middle = std::partition(box.bins.begin(), box.bins.end(),
+                                       [&box](std::uint32_t bin) { return channelOf(bin, box.channel) < box.middle; });
     *worst = boxOf({box.bins.begin(), middle}, weightOfBin);
     boxes.push_back(boxOf({middle, box.bins.end()}, weightOfBin));
   }
@@ -188,7 +184,7 @@ Result<void> GifWriter::add(const Image& image) {
   palette_.clear();
   if (!bins.empty()) {
     std::sort(bins.begin(), bins.end());
-    for (const Box& box : medianCut(std::move(bins), weightOfBin_)) {
+    for (const Box& box : cutColors(std::move(bins), weightOfBin_)) {
       std::array<double, 3> sum{};
       for (const std::uint32_t bin : box.bins) {
         colorOfBin_[bin] = static_cast<std::uint8_t>(palette_.size());

@@ -13,8 +13,9 @@ namespace lorica {
 
 /// Writes an animated GIF, which repeats for ever, frame by frame; the file appears when finish() succeeds. For short,
 /// small pictures on web pages: a frame stores what has changed since the one before it, in at most 255 colours of its
-/// own, chosen by median cut (P. Heckbert, "Color image quantization for frame buffer display", 1982). Colours come
-/// within 2 % of those given where 255 are enough. The format: CompuServe, "Graphics Interchange Format 89a".
+/// own, chosen by cutting the box of its colours (after P. Heckbert, "Color image quantization for frame buffer
+/// display", 1982). Colours come within 2 % of those given where 255 are enough. The format: CompuServe, "Graphics
+/// Interchange Format 89a".
 class GifWriter {
  public:
   /// @param framesPerSecond  up to 50; time is kept in hundredths of a second, rounded so that errors do not add up

@@ -21,6 +21,7 @@ class Studio {
 
   [[nodiscard]] Image draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width,
                            int height);
+  void setQuality(RenderQuality quality) { renderer_->setQuality(quality); }
   [[nodiscard]] std::string description() const { return context_->description(); }
 
  private:

@@ -1,0 +1,255 @@
+#include "tests/support/meshes.h"
+#include "tests/viewer/picture_error.h"
+#include "tests/viewer/pictures.h"
+
+#include "geometry/convex_hull.h"
+#include "skinning/mannequin.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace lorica {
+namespace {
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+
+/// The joint that moves a vertex most.
+JointIndex leader(const Character& character, VertexIndex v) {
+  const auto i = static_cast<std::size_t>(v);
+  Influence best;
+  for (std::uint32_t k = character.influenceBegin[i]; k < character.influenceBegin[i + 1]; ++k) {
+    if (character.influences[k].weight > best.weight) best = character.influences[k];
+  }
+  return best.joint;
+}
+
+/// The mannequin in its bind pose, in a part for each bone but the fingers', and things around it.
+struct Golden : ::testing::Test {
+  static const Character& mannequin() {
+    static const Character character = makeMannequin();
+    return character;
+  }
+
+  std::vector<PartIndex> partOfTriangle;
+  std::vector<LivePart> parts;
+  std::vector<Affine3> worldFromJoint;
+  std::vector<Prop> props;
+  std::vector<Contact> contacts;
+  std::vector<Vec3f> particles;
+  Image inset;
+  Scene scene;
+  SceneOptions nothing;
+  Camera camera;
+
+  Golden() {
+    const Character& character = mannequin();
+    std::vector<std::vector<Vec3>> pointsOfJoint(static_cast<std::size_t>(character.skeleton.jointCount()));
+    std::vector<PartIndex> partOfVertex;
+    partOfVertex.reserve(character.mesh.vertices.size());
+    for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
+      JointIndex joint = leader(character, static_cast<VertexIndex>(v));
+      while (isFinger(character.skeleton.joint(joint).name)) joint = character.skeleton.joint(joint).parent;
+      partOfVertex.push_back(static_cast<PartIndex>(joint));
+      pointsOfJoint[static_cast<std::size_t>(joint)].push_back(character.mesh.vertices[v]);
+    }
+    partOfTriangle.reserve(character.mesh.triangles.size());
+    for (const Triangle& t : character.mesh.triangles) {
+      partOfTriangle.push_back(partOfVertex[static_cast<std::size_t>(t[0])]);
+    }
+    parts.resize(pointsOfJoint.size());
+    for (std::size_t j = 0; j < parts.size(); ++j) parts[j].shape = convexHull(pointsOfJoint[j]);
+    worldFromJoint.reserve(character.jointFromModel.size());
+    for (const Affine3& jointFromModel : character.jointFromModel) worldFromJoint.push_back(jointFromModel.inverse());
+
+    for (int i = 0; i < 5; ++i) {
+      Prop prop;
+      prop.shape = static_cast<PropShape>(i);
+      prop.halfExtents = Vec3(0.13, 0.2, i == 0 ? 0.1 : 0.13);
+      prop.worldFromProp.translation() = Vec3(-0.9 + 0.45 * i, 0.22 + 0.06 * i, 0.6);
+      prop.worldFromProp.rotate(Eigen::AngleAxisd(0.4 + 0.2 * i, Vec3(1.0, 0.5 * i, 0.7).normalized()));
+      prop.color = Vec3f(0.15f + 0.15f * static_cast<float>(i), 0.35f, 0.75f - 0.15f * static_cast<float>(i));
+      if (prop.shape == PropShape::kMesh) {
+        auto mesh = std::make_shared<PropMeshShape>();
+        mesh->shown = test::makeTorus(0.16, 0.06, 24, 12);
+        mesh->hulls = {convexHull(mesh->shown.vertices)};
+        prop.mesh = mesh;
+      }
+      props.push_back(prop);
+    }
+    for (int i = 0; i < 16; ++i) {
+      Contact contact;
+      contact.point = Vec3(-0.75 + 0.1 * i, 1.2 + 0.3 * std::sin(1.1 * i), i % 3 == 0 ? -0.3 : 0.35);
+      contacts.push_back(contact);
+    }
+    // A cone of balls in layers.
+    for (int layer = 0; layer < 16; ++layer) {
+      for (int i = -16; i <= 16; ++i) {
+        for (int k = -16; k <= 16; ++k) {
+          const double half = 0.5 * (layer % 2);
+          if (std::hypot(i + half, k + half) > 15.5 - layer) continue;
+          particles.push_back(
+              (Vec3(0.55 + 0.025 * (i + half), 0.0125 + 0.018 * layer, 0.1 + 0.025 * (k + half))).cast<float>());
+        }
+      }
+    }
+    inset = {80, 60, {}};
+    for (int y = 0; y < 60; ++y) {
+      for (int x = 0; x < 80; ++x) {
+        const bool ring = std::abs(std::hypot(x - 40, y - 25) - 15) < 4;
+        for (const int c : {ring ? 250 : 20, 3 * x, 4 * y, 255}) inset.rgba.push_back(static_cast<std::uint8_t>(c));
+      }
+    }
+
+    scene.vertices = character.mesh.vertices;
+    scene.triangles = character.mesh.triangles;
+    scene.partOfTriangle = partOfTriangle;
+    scene.parts = parts;
+    scene.props = props;
+    scene.contacts = contacts;
+    scene.particles = particles;
+    scene.particleRadius = 0.0125f;
+    scene.skeleton = &character.skeleton;
+    scene.worldFromJoint = worldFromJoint;
+    nothing.skin = nothing.colorSkinByPart = nothing.hulls = nothing.props = false;
+    nothing.contacts = nothing.particles = nothing.ground = false;
+    camera.eye = {1.5, 1.5, 3.3};
+    camera.target = {0.0, 0.85, 0.0};
+  }
+
+  static bool isFinger(const std::string& name) {
+    for (const char* finger : {"Thumb", "Index", "Middle", "Ring", "Little"}) {
+      if (name.find(finger) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  /// Draws with the overlay and compares with its golden picture; without it the comparison must fail, or it could not
+  /// tell.
+  void expectOverlay(const std::string& name, const Scene& with, const SceneOptions& options, const Scene& without,
+                     const SceneOptions& lacking) const {
+    LORICA_REQUIRE_STUDIO(studio, "");
+    const Image picture = studio->draw(with, options, camera, kWidth, kHeight);
+    test::expectGolden(name, picture);
+    const Image bare = studio->draw(without, lacking, camera, kWidth, kHeight);
+    EXPECT_GT(test::pictureError(bare, test::readGolden(name)).wrong, 4.0 * test::kMostWrong)
+        << name << ": the comparison does not see that it is missing";
+  }
+};
+
+TEST_F(Golden, Skin) {
+  SceneOptions show = nothing;
+  show.skin = true;
+  expectOverlay("skin", scene, show, scene, nothing);
+}
+
+TEST_F(Golden, Parts) {
+  SceneOptions show = nothing;
+  show.skin = true;
+  SceneOptions plain = show;
+  show.colorSkinByPart = true;
+  expectOverlay("parts", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Hulls) {
+  SceneOptions plain = nothing;
+  plain.skin = true;
+  SceneOptions show = plain;
+  show.hulls = true;
+  expectOverlay("hulls", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Bones) {
+  SceneOptions plain = nothing;
+  plain.skin = true;
+  SceneOptions show = plain;
+  show.bones = true;
+  expectOverlay("bones", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Props) {
+  SceneOptions plain = nothing;
+  plain.ground = true;
+  SceneOptions show = plain;
+  show.props = true;
+  expectOverlay("props", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Contacts) {
+  SceneOptions plain = nothing;
+  plain.skin = true;
+  SceneOptions show = plain;
+  show.contacts = true;
+  expectOverlay("contacts", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Ground) {
+  SceneOptions plain = nothing;
+  plain.skin = plain.props = true;
+  SceneOptions show = plain;
+  show.ground = true;
+  expectOverlay("ground", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Particles) {
+  SceneOptions plain = nothing;
+  plain.skin = plain.ground = true;
+  SceneOptions show = plain;
+  show.particles = true;
+  expectOverlay("particles", scene, show, scene, plain);
+}
+
+TEST_F(Golden, Inset) {
+  Scene with = scene;
+  with.inset = &inset;
+  expectOverlay("inset", with, nothing, scene, nothing);
+}
+
+TEST_F(Golden, Caption) {
+  SceneOptions show = nothing;
+  show.caption = "walk   1.5 s   16 convex parts";
+  expectOverlay("caption", scene, show, scene, nothing);
+}
+
+TEST_F(Golden, Panel) {
+  SceneOptions show = nothing;
+  show.panel = "pose\t0.12 ms\nhulls\t0.40 ms\nphysics\t0.31 ms";
+  expectOverlay("panel", scene, show, scene, nothing);
+}
+
+TEST(PictureError, SmallDifferencesAreNone) {
+  Image a{40, 30, std::vector<std::uint8_t>(40 * 30 * 4, 200)};
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 10; x < 20; ++x) a.rgba[static_cast<std::size_t>(4 * (40 * y + x))] = 20;
+  }
+  EXPECT_EQ(test::pictureError(a, a).wrong, 0.0);
+  Image moved = a;
+  std::rotate(moved.rgba.begin(), moved.rgba.begin() + 4, moved.rgba.end());  // by one pixel
+  EXPECT_EQ(test::pictureError(a, moved).wrong, 0.0);
+  Image darker = a;
+  for (std::uint8_t& c : darker.rgba) c = static_cast<std::uint8_t>(std::max(0, c - 35));
+  EXPECT_EQ(test::pictureError(a, darker).wrong, 0.0);
+}
+
+TEST(PictureError, IsTheShareOfPixelsThatHaveNothingLikeThemNearby) {
+  const Image white{40, 30, std::vector<std::uint8_t>(40 * 30 * 4, 255)};
+  Image square = white;
+  for (int y = 5; y < 15; ++y) {
+    for (int x = 8; x < 20; ++x) square.rgba[static_cast<std::size_t>(4 * (40 * y + x) + 1)] = 0;
+  }
+  EXPECT_DOUBLE_EQ(test::pictureError(white, square).wrong, 10.0 * 12.0 / (40.0 * 30.0));
+  EXPECT_DOUBLE_EQ(test::pictureError(square, white).wrong, 10.0 * 12.0 / (40.0 * 30.0));
+  const Image other{30, 40, std::vector<std::uint8_t>(40 * 30 * 4, 255)};
+  EXPECT_EQ(test::pictureError(white, other).wrong, 1.0);
+  // A line one pixel wide is missed, whichever picture lacks it.
+  Image line = white;
+  for (int y = 0; y < 30; ++y) line.rgba[static_cast<std::size_t>(4 * (40 * y + 7))] = 0;
+  EXPECT_DOUBLE_EQ(test::pictureError(white, line).wrong, 1.0 / 40.0);
+  EXPECT_DOUBLE_EQ(test::pictureError(line, white).wrong, 1.0 / 40.0);
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,91 @@
+#include "tests/viewer/picture_error.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kTolerance = 40;  // of a channel
+constexpr int kShift = 1;       // [pixels]
+
+const std::uint8_t* pixel(const Image& image, int x, int y) {
+  return image.rgba.data() + (static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)) * 4;
+}
+
+bool alike(const std::uint8_t* a, const std::uint8_t* b) {
+  for (int c = 0; c < 3; ++c) {
+    if (std::abs(a[c] - b[c]) > kTolerance) return false;
+  }
+  return true;
+}
+
+/// Whether b has nothing like a's pixel at that place or beside it.
+bool missing(const Image& a, const Image& b, int x, int y) {
+  for (int v = std::max(y - kShift, 0); v <= std::min(y + kShift, b.height - 1); ++v) {
+    for (int u = std::max(x - kShift, 0); u <= std::min(x + kShift, b.width - 1); ++u) {
+      if (alike(pixel(a, x, y), pixel(b, u, v))) return false;
+    }
+  }
+  return true;
+}
+
+fs::path goldenFile(const std::string& name) {
+  return fs::path(LORICA_GOLDEN) / (name + ".png");
+}
+
+}  // namespace
+
+PictureError pictureError(const Image& a, const Image& b) {
+  PictureError error;
+  if (a.width != b.width || a.height != b.height || a.rgba.empty()) return error;
+  error.shown = a;
+  int wrong = 0;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      std::uint8_t* out = error.shown.rgba.data() + (pixel(a, x, y) - a.rgba.data());
+      const auto grey = static_cast<std::uint8_t>((out[0] + out[1] + out[2]) / 6 + 64);
+      const bool bad = missing(a, b, x, y) || missing(b, a, x, y);
+      wrong += bad;
+      out[0] = bad ? 255 : grey;
+      out[1] = out[2] = bad ? 0 : grey;
+    }
+  }
+  error.wrong = static_cast<double>(wrong) / (static_cast<double>(a.width) * a.height);
+  return error;
+}
+
+Image readGolden(const std::string& name) {
+  Result<Image> golden = readPng(goldenFile(name));
+  if (golden) return std::move(golden).value();
+  ADD_FAILURE() << golden.error().message;
+  return {};
+}
+
+void expectGolden(const std::string& name, const Image& picture) {
+  if (const char* renew = std::getenv("LORICA_RENEW_GOLDEN"); renew != nullptr && std::string(renew) == "1") {
+    const Result<void> written = writePng(goldenFile(name), picture);
+    EXPECT_TRUE(written) << written.error().message;
+    return;
+  }
+  const Image golden = readGolden(name);
+  if (golden.rgba.empty()) return;
+  const PictureError error = pictureError(picture, golden);
+  if (error.wrong <= kMostWrong) return;
+  const fs::path kept = fs::path(LORICA_GOLDEN_FAILED) / (name + ".png");
+  std::error_code ignored;
+  fs::create_directories(kept.parent_path(), ignored);
+  const std::vector<Image> all = {golden, picture, error.shown};
+  const std::vector<std::string> labels = {"expected", "found", "wholly wrong in red"};
+  const bool saved = writePng(kept, contactSheet(all, labels, 3)).ok();
+  ADD_FAILURE() << name << ": " << 100.0 * error.wrong << " % of the pixels are wholly wrong, at most "
+                << 100.0 * kMostWrong << " % may be; " << (saved ? "see " : "could not keep ") << kept.string();
+}
+
+}  // namespace lorica::test
