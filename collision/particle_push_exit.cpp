@@ -11,38 +11,52 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+/// The hulls that hold a particle at a time, at most: more are not looked at for a near way out.
+constexpr std::size_t kMostHulls = 8;
+/// Planes that are met on the way into a crease, at most; and which of the older ones are tried with the newest.
+constexpr std::size_t kMostSides = 4;
+constexpr std::array<std::array<std::size_t, 3>, 7> kSubsets = {
+    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 0, 1}, {2, 0, 2}, {2, 1, 2}}};
+
 /// A plane of a hull.
 struct Side {
-  std::size_t hull = 0;
-  std::size_t plane = 0;
+  std::uint32_t hull = 0;
+  std::uint32_t plane = 0;
 };
 
-bool outsideBox(const PushHulls::Hull& hull, const Vec3f& p) {
-  return (p.array() < hull.boxMin.array()).any() || (p.array() > hull.boxMax.array()).any();
-}
+/// One particle's search.
+class Search {
+ public:
+  Search(const PushHulls& hulls, const PushGrid& grid, const Vec3f& start)
+      : hulls_(hulls), grid_(grid), start_(start) {}
 
-/// The hulls, and where they are.
-struct Union {
-  const PushHulls& hulls;
-  const PushGrid& grid;
+  PushExit run(const PushDepth& inside);
 
-  /// The side through which a point is deepest inside; none where it is outside.
-  [[nodiscard]] std::optional<Side> deepest(const Vec3f& p) const {
-    const PushDepth depth = deepestAt(hulls, grid, p);
-    return depth.height < 0.0F ? std::optional<Side>({depth.hull, depth.plane}) : std::nullopt;
-  }
+ private:
+  [[nodiscard]] std::optional<Vec3f> ontoAll(std::span<const Side> sides) const;
+  [[nodiscard]] bool onSurfaces(const Vec3f& p, std::span<const Side> sides) const;
+  std::optional<Side> tryPlace(std::span<const Side> sides);
+  void tryCreases();
+  void tryAlong(const Vec3f& direction);
+
+  const PushHulls& hulls_;
+  const PushGrid& grid_;
+  Vec3f start_;
+  std::array<Side, kMostSides> sides_;
+  std::size_t sideCount_ = 0;
+  PushExit best_{};
+  float length_ = kInfinity;  ///< from the start to the best
 };
 
-/// The point nearest to `start` that is a margin above all of up to three planes; none where they are too parallel.
-std::optional<Vec3f> ontoAll(const PushHulls& hulls, const Vec3f& start, std::span<const Side> sides) {
-  const double above = static_cast<double>(hulls.margin());
+/// The point nearest to the start that is a margin above all of up to three planes; none where they are too parallel.
+std::optional<Vec3f> Search::ontoAll(std::span<const Side> sides) const {
   std::array<Vec3, 3> normals;
   Vec3 lift;
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    normals[i] = hulls.normal(sides[i].plane).cast<double>();
-    lift[static_cast<Eigen::Index>(i)] = above - static_cast<double>(hulls.height(sides[i].plane, start));
+    normals[i] = hulls_.normal(sides[i].plane).cast<double>();
+    lift[static_cast<Eigen::Index>(i)] = static_cast<double>(hulls_.margin() - hulls_.height(sides[i].plane, start_));
   }
-  const Vec3 from = start.cast<double>();
+  const Vec3 from = start_.cast<double>();
   if (sides.size() == 1) return (from + lift[0] * normals[0]).cast<float>();
   if (sides.size() == 2) {
     const double cosine = normals[0].dot(normals[1]);
@@ -60,56 +74,79 @@ std::optional<Vec3f> ontoAll(const PushHulls& hulls, const Vec3f& start, std::sp
   return (from + moved).cast<float>();
 }
 
-/// Planes that are met on the way, at most; and which of the older ones are tried together with the newest.
-constexpr std::size_t kMostSides = 4;
-constexpr std::array<std::array<std::size_t, 3>, 7> kSubsets = {
-    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 0, 1}, {2, 0, 2}, {2, 1, 2}}};
-
 /// Whether a point that is on these planes is where they are faces.
-bool onSurfaces(const PushHulls& hulls, const Vec3f& p, std::span<const Side> sides) {
+bool Search::onSurfaces(const Vec3f& p, std::span<const Side> sides) const {
   return std::all_of(sides.begin(), sides.end(), [&](const Side& side) {
-    return hulls.nearest(hulls.hulls()[side.hull], p).height < 8.0F * hulls.margin();
+    const PushHulls::Hull& hull = hulls_.hulls()[side.hull];
+    for (std::size_t i = hull.firstPlane; i < hull.firstPlane + hull.planeCount; ++i) {
+      if (hulls_.height(i, p) > 8.0F * hulls_.margin()) return false;
+    }
+    return true;
   });
 }
 
-/// How far to go from `start` along a direction until outside of all hulls, and through which plane. A ray leaves each
-/// convex hull once, so that this comes to an end.
-struct Way {
-  float length = kInfinity;
-  Side side;
-};
-
-Way leaveAlong(const Union& all, const Vec3f& start, const Vec3f& direction, Side side) {
-  const PushHulls& hulls = all.hulls;
-  Way way{0.0F, side};
-  const std::size_t rounds = hulls.hulls().size() + 1;
-  for (std::size_t round = 0; round < rounds; ++round) {
-    const Vec3f here = start + way.length * direction;
-    const std::optional<Side> inside = all.deepest(here);
-    if (!inside) return way;
-    const PushHulls::Hull& hull = hulls.hulls()[inside->hull];
-    float length = kInfinity;
-    for (std::size_t i = hull.firstPlane; i < hull.firstPlane + hull.planeCount; ++i) {
-      const float rise = hulls.normal(i).dot(direction);
-      if (rise < 1e-3F) continue;
-      const float there = way.length + (hulls.margin() - hulls.height(i, here)) / rise;
-      if (there >= length) continue;
-      length = there;
-      way.side = {inside->hull, i};
-    }
-    if (!(length < kInfinity)) break;
-    way.length = length;
-  }
+/// Tries the point of some planes that is nearest to the start, and keeps it if none is nearer.
+/// @param sides  the newest first
+/// @return the side of another hull that it is inside of
+std::optional<Side> Search::tryPlace(std::span<const Side> sides) {
+  const std::optional<Vec3f> place = ontoAll(sides);
+  if (!place) return {};
+  const float distance = (*place - start_).norm();
+  if (distance >= length_) return {};
+  const PushDepth met = deepestAt(hulls_, grid_, *place);
+  if (met.height < 0.0F) return Side{met.hull, met.plane};
+  if (!onSurfaces(*place, sides)) return {};
+  length_ = distance;
+  best_ = {*place, sides[0].hull, sides[0].plane};
   return {};
 }
 
-/// Where else to try when all hints lead far.
+/// Out of one hull, out of those that this leads into, and into the creases between some of them.
+void Search::tryCreases() {
+  while (length_ == kInfinity) {
+    std::optional<Side> next;
+    for (const std::array<std::size_t, 3>& others : kSubsets) {
+      std::array<Side, 3> used = {sides_[sideCount_ - 1]};
+      bool known = true;
+      for (std::size_t i = 1; i <= others[0]; ++i) {
+        known = known && others[i] + 1 < sideCount_;
+        used[i] = sides_[others[i]];
+      }
+      if (!known) continue;
+      const std::optional<Side> met = tryPlace(std::span(used).first(1 + others[0]));
+      if (!next) next = met;
+    }
+    if (!next || sideCount_ == kMostSides) return;
+    sides_[sideCount_++] = *next;
+  }
+}
+
+/// Straight on until outside of all. A ray leaves each convex hull once, so that this comes to an end.
+void Search::tryAlong(const Vec3f& direction) {
+  float length = 0.0F;
+  Side side;
+  const std::size_t rounds = hulls_.hulls().size() + 1;
+  for (std::size_t round = 0; round < rounds && length < length_; ++round) {
+    const Vec3f here = start_ + length * direction;
+    const PushDepth met = deepestAt(hulls_, grid_, here);
+    if (!(met.height < 0.0F)) {
+      length_ = length;
+      best_ = {here, side.hull, side.plane};
+      return;
+    }
+    const PushLeave leave = leaveHull(hulls_, met.hull, here, direction);
+    length += leave.length;
+    side = {met.hull, leave.plane};
+  }
+}
+
+/// Where to try when all hints lead far.
 const std::array<Vec3f, 14>& anyDirections() {
   static const std::array<Vec3f, 14> directions = [] {
     const float third = std::sqrt(1.0F / 3.0F);
     std::array<Vec3f, 14> made;
     for (std::size_t i = 0; i < 8; ++i) {
-      made[i] = third * Vec3f((i & 1) != 0 ? 1.0F : -1.0F, (i & 2) != 0 ? 1.0F : -1.0F, (i & 4) != 0 ? 1.0F : -1.0F);
+      made[i] = third * Vec3f((i & 1U) != 0 ? 1.0F : -1.0F, (i & 2U) != 0 ? 1.0F : -1.0F, (i & 4U) != 0 ? 1.0F : -1.0F);
     }
     for (std::size_t i = 0; i < 6; ++i) {
       made[8 + i] = (i % 2 == 0 ? 1.0F : -1.0F) * Vec3f::Unit(static_cast<Eigen::Index>(i / 2));
@@ -119,63 +156,33 @@ const std::array<Vec3f, 14>& anyDirections() {
   return directions;
 }
 
+PushExit Search::run(const PushDepth& inside) {
+  // Nobody gets out on a shorter way than out of the hull that holds him deepest.
+  const float least = hulls_.margin() - inside.height;
+  best_ = {start_, inside.hull, inside.plane};
+
+  // The nearest way out of any other hull that holds the start.
+  std::array<PushDepth, kMostHulls> depths;
+  const std::size_t held = depthsAt(hulls_, grid_, start_, depths);
+  for (std::size_t i = 0; i < held; ++i) {
+    const Side side{depths[i].hull, depths[i].plane};
+    if (side.plane != inside.plane) (void)tryPlace(std::span(&side, 1));
+  }
+  sides_[sideCount_++] = {inside.hull, inside.plane};
+  tryCreases();
+  if (length_ <= 2.0F * least) return best_;
+
+  for (std::size_t i = 0; i < held; ++i) tryAlong(hulls_.normal(depths[i].plane));
+  for (std::size_t i = 1; i < sideCount_; ++i) tryAlong(hulls_.normal(sides_[i].plane));
+  if (length_ <= 2.0F * least) return best_;
+  for (const Vec3f& direction : anyDirections()) tryAlong(direction);
+  return best_;
+}
+
 }  // namespace
 
 PushExit findExit(const PushHulls& hulls, const PushGrid& grid, const Vec3f& start, const PushDepth& inside) {
-  const Union all{hulls, grid};
-  // Out of one hull; where that leads into others, out of these, or into the crease between some of them.
-  std::array<Side, kMostSides> sides = {Side{inside.hull, inside.plane}};
-  std::size_t count = 1;
-  const float first = hulls.margin() - inside.height;
-  std::optional<PushExit> found;
-  float length = kInfinity;
-  while (!found) {
-    std::optional<Side> next;
-    for (const std::array<std::size_t, 3>& others : kSubsets) {
-      std::array<Side, 3> used = {sides[count - 1]};
-      std::size_t usedCount = 1;
-      bool known = true;
-      for (std::size_t i = 0; i < others[0]; ++i) {
-        known = known && others[1 + i] + 1 < count;
-        used[usedCount++] = sides[others[1 + i]];
-      }
-      if (!known) continue;
-      const std::span<const Side> chosen = std::span(used).first(usedCount);
-      const std::optional<Vec3f> place = ontoAll(hulls, start, chosen);
-      if (!place) continue;
-      const float distance = (*place - start).norm();
-      if (distance >= length) continue;
-      const std::optional<Side> met = all.deepest(*place);
-      if (!met) {
-        if (!onSurfaces(hulls, *place, chosen)) continue;
-        length = distance;
-        found = PushExit{*place, used[0].hull, used[0].plane};
-      } else if (!next) {
-        next = met;
-      }
-    }
-    if (found || !next || count == kMostSides) break;
-    sides[count++] = *next;
-  }
-  if (found && length <= 2.0F * first) return *found;
-
-  // Straight along the normal of any plane met so far, or of the nearest way out of any hull that holds the start.
-  const auto tryAlong = [&](const Vec3f& direction, const Side& side) {
-    const Way way = leaveAlong(all, start, direction, side);
-    if (way.length >= length) return;
-    length = way.length;
-    found = PushExit{start + way.length * direction, way.side.hull, way.side.plane};
-  };
-  for (std::size_t h = 0; h < hulls.hulls().size(); ++h) {
-    if (outsideBox(hulls.hulls()[h], start)) continue;
-    const PushHulls::Nearest nearest = hulls.nearest(hulls.hulls()[h], start);
-    if (nearest.height < 0.0F) tryAlong(hulls.normal(nearest.plane), {h, nearest.plane});
-  }
-  for (std::size_t i = 1; i < count; ++i) tryAlong(hulls.normal(sides[i].plane), sides[i]);
-  if (length > 2.0F * first) {
-    for (const Vec3f& direction : anyDirections()) tryAlong(direction, sides[0]);
-  }
-  return found ? *found : PushExit{start, inside.hull, inside.plane};
+  return Search(hulls, grid, start).run(inside);
 }
 
 }  // namespace lorica

@@ -25,6 +25,7 @@ struct Planes {
   const float* offset;
   const std::uint32_t* index;  ///< null: they are numbered from `first`
   std::uint32_t first;
+  std::size_t exitCount;
   std::size_t count;
 };
 
@@ -48,41 +49,54 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
   hn::Vec<Floats> height;
   hn::Vec<Floats> around;
   auto lowest = hn::Set(f, -std::numeric_limits<float>::infinity());
-  for (std::size_t i = 0; i < in.count; i += hn::Lanes(f)) {
+  std::size_t i = 0;
+  for (; i < in.exitCount; i += hn::Lanes(f)) {
+    heightAndReach(i, height, around);
+    lowest = hn::Max(lowest, hn::Sub(height, around));
+  }
+  const float exitFloor = hn::GetLane(hn::MaxOfLanes(f, lowest)) - slack;
+  if (exitFloor > 0.0F) return false;
+  for (; i < in.count; i += hn::Lanes(f)) {
     heightAndReach(i, height, around);
     lowest = hn::Max(lowest, hn::Sub(height, around));
   }
   const float floor = hn::GetLane(hn::MaxOfLanes(f, lowest)) - slack;
   if (floor > 0.0F) return false;
 
-  const auto atLeast = hn::Set(f, floor);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < in.count; i += hn::Lanes(f)) {
-    heightAndReach(i, height, around);
-    const auto matters = hn::Ge(hn::Add(height, around), atLeast);
-    if (hn::AllFalse(f, matters)) continue;
-    const auto index =
-        in.index != nullptr ? hn::LoadU(n, in.index + i) : hn::Iota(n, in.first + static_cast<std::uint32_t>(i));
-    hn::CompressStore(hn::LoadU(f, in.x + i), matters, f, out.x.data() + count);
-    hn::CompressStore(hn::LoadU(f, in.y + i), matters, f, out.y.data() + count);
-    hn::CompressStore(hn::LoadU(f, in.z + i), matters, f, out.z.data() + count);
-    hn::CompressStore(hn::LoadU(f, in.offset + i), matters, f, out.offset.data() + count);
-    count += hn::CompressStore(index, hn::RebindMask(n, matters), n, out.plane.data() + count);
-  }
-  out.count = (count + PushHulls::kBlock - 1) / PushHulls::kBlock * PushHulls::kBlock;
-  for (std::size_t i = count; i < out.count; ++i) {
-    out.x[i] = out.y[i] = out.z[i] = 0.0F;
-    out.offset[i] = std::numeric_limits<float>::infinity();
-    out.plane[i] = 0;
-  }
+  const auto take = [&](std::size_t begin, std::size_t end, float least) HWY_ATTR {
+    const auto atLeast = hn::Set(f, least);
+    for (std::size_t k = begin; k < end; k += hn::Lanes(f)) {
+      heightAndReach(k, height, around);
+      const auto matters = hn::Ge(hn::Add(height, around), atLeast);
+      if (hn::AllFalse(f, matters)) continue;
+      const auto index =
+          in.index != nullptr ? hn::LoadU(n, in.index + k) : hn::Iota(n, in.first + static_cast<std::uint32_t>(k));
+      hn::CompressStore(hn::LoadU(f, in.x + k), matters, f, out.x.data() + count);
+      hn::CompressStore(hn::LoadU(f, in.y + k), matters, f, out.y.data() + count);
+      hn::CompressStore(hn::LoadU(f, in.z + k), matters, f, out.z.data() + count);
+      hn::CompressStore(hn::LoadU(f, in.offset + k), matters, f, out.offset.data() + count);
+      count += hn::CompressStore(index, hn::RebindMask(n, matters), n, out.plane.data() + count);
+    }
+    for (; count % PushHulls::kBlock != 0; ++count) {
+      out.x[count] = out.y[count] = out.z[count] = 0.0F;
+      out.offset[count] = std::numeric_limits<float>::infinity();
+      out.plane[count] = 0;
+    }
+  };
+  take(0, in.exitCount, exitFloor);
+  out.exitCount = count;
+  take(in.exitCount, in.count, floor);
+  out.count = count;
   return true;
 }
 
 /// Appends chosen planes to the blocks of the grid.
 HWY_INLINE void append(const PushGrid::Chosen& from, bool last, PushGrid& grid) {
-  PushGrid::List list{from.hull, static_cast<std::uint32_t>(grid.blocks.size()), 0, last};
+  PushGrid::List list{from.hull, static_cast<std::uint32_t>(grid.blocks.size()), 0, 0, last};
   for (std::size_t i = 0; i < from.count; i += PushGrid::kWidth) {
-    if (from.offset[i] == std::numeric_limits<float>::infinity()) break;
+    if (i == from.exitCount) list.exitCount = static_cast<std::uint32_t>(grid.blocks.size()) - list.firstBlock;
+    if (from.offset[i] == std::numeric_limits<float>::infinity()) continue;
     PushGrid::Block& block = grid.blocks.emplace_back();
     std::copy_n(from.x.data() + i, PushGrid::kWidth, block.x.data());
     std::copy_n(from.y.data() + i, PushGrid::kWidth, block.y.data());
@@ -90,6 +104,7 @@ HWY_INLINE void append(const PushGrid::Chosen& from, bool last, PushGrid& grid) 
     std::copy_n(from.offset.data() + i, PushGrid::kWidth, block.offset.data());
     std::copy_n(from.plane.data() + i, PushGrid::kWidth, grid.planes.emplace_back().data());
   }
+  if (from.count == from.exitCount) list.exitCount = static_cast<std::uint32_t>(grid.blocks.size()) - list.firstBlock;
   list.blockCount = static_cast<std::uint32_t>(grid.blocks.size()) - list.firstBlock;
   grid.lists.push_back(list);
 }
@@ -119,7 +134,7 @@ void fillGrid(const PushHulls& hulls, PushGrid& grid) {
           const std::size_t first = hull.firstPlane;
           const Planes all{hulls.x() + first,      hulls.y() + first, hulls.z() + first,
                            hulls.offset() + first, nullptr,           static_cast<std::uint32_t>(first),
-                           hull.planeCount};
+                           hull.exitCount,         hull.planeCount};
           PushGrid::Chosen& chosen = grid.chosen[reaching];
           if (!choose(all, center, halfGroup, slack, chosen)) continue;
           chosen.hull = static_cast<std::uint32_t>(h);
@@ -133,7 +148,8 @@ void fillGrid(const PushHulls& hulls, PushGrid& grid) {
               const std::size_t before = grid.lists.size();
               for (std::size_t i = 0; i < reaching; ++i) {
                 const PushGrid::Chosen& c = grid.chosen[i];
-                const Planes some{c.x.data(), c.y.data(), c.z.data(), c.offset.data(), c.plane.data(), 0, c.count};
+                const Planes some{c.x.data(),     c.y.data(), c.z.data(),  c.offset.data(),
+                                  c.plane.data(), 0,          c.exitCount, c.count};
                 if (!choose(some, here, halfCell, slack, ofCell)) continue;
                 ofCell.hull = c.hull;
                 append(ofCell, false, grid);
@@ -167,7 +183,7 @@ constexpr double kMostAlong = 400.0;
 }  // namespace
 
 void PushGrid::Chosen::makeRoom(std::size_t planeCount) {
-  const std::size_t room = planeCount + 2 * PushHulls::kBlock;  // whole vectors are written
+  const std::size_t room = planeCount + 3 * PushHulls::kBlock;  // whole vectors are written, and two kinds rounded up
   if (x.size() >= room) return;
   for (std::vector<float>* v : {&x, &y, &z, &offset}) v->resize(room);
   plane.resize(room);

@@ -12,7 +12,8 @@ namespace lorica {
 /// Which planes matter where: cubic cells over the box of all hulls. Internal to ParticlePush.
 ///
 /// For each hull that reaches into a cell, the cell has the planes that can be the highest one above some point of the
-/// cell. So the highest of them is the highest of all the hull's planes, for every point of the cell: nothing is lost.
+/// cell, of those that may lead out and of all. So the highest of them is the highest of all the hull's planes, for
+/// every point of the cell: nothing is lost.
 class PushGrid {
  public:
   static constexpr std::size_t kWidth = 8;
@@ -27,8 +28,9 @@ class PushGrid {
   struct List {
     std::uint32_t hull = 0;
     std::uint32_t firstBlock = 0;
-    std::uint32_t blockCount = 0;
-    bool last = true;  ///< of the cell
+    std::uint32_t exitCount = 0;   ///< blocks of planes that may lead out: the first
+    std::uint32_t blockCount = 0;  ///< of all
+    bool last = true;              ///< of the cell
   };
 
   void build(const PushHulls& hulls);
@@ -53,7 +55,8 @@ class PushGrid {
   /// Planes of one hull that matter in a group of cells: scratch.
   struct Chosen {
     std::uint32_t hull = 0;
-    std::size_t count = 0;  ///< in whole blocks of PushHulls::kBlock
+    std::size_t exitCount = 0;  ///< in whole blocks of PushHulls::kBlock, as in PushHulls::Hull
+    std::size_t count = 0;
     std::vector<float> x, y, z, offset;
     std::vector<std::uint32_t> plane;
     void makeRoom(std::size_t planeCount);

@@ -17,6 +17,9 @@ bool pushes(const LivePart& part) {
 void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double radius) {
   hulls_.clear();
   for (std::vector<float>* v : {&x_, &y_, &z_, &offset_}) v->clear();
+  vertices_.clear();
+  faces_.clear();
+  raw_.clear();
 
   Aabb box;
   for (const LivePart& part : parts) {
@@ -32,25 +35,30 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
   boxMax_ = (box.max.array() + grown).matrix().cast<float>() - origin_;
 
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (pushes(parts[i])) addHull(parts[i], static_cast<std::uint32_t>(i), seconds, radius);
+    if (pushes(parts[i])) takeHull(parts[i], static_cast<std::uint32_t>(i));
   }
+  findCovered();
+  for (const Raw& raw : raw_) addHull(raw, seconds, radius);
 }
 
-void PushHulls::addHull(const LivePart& part, std::uint32_t index, double seconds, double radius) {
-  Hull hull;
-  hull.part = index;
-  hull.firstPlane = x_.size();
+void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
+  Raw raw{&part, index, vertices_.size(), 0, faces_.size(), 0, {}, {}};
   const Vec3 origin = origin_.cast<double>();
-  vertices_.clear();
-  Aabb box;
-  for (const Vec3& v : part.shape.vertices) {
-    vertices_.push_back(part.worldFromPart * v - origin);
-    box.extend(vertices_.back());
+  const auto local = [&](VertexIndex v) -> Vec3 {
+    return part.worldFromPart * part.shape.vertices[static_cast<std::size_t>(v)] - origin;
+  };
+  raw.boxMin = boxMax_;
+  raw.boxMax = Vec3f::Zero();
+  for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
+    const Vec3f p = local(static_cast<VertexIndex>(v)).cast<float>();
+    vertices_.push_back(p);
+    raw.boxMin = raw.boxMin.cwiseMin(p);
+    raw.boxMax = raw.boxMax.cwiseMax(p);
   }
   for (const Triangle& t : part.shape.triangles) {
-    const Vec3& a = vertices_[static_cast<std::size_t>(t[0])];
-    const Vec3& b = vertices_[static_cast<std::size_t>(t[1])];
-    const Vec3& c = vertices_[static_cast<std::size_t>(t[2])];
+    const Vec3 a = local(t[0]);
+    const Vec3 b = local(t[1]);
+    const Vec3 c = local(t[2]);
     const Vec3 cross = (b - a).cross(c - a);
     const double twiceArea = cross.norm();
     if (!(twiceArea > 0.0)) continue;
@@ -59,41 +67,90 @@ void PushHulls::addHull(const LivePart& part, std::uint32_t index, double second
     // The normal of a sliver is uncertain. A plane that all vertices are below cuts nothing off, whatever its normal.
     const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
     if (twiceArea < 1e-3 * longestSq) {
-      for (const Vec3& v : vertices_) offset = std::max(offset, normal.dot(v));
+      for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
+        offset = std::max(offset, normal.dot(local(static_cast<VertexIndex>(v))));
+      }
     }
-    x_.push_back(static_cast<float>(normal.x()));
-    y_.push_back(static_cast<float>(normal.y()));
-    z_.push_back(static_cast<float>(normal.z()));
-    offset_.push_back(static_cast<float>(offset + radius));
+    const auto first = static_cast<VertexIndex>(raw.firstVertex);
+    faces_.push_back({normal.cast<float>(), static_cast<float>(offset), {t[0] + first, t[1] + first, t[2] + first}});
   }
-  if (x_.size() == hull.firstPlane) return;
+  raw.endVertex = vertices_.size();
+  raw.endFace = faces_.size();
+  if (raw.endFace > raw.firstFace) raw_.push_back(raw);
+}
+
+/// Marks faces with all corners inside one other hull: nobody gets out there.
+void PushHulls::findCovered() {
+  const float inside = -8.0F * margin_;
+  coveredVertices_.assign(vertices_.size(), false);
+  for (const Raw& of : raw_) {
+    for (const Raw& by : raw_) {
+      if (&of == &by || (of.boxMin.array() > by.boxMax.array()).any() ||
+          (by.boxMin.array() > of.boxMax.array()).any()) {
+        continue;
+      }
+      for (std::size_t v = of.firstVertex; v < of.endVertex; ++v) {
+        const Vec3f& p = vertices_[v];
+        bool covered = (p.array() > by.boxMin.array()).all() && (p.array() < by.boxMax.array()).all();
+        for (std::size_t f = by.firstFace; covered && f < by.endFace; ++f) {
+          covered = faces_[f].normal.dot(p) - faces_[f].offset < inside;
+        }
+        coveredVertices_[v] = covered;
+      }
+      for (std::size_t f = of.firstFace; f < of.endFace; ++f) {
+        const auto& [a, b, c] = faces_[f].corners;
+        faces_[f].covered = faces_[f].covered || (coveredVertices_[static_cast<std::size_t>(a)] &&
+                                                  coveredVertices_[static_cast<std::size_t>(b)] &&
+                                                  coveredVertices_[static_cast<std::size_t>(c)]);
+      }
+    }
+    // A hull that is wholly inside others keeps its ways out, so that each hull has some.
+    const auto first = faces_.begin() + static_cast<std::ptrdiff_t>(of.firstFace);
+    const auto end = faces_.begin() + static_cast<std::ptrdiff_t>(of.endFace);
+    if (std::all_of(first, end, [](const Face& face) { return face.covered; })) {
+      std::for_each(first, end, [](Face& face) { face.covered = false; });
+    }
+  }
+}
+
+/// Appends the planes of the faces of one kind.
+void PushHulls::addPlanes(const Raw& raw, bool covered, float radius) {
+  for (std::size_t f = raw.firstFace; f < raw.endFace; ++f) {
+    const Face& face = faces_[f];
+    if (face.covered != covered) continue;
+    x_.push_back(face.normal.x());
+    y_.push_back(face.normal.y());
+    z_.push_back(face.normal.z());
+    offset_.push_back(face.offset + radius);
+  }
   while (x_.size() % kBlock != 0) {
     x_.push_back(0.0F);
     y_.push_back(0.0F);
     z_.push_back(0.0F);
     offset_.push_back(std::numeric_limits<float>::infinity());
   }
+}
+
+void PushHulls::addHull(const Raw& raw, double seconds, double radius) {
+  Hull hull;
+  hull.part = raw.index;
+  hull.firstPlane = x_.size();
+  addPlanes(raw, false, static_cast<float>(radius));
+  hull.exitCount = x_.size() - hull.firstPlane;
+  addPlanes(raw, true, static_cast<float>(radius));
   hull.planeCount = x_.size() - hull.firstPlane;
-  const Vec3f grown = Vec3f::Constant(static_cast<float>(radius) + margin_);
-  hull.boxMin = box.min.cast<float>() - grown;
-  hull.boxMax = box.max.cast<float>() + grown;
+  const Vec3f grown = Vec3f::Constant(static_cast<float>(radius) + 2.0F * margin_);
+  hull.boxMin = raw.boxMin - grown;
+  hull.boxMax = raw.boxMax + grown;
 
   // The material that is at a place now was at previous * place one frame ago.
+  const LivePart& part = *raw.part;
   const Isometry3 previous = part.previousWorldFromPart * part.worldFromPart.inverse();
   const double rate = part.trust / seconds;
   const Mat3 velocityOfPlace = rate * (Mat3::Identity() - previous.linear());
   hull.velocityOfPlace = velocityOfPlace.cast<float>();
-  hull.velocity = (velocityOfPlace * origin - rate * previous.translation()).cast<float>();
+  hull.velocity = (velocityOfPlace * origin_.cast<double>() - rate * previous.translation()).cast<float>();
   hulls_.push_back(hull);
-}
-
-PushHulls::Nearest PushHulls::nearest(const Hull& hull, const Vec3f& p) const {
-  Nearest best{height(hull.firstPlane, p), hull.firstPlane};
-  for (std::size_t i = hull.firstPlane + 1; i < hull.firstPlane + hull.planeCount; ++i) {
-    const float h = height(i, p);
-    if (h > best.height) best = {h, i};
-  }
-  return best;
 }
 
 Vec3f PushHulls::surfaceVelocity(const Hull& hull, const Vec3f& p) const {

@@ -20,18 +20,15 @@ class PushHulls {
 
   struct Hull {
     std::uint32_t part = 0;
+    /// First those of faces that may lead out, then those of faces that lie wholly inside another hull; each kind in
+    /// whole blocks.
     std::size_t firstPlane = 0;
-    std::size_t planeCount = 0;  ///< in whole blocks
+    std::size_t exitCount = 0;   ///< of the first kind
+    std::size_t planeCount = 0;  ///< of both
     Vec3f boxMin, boxMax;        ///< local, grown by the radius
     /// A place's velocity [m/s]: velocityOfPlace * place + velocity.
     Eigen::Matrix3f velocityOfPlace;
     Vec3f velocity;
-  };
-
-  /// One plane of a hull, and how far a point is above it.
-  struct Nearest {
-    float height = 0.0F;
-    std::size_t plane = 0;
   };
 
   /// @param radius  the planes are moved outward by it [m]
@@ -52,20 +49,39 @@ class PushHulls {
   [[nodiscard]] const float* y() const { return y_.data(); }
   [[nodiscard]] const float* z() const { return z_.data(); }
   [[nodiscard]] const float* offset() const { return offset_.data(); }
-  /// The plane of a hull that a point is highest above, the first of several: below 0, the point is inside and that is
-  /// the nearest way out.
-  [[nodiscard]] Nearest nearest(const Hull& hull, const Vec3f& p) const;
   [[nodiscard]] Vec3f surfaceVelocity(const Hull& hull, const Vec3f& p) const;
 
  private:
-  void addHull(const LivePart& part, std::uint32_t index, double seconds, double radius);
+  /// A face as it comes.
+  struct Face {
+    Vec3f normal;
+    float offset = 0.0F;  ///< without the radius
+    Triangle corners;     ///< among vertices_
+    bool covered = false;
+  };
+  /// A hull as it comes: ranges of vertices_ and faces_.
+  struct Raw {
+    const LivePart* part = nullptr;
+    std::uint32_t index = 0;
+    std::size_t firstVertex = 0, endVertex = 0, firstFace = 0, endFace = 0;
+    Vec3f boxMin, boxMax;
+  };
+
+  void takeHull(const LivePart& part, std::uint32_t index);
+  void findCovered();
+  void addHull(const Raw& raw, double seconds, double radius);
+  void addPlanes(const Raw& raw, bool covered, float radius);
 
   Vec3f origin_ = Vec3f::Zero();
   Vec3f boxMax_ = Vec3f::Zero();
   float margin_ = 0.0F;
   std::vector<Hull> hulls_;
   std::vector<float> x_, y_, z_, offset_;
-  std::vector<Vec3> vertices_;  ///< scratch: of one hull, local
+  // Scratch.
+  std::vector<Vec3f> vertices_;
+  std::vector<Face> faces_;
+  std::vector<Raw> raw_;
+  std::vector<bool> coveredVertices_;
 };
 
 }  // namespace lorica

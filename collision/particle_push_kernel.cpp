@@ -28,54 +28,127 @@ HWY_INLINE hn::Vec<PlaneFloats> heights(const PushGrid::Block& block, std::size_
       hn::Load(f, block.offset.data() + i));
 }
 
-/// Which of a list's planes is the first so high.
-HWY_INLINE std::uint32_t planeAt(const PushGrid& grid, const PushGrid::List& list, float height, hn::Vec<PlaneFloats> x,
-                                 hn::Vec<PlaneFloats> y, hn::Vec<PlaneFloats> z) {
+/// A point, and its cell's lists.
+struct Place {
+  hn::Vec<PlaneFloats> x, y, z;
+  const PushGrid::List* list;  ///< null where there is none
+};
+
+HWY_INLINE Place placeOf(const PushGrid& grid, const Vec3f& p) {
   const PlaneFloats f;
-  const auto wanted = hn::Set(f, height);
-  for (std::uint32_t b = list.firstBlock; b < list.firstBlock + list.blockCount; ++b) {
-    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
-      const auto lane = hn::FindFirstTrue(f, hn::Eq(heights(grid.blocks[b], i, x, y, z), wanted));
-      if (lane >= 0) return grid.planes[b][i + static_cast<std::size_t>(lane)];
-    }
-  }
-  return 0;
+  const std::uint32_t first = grid.firstList[grid.cellOf(p)];
+  return {hn::Set(f, p.x()), hn::Set(f, p.y()), hn::Set(f, p.z()), first != 0 ? &grid.lists[first] : nullptr};
 }
 
-/// @param cell  that of p
-HWY_INLINE PushDepth deepestInCell(const PushGrid& grid, std::size_t cell, const Vec3f& p) {
+/// The height of a point above the highest plane of a list that may lead out; 0 where it is not inside the hull.
+HWY_INLINE float heightIn(const PushGrid& grid, const PushGrid::List& list, const Place& place) {
   const PlaneFloats f;
-  const auto x = hn::Set(f, p.x());
-  const auto y = hn::Set(f, p.y());
-  const auto z = hn::Set(f, p.z());
-  PushDepth deepest;
-  const std::uint32_t first = grid.firstList[cell];
-  if (first == 0) return deepest;
-  const PushGrid::List* found = nullptr;
-  for (const PushGrid::List* list = &grid.lists[first];; ++list) {
-    auto highest = hn::Set(f, -std::numeric_limits<float>::infinity());
-    for (std::uint32_t b = list->firstBlock; b < list->firstBlock + list->blockCount; ++b) {
-      for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
-        highest = hn::Max(highest, heights(grid.blocks[b], i, x, y, z));
-      }
+  auto highest = hn::Set(f, -std::numeric_limits<float>::infinity());
+  std::uint32_t b = list.firstBlock;
+  for (; b < list.firstBlock + list.exitCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      highest = hn::Max(highest, heights(grid.blocks[b], i, place.x, place.y, place.z));
     }
-    const float height = hn::GetLane(hn::MaxOfLanes(f, highest));
-    if (height < deepest.height) {
-      deepest.height = height;
+  }
+  const float height = hn::GetLane(hn::MaxOfLanes(f, highest));
+  if (!(height < 0.0F)) return 0.0F;
+  const auto zero = hn::Zero(f);
+  for (; b < list.firstBlock + list.blockCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      if (!hn::AllFalse(f, hn::Ge(heights(grid.blocks[b], i, place.x, place.y, place.z), zero))) return 0.0F;
+    }
+  }
+  return height;
+}
+
+/// Which of a list's planes is the first so high.
+HWY_INLINE PushDepth depthOf(const PushGrid& grid, const PushGrid::List& list, float height, const Place& place) {
+  const PlaneFloats f;
+  const auto wanted = hn::Set(f, height);
+  for (std::uint32_t b = list.firstBlock; b < list.firstBlock + list.exitCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      const auto lane = hn::FindFirstTrue(f, hn::Eq(heights(grid.blocks[b], i, place.x, place.y, place.z), wanted));
+      if (lane >= 0) return {height, list.hull, grid.planes[b][i + static_cast<std::size_t>(lane)]};
+    }
+  }
+  return {};
+}
+
+HWY_INLINE bool isNear(const PushHulls& hulls, const Vec3f& p) {
+  return (p.array() >= 0.0F).all() && (p.array() <= hulls.boxMax().array()).all();
+}
+
+/// @param p  in the box of all hulls
+HWY_INLINE PushDepth deepestInCell(const PushGrid& grid, const Vec3f& p) {
+  const Place place = placeOf(grid, p);
+  if (place.list == nullptr) return {};
+  const PushGrid::List* found = nullptr;
+  float lowest = 0.0F;
+  for (const PushGrid::List* list = place.list;; ++list) {
+    const float height = heightIn(grid, *list, place);
+    if (height < lowest) {
+      lowest = height;
       found = list;
     }
     if (list->last) break;
   }
-  if (found != nullptr) {
-    deepest.hull = found->hull;
-    deepest.plane = planeAt(grid, *found, deepest.height, x, y, z);
+  return found != nullptr ? depthOf(grid, *found, lowest, place) : PushDepth{};
+}
+
+/// @param p  in the box of all hulls
+HWY_INLINE bool insideAny(const PushGrid& grid, const Vec3f& p) {
+  const Place place = placeOf(grid, p);
+  if (place.list == nullptr) return false;
+  for (const PushGrid::List* list = place.list;; ++list) {
+    if (heightIn(grid, *list, place) < 0.0F) return true;
+    if (list->last) return false;
   }
-  return deepest;
 }
 
 PushDepth deepest(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
-  const bool near = (p.array() >= 0.0F).all() && (p.array() <= hulls.boxMax().array()).all();
-  return near ? deepestInCell(grid, grid.cellOf(p), p) : PushDepth{};
+  return isNear(hulls, p) ? deepestInCell(grid, p) : PushDepth{};
+}
+
+std::size_t allDepths(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths) {
+  if (!isNear(hulls, p)) return 0;
+  const Place place = placeOf(grid, p);
+  if (place.list == nullptr) return 0;
+  std::size_t count = 0;
+  for (const PushGrid::List* list = place.list; count < depths.size(); ++list) {
+    const float height = heightIn(grid, *list, place);
+    if (height < 0.0F) depths[count++] = depthOf(grid, *list, height, place);
+    if (list->last) break;
+  }
+  return count;
+}
+
+PushLeave leaveOne(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, const Vec3f& direction) {
+  const Floats f;
+  const PushHulls::Hull& hull = hulls.hulls()[which];
+  const float infinity = std::numeric_limits<float>::infinity();
+  const auto lengths = [&](std::size_t i) HWY_ATTR {
+    const auto x = hn::LoadU(f, hulls.x() + i);
+    const auto y = hn::LoadU(f, hulls.y() + i);
+    const auto z = hn::LoadU(f, hulls.z() + i);
+    const auto dot = [&](const Vec3f& v) HWY_ATTR {
+      return hn::Add(hn::Add(hn::Mul(x, hn::Set(f, v.x())), hn::Mul(y, hn::Set(f, v.y()))),
+                     hn::Mul(z, hn::Set(f, v.z())));
+    };
+    const auto height = hn::Sub(dot(p), hn::LoadU(f, hulls.offset() + i));
+    const auto rise = dot(direction);
+    const auto leaves = hn::Ge(rise, hn::Set(f, 1e-3F));
+    return hn::IfThenElse(leaves, hn::Div(hn::Sub(hn::Set(f, hulls.margin()), height), rise), hn::Set(f, infinity));
+  };
+  const std::size_t end = hull.firstPlane + hull.planeCount;
+  auto nearest = hn::Set(f, infinity);
+  for (std::size_t i = hull.firstPlane; i < end; i += hn::Lanes(f)) nearest = hn::Min(nearest, lengths(i));
+  const float length = hn::GetLane(hn::MinOfLanes(f, nearest));
+  if (!(length < infinity)) return {infinity, 0};
+  for (std::size_t i = hull.firstPlane; i < end; i += hn::Lanes(f)) {
+    const auto lane = hn::FindFirstTrue(f, hn::Eq(lengths(i), hn::Set(f, length)));
+    if (lane >= 0) return {length, static_cast<std::uint32_t>(i + static_cast<std::size_t>(lane))};
+  }
+  return {infinity, 0};
 }
 
 /// Lists the particles in cells that a hull reaches into.
@@ -122,8 +195,7 @@ HWY_INLINE std::size_t screen(const PushHulls& hulls, const PushGrid& grid, cons
   }
   for (; i < count; ++i) {
     const Vec3f p = Vec3f(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]) - hulls.origin();
-    const bool near = (p.array() >= 0.0F).all() && (p.array() <= hulls.boxMax().array()).all();
-    if (near && grid.firstList[grid.cellOf(p)] != 0) listed[found++] = static_cast<std::uint32_t>(i);
+    if (isNear(hulls, p) && grid.firstList[grid.cellOf(p)] != 0) listed[found++] = static_cast<std::uint32_t>(i);
   }
   return found;
 }
@@ -135,11 +207,11 @@ std::size_t pushAll(const PushHulls& hulls, const PushGrid& grid, float* xyz, st
   for (std::size_t k = 0; k < listed; ++k) {
     float* at = xyz + 3 * static_cast<std::size_t>(scratch[k]);
     const Vec3f start = Vec3f(at[0], at[1], at[2]) - hulls.origin();
-    const PushDepth inside = deepestInCell(grid, grid.cellOf(start), start);
+    const PushDepth inside = deepestInCell(grid, start);
     if (!(inside.height < 0.0F)) continue;
     // Nearly always the nearest way out of the one hull leads out of all.
     PushExit exit{start + (hulls.margin() - inside.height) * hulls.normal(inside.plane), inside.hull, inside.plane};
-    if (deepest(hulls, grid, exit.place).height < 0.0F) exit = findExit(hulls, grid, start, inside);
+    if (isNear(hulls, exit.place) && insideAny(grid, exit.place)) exit = findExit(hulls, grid, start, inside);
     const PushHulls::Hull& hull = hulls.hulls()[exit.hull];
     const Vec3f place = exit.place + hulls.origin();
     at[0] = place.x();
@@ -159,11 +231,21 @@ HWY_AFTER_NAMESPACE();
 namespace lorica {
 namespace {
 HWY_EXPORT(deepest);
+HWY_EXPORT(allDepths);
+HWY_EXPORT(leaveOne);
 HWY_EXPORT(pushAll);
 }  // namespace
 
 PushDepth deepestAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
   return HWY_DYNAMIC_DISPATCH(deepest)(hulls, grid, p);
+}
+
+std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths) {
+  return HWY_DYNAMIC_DISPATCH(allDepths)(hulls, grid, p, depths);
+}
+
+PushLeave leaveHull(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, const Vec3f& direction) {
+  return HWY_DYNAMIC_DISPATCH(leaveOne)(hulls, hull, p, direction);
 }
 
 std::size_t pushParticles(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count,
