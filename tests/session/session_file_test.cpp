@@ -1,0 +1,236 @@
+#include "session/session_file.h"
+
+#include "geometry/files.h"
+#include "geometry/random_numbers.h"
+#include "session/session_blocks.h"
+#include "tests/session/small_session.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace lorica {
+namespace {
+
+/// The bytes of a short session with all that there is to be recorded.
+const std::string& sessionBytes() {
+  static const std::string bytes = [] {
+    const test::TemporaryFolder folder;
+    FaultSettings faults;
+    faults.dropout = 0.1;
+    faults.late = 0.2;
+    test::recordJoints(folder.path() / "short.lsession", test::shippedFrames("punch_and_kick", 24, 3.0), faults);
+    return readFile(folder.path() / "short.lsession").value();
+  }();
+  return bytes;
+}
+
+std::string sentenceFor(const std::string& bytes) {
+  const Result<SessionFile> read = parseSession(bytes, "s.lsession");
+  return read ? "none" : read.error().message;
+}
+
+TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
+  const std::vector<SkeletonFrame> frames = test::shippedFrames("punch_and_kick", 24, 3.0);
+  const Result<SessionFile> read = parseSession(sessionBytes(), "s.lsession");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_TRUE(read->finished);
+  EXPECT_TRUE(read->notes.empty());
+  // Frames that a late one overtook were taken too; those after the last step were not shown to anyone.
+  ASSERT_EQ(read->joints.size(), frames.size());
+  EXPECT_LT(read->steps.size(), frames.size());
+  std::size_t taken = 0;
+  for (const SessionStep& step : read->steps) taken += step.joints;
+  EXPECT_EQ(taken, frames.size());
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    EXPECT_EQ(read->joints[f].time, frames[f].time);
+    EXPECT_EQ(read->joints[f].user, frames[f].user);
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      const TrackedJoint &a = read->joints[f].joints[j], &b = frames[f].joints[j];
+      EXPECT_EQ(a.position, b.position);
+      EXPECT_EQ(a.confidence, b.confidence);
+      ASSERT_EQ(a.orientation.has_value(), b.orientation.has_value());
+      if (a.orientation) {
+        EXPECT_EQ(a.orientation->coeffs(), b.orientation->coeffs());
+      }
+    }
+  }
+  ASSERT_EQ(read->actions.size(), 4u);
+  EXPECT_EQ(read->actions[0].kind, WorldAction::Kind::kThrowBall);
+  EXPECT_EQ(read->actions[0].velocity, Vec3(0.0, 1.0, -6.0));
+  EXPECT_EQ(read->actions[1].kind, WorldAction::Kind::kGrab);
+  EXPECT_EQ(read->actions[2].place, Vec3(0.3, 0.8, 0.8));
+}
+
+TEST(SessionFile, HeaderSaysEverythingAgain) {
+  SessionHeader header;
+  header.source = "a \"walk\"";
+  header.poseJoints = 57;
+  header.character = "my hero.glb";
+  header.boneMap = "map.json";
+  header.bodyResolution = 0.1 / 3.0;
+  header.characterHash = 0xffffffffffffffffu;
+  header.decomposition = "b.lorica";
+  header.decompositionHash = 1;
+  header.coverTolerance = 0.002;
+  header.hullVertices = 64;
+  header.coverHash = 0x0123456789abcdefu;
+  header.trainingHash = 3;
+  header.joints.mirror = true;
+  header.joints.smoothing = OneEuroSettings{1.0 / 7.0, 0.3};
+  header.faults = parseFaults("dropout=0.1,swap,seed=9").value();
+  header.scene = "bowling";
+  header.sceneFolder = "scenes";
+  header.sceneSeed = 5;
+  header.worldHash = 77;
+  const Result<SessionHeader> again = parseSessionHeader(textOf(header), "s");
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(textOf(*again), textOf(header));
+  EXPECT_EQ(again->bodyResolution, header.bodyResolution);
+  EXPECT_EQ(again->characterHash, header.characterHash);
+  EXPECT_EQ(again->joints.smoothing->minCutoff, 1.0 / 7.0);
+  EXPECT_EQ(again->faults.dropout, 0.1);
+  EXPECT_EQ(again->faults.seed, 9u);
+}
+
+TEST(SessionFile, WrongHeadersGetASentence) {
+  const auto sentence = [](const std::string& text) {
+    const Result<SessionHeader> read = parseSessionHeader(text, "s");
+    return read ? std::string("none") : read.error().message;
+  };
+  const auto with = [](std::string_view from, const std::string& to) {
+    std::string text = textOf(SessionHeader());
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  EXPECT_EQ(sentence(with("lorica-session-1", "lorica-session-2")),
+            "s: header: format: found \"lorica-session-2\", expected \"lorica-session-1\"");
+  EXPECT_EQ(sentence(with("0000000000000000", "123")),
+            "s: header: character.hash: found \"123\", expected 16 hexadecimal digits");
+  EXPECT_EQ(sentence(with("\"faults\": \"\"", "\"faults\": \"swop\"")),
+            "s: header: faults: found `swop`, expected dropout, jitter, swap, late, freeze or seed, as in "
+            "dropout=0.1,swap,seed=7");
+  for (const char* text : {"", "{", "[]", "{}", "null", R"({"format": 3})"}) EXPECT_NE(sentence(text), "none") << text;
+}
+
+TEST(SessionFile, EveryTruncationIsNotedOrSaid) {
+  const std::string& whole = sessionBytes();
+  const std::size_t steps = parseSession(whole, "s").value().steps.size();
+  std::size_t last = 0;
+  // Each length around the ends of the first and of the last blocks, some in between.
+  const auto next = [&](std::size_t size) { return size < 3000 || size + 2500 > whole.size() ? size + 1 : size + 13; };
+  for (std::size_t size = 0; size < whole.size(); size = next(size)) {
+    const Result<SessionFile> read = parseSession(std::string_view(whole).substr(0, size), "s");
+    if (!read) {
+      ASSERT_EQ(last, 0u) << "a longer piece was worse, at " << size;
+      ASSERT_EQ(read.error().message.substr(0, 3), "s: ");
+      continue;
+    }
+    ASSERT_FALSE(read->finished);
+    ASSERT_FALSE(read->notes.empty());
+    ASSERT_GE(read->steps.size(), last);
+    last = read->steps.size();
+  }
+  EXPECT_EQ(last, steps);
+}
+
+TEST(SessionFile, EveryDamagedByteIsSaid) {
+  RandomNumbers random(1);
+  std::string bytes = sessionBytes();
+  for (int i = 0; i < 5000; ++i) {
+    // The first bytes each, then any.
+    const std::size_t at = i < 500 ? static_cast<std::size_t>(i) : random.bits() % bytes.size();
+    const char before = bytes[at];
+    bytes[at] = static_cast<char>(before ^ static_cast<char>(1u << (random.bits() % 8)));
+    ASSERT_FALSE(parseSession(bytes, "s").ok()) << "byte " << at;
+    bytes[at] = before;
+  }
+}
+
+/// A whole file with right checksums around whatever the blocks hold.
+std::string fileOf(const std::vector<std::pair<BlockKind, std::string>>& blocks) {
+  std::string bytes(kSessionMagic);
+  std::uint64_t chain = 0;
+  for (const auto& [kind, payload] : blocks) appendBlock(kind, payload, chain, bytes);
+  return bytes;
+}
+
+/// The blocks of the short session.
+std::vector<std::pair<BlockKind, std::string>> blocksOf(const std::string& bytes) {
+  std::vector<std::pair<BlockKind, std::string>> blocks;
+  const Blocks read = readBlocks(bytes, "s").value();
+  for (const Block& block : read.blocks) {
+    blocks.emplace_back(block.kind, std::string(block.payload));
+  }
+  return blocks;
+}
+
+TEST(SessionFile, LiesWithRightChecksumsAreSaidOrHarmless) {
+  const auto blocks = blocksOf(sessionBytes());
+  RandomNumbers random(2);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    auto changed = blocks;
+    std::string& payload = changed[random.bits() % changed.size()].second;
+    if (payload.empty()) continue;
+    for (int n = 0; n < 3; ++n) payload[random.bits() % payload.size()] = static_cast<char>(random.bits());
+    if (i % 4 == 0) payload.resize(random.bits() % payload.size());
+    const Result<SessionFile> read = parseSession(fileOf(changed), "s");
+    refused += read ? 0 : 1;
+    if (!read) continue;
+    for (const SkeletonFrame& frame : read->joints) {
+      for (const TrackedJoint& joint : frame.joints) ASSERT_TRUE(joint.position.allFinite());
+    }
+  }
+  EXPECT_GT(refused, 500);
+}
+
+TEST(SessionFile, BlocksThatDoNotFitAreSaid) {
+  const auto blocks = blocksOf(sessionBytes());
+  const auto header = blocks[0], scene = blocks[1], step = blocks[2], end = blocks.back();
+  EXPECT_EQ(sentenceFor(fileOf({header, scene, step, end})), "none");
+  EXPECT_NE(sentenceFor(fileOf({})).find("found 0 whole blocks"), std::string::npos);
+  EXPECT_NE(sentenceFor(fileOf({scene, header, step})).find("expected a header"), std::string::npos);
+  EXPECT_EQ(sentenceFor(fileOf({header, scene, end})), "s.lsession: no step in it, expected at least one");
+  EXPECT_NE(sentenceFor(fileOf({header, scene, step, header})).find("second header"), std::string::npos);
+  EXPECT_NE(sentenceFor(fileOf({header, scene, step, end, step})).find("a block after the end"), std::string::npos);
+  EXPECT_EQ(sentenceFor(fileOf({header, scene, step, end}) + "x"), "s.lsession: bytes after the end");
+  EXPECT_NE(sentenceFor("not a session at all").find("does not begin as a session does"), std::string::npos);
+  // Counts that the bytes cannot hold are not believed.
+  std::string lying = step.second;
+  const std::size_t counts = 4 * sizeof(double);
+  for (std::size_t i = 0; i < 4; ++i) lying[counts + i] = static_cast<char>(0xff);
+  EXPECT_NE(sentenceFor(fileOf({header, scene, {BlockKind::kStep, lying}})).find("step 0 holds"), std::string::npos);
+}
+
+TEST(SessionFile, StepsOfTwoFilesDoNotMix) {
+  // Whole blocks, but another file's: their checksums follow from other ones.
+  const std::string& bytes = sessionBytes();
+  const Blocks read = readBlocks(bytes, "s").value();
+  const std::size_t second = read.blocks[3].offset, third = read.blocks[4].offset;
+  EXPECT_NE(sentenceFor(bytes.substr(0, second) + bytes.substr(third)).find("checksum is wrong"), std::string::npos);
+}
+
+TEST(SessionFile, AMissingFileIsSaid) {
+  const Result<SessionFile> read = readSession("nowhere/s.lsession");
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(read.error().code, ErrorCode::kNotFound);
+}
+
+TEST(SessionHashes, FollowEveryBitOfACharacter) {
+  const Session session = test::demoSession(makeMotionPoseSource({}));
+  Character character = session.character();
+  const std::uint64_t before = hashOf(character);
+  character.influences[5].weight = std::nextafter(character.influences[5].weight, 2.0);
+  EXPECT_NE(hashOf(character), before);
+  character = session.character();
+  character.mesh.vertices[0].x() = std::nextafter(character.mesh.vertices[0].x(), 9.0);
+  EXPECT_NE(hashOf(character), before);
+  EXPECT_EQ(hashOf(session.character()), before);
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,247 @@
+#include "session/session_replay.h"
+
+#include "capture/joint_csv.h"
+#include "geometry/files.h"
+#include "session/pose_faults.h"
+#include "session/session_blocks.h"
+#include "skinning/mannequin.h"
+#include "tests/session/small_session.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs a recorded session again to its end.
+std::optional<SessionReplay::Difference> replayed(const SessionFile& file, int* steps = nullptr) {
+  const auto recorded = std::make_shared<const SessionFile>(file);
+  Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(*recorded, makeMannequin());
+  EXPECT_TRUE(source.ok());
+  Session session = test::demoSession(std::move(*source));
+  EXPECT_TRUE(checkReplay(recorded->header, "s", session).ok());
+  const auto replay = std::make_shared<SessionReplay>(recorded);
+  session.watch(replay);
+  while (!replay->over()) {
+    const Result<bool> more = session.step();
+    EXPECT_TRUE(more.ok());
+    if (!more || !*more) break;
+  }
+  EXPECT_TRUE(replay->over());
+  if (steps != nullptr) *steps = replay->steps();
+  return replay->difference();
+}
+
+SessionFile recorded(const FaultSettings& faults, const JointSettings& joints = {}) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "s.lsession";
+  EXPECT_GT(test::recordJoints(file, test::shippedFrames("punch_and_kick", 60, 5.0), faults, joints), 20);
+  EXPECT_FALSE(fs::exists(folder.path() / "s.part.lsession"));
+  Result<SessionFile> read = readSession(file);
+  EXPECT_TRUE(read.ok()) << read.error().message;
+  return std::move(read).value();
+}
+
+TEST(SessionReplay, GivesTheSameAgainWithBallsGrabsFaultsAndSmoothing) {
+  FaultSettings faults = parseFaults("dropout=0.1,jitter=0.02,swap=0.1,late=0.1,freeze=0.1,seed=7").value();
+  int steps = 0;
+  const SessionFile plain = recorded({});
+  EXPECT_FALSE(replayed(plain, &steps).has_value());
+  EXPECT_EQ(steps, 60);
+  EXPECT_EQ(plain.actions.size(), 4u);
+  JointSettings joints;
+  joints.mirror = true;
+  joints.smoothing = OneEuroSettings();
+  const SessionFile faulty = recorded(faults, joints);
+  EXPECT_FALSE(replayed(faulty).has_value());
+  EXPECT_NE(faulty.steps.back().hashes, plain.steps.back().hashes);
+}
+
+TEST(SessionReplay, SaysTheFirstStepThatDiffersAndWhatOfIt) {
+  const SessionFile plain = recorded({});
+  SessionFile bent = plain;
+  TrackedJoint& hand = bent.joints[31][BodyJoint::kRightHand];
+  hand.orientation.reset();
+  hand.position.x() += 0.05;
+  const auto moved = replayed(bent);
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_EQ(moved->step, 31);
+  EXPECT_EQ(moved->time, plain.steps[31].time);
+  EXPECT_NE(moved->what.find("hulls"), std::string::npos);
+
+  // A ball that flies a little slower leaves the hulls as they are.
+  SessionFile slower = plain;
+  slower.actions[0].velocity.z() += 1e-6;
+  const auto props = replayed(slower);
+  ASSERT_TRUE(props.has_value());
+  EXPECT_EQ(props->step, 5);
+  EXPECT_EQ(props->what, "props");
+}
+
+TEST(SessionReplay, OtherFaultsDiffer) {
+  SessionFile file = recorded(parseFaults("dropout=0.2,seed=7").value());
+  file.header.faults.seed = 8;
+  const auto difference = replayed(file);
+  ASSERT_TRUE(difference.has_value());
+  EXPECT_LT(difference->step, 10);
+}
+
+TEST(SessionReplay, OtherCharactersBodiesAndScenesAreRefusedInASentence) {
+  const Session session = test::demoSession(makeMotionPoseSource({}));
+  const SessionHeader header = test::headerOf(session);
+  EXPECT_TRUE(checkReplay(header, "s", session).ok());
+  const auto sentence = [&](std::uint64_t SessionHeader::*hash) {
+    SessionHeader other = header;
+    other.*hash += 1;
+    const Result<void> checked = checkReplay(other, "s.lsession", session);
+    return checked ? std::string("none") : checked.error().message;
+  };
+  EXPECT_NE(sentence(&SessionHeader::characterHash).find("name it with --character"), std::string::npos);
+  EXPECT_NE(sentence(&SessionHeader::decompositionHash).find("another decomposition"), std::string::npos);
+  EXPECT_NE(sentence(&SessionHeader::trainingHash).find("trained in other poses"), std::string::npos);
+  EXPECT_NE(sentence(&SessionHeader::worldHash).find("the scene is not as it was"), std::string::npos);
+}
+
+/// Poses of the mannequin, as a clip has them.
+SkeletalMotion poses() {
+  return perform(makeMannequin().skeleton, test::shippedFrames("wave", 40, 2.0)).value();
+}
+
+TEST(SessionReplay, PosesAreRecordedWhereThereAreNoJoints) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "s.lsession";
+  const FaultSettings faults = parseFaults("late=0.2,freeze=0.3,seed=3").value();
+  SessionHeader header = test::headerOf(test::demoSession(makeMotionPoseSource({})));
+  header.poseJoints = makeMannequin().skeleton.jointCount();
+  header.faults = faults;
+  const auto recorder = SessionRecorder::start(file, header, "").value();
+  Session session =
+      test::demoSession(makeTreatedSource(makeMotionPoseSource(poses()), {recorder->log(), faults, {}}).value());
+  session.watch(recorder);
+  while (session.step().value()) continue;
+  EXPECT_LT(session.frameCount(), 40);
+  ASSERT_EQ(recorder->finish().value(), session.frameCount());
+  const SessionFile read = readSession(file).value();
+  EXPECT_EQ(read.poseTimes.size(), 40u);
+  EXPECT_TRUE(read.joints.empty());
+  EXPECT_FALSE(replayed(read).has_value());
+}
+
+TEST(SessionRecorder, WhatIsOnDiskAfterEachStepIsAllOfTheStepsSoFar) {
+  const test::TemporaryFolder folder;
+  const fs::path part = folder.path() / "s.part.lsession";
+  const auto recorder = SessionRecorder::start(folder.path() / "s.lsession",
+                                               test::headerOf(test::demoSession(makeMotionPoseSource({}))), "")
+                            .value();
+  Session session = test::demoSession(
+      makeTreatedSource(makeMannequin(), makeRecordedSource(test::shippedFrames("walk", 12)), {recorder->log(), {}, {}})
+          .value());
+  session.watch(recorder);
+  for (std::size_t step = 1; session.step().value(); ++step) {
+    const Result<SessionFile> sofar = readSession(part);
+    ASSERT_TRUE(sofar.ok()) << sofar.error().message;
+    EXPECT_EQ(sofar->steps.size(), step);
+    EXPECT_FALSE(sofar->finished);
+    EXPECT_EQ(sofar->notes.size(), 1u);
+    EXPECT_EQ(sofar->steps.back().hashes, session.hashes());
+  }
+}
+
+TEST(SessionRecorder, WithoutAStepThereIsNoFile) {
+  const test::TemporaryFolder folder;
+  const auto recorder = SessionRecorder::start(folder.path() / "s.lsession",
+                                               test::headerOf(test::demoSession(makeMotionPoseSource({}))), "")
+                            .value();
+  EXPECT_EQ(recorder->finish().value(), 0);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(SessionRecorder, AFolderThatIsNotThereAndAFullDiskAreSaid) {
+  const SessionHeader header = test::headerOf(test::demoSession(makeMotionPoseSource({})));
+  const auto nowhere = SessionRecorder::start("nowhere/s.lsession", header, "");
+  ASSERT_FALSE(nowhere.ok());
+  EXPECT_EQ(nowhere.error().message, "nowhere/s.part.lsession: No such file or directory");
+  const test::TemporaryFolder folder;
+  std::error_code linked;
+  fs::create_symlink("/dev/full", folder.path() / "s.part.lsession", linked);
+  if (linked || !fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const auto full = SessionRecorder::start(folder.path() / "s.lsession", header, "");
+  ASSERT_FALSE(full.ok());
+  EXPECT_NE(full.error().message.find("No space left on device"), std::string::npos);
+}
+
+TEST(SessionRecorder, EndsWhereTheSessionIsChanged) {
+  const test::TemporaryFolder folder;
+  const auto recorder = SessionRecorder::start(folder.path() / "s.lsession",
+                                               test::headerOf(test::demoSession(makeMotionPoseSource({}))), "")
+                            .value();
+  Session session = test::demoSession(
+      makeTreatedSource(makeMannequin(), makeRecordedSource(test::shippedFrames("walk", 12)), {recorder->log(), {}, {}})
+          .value());
+  session.watch(recorder);
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(session.step().value());
+  session.setWorld(World());
+  EXPECT_TRUE(recorder->cutShort());
+  while (session.step().value()) continue;
+  EXPECT_EQ(recorder->finish().value(), 4);
+  EXPECT_FALSE(replayed(readSession(folder.path() / "s.lsession").value()).has_value());
+}
+
+TEST(PoseFaults, PosesFreezeAndComeLateAndHaveNoFaultsOfJoints) {
+  const SkeletalMotion motion = poses();
+  const std::unique_ptr<PoseSource> source =
+      makePoseFaults(makeMotionPoseSource(motion), parseFaults("freeze=0.5,late=0.2,seed=2").value()).value();
+  Pose pose = restPose(motion.skeleton), before = pose;
+  int frozen = 0, late = 0, count = 0;
+  double last = -1.0;
+  while (const std::optional<double> time = source->next(pose).value()) {
+    EXPECT_GT(*time, last);
+    last = *time;
+    late += std::find(motion.times.begin(), motion.times.end(), *time) == motion.times.end() ? 1 : 0;
+    frozen += count > 0 && pose[3].rotation.coeffs() == before[3].rotation.coeffs() ? 1 : 0;
+    before = pose;
+    ++count;
+  }
+  EXPECT_LT(count, motion.frameCount());
+  EXPECT_GT(frozen, count / 5);
+  EXPECT_GT(late, 0);
+  const auto refused = makePoseFaults(makeMotionPoseSource(motion), parseFaults("swap").value());
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("expected late or freeze"), std::string::npos);
+  EXPECT_FALSE(makePoseFaults(makeMotionPoseSource(motion), FaultSettings()).value()->next(pose).value() ==
+               std::nullopt);
+}
+
+TEST(Faults, AnAvatarStaysFiniteAndIsBelievedLess) {
+  for (const char* text : {"dropout=0.5", "jitter=1", "swap=0.5", "late=0.5", "freeze=0.5", "dropout=1",
+                           "dropout=0.3,jitter=0.2,swap=0.3,late=0.3,freeze=0.3,seed=4"}) {
+    const FaultSettings faults = parseFaults(text).value();
+    Session session = test::demoSession(makeTreatedSource(makeMannequin(),
+                                                          makeRecordedSource(test::shippedFrames("punch_and_kick", 60)),
+                                                          {nullptr, faults, {}})
+                                            .value());
+    double trust = 0.0;
+    while (session.step().value()) {
+      for (const LivePart& part : session.body().parts()) {
+        ASSERT_TRUE(part.worldFromPart.matrix().allFinite()) << text;
+        for (const Vec3& v : part.shape.vertices) ASSERT_TRUE(v.allFinite()) << text;
+        trust += part.trust;
+      }
+      for (const Prop& prop : session.world().props()) ASSERT_TRUE(prop.worldFromProp.matrix().allFinite()) << text;
+    }
+    const double mean = trust / (8.0 * session.frameCount());
+    if (faults.dropout > 0.0) {
+      EXPECT_LT(mean, 1.0 - 0.5 * faults.dropout) << text;
+    } else if (faults.freeze > 0.0) {
+      EXPECT_GT(mean, 0.9) << text;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lorica
