@@ -1,15 +1,11 @@
 #include "session/scene_file.h"
 
 #include "geometry/files.h"
+#include "session/scene_element.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -17,138 +13,12 @@
 namespace lorica {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::string_view kFormat = "lorica scene 1";
 constexpr std::size_t kMostBytes = std::size_t{4} << 20;
 constexpr std::size_t kMostProps = 2000;
-constexpr double kFarthest = 50.0;  // of the place of a thing, along each axis [m]
-
-/// A value as it stands in the file, short enough for a sentence.
-std::string shown(const Json& value) {
-  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (text.size() > 40) text = text.substr(0, 37) + "...";
-  return text;
-}
-
-/// An object of the file. Whatever is wrong is kept in the file's one error, the first to be found; what could not be
-/// read is what it was before.
-class Element {
- public:
-  Element(const Json& json, std::string path, std::optional<std::string>& error)
-      : json_(json), path_(std::move(path)), error_(error) {
-    if (!json_.is_object()) fail("", shown(json_), "an object");
-  }
-
-  /// Refuses what is not among the keys that an element has.
-  void allow(std::initializer_list<std::string_view> keys) {
-    if (!json_.is_object()) return;
-    for (const auto& [key, value] : json_.items()) {
-      if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-      fail(key.substr(0, 40), "no such key", fmt::format("one of {}", fmt::join(keys, ", ")));
-    }
-  }
-  [[nodiscard]] bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
-  [[nodiscard]] const Json& at(const char* key) const { return json_.at(key); }
-  [[nodiscard]] Element child(const char* key) const { return {at(key), pathOf(key), error_}; }
-  [[nodiscard]] std::string pathOf(std::string_view key) const {
-    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
-  }
-  void fail(std::string_view key, std::string_view found, std::string_view expected) {
-    if (error_) return;
-    const std::string where = key.empty() ? (path_.empty() ? "the scene" : path_) : pathOf(key);
-    error_ = fmt::format("{}: found {}, expected {}", where, found, expected);
-  }
-  void need(const char* key, std::string_view expected) {
-    if (json_.is_object() && !json_.contains(key)) fail(key, "nothing", expected);
-  }
-
-  void number(const char* key, double least, double most, double& value) {
-    if (!has(key)) return;
-    const std::string expected = fmt::format("a number from {:g} to {:g}", least, most);
-    if (const std::optional<double> read = numberIn(at(key), least, most)) {
-      value = *read;
-    } else {
-      fail(key, shown(at(key)), expected);
-    }
-  }
-  void vector(const char* key, double least, double most, Vec3& value) {
-    if (!has(key)) return;
-    const Json& json = at(key);
-    bool fine = json.is_array() && json.size() == 3;
-    Vec3 read;
-    for (std::size_t i = 0; fine && i < 3; ++i) {
-      const std::optional<double> part = numberIn(json[i], least, most);
-      fine = part.has_value();
-      if (fine) read[static_cast<Eigen::Index>(i)] = *part;
-    }
-    if (fine) {
-      value = read;
-    } else {
-      fail(key, shown(json), fmt::format("three numbers from {:g} to {:g}", least, most));
-    }
-  }
-  void integer(const char* key, int least, int most, int& value) {
-    if (!has(key)) return;
-    const Json& json = at(key);
-    if (json.is_number_integer() && json >= least && json <= most) {
-      value = json.get<int>();
-    } else {
-      fail(key, shown(json), fmt::format("a whole number from {} to {}", least, most));
-    }
-  }
-  void flag(const char* key, bool& value) {
-    if (!has(key)) return;
-    if (at(key).is_boolean()) {
-      value = at(key).get<bool>();
-    } else {
-      fail(key, shown(at(key)), "true or false");
-    }
-  }
-  /// "#rrggbb" in sRGB to linear RGB.
-  void color(const char* key, Vec3f& value) {
-    if (!has(key)) return;
-    const Json& json = at(key);
-    const std::string text = json.is_string() ? json.get<std::string>() : "";
-    const bool fine =
-        text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
-    if (!fine) {
-      fail(key, shown(json), "a colour such as \"#d08020\"");
-      return;
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double srgb = std::stoi(text.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
-      const double linear = srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-      value[static_cast<Eigen::Index>(i)] = static_cast<float>(linear);
-    }
-  }
-  /// Visits the objects of a list.
-  template <typename Visit>
-  void each(const char* key, Visit visit) {
-    if (!has(key)) return;
-    if (!at(key).is_array()) {
-      fail(key, shown(at(key)), "a list");
-      return;
-    }
-    for (std::size_t i = 0; i < at(key).size() && !error_; ++i) {
-      Element element(at(key)[i], fmt::format("{}[{}]", pathOf(key), i), error_);
-      if (!error_) visit(element);
-    }
-  }
-  [[nodiscard]] bool failed() const { return error_.has_value(); }
-
- private:
-  static std::optional<double> numberIn(const Json& json, double least, double most) {
-    if (!json.is_number()) return std::nullopt;
-    const auto value = json.get<double>();
-    if (!(value >= least && value <= most)) return std::nullopt;
-    return value;
-  }
-
-  const Json& json_;
-  std::string path_;
-  std::optional<std::string>& error_;
-};
+constexpr std::size_t kMostMeshes = 64;   // different ones
+constexpr std::size_t kMostHulls = 4000;  // of all mesh props together
+constexpr double kFarthest = 50.0;        // of the place of a thing, along each axis [m]
 
 /// About the world's x, then y, then z axis. @param degrees  three angles
 Quat turned(const Vec3& degrees) {
@@ -157,51 +27,117 @@ Quat turned(const Vec3& degrees) {
          Eigen::AngleAxisd(angles.x(), Vec3::UnitX());
 }
 
-void readShape(Element& element, Prop& prop) {
-  element.need("shape", "box, sphere, capsule or cylinder");
-  if (!element.has("shape")) return;
-  const Json& shape = element.at("shape");
-  double radius = 0.1, height = 0.4;
-  if (shape == "box") {
-    prop.shape = PropShape::kBox;
-    element.need("size", "width, height and depth in metres");
-    Vec3 size = Vec3::Constant(0.2);
-    element.vector("size", 0.01, 20.0, size);
-    prop.halfExtents = 0.5 * size;
-    return;
-  }
-  element.need("radius", "a radius in metres");
-  element.number("radius", 0.005, 10.0, radius);
-  if (shape == "sphere") {
-    prop.shape = PropShape::kSphere;
-    prop.halfExtents = Vec3::Constant(radius);
-    return;
-  }
-  if (shape != "capsule" && shape != "cylinder") {
-    element.fail("shape", shown(shape), "box, sphere, capsule or cylinder");
-    return;
-  }
-  prop.shape = shape == "capsule" ? PropShape::kCapsule : PropShape::kCylinder;
-  element.need("height", "a height in metres");
-  element.number("height", 0.01, 20.0, height);
-  if (shape == "capsule" && height < 2.0 * radius) {
-    element.fail("height", fmt::format("{:g}", height), "a capsule at least as high as it is wide");
-  }
-  prop.halfExtents = Vec3(radius, 0.5 * height, radius);
+constexpr std::string_view kShapes = "box, sphere, capsule, cylinder or mesh";
+
+void readBox(SceneElement& element, Prop& prop) {
+  Vec3 size = Vec3::Constant(0.2);
+  element.need("size", "width, height and depth in metres");
+  element.vector("size", kSmallestProp, kLargestProp, size);
+  prop.halfExtents = 0.5 * size;
 }
 
-void readSubstance(Element& element, Prop& prop) {
+/// Sphere, capsule or cylinder.
+void readRound(SceneElement& element, Prop& prop) {
+  double radius = 0.1, height = 0.4;
+  element.need("radius", "a radius in metres");
+  element.number("radius", 0.005, 10.0, radius);
+  prop.halfExtents = Vec3::Constant(radius);
+  if (prop.shape == PropShape::kSphere) return;
+  element.need("height", "a height in metres");
+  element.number("height", 0.01, 20.0, height);
+  if (prop.shape == PropShape::kCapsule && height < 2.0 * radius) {
+    element.fail("height", fmt::format("{:g}", height), "a capsule at least as high as it is wide");
+  }
+  prop.halfExtents.y() = 0.5 * height;
+}
+
+/// What props of one file have in common is made once.
+class MeshShelf {
+ public:
+  explicit MeshShelf(const SceneReading& reading) : reading_(reading) {}
+
+  void take(SceneElement& element, Prop& prop) {
+    PropMeshRequest request;
+    std::string file;
+    element.need("file", "a mesh file (.off, .obj, .ply, .stl)");
+    element.text("file", file);
+    element.number("scale", 1e-6, 1e6, request.scale);
+    element.vector("size", kSmallestProp, kLargestProp, request.size);
+    element.integer("parts", 1, kMostPropParts, request.parts);
+    if (element.has("scale") && element.has("size")) element.fail("scale", "a size too", "one of both");
+    if (element.failed()) return;
+    if (file.empty()) return element.fail("file", "\"\"", "a mesh file (.off, .obj, .ply, .stl)");
+    request.file = reading_.folder / file;
+    for (const auto& [known, shape] : shelf_) {
+      if (known == request) return fill(shape, prop);
+    }
+    if (shelf_.size() >= kMostMeshes)
+      return element.fail("file", "more meshes", fmt::format("at most {}", kMostMeshes));
+    Result<std::shared_ptr<const PropMeshShape>> shape =
+        readPropMesh(request, reading_.decomposer ? reading_.decomposer : decomposePropMesh);
+    if (!shape) {
+      code_ = shape.error().code;
+      return element.failWith("file", shape.error().message);
+    }
+    shelf_.emplace_back(request, *shape);
+    fill(*shape, prop);
+  }
+  /// Of what was wrong with a mesh.
+  [[nodiscard]] ErrorCode code() const { return code_; }
+
+ private:
+  static void fill(const std::shared_ptr<const PropMeshShape>& shape, Prop& prop) {
+    const Prop made = meshProp(shape);
+    prop.mesh = made.mesh;
+    prop.halfExtents = made.halfExtents;
+  }
+  const SceneReading& reading_;
+  std::vector<std::pair<PropMeshRequest, std::shared_ptr<const PropMeshShape>>> shelf_;
+  ErrorCode code_ = ErrorCode::kBadFormat;
+};
+
+/// Each shape has keys of its own.
+void readShape(SceneElement& element, Prop& prop, MeshShelf& meshes) {
+  element.need("shape", kShapes);
+  if (!element.has("shape")) return;
+  const SceneJson& shape = element.at("shape");
+  const auto allowWith = [&](std::initializer_list<std::string_view> own) {
+    std::vector<std::string_view> keys = {"shape"};
+    keys.insert(keys.end(), own);
+    keys.insert(keys.end(), {"at", "turn", "mass", "fixed", "friction", "restitution", "color", "velocity", "repeat"});
+    element.allow(keys);
+  };
+  if (shape == "box") {
+    allowWith({"size"});
+    prop.shape = PropShape::kBox;
+    readBox(element, prop);
+  } else if (shape == "sphere") {
+    allowWith({"radius"});
+    prop.shape = PropShape::kSphere;
+    readRound(element, prop);
+  } else if (shape == "capsule" || shape == "cylinder") {
+    allowWith({"radius", "height"});
+    prop.shape = shape == "capsule" ? PropShape::kCapsule : PropShape::kCylinder;
+    readRound(element, prop);
+  } else if (shape == "mesh") {
+    allowWith({"file", "scale", "size", "parts"});
+    prop.shape = PropShape::kMesh;
+    meshes.take(element, prop);
+  } else {
+    element.fail("shape", shownInScene(shape), kShapes);
+  }
+}
+
+void readSubstance(SceneElement& element, Prop& prop) {
   element.number("mass", 0.001, 10000.0, prop.mass);
   element.number("friction", 0.0, 10.0, prop.friction);
   element.number("restitution", 0.0, 1.0, prop.restitution);
   element.color("color", prop.color);
 }
 
-void readProp(Element& element, SceneFile& scene) {
-  element.allow({"shape", "size", "radius", "height", "at", "turn", "mass", "fixed", "friction", "restitution", "color",
-                 "velocity", "repeat"});
+void readProp(SceneElement& element, MeshShelf& meshes, SceneFile& scene) {
   Prop prop;
-  readShape(element, prop);
+  readShape(element, prop, meshes);
   readSubstance(element, prop);
   Vec3 place(0.0, 0.0, 0.0), turn = Vec3::Zero();
   element.need("at", "the middle's place in metres");
@@ -216,7 +152,7 @@ void readProp(Element& element, SceneFile& scene) {
   int count = 1;
   Vec3 step = Vec3::Zero();
   if (element.has("repeat")) {
-    Element repeat = element.child("repeat");
+    SceneElement repeat = element.child("repeat");
     repeat.allow({"count", "step"});
     repeat.need("count", "how many there are");
     repeat.need("step", "three numbers, from one to the next in metres");
@@ -230,7 +166,7 @@ void readProp(Element& element, SceneFile& scene) {
 }
 
 /// Capsules end to end, tied to each other where they meet and to the world at one end or both.
-void readChain(Element& element, SceneFile& scene) {
+void readChain(SceneElement& element, SceneFile& scene) {
   element.allow({"from", "to", "links", "radius", "mass", "hung", "friction", "restitution", "color"});
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
   int links = 1;
@@ -245,9 +181,9 @@ void readChain(Element& element, SceneFile& scene) {
   readSubstance(element, prop);
   bool bothEnds = false;
   if (element.has("hung")) {
-    const Json& hung = element.at("hung");
+    const SceneJson& hung = element.at("hung");
     bothEnds = hung == "both";
-    if (!bothEnds && hung != "from") element.fail("hung", shown(hung), "\"from\" or \"both\"");
+    if (!bothEnds && hung != "from") element.fail("hung", shownInScene(hung), "\"from\" or \"both\"");
   }
   const Vec3 step = (to - from) / links;
   const double length = step.norm();
@@ -269,49 +205,45 @@ void readChain(Element& element, SceneFile& scene) {
   if (bothEnds) scene.links.push_back({before, kWorldItself, to});
 }
 
+std::size_t hullsOf(const SceneFile& scene) {
+  std::size_t count = 0;
+  for (const Prop& prop : scene.props) count += prop.mesh ? prop.mesh->hulls.size() : 0;
+  return count;
+}
+
 }  // namespace
 
-Result<SceneFile> parseScene(std::string_view text, std::string_view name) {
+Result<SceneFile> parseScene(std::string_view text, std::string_view name, const SceneReading& reading) {
   const auto bad = [&](std::string_view what) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
   };
   if (text.size() > kMostBytes) return bad(fmt::format("{} bytes, expected at most {}", text.size(), kMostBytes));
-  Json json;
-  try {
-    json = Json::parse(text, nullptr, true, true);
-  } catch (const Json::exception& e) {
-    const std::string_view what = e.what();
-    const std::size_t bracket = what.find("] ");  // before it stands the library's own number
-    return bad(fmt::format("not JSON: {}", bracket == std::string_view::npos ? what : what.substr(bracket + 2)));
-  }
+  const Result<SceneJson> json = parseSceneJson(text, name);
+  if (!json) return json.error();
+  MeshShelf meshes(reading);
   std::optional<std::string> error;
   SceneFile scene;
-  Element root(json, "", error);
+  SceneElement root(*json, "", error);
   root.allow({"format", "name", "gravity", "floor", "props", "chains"});
   root.need("format", fmt::format("\"{}\"", kFormat));
   if (root.has("format") && root.at("format") != kFormat) {
-    root.fail("format", shown(root.at("format")), fmt::format("\"{}\"", kFormat));
+    root.fail("format", shownInScene(root.at("format")), fmt::format("\"{}\"", kFormat));
   }
-  if (root.has("name")) {
-    if (root.at("name").is_string()) {
-      scene.name = root.at("name").get<std::string>();
-    } else {
-      root.fail("name", shown(root.at("name")), "a text");
-    }
-  }
+  root.text("name", scene.name);
   root.vector("gravity", -100.0, 100.0, scene.world.gravity);
   root.flag("floor", scene.world.floor);
-  root.each("props", [&](Element& element) { readProp(element, scene); });
-  root.each("chains", [&](Element& element) { readChain(element, scene); });
+  root.each("props", [&](SceneElement& element) { readProp(element, meshes, scene); });
+  root.each("chains", [&](SceneElement& element) { readChain(element, scene); });
   if (scene.props.size() > kMostProps) root.fail("", "more things", fmt::format("at most {}", kMostProps));
-  if (error) return bad(*error);
+  if (hullsOf(scene) > kMostHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMostHulls));
+  if (error) return Error{meshes.code(), fmt::format("{}: {}", name, *error)};
   return scene;
 }
 
-Result<SceneFile> readScene(const std::filesystem::path& file) {
+Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer) {
   const Result<std::string> text = readFile(file);
   if (!text) return text.error();
-  Result<SceneFile> scene = parseScene(*text, file.string());
+  Result<SceneFile> scene = parseScene(*text, file.string(), {file.parent_path(), decomposer});
   if (scene && scene->name.empty()) scene->name = file.stem().string();
   return scene;
 }

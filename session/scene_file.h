@@ -2,6 +2,7 @@
 
 #include "collision/world.h"
 #include "geometry/result.h"
+#include "session/prop_meshes.h"
 
 #include <filesystem>
 #include <string>
@@ -24,11 +25,18 @@ struct SceneFile {
   std::vector<Link> links;
 };
 
-/// Reads a scene file and checks all of it.
+/// What a scene needs beside its text.
+struct SceneReading {
+  std::filesystem::path folder;    ///< that its mesh files are relative to
+  MeshDecomposer decomposer = {};  ///< empty = decomposePropMesh()
+};
+
+/// Reads a scene file, with the meshes that it names, and checks all of it.
 /// @return the scene, or a sentence with file, element, found and expected
-[[nodiscard]] Result<SceneFile> readScene(const std::filesystem::path& file);
+[[nodiscard]] Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer = {});
 /// The same of text in memory. @param name  what the sentences call it
-[[nodiscard]] Result<SceneFile> parseScene(std::string_view text, std::string_view name);
+[[nodiscard]] Result<SceneFile> parseScene(std::string_view text, std::string_view name,
+                                           const SceneReading& reading = {});
 
 /// The world of a scene, at its begin.
 [[nodiscard]] World makeWorld(const SceneFile& scene);

@@ -38,6 +38,12 @@ std::uint64_t chainHash(std::uint64_t hash, const LivePart& part) {
   return XXH3_64bits_withSeed(shape.triangles.data(), shape.triangles.size() * sizeof(Triangle), hash);
 }
 
+std::uint64_t chainHash(std::uint64_t hash, const Prop& prop) {
+  hash = XXH3_64bits_withSeed(prop.worldFromProp.data(), 16 * sizeof(double), hash);
+  hash = XXH3_64bits_withSeed(prop.velocity.data(), sizeof(Vec3), hash);
+  return XXH3_64bits_withSeed(prop.angularVelocity.data(), sizeof(Vec3), hash);
+}
+
 /// Whether a cover is of this decomposition: points for each part, all of them there.
 Result<void> checkCover(const CoverPromise& cover, const Decomposition& decomposition) {
   if (cover.points.size() != decomposition.parts.size()) {
@@ -110,6 +116,7 @@ Session::Session(Character character, LiveBody body, std::unique_ptr<PoseSource>
       body_(std::move(body)),
       world_(std::move(world)),
       jointsOfPart_(jointsOfParts(body_.decomposition(), character_)),
+      contactBones_(body_.decomposition(), character_),
       training_(std::move(training)),
       pose_(restPose(character_.skeleton)),
       worldFromJoint_(static_cast<std::size_t>(character_.skeleton.jointCount()), Affine3::Identity()),
@@ -123,6 +130,7 @@ Session::Session(Character character, LiveBody body, std::unique_ptr<PoseSource>
 }
 
 Result<bool> Session::step() {
+  if (watcher_) watcher_->beforeStep(*this);
   const Clock::time_point begin = Clock::now();
   const Result<std::optional<double>> next = source_->next(pose_);
   if (!next) return next.error();
@@ -137,6 +145,9 @@ Result<bool> Session::step() {
   doActions();
   const Clock::time_point updated = Clock::now();
   world_.step(body_.parts(), seconds);
+  for (Contact& contact : world_.contacts()) {
+    contact.bone = contactBones_.at(body_.parts()[static_cast<std::size_t>(contact.part)], contact.point);
+  }
   const Clock::time_point end = Clock::now();
 
   times_.retarget = std::max(0.0, microsecondsBetween(begin, retargeted) - 1e6 * source_->waited());
@@ -145,16 +156,67 @@ Result<bool> Session::step() {
   times_.hulls = body_.timing().hulls;
   times_.physics = microsecondsBetween(updated, end);
 
-  for (const LivePart& part : body_.parts()) hash_ = chainHash(hash_, part);
+  addToHashes();
   ++frameCount_;
+  if (watcher_) {
+    if (Result<void> watched = watcher_->afterStep(*this, actions_); !watched) return watched.error();
+  }
+  actions_.clear();
   return true;
 }
 
-void Session::doActions() {
-  for (const WorldAction& action : actions_) {
-    if (canBeDone(action, world_)) apply(action, world_);
-  }
+void Session::addToHashes() {
+  for (const LivePart& part : body_.parts()) hashes_.hulls = chainHash(hashes_.hulls, part);
+  for (const Prop& prop : world_.props()) hashes_.props = chainHash(hashes_.props, prop);
+}
+
+std::uint64_t Session::hash() const {
+  static_assert(sizeof(SessionHashes) == 3 * sizeof(std::uint64_t), "no padding may be hashed");
+  return XXH3_64bits(&hashes_, sizeof(hashes_));
+}
+
+void Session::restart(std::unique_ptr<PoseSource> source, World world) {
+  CHECK(source != nullptr, "a session needs a source");
+  source_ = std::move(source);
+  setWorld(std::move(world));
+  body_ = LiveBody(body_.plan());
+  pose_ = restPose(character_.skeleton);
+  std::fill(worldFromJoint_.begin(), worldFromJoint_.end(), Affine3::Identity());
+  time_ = 0.0;
+  frameCount_ = 0;
+  pointsFrame_ = -1;
+  times_ = {};
+  hashes_ = {};
+}
+
+void Session::setBody(std::shared_ptr<const BodyPlan> plan) {
+  if (watcher_) watcher_->sessionChanged();
+  CHECK(plan->decomposition().vertexCount == body_.decomposition().vertexCount, "a body of another character");
+  body_ = LiveBody(std::move(plan));
+  jointsOfPart_ = jointsOfParts(body_.decomposition(), character_);
+  contactBones_ = ContactBones(body_.decomposition(), character_);
+  points_.resize(static_cast<std::size_t>(body_.decomposition().pointCount()));
+  pointsFrame_ = -1;
+  if (frameCount_ == 0) return;
+  body_.update(worldFromModel_);
+  passTrustOn();
+  world_.step({}, 0.0);  // the old parts leave, and with them what Bullet knows of their contacts
+}
+
+void Session::setWorld(World world) {
+  if (watcher_) watcher_->sessionChanged();
+  world_ = std::move(world);
   actions_.clear();
+}
+
+void Session::doActions() {
+  std::size_t done = 0;
+  for (const WorldAction& action : actions_) {
+    if (!canBeDone(action, world_)) continue;
+    apply(action, world_);
+    actions_[done++] = action;
+  }
+  actions_.resize(done);
 }
 
 /// A part is believed as far as the joints that move it are.

@@ -5,8 +5,10 @@
 #include "collision/lifted_point.h"
 #include "collision/live_body.h"
 #include "collision/world.h"
+#include "session/contact_bones.h"
 #include "session/part_bones.h"
 #include "session/pose_source.h"
+#include "session/step_watcher.h"
 #include "session/world_action.h"
 #include "skinning/character.h"
 
@@ -22,6 +24,15 @@ namespace lorica {
 struct StageTimes {
   double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0;
   [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics; }
+};
+
+/// What all frames so far left behind, bit for bit: XXH3, each over the same before it.
+struct SessionHashes {
+  std::uint64_t hulls = 0;      ///< shapes and places of the parts
+  std::uint64_t props = 0;      ///< their places and velocities
+  std::uint64_t particles = 0;  ///< 0 where there are none
+
+  [[nodiscard]] bool operator==(const SessionHashes&) const = default;
 };
 
 /// The headless frame: source -> pose -> hulls -> contacts. Tests, benchmarks, pictures and the window run this.
@@ -43,6 +54,16 @@ class Session {
   /// done then, see canBeDone(), is passed over.
   void act(const WorldAction& action) { actions_.push_back(action); }
 
+  /// Begins anew as if it were just created, with another source of the same character and another world.
+  void restart(std::unique_ptr<PoseSource> source, World world);
+  /// Goes on with another body of the same character, such as another level of detail, in the pose of this frame. Its
+  /// parts strike nothing by taking the place of others. The same frames give another hash from then on.
+  /// @param plan  made for the session's character; its points are numbered as those of the body before, or there is
+  ///              neither a training range nor anyone who kept their numbers
+  void setBody(std::shared_ptr<const BodyPlan> plan);
+  /// Goes on in another world. What was asked of the old one by act() and was not done yet is forgotten.
+  void setWorld(World world);
+
   [[nodiscard]] const Character& character() const { return character_; }
   [[nodiscard]] const PoseSource& source() const { return *source_; }
   /// Of this frame [s].
@@ -63,8 +84,12 @@ class Session {
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const StageTimes& times() const { return times_; }
   [[nodiscard]] int frameCount() const { return frameCount_; }
-  /// XXH3 over the shapes and places of all parts in all frames so far, bit for bit.
-  [[nodiscard]] std::uint64_t hash() const { return hash_; }
+  [[nodiscard]] const SessionHashes& hashes() const { return hashes_; }
+  /// Of all of them.
+  [[nodiscard]] std::uint64_t hash() const;
+
+  /// From the next step on someone stands beside the session; null = nobody. One at a time.
+  void watch(std::shared_ptr<StepWatcher> watcher) { watcher_ = std::move(watcher); }
 
  private:
   Session(Character character, LiveBody body, std::unique_ptr<PoseSource> source, World world,
@@ -75,10 +100,12 @@ class Session {
   World world_;
   void passTrustOn();
   void doActions();
+  void addToHashes();
 
   std::vector<WorldAction> actions_;  // of the next step
 
   std::vector<std::vector<JointShare>> jointsOfPart_;
+  ContactBones contactBones_;
   std::optional<TrainingRange> training_;
   std::vector<LiftedPoint> probes_;           // of the training range, by the bones
   mutable std::vector<Vec3> probePositions_;  // scratch
@@ -89,7 +116,8 @@ class Session {
   mutable int pointsFrame_ = -1;
   StageTimes times_;
   int frameCount_ = 0;
-  std::uint64_t hash_ = 0;
+  SessionHashes hashes_;
+  std::shared_ptr<StepWatcher> watcher_;
 };
 
 }  // namespace lorica
