@@ -1,38 +1,19 @@
 #include "viewer/window.h"
 
-#include "viewer/orbit_camera.h"
+#include "viewer/window_impl.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
-#include <optional>
 
 namespace lorica {
 namespace {
 
-constexpr const char* kHelp =
-    "left drag\torbit\n"
-    "right drag\tpan\n"
-    "wheel\tzoom\n"
-    "space\tpause\n"
-    "N\tsingle step\n"
-    "1\tskin\n"
-    "2\thulls\n"
-    "3\tbones\n"
-    "4\tprops\n"
-    "5\tcontacts\n"
-    "6\tground\n"
-    "C\tcolours of the skin\n"
-    "P\tsave a picture\n"
-    "R\tcamera back to start\n"
-    "H\thide this help\n"
-    "Esc\tclose";
 constexpr double kNoticeSeconds = 3.0;
+constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
+constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};
+constexpr double kCounted = 0.5;  // pictures for the figures that people read [s]
 
 std::string& lastGlfwError() {
   static std::string text;
@@ -52,96 +33,18 @@ Error noDisplay(const std::string& why) {
 
 }  // namespace
 
-struct Window::Impl {
-  GLFWwindow* window = nullptr;
-  std::optional<Renderer> renderer;
-  OrbitCamera camera;
-  SceneOptions options;
-  bool paused = false;
-  bool stepAsked = false;
-  bool help = false;
-  bool pictureAsked = false;
-  std::string notice;
-  std::chrono::steady_clock::time_point noticeUntil;
-  double cursorX = 0.0;
-  double cursorY = 0.0;
-
-  ~Impl() {
-    renderer.reset();  // its objects belong to the window's context
-    if (window != nullptr) glfwDestroyWindow(window);
-    glfwTerminate();
-  }
-
-  void onKey(int key);
-  void onCursor(double x, double y);
-  void savePicture();
-};
-
-void Window::Impl::onKey(int key) {
-  const auto toggle = [](bool& flag) { flag = !flag; };
-  switch (key) {
-    case GLFW_KEY_SPACE:
-      return toggle(paused);
-    case GLFW_KEY_N:
-      paused = true;
-      stepAsked = true;
-      return;
-    case GLFW_KEY_1:
-      return toggle(options.skin);
-    case GLFW_KEY_2:
-      return toggle(options.hulls);
-    case GLFW_KEY_3:
-      return toggle(options.bones);
-    case GLFW_KEY_4:
-      return toggle(options.props);
-    case GLFW_KEY_5:
-      return toggle(options.contacts);
-    case GLFW_KEY_6:
-      return toggle(options.ground);
-    case GLFW_KEY_C:
-      return toggle(options.colorSkinByPart);
-    case GLFW_KEY_P:
-      pictureAsked = true;
-      return;
-    case GLFW_KEY_R:
-      return camera.reset();
-    case GLFW_KEY_H:
-      return toggle(help);
-    case GLFW_KEY_ESCAPE:
-      glfwSetWindowShouldClose(window, GLFW_TRUE);
-      return;
-    default:
-      return;
-  }
+double secondsNow() {
+  using Clock = std::chrono::steady_clock;
+  static const Clock::time_point start = Clock::now();
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void Window::Impl::onCursor(double x, double y) {
-  // Cursor and window size are both in screen coordinates, whatever the pixels behind them.
-  int width = 1, height = 1;
-  glfwGetWindowSize(window, &width, &height);
-  const double dx = (x - cursorX) / std::max(height, 1);
-  const double dy = (y - cursorY) / std::max(height, 1);
-  cursorX = x;
-  cursorY = y;
-  if (glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS) {
-    camera.turn(-4.0 * dx, 4.0 * dy);
-  } else if (glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS) {
-    camera.pan(-dx, dy);
-  }
-}
-
-/// To the first free name lorica-001.png, lorica-002.png ... in the working directory.
-void Window::Impl::savePicture() {
-  std::string name;
-  for (int i = 1; i <= 999; ++i) {
-    name = fmt::format("lorica-{:03}.png", i);
-    std::error_code error;
-    if (!std::filesystem::exists(name, error)) break;
-  }
-  const Result<void> written = writePng(name, renderer->readBack());
-  notice = written.ok() ? "saved " + name : written.error().message;
-  noticeUntil = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                                       std::chrono::duration<double>(kNoticeSeconds));
+Window::Impl::~Impl() {
+  if (video) endVideo();
+  panels.reset();  // their objects belong to the window's context
+  renderer.reset();
+  if (window != nullptr) glfwDestroyWindow(window);
+  glfwTerminate();
 }
 
 Window::Window(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -173,15 +76,14 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   Result<Renderer> renderer = Renderer::create(glfwProc);
   if (!renderer.ok()) return renderer.error();
   impl->renderer.emplace(std::move(renderer).value());
-
-  glfwSetWindowUserPointer(impl->window, impl.get());
-  static constexpr auto kOf = [](GLFWwindow* w) { return static_cast<Impl*>(glfwGetWindowUserPointer(w)); };
-  glfwSetKeyCallback(impl->window, [](GLFWwindow* w, int key, int, int action, int) {
-    if (action == GLFW_PRESS || (action == GLFW_REPEAT && key == GLFW_KEY_N)) kOf(w)->onKey(key);
-  });
-  glfwSetCursorPosCallback(impl->window, [](GLFWwindow* w, double x, double y) { kOf(w)->onCursor(x, y); });
-  glfwSetScrollCallback(impl->window, [](GLFWwindow* w, double, double y) { kOf(w)->camera.zoom(std::pow(0.9, y)); });
-  glfwGetCursorPos(impl->window, &impl->cursorX, &impl->cursorY);
+  const Result<GlFunctions> functions = loadGlFunctions(glfwProc);
+  if (!functions.ok()) return functions.error();
+  impl->gl = functions.value();
+  Result<WindowPanels> panels = WindowPanels::create(impl->gl);
+  if (!panels.ok()) return panels.error();
+  impl->panels.emplace(std::move(panels).value());
+  impl->lastShow = secondsNow();
+  impl->listen();
   return Window(std::move(impl));
 }
 
@@ -190,35 +92,142 @@ bool Window::open() const {
 }
 
 bool Window::wantsStep() {
-  const bool step = !impl_->paused || impl_->stepAsked;
-  impl_->stepAsked = false;
-  return step;
+  ControlState& state = impl_->state;
+  if (state.scrubbing) return false;
+  if (!state.paused) {
+    state.steps = 0;
+    return true;
+  }
+  if (state.steps == 0) return false;
+  --state.steps;
+  return true;
 }
 
+bool Window::paused() const {
+  return impl_->state.paused;
+}
+void Window::setPaused(bool paused) {
+  impl_->state.paused = paused;
+}
+double Window::speed() const {
+  return impl_->state.speed;
+}
 void Window::setOptions(const SceneOptions& options) {
-  impl_->options = options;
+  impl_->state.show = options;
+}
+const SceneOptions& Window::options() const {
+  return impl_->state.show;
 }
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);
 }
+void Window::addTimes(std::span<const TimedStage> stages) {
+  impl_->times.add(stages);
+}
+void Window::notice(std::string sentence) {
+  impl_->setNotice(std::move(sentence));
+}
+Camera Window::camera() const {
+  return impl_->camera.camera();
+}
+Ray Window::pointer() const {
+  return impl_->rayThrough(impl_->cursorX, impl_->cursorY);
+}
+WindowRequests Window::takeRequests() {
+  return std::exchange(impl_->requests, {});
+}
 
-void Window::show(const Scene& scene, const std::string& caption) {
+void Window::setQuality(std::optional<RenderQuality> quality) {
+  const auto* found = quality ? std::find(kQualities.begin(), kQualities.end(), *quality) : kQualities.end();
+  impl_->state.quality = found == kQualities.end() ? -1 : static_cast<int>(found - kQualities.begin());
+}
+
+void Window::Impl::setNotice(std::string sentence) {
+  noticeText = std::move(sentence);
+  noticeUntil = secondsNow() + kNoticeSeconds;
+}
+
+void Window::Impl::drawScene(const Scene& scene, int width, int height) {
+  state.show.caption.clear();  // the panels say it
+  state.show.panel.clear();
+  renderer->draw(scene, state.show, camera.camera(), width, height);
+}
+
+void Window::Impl::countPicture(double seconds) {
+  const double now = secondsNow();
+  if (count == 0) countBegin = now - seconds;
+  ++count;
+  countSeconds += seconds;
+  if (now - countBegin < kCounted) return;
+  pictureSeconds = countSeconds / count;
+  pictureRate = count / (now - countBegin);
+  count = 0;
+  countSeconds = 0.0;
+}
+
+void Window::Impl::chooseQuality(double seconds) {
+  // A video is of one quality.
+  if (state.quality < 0 && !video && choice.add(seconds, secondsNow())) {
+    setNotice(fmt::format("a picture takes {:.0f} ms: quality is {} now", 1e3 * seconds,
+                          kQualityNames[static_cast<std::size_t>(choice.level())]));
+  }
+}
+
+void Window::show(const Scene& scene, const WindowValues& values) {
   Impl& i = *impl_;
   int width = 0, height = 0;
   glfwMakeContextCurrent(i.window);
   glfwGetFramebufferSize(i.window, &width, &height);
+  i.decideDrag(values.holdsProp);
+  i.lastValues = values;
+  i.lastValues.scenes = {};
+  i.lastValues.warnings = {};
+  i.lastValues.name = i.lastValues.status = {};
+
+  const double begin = secondsNow();
+  const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);
   if (width > 0 && height > 0) {  // minimised windows have no pixels
-    const bool notice = !i.pictureAsked && std::chrono::steady_clock::now() < i.noticeUntil;
-    i.options.caption = notice ? i.notice : caption;
-    if (i.paused && !notice) i.options.caption += caption.empty() ? "paused" : "  -  paused";
-    i.options.panel = i.help ? kHelp : "";
-    i.renderer->draw(scene, i.options, i.camera.camera(), width, height);
-    if (i.pictureAsked) i.savePicture();
-    i.pictureAsked = false;
+    if (i.state.picture) {        // at its best, whatever it takes
+      i.renderer->setQuality(RenderQuality::kHigh);
+      i.drawScene(scene, width, height);
+      i.savePicture(i.renderer->readBack());
+      i.state.picture = false;
+    }
+    if (i.state.video) i.toggleVideo(width, height);
+    i.state.video = false;
+    const double drawing = secondsNow();
+    i.renderer->setQuality(kQualities[level]);
+    i.drawScene(scene, width, height);
+    if (i.video) i.addToVideo(width, height);
     i.renderer->present(width, height);
+    i.gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+
+    WindowFacts facts;
+    facts.pictureMilliseconds = 1e3 * i.pictureSeconds;
+    facts.picturesASecond = i.pictureRate;
+    facts.qualities = kQualityNames;
+    facts.quality = static_cast<int>(level);
+    facts.videoSeconds = i.video ? begin - i.video->begin : -1.0;
+    facts.insetWidth = scene.inset != nullptr && scene.inset->width > 0 ? width / 4 : 0;
+    if (begin < i.noticeUntil) facts.notice = i.noticeText;
+    i.state.scrubbing = false;  // the panels say so, while they are shown
+    i.panels->draw(i.takePanelInput(width, height), values, facts, i.times, i.state, i.requests);
+    if (i.state.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));
+    i.state.pictureWithPanels = false;
+    // The driver may put off its work, which would then look as if the display had us wait.
+    i.gl.Finish();
+    const double seconds = secondsNow() - drawing;
+    i.countPicture(seconds);
+    i.chooseQuality(seconds);
     glfwSwapBuffers(i.window);
   }
   glfwPollEvents();
+}
+
+void Window::show(const Scene& scene, const std::string& caption) {
+  WindowValues values;
+  values.status = caption;
+  show(scene, values);
 }
 
 bool displayAvailable() {

@@ -1,16 +1,20 @@
 #pragma once
 
+#include "viewer/image.h"
 #include "viewer/renderer.h"
 #include "viewer/scene.h"
+#include "viewer/window_values.h"
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 
 namespace lorica {
 
-/// A GLFW window that shows scenes. Mouse: left drag orbits, right drag pans, the wheel zooms. Keys: space pause,
-/// N single step, 1 skin, 2 hulls, 3 bones, 4 props, 5 contacts, 6 ground, C skin colours, P screenshot into the
-/// working directory, R camera reset, H help, Esc close. One at a time, used from the main thread.
+/// A GLFW window that shows scenes, with panels to steer what plays. Its keys and what the mouse does: docs/WINDOW.md,
+/// or H in the window. Pictures and videos go to the working directory, to the first free name lorica-001.png or .mp4.
+/// One at a time, used from the main thread.
 class Window {
  public:
   /// @return the window, or kNoDisplay with what to do: run without --window, snapshots need no display
@@ -20,15 +24,35 @@ class Window {
   Window& operator=(Window&&) noexcept;
 
   [[nodiscard]] bool open() const;
-  /// Whether the simulation should advance this turn (not paused, or a single step was asked for).
+  /// Whether the simulation should advance by a frame: not paused, or a single step was asked for, which this takes.
   [[nodiscard]] bool wantsStep();
-  /// Draws, presents, polls input. @param caption  the line at the lower left; what else is shown follows the keys
+  [[nodiscard]] bool paused() const;
+  void setPaused(bool paused);
+  /// How fast to play, 1 = as recorded.
+  [[nodiscard]] double speed() const;
+
+  /// Draws, presents, polls input.
+  void show(const Scene& scene, const WindowValues& values);
+  /// The same with a line of text and nothing to steer.
   void show(const Scene& scene, const std::string& caption);
+  /// What was asked for since the last call.
+  [[nodiscard]] WindowRequests takeRequests();
+  /// From the eye through the mouse.
+  [[nodiscard]] Ray pointer() const;
+  [[nodiscard]] Camera camera() const;
+
+  /// The next frame of the graph. @param stages  the same in every call, at most TimeGraph::kMostStages
+  void addTimes(std::span<const TimedStage> stages);
+  /// Shows a sentence for three seconds.
+  void notice(std::string sentence);
 
   /// What is shown at first, before any key.
   void setOptions(const SceneOptions& options);
+  [[nodiscard]] const SceneOptions& options() const;
   /// Where the camera starts and what R returns to.
   void setCamera(const Camera& camera);
+  /// Draws at this quality, whatever it takes; none = as the machine can, which is how it starts.
+  void setQuality(std::optional<RenderQuality> quality);
 
  private:
   struct Impl;

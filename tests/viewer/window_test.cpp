@@ -2,69 +2,98 @@
 
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/virtual_display.h"
 #include "tests/viewer/pictures.h"
 
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <opencv2/videoio.hpp>
+#include <optional>
 #include <thread>
 
 namespace lorica {
 namespace {
 
-bool installed(const std::string& program) {
-  return std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) == 0;
-}
-
-/// A virtual X server of its own while this lives; DISPLAY points to it.
-class VirtualDisplay {
- public:
-  VirtualDisplay() {
-    int ends[2];
-    if (pipe(ends) != 0) return;
-    pid_ = fork();
-    if (pid_ == 0) {
-      close(ends[0]);
-      const std::string fd = std::to_string(ends[1]);
-      execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "800x600x24", "-nolisten", "tcp", nullptr);
-      _exit(127);
-    }
-    close(ends[1]);
-    // The server writes its number when it is ready, or closes the pipe when it fails.
-    std::string number;
-    for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) number += c;
-    close(ends[0]);
-    if (!number.empty()) setenv("DISPLAY", (":" + number).c_str(), 1);
-    ready_ = !number.empty();
-  }
-  ~VirtualDisplay() {
-    unsetenv("DISPLAY");
-    if (pid_ <= 0) return;
-    kill(pid_, SIGTERM);
-    waitpid(pid_, nullptr, 0);
-  }
-  VirtualDisplay(const VirtualDisplay&) = delete;
-  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
-  [[nodiscard]] bool ready() const { return ready_; }
-
- private:
-  pid_t pid_ = -1;
-  bool ready_ = false;
-};
+using test::differingPixels;
+using test::VirtualDisplay;
 
 struct Box {
   TriMesh mesh = test::makeBox({-0.3, 0.6, -0.3}, {0.3, 1.4, 0.3});
   std::vector<LivePart> parts = {test::boxPart({-0.5, 0.5, -0.5}, {0.5, 1.5, 0.5})};
+  std::vector<Prop> props = std::vector<Prop>(1);
+  std::vector<Contact> contacts = std::vector<Contact>(1);
   Scene scene;
   Box() {
+    props[0].worldFromProp.translation() = Vec3(0.9, 0.6, 0.0);
+    contacts[0].point = Vec3(-0.9, 1.0, 0.0);
     scene.vertices = mesh.vertices;
     scene.triangles = mesh.triangles;
     scene.parts = parts;
+    scene.props = props;
+    scene.contacts = contacts;
   }
+};
+
+/// A window with a box in it on a display of its own, in a folder of its own, where pictures go.
+class WindowAtWork : public ::testing::Test {
+ protected:
+  void open(int width, int height) {
+    ASSERT_TRUE(display_->ready());
+    Result<Window> opened = Window::create("Lorica test", width, height);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    window.emplace(std::move(opened).value());
+    window->setQuality(RenderQuality::kHigh);
+    window->setCamera(test::frontCamera());
+    values.name = "a box";
+    values.duration = 10.0;
+    values.parts = 3;
+    values.mostParts = 5;
+    frames(2);
+  }
+  void SetUp() override {
+    LORICA_REQUIRE_KEYS();
+    display_.emplace();
+    std::filesystem::current_path(folder_.path());
+  }
+  void TearDown() override {
+    window.reset();
+    std::filesystem::current_path(before_);
+  }
+
+  void frames(int n) {
+    for (int i = 0; i < n; ++i) {
+      window->show(box.scene, values);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  void send(const std::string& what) {
+    const std::string command =
+        "xdotool search --sync --name 'Lorica test' windowfocus --sync " + what + " > /dev/null 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    frames(3);
+  }
+  /// What P saves, or what shift P does.
+  Image picture(const char* key = "p") {
+    send(std::string("key ") + key);
+    char name[32];
+    std::snprintf(name, sizeof name, "lorica-%03d.png", ++pictures_);
+    const Result<Image> read = readPng(name);
+    EXPECT_TRUE(read.ok()) << read.error().message;
+    return read.ok() ? read.value() : Image{};
+  }
+
+  Box box;
+  WindowValues values;
+  std::optional<Window> window;
+
+ private:
+  std::optional<VirtualDisplay> display_;
+  test::TemporaryFolder folder_;
+  std::filesystem::path before_ = std::filesystem::current_path();
+  int pictures_ = 0;
 };
 
 TEST(Window, WithoutDisplayItSaysWhatToDo) {
@@ -93,7 +122,7 @@ TEST(Window, ImpossibleSizesAreRefused) {
 }
 
 TEST(Window, OpensShowsFramesAndClosesBesideAnOffscreenContext) {
-  if (!installed("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (Debian package xvfb)";
+  if (!test::installed("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (Debian package xvfb)";
   const VirtualDisplay display;
   ASSERT_TRUE(display.ready());
   const Box box;
@@ -103,7 +132,7 @@ TEST(Window, OpensShowsFramesAndClosesBesideAnOffscreenContext) {
     for (int i = 0; i < 3; ++i) {
       EXPECT_TRUE(window->open());
       EXPECT_TRUE(window->wantsStep());
-      window->show(box.scene, "frame");
+      window->show(box.scene, WindowValues());
     }
   }
   LORICA_REQUIRE_STUDIO(studio, "");
@@ -111,60 +140,217 @@ TEST(Window, OpensShowsFramesAndClosesBesideAnOffscreenContext) {
   EXPECT_NE(test::pixelAt(image, 32, 24), test::pixelAt(image, 0, 0));
 }
 
-TEST(Window, KeysAndMouseChangeWhatIsDrawn) {
-  if (!installed("Xvfb") || !installed("xdotool")) {
-    GTEST_SKIP() << "Xvfb or xdotool is not installed (Debian packages xvfb, xdotool)";
+TEST_F(WindowAtWork, EachKeyShowsAndHidesItsThing) {
+  open(320, 240);
+  const Image all = picture();
+  EXPECT_EQ(all.width, 320);
+  // The place where what the key is for is seen.
+  const std::pair<const char*, Vec3> things[] = {{"1", Vec3(0.0, 1.0, 0.3)},
+                                                 {"2", Vec3(0.42, 1.0, 0.5)},
+                                                 {"4", Vec3(0.9, 0.6, 0.1)},
+                                                 {"5", Vec3(-0.9, 1.0, 0.0)},
+                                                 {"6", Vec3(-0.7, 0.0, 0.5)}};
+  for (const auto& [key, place] : things) {
+    send(std::string("key ") + key);
+    const Image without = picture();
+    const auto [x, y] = test::seenAt(place, 320, 240);
+    EXPECT_NE(test::pixelAt(all, static_cast<int>(x), static_cast<int>(y)),
+              test::pixelAt(without, static_cast<int>(x), static_cast<int>(y)))
+        << key;
+    send(std::string("key ") + key);
   }
-  const VirtualDisplay display;
-  ASSERT_TRUE(display.ready());
-  const test::TemporaryFolder folder;
-  const auto before = std::filesystem::current_path();
-  std::filesystem::current_path(folder.path());  // where screenshots go
-  const Box box;
-  {
-    Result<Window> window = Window::create("Lorica test", 320, 240);
-    ASSERT_TRUE(window.ok()) << window.error().message;
-    const auto frames = [&](int n) {
-      for (int i = 0; i < n; ++i) {
-        window->show(box.scene, "");
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      }
-    };
-    frames(2);
-    const auto send = [&](const std::string& what) {
-      const std::string command =
-          "xdotool search --sync --name 'Lorica test' windowfocus --sync " + what + " > /dev/null 2>&1";
-      EXPECT_EQ(std::system(command.c_str()), 0) << command;
-      frames(5);
-    };
-    const auto picture = [&](const char* name) {
-      send("key p");
-      const Result<Image> read = readPng(name);
-      EXPECT_TRUE(read.ok()) << read.error().message;
-      return read.ok() ? read.value() : Image{};
-    };
-    const Image first = picture("lorica-001.png");
-    EXPECT_EQ(first.width, 320);
-    send("key 2");  // hulls off
-    const Image second = picture("lorica-002.png");
-    EXPECT_GT(test::differingPixels(first, second, 8), 500);
-    send("mousemove --window %1 100 100 mousedown 1 mousemove --window %1 160 110 mouseup 1");
-    const Image third = picture("lorica-003.png");
-    EXPECT_GT(test::differingPixels(second, third, 8), 500);
-    send("key r");
-    EXPECT_EQ(picture("lorica-004.png").rgba, second.rgba) << "the camera is back at its start";
+  EXPECT_EQ(picture().rgba, all.rgba) << "all is shown again";
+}
 
-    EXPECT_TRUE(window->wantsStep());
-    send("key space");
-    EXPECT_FALSE(window->wantsStep()) << "paused";
-    send("key n");
-    EXPECT_TRUE(window->wantsStep()) << "one step";
-    EXPECT_FALSE(window->wantsStep());
-    EXPECT_TRUE(window->open());
-    send("key Escape");
-    EXPECT_FALSE(window->open());
+TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
+  open(320, 240);
+  const Image before = picture();
+  const Vec3 eye = window->camera().eye;
+  send("mousemove --window %1 160 150 mousedown 1 mousemove --window %1 220 140");
+  EXPECT_GT((window->camera().eye - eye).norm(), 0.5);
+  send("mouseup 1");
+  const Vec3 turned = window->camera().eye;
+  send("mousemove --window %1 100 100");
+  EXPECT_EQ(window->camera().eye, turned) << "the button is up";
+  EXPECT_GT(differingPixels(before, picture(), 8), 500);
+  send("mousemove --window %1 160 120 mousedown 3 mousemove --window %1 130 120 mouseup 3");
+  EXPECT_GT((window->camera().target - test::frontCamera().target).norm(), 0.1);
+  send("mousemove --window %1 160 150 click 4");
+  EXPECT_LT((window->camera().eye - window->camera().target).norm(), 3.9) << "the wheel goes nearer";
+  send("key r");
+  EXPECT_EQ(picture().rgba, before.rgba) << "the camera is back at its start";
+}
+
+TEST_F(WindowAtWork, SpacePausesAndNStepsAndEscapeCloses) {
+  open(320, 240);
+  EXPECT_TRUE(window->wantsStep());
+  send("key space");
+  EXPECT_FALSE(window->wantsStep()) << "paused";
+  send("key n");
+  EXPECT_TRUE(window->wantsStep()) << "one step";
+  EXPECT_FALSE(window->wantsStep());
+  send("key n n n");
+  EXPECT_TRUE(window->wantsStep() && window->wantsStep() && window->wantsStep()) << "no press is lost";
+  EXPECT_FALSE(window->wantsStep());
+  send("key space");
+  EXPECT_TRUE(window->wantsStep());
+  EXPECT_TRUE(window->open());
+  send("key Escape");
+  EXPECT_FALSE(window->open());
+}
+
+TEST_F(WindowAtWork, KeysAskForWhatTheOwnerDoes) {
+  open(320, 240);
+  values.seconds = 4.0;
+  frames(1);
+  send("key b");
+  EXPECT_TRUE(window->takeRequests().throwBall);
+  EXPECT_FALSE(window->takeRequests().throwBall) << "once";
+  send("key bracketleft");
+  EXPECT_EQ(window->takeRequests().parts, 2);
+  send("key bracketright bracketright bracketright");
+  EXPECT_EQ(window->takeRequests().parts, 5) << "and no more";
+  send("key Left");
+  EXPECT_EQ(window->takeRequests().seekTo, 3.0);
+  send("key Right Right");
+  EXPECT_EQ(window->takeRequests().seekTo, 6.0);
+  send("key Home");
+  EXPECT_EQ(window->takeRequests().seekTo, 0.0);
+  EXPECT_EQ(window->speed(), 1.0);
+  send("key minus minus minus minus minus minus minus minus minus minus minus minus");
+  EXPECT_EQ(window->speed(), 0.1);
+  values.duration = 0.0;  // live
+  frames(1);
+  send("key Left Home");
+  EXPECT_FALSE(window->takeRequests().seekTo.has_value());
+}
+
+TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
+  open(640, 480);
+  const Vec3 eye = window->camera().eye;
+  // The timeline: farther to the right is later, and the camera does not turn.
+  send("mousemove --window %1 300 435 mousedown 1");
+  const std::optional<double> left = window->takeRequests().seekTo;
+  ASSERT_TRUE(left.has_value());
+  EXPECT_FALSE(window->wantsStep()) << "nothing moves on by itself under a slider that is held";
+  send("mousemove --window %1 400 435");
+  const std::optional<double> right = window->takeRequests().seekTo;
+  ASSERT_TRUE(right.has_value());
+  EXPECT_GT(*left, 0.1);
+  EXPECT_GT(*right, *left + 1.0);
+  EXPECT_LT(*right, 10.0);
+  send("mouseup 1");
+  EXPECT_TRUE(window->wantsStep());
+  EXPECT_EQ(window->camera().eye, eye);
+  EXPECT_FALSE(window->takeRequests().pressed.has_value());
+  send("mousemove --window %1 40 435 click 1");
+  EXPECT_TRUE(window->paused()) << "the button";
+  send("click 1");
+  EXPECT_FALSE(window->paused());
+  send("mousemove --window %1 300 435 click 4");
+  EXPECT_EQ(window->camera().eye, eye) << "the wheel over a panel";
+  send("key Tab");
+  send("mousemove --window %1 300 435 mousedown 1 mousemove --window %1 340 435 mouseup 1");
+  EXPECT_NE(window->camera().eye, eye) << "there are no panels any more";
+}
+
+TEST_F(WindowAtWork, HelpAndPanelsAreShownButNotInPictures) {
+  open(640, 480);
+  const Image picture1 = picture();
+  const Image panels = picture("shift+p");
+  EXPECT_EQ(panels.width, 640);
+  EXPECT_GT(differingPixels(picture1, panels, 24), 5000);
+  EXPECT_EQ(test::pixelAt(panels, 320, 240), test::pixelAt(picture1, 320, 240)) << "the middle is free";
+  send("key h");
+  const Image help = picture("shift+p");
+  EXPECT_GT(differingPixels(panels, help, 24), 20000);
+  EXPECT_EQ(picture().rgba, picture1.rgba);
+  send("key h Tab");
+  EXPECT_EQ(test::pixelAt(picture("shift+p"), 30, 465), test::pixelAt(picture1, 30, 465)) << "no panel";
+}
+
+TEST_F(WindowAtWork, WarningsAreWords) {
+  open(640, 480);
+  send("key Tab");
+  const Image calm = picture("shift+p");
+  const std::vector<std::string> warnings = {"left hand lost"};
+  values.warnings = warnings;
+  // Notices of saved pictures stand below the warning, so only its own rows are looked at.
+  const Image warned = picture("shift+p");
+  int amber = 0;
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 200; x < 440; ++x) {
+      const auto [r, g, b] = test::pixelAt(warned, x, y);
+      amber += r > 220 && g > 150 && g < 215 && b < 130 ? 1 : 0;
+    }
   }
-  std::filesystem::current_path(before);
+  EXPECT_GT(amber, 60);
+  EXPECT_GT(differingPixels(calm, warned, 24), 500);
+}
+
+TEST_F(WindowAtWork, APressOnThePictureOffersTheRayAndAHeldThingKeepsTheCamera) {
+  open(640, 480);
+  const auto [x, y] = test::seenAt(Vec3(0.6, 1.2, 0.2), 640, 480);
+  const std::string place = std::to_string(std::lround(x)) + " " + std::to_string(std::lround(y));
+  const Vec3 eye = window->camera().eye;
+  values.holdsProp = true;
+  send("mousemove --window %1 " + place + " mousedown 1");
+  const WindowRequests pressed = window->takeRequests();
+  ASSERT_TRUE(pressed.pressed.has_value());
+  const Vec3 to = (Vec3(0.6, 1.2, 0.2) - eye).normalized();
+  EXPECT_LT((pressed.pressed->direction - to).norm(), 0.003) << "a pixel is 0.0013";
+  EXPECT_LT((pressed.pressed->origin - eye).norm(), 1e-9);
+  send("mousemove --window %1 200 200");
+  EXPECT_EQ(window->camera().eye, eye);
+  EXPECT_GT((window->pointer().direction - to).norm(), 0.1);
+  EXPECT_FALSE(window->takeRequests().released);
+  send("mouseup 1");
+  EXPECT_TRUE(window->takeRequests().released);
+  values.holdsProp = false;
+  send("mousedown 1 mousemove --window %1 260 200 mouseup 1");
+  EXPECT_NE(window->camera().eye, eye) << "nothing is held: the camera turns";
+}
+
+TEST_F(WindowAtWork, TinyHiddenAndResizedWindowsGoOn) {
+  open(300, 200);
+  EXPECT_EQ(picture("shift+p").height, 200);
+  send("key h");
+  send("windowsize --sync %1 90 60");
+  send("windowsize --sync %1 700 500");
+  EXPECT_EQ(picture().width, 700);
+  EXPECT_EQ(picture("shift+p").height, 500);
+  send("windowunmap --sync %1");
+  frames(3);
+  ASSERT_EQ(std::system("xdotool search --name 'Lorica test' windowmap --sync %1 > /dev/null 2>&1"), 0);
+  frames(3);
+  EXPECT_EQ(picture().width, 700);
+  EXPECT_TRUE(window->open());
+}
+
+TEST_F(WindowAtWork, VBeginsAndEndsAVideoThatPlays) {
+  open(321, 240);  // of odd width, which no encoder takes
+  send("key v");
+  for (int i = 0; i < 12; ++i) {
+    frames(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  send("key v");
+  ASSERT_TRUE(std::filesystem::exists("lorica-001.mp4"));
+  cv::VideoCapture video("lorica-001.mp4", cv::CAP_FFMPEG);
+  ASSERT_TRUE(video.isOpened());
+  EXPECT_EQ(video.get(cv::CAP_PROP_FRAME_WIDTH), 320);
+  EXPECT_EQ(video.get(cv::CAP_PROP_FPS), 30);
+  int count = 0;
+  cv::Mat frame;
+  while (video.read(frame)) {
+    ++count;
+    EXPECT_NE(frame.at<cv::Vec3b>(120, 160), frame.at<cv::Vec3b>(2, 2)) << "the box and the sky";
+  }
+  EXPECT_GE(count, 8) << "at least the 0.3 s that were waited";
+  // A change of size ends one too.
+  send("key v");
+  send("windowsize --sync %1 400 300");
+  EXPECT_TRUE(std::filesystem::exists("lorica-002.mp4"));
 }
 
 }  // namespace

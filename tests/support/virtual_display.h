@@ -1,0 +1,34 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+namespace lorica::test {
+
+/// A virtual X server of its own while this lives; DISPLAY points to it.
+class VirtualDisplay {
+ public:
+  VirtualDisplay();
+  ~VirtualDisplay();
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+
+  [[nodiscard]] bool ready() const { return !name_.empty(); }
+  /// For DISPLAY: ":99".
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  pid_t pid_ = -1;
+  std::string name_;
+};
+
+/// Whether a program can be started by this name.
+[[nodiscard]] bool installed(const std::string& program);
+
+}  // namespace lorica::test
+
+/// Skips the test, saying why, where windows cannot be had or keys not be pressed.
+#define LORICA_REQUIRE_KEYS()                                                      \
+  if (!::lorica::test::installed("Xvfb") || !::lorica::test::installed("xdotool")) \
+  GTEST_SKIP() << "Xvfb or xdotool is not installed (Debian packages xvfb, xdotool)"

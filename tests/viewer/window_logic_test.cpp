@@ -1,0 +1,112 @@
+#include "viewer/quality_choice.h"
+#include "viewer/time_graph.h"
+#include "viewer/warning_board.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace lorica {
+namespace {
+
+TEST(TimeGraph, KeepsTheLastFramesInOrder) {
+  TimeGraph graph;
+  EXPECT_EQ(graph.frameCount(), 0);
+  EXPECT_EQ(graph.mean(0), 0.0);
+  EXPECT_EQ(graph.longest(), 0.0);
+  const int count = 3 * TimeGraph::kFrames + 7;
+  for (int f = 0; f < count; ++f) {
+    const std::array stages = {TimedStage{"hulls", 1.0 * f}, TimedStage{"physics", 0.5}};
+    graph.add(stages);
+    ASSERT_EQ(graph.frameCount(), std::min(f + 1, TimeGraph::kFrames));
+    ASSERT_EQ(graph.milliseconds(graph.frameCount() - 1, 0), f) << "the newest is the last one";
+  }
+  ASSERT_EQ(graph.stageCount(), 2);
+  EXPECT_STREQ(graph.name(1), "physics");
+  for (int f = 0; f < TimeGraph::kFrames; ++f) {
+    ASSERT_EQ(graph.milliseconds(f, 0), count - TimeGraph::kFrames + f);
+    ASSERT_EQ(graph.total(f), graph.milliseconds(f, 0) + 0.5);
+  }
+  EXPECT_EQ(graph.longest(), count - 0.5);
+  EXPECT_EQ(graph.mean(0), count - 15.5) << "of the last 30";
+}
+
+TEST(WarningBoard, HoldsWhatComesAndGoesForASecond) {
+  WarningBoard board;
+  board.raise("limbs", "left hand lost", 10.0);
+  board.update(10.0);
+  ASSERT_EQ(board.sentences().size(), 1u);
+  board.update(10.9);
+  EXPECT_EQ(board.sentences().size(), 1u);
+  // Every other frame wrong: it stands all the time.
+  for (int frame = 0; frame < 90; ++frame) {
+    const double now = 10.0 + frame / 30.0;
+    if (frame % 2 == 0) board.raise("limbs", "left hand lost", now);
+    board.update(now);
+    ASSERT_EQ(board.sentences().size(), 1u);
+  }
+  board.update(14.1);
+  EXPECT_TRUE(board.sentences().empty());
+}
+
+TEST(WarningBoard, WordsChangeOncePerSecondAtMostAndKindsKeepTheirOrder) {
+  WarningBoard board;
+  board.raise("limbs", "a", 0.0);
+  board.raise("training", "t", 0.1);
+  board.raise("limbs", "b", 0.5);
+  ASSERT_EQ(board.sentences().size(), 2u);
+  EXPECT_EQ(board.sentences()[0], "a") << "too soon to be read";
+  board.raise("limbs", "b", 1.0);
+  EXPECT_EQ(board.sentences()[0], "b");
+  EXPECT_EQ(board.sentences()[1], "t");
+  board.update(1.2);
+  ASSERT_EQ(board.sentences().size(), 1u);
+  EXPECT_EQ(board.sentences()[0], "b");
+}
+
+/// Draws for so long at a speed that depends on the level. @return how often the level changed
+int run(QualityChoice& choice, double& now, double seconds, const std::array<double, 3>& secondsAPicture) {
+  int changes = 0;
+  for (const double end = now + seconds; now < end;) {
+    const double took = secondsAPicture[static_cast<std::size_t>(choice.level())];
+    now += std::max(took, 1.0 / 60.0);
+    changes += choice.add(took, now) ? 1 : 0;
+  }
+  return changes;
+}
+
+TEST(QualityChoice, FastMachinesKeepTheBest) {
+  QualityChoice choice(3);
+  double now = 0.0;
+  EXPECT_EQ(run(choice, now, 60.0, {0.001, 0.002, 0.004}), 0);
+  EXPECT_EQ(choice.level(), 2);
+}
+
+TEST(QualityChoice, SlowMachinesEndAtTheLowest) {
+  QualityChoice choice(3);
+  double now = 0.0;
+  EXPECT_EQ(run(choice, now, 60.0, {0.05, 0.1, 0.3}), 2);
+  EXPECT_EQ(choice.level(), 0);
+}
+
+TEST(QualityChoice, InBetweenItIsCalm) {
+  QualityChoice choice(3);
+  double now = 0.0;
+  EXPECT_EQ(run(choice, now, 120.0, {0.008, 0.02, 0.1}), 1) << "medium does, high does not";
+  EXPECT_EQ(choice.level(), 1);
+  // Low draws fast, medium does not: tried again, but ever more seldom.
+  EXPECT_LE(run(choice, now, 300.0, {0.005, 0.06, 0.1}), 16);
+  EXPECT_GE(run(choice, now, 60.0, {0.001, 0.002, 0.004}), 1) << "and comes back when the machine is free";
+}
+
+TEST(QualityChoice, OneSlowPictureChangesNothing) {
+  QualityChoice choice(3);
+  double now = 0.0;
+  run(choice, now, 2.0, {0.005, 0.005, 0.005});
+  choice.add(0.3, now += 0.3);
+  EXPECT_EQ(run(choice, now, 2.0, {0.005, 0.005, 0.005}), 0);
+  EXPECT_EQ(choice.level(), 2);
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,88 @@
+#include "viewer/panel_font.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr int kOversampling = 8;
+constexpr double kCapHeight = 22.0;        // of the font at scale 1 [pixels]
+constexpr double kCapPerLine = 0.58;       // capitals take this share of a line
+constexpr double kStrokePerCap = 0.13;     // thickness of a stroke
+constexpr double kBaselinePerLine = 0.76;  // from the top of a line
+constexpr double kBlankPerLine = 0.30;     // the strokes' own blank is as wide as a letter
+constexpr int kFirst = ' ' + 1, kLast = '~';
+
+struct Glyph {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> coverage;
+  float advance = 0.0f;
+};
+
+/// Drawn too large and shrunk by area, as drawText() does.
+Glyph drawGlyph(char c, int lineHeight) {
+  const double cap = kCapPerLine * lineHeight * kOversampling;
+  const double scale = cap / kCapHeight;
+  const int stroke = std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap)));
+  const std::string text(1, c);
+  int below = 0;
+  // Its width is the advance and the thickness of one stroke.
+  const int wide = cv::getTextSize(text, kFont, scale, stroke, &below).width;
+  Glyph glyph;
+  glyph.advance = static_cast<float>(wide - stroke) / kOversampling;
+  glyph.width = (wide + stroke + kOversampling - 1) / kOversampling;
+  glyph.height = lineHeight;
+  cv::Mat large(glyph.height * kOversampling, glyph.width * kOversampling, CV_8U, cv::Scalar(0));
+  const cv::Point place(stroke / 2, static_cast<int>(kBaselinePerLine * lineHeight * kOversampling));
+  cv::putText(large, text, place, kFont, scale, cv::Scalar(255), stroke, cv::LINE_8);
+  glyph.coverage.resize(static_cast<std::size_t>(glyph.width) * static_cast<std::size_t>(glyph.height));
+  cv::Mat small(glyph.height, glyph.width, CV_8U, glyph.coverage.data());
+  cv::resize(large, small, small.size(), 0, 0, cv::INTER_AREA);
+  return glyph;
+}
+
+}  // namespace
+
+void fillPanelFont(ImFontAtlas& atlas, int lineHeight) {
+  // The library's own font gives the size and a blank; each of its other glyphs has one of ours in its place.
+  atlas.Clear();
+  const std::array<ImWchar, 3> blank = {' ', ' ', 0};
+  ImFontConfig config;
+  config.SizePixels = static_cast<float>(lineHeight);
+  config.GlyphRanges = blank.data();
+  config.OversampleH = 1;
+  ImFont* font = atlas.AddFontDefault(&config);
+  std::array<Glyph, kLast - kFirst + 1> glyphs;
+  std::array<int, kLast - kFirst + 1> places{};
+  for (int c = kFirst; c <= kLast; ++c) {
+    const auto i = static_cast<std::size_t>(c - kFirst);
+    glyphs[i] = drawGlyph(static_cast<char>(c), lineHeight);
+    places[i] = atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(c), glyphs[i].width, glyphs[i].height,
+                                             glyphs[i].advance, ImVec2(0.0f, 0.0f));
+  }
+  const auto blankAdvance = static_cast<float>(kBlankPerLine * lineHeight);
+  const int blankPlace = atlas.AddCustomRectFontGlyph(font, ' ', 1, 1, blankAdvance);
+  unsigned char* pixels = nullptr;
+  int width = 0, height = 0;
+  atlas.GetTexDataAsAlpha8(&pixels, &width, &height);
+  const ImFontAtlasCustomRect* blankRect = atlas.GetCustomRectByIndex(blankPlace);
+  pixels[static_cast<std::ptrdiff_t>(blankRect->Y) * width + blankRect->X] = 0;
+  for (std::size_t i = 0; i < glyphs.size(); ++i) {
+    const ImFontAtlasCustomRect* place = atlas.GetCustomRectByIndex(places[i]);
+    for (int y = 0; y < glyphs[i].height; ++y) {
+      const std::uint8_t* row = glyphs[i].coverage.data() + static_cast<std::ptrdiff_t>(y) * glyphs[i].width;
+      std::copy_n(row, glyphs[i].width, pixels + static_cast<std::ptrdiff_t>(place->Y + y) * width + place->X);
+    }
+  }
+}
+
+}  // namespace lorica

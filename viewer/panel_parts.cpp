@@ -1,0 +1,290 @@
+#include "viewer/panel_parts.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                                    ImGuiWindowFlags_NoFocusOnAppearing;
+const ImVec4 kFaint(0.62f, 0.66f, 0.72f, 1.0f);
+constexpr ImU32 kPlate = IM_COL32(22, 26, 33, 224);
+constexpr ImU32 kInk = IM_COL32(236, 240, 245, 255);
+constexpr ImU32 kAmber = IM_COL32(255, 190, 84, 255);
+constexpr ImU32 kRed = IM_COL32(235, 78, 70, 255);
+
+struct HelpLine {
+  const char* keys;
+  const char* what;
+};
+constexpr std::array kHelp = {HelpLine{"left drag", "turn the camera, or move a thing"},
+                              HelpLine{"right drag", "shift the camera"},
+                              HelpLine{"wheel", "nearer, farther"},
+                              HelpLine{"R", "camera back to its start"},
+                              HelpLine{"space", "pause, go on"},
+                              HelpLine{"N", "one frame"},
+                              HelpLine{"left, right", "a second back, ahead"},
+                              HelpLine{"home", "from the start"},
+                              HelpLine{"- +", "slower, faster"},
+                              HelpLine{"1 2 3 4", "character, hulls, bones, things"},
+                              HelpLine{"5 6 7", "contacts, ground, grains"},
+                              HelpLine{"C", "parts by colour"},
+                              HelpLine{"[ ]", "fewer, more parts"},
+                              HelpLine{"B", "throw a ball"},
+                              HelpLine{"P", "save a picture; with shift, panels too"},
+                              HelpLine{"V", "begin, end a video"},
+                              HelpLine{"tab", "panels on, off"},
+                              HelpLine{"H", "hide this help"},
+                              HelpLine{"esc", "close"}};
+
+/// The present window belongs to the panels.
+void note(PanelLayout& layout) {
+  const ImVec2 place = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  layout.panels.push_back({place.x, place.y, place.x + size.x, place.y + size.y});
+}
+
+/// A check box with its key at the right edge.
+void toggle(const char* name, const char* key, bool& value) {
+  ImGui::Checkbox(name, &value);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(key).x);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored(kFaint, "%s", key);
+}
+
+/// A button as wide as the panel with its key at the right edge.
+bool keyedButton(const char* name, const char* key) {
+  const float width = ImGui::GetContentRegionAvail().x;
+  const bool pressed = ImGui::Button(name, ImVec2(width, 0.0f));
+  const ImVec2 corner = ImGui::GetItemRectMax(), text = ImGui::CalcTextSize(key);
+  const float pad = ImGui::GetStyle().FramePadding.y;
+  ImGui::GetWindowDrawList()->AddText(ImVec2(corner.x - text.x - 2.0f * pad, corner.y - text.y - pad),
+                                      ImGui::ColorConvertFloat4ToU32(kFaint), key);
+  return pressed;
+}
+
+/// One line of text on a plate of its own, in the middle of the picture's width.
+/// @return the place below it
+float drawPlate(const PanelLayout& layout, float top, std::string_view text, ImU32 ink, ImU32 mark) {
+  ImDrawList& list = *ImGui::GetForegroundDrawList();
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  const float pad = layout.of(8.0f), bar = layout.of(4.0f);
+  const float wrap = layout.width - 2.0f * layout.margin() - 2.0f * pad - bar;
+  const ImVec2 size = ImGui::CalcTextSize(begin, end, false, wrap);
+  const float left = std::round(0.5f * (layout.width - size.x - 2.0f * pad - bar));
+  const ImVec2 corner(left + size.x + 2.0f * pad + bar, top + size.y + pad);
+  list.AddRectFilled(ImVec2(left, top), corner, kPlate, layout.of(5.0f));
+  if (mark != 0) {
+    list.AddRectFilled(ImVec2(left, top), ImVec2(left + bar, corner.y), mark, layout.of(5.0f),
+                       ImDrawFlags_RoundCornersLeft);
+  }
+  list.AddText(nullptr, 0.0f, ImVec2(left + bar + pad, top + std::round(0.5f * pad)), ink, begin, end, wrap);
+  return corner.y + layout.of(4.0f);
+}
+
+}  // namespace
+
+void setPanelStyle(float scale) {
+  ImGuiStyle style;
+  ImGui::StyleColorsDark(&style);
+  style.WindowRounding = style.PopupRounding = 6.0f;
+  style.FrameRounding = style.GrabRounding = 4.0f;
+  style.WindowBorderSize = 0.0f;
+  style.FrameBorderSize = 1.0f;
+  style.WindowPadding = ImVec2(10.0f, 8.0f);
+  style.FramePadding = ImVec2(6.0f, 2.0f);
+  style.ItemSpacing = ImVec2(8.0f, 4.0f);
+  style.GrabMinSize = 12.0f;
+  style.ScrollbarSize = 10.0f;
+  ImVec4* colors = style.Colors;
+  colors[ImGuiCol_Text] = ImVec4(0.93f, 0.95f, 0.97f, 1.0f);
+  colors[ImGuiCol_WindowBg] = ImVec4(0.085f, 0.10f, 0.13f, 0.80f);
+  colors[ImGuiCol_PopupBg] = ImVec4(0.085f, 0.10f, 0.13f, 0.97f);
+  colors[ImGuiCol_TitleBg] = colors[ImGuiCol_TitleBgActive] = ImVec4(0.12f, 0.145f, 0.19f, 0.90f);
+  colors[ImGuiCol_TitleBgCollapsed] = ImVec4(0.085f, 0.10f, 0.13f, 0.72f);
+  colors[ImGuiCol_Border] = ImVec4(1.0f, 1.0f, 1.0f, 0.10f);
+  colors[ImGuiCol_FrameBg] = ImVec4(0.27f, 0.31f, 0.38f, 0.90f);
+  colors[ImGuiCol_FrameBgHovered] = ImVec4(0.28f, 0.34f, 0.43f, 0.95f);
+  colors[ImGuiCol_FrameBgActive] = ImVec4(0.30f, 0.38f, 0.49f, 1.0f);
+  colors[ImGuiCol_Button] = ImVec4(0.26f, 0.32f, 0.42f, 0.95f);
+  colors[ImGuiCol_ButtonHovered] = ImVec4(0.28f, 0.38f, 0.50f, 1.0f);
+  colors[ImGuiCol_ButtonActive] = ImVec4(0.24f, 0.46f, 0.66f, 1.0f);
+  colors[ImGuiCol_CheckMark] = colors[ImGuiCol_SliderGrab] = ImVec4(0.38f, 0.70f, 0.95f, 1.0f);
+  colors[ImGuiCol_SliderGrabActive] = ImVec4(0.55f, 0.82f, 1.0f, 1.0f);
+  colors[ImGuiCol_Header] = colors[ImGuiCol_HeaderHovered] = ImVec4(0.24f, 0.36f, 0.48f, 0.9f);
+  style.ScaleAllSizes(scale);
+  ImGui::GetStyle() = style;
+}
+
+void drawTransport(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
+                   WindowRequests& requests) {
+  const float margin = layout.margin();
+  const float inset = facts.insetWidth > 0.0 ? static_cast<float>(facts.insetWidth) + 2.0f * margin : 0.0f;
+  const float width = layout.width - 2.0f * margin - inset;
+  const bool narrow = width < layout.of(540.0f);
+  ImGui::SetNextWindowPos(ImVec2(margin, layout.height - margin), ImGuiCond_Always, ImVec2(0.0f, 1.0f));
+  ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
+  ImGui::Begin("transport", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
+  const ImVec2 button(layout.of(64.0f), 0.0f);
+  if (ImGui::Button(state.paused ? "Play###play" : "Pause###play", button)) state.paused = !state.paused;
+  ImGui::SameLine();
+  if (ImGui::Button("Step", ImVec2(layout.of(52.0f), 0.0f))) {
+    state.paused = true;
+    ++state.steps;
+  }
+  if (values.duration > 0.0) {
+    ImGui::SameLine();
+    if (!narrow) {
+      if (ImGui::Button("Start", ImVec2(layout.of(56.0f), 0.0f))) requests.seekTo = 0.0;
+      ImGui::SameLine();
+    }
+    const float speedWidth = narrow ? 0.0f : layout.of(200.0f);
+    ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - speedWidth, layout.of(60.0f)));
+    auto seconds = static_cast<float>(values.seconds);
+    const auto duration = static_cast<float>(values.duration);
+    const std::string format = fmt::format("%.1f of {:.1f} s", values.duration);
+    if (ImGui::SliderFloat("##time", &seconds, 0.0f, duration, narrow ? "%.1f s" : format.c_str(),
+                           ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat)) {
+      requests.seekTo = seconds;
+    }
+    state.scrubbing = ImGui::IsItemActive();
+    if (!narrow) {
+      ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - speedWidth + ImGui::GetStyle().ItemSpacing.x);
+      ImGui::AlignTextToFramePadding();
+      ImGui::TextColored(kFaint, "speed %.2g", state.speed);
+      ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - layout.of(110.0f));
+      ImGui::SetNextItemWidth(layout.of(110.0f));
+      auto speed = static_cast<float>(state.speed);
+      if (ImGui::SliderFloat("##speed", &speed, static_cast<float>(kSlowest), static_cast<float>(kFastest), "",
+                             ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
+        // Full speed is easy to hit.
+        state.speed = std::abs(speed - 1.0f) < 0.08f ? 1.0 : std::clamp<double>(speed, kSlowest, kFastest);
+      }
+    }
+  } else {
+    ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(kFaint, "live, %.1f s", values.seconds);
+  }
+  if (layout.height > layout.of(260.0f)) {
+    ImGui::TextUnformatted(values.name.data(), values.name.data() + values.name.size());
+    ImGui::SameLine(0.0f, layout.of(16.0f));
+    ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
+    ImGui::TextUnformatted(values.status.data(), values.status.data() + values.status.size());
+    ImGui::PopStyleColor();
+    const char* hint = "H help";
+    const float hintWidth = ImGui::CalcTextSize(hint).x;
+    const float hintPlace = ImGui::GetWindowContentRegionMax().x - hintWidth;
+    if (ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + layout.of(16.0f) < hintPlace) {
+      ImGui::SameLine(hintPlace);
+      ImGui::TextColored(kFaint, "%s", hint);
+    }
+  }
+  note(layout);
+  layout.floor = ImGui::GetWindowPos().y;
+  ImGui::End();
+}
+
+void drawViewPanel(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
+                   WindowRequests& requests) {
+  const float margin = layout.margin();
+  const float width = std::min(layout.of(206.0f), 0.5f * (layout.width - 3.0f * margin));
+  const float room = layout.floor - 2.0f * margin;
+  if (room < layout.of(40.0f)) return;
+  ImGui::SetNextWindowPos(ImVec2(margin, margin));
+  ImGui::SetNextWindowCollapsed(layout.small(), ImGuiCond_Once);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
+  if (ImGui::Begin("View", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize)) {
+    SceneOptions& show = state.show;
+    toggle("character", "1", show.skin);
+    toggle("hulls", "2", show.hulls);
+    toggle("bones", "3", show.bones);
+    toggle("things", "4", show.props);
+    toggle("contacts", "5", show.contacts);
+    toggle("ground", "6", show.ground);
+    toggle("grains", "7", show.particles);
+    toggle("parts by colour", "C", show.colorSkinByPart);
+    ImGui::Separator();
+    const float slider = ImGui::GetContentRegionAvail().x;
+    if (values.mostParts > 0) {
+      int parts = values.parts;
+      ImGui::SetNextItemWidth(slider);
+      const char* format = values.preparingParts ? "%d parts ..." : parts == 1 ? "%d part" : "%d parts";
+      if (ImGui::SliderInt("##parts", &parts, 1, values.mostParts, format,
+                           ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
+        requests.parts = parts;
+      }
+    }
+    if (!values.scenes.empty()) {
+      ImGui::SetNextItemWidth(slider);
+      const std::string& now = values.scenes[static_cast<std::size_t>(values.scene)];
+      if (ImGui::BeginCombo("##scene", now.c_str())) {
+        for (int s = 0; s < static_cast<int>(values.scenes.size()); ++s) {
+          if (ImGui::Selectable(values.scenes[static_cast<std::size_t>(s)].c_str(), s == values.scene)) {
+            requests.scene = s;
+          }
+        }
+        ImGui::EndCombo();
+      }
+    }
+    if (!facts.qualities.empty()) {
+      ImGui::SetNextItemWidth(slider);
+      const char* now = facts.qualities[static_cast<std::size_t>(facts.quality)];
+      const std::string chosen =
+          state.quality < 0 ? fmt::format("quality: {} (auto)", now) : fmt::format("quality: {}", now);
+      if (ImGui::BeginCombo("##quality", chosen.c_str())) {
+        if (ImGui::Selectable("automatic", state.quality < 0)) state.quality = -1;
+        for (int q = static_cast<int>(facts.qualities.size()) - 1; q >= 0; --q) {
+          if (ImGui::Selectable(facts.qualities[static_cast<std::size_t>(q)], state.quality == q)) state.quality = q;
+        }
+        ImGui::EndCombo();
+      }
+    }
+    if (keyedButton("throw a ball", "B")) requests.throwBall = true;
+    if (keyedButton("save a picture", "P")) state.picture = true;
+    if (keyedButton(facts.videoSeconds < 0.0 ? "begin a video###video" : "end the video###video", "V")) {
+      state.video = true;
+    }
+  }
+  note(layout);
+  ImGui::End();
+}
+
+void drawWarnings(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts) {
+  // Between the panels, or below their titles where there is no room between them.
+  float top = layout.margin();
+  if (layout.small() && !layout.panels.empty()) top += layout.of(kPanelLine + 12.0f);
+  for (const std::string& warning : values.warnings) top = drawPlate(layout, top, warning, kAmber, kAmber);
+  if (facts.videoSeconds >= 0.0) {
+    top = drawPlate(layout, top, fmt::format("video {:.1f} s, V ends it", facts.videoSeconds), kInk, kRed);
+  }
+  if (!facts.notice.empty()) drawPlate(layout, top, facts.notice, kInk, 0);
+}
+
+void drawHelp(PanelLayout& layout) {
+  const ImVec2 middle(0.5f * layout.width, 0.5f * (layout.panels.empty() ? layout.height : layout.floor));
+  ImGui::SetNextWindowPos(middle, ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  const float room = 2.0f * layout.margin();
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f),
+                                      ImVec2(layout.width - room, std::max(layout.height - room, 1.0f)));
+  ImGui::SetNextWindowBgAlpha(0.92f);
+  ImGui::SetNextWindowFocus();
+  ImGui::Begin("Keys and mouse", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+  for (const HelpLine& line : kHelp) {
+    ImGui::TextUnformatted(line.keys);
+    ImGui::SameLine(layout.of(120.0f));
+    ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
+    ImGui::TextUnformatted(line.what);
+    ImGui::PopStyleColor();
+  }
+  note(layout);
+  ImGui::End();
+}
+
+}  // namespace lorica

@@ -1,0 +1,101 @@
+#include "viewer/panel_parts.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace lorica {
+namespace {
+
+constexpr std::array<ImU32, TimeGraph::kMostStages> kStageColors = {
+    IM_COL32(94, 168, 255, 255),  IM_COL32(120, 214, 166, 255), IM_COL32(240, 205, 98, 255),
+    IM_COL32(240, 142, 92, 255),  IM_COL32(214, 122, 200, 255), IM_COL32(150, 150, 240, 255),
+    IM_COL32(170, 190, 200, 255), IM_COL32(210, 100, 110, 255)};
+constexpr ImU32 kLine = IM_COL32(255, 255, 255, 40);
+constexpr ImU32 kFaint = IM_COL32(158, 168, 184, 255);
+
+/// The upper end of the scale: one of few, so that it seldom changes [ms].
+double scaleFor(double milliseconds) {
+  constexpr std::array kScales = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
+  const auto* found = std::find_if(kScales.begin(), kScales.end(), [&](double s) { return milliseconds <= s; });
+  return found == kScales.end() ? 1000.0 : *found;
+}
+
+/// A number at the right edge of the line.
+void rightText(const char* format, double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(text.data()).x);
+  ImGui::TextUnformatted(text.data());
+}
+
+/// A bar a frame, its stages on top of each other.
+void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, double scale) {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float bar = size.x / TimeGraph::kFrames;
+  const float first = corner.x + bar * static_cast<float>(TimeGraph::kFrames - times.frameCount());
+  for (int f = 0; f < times.frameCount(); ++f) {
+    const float left = first + bar * static_cast<float>(f);
+    double sum = 0.0;
+    float below = corner.y + size.y;
+    for (int s = 0; s < times.stageCount(); ++s) {
+      sum += times.milliseconds(f, s);
+      const float above = corner.y + size.y * (1.0f - static_cast<float>(std::min(sum / scale, 1.0)));
+      list.AddRectFilled(ImVec2(left, above), ImVec2(left + bar, below), kStageColors[static_cast<std::size_t>(s)]);
+      below = above;
+    }
+  }
+}
+
+}  // namespace
+
+void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGraph& times) {
+  const float margin = layout.margin();
+  const float width = std::min(layout.of(250.0f), 0.5f * (layout.width - 3.0f * margin));
+  const float room = layout.floor - 2.0f * margin;
+  if (room < layout.of(40.0f)) return;
+  ImGui::SetNextWindowPos(ImVec2(layout.width - margin, margin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
+  ImGui::SetNextWindowCollapsed(layout.small(), ImGuiCond_Once);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
+  if (ImGui::Begin("Time of a frame", nullptr,
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
+                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
+                       ImGuiWindowFlags_AlwaysAutoResize)) {
+    const double scale = scaleFor(times.longest());
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 size(ImGui::GetContentRegionAvail().x, layout.of(84.0f));
+    ImGui::Dummy(size);
+    drawBars(times, corner, size, scale);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddLine(ImVec2(corner.x, corner.y + size.y), ImVec2(corner.x + size.x, corner.y + size.y), kLine);
+    list.AddLine(corner, ImVec2(corner.x + size.x, corner.y), kLine);
+    std::array<char, 32> label{};
+    std::snprintf(label.data(), label.size(), "%g ms", scale);
+    list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), kFaint, label.data());
+    double total = 0.0;
+    for (int s = times.stageCount() - 1; s >= 0; --s) {  // as in the bars, from above
+      const ImVec2 place = ImGui::GetCursorScreenPos();
+      const float box = layout.of(9.0f), drop = 0.5f * (ImGui::GetTextLineHeight() - box);
+      list.AddRectFilled(ImVec2(place.x, place.y + drop), ImVec2(place.x + box, place.y + drop + box),
+                         kStageColors[static_cast<std::size_t>(s)], layout.of(2.0f));
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + layout.of(16.0f));
+      ImGui::TextUnformatted(times.name(s));
+      rightText("%.2f ms", times.mean(s));
+      total += times.mean(s);
+    }
+    ImGui::Separator();
+    ImGui::TextUnformatted("all of them");
+    rightText("%.2f ms", total);
+    ImGui::TextUnformatted("drawing");
+    rightText("%.1f ms", facts.pictureMilliseconds);
+    ImGui::TextUnformatted("pictures a second");
+    rightText("%.0f", facts.picturesASecond);
+  }
+  const ImVec2 place = ImGui::GetWindowPos(), extent = ImGui::GetWindowSize();
+  layout.panels.push_back({place.x, place.y, place.x + extent.x, place.y + extent.y});
+  ImGui::End();
+}
+
+}  // namespace lorica

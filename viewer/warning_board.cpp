@@ -1,0 +1,30 @@
+#include "viewer/warning_board.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace lorica {
+
+void WarningBoard::raise(std::string_view kind, std::string_view sentence, double now) {
+  const auto found = std::find_if(notes_.begin(), notes_.end(), [&](const Note& note) { return note.kind == kind; });
+  if (found == notes_.end()) {
+    notes_.push_back({std::string(kind), now, now});
+    sentences_.emplace_back(sentence);
+    return;
+  }
+  found->raised = now;
+  std::string& words = sentences_[static_cast<std::size_t>(found - notes_.begin())];
+  if (words == sentence || now - found->worded < kHoldSeconds) return;
+  words = sentence;
+  found->worded = now;
+}
+
+void WarningBoard::update(double now) {
+  for (std::size_t i = notes_.size(); i-- > 0;) {
+    if (now - notes_[i].raised < kHoldSeconds) continue;
+    notes_.erase(notes_.begin() + static_cast<std::ptrdiff_t>(i));
+    sentences_.erase(sentences_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+}  // namespace lorica

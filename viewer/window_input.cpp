@@ -1,0 +1,222 @@
+#include "viewer/window_impl.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr double kSeekStep = 1.0;  // of the arrow keys [s]
+constexpr double kSpeedStep = 1.25;
+constexpr double kTurnPerHeight = 4.0;  // a drag over the window's height turns the camera so far [rad]
+
+void toggle(bool& flag) {
+  flag = !flag;
+}
+
+}  // namespace
+
+void Window::Impl::listen() {
+  glfwSetWindowUserPointer(window, this);
+  static constexpr auto kOf = [](GLFWwindow* w) { return static_cast<Impl*>(glfwGetWindowUserPointer(w)); };
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
+    const bool repeats = key == GLFW_KEY_N || key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
+    if (action == GLFW_PRESS || (action == GLFW_REPEAT && repeats)) kOf(w)->onKey(key, mods);
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { kOf(w)->onCursor(x, y); });
+  glfwSetMouseButtonCallback(
+      window, [](GLFWwindow* w, int button, int action, int) { kOf(w)->onButton(button, action == GLFW_PRESS); });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) { kOf(w)->onWheel(y); });
+  glfwGetCursorPos(window, &cursorX, &cursorY);
+}
+
+void Window::Impl::seekBy(double seconds) {
+  if (lastValues.duration <= 0.0) return;
+  // Presses that were not answered yet add up.
+  const double from = requests.seekTo.value_or(lastValues.seconds);
+  requests.seekTo = std::clamp(from + seconds, 0.0, lastValues.duration);
+}
+
+void Window::Impl::onKey(int key, int mods) {
+  const int parts = requests.parts.value_or(lastValues.parts);
+  switch (key) {
+    case GLFW_KEY_SPACE:
+      return toggle(state.paused);
+    case GLFW_KEY_N:
+      state.paused = true;
+      ++state.steps;
+      return;
+    case GLFW_KEY_LEFT:
+      return seekBy(-kSeekStep);
+    case GLFW_KEY_RIGHT:
+      return seekBy(kSeekStep);
+    case GLFW_KEY_HOME:
+      if (lastValues.duration > 0.0) requests.seekTo = 0.0;
+      return;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      if (lastValues.duration > 0.0) state.speed = std::max(state.speed / kSpeedStep, kSlowest);
+      return;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      if (lastValues.duration > 0.0) state.speed = std::min(state.speed * kSpeedStep, kFastest);
+      return;
+    case GLFW_KEY_1:
+      return toggle(state.show.skin);
+    case GLFW_KEY_2:
+      return toggle(state.show.hulls);
+    case GLFW_KEY_3:
+      return toggle(state.show.bones);
+    case GLFW_KEY_4:
+      return toggle(state.show.props);
+    case GLFW_KEY_5:
+      return toggle(state.show.contacts);
+    case GLFW_KEY_6:
+      return toggle(state.show.ground);
+    case GLFW_KEY_7:
+      return toggle(state.show.particles);
+    case GLFW_KEY_C:
+      return toggle(state.show.colorSkinByPart);
+    case GLFW_KEY_LEFT_BRACKET:
+      if (lastValues.mostParts > 0) requests.parts = std::max(parts - 1, 1);
+      return;
+    case GLFW_KEY_RIGHT_BRACKET:
+      if (lastValues.mostParts > 0) requests.parts = std::min(parts + 1, lastValues.mostParts);
+      return;
+    case GLFW_KEY_B:
+      requests.throwBall = true;
+      return;
+    case GLFW_KEY_P:
+      ((mods & GLFW_MOD_SHIFT) != 0 ? state.pictureWithPanels : state.picture) = true;
+      return;
+    case GLFW_KEY_V:
+      return toggle(state.video);
+    case GLFW_KEY_R:
+      return camera.reset();
+    case GLFW_KEY_TAB:
+      return toggle(state.panels);
+    case GLFW_KEY_H:
+    case GLFW_KEY_F1:
+      return toggle(state.help);
+    case GLFW_KEY_ESCAPE:
+      glfwSetWindowShouldClose(window, GLFW_TRUE);
+      return;
+    default:
+      return;
+  }
+}
+
+void Window::Impl::onButton(int button, bool pressed) {
+  if (button != GLFW_MOUSE_BUTTON_LEFT && button != GLFW_MOUSE_BUTTON_RIGHT) return;
+  const bool left = button == GLFW_MOUSE_BUTTON_LEFT;
+  const std::size_t index = left ? 0 : 1;
+  down[index] = pressed;
+  pressedSince[index] = pressedSince[index] || pressed;
+  if (!pressed) {
+    const bool ends = left ? drag != Drag::kPan : drag == Drag::kPan;
+    if (!ends) return;
+    if (drag == Drag::kUndecided) {
+      requests.released = true;
+      undecidedEnd = {cursorX, cursorY};
+      return;
+    }
+    if (drag == Drag::kProp) requests.released = true;
+    drag = Drag::kNone;
+    return;
+  }
+  if (drag != Drag::kNone) return;
+  heldX = cursorX;
+  heldY = cursorY;
+  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
+  const auto x = static_cast<float>(cursorX * pixelWidth / std::max(width, 1));
+  const auto y = static_cast<float>(cursorY * pixelHeight / std::max(height, 1));
+  if (panels->covers(x, y) || panels->busy()) {
+    drag = Drag::kPanel;
+  } else if (left) {
+    drag = Drag::kUndecided;
+    requests.pressed = rayThrough(cursorX, cursorY);
+  } else {
+    drag = Drag::kPan;
+  }
+}
+
+/// The owner has seen the press: the mouse moves what it says, or else the camera, from where it was pressed on.
+void Window::Impl::decideDrag(bool holdsProp) {
+  if (drag != Drag::kUndecided) return;
+  drag = holdsProp ? Drag::kProp : Drag::kCamera;
+  const std::array<double, 2> now = {cursorX, cursorY};
+  const std::array<double, 2> end = undecidedEnd.value_or(now);
+  onCursor(end[0], end[1]);
+  if (undecidedEnd) drag = Drag::kNone;  // it was let go already
+  undecidedEnd.reset();
+  onCursor(now[0], now[1]);
+}
+
+void Window::Impl::onCursor(double x, double y) {
+  cursorX = x;
+  cursorY = y;
+  if (drag != Drag::kCamera && drag != Drag::kPan) return;
+  // Cursor and window size are both in screen coordinates, whatever the pixels behind them.
+  int width = 1, height = 1;
+  glfwGetWindowSize(window, &width, &height);
+  const double dx = (x - heldX) / std::max(height, 1);
+  const double dy = (y - heldY) / std::max(height, 1);
+  heldX = x;
+  heldY = y;
+  if (drag == Drag::kCamera) {
+    camera.turn(-kTurnPerHeight * dx, kTurnPerHeight * dy);
+  } else {
+    camera.pan(-dx, dy);
+  }
+}
+
+void Window::Impl::onWheel(double y) {
+  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
+  const auto px = static_cast<float>(cursorX * pixelWidth / std::max(width, 1));
+  const auto py = static_cast<float>(cursorY * pixelHeight / std::max(height, 1));
+  if (panels->covers(px, py) || panels->busy()) {
+    wheel += static_cast<float>(y);
+  } else {
+    camera.zoom(std::pow(0.9, y));
+  }
+}
+
+PanelInput Window::Impl::takePanelInput(int width, int height) {
+  PanelInput input;
+  int windowWidth = 1, windowHeight = 1;
+  glfwGetWindowSize(window, &windowWidth, &windowHeight);
+  float scaleX = 1.0f, scaleY = 1.0f;
+  glfwGetWindowContentScale(window, &scaleX, &scaleY);
+  input.width = width;
+  input.height = height;
+  input.scale = std::max(scaleX, scaleY);
+  input.x = static_cast<float>(cursorX * width / std::max(windowWidth, 1));
+  input.y = static_cast<float>(cursorY * height / std::max(windowHeight, 1));
+  // A button that belongs to the picture is not down for the panels.
+  const bool theirs = drag == Drag::kPanel || drag == Drag::kNone;
+  for (std::size_t b = 0; b < down.size(); ++b) input.down[b] = theirs && (down[b] || pressedSince[b]);
+  pressedSince = {};
+  input.wheel = std::exchange(wheel, 0.0f);
+  input.seconds = static_cast<float>(secondsNow() - std::exchange(lastShow, secondsNow()));
+  return input;
+}
+
+/// The inverse of what the renderer does with a camera.
+Ray Window::Impl::rayThrough(double x, double y) const {
+  int width = 1, height = 1;
+  glfwGetWindowSize(window, &width, &height);
+  const Camera now = camera.camera();
+  const Vec3 forward = (now.target - now.eye).normalized();
+  const Vec3 right = forward.cross(Vec3::UnitY()).normalized();
+  const Vec3 up = right.cross(forward);
+  const double half = std::tan(0.5 * now.verticalFov);
+  const double across = (2.0 * x / std::max(width, 1) - 1.0) * half * width / std::max(height, 1);
+  const double upward = (1.0 - 2.0 * y / std::max(height, 1)) * half;
+  return {now.eye, (forward + across * right + upward * up).normalized()};
+}
+
+}  // namespace lorica

@@ -1,0 +1,98 @@
+#include "viewer/window_panels.h"
+
+#include "viewer/panel_font.h"
+#include "viewer/panel_parts.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lorica {
+
+struct WindowPanels::Impl {
+  explicit Impl(const GlFunctions& functions) : drawer(functions) {}
+  ~Impl() {
+    if (context != nullptr) ImGui::DestroyContext(context);
+  }
+
+  void takeInput(const PanelInput& input);
+  void takeScale(float scale);
+
+  ImguiDraw drawer;
+  ImGuiContext* context = nullptr;
+  float scale = 0.0f;  // that font and style are made for
+  PanelLayout layout;
+};
+
+void WindowPanels::Impl::takeScale(float wanted) {
+  // Fonts are made for whole pixels, so tiny changes change nothing.
+  const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.75f, 4.0f);
+  if (rounded == scale) return;
+  scale = rounded;
+  layout.unit = scale;
+  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)));
+  drawer.takeFont(*ImGui::GetIO().Fonts);
+  setPanelStyle(scale);
+}
+
+void WindowPanels::Impl::takeInput(const PanelInput& input) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = ImVec2(static_cast<float>(input.width), static_cast<float>(input.height));
+  io.DeltaTime = std::clamp(input.seconds, 1e-4f, 0.25f);
+  io.MousePos = ImVec2(input.x, input.y);
+  io.MouseDown[0] = input.down[0];
+  io.MouseDown[1] = input.down[1];
+  io.MouseWheel = input.wheel;
+}
+
+WindowPanels::WindowPanels(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+WindowPanels::~WindowPanels() = default;
+WindowPanels::WindowPanels(WindowPanels&&) noexcept = default;
+WindowPanels& WindowPanels::operator=(WindowPanels&&) noexcept = default;
+
+Result<WindowPanels> WindowPanels::create(const GlFunctions& functions) {
+  auto impl = std::make_unique<Impl>(functions);
+  if (Result<void> made = impl->drawer.create(); !made.ok()) return made.error();
+  impl->context = ImGui::CreateContext();
+  ImGui::SetCurrentContext(impl->context);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // nothing is written where a user did not ask for it
+  io.LogFilename = nullptr;
+  io.ConfigWindowsMoveFromTitleBarOnly = true;
+  io.BackendPlatformName = io.BackendRendererName = "lorica";
+  return WindowPanels(std::move(impl));
+}
+
+void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const WindowFacts& facts,
+                        const TimeGraph& times, ControlState& state, WindowRequests& requests) {
+  Impl& i = *impl_;
+  ImGui::SetCurrentContext(i.context);
+  i.takeScale(input.scale);
+  i.takeInput(input);
+  ImGui::NewFrame();
+  i.layout.begin(static_cast<float>(input.width), static_cast<float>(input.height));
+  if (state.panels) {
+    drawTransport(i.layout, values, facts, state, requests);
+    drawViewPanel(i.layout, values, facts, state, requests);
+    drawTimesPanel(i.layout, facts, times);
+  }
+  drawWarnings(i.layout, values, facts);
+  if (state.help) drawHelp(i.layout);
+  ImGui::Render();
+  i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);
+}
+
+bool WindowPanels::covers(float x, float y) const {
+  return std::any_of(impl_->layout.panels.begin(), impl_->layout.panels.end(), [&](const PanelLayout::Area& a) {
+    return x >= a.left && x < a.right && y >= a.top && y < a.bottom;
+  });
+}
+
+bool WindowPanels::busy() const {
+  ImGui::SetCurrentContext(impl_->context);
+  return ImGui::IsAnyItemActive() || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+}
+
+}  // namespace lorica
