@@ -54,7 +54,7 @@ int run(int argc, char** argv) {
   const std::vector<lorica::Command> commands = {
       lorica::addDemo(app, common), lorica::addDecompose(app, common), lorica::addScore(app, common),
       lorica::addPlay(app, common), lorica::addLive(app, common),      lorica::addRecord(app, common),
-      lorica::addInfo(app, common), lorica::addConvert(app, common),
+      lorica::addInfo(app, common), lorica::addConvert(app, common),   lorica::addSnapshot(app, common),
   };
 
   try {

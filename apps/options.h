@@ -48,7 +48,8 @@ CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, co
 /// An option that takes a share above zero, as a number or in percent: 0.05 or 5%.
 CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
-/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, info.cpp, convert.cpp.
+/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, info.cpp, convert.cpp,
+/// snapshot.cpp.
 [[nodiscard]] Command addDemo(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addScore(CLI::App& parent, CommonOptions& common);
@@ -57,5 +58,6 @@ CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, con
 [[nodiscard]] Command addRecord(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addInfo(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addConvert(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addSnapshot(CLI::App& parent, CommonOptions& common);
 
 }  // namespace lorica

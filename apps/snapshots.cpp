@@ -14,11 +14,8 @@
 namespace lorica {
 namespace {
 
-constexpr double kFollowSeconds = 0.6;  // time constant of the camera
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
-constexpr double kCameraDistance = 2.29;  // in heights of the character
-constexpr double kTargetHeight = 0.54;    // of the character's height: the middle of a standing body
 
 }  // namespace
 
@@ -59,24 +56,6 @@ Scene SessionScene::of(const Session& session) const {
   return scene;
 }
 
-void FollowCamera::update(const Session& session, double seconds) {
-  Vec3 wanted = Vec3::Zero();
-  for (const LivePart& part : session.body().parts()) wanted += part.worldFromPart.translation();
-  wanted /= static_cast<double>(session.body().parts().size());
-  height_ = session.character().height;
-  wanted.y() = kTargetHeight * height_;
-  const double step = started_ ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;
-  target_ += step * (wanted - target_);
-  started_ = true;
-}
-
-Camera FollowCamera::camera() const {
-  Camera camera;
-  camera.target = target_;
-  camera.eye = target_ + heights_ * height_ * kViewDirection;
-  return camera;
-}
-
 SnapshotCamera::SnapshotCamera(OffscreenContext context, Renderer renderer, int width, int height)
     : context_(std::move(context)),
       renderer_(std::move(renderer)),
@@ -101,6 +80,7 @@ CLI::Option* addSnapshotOptions(CLI::App& app, SnapshotOptions& options) {
   CLI::Option* snapshots =
       app.add_option("--snapshots", options.folder, "Write pictures to this folder")->type_name("DIR");
   addCount(app, "--every", options.every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
+  addCameraOptions(app, options.camera);
   return snapshots;
 }
 
@@ -110,6 +90,8 @@ Result<void> checkSnapshots(const SnapshotOptions& options) {
 
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
   if (options.folder.empty()) return std::optional<SnapshotSeries>();
+  Result<FollowCamera> follow = FollowCamera::create(options.camera, kWidth, kHeight);
+  if (!follow) return follow.error();
   Result<SnapshotCamera> pictures = SnapshotCamera::create(kWidth, kHeight);
   if (!pictures) return pictures.error();
   std::error_code error;
@@ -117,11 +99,12 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
   if (error) {
     return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.folder, error.message())};
   }
-  return std::optional<SnapshotSeries>(SnapshotSeries(options, std::move(*pictures), session));
+  return std::optional<SnapshotSeries>(SnapshotSeries(options, std::move(*pictures), *follow, session));
 }
 
-SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session)
-    : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(kCameraDistance) {}
+SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow,
+                               const Session& session)
+    : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(std::move(follow)) {}
 
 Result<void> SnapshotSeries::add(const Session& session, const std::string& name, const Image* inset) {
   if (!firstTime_) firstTime_ = previousTime_ = session.time();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/camera_options.h"
 #include "session/session.h"
 #include "viewer/image.h"
 #include "viewer/renderer.h"
@@ -12,9 +13,6 @@
 #include <vector>
 
 namespace lorica {
-
-/// From the body to the camera: its right side and a little from the front and above, so that a kick shows. Unit.
-inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();
 
 /// What a picture shows of a session: the skin, coloured by part, and what surrounds it. A body is cut where the parts
 /// meet; a surface that is shown instead of the body has whole triangles, each of the part that covers its first
@@ -29,23 +27,6 @@ class SessionScene {
  private:
   std::vector<Triangle> triangles_;  // what is shown, or the surface of all parts, without caps, over their points
   std::vector<PartIndex> partOfTriangle_;
-};
-
-/// A camera that keeps a moving body in the picture: it follows the middle of its parts, calmly, and stays level.
-class FollowCamera {
- public:
-  /// @param heights  how far from the body, in heights of the character
-  explicit FollowCamera(double heights) : heights_(heights) {}
-
-  /// @param seconds  since the last frame [s]
-  void update(const Session& session, double seconds);
-  [[nodiscard]] Camera camera() const;
-
- private:
-  double heights_;
-  double height_ = 0.0;  // of the character [m]
-  Vec3 target_ = Vec3::Zero();
-  bool started_ = false;
 };
 
 /// Draws sessions without a window.
@@ -66,10 +47,11 @@ class SnapshotCamera {
   int height_;
 };
 
-/// --snapshots and --every.
+/// --snapshots, --every and the camera.
 struct SnapshotOptions {
   std::string folder;  ///< empty = no pictures
   int every = 30;      ///< frames
+  CameraOptions camera;
 };
 
 /// @return --snapshots, for others to exclude
@@ -94,7 +76,7 @@ class SnapshotSeries {
   [[nodiscard]] int written() const { return written_; }
 
  private:
-  SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session);
+  SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow, const Session& session);
   SnapshotOptions options_;
   SnapshotCamera pictures_;
   SessionScene scene_;

@@ -1,0 +1,110 @@
+#include "apps/camera_options.h"
+
+#include "apps/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace lorica {
+namespace {
+
+constexpr double kFollowSeconds = 0.6;  // time constant of the camera
+constexpr double kDistance = 2.29;      // in heights of the character
+constexpr double kTargetHeight = 0.54;  // of the character's height: the middle of a standing body
+constexpr double kWideEnough = 1.0;     // width / height of a picture below which the camera steps back
+constexpr double kFarthest = 1e4;       // of a place from the origin [m]
+
+/// "1.5,1,-3" as a place; nothing for any other text.
+std::optional<Vec3> placeOf(std::string_view text) {
+  Vec3 place;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
+    const auto [stopped, error] = std::from_chars(at, end, place[i]);
+    if (error != std::errc() || !(std::abs(place[i]) <= kFarthest)) return std::nullopt;
+    at = stopped;
+  }
+  if (at != end) return std::nullopt;
+  return place;
+}
+
+CLI::Validator isPlace() {
+  CLI::Validator validator("");
+  validator.operation([](std::string& text) -> std::string {
+    if (placeOf(text)) return "";
+    return fmt::format("found `{}`, expected a place in metres, such as 1.5,1,-3", text);
+  });
+  return validator;
+}
+
+Vec3 directionOf(const std::string& preset) {
+  // A character faces +Z; its right hand is at -X.
+  if (preset == "front") return Vec3(0.0, 0.10, 1.0).normalized();
+  if (preset == "side") return Vec3(-1.0, 0.10, 0.0).normalized();
+  if (preset == "top") return Vec3::UnitY();
+  return kViewDirection;
+}
+
+}  // namespace
+
+void addCameraOptions(CLI::App& app, CameraOptions& options) {
+  CLI::Option* camera =
+      app.add_option("--camera", options.preset,
+                     "Look from the front, the side, the top or three-quarter; the camera follows the body [default: "
+                     "three-quarter]")
+          ->type_name("VIEW")
+          ->check(oneOf({"front", "side", "top", "three-quarter"}));
+  CLI::Option* eye = app.add_option("--eye", options.eye, "Look from this place instead, in metres: 2,1.5,3")
+                         ->type_name("X,Y,Z")
+                         ->check(isPlace())
+                         ->excludes(camera);
+  CLI::Option* target =
+      app.add_option("--target", options.target, "And at this one")->type_name("X,Y,Z")->check(isPlace())->needs(eye);
+  eye->needs(target);
+}
+
+Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int width, int height) {
+  if (options.eye.empty()) {
+    const double aspect = static_cast<double>(width) / height;
+    return FollowCamera(kDistance * std::max(1.0, kWideEnough / aspect), directionOf(options.preset));
+  }
+  const std::optional<Vec3> eye = placeOf(options.eye);
+  const std::optional<Vec3> target = placeOf(options.target);
+  if (!eye || !target || (*eye - *target).norm() < 1e-3) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("--eye {} --target {}: expected two places at least 1 mm apart", options.eye, options.target)};
+  }
+  Camera camera;
+  camera.eye = *eye;
+  camera.target = *target;
+  return FollowCamera(camera);
+}
+
+void FollowCamera::update(const Session& session, double seconds) {
+  if (fixed_) return;
+  Vec3 wanted = Vec3::Zero();
+  for (const LivePart& part : session.body().parts()) wanted += part.worldFromPart.translation();
+  wanted /= static_cast<double>(session.body().parts().size());
+  height_ = session.character().height;
+  wanted.y() = kTargetHeight * height_;
+  const double step = started_ ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;
+  target_ += step * (wanted - target_);
+  started_ = true;
+}
+
+Camera FollowCamera::camera() const {
+  if (fixed_) return *fixed_;
+  Camera camera;
+  camera.target = target_;
+  camera.eye = target_ + heights_ * height_ * direction_;
+  return camera;
+}
+
+}  // namespace lorica

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "viewer/gif_writer.h"
+#include "viewer/image.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// A video (.mp4) of all frames of a motion, or an animation (.gif) of so many that there are at most 16 a second. The
+/// file appears when finish() succeeds.
+class Movie {
+ public:
+  /// Fails early where the file's name or folder will not do.
+  [[nodiscard]] static Result<void> check(const std::string& option, const std::filesystem::path& file);
+  /// @param framesPerSecond  of the motion
+  static Result<Movie> create(const std::filesystem::path& file, int width, int height, double framesPerSecond);
+
+  /// Whether this frame of the motion is in the movie.
+  [[nodiscard]] bool takes(int frame) const { return frame % every_ == 0; }
+  [[nodiscard]] Result<void> add(const Image& image);
+  [[nodiscard]] Result<void> finish();
+  [[nodiscard]] int frames() const { return frames_; }
+
+ private:
+  Movie() = default;
+  std::optional<VideoWriter> video_;
+  std::optional<GifWriter> gif_;
+  int every_ = 1;
+  int frames_ = 0;
+};
+
+}  // namespace lorica

@@ -1,0 +1,321 @@
+#include "apps/body_choice.h"
+#include "apps/cast.h"
+#include "apps/interrupt.h"
+#include "apps/movie.h"
+#include "apps/options.h"
+#include "apps/playback.h"
+#include "apps/progress_bar.h"
+#include "apps/scenes.h"
+#include "apps/snapshots.h"
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSmallest = 16;  // side of a picture [pixels]
+constexpr int kLargest = 4096;
+constexpr double kSameTime = 1e-6;  // [s]
+
+struct Options {
+  CastOptions cast;
+  BodyOptions body;
+  std::string scene;
+  CameraOptions camera;
+  std::string out;
+  std::string video;
+  std::vector<double> at;   // [s]
+  std::vector<int> frames;  // from 0
+  double from = 0.0;        // of the video [s]
+  double to = 0.0;          // 0 = the end
+  std::string size = "1280x720";
+  std::vector<std::string> show;
+  bool strip = false;
+};
+
+struct Size {
+  int width = 0, height = 0;
+};
+
+std::optional<Size> sizeOf(std::string_view text) {
+  Size size;
+  const char* end = text.data() + text.size();
+  const auto [cross, first] = std::from_chars(text.data(), end, size.width);
+  if (first != std::errc() || cross == end || *cross != 'x') return std::nullopt;
+  const auto [stopped, second] = std::from_chars(cross + 1, end, size.height);
+  if (second != std::errc() || stopped != end) return std::nullopt;
+  for (const int side : {size.width, size.height}) {
+    if (side < kSmallest || side > kLargest) return std::nullopt;
+  }
+  return size;
+}
+
+CLI::Validator isSize() {
+  CLI::Validator validator("");
+  validator.operation([](std::string& text) -> std::string {
+    if (sizeOf(text)) return "";
+    return fmt::format("found `{}`, expected width and height of {} to {} pixels, such as 640x360", text, kSmallest,
+                       kLargest);
+  });
+  return validator;
+}
+
+SceneOptions shownBy(const std::vector<std::string>& words) {
+  SceneOptions show;
+  if (words.empty()) return show;
+  const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+  show.colorSkinByPart = has("parts");
+  show.skin = has("skin") || show.colorSkinByPart;
+  show.hulls = has("hulls");
+  show.bones = has("bones");
+  show.props = has("props");
+  show.contacts = has("contacts");
+  show.particles = has("particles");
+  show.ground = has("ground");
+  return show;
+}
+
+/// One picture that is wanted.
+struct Wanted {
+  double seconds = 0.0;  // since the first frame; where frame is below 0
+  int frame = -1;
+};
+
+/// The pictures in the order in which they come up.
+Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion) {
+  std::vector<Wanted> wanted;
+  wanted.reserve(options.at.size() + options.frames.size() + 1);
+  for (const double at : options.at) {
+    if (!(at >= 0.0 && at <= motion.seconds() + kSameTime)) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--at {}: {} lasts from 0 to {:.2f} s", at, motion.name, motion.seconds())};
+    }
+    wanted.push_back({at, -1});
+  }
+  for (const int frame : options.frames) {
+    if (frame < 0 || frame >= motion.frameCount()) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--frame {}: {} has {}, from 0 to {}", frame, motion.name,
+                               counted(motion.frameCount(), "frame"), motion.frameCount() - 1)};
+    }
+    wanted.push_back({0.0, frame});
+  }
+  if (wanted.empty() && options.video.empty()) wanted.push_back({0.5 * motion.seconds(), -1});
+  std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) {
+    return std::pair(a.frame, a.seconds) < std::pair(b.frame, b.seconds);
+  });
+  return wanted;
+}
+
+/// What came of it.
+struct Outcome {
+  std::vector<fs::path> files;
+  std::string renderer;
+  int frames = 0;  // that ran
+  int videoFrames = 0;
+  std::uint64_t hash = 0;
+};
+
+/// Runs the session as far as it is needed and draws what is wanted of it.
+Result<Outcome> shoot(const Options& options, const Motion& motion, Session& session) {
+  const Size size = *sizeOf(options.size);
+  Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
+  if (!camera) return camera.error();
+  const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
+  if (!wanted) return wanted.error();
+  Result<SnapshotCamera> pictures = SnapshotCamera::create(size.width, size.height);
+  if (!pictures) return pictures.error();
+  std::optional<Movie> movie;
+  if (!options.video.empty()) {
+    const double rate = motion.seconds() > 0.0 ? (motion.frameCount() - 1) / motion.seconds() : 30.0;
+    Result<Movie> made = Movie::create(options.video, size.width, size.height, rate);
+    if (!made) return made.error();
+    movie.emplace(std::move(*made));
+  }
+
+  const SessionScene scene(session);
+  SceneOptions show = shownBy(options.show);
+  const bool caption =
+      options.show.empty() || std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
+  std::vector<bool> taken(wanted->size(), false);
+  std::vector<Image> images;
+  std::vector<std::string> labels;
+  images.reserve(wanted->size());
+  labels.reserve(wanted->size());
+  const double end = options.to > 0.0 ? options.to : motion.seconds();
+  double firstTime = 0.0, previousTime = 0.0;
+  ProgressBar bar((movie ? "Filming " : "Playing ") + motion.name, "frames");
+  Outcome outcome;
+  for (int frame = 0; frame < motion.frameCount(); ++frame) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<bool> more = session.step();
+    if (!more) return more.error();
+    if (!*more) break;
+    ++outcome.frames;
+    if (frame == 0) firstTime = previousTime = session.time();
+    const double seconds = session.time() - firstTime;
+    camera->update(session, session.time() - previousTime);
+    previousTime = session.time();
+    bar.update(frame + 1, motion.frameCount());
+
+    std::optional<Image> image;
+    const auto draw = [&]() -> const Image& {
+      if (!image) {
+        if (caption) show.caption = captionOf(motion.name, session, seconds);
+        image = pictures->draw(scene.of(session), show, camera->camera());
+      }
+      return *image;
+    };
+    for (std::size_t i = 0; i < wanted->size(); ++i) {
+      const Wanted& one = (*wanted)[i];
+      const bool last = frame + 1 == motion.frameCount();
+      if (taken[i] || !(one.frame >= 0 ? frame == one.frame : last || seconds >= one.seconds - kSameTime)) continue;
+      taken[i] = true;
+      images.push_back(draw());
+      labels.push_back(fmt::format("{:.2f} s", seconds));
+    }
+    const bool filmed = movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime;
+    if (filmed && movie->takes(frame)) {
+      if (Result<void> added = movie->add(draw()); !added) return added.error();
+    }
+    const bool allTaken = std::find(taken.begin(), taken.end(), false) == taken.end();
+    if (allTaken && (!movie || seconds > end)) break;
+  }
+
+  outcome.renderer = pictures->rendererName();
+  outcome.hash = session.hash();
+  const fs::path out = options.out.empty() ? fs::path(motion.name + ".png") : fs::path(options.out);
+  if (options.strip && images.size() > 1) {
+    const Image sheet = contactSheet(images, labels, static_cast<int>(images.size()));
+    images.assign(1, sheet);
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    fs::path file = out;
+    if (images.size() > 1) file.replace_filename(fmt::format("{}_{}.png", out.stem().string(), i + 1));
+    if (Result<void> written = writePng(file, images[i]); !written) return written.error();
+    outcome.files.push_back(file);
+  }
+  if (movie) {
+    outcome.videoFrames = movie->frames();
+    if (Result<void> finished = movie->finish(); !finished) return finished.error();
+  }
+  return outcome;
+}
+
+Result<void> check(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {options.cast.motion, options.cast.character,
+                                                   options.body.decomposition, options.out, options.video});
+      !fine) {
+    return fine;
+  }
+  if (!options.out.empty()) {
+    if (Result<void> fine = checkOutput("--out", options.out, ".png"); !fine) return fine;
+  }
+  if (!options.video.empty()) {
+    if (Result<void> fine = Movie::check("--video", options.video); !fine) return fine;
+    const Size size = *sizeOf(options.size);
+    const bool mp4 = fs::path(options.video).extension() == ".mp4";
+    if (mp4 && (size.width % 2 != 0 || size.height % 2 != 0)) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--size {}: a video's sides must be even", options.size)};
+    }
+  }
+  if (options.to > 0.0 && options.to < options.from) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("--to {}: comes before --from {}", options.to, options.from)};
+  }
+  return {};
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = check(options, common); !fine) return fine;
+  const Result<Cast> cast = readCast(options.cast);
+  if (!cast) return cast.error();
+  const auto& [subject, motion] = *cast;
+  if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
+  if (!file) return file.error();
+  Result<World> world = openScene(options.scene);
+  if (!world) return world.error();
+  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.cast.performing);
+  if (!source) return source.error();
+  Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
+  if (!session) return session.error();
+  const Result<Outcome> outcome = shoot(options, motion, *session);
+  if (!outcome) return outcome.error();
+
+  nlohmann::ordered_json json;
+  json["recording"] = motion.name;
+  json["character"] = subject.character->name;
+  json["frames"] = outcome->frames;
+  json["pictures"] = nlohmann::ordered_json::array();
+  for (const fs::path& picture : outcome->files) json["pictures"].push_back(picture.string());
+  json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
+  json["videoFrames"] = outcome->videoFrames;
+  json["renderer"] = outcome->renderer;
+  json["hash"] = hexDigits(outcome->hash);
+  Report report(
+      fmt::format("{} performed {}: {}", subject.character->name, motion.name, counted(outcome->frames, "frame")));
+  for (const fs::path& picture : outcome->files) report.line("picture", picture.string());
+  if (!options.video.empty()) {
+    report.line("video", fmt::format("{}, {}", options.video, counted(outcome->videoFrames, "frame")));
+  }
+  report.line("drawn by", outcome->renderer);
+  report.line("hash", hexDigits(outcome->hash));
+  for (const std::string& note : motion.notes) report.note(note);
+  return publish(common, report, json);
+}
+
+}  // namespace
+
+Command addSnapshot(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app =
+      addSubcommand(parent, common, "snapshot", "Take pictures or a video of a motion, without a display.",
+                    "  lorica snapshot walk --at 1.5 -o walk.png\n"
+                    "      the moment 1.5 s after the start\n"
+                    "  lorica snapshot punch_and_kick --at 1,2,3,4 --strip -o kick.png\n"
+                    "      four moments side by side; without --strip kick_1.png, kick_2.png, ...\n"
+                    "  lorica snapshot walk --frame 45 --camera front --show hulls,bones,ground --size 640x480\n"
+                    "      what physics touches, and the bones\n"
+                    "  lorica snapshot walk --scene bowling --video walk.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
+                    "      all of it, from one place; walk.gif makes an animation for web pages\n"
+                    "\nThe hulls are those of `lorica play`, frame by frame: the hash says so.");
+  addCastOptions(*app, options->cast);
+  app->add_option("-o,--out", options->out, "The picture, or what several are named after [default: MOTION.png]")
+      ->type_name("FILE");
+  app->add_option("--at", options->at, "When, in seconds since the first frame; several with commas [default: halfway]")
+      ->delimiter(',')
+      ->type_name("S");
+  app->add_option("--frame", options->frames, "Which frames, counted from 0")->delimiter(',')->type_name("N");
+  CLI::Option* video = app->add_option("--video", options->video,
+                                       "Film it at the recording's pace, in .mp4 (all frames) or .gif (at most 16 a "
+                                       "second)")
+                           ->type_name("FILE");
+  addSeconds(*app, "--from", options->from, "Film from here on")->needs(video);
+  addSeconds(*app, "--to", options->to, "Film up to here [default: the end]")->needs(video);
+  app->add_option("--size", options->size, "Width and height in pixels [default: 1280x720]")
+      ->type_name("WxH")
+      ->check(isSize());
+  app->add_option("--show", options->show,
+                  "What is drawn: skin, parts (the skin in their colours), hulls, bones, props, particles, contacts, "
+                  "ground, caption [default: all but bones]")
+      ->delimiter(',')
+      ->type_name("WHAT")
+      ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
+  app->add_flag("--strip", options->strip, "Several pictures side by side in one file");
+  addCameraOptions(*app, options->camera);
+  addBodyOptions(*app, options->body);
+  addSceneOption(*app, options->scene);
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

@@ -1,0 +1,117 @@
+#include "geometry/files.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+#include "viewer/image.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica::test {
+namespace {
+
+/// One quick body for all tests here.
+struct Snapshot : ::testing::Test {
+  static void SetUpTestSuite() {
+    folder = new TemporaryFolder;
+    body = folder->path() / "body.lorica";
+    const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});
+    ASSERT_EQ(made.exitCode, 0) << made.err;
+  }
+  static void TearDownTestSuite() { delete folder; }
+
+  static CommandResult snapshot(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"snapshot", "wave", "--decomposition", body, "--size", "96x64"});
+    return runLorica(arguments);
+  }
+  static bool cannotDraw(const CommandResult& result) {
+    return result.exitCode == 2 && result.err.find("OSMesa") != std::string::npos;
+  }
+
+  static inline TemporaryFolder* folder = nullptr;
+  static inline std::filesystem::path body;
+};
+
+TEST_F(Snapshot, HullsAreTheSameWithPicturesOrWithout) {
+  const TemporaryFolder out;
+  const CommandResult drawn = snapshot({"--frame", "12", "-o", out.path() / "a.png", "--json", "-"});
+  if (cannotDraw(drawn)) GTEST_SKIP() << drawn.err;
+  ASSERT_EQ(drawn.exitCode, 0) << drawn.err;
+  const CommandResult played = runLorica({"play", "wave", "--decomposition", body, "--frames", "13", "--json", "-"});
+  EXPECT_EQ(drawn.json()["hash"], played.json()["hash"]);
+  EXPECT_EQ(drawn.json()["frames"], 13);
+  const CommandResult filmed = snapshot({"--frame", "12", "--video", out.path() / "a.gif", "--to", "0.2", "-o",
+                                         out.path() / "b.png", "--camera", "top", "--show", "skin", "--json", "-"});
+  EXPECT_EQ(filmed.json()["hash"], played.json()["hash"]);
+}
+
+TEST_F(Snapshot, SeveralMomentsAreSeveralFilesOrAStrip) {
+  const TemporaryFolder out;
+  const CommandResult several =
+      snapshot({"--at", "0.5,0,0.25", "-o", out.path() / "moment.png", "--camera", "front", "--json", "-"});
+  if (cannotDraw(several)) GTEST_SKIP() << several.err;
+  ASSERT_EQ(several.exitCode, 0) << several.err;
+  EXPECT_EQ(filesIn(out.path()), (std::vector<std::string>{"moment_1.png", "moment_2.png", "moment_3.png"}));
+  const Result<Image> first = readPng(out.path() / "moment_1.png");
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->width, 96);
+  EXPECT_EQ(first->height, 64);
+  EXPECT_NE(first->rgba, readPng(out.path() / "moment_3.png")->rgba);
+  ASSERT_EQ(snapshot({"--at", "0,0.25,0.5", "--strip", "-o", out.path() / "strip.png"}).exitCode, 0);
+  EXPECT_GT(readPng(out.path() / "strip.png")->width, 3 * 96);
+}
+
+TEST_F(Snapshot, CamerasSeeDifferentSides) {
+  const TemporaryFolder out;
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (const std::vector<std::string>& camera :
+       std::vector<std::vector<std::string>>{{"--camera", "front"},
+                                             {"--camera", "side"},
+                                             {"--camera", "top"},
+                                             {"--camera", "three-quarter"},
+                                             {"--eye", "-1,1.5,-3", "--target", "0,1,0"}}) {
+    std::vector<std::string> arguments = camera;
+    arguments.insert(arguments.end(), {"--frame", "0", "-o", out.path() / "a.png"});
+    const CommandResult drawn = snapshot(arguments);
+    if (cannotDraw(drawn)) GTEST_SKIP() << drawn.err;
+    ASSERT_EQ(drawn.exitCode, 0) << drawn.err;
+    pictures.push_back(readPng(out.path() / "a.png")->rgba);
+    for (std::size_t i = 0; i + 1 < pictures.size(); ++i) EXPECT_NE(pictures[i], pictures.back()) << camera[1];
+  }
+}
+
+TEST_F(Snapshot, AVideoHasTheFramesAskedFor) {
+  const TemporaryFolder out;
+  const CommandResult filmed =
+      snapshot({"--video", out.path() / "film.mp4", "--from", "0.1", "--to", "0.3", "--json", "-"});
+  if (cannotDraw(filmed)) GTEST_SKIP() << filmed.err;
+  ASSERT_EQ(filmed.exitCode, 0) << filmed.err;
+  EXPECT_EQ(filmed.json()["videoFrames"], 7) << "30 frames a second, both ends";
+  EXPECT_TRUE(filmed.json()["pictures"].empty());
+  EXPECT_EQ(filesIn(out.path()), (std::vector<std::string>{"film.mp4"}));
+}
+
+TEST_F(Snapshot, BadRequestsAreSentences) {
+  const TemporaryFolder out;
+  const auto expectRefused = [&](std::vector<std::string> arguments, const std::string& word) {
+    arguments.insert(arguments.end(), {"-o", out.path() / "a.png"});
+    const CommandResult result = snapshot(arguments);
+    EXPECT_EQ(result.exitCode, 2) << word;
+    EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
+    EXPECT_TRUE(filesIn(out.path()).empty());
+  };
+  expectRefused({"--at", "1000"}, "lasts from 0");
+  expectRefused({"--at", "-1"}, "--at");
+  expectRefused({"--frame", "100000"}, "from 0 to");
+  expectRefused({"--camera", "below"}, "three-quarter");
+  expectRefused({"--eye", "1,2"}, "1.5,1,-3");
+  expectRefused({"--eye", "1,2,nan", "--target", "0,0,0"}, "1.5,1,-3");
+  expectRefused({"--eye", "1,2,3"}, "--target");
+  expectRefused({"--eye", "1,2,3", "--target", "1,2,3"}, "apart");
+  expectRefused({"--show", "skin,wings"}, "wings");
+  expectRefused({"--video", out.path() / "a.avi"}, ".mp4");
+  expectRefused({"--from", "1"}, "--video");
+  EXPECT_EQ(runLorica({"snapshot", "wave", "--size", "0x10"}).exitCode, 2);
+  EXPECT_EQ(runLorica({"snapshot", "wave", "--size", "99999x10"}).exitCode, 2);
+}
+
+}  // namespace
+}  // namespace lorica::test
