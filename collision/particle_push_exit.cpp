@@ -13,6 +13,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// The hulls that hold a particle at a time, at most: more are not looked at for a near way out.
 constexpr std::size_t kMostHulls = 8;
+/// Ways out of one hull that are tried, each looking another way.
+constexpr std::size_t kMostWays = 8;
 /// Planes that are met on the way into a crease, at most; and which of the older ones are tried with the newest.
 constexpr std::size_t kMostSides = 4;
 constexpr std::array<std::array<std::size_t, 3>, 7> kSubsets = {
@@ -117,6 +119,9 @@ void Search::tryCreases() {
       if (!next) next = met;
     }
     if (!next || sideCount_ == kMostSides) return;
+    for (std::size_t i = 0; i < sideCount_; ++i) {
+      if (sides_[i].plane == next->plane) return;  // to and fro
+    }
     sides_[sideCount_++] = *next;
   }
 }
@@ -172,9 +177,19 @@ PushExit Search::run(const PushDepth& inside) {
   tryCreases();
   if (length_ <= 2.0F * least) return best_;
 
+  std::array<PushDepth, kMostWays> ways;
+  for (std::size_t i = 0; i < held; ++i) {
+    const std::size_t count = waysOut(hulls_, depths[i].hull, start_, ways);
+    for (std::size_t k = 1; k < count; ++k) {
+      const Side side{ways[k].hull, ways[k].plane};
+      (void)tryPlace(std::span(&side, 1));
+    }
+  }
+  if (length_ < kInfinity) return best_;
+
   for (std::size_t i = 0; i < held; ++i) tryAlong(hulls_.normal(depths[i].plane));
   for (std::size_t i = 1; i < sideCount_; ++i) tryAlong(hulls_.normal(sides_[i].plane));
-  if (length_ <= 2.0F * least) return best_;
+  if (length_ < kInfinity) return best_;
   for (const Vec3f& direction : anyDirections()) tryAlong(direction);
   return best_;
 }

@@ -79,29 +79,33 @@ void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
   if (raw.endFace > raw.firstFace) raw_.push_back(raw);
 }
 
-/// Marks faces with all corners inside one other hull: nobody gets out there.
+/// Marks faces with another hull before all of them: who goes out there gets in there. Hulls that were cut apart only
+/// touch, and skins that lie on each other do not hide each other, so this asks a little before the face, and roughly.
+/// A wrong mark does no harm but that a particle takes a longer way.
 void PushHulls::findCovered() {
-  const float inside = -8.0F * margin_;
+  const float size = boxMax_.norm();
+  const float before = 2.5e-3F * size;
+  const float rough = 1.5e-3F * size;
   coveredVertices_.assign(vertices_.size(), false);
   for (const Raw& of : raw_) {
     for (const Raw& by : raw_) {
-      if (&of == &by || (of.boxMin.array() > by.boxMax.array()).any() ||
-          (by.boxMin.array() > of.boxMax.array()).any()) {
+      const Vec3f lower = by.boxMin.array() - rough;
+      const Vec3f upper = by.boxMax.array() + rough;
+      if (&of == &by || (of.boxMin.array() > upper.array()).any() || (lower.array() > of.boxMax.array()).any())
         continue;
-      }
-      for (std::size_t v = of.firstVertex; v < of.endVertex; ++v) {
-        const Vec3f& p = vertices_[v];
-        bool covered = (p.array() > by.boxMin.array()).all() && (p.array() < by.boxMax.array()).all();
-        for (std::size_t f = by.firstFace; covered && f < by.endFace; ++f) {
-          covered = faces_[f].normal.dot(p) - faces_[f].offset < inside;
-        }
-        coveredVertices_[v] = covered;
-      }
+      const auto nearlyInside = [&](const Vec3f& p) {
+        if ((p.array() < lower.array()).any() || (p.array() > upper.array()).any()) return false;
+        const auto first = faces_.begin() + static_cast<std::ptrdiff_t>(by.firstFace);
+        const auto end = faces_.begin() + static_cast<std::ptrdiff_t>(by.endFace);
+        return std::all_of(first, end, [&](const Face& face) { return face.normal.dot(p) - face.offset < rough; });
+      };
+      for (std::size_t v = of.firstVertex; v < of.endVertex; ++v) coveredVertices_[v] = nearlyInside(vertices_[v]);
       for (std::size_t f = of.firstFace; f < of.endFace; ++f) {
-        const auto& [a, b, c] = faces_[f].corners;
-        faces_[f].covered = faces_[f].covered || (coveredVertices_[static_cast<std::size_t>(a)] &&
-                                                  coveredVertices_[static_cast<std::size_t>(b)] &&
-                                                  coveredVertices_[static_cast<std::size_t>(c)]);
+        Face& face = faces_[f];
+        const auto corner = [&](std::size_t i) { return static_cast<std::size_t>(face.corners[i]); };
+        const auto hidden = [&](std::size_t i) { return nearlyInside(vertices_[corner(i)] + before * face.normal); };
+        face.covered = face.covered || (coveredVertices_[corner(0)] && coveredVertices_[corner(1)] &&
+                                        coveredVertices_[corner(2)] && hidden(0) && hidden(1) && hidden(2));
       }
     }
     // A hull that is wholly inside others keeps its ways out, so that each hull has some.

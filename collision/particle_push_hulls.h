@@ -20,8 +20,8 @@ class PushHulls {
 
   struct Hull {
     std::uint32_t part = 0;
-    /// First those of faces that may lead out, then those of faces that lie wholly inside another hull; each kind in
-    /// whole blocks.
+    /// First those of faces that may lead out, then those of faces with another hull before them; each kind in whole
+    /// blocks.
     std::size_t firstPlane = 0;
     std::size_t exitCount = 0;   ///< of the first kind
     std::size_t planeCount = 0;  ///< of both

@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <array>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -122,6 +123,52 @@ std::size_t allDepths(const PushHulls& hulls, const PushGrid& grid, const Vec3f&
   return count;
 }
 
+std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, std::span<PushDepth> faces) {
+  constexpr std::size_t kMostPlanes = 2048;
+  constexpr float kSimilar = 0.9F;  // cosine
+  const Floats f;
+  const PushHulls::Hull& hull = hulls.hulls()[which];
+  if (hull.exitCount > kMostPlanes) return 0;
+  const std::size_t first = hull.firstPlane;
+  alignas(64) std::array<float, kMostPlanes> height;  // NOLINT: written before it is read
+  const auto dot = [&](std::size_t i, const Vec3f& v) HWY_ATTR {
+    return hn::Add(hn::Add(hn::Mul(hn::LoadU(f, hulls.x() + first + i), hn::Set(f, v.x())),
+                           hn::Mul(hn::LoadU(f, hulls.y() + first + i), hn::Set(f, v.y()))),
+                   hn::Mul(hn::LoadU(f, hulls.z() + first + i), hn::Set(f, v.z())));
+  };
+  const auto none = hn::Set(f, -std::numeric_limits<float>::infinity());
+  auto highest = none;
+  for (std::size_t i = 0; i < hull.exitCount; i += hn::Lanes(f)) {
+    const auto h = hn::Sub(dot(i, p), hn::LoadU(f, hulls.offset() + first + i));
+    hn::StoreU(h, f, height.data() + i);
+    highest = hn::Max(highest, h);
+  }
+  std::size_t count = 0;
+  while (count < faces.size()) {
+    const float wanted = hn::GetLane(hn::MaxOfLanes(f, highest));
+    if (!(wanted > -std::numeric_limits<float>::infinity())) break;
+    std::size_t at = 0;
+    for (; at < hull.exitCount; at += hn::Lanes(f)) {
+      const auto lane = hn::FindFirstTrue(f, hn::Eq(hn::LoadU(f, height.data() + at), hn::Set(f, wanted)));
+      if (lane < 0) continue;
+      at += static_cast<std::size_t>(lane);
+      break;
+    }
+    const auto plane = static_cast<std::uint32_t>(first + at);
+    faces[count++] = {wanted, which, plane};
+    const Vec3f normal = hulls.normal(plane);
+    highest = none;
+    for (std::size_t i = 0; i < hull.exitCount; i += hn::Lanes(f)) {
+      const auto similar = hn::Gt(dot(i, normal), hn::Set(f, kSimilar));
+      const auto h = hn::IfThenElse(similar, none, hn::LoadU(f, height.data() + i));
+      hn::StoreU(h, f, height.data() + i);
+      highest = hn::Max(highest, h);
+    }
+    height[at] = -std::numeric_limits<float>::infinity();
+  }
+  return count;
+}
+
 PushLeave leaveOne(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, const Vec3f& direction) {
   const Floats f;
   const PushHulls::Hull& hull = hulls.hulls()[which];
@@ -232,6 +279,7 @@ namespace lorica {
 namespace {
 HWY_EXPORT(deepest);
 HWY_EXPORT(allDepths);
+HWY_EXPORT(waysOutOf);
 HWY_EXPORT(leaveOne);
 HWY_EXPORT(pushAll);
 }  // namespace
@@ -242,6 +290,10 @@ PushDepth deepestAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p
 
 std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths) {
   return HWY_DYNAMIC_DISPATCH(allDepths)(hulls, grid, p, depths);
+}
+
+std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, std::span<PushDepth> faces) {
+  return HWY_DYNAMIC_DISPATCH(waysOutOf)(hulls, hull, p, faces);
 }
 
 PushLeave leaveHull(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, const Vec3f& direction) {

@@ -28,6 +28,12 @@ struct PushDepth {
 /// @return how many
 std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths);
 
+/// Planes of a hull that may lead out, the nearest to a point first, each looking another way than those before it.
+/// @param p      local
+/// @param faces  as many as there is room for
+/// @return how many; none of a hull with very many planes
+std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, std::span<PushDepth> faces);
+
 /// Where a ray leaves a hull.
 struct PushLeave {
   float length = 0.0F;  ///< infinite where it does not
