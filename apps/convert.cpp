@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <memory>
+#include <optional>
 
 namespace lorica {
 namespace {
@@ -20,8 +21,13 @@ struct Options {
   MotionOptions motion;
 };
 
+struct Joints {
+  std::vector<SkeletonFrame> frames;
+  std::optional<double> delay;  ///< of smoothing [s]
+};
+
 /// The motion as joints, smoothed and mirrored as asked for.
-Result<std::vector<SkeletonFrame>> asJoints(const Motion& motion, const MotionOptions& options) {
+Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
   std::vector<SkeletonFrame> frames = motion.joints;
   if (motion.bones) {
     Result<std::vector<SkeletonFrame>> read = bodyJointsOf(*motion.bones);
@@ -35,31 +41,33 @@ Result<std::vector<SkeletonFrame>> asJoints(const Motion& motion, const MotionOp
     if (settings.mirror) mirror(frame);
     if (filter) filter->apply(frame);
   }
-  return frames;
+  Joints joints{std::move(frames), std::nullopt};
+  if (filter) joints.delay = filter->delay();
+  return joints;
 }
 
-/// A skeleton that nothing is done to keeps its joints.
-Result<SkeletalMotion> asBones(const Motion& motion, const MotionOptions& options) {
-  if (motion.bones && !options.mirror) return *motion.bones;
-  const Result<std::vector<SkeletonFrame>> frames = asJoints(motion, options);
-  if (!frames) return frames.error();
-  return skeletalMotionOf(*frames);
-}
-
-Result<void> write(const Options& options, const Motion& motion) {
-  if (fs::path(options.output).extension() == ".bvh") {
-    const Result<SkeletalMotion> bones = asBones(motion, options.motion);
-    if (!bones) return bones.error();
-    return writeBvh(options.output, *bones);
+/// Writes OUT. A skeleton that nothing is done to keeps its joints.
+/// @return the delay of smoothing [s]; none where nothing is smoothed
+Result<std::optional<double>> write(const Options& options, const Motion& motion, bool asBvh) {
+  if (asBvh && motion.bones && !options.motion.mirror) {
+    if (Result<void> written = writeBvh(options.output, *motion.bones); !written) return written.error();
+    return std::optional<double>();
   }
-  const Result<std::vector<SkeletonFrame>> frames = asJoints(motion, options.motion);
-  if (!frames) return frames.error();
-  return writeJointCsv(options.output, *frames);
+  const Result<Joints> joints = asJoints(motion, options.motion);
+  if (!joints) return joints.error();
+  if (asBvh) {
+    const Result<SkeletalMotion> bones = skeletalMotionOf(joints->frames);
+    if (!bones) return bones.error();
+    if (Result<void> written = writeBvh(options.output, *bones); !written) return written.error();
+  } else if (Result<void> written = writeJointCsv(options.output, joints->frames); !written) {
+    return written.error();
+  }
+  return joints->delay;
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.input, options.output}); !fine) return fine;
-  const std::string extension = fs::path(options.output).extension().string();
+  const std::string extension = lowerCase(fs::path(options.output).extension().string());
   if (extension != ".csv" && extension != ".bvh") {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: found the extension `{}`, expected .csv (Lorica's joints) or .bvh", options.output,
@@ -72,11 +80,13 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   }
   const Result<Motion> motion = readMotion(options.input, options.motion);
   if (!motion) return motion.error();
-  if (Result<void> written = write(options, *motion); !written) return written;
+  const Result<std::optional<double>> delay = write(options, *motion, extension == ".bvh");
+  if (!delay) return delay.error();
 
   Report report(
       fmt::format("{}: {}, {:.2f} s", motion->name, counted(motion->frameCount(), "frame"), motion->seconds()));
   report.line("read as", motion->format);
+  if (*delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * **delay));
   report.line("written", options.output);
   for (const std::string& note : motion->notes) report.note(note);
   nlohmann::ordered_json json;
@@ -84,6 +94,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   json["format"] = motion->format;
   json["frames"] = motion->frameCount();
   json["seconds"] = motion->seconds();
+  json["smoothingDelay"] = *delay ? nlohmann::ordered_json(**delay) : nlohmann::ordered_json();
   json["output"] = options.output;
   json["notes"] = motion->notes;
   return publish(common, report, json);

@@ -1,5 +1,6 @@
 #include "apps/depth_inputs.h"
 
+#include "apps/motions.h"
 #include "apps/report.h"
 #include "sensor/nite.h"
 #include "sensor/openni.h"
@@ -9,6 +10,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <utility>
 
 namespace lorica {
@@ -29,15 +31,27 @@ fs::path virtualDriver() {
   return {};
 }
 
-/// What the virtual camera shows: --motion, or else what the environment says.
-Result<VirtualScript> virtualScript(const DepthOptions& options) {
-  if (options.motion.find_first_of(" \t\n") != std::string::npos) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--motion: {}: found a blank, which the virtual camera takes for the end of the name",
-                             options.motion)};
+/// What the virtual camera is told: --motion, its shipped recordings by their files, or else what the environment says.
+Result<std::string> virtualText(const DepthOptions& options) {
+  if (options.motion.empty()) return environment(kVirtualScriptVariable);
+  std::string text = "motion=";
+  std::stringstream names(options.motion);
+  for (std::string name; std::getline(names, name, ',');) {
+    if (text.back() != '=') text += ',';
+    const fs::path shipped = isBareName(name) ? shippedRecording(name) : fs::path();
+    const std::string motion = shipped.extension() == ".csv" ? shipped.string() : name;
+    if (motion.find_first_of(" \t\n") != std::string::npos) {
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("--motion: {}: found a blank, which the virtual camera takes for the end of the name", motion)};
+    }
+    text += motion;
   }
-  std::string text = environment(kVirtualScriptVariable);
-  if (!options.motion.empty()) text = "motion=" + options.motion;
+  return text;
+}
+
+/// The same, understood.
+Result<VirtualScript> virtualScript(const DepthOptions& options, const std::string& text) {
   Result<VirtualScript> script = parseVirtualScript(text);
   if (!script) {
     const std::string origin = options.motion.empty() ? kVirtualScriptVariable : "--motion";
@@ -51,8 +65,9 @@ Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
   OpenNiSettings settings;
   if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
   if (options.virtualCamera) {
-    const Result<VirtualScript> script = virtualScript(options);
-    if (!script) return script.error();
+    const Result<std::string> text = virtualText(options);
+    if (!text) return text.error();
+    if (const Result<VirtualScript> script = virtualScript(options, *text); !script) return script.error();
     settings.drivers.push_back(virtualDriver());
     if (settings.drivers.back().empty()) {
       return Error{
@@ -61,7 +76,7 @@ Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
           "where libopenni2-dev is installed"};
     }
     // The driver reads it when OpenNI2 loads it, in this process.
-    if (!options.motion.empty()) setenv(kVirtualScriptVariable, ("motion=" + options.motion).c_str(), 1);
+    if (!options.motion.empty()) setenv(kVirtualScriptVariable, text->c_str(), 1);
   }
   return OpenNi::start(settings);
 }
@@ -113,7 +128,9 @@ Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, co
 
 Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {
   if (!options.virtualCamera || !virtualDriver().empty()) return openCamera(options);
-  const Result<VirtualScript> script = virtualScript(options);
+  const Result<std::string> text = virtualText(options);
+  if (!text) return text.error();
+  const Result<VirtualScript> script = virtualScript(options, *text);
   if (!script) return script.error();
   Result<VirtualSensor> sensor = makeVirtualSensor(*script);
   if (!sensor) return sensor.error();

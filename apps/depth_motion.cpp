@@ -9,6 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
@@ -23,7 +26,12 @@ std::string whoWasSeen(int followed, int frames, int mostPeople) {
 }  // namespace
 
 bool isDepthRecording(const std::filesystem::path& file) {
-  return lowerCase(file.extension().string()) == ".oni";
+  if (lowerCase(file.extension().string()) == ".oni") return true;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // what is read of a pipe is gone
+  std::ifstream stream(file, std::ios::binary);
+  std::array<char, 4> begin{};
+  return stream.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == "NI10";
 }
 
 Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options) {

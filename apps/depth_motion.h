@@ -6,6 +6,7 @@
 
 namespace lorica {
 
+/// By its name, or by how it begins.
 [[nodiscard]] bool isDepthRecording(const std::filesystem::path& file);
 
 /// Follows whoever is in a depth recording (.oni), with a progress bar: every frame once, in order, the same joints

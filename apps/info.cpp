@@ -27,8 +27,18 @@ struct Options {
 
 bool isMeshFile(const fs::path& file) {
   constexpr std::array kExtensions = {".off", ".obj", ".ply", ".stl"};
-  const std::string extension = file.extension().string();
+  const std::string extension = lowerCase(file.extension().string());
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
+
+Error nothingNamed(const std::string& name) {
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  return {ErrorCode::kNotFound,
+          fmt::format("{}: no such file and nothing of that name ships, expected a mesh (.off, .obj, .ply, .stl), a "
+                      "character (.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a decomposition "
+                      "(.lorica), mannequin, or one of {}, {}",
+                      name, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
 }
 
 Result<Facts> describe(const Options& options) {
@@ -47,6 +57,7 @@ Result<Facts> describe(const Options& options) {
     if (!motion) return motion.error();
     return describeMotion(*motion);
   }
+  if (!shape) return nothingNamed(options.input);
   const Result<Subject> subject = readSubject(options.input, options.character);
   // A file of motion alone is worth a word too.
   if (!subject && isCharacterFile(file) && subject.error().code == ErrorCode::kBadMesh) {

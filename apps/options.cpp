@@ -26,7 +26,6 @@ CLI::Validator countBetween(int least, int most) {
   validator.operation([least, most](std::string& text) -> std::string {
     int number = 0;
     if (parseWhole(text, number) && number >= least && number <= most) return "";
-    if (most == kMostOfAnything) return fmt::format("found `{}`, expected a whole number from {} up", text, least);
     return fmt::format("found `{}`, expected a whole number from {} to {}", text, least, most);
   });
   return validator;
@@ -69,7 +68,7 @@ CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, 
     if (text == "auto") {
       text = std::to_string(kAuto);
     } else if (!parseWhole(text, number) || number < least || number > kMostOfAnything) {
-      return fmt::format("found `{}`, expected a whole number from {} up, or auto", text, least);
+      return fmt::format("found `{}`, expected a whole number from {} to {}, or auto", text, least, kMostOfAnything);
     }
     return "";
   });

@@ -12,13 +12,16 @@ namespace lorica {
 ///
 /// Settings are `key=value`, parted by blanks, each at most once:
 ///
-/// | key | value | default |
-/// |---|---|---|
-/// | motion | a shipped motion (nameOf(SyntheticMotion)) or a joint CSV file that ends in .csv; two of them, parted by
-/// a comma, for two people side by side | wave | | loop | yes, no | yes | | pace | live, fast | live | | noise |
-/// kinect, mild, none | kinect | | seed | of the noise, from 0 | 2026 | | height, girth | of the people, 0.5 to 2 | 1 |
-/// | distance | of the camera from the people [m], 1 to 7 | 3 |
-/// | unplug, absent | from:to, when the sensor or the people are away [s] | never |
+/// - `motion`: a shipped motion (nameOf(SyntheticMotion)) or a joint CSV file that ends in .csv; two of them, parted by
+///   a comma, for two people side by side [wave]
+/// - `loop`: yes or no [yes]
+/// - `pace`: live or fast [live]
+/// - `noise`: kinect, mild or none [kinect]
+/// - `seed`: of the noise, from 0 [2026]
+/// - `height`, `girth`: of the people, 0.5 to 2 [1]
+/// - `start`: where in the motions the sensor's time 0 is [0 s]
+/// - `distance`: of the camera from the people, 1 to 7 [3 m]
+/// - `unplug`, `absent`: from:to, when the sensor or the people are away [never, s]
 struct VirtualScript {
   std::vector<std::string> motions = {"wave"};
   double height = 1.0;
