@@ -1,0 +1,124 @@
+#include "apps/record_session.h"
+
+#include "apps/interrupt.h"
+#include "apps/playback.h"
+#include "apps/scenes.h"
+#include "apps/session_files.h"
+#include "geometry/files.h"
+#include "tracking/live_joints.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+/// Who moves, and how the joints or bones come.
+struct Performer {
+  Subject subject;
+  std::string name;                        ///< of the character, as it was given
+  std::optional<Motion> motion;            ///< none = live
+  std::unique_ptr<SkeletonSource> joints;  ///< live ones
+  std::string source;
+};
+
+Result<Performer> openMotion(const SessionRecording& options) {
+  Result<Cast> cast = readCast(options.cast);
+  if (!cast) return cast.error();
+  const bool ownFile = options.cast.character.empty() && cast->subject.file.has_value();
+  std::string source = cast->motion.name;
+  return Performer{std::move(cast->subject), ownFile ? options.cast.motion : options.cast.character,
+                   std::move(cast->motion), nullptr, std::move(source)};
+}
+
+Result<Performer> openCharacter(const SessionRecording& options) {
+  const std::string name = options.cast.character.empty() ? "mannequin" : options.cast.character;
+  Result<Subject> subject = readCharacter(name, options.cast.reading);
+  if (!subject) return subject.error();
+  return Performer{std::move(*subject), name, std::nullopt, nullptr, ""};
+}
+
+/// The camera is opened last: it runs on while others are made ready.
+Result<void> openCameraFor(const SessionRecording& options, Performer& performer) {
+  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
+  if (!depth) return depth.error();
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return tracker.error();
+  auto joints =
+      std::make_unique<LiveJoints>(DepthJoints(std::move(*depth), std::move(*tracker), options.cast.performing.person));
+  performer.source = joints->source().name();
+  performer.joints = std::move(joints);
+  return {};
+}
+
+/// Runs until the end, the limit or Ctrl-C. @return seconds from the first step to the last
+Result<double> runAll(const SessionRecording& options, Session& session) {
+  double first = 0.0;
+  while (!interrupted()) {
+    const Result<bool> more = session.step();
+    if (!more) return more.error();
+    if (!*more) break;
+    if (session.frameCount() == 1) first = session.time();
+    if (options.limit.frames > 0 && session.frameCount() >= options.limit.frames) break;
+    if (options.limit.seconds > 0.0 && session.time() - first >= options.limit.seconds) break;
+  }
+  return session.frameCount() > 0 ? session.time() - first : 0.0;
+}
+
+}  // namespace
+
+Result<void> recordSession(const SessionRecording& options, const CommonOptions& common) {
+  const bool live = options.cast.motion.empty() && options.cast.performing.clip.empty();
+  if (!live && (options.depth.virtualCamera || !options.depth.device.empty() || !options.depth.driver.empty())) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("a motion, {}, and a camera too, expected one of them",
+                             options.cast.motion.empty() ? options.cast.character : options.cast.motion)};
+  }
+  Result<Performer> performer = live ? openCharacter(options) : openMotion(options);
+  if (!performer) return performer.error();
+  const Character& character = *performer->subject.character;
+  if (Result<void> fine = checkCover(options.body.cover, character); !fine) return fine;
+  const Result<DecompositionFile> body = chooseBody(options.body, performer->subject, common.threadCount());
+  if (!body) return body.error();
+  Result<World> world = openScene(options.scene);
+  if (!world) return world.error();
+  if (live) {
+    if (Result<void> opened = openCameraFor(options, *performer); !opened) return opened;
+  }
+  const MotionOptions& performing = options.cast.performing;
+  const bool poses = performer->motion && performer->motion->bones;
+  const RecordedAs as{performer->source, poses,        performer->name, options.cast.reading,
+                      performing,        options.body, options.scene};
+  const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options.out, as, character, *body, *world);
+  if (!recorder) return recorder.error();
+  const std::shared_ptr<SourceLog>& log = (*recorder)->log();
+  Result<std::unique_ptr<PoseSource>> source =
+      live ? makeTreatedSource(character, std::move(performer->joints), {log, performing.faults(), performing.joints()})
+           : poseSourceOf(character, *performer->motion, performing, log);
+  if (!source) {
+    (void)(*recorder)->finish();
+    return source.error();
+  }
+  Result<Session> session = startSession(character, *body, std::move(*source), std::move(*world));
+  if (!session) return session.error();
+  session->watch(*recorder);
+
+  if (live) fmt::print(stderr, "Recording {}; Ctrl-C ends.\n", performer->source);
+  const Result<double> seconds = runAll(options, *session);
+  Report report(fmt::format("Recorded a session of {}: {} ({:.1f} s)", performer->source,
+                            counted(session->frameCount(), "step"), seconds ? *seconds : 0.0));
+  nlohmann::ordered_json json;
+  json["source"] = performer->source;
+  json["character"] = character.name;
+  json["seconds"] = seconds ? *seconds : 0.0;
+  json["hash"] = hexDigits(session->hash());
+  if (Result<void> kept = finishRecorder(*recorder, options.out, report, json); !kept) return kept;
+  if (!seconds) return seconds.error();
+  report.line("hash", hexDigits(session->hash()));
+  return publish(common, report, json);
+}
+
+}  // namespace lorica

@@ -1,0 +1,61 @@
+#include "apps/session_files.h"
+
+#include "apps/scenes.h"
+#include "session/demo_scene.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace lorica {
+
+void addRecordOption(CLI::App& app, std::string& file) {
+  app.add_option("--record", file, "Record the session, for `lorica replay`")->type_name("FILE.lsession");
+}
+
+Result<void> checkRecord(const std::string& option, const std::string& file) {
+  return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
+}
+
+Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const RecordedAs& as,
+                                                       const Character& character, const DecompositionFile& body,
+                                                       const World& world) {
+  if (file.empty()) return std::shared_ptr<SessionRecorder>();
+  const Result<SceneText> scene = readSceneText(as.scene);
+  if (!scene) return scene.error();
+  SessionHeader header;
+  header.source = as.source;
+  header.poseJoints = as.poses ? character.skeleton.jointCount() : 0;
+  header.character = as.character.empty() ? "mannequin" : as.character;
+  header.boneMap = as.reading.map;
+  header.bodyResolution = as.reading.bodyResolution;
+  header.characterHash = hashOf(character);
+  header.decomposition = as.body.decomposition;
+  header.decompositionHash = hashOf(body.decomposition);
+  header.coverTolerance = as.body.cover.tolerance;
+  header.hullVertices = as.body.cover.hullVertices;
+  header.coverHash = hashOf(body.cover);
+  header.trainingHash = hashOf(body.training);
+  // A motion of bones is recorded as the character performs it: mirrored already, and never smoothed.
+  if (!as.poses) header.joints = as.performing.joints();
+  header.faults = as.performing.faults();
+  header.scene = as.scene;
+  header.sceneFolder = scene->folder.string();
+  header.sceneSeed = as.scene.empty() ? kDemoSeed : 0;
+  header.worldHash = hashOf(world);
+  return SessionRecorder::start(file, header, scene->text);
+}
+
+Result<void> finishRecorder(const std::shared_ptr<SessionRecorder>& recorder, const std::string& file, Report& report,
+                            nlohmann::ordered_json& json) {
+  if (!recorder) return {};
+  const Result<int> steps = recorder->finish();
+  if (!steps) return steps.error();
+  report.line("recorded", *steps == 0 ? "nothing" : fmt::format("{} in {}", counted(*steps, "step"), file));
+  if (recorder->cutShort()) {
+    report.note("The recording ends where the session began anew, or went on with another body or scene.");
+  }
+  json["recorded"] = *steps;
+  return {};
+}
+
+}  // namespace lorica

@@ -1,0 +1,93 @@
+// An hour of simulated time with faults, thrown balls and changing scenes: what it cost, and whether anything broke.
+// CSV on standard output; exits with 1 where something did.
+
+#include "bench/measure.h"
+#include "bench/soak_run.h"
+#include "session/demo_scene.h"
+#include "session/keyframes.h"
+#include "session/scene_file.h"
+#include "skinning/mannequin.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+
+namespace lorica::bench {
+namespace {
+
+constexpr int kViolated = 1;
+
+/// The demo's world of any seed, and the scenes of a folder that hold props only.
+Result<std::vector<SoakScene>> scenesIn(const std::filesystem::path& folder) {
+  std::vector<SoakScene> scenes = {{"demo", makeDemoWorld}};
+  for (const char* name : {"boxes", "bowling", "curtain"}) {
+    Result<SceneFile> read = readScene(folder / fmt::format("{}.json", name));
+    if (!read) return read.error();
+    const auto file = std::make_shared<const SceneFile>(std::move(*read));
+    scenes.push_back({name, [file](std::uint64_t) { return makeWorld(*file); }});
+  }
+  return scenes;
+}
+
+/// 16 parts of the mannequin, from its bind pose.
+Result<Decomposition> sixteenParts() {
+  const Character character = makeMannequin();
+  DecomposeSettings settings;
+  settings.maxParts = 16;
+  return decompose(character.mesh, {character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())},
+                   settings);
+}
+
+/// The value that a share of all values does not exceed [ms].
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return 1e3 * values[static_cast<std::size_t>(rank)];
+}
+
+void print(const SoakResult& result, const SoakSettings& settings) {
+  fmt::print("scene,frames,median_ms,p99_ms,worst_ms,most_props,contacts,lowest_m,fastest_m_per_s\n");
+  double cpu = 0.0;
+  for (const SoakRow& row : result.rows) {
+    cpu += std::accumulate(row.frameSeconds.begin(), row.frameSeconds.end(), 0.0);
+    fmt::print("{},{},{:.2f},{:.2f},{:.2f},{},{},{:.3f},{:.1f}\n", row.scene, row.frameSeconds.size(),
+               quantile(row.frameSeconds, 0.5), quantile(row.frameSeconds, 0.99), quantile(row.frameSeconds, 1.0),
+               row.mostProps, row.contacts, row.lowest, row.fastest);
+  }
+  fmt::print("# {:.0f} s simulated in {:.0f} s of CPU time: {} frames, {} with faults, {} balls, {} grabs, {} scenes\n",
+             result.seconds, cpu, result.frames, result.faultyFrames, result.balls, result.grabs, result.worlds);
+  fmt::print("# memory {:.1f} MiB in the first third after {:.0f} s, {:.1f} MiB in the last, at most {:.1f} MiB\n",
+             result.firstMemory, settings.warmUp, result.lastMemory, result.mostMemory);
+  fmt::print("# budget {:.1f} ms of CPU time a frame, none may take longer than {:g} times that\n",
+             1e3 * settings.budget, settings.factor);
+  for (const std::string& violation : result.violations) fmt::print("# violated: {}\n", violation);
+  if (result.violations.empty()) fmt::print("# nothing was violated\n");
+}
+
+}  // namespace
+}  // namespace lorica::bench
+
+int main(int argc, char** argv) {
+  namespace bench = lorica::bench;
+  CLI::App app("Soak: an hour of faults, thrown balls and changing scenes.", "soak");
+  bench::SoakSettings settings;
+  std::string folder = "scenes";
+  app.add_option("--seconds", settings.seconds, "Simulated time [s]")->check(CLI::PositiveNumber);
+  app.add_option("--seed", settings.seed, "Of faults, balls and scenes");
+  app.add_option("--factor", settings.factor, "No frame takes longer than this times 1/60 s")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--scenes", folder, "Folder of the shipped scenes");
+  CLI11_PARSE(app, argc, argv);
+  const lorica::Result<std::vector<bench::SoakScene>> scenes = bench::scenesIn(folder);
+  if (!scenes) return bench::fail(scenes.error());
+  const lorica::Result<lorica::Decomposition> parts = bench::sixteenParts();
+  if (!parts) return bench::fail(parts.error());
+  const bench::SoakResult result = bench::soak(*parts, *scenes, settings);
+  bench::print(result, settings);
+  return result.violations.empty() ? 0 : bench::kViolated;
+}

@@ -1,0 +1,216 @@
+#include "bench/soak_run.h"
+
+#include "capture/fault_injector.h"
+#include "capture/joint_csv.h"
+#include "capture/synthetic_motion.h"
+#include "geometry/random_numbers.h"
+#include "session/treated_source.h"
+#include "skinning/mannequin.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+namespace lorica::bench {
+namespace {
+
+constexpr std::size_t kMostViolations = 20;
+constexpr double kMemoryEvery = 20.0;  ///< simulated [s]
+constexpr std::array<const char*, 8> kFaults = {"",
+                                                "dropout=0.1",
+                                                "jitter=0.03",
+                                                "swap=0.1",
+                                                "late=0.1",
+                                                "freeze=0.1",
+                                                "dropout=0.4,jitter=0.1",
+                                                "dropout,jitter,swap,late,freeze"};
+
+double cpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// What this process holds and has touched [MiB].
+double residentMebibytes() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+class Soak {
+ public:
+  Soak(const Decomposition& parts, const std::vector<SoakScene>& scenes, const SoakSettings& settings)
+      : scenes_(scenes), settings_(settings), random_(settings.seed), session_(firstSession(parts)) {
+    for (const SoakScene& scene : scenes) {
+      SoakRow& row = result_.rows.emplace_back();
+      row.scene = scene.name;
+      // What is kept of each frame would look like a leak otherwise.
+      row.frameSeconds.reserve(static_cast<std::size_t>(2.0 * 60.0 * settings.seconds) / scenes.size() + 4096);
+      std::fill_n(std::back_inserter(row.frameSeconds), row.frameSeconds.capacity(), 0.0);
+      row.frameSeconds.clear();
+    }
+    motions_.reserve(kSyntheticMotionCount);
+    for (int m = 0; m < kSyntheticMotionCount; ++m) {
+      motions_.push_back(synthesizeMotion(static_cast<SyntheticMotion>(m)));
+    }
+  }
+
+  SoakResult run() {
+    for (std::uint64_t episode = 0; result_.seconds < settings_.seconds; ++episode) play(episode);
+    judgeMemory();
+    return std::move(result_);
+  }
+
+ private:
+  static Session firstSession(const Decomposition& parts) {
+    Result<Session> session = Session::create(makeMannequin(), parts, makeMotionPoseSource({}), World());
+    CHECK(session.ok(), "the parts are the mannequin's");
+    return std::move(session).value();
+  }
+
+  void violation(std::string what) {
+    if (result_.violations.size() < kMostViolations) {
+      result_.violations.push_back(
+          fmt::format("{:.2f} s, scene {}: {}", result_.seconds, result_.rows[scene_].scene, what));
+    }
+  }
+
+  World nextWorld() {
+    scene_ = static_cast<std::size_t>(result_.worlds++) % scenes_.size();
+    held_ = false;
+    return scenes_[scene_].make(random_.bits());
+  }
+
+  void play(std::uint64_t episode) {
+    const std::vector<SkeletonFrame>& motion = motions_[episode % motions_.size()];
+    const char* text = kFaults[(episode / 3) % kFaults.size()];
+    SourceTreatment treatment;
+    if (*text != '\0') treatment.faults = parseFaults(text).value();
+    treatment.faults.seed = settings_.seed + episode;
+    session_.restart(makeTreatedSource(session_.character(), makeRecordedSource(motion), treatment).value(),
+                     nextWorld());
+    double before = motion.front().time;
+    bool changed = false;
+    while (result_.seconds < settings_.seconds) {
+      disturb();
+      const double begin = cpuSeconds();
+      const Result<bool> more = session_.step();
+      const double took = cpuSeconds() - begin;
+      if (!more) return violation(more.error().message);
+      if (!*more) return;
+      result_.seconds += std::max(0.0, session_.time() - before);
+      before = session_.time();
+      ++result_.frames;
+      result_.faultyFrames += treatment.faults.any() ? 1 : 0;
+      watch(took);
+      if (!changed && session_.time() > 0.5 * (motion.front().time + motion.back().time)) {
+        session_.setWorld(nextWorld());
+        changed = true;
+      }
+    }
+  }
+
+  /// Now and then a ball is thrown at the avatar, or a prop is taken and dragged about for a second.
+  void disturb() {
+    const Vec3 middle =
+        session_.frameCount() == 0 ? Vec3(0.0, 1.0, 0.0) : session_.body().parts().front().worldFromPart.translation();
+    if (random_.unit() < 0.04) {
+      const Vec3 from = middle + Vec3(random_.between(-3.0, 3.0), random_.between(0.0, 1.5), random_.between(1.0, 3.0));
+      const Vec3 velocity = random_.between(3.0, 20.0) * (middle - from).normalized() + Vec3(0.0, 1.0, 0.0);
+      session_.act(WorldAction::throwBall(from, velocity, random_.between(0.04, 0.15)));
+      ++result_.balls;
+    }
+    const std::span<const Prop> props = session_.world().props();
+    if (!held_ && !props.empty() && random_.unit() < 0.02) {
+      const auto prop = static_cast<std::size_t>(random_.bits() % props.size());
+      session_.act(WorldAction::grab(static_cast<int>(prop), props[prop].worldFromProp.translation()));
+      ++result_.grabs;
+      held_ = true;
+    } else if (held_) {
+      Vec3 to = middle + Vec3(random_.between(-1.5, 1.5), random_.between(-1.0, 1.0), random_.between(-1.5, 1.5));
+      to.y() = std::max(to.y(), 0.3);
+      held_ = random_.unit() >= 0.03;
+      session_.act(held_ ? WorldAction::moveGrab(to) : WorldAction::release());
+    }
+  }
+
+  void watch(double took) {
+    SoakRow& row = result_.rows[scene_];
+    row.frameSeconds.push_back(took);
+    if (took > settings_.factor * settings_.budget) {
+      violation(fmt::format("a frame took {:.1f} ms of CPU time, over {:g} x {:.1f} ms", 1e3 * took, settings_.factor,
+                            1e3 * settings_.budget));
+    }
+    for (const LivePart& part : session_.body().parts()) {
+      bool finite = part.worldFromPart.matrix().allFinite();
+      for (const Vec3& v : part.shape.vertices) finite = finite && v.allFinite();
+      if (!finite) violation("a part of the avatar is not finite");
+    }
+    const std::span<const Prop> props = session_.world().props();
+    row.mostProps = std::max(row.mostProps, props.size());
+    row.contacts += std::ssize(session_.world().contacts());
+    for (std::size_t p = 0; p < props.size(); ++p) {
+      const Prop& prop = props[p];
+      if (!prop.worldFromProp.matrix().allFinite() || !prop.velocity.allFinite()) {
+        violation(fmt::format("prop {} is not finite", p));
+        continue;
+      }
+      if (prop.mass == 0.0) continue;
+      const double height = prop.worldFromProp.translation().y();
+      row.lowest = std::min(row.lowest, height);
+      row.fastest = std::max(row.fastest, prop.velocity.norm());
+      // Half of a thing that is below the floor will not come up again.
+      if (height < 0.0) violation(fmt::format("prop {} went through the floor, to {:.3f} m", p, height));
+    }
+    if (result_.seconds < nextMemory_) return;
+    nextMemory_ += kMemoryEvery;
+    const double mebibytes = residentMebibytes();
+    result_.mostMemory = std::max(result_.mostMemory, mebibytes);
+    if (result_.seconds >= settings_.warmUp) memory_.push_back(mebibytes);
+  }
+
+  void judgeMemory() {
+    const std::size_t third = memory_.size() / 3;
+    if (third == 0) return;
+    const auto mean = [&](std::size_t from) {
+      double sum = 0.0;
+      for (std::size_t i = from; i < from + third; ++i) sum += memory_[i];
+      return sum / static_cast<double>(third);
+    };
+    result_.firstMemory = mean(0);
+    result_.lastMemory = mean(memory_.size() - third);
+    if (result_.lastMemory - result_.firstMemory > settings_.memoryGrowth) {
+      violation(fmt::format("memory grew from {:.1f} to {:.1f} MiB, by more than {:g}", result_.firstMemory,
+                            result_.lastMemory, settings_.memoryGrowth));
+    }
+  }
+
+  const std::vector<SoakScene>& scenes_;
+  SoakSettings settings_;
+  RandomNumbers random_;
+  Session session_;
+  std::vector<std::vector<SkeletonFrame>> motions_;
+  SoakResult result_;
+  std::size_t scene_ = 0;
+  std::vector<double> memory_;
+  double nextMemory_ = 0.0;
+  bool held_ = false;
+};
+
+}  // namespace
+
+SoakResult soak(const Decomposition& parts, const std::vector<SoakScene>& scenes, const SoakSettings& settings) {
+  CHECK(!scenes.empty(), "a soak is played somewhere");
+  return Soak(parts, scenes, settings).run();
+}
+
+}  // namespace lorica::bench

@@ -1,0 +1,61 @@
+#include "bench/soak_run.h"
+#include "session/demo_scene.h"
+#include "session/scene_file.h"
+#include "tests/session/small_session.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace lorica {
+namespace {
+
+std::vector<bench::SoakScene> twoScenes() {
+  const std::filesystem::path scenes = test::recordingsFolder().parent_path() / "scenes";
+  const auto bowling = std::make_shared<const SceneFile>(readScene(scenes / "bowling.json").value());
+  return {{"demo", makeDemoWorld}, {"bowling", [bowling](std::uint64_t) { return makeWorld(*bowling); }}};
+}
+
+/// The hour of bench/soak.cpp in short. How long frames take is no matter of a test.
+bench::SoakSettings shortly() {
+  bench::SoakSettings settings;
+  settings.seconds = 20.0;
+  settings.budget = 1e6;
+  return settings;
+}
+
+TEST(Soak, TwentySecondsBreakNothing) {
+  const bench::SoakResult result = bench::soak(test::eightParts(), twoScenes(), shortly());
+  for (const std::string& violation : result.violations) ADD_FAILURE() << violation;
+  EXPECT_GE(result.seconds, 20.0);
+  EXPECT_GT(result.frames, 500);
+  EXPECT_GT(result.balls, 5);
+  EXPECT_GT(result.grabs, 2);
+  EXPECT_GE(result.worlds, 3);
+  long contacts = 0;
+  for (const bench::SoakRow& row : result.rows) contacts += row.contacts;
+  EXPECT_GT(contacts, 20);
+}
+
+TEST(Soak, SaysWhatBroke) {
+  bench::SoakSettings settings = shortly();
+  settings.seconds = 2.0;
+  World::Settings bottomless;
+  bottomless.floor = false;
+  const auto scene = [&](std::uint64_t) {
+    World world(bottomless);
+    world.addProp(Prop());
+    return world;
+  };
+  const bench::SoakResult falls = bench::soak(test::eightParts(), {{"bottomless", scene}}, settings);
+  ASSERT_FALSE(falls.violations.empty());
+  EXPECT_NE(falls.violations[0].find("went through the floor"), std::string::npos);
+  settings.budget = 1e-9;
+  const bench::SoakResult slow = bench::soak(test::eightParts(), {{"demo", makeDemoWorld}}, settings);
+  ASSERT_FALSE(slow.violations.empty());
+  EXPECT_NE(slow.violations[0].find("of CPU time"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lorica
