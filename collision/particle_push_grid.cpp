@@ -29,8 +29,17 @@ struct Planes {
   std::size_t count;
 };
 
-/// Chooses the planes that can be the highest above some point of a cube.
-/// @return whether the hull reaches into the cube; only then is `out` written
+/// The highest plane above a point.
+struct Highest {
+  float height;
+  float x, y, z;  ///< normal
+};
+
+/// Chooses the planes that can be the highest above some point of a cube, of those that may lead out and of all.
+///
+/// A plane p cannot be where another one, q, is higher all over the cube: where the difference of their heights at the
+/// center is more than the difference of their normals can make up for. Here q is the highest above the center.
+/// @return whether the hull reaches into the cube; only then is all of `out` written
 HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float slack, PushGrid::Chosen& out) {
   const Floats f;
   const Indices n;
@@ -38,44 +47,60 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
   const auto centerY = hn::Set(f, center.y());
   const auto centerZ = hn::Set(f, center.z());
   const auto reach = hn::Set(f, half);
-  const auto heightAndReach = [&](std::size_t i, auto& height, auto& around) HWY_ATTR {
-    const auto x = hn::LoadU(f, in.x + i);
-    const auto y = hn::LoadU(f, in.y + i);
-    const auto z = hn::LoadU(f, in.z + i);
-    height = hn::Sub(hn::Add(hn::Add(hn::Mul(x, centerX), hn::Mul(y, centerY)), hn::Mul(z, centerZ)),
-                     hn::LoadU(f, in.offset + i));
-    around = hn::Mul(reach, hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z)));
+  const float nowhere = -std::numeric_limits<float>::infinity();
+
+  // Whether the whole cube is above one plane.
+  auto lowest = hn::Set(f, nowhere);
+  auto highest = hn::Set(f, nowhere);
+  const auto look = [&](std::size_t begin, std::size_t end) HWY_ATTR {
+    for (std::size_t i = begin; i < end; i += hn::Lanes(f)) {
+      const auto x = hn::LoadU(f, in.x + i);
+      const auto y = hn::LoadU(f, in.y + i);
+      const auto z = hn::LoadU(f, in.z + i);
+      const auto height = hn::Sub(hn::Add(hn::Add(hn::Mul(x, centerX), hn::Mul(y, centerY)), hn::Mul(z, centerZ)),
+                                  hn::LoadU(f, in.offset + i));
+      const auto around = hn::Mul(reach, hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z)));
+      hn::StoreU(height, f, out.height.data() + i);
+      lowest = hn::Max(lowest, hn::Sub(height, around));
+      highest = hn::Max(highest, height);
+    }
+    return hn::GetLane(hn::MaxOfLanes(f, lowest)) <= slack;
   };
-  hn::Vec<Floats> height;
-  hn::Vec<Floats> around;
-  auto lowest = hn::Set(f, -std::numeric_limits<float>::infinity());
-  std::size_t i = 0;
-  for (; i < in.exitCount; i += hn::Lanes(f)) {
-    heightAndReach(i, height, around);
-    lowest = hn::Max(lowest, hn::Sub(height, around));
-  }
-  const float exitFloor = hn::GetLane(hn::MaxOfLanes(f, lowest)) - slack;
-  if (exitFloor > 0.0F) return false;
-  for (; i < in.count; i += hn::Lanes(f)) {
-    heightAndReach(i, height, around);
-    lowest = hn::Max(lowest, hn::Sub(height, around));
-  }
-  const float floor = hn::GetLane(hn::MaxOfLanes(f, lowest)) - slack;
-  if (floor > 0.0F) return false;
+  const auto planeOf = [&](std::size_t end) HWY_ATTR {
+    const float height = hn::GetLane(hn::MaxOfLanes(f, highest));
+    std::size_t i = 0;
+    for (; i < end; i += hn::Lanes(f)) {
+      const auto lane = hn::FindFirstTrue(f, hn::Eq(hn::LoadU(f, out.height.data() + i), hn::Set(f, height)));
+      if (lane < 0) continue;
+      i += static_cast<std::size_t>(lane);
+      break;
+    }
+    return Highest{height, in.x[i], in.y[i], in.z[i]};
+  };
+  if (!look(0, in.exitCount)) return false;
+  const Highest exit = planeOf(in.exitCount);
+  if (!look(in.exitCount, in.count)) return false;
+  const Highest any = in.exitCount < in.count ? planeOf(in.count) : exit;
 
   std::size_t count = 0;
-  const auto take = [&](std::size_t begin, std::size_t end, float least) HWY_ATTR {
-    const auto atLeast = hn::Set(f, least);
-    for (std::size_t k = begin; k < end; k += hn::Lanes(f)) {
-      heightAndReach(k, height, around);
-      const auto matters = hn::Ge(hn::Add(height, around), atLeast);
+  const auto take = [&](std::size_t begin, std::size_t end, const Highest& best) HWY_ATTR {
+    const auto bestX = hn::Set(f, best.x);
+    const auto bestY = hn::Set(f, best.y);
+    const auto bestZ = hn::Set(f, best.z);
+    const auto atLeast = hn::Set(f, best.height - slack);
+    for (std::size_t i = begin; i < end; i += hn::Lanes(f)) {
+      const auto x = hn::LoadU(f, in.x + i);
+      const auto y = hn::LoadU(f, in.y + i);
+      const auto z = hn::LoadU(f, in.z + i);
+      const auto apart = hn::Add(hn::Add(hn::AbsDiff(x, bestX), hn::AbsDiff(y, bestY)), hn::AbsDiff(z, bestZ));
+      const auto matters = hn::Ge(hn::Add(hn::LoadU(f, out.height.data() + i), hn::Mul(reach, apart)), atLeast);
       if (hn::AllFalse(f, matters)) continue;
       const auto index =
-          in.index != nullptr ? hn::LoadU(n, in.index + k) : hn::Iota(n, in.first + static_cast<std::uint32_t>(k));
-      hn::CompressStore(hn::LoadU(f, in.x + k), matters, f, out.x.data() + count);
-      hn::CompressStore(hn::LoadU(f, in.y + k), matters, f, out.y.data() + count);
-      hn::CompressStore(hn::LoadU(f, in.z + k), matters, f, out.z.data() + count);
-      hn::CompressStore(hn::LoadU(f, in.offset + k), matters, f, out.offset.data() + count);
+          in.index != nullptr ? hn::LoadU(n, in.index + i) : hn::Iota(n, in.first + static_cast<std::uint32_t>(i));
+      hn::CompressStore(x, matters, f, out.x.data() + count);
+      hn::CompressStore(y, matters, f, out.y.data() + count);
+      hn::CompressStore(z, matters, f, out.z.data() + count);
+      hn::CompressStore(hn::LoadU(f, in.offset + i), matters, f, out.offset.data() + count);
       count += hn::CompressStore(index, hn::RebindMask(n, matters), n, out.plane.data() + count);
     }
     for (; count % PushHulls::kBlock != 0; ++count) {
@@ -84,9 +109,9 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
       out.plane[count] = 0;
     }
   };
-  take(0, in.exitCount, exitFloor);
+  take(0, in.exitCount, exit);
   out.exitCount = count;
-  take(in.exitCount, in.count, floor);
+  take(in.exitCount, in.count, any);
   out.count = count;
   return true;
 }
@@ -177,7 +202,7 @@ namespace {
 HWY_EXPORT(fillGrid);
 
 /// Cells in the box of all hulls, about: more take longer to make, fewer have more planes each.
-constexpr double kCells = 40000.0;
+constexpr double kCells = 10000.0;
 constexpr double kMostAlong = 400.0;
 
 }  // namespace
@@ -185,7 +210,7 @@ constexpr double kMostAlong = 400.0;
 void PushGrid::Chosen::makeRoom(std::size_t planeCount) {
   const std::size_t room = planeCount + 3 * PushHulls::kBlock;  // whole vectors are written, and two kinds rounded up
   if (x.size() >= room) return;
-  for (std::vector<float>* v : {&x, &y, &z, &offset}) v->resize(room);
+  for (std::vector<float>* v : {&x, &y, &z, &offset, &height}) v->resize(room);
   plane.resize(room);
 }
 

@@ -59,6 +59,7 @@ class PushGrid {
     std::size_t count = 0;
     std::vector<float> x, y, z, offset;
     std::vector<std::uint32_t> plane;
+    std::vector<float> height;  ///< of the planes that were chosen from
     void makeRoom(std::size_t planeCount);
   };
   std::vector<Chosen> chosen;  ///< one for each hull, and one for the cell at hand

@@ -1,0 +1,335 @@
+// What it costs to push millions of particles out of a live body, beside a plain loop in the same run: CSV on standard
+// output.
+
+#include "bench/measure.h"
+#include "capture/retarget.h"
+#include "capture/synthetic_motion.h"
+#include "collision/cover.h"
+#include "collision/live_body.h"
+#include "collision/particle_push.h"
+#include "geometry/random_numbers.h"
+#include "session/cover_poses.h"
+#include "session/keyframes.h"
+#include "session/pose_source.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <memory>
+
+namespace lorica::bench {
+namespace {
+
+constexpr double kSecondsOfFrame = 1.0 / 30.0;
+
+struct Options {
+  std::size_t particles = 5'000'000;
+  int parts = 16;
+  int hullVertices = 80;
+  int repeats = 7;
+};
+
+/// Time of one call: wall clock, and of all threads together [ms].
+struct Cost {
+  double wall = std::numeric_limits<double>::infinity();
+  double cpu = std::numeric_limits<double>::infinity();
+};
+
+double cpuMilliseconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// The least of several: what is more is what else the machine did.
+template <class Before, class Work>
+Cost leastOf(int repeats, const Before& before, const Work& work) {
+  Cost least;
+  for (int i = 0; i < repeats; ++i) {
+    before();
+    const double cpu = cpuMilliseconds();
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
+    least.wall = std::min(least.wall, wall.count());
+    least.cpu = std::min(least.cpu, cpuMilliseconds() - cpu);
+  }
+  return least;
+}
+
+/// The same the obvious way: particle by particle, hull by hull, plane by plane.
+class PlainPush {
+ public:
+  explicit PlainPush(std::span<const LivePart> parts) {
+    for (const LivePart& part : parts) {
+      Hull& hull = hulls_.emplace_back();
+      const ConvexHull world = worldHull(part);
+      for (const Vec3& v : world.vertices) {
+        hull.min = hull.min.cwiseMin(v.cast<float>());
+        hull.max = hull.max.cwiseMax(v.cast<float>());
+      }
+      for (const auto& [a, b, c] : world.triangles) {
+        const Vec3& corner = world.vertices[static_cast<std::size_t>(a)];
+        const Vec3 normal = (world.vertices[static_cast<std::size_t>(b)] - corner)
+                                .cross(world.vertices[static_cast<std::size_t>(c)] - corner)
+                                .normalized();
+        hull.planes.push_back({normal.cast<float>(), static_cast<float>(normal.dot(corner))});
+      }
+    }
+  }
+
+  /// @return how many were moved
+  std::size_t push(std::span<Vec3f> positions) const {
+    std::size_t moved = 0;
+    for (Vec3f& p : positions) {
+      bool inside = false;
+      for (int round = 0; round < 4 && leaveOne(p); ++round) inside = true;
+      moved += inside ? 1 : 0;
+    }
+    return moved;
+  }
+
+ private:
+  struct Plane {
+    Vec3f normal;
+    float offset;
+  };
+  struct Hull {
+    std::vector<Plane> planes;
+    Vec3f min = Vec3f::Constant(std::numeric_limits<float>::infinity());
+    Vec3f max = Vec3f::Constant(-std::numeric_limits<float>::infinity());
+  };
+
+  /// Moves a particle out of the first hull that it is inside of.
+  bool leaveOne(Vec3f& p) const {
+    for (const Hull& hull : hulls_) {
+      if (p.x() < hull.min.x() || p.y() < hull.min.y() || p.z() < hull.min.z() || p.x() > hull.max.x() ||
+          p.y() > hull.max.y() || p.z() > hull.max.z()) {
+        continue;
+      }
+      float highest = -std::numeric_limits<float>::infinity();
+      const Plane* nearest = nullptr;
+      for (const Plane& plane : hull.planes) {
+        const float height = plane.normal.dot(p) - plane.offset;
+        if (height > 0.0F) {
+          nearest = nullptr;
+          break;
+        }
+        if (height <= highest) continue;
+        highest = height;
+        nearest = &plane;
+      }
+      if (nearest == nullptr) continue;
+      p += (1e-6F - highest) * nearest->normal;
+      return true;
+    }
+    return false;
+  }
+
+  std::vector<Hull> hulls_;
+};
+
+/// The mannequin's body, and where the bones are in the frames of a shipped motion.
+struct Walker {
+  std::unique_ptr<LiveBody> body;
+  std::vector<std::vector<Affine3>> worldFromModel;
+};
+
+Result<Walker> makeWalker(const Options& options) {
+  const Character character = makeMannequin();
+  std::vector<SkeletalMotion> training;
+  training.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    training.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+  }
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
+  if (!keyframes) return keyframes.error();
+  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
+  Result<Decomposition> decomposition = decompose(character.mesh, poses, {.maxParts = options.parts});
+  if (!decomposition) return decomposition.error();
+
+  Walker walker;
+  const Result<CoverPoses> coverIn = coverPoses(character, training);
+  if (!coverIn) return coverIn.error();
+  const std::vector<LiftedPoint> points = liftPoints(character, *decomposition);
+  Result<CoverPromise> cover =
+      chooseCover(*decomposition, points, coverIn->sampledView(), {}, {.maxHullVertices = options.hullVertices});
+  if (!cover) return cover.error();
+  walker.body = std::make_unique<LiveBody>(std::move(*decomposition), character, std::move(*cover));
+  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
+  if (!retargeter) return retargeter.error();
+  Pose pose = restPose(character.skeleton);
+  for (const SkeletonFrame& frame : synthesizeMotion(SyntheticMotion::kWalk)) {
+    retargeter->apply(frame, pose);
+    std::vector<Affine3>& matrices = walker.worldFromModel.emplace_back(pose.size());
+    computeWorldFromJoint(character.skeleton, pose, matrices);
+    computeWorldFromModel(character, matrices, matrices);
+  }
+  return walker;
+}
+
+/// Evenly in a box.
+std::vector<Vec3f> sandbox(const Vec3& center, const Vec3& size, std::size_t count) {
+  RandomNumbers random(1);
+  std::vector<Vec3f> particles(count);
+  for (Vec3f& p : particles) {
+    const double x = center.x() + size.x() * (random.unit() - 0.5);
+    const double y = center.y() + size.y() * (random.unit() - 0.5);
+    const double z = center.z() + size.z() * (random.unit() - 0.5);
+    p = Vec3(x, y, z).cast<float>();
+  }
+  return particles;
+}
+
+/// Closely about the body: each within 5 cm of a box about a part.
+std::vector<Vec3f> cloud(std::span<const LivePart> parts, std::size_t count) {
+  std::vector<Aabb> boxes;
+  for (const LivePart& part : parts) {
+    boxes.push_back(boundsOf(worldHull(part).vertices));
+    boxes.back().min.array() -= 0.05;
+    boxes.back().max.array() += 0.05;
+  }
+  RandomNumbers random(2);
+  std::vector<Vec3f> particles(count);
+  for (Vec3f& p : particles) {
+    const Aabb& box = boxes[random.bits() % boxes.size()];
+    const double x = random.unit();
+    const double y = random.unit();
+    const double z = random.unit();
+    p = (box.min + Vec3(x, y, z).cwiseProduct(box.max - box.min)).cast<float>();
+  }
+  return particles;
+}
+
+/// By cells of 4 cm, layer by layer.
+void sortByCell(std::vector<Vec3f>& particles) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    std::uint64_t key = 0;
+    for (const int axis : {1, 2, 0}) {
+      key = key << 16U | static_cast<std::uint64_t>(32768.0F + std::floor(particles[i][axis] / 0.04F));
+    }
+    keys[i] = {key, static_cast<std::uint32_t>(i)};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<Vec3f> sorted(particles.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) sorted[i] = particles[keys[i].second];
+  particles = std::move(sorted);
+}
+
+std::uint64_t hashOf(std::span<const Vec3f> positions, std::span<const ParticleTouch> touches) {
+  const std::uint64_t hash = XXH3_64bits(positions.data(), positions.size_bytes());
+  return XXH3_64bits_withSeed(touches.data(), touches.size_bytes(), hash);
+}
+
+/// How many are inside a hull by more than so much [m], the slow way.
+std::size_t deeperThan(std::span<const LivePart> parts, std::span<const Vec3f> positions, double depth) {
+  std::vector<ConvexHull> hulls;
+  std::vector<Aabb> boxes;
+  for (const LivePart& part : parts) {
+    hulls.push_back(worldHull(part));
+    boxes.push_back(boundsOf(hulls.back().vertices));
+  }
+  std::size_t count = 0;
+  for (const Vec3f& position : positions) {
+    const Vec3 p = position.cast<double>();
+    for (std::size_t h = 0; h < hulls.size(); ++h) {
+      if ((p.array() < boxes[h].min.array()).any() || (p.array() > boxes[h].max.array()).any()) continue;
+      double highest = -std::numeric_limits<double>::infinity();
+      for (const auto& [a, b, c] : hulls[h].triangles) {
+        const Vec3& corner = hulls[h].vertices[static_cast<std::size_t>(a)];
+        const Vec3 normal = (hulls[h].vertices[static_cast<std::size_t>(b)] - corner)
+                                .cross(hulls[h].vertices[static_cast<std::size_t>(c)] - corner)
+                                .normalized();
+        highest = std::max(highest, normal.dot(p - corner));
+        if (highest > -depth) break;
+      }
+      if (highest > -depth) continue;
+      ++count;
+      break;
+    }
+  }
+  return count;
+}
+
+void measure(const std::string& name, std::span<const LivePart> parts, const std::vector<Vec3f>& particles,
+             int repeats) {
+  std::vector<Vec3f> moved;
+  const auto restore = [&] { moved = particles; };
+  const PlainPush plain(parts);
+  const Cost reference = leastOf(std::min(repeats, 3), restore, [&] { (void)plain.push(moved); });
+  for (const int threads : {1, 2}) {
+    ParticlePush push({.threads = threads});
+    std::span<const ParticleTouch> touches;
+    push.prepare(parts, kSecondsOfFrame);
+    const Cost cost = leastOf(repeats, restore, [&] { touches = push.push(moved); });
+    fmt::print("{},{},{},{:.3f},{:.1f},{:.1f},{:.1f},{:.1f},{},{:016x}\n", name, particles.size(), threads,
+               100.0 * static_cast<double>(touches.size()) / static_cast<double>(particles.size()), cost.wall, cost.cpu,
+               reference.cpu, reference.cpu / cost.cpu, deeperThan(parts, moved, 1e-3), hashOf(moved, touches));
+    std::fflush(stdout);
+  }
+}
+
+int run(const Options& options) {
+  Result<Walker> made = makeWalker(options);
+  if (!made) return fail(made.error());
+  LiveBody& body = *made->body;
+  const std::vector<std::vector<Affine3>>& frames = made->worldFromModel;
+
+  // Preparing, over the whole motion.
+  ParticlePush push;
+  Cost prepare;
+  std::vector<double> microseconds;
+  for (const std::vector<Affine3>& frame : frames) {
+    body.update(frame);
+    const Cost cost = leastOf(
+        3, [] {}, [&] { push.prepare(body.parts(), kSecondsOfFrame); });
+    microseconds.push_back(1e3 * cost.cpu);
+  }
+  const std::size_t middle = frames.size() / 2;
+  body.update(frames[middle - 1]);
+  body.update(frames[middle]);
+  std::size_t faces = 0;
+  Aabb box;
+  for (const LivePart& part : body.parts()) {
+    faces += part.shape.triangles.size();
+    for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
+  }
+  fmt::print("# {} parts, {} faces; preparing a frame takes {:.0f} us of CPU (median), at most {:.0f}\n",
+             body.parts().size(), faces, medianOf(microseconds),
+             *std::max_element(microseconds.begin(), microseconds.end()));
+  fmt::print("task,particles,threads,inside_percent,wall_ms,cpu_ms,reference_cpu_ms,ratio,deeper_than_1mm,hash\n");
+
+  std::fflush(stdout);
+  std::vector<Vec3f> particles = sandbox(box.center(), {2.0, 2.2, 2.0}, options.particles);
+  measure("box 2 x 2.2 x 2 m, unsorted", body.parts(), particles, options.repeats);
+  sortByCell(particles);
+  measure("the same, sorted by cell", body.parts(), particles, options.repeats);
+  particles = cloud(body.parts(), options.particles);
+  measure("within 5 cm of the parts' boxes, unsorted", body.parts(), particles, options.repeats);
+  sortByCell(particles);
+  measure("the same, sorted by cell", body.parts(), particles, options.repeats);
+  return 0;
+}
+
+}  // namespace
+}  // namespace lorica::bench
+
+int main(int argc, char** argv) {
+  lorica::bench::Options options;
+  CLI::App app("Times pushing particles out of a live body");
+  app.add_option("--particles", options.particles, "how many")->check(CLI::Range(1000, 100'000'000));
+  app.add_option("--parts", options.parts, "parts of the body")->check(CLI::Range(1, 64));
+  app.add_option("--hull-vertices", options.hullVertices, "of a part, at most")->check(CLI::Range(8, 10'000));
+  app.add_option("--repeats", options.repeats, "of everything that is timed")->check(CLI::Range(1, 100));
+  CLI11_PARSE(app, argc, argv);
+  return lorica::bench::run(options);
+}
