@@ -51,6 +51,11 @@ Scene SessionScene::of(const Session& session) const {
   scene.parts = session.body().parts();
   scene.props = session.world().props();
   scene.contacts = session.world().contacts();
+  if (const Particles* particles = session.world().particles()) {
+    scene.particles = particles->places();
+    scene.particleRadius = static_cast<float>(particles->settings().radius);
+    scene.particleColor = particles->settings().color;
+  }
   scene.skeleton = &session.character().skeleton;
   scene.worldFromJoint = session.worldFromJoint();
   return scene;

@@ -286,6 +286,10 @@ void World::addLink(int a, int b, const Vec3& place) {
   impl_->addLink(a, b, place);
 }
 
+void World::setParticles(const ParticleSettings& settings) {
+  particles_ = std::make_unique<Particles>(settings);
+}
+
 void World::step(std::span<const LivePart> parts, double seconds) {
   CHECK(seconds >= 0.0 && std::isfinite(seconds), "a world cannot step back in time");
   impl_->contacts.clear();
@@ -323,6 +327,7 @@ void World::step(std::span<const LivePart> parts, double seconds) {
            std::make_tuple(b.part, b.prop, b.point.x(), b.point.y(), b.point.z());
   });
   impl_->readProps();
+  if (particles_ && seconds > 0.0) particles_->step(parts, seconds);
 }
 
 std::span<const Prop> World::props() const {

@@ -2,6 +2,7 @@
 
 #include "acd/decomposition.h"
 #include "collision/live_part.h"
+#include "collision/particles.h"
 #include "collision/prop.h"
 #include "geometry/math.h"
 #include "skinning/skeleton.h"
@@ -88,6 +89,12 @@ class World {
   void release();
   [[nodiscard]] std::optional<PropGrab> held() const;
 
+  /// Sand or water that the parts push from now on, in the place of what there was. Props and particles pass through
+  /// each other.
+  void setParticles(const ParticleSettings& settings);
+  /// Null = none.
+  [[nodiscard]] const Particles* particles() const { return particles_.get(); }
+
   /// Moves the world from the last frame to this one; the parts sweep from their previous to their present motion.
   ///
   /// A prop that is hit gets the velocity of the place that hits it, and bounces as its restitution says. Where a
@@ -115,6 +122,7 @@ class World {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Particles> particles_;
 };
 
 }  // namespace lorica

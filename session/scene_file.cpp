@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "session/scene_element.h"
+#include "session/scene_particles.h"
 
 #include <fmt/format.h>
 
@@ -224,7 +225,7 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   std::optional<std::string> error;
   SceneFile scene;
   SceneElement root(*json, "", error);
-  root.allow({"format", "name", "gravity", "floor", "props", "chains"});
+  root.allow({"format", "name", "gravity", "floor", "props", "chains", "grains", "water"});
   root.need("format", fmt::format("\"{}\"", kFormat));
   if (root.has("format") && root.at("format") != kFormat) {
     root.fail("format", shownInScene(root.at("format")), fmt::format("\"{}\"", kFormat));
@@ -234,6 +235,10 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   root.flag("floor", scene.world.floor);
   root.each("props", [&](SceneElement& element) { readProp(element, meshes, scene); });
   root.each("chains", [&](SceneElement& element) { readChain(element, scene); });
+  ParticleSettings particles;
+  particles.gravity = scene.world.gravity;
+  particles.floor = scene.world.floor;
+  scene.particles = readParticles(root, particles);
   if (scene.props.size() > kMostProps) root.fail("", "more things", fmt::format("at most {}", kMostProps));
   if (hullsOf(scene) > kMostHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMostHulls));
   if (error) return Error{meshes.code(), fmt::format("{}: {}", name, *error)};
@@ -252,6 +257,7 @@ World makeWorld(const SceneFile& scene) {
   World world(scene.world);
   for (const Prop& prop : scene.props) world.addProp(prop);
   for (const SceneFile::Link& link : scene.links) world.addLink(link.a, link.b, link.place);
+  if (scene.particles) world.setParticles(*scene.particles);
   return world;
 }
 

@@ -5,6 +5,7 @@
 #include "session/prop_meshes.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@ struct SceneFile {
   World::Settings world;
   std::vector<Prop> props;  ///< chains are among them
   std::vector<Link> links;
+  std::optional<ParticleSettings> particles;
 };
 
 /// What a scene needs beside its text.

@@ -168,6 +168,10 @@ Result<bool> Session::step() {
 void Session::addToHashes() {
   for (const LivePart& part : body_.parts()) hashes_.hulls = chainHash(hashes_.hulls, part);
   for (const Prop& prop : world_.props()) hashes_.props = chainHash(hashes_.props, prop);
+  if (const Particles* particles = world_.particles()) {
+    const std::span<const Vec3f> places = particles->places();
+    hashes_.particles = XXH3_64bits_withSeed(places.data(), places.size_bytes(), hashes_.particles);
+  }
 }
 
 std::uint64_t Session::hash() const {
@@ -195,6 +199,7 @@ void Session::setBody(std::shared_ptr<const BodyPlan> plan) {
   body_ = LiveBody(std::move(plan));
   jointsOfPart_ = jointsOfParts(body_.decomposition(), character_);
   contactBones_ = ContactBones(body_.decomposition(), character_);
+  selfContacts_.reset();
   points_.resize(static_cast<std::size_t>(body_.decomposition().pointCount()));
   pointsFrame_ = -1;
   if (frameCount_ == 0) return;
@@ -234,6 +239,12 @@ std::optional<double> Session::trainingDistance() const {
   if (!training_ || frameCount_ == 0) return std::nullopt;
   for (std::size_t i = 0; i < probes_.size(); ++i) probePositions_[i] = positionOf(probes_[i], worldFromModel_);
   return lorica::trainingDistance(*training_, probePositions_);
+}
+
+std::span<const SelfContact> Session::selfContacts() const {
+  if (frameCount_ == 0) return {};
+  if (!selfContacts_) selfContacts_.emplace(body_, character_.mesh.vertices);
+  return selfContacts_->find(body_.parts());
 }
 
 bool Session::outsideKnownRange() const {

@@ -4,6 +4,7 @@
 #include "acd/training_range.h"
 #include "collision/lifted_point.h"
 #include "collision/live_body.h"
+#include "collision/self_contact.h"
 #include "collision/world.h"
 #include "session/contact_bones.h"
 #include "session/part_bones.h"
@@ -80,6 +81,9 @@ class Session {
   /// Whether the pose is farther from training than what counts as known.
   [[nodiscard]] bool outsideKnownRange() const;
   [[nodiscard]] const std::optional<TrainingRange>& training() const { return training_; }
+  /// Parts of the body that overlap in this frame though they are not neighbours in the bind pose. Computed when asked
+  /// for; the first time makes the query, later ones allocate nothing.
+  [[nodiscard]] std::span<const SelfContact> selfContacts() const;
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const StageTimes& times() const { return times_; }
@@ -106,6 +110,7 @@ class Session {
 
   std::vector<std::vector<JointShare>> jointsOfPart_;
   ContactBones contactBones_;
+  mutable std::optional<SelfContactQuery> selfContacts_;
   std::optional<TrainingRange> training_;
   std::vector<LiftedPoint> probes_;           // of the training range, by the bones
   mutable std::vector<Vec3> probePositions_;  // scratch

@@ -107,6 +107,19 @@ std::uint64_t hashOf(const World& world) {
       chain.triangles(hull.triangles);
     }
   }
+  if (const Particles* particles = world.particles()) {
+    const ParticleSettings& settings = particles->settings();
+    chain.number(settings.kind);
+    for (const double value : {settings.radius, settings.friction, settings.viscosity, settings.settleSeconds}) {
+      chain.number(value);
+    }
+    for (const Vec3f& place : particles->places()) chain.vector(place.cast<double>());
+    for (const ParticleSettings::Pour& pour : settings.pours) {
+      chain.vector(pour.middle);
+      chain.vector(pour.velocity);
+      for (const double value : {pour.radius, pour.rate, static_cast<double>(pour.count)}) chain.number(value);
+    }
+  }
   return chain.hash();
 }
 

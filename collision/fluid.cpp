@@ -1,0 +1,225 @@
+#include "collision/fluid.h"
+
+#include "geometry/result.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lorica {
+namespace {
+
+constexpr double kReach = 1.7;           // of the kernels, in spacings
+constexpr int kMostNeighbours = 40;      // at rest there are 18 to 26
+constexpr double kSoftening = 0.02;      // of the sum of squared slopes at rest
+constexpr float kOverRelaxation = 1.5f;  // of what a pressure corrects
+constexpr float kLongestMove = 0.25f;    // of an iteration, in spacings
+constexpr float kFastest = 5.0f;         // in a substep, in spacings
+constexpr std::size_t kParticlesAtOnce = 1024;
+
+template <class Work>
+void forRanges(std::size_t count, std::size_t atOnce, const Work& work) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, atOnce),
+                    [&](const tbb::blocked_range<std::size_t>& range) { work(range.begin(), range.end()); });
+}
+
+/// Density 1 for particles on a cubic lattice.
+FluidKernels makeKernels(double spacing) {
+  const double reach = kReach * spacing;
+  double sum = 0.0, squares = 0.0;
+  for (int x = -2; x <= 2; ++x) {
+    for (int y = -2; y <= 2; ++y) {
+      for (int z = -2; z <= 2; ++z) {
+        const double r = spacing * std::sqrt(static_cast<double>(x * x + y * y + z * z));
+        if (r >= reach) continue;
+        const double left = reach * reach - r * r;
+        sum += left * left * left;
+        if (r > 0.0) squares += std::pow(reach - r, 4.0);
+      }
+    }
+  }
+  const double density = 1.0 / sum;
+  // The slopes are those of a sharper kernel, of the same integral, that does not vanish where particles are close:
+  // 315 / (64 pi reach^9) stands before the one, 45 / (pi reach^6) before the other.
+  const double slope = density * (45.0 * 64.0 / 315.0) * reach * reach * reach;
+  return {static_cast<float>(reach),
+          static_cast<float>(density),
+          static_cast<float>(density * std::pow(reach, 6.0)),
+          static_cast<float>(slope),
+          kOverRelaxation,
+          static_cast<float>(kSoftening * slope * slope * squares)};
+}
+
+}  // namespace
+
+Fluid::Fluid(const FluidSettings& settings)
+    : settings_(settings),
+      spacing_(static_cast<float>(settings.spacing)),
+      kernels_(makeKernels(settings.spacing)),
+      place_(paddedCount(settings.capacity)),
+      before_(place_.size()),
+      motion_(place_.size()),
+      nextPlace_(place_.size()),
+      nextMotion_(place_.size()),
+      id_(settings.capacity),
+      nextId_(settings.capacity),
+      x_(place_.size()),
+      y_(place_.size()),
+      z_(place_.size()),
+      none_(place_.size()),
+      nearBody_(settings.capacity),
+      grid_(settings.capacity),
+      lists_(settings.capacity, kMostNeighbours),
+      body_(0.5 * settings.spacing),
+      places_(settings.capacity),
+      velocities_(settings.capacity) {
+  CHECK(settings.spacing > 0.0 && settings.substepSeconds > 0.0 && settings.iterations > 0,
+        "particles have a size, and substeps a length");
+  candidates_.reserve(settings.capacity);
+  candidateOf_.reserve(settings.capacity);
+  const float half = 0.5f * spacing_;
+  if (settings.floor) room_.least.y() = half;
+  if (settings.walls) {
+    for (const Eigen::Index axis : {0, 2}) {
+      room_.least[axis] = static_cast<float>(settings.walls->min[axis]) + half;
+      room_.most[axis] = std::max(room_.least[axis], static_cast<float>(settings.walls->max[axis]) - half);
+    }
+  }
+}
+
+std::size_t Fluid::add(std::span<const Vec3f> places, const Vec3& velocity) {
+  const std::size_t before = count_;
+  const Vec3f speed = velocity.cast<float>();
+  for (const Vec3f& given : places) {
+    if (count_ == settings_.capacity) break;
+    if (!given.allFinite()) continue;
+    const Vec3f place = given.cwiseMax(room_.least).cwiseMin(room_.most);
+    const std::size_t i = count_++;
+    place_[i] = {place.x(), place.y(), place.z(), 0.0f};
+    motion_[i] = {speed.x(), speed.y(), speed.z(), 0.0f};
+    id_[i] = static_cast<std::uint32_t>(i);
+    places_[i] = place;
+    velocities_[i] = speed;
+  }
+  return count_ - before;
+}
+
+void Fluid::step(std::span<const LivePart> parts, double seconds) {
+  CHECK(seconds > 0.0 && std::isfinite(seconds), "a fluid cannot step back in time");
+  if (count_ == 0) return;
+  const int substeps = std::max(1, static_cast<int>(std::ceil(seconds / settings_.substepSeconds - 1e-6)));
+  const auto length = static_cast<float>(seconds / substeps);
+  body_.begin(parts, seconds, substeps);
+  for (int substep = 0; substep < substeps; ++substep) {
+    predict(length);
+    keepVolume();
+    forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        motion_[i] = {(place_[i].x - before_[i].x) / length, (place_[i].y - before_[i].y) / length,
+                      (place_[i].z - before_[i].z) / length, 0.0f};
+      }
+    });
+    const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
+    forRanges(blocks, kParticlesAtOnce / kParticleBlock, [&](std::size_t begin, std::size_t end) {
+      blendMotions(kernels_, place_.data(), motion_.data(), lists_, static_cast<float>(settings_.viscosity), begin, end,
+                   nextMotion_.data());
+    });
+    std::swap(motion_, nextMotion_);
+    body_.advance(substep);
+    pushOut(length);
+  }
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      places_[id_[i]] = Vec3f(place_[i].x, place_[i].y, place_[i].z);
+      velocities_[id_[i]] = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z);
+    }
+  });
+}
+
+// All fall and go on, are sorted where they come to, and find their neighbours there.
+void Fluid::predict(float seconds) {
+  const Vec3f fall = settings_.gravity.cast<float>() * seconds;
+  const float fastest = kFastest * spacing_ / seconds;
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3f speed = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z) + fall;
+      const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
+      const float rate = length > fastest ? fastest / length * seconds : seconds;
+      const Vec3f to =
+          (Vec3f(place_[i].x, place_[i].y, place_[i].z) + rate * speed).cwiseMax(room_.least).cwiseMin(room_.most);
+      nextPlace_[i] = {to.x(), to.y(), to.z(), 0.0f};
+    }
+  });
+  grid_.sort({nextPlace_.data(), count_}, kernels_.reach);
+  const std::uint32_t* order = grid_.order().data();
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ParticleRow& to = nextPlace_[order[i]];
+      x_[i] = to.x;
+      y_[i] = to.y;
+      z_[i] = to.z;
+      before_[i] = place_[order[i]];
+      nextId_[i] = id_[order[i]];
+    }
+  });
+  std::swap(id_, nextId_);
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) place_[i] = {x_[i], y_[i], z_[i], 0.0f};
+  });
+  lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, kernels_.reach, none_);
+}
+
+void Fluid::keepVolume() {
+  const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
+  const std::size_t atOnce = kParticlesAtOnce / kParticleBlock;
+  const ParticleRow least{room_.least.x(), room_.least.y(), room_.least.z(), 0.0f};
+  const ParticleRow most{room_.most.x(), room_.most.y(), room_.most.z(), 0.0f};
+  for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
+    forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
+      findPressures(kernels_, place_.data(), lists_, begin, end, nextPlace_.data());
+    });
+    forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
+      movePressed(kernels_, nextPlace_.data(), lists_, least, most, kLongestMove * spacing_, begin, end, place_.data());
+    });
+  }
+}
+
+void Fluid::pushOut(float seconds) {
+  const float margin = (1.0f + kLongestMove * static_cast<float>(settings_.iterations)) * spacing_;
+  bool any = false;
+  for (ParticleBody::Sweep box : body_.sweeps()) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.least[axis] -= margin;
+      box.most[axis] += margin;
+    }
+    grid_.visitRuns(box.least, box.most, [&](std::uint32_t first, std::uint32_t last) {
+      std::fill(nearBody_.begin() + first, nearBody_.begin() + last, std::uint8_t{1});
+      any = true;
+    });
+  }
+  if (!any) return;
+  candidates_.clear();
+  candidateOf_.clear();
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (nearBody_[i] == 0) continue;
+    nearBody_[i] = 0;
+    candidates_.emplace_back(place_[i].x, place_[i].y, place_[i].z);
+    candidateOf_.push_back(static_cast<std::uint32_t>(i));
+  }
+  const float fastest = kFastest * spacing_ / seconds;
+  for (const ParticleTouch& touch : body_.push(candidates_, room_)) {
+    const std::size_t i = candidateOf_[touch.particle];
+    const Vec3f& place = candidates_[touch.particle];
+    Vec3f velocity(motion_[i].x, motion_[i].y, motion_[i].z);
+    velocity += velocityChange(touch, velocity);
+    const float speed = velocity.norm();
+    if (speed > fastest) velocity *= fastest / speed;
+    place_[i] = {place.x(), place.y(), place.z(), 0.0f};
+    motion_[i] = {velocity.x(), velocity.y(), velocity.z(), 0.0f};
+  }
+}
+
+}  // namespace lorica

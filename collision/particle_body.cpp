@@ -1,0 +1,154 @@
+#include "collision/particle_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+constexpr double kFastestPart = 25.0;  // as in World [m/s]
+constexpr double kOutside = 1e-5;      // beyond a surface that was left along a ray [m]
+
+/// Straight along, and turning evenly enough. Without trigonometry, so that every machine has the same.
+Isometry3 between(const Isometry3& from, const Isometry3& to, double fraction) {
+  const Quat a(from.linear());
+  Quat b(to.linear());
+  if (a.dot(b) < 0.0) b.coeffs() = -b.coeffs();
+  Quat turned;
+  turned.coeffs() = (1.0 - fraction) * a.coeffs() + fraction * b.coeffs();
+  turned.normalize();
+  Isometry3 result = Isometry3::Identity();
+  result.linear() = turned.toRotationMatrix();
+  result.translation() = (1.0 - fraction) * from.translation() + fraction * to.translation();
+  return result;
+}
+
+void extend(ParticleBody::Sweep& bounds, const LivePart& part, const Isometry3& worldFromPart) {
+  for (const Vec3& v : part.shape.vertices) {
+    const Vec3f p = (worldFromPart * v).cast<float>();
+    for (std::size_t i = 0; i < 3; ++i) {
+      bounds.least[i] = std::min(bounds.least[i], p[static_cast<Eigen::Index>(i)]);
+      bounds.most[i] = std::max(bounds.most[i], p[static_cast<Eigen::Index>(i)]);
+    }
+  }
+}
+
+constexpr ParticleBody::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}, false};
+
+/// Of a ray from within a hull that is larger by `margin`: how far it is to the outside. None where it begins outside.
+std::optional<double> exitOf(const LivePart& part, const Vec3& place, const Vec3& direction, double margin) {
+  const Isometry3 partFromWorld = part.worldFromPart.inverse();
+  const Vec3 from = partFromWorld * place;
+  const Vec3 along = partFromWorld.linear() * direction;
+  double exit = 1e9;
+  for (const Triangle& t : part.shape.triangles) {
+    const Vec3& corner = part.shape.vertices[static_cast<std::size_t>(t[0])];
+    const Vec3 area = (part.shape.vertices[static_cast<std::size_t>(t[1])] - corner)
+                          .cross(part.shape.vertices[static_cast<std::size_t>(t[2])] - corner);
+    const double length = area.norm();
+    if (!(length > 1e-12)) continue;
+    const Vec3 normal = area / length;
+    const double depth = margin - normal.dot(from - corner);
+    if (depth <= 0.0) return std::nullopt;
+    const double rate = normal.dot(along);
+    if (rate > 1e-9) exit = std::min(exit, depth / rate);
+  }
+  return exit;
+}
+
+}  // namespace
+
+ParticleBody::ParticleBody(double radius) : radius_(radius), push_(ParticlePushSettings{.radius = radius}) {}
+
+void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int substeps) {
+  substeps_ = substeps;
+  substepSeconds_ = seconds / substeps;
+  parts_.resize(parts.size());
+  motions_.resize(parts.size());
+  sweeps_.clear();
+  sweeps_.reserve(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    LivePart& own = parts_[i];
+    const LivePart& part = parts[i];
+    // Not all of it: what was one frame ago is of no use here.
+    own.shape.vertices.assign(part.shape.vertices.begin(), part.shape.vertices.end());
+    own.shape.triangles.assign(part.shape.triangles.begin(), part.shape.triangles.end());
+    if (!part.worldFromPart.matrix().allFinite() || !part.previousWorldFromPart.matrix().allFinite()) {
+      own.shape.vertices.clear();
+      own.shape.triangles.clear();
+      motions_[i] = Motion();
+      continue;
+    }
+    own.reshaped = part.reshaped;
+    own.trust = part.trust;
+    Motion& motion = motions_[i];
+    motion.from = part.previousWorldFromPart;
+    motion.to = part.worldFromPart;
+    const double way = (motion.to.translation() - motion.from.translation()).norm();
+    if (way > kFastestPart * seconds) motion.from = motion.to;
+    own.worldFromPart = motion.from;
+    Sweep sweep = kNowhere;
+    sweep.moves = part.reshaped || part.worldFromPart.matrix() != part.previousWorldFromPart.matrix();
+    extend(sweep, part, part.previousWorldFromPart);
+    extend(sweep, part, motion.to);
+    if (sweep.least[0] <= sweep.most[0]) sweeps_.push_back(sweep);
+  }
+}
+
+void ParticleBody::advance(int substep) {
+  const double fraction = static_cast<double>(substep + 1) / substeps_;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    LivePart& part = parts_[i];
+    part.previousWorldFromPart = part.worldFromPart;
+    part.worldFromPart =
+        substep + 1 == substeps_ ? motions_[i].to : between(motions_[i].from, motions_[i].to, fraction);
+  }
+  push_.prepare(parts_, substepSeconds_);
+}
+
+std::span<const ParticleTouch> ParticleBody::push(std::span<Vec3f> places, const ParticleRoom& room) {
+  const std::span<const ParticleTouch> touches = push_.push(places);
+  for (const ParticleTouch& touch : touches) {
+    Vec3f& place = places[touch.particle];
+    const Vec3f inRoom = place.cwiseMax(room.least).cwiseMin(room.most);
+    if (inRoom != place) place = wayOut(inRoom, room);
+  }
+  return touches;
+}
+
+// A ray leaves a hull once and for ever, so following it out of one hull after the other ends outside of all of them.
+Vec3f ParticleBody::wayOut(const Vec3f& place, const ParticleRoom& room) const {
+  static constexpr std::array<std::array<double, 3>, 21> kWays{
+      {{0, 1, 0},       {1, 0, 0},      {-1, 0, 0},      {0, 0, 1},     {0, 0, -1},     {0.6, 0, 0.8},
+       {0.6, 0, -0.8},  {-0.6, 0, 0.8}, {-0.6, 0, -0.8}, {0.8, 0, 0.6}, {0.8, 0, -0.6}, {-0.8, 0, 0.6},
+       {-0.8, 0, -0.6}, {0.6, 0.8, 0},  {-0.6, 0.8, 0},  {0, 0.8, 0.6}, {0, 0.8, -0.6}, {0.8, 0.6, 0},
+       {-0.8, 0.6, 0},  {0, 0.6, 0.8},  {0, 0.6, -0.8}}};
+  double shortest = 1e9;
+  Vec3 best = place.cast<double>();
+  for (const std::array<double, 3>& way : kWays) {
+    const Vec3 direction(way[0], way[1], way[2]);
+    double length = 0.0;
+    bool inside = true;
+    for (std::size_t round = 0; inside && round <= parts_.size(); ++round) {
+      inside = false;
+      for (const LivePart& part : parts_) {
+        if (part.shape.triangles.empty()) continue;
+        const std::optional<double> exit = exitOf(part, place.cast<double>() + length * direction, direction, radius_);
+        if (!exit) continue;
+        length += *exit + kOutside;
+        inside = true;
+      }
+    }
+    const Vec3 end = place.cast<double>() + length * direction;
+    const Vec3f rounded = end.cast<float>();
+    if (rounded != rounded.cwiseMax(room.least).cwiseMin(room.most)) continue;
+    if (length < shortest) {
+      shortest = length;
+      best = end;
+    }
+  }
+  return best.cast<float>();
+}
+
+}  // namespace lorica

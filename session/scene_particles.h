@@ -1,0 +1,15 @@
+#pragma once
+
+#include "collision/particles.h"
+#include "session/scene_element.h"
+
+#include <optional>
+
+namespace lorica {
+
+/// Reads "grains" or "water" of a scene, which has one of them or neither. Internal to readScene().
+/// @param root      the scene; what is wrong is noted in it
+/// @param settings  with the scene's gravity and floor
+[[nodiscard]] std::optional<ParticleSettings> readParticles(SceneElement& root, const ParticleSettings& settings);
+
+}  // namespace lorica
