@@ -14,7 +14,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -127,12 +129,9 @@ struct Outcome {
 };
 
 /// Runs the session as far as it is needed and draws what is wanted of it.
-Result<Outcome> shoot(const Options& options, const Motion& motion, Session& session) {
+Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera,
+                      const Motion& motion, Session& session) {
   const Size size = *sizeOf(options.size);
-  Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
-  if (!camera) return camera.error();
-  const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
-  if (!wanted) return wanted.error();
   Result<SnapshotCamera> pictures = SnapshotCamera::create(size.width, size.height);
   if (!pictures) return pictures.error();
   std::optional<Movie> movie;
@@ -147,12 +146,17 @@ Result<Outcome> shoot(const Options& options, const Motion& motion, Session& ses
   SceneOptions show = shownBy(options.show);
   const bool caption =
       options.show.empty() || std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
-  std::vector<bool> taken(wanted->size(), false);
+  std::vector<bool> taken(wanted.size(), false);
   std::vector<Image> images;
   std::vector<std::string> labels;
-  images.reserve(wanted->size());
-  labels.reserve(wanted->size());
+  images.reserve(wanted.size());
+  labels.reserve(wanted.size());
   const double end = options.to > 0.0 ? options.to : motion.seconds();
+  const double until = std::accumulate(wanted.begin(), wanted.end(), movie ? end : 0.0,
+                                       [](double sum, const Wanted& one) { return std::max(sum, one.seconds); });
+  const double share = motion.seconds() > 0.0 ? std::min(until / motion.seconds(), 1.0) : 1.0;
+  int frames = 1 + static_cast<int>(std::ceil(share * (motion.frameCount() - 1)));  // about so many will run
+  for (const Wanted& one : wanted) frames = std::max(frames, one.frame + 1);
   double firstTime = 0.0, previousTime = 0.0;
   ProgressBar bar((movie ? "Filming " : "Playing ") + motion.name, "frames");
   Outcome outcome;
@@ -164,20 +168,20 @@ Result<Outcome> shoot(const Options& options, const Motion& motion, Session& ses
     ++outcome.frames;
     if (frame == 0) firstTime = previousTime = session.time();
     const double seconds = session.time() - firstTime;
-    camera->update(session, session.time() - previousTime);
+    camera.update(session, session.time() - previousTime);
     previousTime = session.time();
-    bar.update(frame + 1, motion.frameCount());
+    bar.update(frame + 1, std::max(frames, frame + 1));
 
     std::optional<Image> image;
     const auto draw = [&]() -> const Image& {
       if (!image) {
         if (caption) show.caption = captionOf(motion.name, session, seconds);
-        image = pictures->draw(scene.of(session), show, camera->camera());
+        image = pictures->draw(scene.of(session), show, camera.camera());
       }
       return *image;
     };
-    for (std::size_t i = 0; i < wanted->size(); ++i) {
-      const Wanted& one = (*wanted)[i];
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const Wanted& one = wanted[i];
       const bool last = frame + 1 == motion.frameCount();
       if (taken[i] || !(one.frame >= 0 ? frame == one.frame : last || seconds >= one.seconds - kSameTime)) continue;
       taken[i] = true;
@@ -241,6 +245,11 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!cast) return cast.error();
   const auto& [subject, motion] = *cast;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
+  const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
+  if (!wanted) return wanted.error();
+  const Size size = *sizeOf(options.size);
+  const Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
+  if (!camera) return camera.error();
   const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
   if (!file) return file.error();
   Result<World> world = openScene(options.scene);
@@ -249,7 +258,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!source) return source.error();
   Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
   if (!session) return session.error();
-  const Result<Outcome> outcome = shoot(options, motion, *session);
+  const Result<Outcome> outcome = shoot(options, *wanted, *camera, motion, *session);
   if (!outcome) return outcome.error();
 
   nlohmann::ordered_json json;

@@ -16,7 +16,7 @@ constexpr int kBinBits = 6;  // of a channel, in the histogram
 constexpr std::size_t kBinCount = std::size_t{1} << (3 * kBinBits);
 constexpr std::size_t kMostColors = 255;
 constexpr std::uint8_t kUnchanged = 255;  // the index that lets the frame before show through
-constexpr int kSame = 4;                  // a channel that moved less stays as it is shown: gradients do not flicker
+constexpr int kSame = 3;                  // a channel that moved less stays as it is shown: gradients do not flicker
 constexpr int kMostSide = 4096;
 
 std::uint32_t binOf(const std::uint8_t* rgb) {
@@ -65,7 +65,7 @@ Box boxOf(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& wei
 std::vector<Box> cutColors(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& weightOfBin) {
   std::vector<Box> boxes;
   boxes.push_back(boxOf(std::move(bins), weightOfBin));
-  const auto worth = [](const Box& box) { return std::sqrt(box.weight) * box.extent * box.extent; };
+  const auto worth = [](const Box& box) { return std::sqrt(box.weight) * box.extent; };
   while (boxes.size() < kMostColors) {
     const auto worst =
         std::max_element(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { return worth(a) < worth(b); });
@@ -137,6 +137,7 @@ GifWriter::GifWriter(std::filesystem::path file, int width, int height, double f
       framesPerSecond_(framesPerSecond),
       indices_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
       weightOfBin_(kBinCount),
+      sumOfBin_(kBinCount),
       colorOfBin_(kBinCount) {
   bytes_ = "GIF89a";
   appendShort(bytes_, width);
@@ -179,7 +180,11 @@ Result<void> GifWriter::add(const Image& image) {
     indices_[i] = same && !first ? kUnchanged : 0;
     if (indices_[i] == kUnchanged) continue;
     const std::uint32_t bin = binOf(rgb);
-    if (weightOfBin_[bin]++ == 0) bins.push_back(bin);
+    if (weightOfBin_[bin]++ == 0) {
+      bins.push_back(bin);
+      sumOfBin_[bin] = {};
+    }
+    for (std::size_t c = 0; c < 3; ++c) sumOfBin_[bin][c] += rgb[c];
   }
   palette_.clear();
   if (!bins.empty()) {
@@ -188,12 +193,10 @@ Result<void> GifWriter::add(const Image& image) {
       std::array<double, 3> sum{};
       for (const std::uint32_t bin : box.bins) {
         colorOfBin_[bin] = static_cast<std::uint8_t>(palette_.size());
-        for (int c = 0; c < 3; ++c) {
-          sum[static_cast<std::size_t>(c)] += weightOfBin_[bin] * (channelOf(bin, c) + 0.5) * (256 >> kBinBits);
-        }
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += sumOfBin_[bin][c];
       }
       std::array<std::uint8_t, 3> color{};
-      for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<std::uint8_t>(sum[c] / box.weight);
+      for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<std::uint8_t>(std::lround(sum[c] / box.weight));
       palette_.push_back(color);
     }
   }

@@ -33,10 +33,11 @@ class GifWriter {
   double framesPerSecond_;
   int frames_ = 0;
   std::string bytes_;
-  std::vector<std::uint8_t> shown_;         // RGB, as a reader shows it so far
-  std::vector<std::uint8_t> indices_;       // of the frame, scratch
-  std::vector<std::uint32_t> weightOfBin_;  // scratch
-  std::vector<std::uint8_t> colorOfBin_;    // scratch
+  std::vector<std::uint8_t> shown_;                     // RGB, as a reader shows it so far
+  std::vector<std::uint8_t> indices_;                   // of the frame, scratch
+  std::vector<std::uint32_t> weightOfBin_;              // scratch
+  std::vector<std::array<std::uint32_t, 3>> sumOfBin_;  // scratch
+  std::vector<std::uint8_t> colorOfBin_;                // scratch
   std::vector<std::array<std::uint8_t, 3>> palette_;
 };
 
