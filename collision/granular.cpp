@@ -14,16 +14,18 @@ namespace lorica {
 namespace {
 
 constexpr int kSubstepsPerSort = 4;  // for which lists of neighbours are good
-constexpr float kReach = 1.15f;      // of a list, in diameters
-constexpr int kMostNeighbours = 24;  // twelve spheres touch one
-constexpr float kRelaxation = 2.0f;  // of corrections, beside their mean
-constexpr float kOpening = 0.12f;    // of overlaps [m/s]
-constexpr float kDeep = 0.1f;        // an overlap that must go faster, in diameters, and by what share a substep
-constexpr float kFastest = 1.0f;     // in a substep, in diameters
-constexpr float kQuiet = 0.7f;       // of the way that gravity makes in a substep from rest
-constexpr float kRousing = 2.5f;     // times that wakes sleeping neighbours
-constexpr float kAsleep = 24.0f;     // substeps of being quiet
-constexpr float kRoused = 16.0f;     // as if it had been quiet so long, when something near has moved
+constexpr int kSubstepsPerPush = 2;
+constexpr float kReach = 1.15f;         // of a list, in diameters
+constexpr int kMostNeighbours = 24;     // twelve spheres touch one
+constexpr float kRelaxation = 2.0f;     // of corrections, beside their mean
+constexpr float kOpening = 0.12f;       // of overlaps [m/s]
+constexpr float kDeep = 0.1f;           // an overlap that must go faster, in diameters, and by what share a substep
+constexpr float kFastest = 1.0f;        // in a substep, in diameters
+constexpr float kQuiet = 0.7f;          // of the way that gravity makes in a substep from rest
+constexpr float kRousing = 2.5f;        // times that wakes sleeping neighbours
+constexpr float kAsleep = 24.0f;        // substeps of being quiet
+constexpr float kRoused = 16.0f;        // as if it had been quiet so long, when something near has moved
+constexpr float kHeldOnBody = 0.0006f;  // a grain that rests on the body stays, though it be so far in it [m]
 constexpr std::size_t kGrainsAtOnce = 1024;
 
 /// Work on ranges, on all threads. The ranges do not change what is computed.
@@ -105,8 +107,11 @@ void Granular::step(std::span<const LivePart> parts, double seconds) {
       findNeighbours();
     }
     stepContacts(length);
-    body_.advance(substep);
-    pushOut(length);
+    // The body comes in every second substep and in the last.
+    if ((substeps - substep) % kSubstepsPerPush == 1) {
+      body_.advance(substep);
+      pushOut(length);
+    }
     if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps - 1) rouse(length);
   }
   forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -138,7 +143,10 @@ void Granular::sort(float seconds) {
   forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       ParticleRow& motion = motion_[i];
-      if (woken_[i] != 0) motion.w = std::min(motion.w, kRoused);
+      if (woken_[i] != 0) {
+        motion.w = std::min(motion.w, kRoused);
+        place_[i].w = std::min(place_[i].w, kRoused);
+      }
       woken_[i] = 0;
       motion = {rate * motion.x, rate * motion.y, rate * motion.z, motion.w};
       constexpr float kAhead = 0.5f * kSubstepsPerSort;
@@ -179,7 +187,6 @@ void Granular::findNeighbours() {
   // Whom the body may touch, as far as all can go until they are sorted again.
   const float margin = (kSubstepsPerSort * kFastest + 1.0f) * diameter_;
   candidateOf_.clear();
-  bool any = false;
   for (ParticleBody::Sweep box : body_.sweeps()) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box.least[axis] -= margin;
@@ -187,12 +194,16 @@ void Granular::findNeighbours() {
     }
     grid_.visitRuns(box.least, box.most, [&](std::uint32_t first, std::uint32_t last) {
       std::fill(nearBody_.begin() + first, nearBody_.begin() + last, std::uint8_t{1});
-      any = true;
     });
   }
-  if (!any) return;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (nearBody_[i] != 0 && asleep_[i] == 0) candidateOf_.push_back(static_cast<std::uint32_t>(i));
+    if (asleep_[i] == 0) {
+      if (nearBody_[i] != 0) {
+        candidateOf_.push_back(static_cast<std::uint32_t>(i));
+      } else {
+        place_[i].w = 0.0f;  // it rests on the body no more
+      }
+    }
     nearBody_[i] = 0;
   }
 }
@@ -227,18 +238,47 @@ void Granular::stepContacts(float seconds) {
 void Granular::pushOut(float seconds) {
   if (candidateOf_.empty()) return;
   candidates_.clear();
-  for (const std::uint32_t i : candidateOf_) candidates_.emplace_back(place_[i].x, place_[i].y, place_[i].z);
+  const Vec3f fall = settings_.gravity.cast<float>() * (seconds * seconds);
+  constexpr float kWays = 0.5f * kSubstepsPerPush * (kSubstepsPerPush + 1);
+  for (const std::uint32_t i : candidateOf_) {
+    Vec3f place(place_[i].x, place_[i].y, place_[i].z);
+    // What rests on the body did not fall. Would it, if the body were not there?
+    if (place_[i].w > 0.0f) place += kWays * fall;
+    candidates_.push_back(place);
+  }
   const float quiet = quietWay(settings_, seconds);
-  for (const ParticleTouch& touch : body_.push(candidates_, room_)) {
-    const std::size_t i = candidateOf_[touch.particle];
-    const Vec3f& place = candidates_[touch.particle];
-    const Vec3f velocity = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z) / seconds;
-    Vec3f way = (velocity + velocityChange(touch, velocity, static_cast<float>(settings_.friction))) * seconds;
+  const std::span<const ParticleTouch> touches = body_.push(candidates_, room_);
+  std::size_t next = 0;
+  for (std::size_t c = 0; c < candidateOf_.size(); ++c) {
+    ParticleRow& row = place_[candidateOf_[c]];
+    ParticleRow& motion = motion_[candidateOf_[c]];
+    const Vec3f& place = candidates_[c];
+    const bool touched = next < touches.size() && touches[next].particle == c;
+    Vec3f way(motion.x, motion.y, motion.z);
+    if (row.w > 0.0f) way += static_cast<float>(kSubstepsPerPush) * fall;
+    if (!touched) {
+      if (row.w > 0.0f) {
+        const Vec3f inRoom = place.cwiseMax(room_.least).cwiseMin(room_.most);
+        row = {inRoom.x(), inRoom.y(), inRoom.z(), 0.0f};
+        motion = {way.x(), way.y(), way.z(), 0.0f};
+      }
+      continue;
+    }
+    const Vec3f velocity = way / seconds;
+    way = (velocity + velocityChange(touches[next++], velocity, static_cast<float>(settings_.friction))) * seconds;
     const float length = way.norm();
-    if (length < quiet) way.setZero();
     if (length > kFastest * diameter_) way *= kFastest * diameter_ / length;
-    place_[i] = {place.x(), place.y(), place.z(), place_[i].w};
-    motion_[i] = {way.x(), way.y(), way.z(), length < quiet ? motion_[i].w : 0.0f};
+    const bool rests = length < quiet;
+    const float count = rests ? std::min(row.w + kSubstepsPerPush, kAsleep) : 0.0f;
+    if (rests) way.setZero();
+    motion = {way.x(), way.y(), way.z(), count};
+    // Friction holds it: it does not creep down by what it would have fallen.
+    const Vec3f off = place - Vec3f(row.x, row.y, row.z);
+    if (rests && row.w > 0.0f && off.norm() < kHeldOnBody) {
+      row.w = count;
+    } else {
+      row = {place.x(), place.y(), place.z(), count};
+    }
   }
 }
 

@@ -32,7 +32,10 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
 
   const Rows place = loadRows(p.places + i);
   const Rows motion = loadRows(p.motions + i);
-  const auto wayX = hn::Add(motion.x, fallX), wayY = hn::Add(motion.y, fallY), wayZ = hn::Add(motion.z, fallZ);
+  const auto rests = hn::Gt(place.w, zero);
+  const auto wayX = hn::Add(motion.x, hn::IfThenZeroElse(rests, fallX));
+  const auto wayY = hn::Add(motion.y, hn::IfThenZeroElse(rests, fallY));
+  const auto wayZ = hn::Add(motion.z, hn::IfThenZeroElse(rests, fallZ));
   const auto x = hn::Add(place.x, wayX), y = hn::Add(place.y, wayY), z = hn::Add(place.z, wayZ);
   auto brakeX = zero, brakeY = zero, brakeZ = zero;
   auto touches = zero;
@@ -41,10 +44,11 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
     const auto number = hn::AndNot(marked, listed);
     const auto asleep = hn::RebindMask(f, hn::Ne(number, listed));
     const Rows other = gatherRows(p.places, slot);
+    const auto otherRests = hn::Gt(other.w, zero);
     const Rows otherMotion = gatherRows(p.motions, slot);
-    const auto otherWayX = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.x, fallX));
-    const auto otherWayY = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.y, fallY));
-    const auto otherWayZ = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.z, fallZ));
+    const auto otherWayX = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.x, hn::IfThenZeroElse(otherRests, fallX)));
+    const auto otherWayY = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.y, hn::IfThenZeroElse(otherRests, fallY)));
+    const auto otherWayZ = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.z, hn::IfThenZeroElse(otherRests, fallZ)));
     const auto dx = hn::Sub(x, hn::Add(other.x, otherWayX));
     const auto dy = hn::Sub(y, hn::Add(other.y, otherWayY));
     const auto dz = hn::Sub(z, hn::Add(other.z, otherWayZ));

@@ -10,7 +10,7 @@ namespace lorica {
 
 /// What one substep of grains needs, in the order of the grid and in whole blocks.
 struct GrainPass {
-  const ParticleRow* places;   ///< where the grains are [m]
+  const ParticleRow* places;   ///< where the grains are [m]; w: above 0, it rests on the body and does not fall
   const ParticleRow* motions;  ///< their way in the last substep [m]; w: for how many substeps they have been quiet
   ParticleRow* nextPlaces;
   ParticleRow* nextMotions;

@@ -63,6 +63,7 @@ ParticleBody::ParticleBody(double radius) : radius_(radius), push_(ParticlePushS
 
 void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int substeps) {
   substeps_ = substeps;
+  done_ = 0;
   substepSeconds_ = seconds / substeps;
   parts_.resize(parts.size());
   motions_.resize(parts.size());
@@ -104,7 +105,8 @@ void ParticleBody::advance(int substep) {
     part.worldFromPart =
         substep + 1 == substeps_ ? motions_[i].to : between(motions_[i].from, motions_[i].to, fraction);
   }
-  push_.prepare(parts_, substepSeconds_);
+  push_.prepare(parts_, (substep + 1 - done_) * substepSeconds_);
+  done_ = substep + 1;
 }
 
 std::span<const ParticleTouch> ParticleBody::push(std::span<Vec3f> places, const ParticleRoom& room) {

@@ -27,7 +27,7 @@ class ParticleBody {
 
   /// Begins a frame. A part faster than 25 m/s (a tracker's jump) is in its new place at once.
   void begin(std::span<const LivePart> parts, double seconds, int substeps);
-  /// Takes the parts to where they are at the end of a substep.
+  /// Takes the parts to where they are at the end of a substep, a later one than before.
   void advance(int substep);
 
   /// Box around what a part sweeps in the frame.
@@ -53,6 +53,7 @@ class ParticleBody {
   double radius_;
   double substepSeconds_ = 0.0;
   int substeps_ = 1;
+  int done_ = 0;  // substeps of the frame
   ParticlePush push_;
   std::vector<LivePart> parts_;
   std::vector<Motion> motions_;
