@@ -1,0 +1,139 @@
+#include "geometry/files.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+namespace lorica::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A body that is quick to make, for all tests here.
+class Replay : public testing::Test {
+ protected:
+  Replay() {
+    const CommandResult made =
+        runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body.string()});
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+  }
+
+  [[nodiscard]] CommandResult record(std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"record", session.string(), "--decomposition", body.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runLorica(arguments);
+  }
+
+  const TemporaryFolder folder;
+  const fs::path body = folder.path() / "body.lorica", session = folder.path() / "s.lsession";
+};
+
+TEST_F(Replay, ARecordedSessionComesOutTheSame) {
+  const CommandResult made =
+      record({"punch_and_kick", "--frames", "60", "--scene", "bowling", "--inject", "dropout=0.1,late,seed=7",
+              "--smooth", "one-euro", "--threads", "2", "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  EXPECT_EQ(made.json()["recorded"], 60);
+  EXPECT_EQ(filesIn(folder.path()), (std::vector<std::string>{"body.lorica", "s.lsession"}));
+  const CommandResult again = runLorica({"replay", session.string(), "--threads", "1", "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["same"], true);
+  EXPECT_EQ(again.json()["replayed"], 60);
+  EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
+}
+
+TEST_F(Replay, WhatPlayRecordsIsTheSameSession) {
+  const CommandResult played = runLorica({"play", "wave", "--frames", "20", "--decomposition", body.string(),
+                                          "--record", session.string(), "--json", "-"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const CommandResult again = runLorica({"replay", session.string(), "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["hash"], played.json()["hash"]);
+}
+
+TEST_F(Replay, AVirtualPersonBeforeACameraIsReplayed) {
+  const CommandResult made =
+      record({"--virtual", "--motion", "wave", "--frames", "20", "--inject", "jitter=0.01", "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  const CommandResult again = runLorica({"replay", session.string(), "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["replayed"], 20);
+  EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
+}
+
+/// Whoever is killed loses no step that was done.
+TEST_F(Replay, AKilledRecordingIsReplayedAsFarAsItWent) {
+  const fs::path part = folder.path() / "s.part.lsession";
+  constexpr std::uintmax_t kEnough = 20000;  // about 20 steps
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
+    execl(LORICA_COMMAND, LORICA_COMMAND, "record", session.c_str(), "walk", "--decomposition", body.c_str(), nullptr);
+    _exit(127);
+  }
+  std::error_code error;
+  int status = 0;
+  bool ended = false;
+  while (!(fs::file_size(part, error) > kEnough && !error) && !ended) {
+    ended = waitpid(child, &status, WNOHANG) == child;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (!ended) {
+    kill(child, SIGKILL);
+    waitpid(child, &status, 0);
+  }
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself before it could be killed";
+  EXPECT_FALSE(fs::exists(session));
+  const CommandResult again = runLorica({"replay", part.string(), "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["same"], true);
+  EXPECT_EQ(again.json()["finished"], false);
+  EXPECT_GE(again.json()["replayed"].get<int>(), static_cast<int>(kEnough / 1100));
+}
+
+TEST_F(Replay, WhatDiffersOrIsMissingIsSaid) {
+  ASSERT_EQ(record({"wave", "--frames", "5"}).exitCode, 0);
+  const auto sentence = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"replay", session.string()});
+    const CommandResult result = runLorica(more);
+    EXPECT_EQ(result.exitCode, 2) << result.out;
+    return result.err;
+  };
+  const fs::path other = folder.path() / "other.lorica";
+  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", other.string()}).exitCode,
+            0);
+  EXPECT_NE(sentence({"--decomposition", other.string()}).find("recorded with another decomposition"),
+            std::string::npos);
+  EXPECT_NE(sentence({"--character", "nobody.glb"}).find("nobody.glb"), std::string::npos);
+  fs::remove(body);
+  EXPECT_NE(sentence({}).find("name its file with --decomposition"), std::string::npos);
+  std::string bytes = readFile(session).value();
+  bytes[bytes.size() / 2] ^= 1;
+  ASSERT_TRUE(writeFileAtomically(session, bytes).ok());
+  EXPECT_NE(sentence({}).find("checksum is wrong"), std::string::npos);
+}
+
+TEST_F(Replay, WrongWordsGetASentence) {
+  const auto sentence = [](const std::vector<std::string>& arguments) {
+    const CommandResult result = runLorica(arguments);
+    EXPECT_EQ(result.exitCode, 2) << result.out;
+    return result.err;
+  };
+  EXPECT_NE(sentence({"record", "s.txt"}).find("ends in .oni (depth) or .lsession (a session)"), std::string::npos);
+  EXPECT_NE(sentence({"record", "s.oni", "walk"}).find("MOTION is for sessions"), std::string::npos);
+  EXPECT_NE(sentence({"record", session.string(), "walk", "--virtual"}).find("and a camera too"), std::string::npos);
+  EXPECT_NE(sentence({"play", "walk", "--record", "s.txt"}).find(".lsession"), std::string::npos);
+  EXPECT_NE(sentence({"play", "walk", "--inject", "late=2"}).find("expected a share of frames from 0 to 1"),
+            std::string::npos);
+  EXPECT_NE(sentence({"replay"}).find("SESSION"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lorica::test
