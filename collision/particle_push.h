@@ -43,8 +43,8 @@ class ParticlePush {
   ParticlePush(ParticlePush&&) noexcept;
   ParticlePush& operator=(ParticlePush&&) noexcept;
 
-  /// Takes the parts as they are now; keeps no reference. Parts without triangles (flat ones) or in no finite place
-  /// push nothing.
+  /// Takes the parts as they are now; keeps no reference. Parts without triangles (flat ones), in no finite
+  /// place or a thousand kilometres away push nothing.
   /// @param seconds  since the last frame, above 0
   void prepare(std::span<const LivePart> parts, double seconds);
 

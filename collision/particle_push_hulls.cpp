@@ -7,9 +7,19 @@
 namespace lorica {
 namespace {
 
-bool pushes(const LivePart& part) {
-  return !part.shape.degenerate() && part.worldFromPart.matrix().allFinite() &&
-         part.previousWorldFromPart.matrix().allFinite();
+/// Farther from the origin than this, a float is no place any more [m].
+constexpr double kFarthest = 1e6;
+
+/// The box of a part that pushes; empty of one that does not.
+Aabb boxOf(const LivePart& part) {
+  if (part.shape.degenerate() || !part.worldFromPart.matrix().allFinite() ||
+      !part.previousWorldFromPart.matrix().allFinite()) {
+    return {};
+  }
+  Aabb box;
+  for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
+  const bool near = (box.min.array() > -kFarthest).all() && (box.max.array() < kFarthest).all();
+  return near ? box : Aabb();
 }
 
 }  // namespace
@@ -23,10 +33,12 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
 
   Aabb box;
   for (const LivePart& part : parts) {
-    if (!pushes(part)) continue;
-    for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
+    const Aabb own = boxOf(part);
+    if (own.empty()) continue;
+    box.extend(own.min);
+    box.extend(own.max);
   }
-  if (box.empty() || !box.min.allFinite() || !box.max.allFinite()) return;
+  if (box.empty()) return;
   // Rounding of a height: a few units in the last place of a local coordinate, and of a world one where it is written.
   const double farthest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
   margin_ = static_cast<float>(0x1p-20 * (box.diagonal() + farthest));
@@ -35,7 +47,7 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
   boxMax_ = (box.max.array() + grown).matrix().cast<float>() - origin_;
 
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (pushes(parts[i])) takeHull(parts[i], static_cast<std::uint32_t>(i));
+    if (!boxOf(parts[i]).empty()) takeHull(parts[i], static_cast<std::uint32_t>(i));
   }
   findCovered();
   for (const Raw& raw : raw_) addHull(raw, seconds, radius);

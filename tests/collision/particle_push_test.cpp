@@ -141,6 +141,7 @@ TEST(ParticlePush, ThinPlatesPushAndFlatOnesDoNot) {
   std::vector<LivePart> parts = {makeBoxPart({0.5, 1e-4, 0.5}, at(0, 1, 0)), makeBoxPart({0.5, 1.0, 0.5}, at(3, 1, 0)),
                                  makeBoxPart({0.5, 1.0, 0.5}, at(6, 1, 0)), LivePart()};
   parts[2].worldFromPart.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  parts.push_back(makeBoxPart({1, 1, 1}, at(1e300, 0, 0)));
   std::vector<Vec3f> particles(2000);
   for (Vec3f& p : particles) {
     p = uniformVec3(random, -0.5, 0.5).cast<float>();
@@ -151,14 +152,15 @@ TEST(ParticlePush, ThinPlatesPushAndFlatOnesDoNot) {
   reshape(parts[1], std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}});
   ASSERT_TRUE(parts[1].shape.degenerate());
   ParticlePush push;
-  push.prepare(std::span(parts).last(3), kSecond);
+  push.prepare(std::span(parts).last(4), kSecond);
   std::vector<Vec3f> at3(1, Vec3f(3.2F, 1.0F, 0.2F));
   EXPECT_TRUE(push.push(at3).empty());
   push.prepare({}, kSecond);
   EXPECT_TRUE(push.push(at3).empty());
   push.prepare(parts, kSecond);
   EXPECT_TRUE(push.push({}).empty());
-  EXPECT_EQ(push.push(particles).size(), expectPushed(only, particles, "beside parts that push nothing"));
+  const std::size_t expected = expectPushed(only, particles, "alone");
+  EXPECT_EQ(push.push(particles).size(), expected) << "beside parts that push nothing";
 }
 
 TEST(ParticlePush, PositionsThatAreNoNumbersAreLeftAlone) {
