@@ -89,6 +89,24 @@ void writeCache(const fs::path& file, const DecompositionFile& content) {
   }
 }
 
+/// Reads a decomposition of keyframes from the cache, or makes it and keeps it.
+Result<DefaultDecomposition> decomposeCached(const std::string& name, const TriMesh& mesh, const Character* character,
+                                             const Training* training, const Keyframes& keyframes,
+                                             const DecomposeSettings& settings) {
+  const fs::path file = cacheFile(cacheKey(mesh, keyframes, settings));
+  if (std::optional<DecompositionFile> cached = readCache(file, mesh)) {
+    return DefaultDecomposition{std::move(*cached), true, 0.0};
+  }
+  const PoseView poses{keyframes.positions, static_cast<int>(mesh.vertices.size())};
+  Result<TimedDecomposition> made = decomposeWithProgress(name, mesh, poses, settings);
+  if (!made) return made.error();
+  const Quality quality = measureQuality(made->decomposition, mesh, poses);
+  DecompositionFile content =
+      fileContent(name, mesh, character, training, poses, std::move(made->decomposition), quality);
+  writeCache(file, content);
+  return DefaultDecomposition{std::move(content), false, made->seconds};
+}
+
 }  // namespace
 
 std::filesystem::path cacheFolder() {
@@ -108,19 +126,18 @@ Result<DefaultDecomposition> defaultDecomposition(const Subject& subject, int th
   settings.maxParts = kParts;
   settings.threads = threads;
 
-  const fs::path file = cacheFile(cacheKey(character.mesh, *keyframes, settings));
-  if (std::optional<DecompositionFile> cached = readCache(file, character.mesh)) {
-    return DefaultDecomposition{std::move(*cached), true, 0.0};
-  }
+  return decomposeCached(character.name, character.mesh, &character, &*training, *keyframes, settings);
+}
 
-  const PoseView poses{keyframes->positions, static_cast<int>(character.mesh.vertices.size())};
-  Result<TimedDecomposition> made = decomposeWithProgress(character.name, character.mesh, poses, settings);
+Result<Decomposition> cachedMeshDecomposition(const std::string& name, const TriMesh& mesh, int parts) {
+  Keyframes keyframes;
+  keyframes.positions = mesh.vertices;
+  keyframes.count = 1;
+  DecomposeSettings settings;
+  settings.maxParts = parts;
+  Result<DefaultDecomposition> made = decomposeCached(name, mesh, nullptr, nullptr, keyframes, settings);
   if (!made) return made.error();
-  const Quality quality = measureQuality(made->decomposition, character.mesh, poses);
-  DecompositionFile content = fileContent(character.name, character.mesh, &character, &*training, poses,
-                                          std::move(made->decomposition), quality);
-  writeCache(file, content);
-  return DefaultDecomposition{std::move(content), false, made->seconds};
+  return std::move(made->file.decomposition);
 }
 
 Result<CoverPromise> cachedCover(const Subject& subject, const DecompositionFile& content, const CoverRequest& request,

@@ -30,6 +30,11 @@ struct DefaultDecomposition {
 [[nodiscard]] Result<CoverPromise> cachedCover(const Subject& subject, const DecompositionFile& content,
                                                const CoverRequest& request, int threads);
 
+/// A mesh in so many parts, preset fast: computed the first time, with a progress bar, and kept in the cache as
+/// characters' are; Ctrl-C cancels it.
+/// @param name  what is decomposed, for the bar and for errors: "chair.obj"
+[[nodiscard]] Result<Decomposition> cachedMeshDecomposition(const std::string& name, const TriMesh& mesh, int parts);
+
 /// $XDG_CACHE_HOME/lorica or ~/.cache/lorica; empty where neither variable holds an absolute path.
 [[nodiscard]] std::filesystem::path cacheFolder();
 
