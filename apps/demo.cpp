@@ -6,6 +6,8 @@
 #include "apps/performance.h"
 #include "apps/playback.h"
 #include "apps/progress_bar.h"
+#include "apps/tally.h"
+#include "apps/window_loop.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -41,18 +43,28 @@ struct Show {
 
 /// Plays over and over until the window is closed or the time is over.
 Result<void> playForPeople(const Options& options, Window& window, Show& show) {
-  while (true) {
-    Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
-    if (!session) return session.error();
-    PlaybackOptions limit;
-    if (options.seconds > 0.0) limit.seconds = options.seconds - show.seconds;
+  Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
+  if (!session) return session.error();
+  WindowSubject subject{*session, show.performance.name};
+  subject.duration = show.performance.seconds();
+  subject.sourceAnew = [&] { return poseSourceOf(show.character, show.performance); };
+  subject.atEnd = WindowSubject::AtEnd::kRepeat;
+  double before = 0.0, seconds = 0.0;  // of earlier turns, and of this one
+  subject.stepped = [&] {
+    show.tally.add(*session);
+    seconds = session->time() - show.performance.firstTime();
+    show.seconds = before + seconds;
+  };
+  subject.restarted = [&] {
     show.tally.restart();
-    const Result<bool> stillOpen = playInWindow(window, *session, show.performance.name, limit, show.tally);
-    if (!stillOpen) return stillOpen.error();
-    show.seconds += session->time() - show.performance.firstTime();
-    show.hash = session->hash();
-    if (!*stillOpen || (options.seconds > 0.0 && show.seconds >= options.seconds)) return {};
-  }
+    before += seconds;
+  };
+  subject.enough = [&] { return options.seconds > 0.0 && show.seconds >= options.seconds; };
+  const Result<WindowEnd> end = runInWindow(window, subject, {});
+  if (!end) return end.error();
+  show.hash = session->hash();
+  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
+  return {};
 }
 
 /// Plays once, drawing every frame where a renderer can be had.

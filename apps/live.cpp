@@ -8,6 +8,8 @@
 #include "apps/playback.h"
 #include "apps/scenes.h"
 #include "apps/snapshots.h"
+#include "apps/tally.h"
+#include "apps/window_loop.h"
 #include "geometry/files.h"
 #include "tracking/live_joints.h"
 
@@ -49,14 +51,20 @@ struct Live {
   Image picture;  // of what the camera sees
 };
 
-/// One frame. @return false at the end
-Result<bool> step(const Options& options, Live& live, double& firstTime) {
-  const Result<bool> more = live.session.step();
-  if (!more || !*more) return more;
+/// Takes the session's last frame into account. @return seconds since the first one
+double note(Live& live, double& firstTime) {
   if (live.session.frameCount() == 1) firstTime = live.session.time();
   const double seconds = live.session.time() - firstTime;
   if (live.joints != nullptr) live.log.add(*live.joints, seconds);
   live.tally.add(live.session);
+  return seconds;
+}
+
+/// One frame. @return false at the end
+Result<bool> step(const Options& options, Live& live, double& firstTime) {
+  const Result<bool> more = live.session.step();
+  if (!more || !*more) return more;
+  const double seconds = note(live, firstTime);
   const PlaybackOptions& limit = options.limit;
   const bool over = (limit.frames > 0 && live.session.frameCount() >= limit.frames) ||
                     (limit.seconds > 0.0 && seconds >= limit.seconds);
@@ -85,22 +93,22 @@ Result<void> runInWindow(const Options& options, Live& live) {
   Result<Window> window = Window::create("Lorica: " + live.name, kWindowWidth, kWindowHeight);
   if (!window) return window.error();
   window->setCamera(windowCamera(live.session.character().height));
-  const SessionScene scene(live.session);
+  WindowSubject subject{live.session, live.name};
+  subject.scene = options.scene;
+  subject.atEnd = WindowSubject::AtEnd::kReturn;
   double firstTime = 0.0;
-  while (window->open() && !interrupted()) {
-    if (window->wantsStep()) {
-      const Result<bool> more = step(options, live, firstTime);
-      if (!more) return more.error();
-      if (!*more) return {};
-      if (live.joints != nullptr) drawDepthPicture(live.joints->source().camera(), live.joints->sight(), live.picture);
-    }
-    const std::string state = live.joints != nullptr ? live.log.state() : "";
-    Scene shown = scene.of(live.session);
-    shown.inset = &live.picture;
-    window->show(shown, captionOf(live.name, live.session, live.session.time() - firstTime) +
-                            (state.empty() ? "" : "   " + state));
+  subject.stepped = [&] {
+    note(live, firstTime);
+    if (live.joints != nullptr) drawDepthPicture(live.joints->source().camera(), live.joints->sight(), live.picture);
+  };
+  if (live.joints != nullptr) {
+    subject.ready = [&] { return live.joints->ready(); };
+    subject.trouble = [&] { return live.log.state(); };
+    subject.trackingSeconds = [&] { return live.joints->sight().trackSeconds; };
+    subject.inset = &live.picture;
   }
-  return {};
+  const Result<WindowEnd> end = runInWindow(*window, subject, options.limit);
+  return end ? Result<void>() : end.error();
 }
 
 nlohmann::ordered_json toJson(const Live& live, const DecompositionFile& body) {

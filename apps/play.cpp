@@ -7,6 +7,8 @@
 #include "apps/progress_bar.h"
 #include "apps/scenes.h"
 #include "apps/snapshots.h"
+#include "apps/tally.h"
+#include "apps/window_loop.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -96,13 +98,20 @@ Result<int> playHeadless(const Options& options, const Motion& motion, Session& 
   return *pictures ? (*pictures)->written() : 0;
 }
 
-Result<void> playWithWindow(const Options& options, const Motion& motion, Session& session, Tally& tally) {
+Result<void> playWithWindow(const Options& options, const Cast& cast, Session& session, Tally& tally) {
+  const Motion& motion = cast.motion;
   Result<Window> window = Window::create("Lorica: " + motion.name, kWindowWidth, kWindowHeight);
   if (!window) return window.error();
   window->setCamera(windowCamera(session.character().height));
-  const Result<bool> stillOpen = playInWindow(*window, session, motion.name, options.playing, tally);
-  if (!stillOpen) return stillOpen.error();
-  if (*stillOpen) holdInWindow(*window, session, motion.name + "   the end, Esc closes");
+  WindowSubject subject{session, motion.name};
+  subject.duration = motion.seconds();
+  subject.sourceAnew = [&] { return poseSourceOf(*cast.subject.character, motion, options.performing); };
+  subject.scene = options.scene;
+  subject.stepped = [&] { tally.add(session); };
+  subject.restarted = [&] { tally = Tally(); };  // what is told afterwards is of the last run
+  const Result<WindowEnd> end = runInWindow(*window, subject, options.playing);
+  if (!end) return end.error();
+  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
   return {};
 }
 
@@ -177,7 +186,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Tally tally;
   int pictures = 0;
   if (options.window) {
-    if (Result<void> played = playWithWindow(options, motion, *session, tally); !played) return played;
+    if (Result<void> played = playWithWindow(options, *cast, *session, tally); !played) return played;
   } else {
     const Result<int> played = playHeadless(options, motion, *session, tally);
     if (!played) return played.error();

@@ -2,9 +2,8 @@
 
 #include "acd/decomposition_file.h"
 #include "apps/inputs.h"
-#include "apps/tally.h"
 #include "session/session.h"
-#include "viewer/window.h"
+#include "viewer/scene.h"
 
 #include <memory>
 #include <string>
@@ -28,18 +27,9 @@ struct PlaybackOptions {
   bool hurry = false;    ///< does not wait for the recording's pace
 };
 
-/// Runs the session in the window until the recording or the limit ends or the window is
-/// closed.
-/// @return false when the window was closed, kCancelled on Ctrl-C, or why a frame could not be read
-[[nodiscard]] Result<bool> playInWindow(Window& window, Session& session, const std::string& name,
-                                        const PlaybackOptions& limit, Tally& tally);
-
 /// Where a window looks from at first: the whole of a shipped recording stays in the picture.
 /// @param height  of the character [m]
 [[nodiscard]] Camera windowCamera(double height);
-
-/// Shows the session's last frame until the window is closed, or Ctrl-C.
-void holdInWindow(Window& window, const Session& session, const std::string& caption);
 
 /// One line under a picture: what plays, when, what touches, and whether the pose is one that training did not know.
 [[nodiscard]] std::string captionOf(const std::string& name, const Session& session, double seconds);

@@ -43,4 +43,9 @@ Result<std::optional<SkeletonFrame>> LiveJoints::next() {
   return given;
 }
 
+bool LiveJoints::ready() const {
+  const std::lock_guard lock(mutex_);
+  return latest_.has_value();
+}
+
 }  // namespace lorica

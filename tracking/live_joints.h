@@ -22,6 +22,9 @@ class LiveJoints final : public SkeletonSource {
   /// Waits for joints later than those of the last call.
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
 
+  /// Whether next() would not wait.
+  [[nodiscard]] bool ready() const;
+
   [[nodiscard]] const DepthSource& source() const { return joints_.source(); }
   /// Of the last next().
   [[nodiscard]] const DepthSight& sight() const { return sight_; }
@@ -34,7 +37,7 @@ class LiveJoints final : public SkeletonSource {
 
   DepthJoints joints_;  ///< the thread's
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Result<std::optional<SkeletonFrame>>> latest_;  ///< nothing while it was given already
   DepthSight latestSight_;

@@ -23,9 +23,10 @@ struct CommandSurroundings {
   std::filesystem::path cache;         ///< XDG_CACHE_HOME; empty = a folder that cannot be written
   int interruptAfterMs = 0;            ///< send SIGINT then; 0 = never
   std::string virtualCamera{};         ///< LORICA_VIRTUAL: what the virtual camera shows; empty = not set
+  std::string display{};               ///< DISPLAY; empty = not set
 };
 
-/// Runs `lorica arguments...` without a display, on the recordings of the source tree.
+/// Runs `lorica arguments...`, without a display where none is given, on the recordings of the source tree.
 [[nodiscard]] CommandResult runLorica(const std::vector<std::string>& arguments,
                                       const CommandSurroundings& surroundings = {});
 

@@ -1,0 +1,55 @@
+#include "apps/window_warnings.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+
+namespace lorica {
+namespace {
+
+constexpr double kBelieved = 0.5;
+constexpr int kMostNames = 3;
+
+/// "leftUpperArm" as words.
+std::string wordsOf(std::string_view name) {
+  std::string words;
+  for (const char c : name) {
+    if (std::isupper(static_cast<unsigned char>(c)) != 0) words += ' ';
+    words += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust) {
+  std::string names;
+  int lost = 0, bones = 0;
+  for (std::size_t j = 0; j < trust.size(); ++j) {
+    const std::optional<HumanBone> bone = skeleton.joints()[j].bone;
+    if (!bone || *bone > HumanBone::kRightHand) continue;  // a hand's fingers are lost with it
+    ++bones;
+    if (trust[j] >= kBelieved) continue;
+    if (++lost > kMostNames) continue;
+    if (!names.empty()) names += ", ";
+    names += wordsOf(nameOf(*bone));
+  }
+  if (lost == 0) return {};
+  if (lost == bones) return "the whole body is lost";
+  if (lost > kMostNames) return fmt::format("{} and {} more lost", names, lost - kMostNames);
+  return names + " lost";
+}
+
+void raiseWarnings(const Session& session, std::string_view trouble, double now, WarningBoard& board) {
+  if (!trouble.empty()) {
+    board.raise("source", trouble, now);
+  } else if (const std::string lost = lostLimbs(session.character().skeleton, session.source().trust());
+             !lost.empty()) {
+    board.raise("limbs", lost, now);
+  }
+  if (session.outsideKnownRange()) {
+    board.raise("training", "a pose unlike those in training: hulls may stand off the body", now);
+  }
+}
+
+}  // namespace lorica
