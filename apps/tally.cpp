@@ -22,7 +22,7 @@ constexpr Stage kStages[] = {
     {"motion", "pose to rigid motions of the parts", [](const StageTimes& t) { return t.motion; }},
     {"points", "pose to hull candidates", [](const StageTimes& t) { return t.points; }},
     {"hulls", "candidates to hulls", [](const StageTimes& t) { return t.hulls; }},
-    {"physics", "boxes and balls", [](const StageTimes& t) { return t.physics; }},
+    {"physics", "props", [](const StageTimes& t) { return t.physics; }},
     {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
 };
 
@@ -35,7 +35,7 @@ Spread spreadOfStage(const std::vector<StageTimes>& frames, const Stage& stage) 
 
 }  // namespace
 
-void Tally::add(const Session& session) {
+void Tally::add(const Session& session, bool selfContacts) {
   stages_.push_back(session.times());
   if (!start_) start_ = session.time();
   touched_.resize(session.world().props().size(), 0);
@@ -53,6 +53,8 @@ void Tally::add(const Session& session) {
   }
   std::swap(touching_, now_);
 
+  if (selfContacts) addSelfContacts(session);
+
   const std::optional<double> distance = session.trainingDistance();
   if (!distance) return;
   if (!training_) training_ = Training{session.training()->knownDistance};
@@ -61,6 +63,21 @@ void Tally::add(const Session& session) {
   if (training_->framesOutside++ > 0) return;
   training_->firstOutside = frames() - 1;
   training_->firstTime = session.time() - *start_;
+}
+
+void Tally::addSelfContacts(const Session& session) {
+  if (!selfContacts_) selfContacts_.emplace();
+  const std::span<const SelfContact> found = session.selfContacts();
+  selfContacts_->frames += found.empty() ? 0 : 1;
+  for (const SelfContact& contact : found) {
+    const std::pair pair(contact.first, contact.second);
+    auto& pairs = selfContacts_->pairs;
+    const auto at = std::lower_bound(pairs.begin(), pairs.end(), pair);
+    if (at == pairs.end() || *at != pair) pairs.insert(at, pair);
+    if (contact.depth <= selfContacts_->deepest.depth) continue;
+    selfContacts_->deepest = contact;
+    selfContacts_->deepestTime = session.time() - *start_;
+  }
 }
 
 int Tally::propsTouched() const {
@@ -72,6 +89,15 @@ void Tally::addTo(nlohmann::ordered_json& json) const {
   json["contacts"] = contacts_;
   json["touches"] = touches_;
   json["propsTouched"] = propsTouched();
+  json["selfContacts"] = nullptr;
+  if (selfContacts_) {
+    const SelfContacts& s = *selfContacts_;
+    json["selfContacts"] = {{"frames", s.frames}, {"pairs", s.pairs}, {"deepest", nullptr}};
+    if (s.frames > 0) {
+      json["selfContacts"]["deepest"] = {
+          {"parts", {s.deepest.first, s.deepest.second}}, {"depth", s.deepest.depth}, {"time", s.deepestTime}};
+    }
+  }
   json["training"] = nullptr;
   if (training_) {
     json["training"] = {{"knownDistance", training_->knownDistance},
@@ -86,6 +112,16 @@ void Tally::addTo(nlohmann::ordered_json& json) const {
     const Spread spread = spreadOfStage(stages_, stage);
     json["stages"][stage.name] = {{"median", spread.median}, {"p95", spread.p95}};
   }
+}
+
+void Tally::addSelfContactsTo(Report& report) const {
+  if (!selfContacts_) return;
+  const SelfContacts& s = *selfContacts_;
+  report.line("self-contacts",
+              s.frames == 0 ? "none: only neighbours overlap"
+                            : fmt::format("{} of parts in {}; deepest {:.1f} cm, parts {} and {} at {:.2f} s",
+                                          counted(std::ssize(s.pairs), "pair"), counted(s.frames, "frame"),
+                                          100.0 * s.deepest.depth, s.deepest.first, s.deepest.second, s.deepestTime));
 }
 
 void Tally::addTrainingTo(Report& report) const {

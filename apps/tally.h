@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/report.h"
+#include "collision/self_contact.h"
 #include "session/session.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,7 +17,8 @@ namespace lorica {
 class Tally {
  public:
   /// Takes the session's last frame into account.
-  void add(const Session& session);
+  /// @param selfContacts  also ask the body which of its parts overlap, which takes some 50 us
+  void add(const Session& session, bool selfContacts = false);
   /// A new session of the same recording follows: its contacts start afresh.
   void restart() {
     touching_.clear();
@@ -43,14 +45,29 @@ class Tally {
   /// None where the training is not known, or nothing was played.
   [[nodiscard]] const std::optional<Training>& training() const { return training_; }
 
-  /// "frames", "contacts", "touches", "propsTouched", "training" and "stages": each stage's median and p95 [us].
+  /// Parts of the body that overlapped though they are not neighbours.
+  struct SelfContacts {
+    std::vector<std::pair<PartIndex, PartIndex>> pairs;  ///< ascending
+    int frames = 0;                                      ///< with one or more
+    SelfContact deepest;
+    double deepestTime = 0.0;  ///< since the first frame [s]
+  };
+  /// None where nobody asked.
+  [[nodiscard]] const std::optional<SelfContacts>& selfContacts() const { return selfContacts_; }
+
+  /// "frames", "contacts", "touches", "propsTouched", "selfContacts", "training" and "stages": each stage's median and
+  /// p95 [us].
   void addTo(nlohmann::ordered_json& json) const;
   /// One line a stage.
   void addTo(Report& report) const;
+  /// One line on self-contacts, where asked for.
+  void addSelfContactsTo(Report& report) const;
   /// One line on how far from training the body was; two where it left the known range.
   void addTrainingTo(Report& report) const;
 
  private:
+  void addSelfContacts(const Session& session);
+
   std::vector<StageTimes> stages_;
   std::vector<std::pair<PartIndex, int>> touching_;  // sorted pairs of the last frame
   std::vector<std::pair<PartIndex, int>> now_;
@@ -58,6 +75,7 @@ class Tally {
   long long contacts_ = 0;
   long long touches_ = 0;
   std::optional<Training> training_;
+  std::optional<SelfContacts> selfContacts_;
   std::optional<double> start_;  // time of the session's first frame [s]
 };
 
