@@ -86,6 +86,7 @@ CLI::Option* addSnapshotOptions(CLI::App& app, SnapshotOptions& options) {
       app.add_option("--snapshots", options.folder, "Write pictures to this folder")->type_name("DIR");
   addCount(app, "--every", options.every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
   addCameraOptions(app, options.camera);
+  for (const char* name : {"--camera", "--eye"}) app.get_option(name)->needs(snapshots);
   return snapshots;
 }
 
