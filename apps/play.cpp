@@ -34,6 +34,7 @@ struct Options {
   SnapshotOptions pictures;
   PlaybackOptions playing;
   bool window = false;
+  bool selfContacts = false;
 };
 
 /// Who plays what.
@@ -90,7 +91,7 @@ Result<int> playHeadless(const Options& options, const Motion& motion, Session& 
     const Result<bool> more = session.step();
     if (!more) return more.error();
     if (!*more) break;
-    tally.add(session);
+    tally.add(session, options.selfContacts);
     bar.update(frame + 1, frames);
     if (!*pictures) continue;
     if (Result<void> drawn = (*pictures)->add(session, motion.name); !drawn) return drawn.error();
@@ -107,7 +108,7 @@ Result<void> playWithWindow(const Options& options, const Cast& cast, Session& s
   subject.duration = motion.seconds();
   subject.sourceAnew = [&] { return poseSourceOf(*cast.subject.character, motion, options.performing); };
   subject.scene = options.scene;
-  subject.stepped = [&] { tally.add(session); };
+  subject.stepped = [&] { tally.add(session, options.selfContacts); };
   subject.restarted = [&] { tally = Tally(); };  // what is told afterwards is of the last run
   const Result<WindowEnd> end = runInWindow(*window, subject, options.playing);
   if (!end) return end.error();
@@ -148,6 +149,7 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
   report.line("contacts",
               fmt::format("{}, on {}; {} over all frames", counted(tally.touches(), "touch", "touches"),
                           counted(tally.propsTouched(), "prop"), counted(tally.contacts(), "contact point")));
+  tally.addSelfContactsTo(report);
   report.line("hash", hexDigits(session.hash()));
   if (!options.pictures.folder.empty()) {
     report.line("pictures", fmt::format("{} in {}", counted(pictures, "PNG file"), options.pictures.folder));
@@ -201,7 +203,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addPlay(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CLI::App* app = addSubcommand(
-      parent, common, "play", "Play a motion: the character moves, its hulls follow, boxes and balls bounce.",
+      parent, common, "play", "Play a motion: the character moves, its hulls follow, things around it bounce.",
       "  lorica play walk\n"
       "      a shipped recording, without pictures: time of each stage, contacts\n"
       "  lorica play walk --window\n"
@@ -212,7 +214,7 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "      a motion and a character of your own\n"
       "  lorica play hero.glb --clip Run\n"
       "      a character's own clip\n"
-      "  lorica play walk --scene bowling\n"
+      "  lorica play punch_and_kick --scene bowling\n"
       "      among other things: boxes, bowling, curtain, or a scene file of your own\n"
       "  lorica play body.oni\n"
       "      whoever is in a depth recording\n"
@@ -242,6 +244,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after so many frames");
   app->add_flag("--as-fast-as-possible", options->playing.hurry,
                 "In a window too; without one nothing waits for the recording's pace");
+  app->add_flag("--self-contacts", options->selfContacts,
+                "Tell which parts of the body overlap that are not neighbours");
   app->add_flag("--window", options->window, "Watch it in a window, at the recording's pace")->excludes(snapshots);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
