@@ -1,12 +1,18 @@
 #include "session/contact_bones.h"
 
 #include "acd/decompose.h"
+#include "capture/joint_csv.h"
+#include "capture/synthetic_motion.h"
 #include "collision/live_body.h"
+#include "session/pose_source.h"
+#include "session/session.h"
 #include "skinning/mannequin.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -90,6 +96,39 @@ TEST(ContactBones, InsideAFaceTheWeightsOfItsCornersAreBlended) {
     }
   }
   EXPECT_GT(blended, 300);
+}
+
+TEST(ContactBones, AKickIsTheRightFoots) {
+  const Character& character = body().character;
+  World world;
+  Prop ball;
+  ball.shape = PropShape::kSphere;
+  ball.halfExtents = Vec3::Constant(0.15);
+  ball.mass = 0.3;
+  ball.worldFromProp = Eigen::Translation3d(0.0, 1.0, 1.1);
+  world.addProp(ball);
+  Prop post = ball;
+  post.halfExtents = Vec3(0.05, 0.425, 0.05);
+  post.shape = PropShape::kCylinder;
+  post.mass = 0.0;
+  post.worldFromProp = Eigen::Translation3d(0.0, 0.425, 1.1);
+  world.addProp(post);
+  std::unique_ptr<PoseSource> source =
+      makeJointPoseSource(character.skeleton, makeRecordedSource(synthesizeMotion(SyntheticMotion::kPunchAndKick)))
+          .value();
+  Session session = Session::create(character, body().parts, std::move(source), std::move(world)).value();
+  int contacts = 0;
+  while (contacts == 0) {
+    const Result<bool> more = session.step();
+    ASSERT_TRUE(more.ok() && *more) << "nobody kicked the ball";
+    for (const Contact& contact : session.world().contacts()) {
+      ASSERT_NE(contact.bone, kNoJoint);
+      const std::string& name = character.skeleton.joint(contact.bone).name;
+      EXPECT_TRUE(name == "rightFoot" || name == "rightToes" || name == "rightLowerLeg") << name;
+      ++contacts;
+    }
+  }
+  EXPECT_TRUE(session.selfContacts().empty()) << "a kick touches no other part of the body";
 }
 
 TEST(ContactBones, APartWithoutFacesHasNone) {
