@@ -109,14 +109,15 @@ void Particles::pour(std::size_t index, double seconds) {
   const auto layer = static_cast<float>(2.0 * settings_.radius * kApart);
   RandomNumbers random(kSeed + static_cast<std::uint64_t>(source.poured));
   added_.clear();
-  // Side by side on the disc, and above each other where it is full.
+  // Side by side on the disc, and above each other where it is full; each as if it came at another time of the frame.
   const auto places = static_cast<int>(source.disc.size());
   const auto begin = static_cast<int>(random.bits() % source.disc.size());
   for (int i = 0; i < count; ++i) {
     Vec3f place = source.disc[static_cast<std::size_t>((begin + i) % places)];
-    place.x() += 0.3f * layer * static_cast<float>(kJitter * random.between(-1.0, 1.0));
-    place.z() += 0.3f * layer * static_cast<float>(kJitter * random.between(-1.0, 1.0));
-    place.y() = layer * static_cast<float>(i / places);
+    place.x() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
+    place.z() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
+    place.y() =
+        layer * static_cast<float>(i / places) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
     added_.push_back(pour.middle.cast<float>() + place);
   }
   source.poured += count;

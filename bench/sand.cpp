@@ -1,0 +1,253 @@
+// What a frame of simulated sand or water costs while the mannequin walks through it, beside plain scalar code for the
+// same contacts in the same run: CSV on standard output.
+
+#include "bench/measure.h"
+#include "capture/retarget.h"
+#include "capture/synthetic_motion.h"
+#include "collision/live_body.h"
+#include "collision/particles.h"
+#include "geometry/random_numbers.h"
+#include "session/keyframes.h"
+#include "session/pose_source.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <tuple>
+
+namespace lorica::bench {
+namespace {
+
+constexpr double kFrame = 1.0 / 30.0;
+
+struct Options {
+  int grains = 200'000;
+  int drops = 100'000;
+  int plain = 20'000;
+  int settle = 60;  // frames before the walk
+  int frames = 90;
+};
+
+double cpuMilliseconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+struct Times {
+  std::vector<double> wall, cpu;  // [ms]
+  template <class Work>
+  void add(const Work& work) {
+    const double cpuBefore = cpuMilliseconds();
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    wall.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    cpu.push_back(cpuMilliseconds() - cpuBefore);
+  }
+  void print(const char* what, std::size_t count, std::uint64_t hash) const {
+    fmt::print("{},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:016x}\n", what, count, wall.size(), medianOf(wall),
+               medianOf(cpu), *std::max_element(wall.begin(), wall.end()), *std::max_element(cpu.begin(), cpu.end()),
+               hash);
+  }
+};
+
+std::uint64_t hashOf(std::span<const Vec3f> places) {
+  return XXH3_64bits(places.data(), places.size_bytes());
+}
+
+/// The same contacts without grid order, lists that last, vectors, threads or sleep: one grain after the other.
+class PlainSand {
+ public:
+  PlainSand(std::span<const Vec3f> places, float radius) : diameter_(2.0f * radius) {
+    for (const Vec3f& place : places) grains_.push_back({place, Vec3f::Zero(), Vec3f::Zero(), Vec3f::Zero(), {}});
+  }
+
+  void step(int substeps) {
+    const auto seconds = static_cast<float>(kFrame / substeps);
+    const Vec3f fall(0.0f, -9.81f * seconds * seconds, 0.0f);
+    for (int substep = 0; substep < substeps; ++substep) {
+      if (substep % 4 == 0) findNeighbours();
+      for (Grain& g : grains_) collide(g, fall, seconds);
+      for (Grain& g : grains_) {
+        g.place = g.nextPlace;
+        g.way = g.nextWay;
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<Vec3f> places() const {
+    std::vector<Vec3f> result;
+    result.reserve(grains_.size());
+    for (const Grain& g : grains_) result.push_back(g.place);
+    return result;
+  }
+
+ private:
+  struct Grain {
+    Vec3f place, way, nextPlace, nextWay;
+    std::vector<std::uint32_t> near;
+  };
+
+  void findNeighbours() {
+    const float reach = 1.15f * diameter_;
+    using Key = std::tuple<int, int, int, std::uint32_t>;
+    std::vector<Key> keys;
+    keys.reserve(grains_.size());
+    const auto cell = [&](float v) { return static_cast<int>(std::floor(v / reach)); };
+    for (std::uint32_t i = 0; i < grains_.size(); ++i) {
+      const Vec3f& p = grains_[i].place;
+      keys.emplace_back(cell(p.z()), cell(p.x()), cell(p.y()), i);
+    }
+    std::sort(keys.begin(), keys.end());
+    for (std::uint32_t i = 0; i < grains_.size(); ++i) {
+      Grain& g = grains_[i];
+      g.near.clear();
+      for (int dz = -1; dz <= 1; ++dz) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int z = cell(g.place.z()) + dz, x = cell(g.place.x()) + dx, y = cell(g.place.y());
+          auto key = std::lower_bound(keys.begin(), keys.end(), Key(z, x, y - 1, 0));
+          for (; key != keys.end() && *key < Key(z, x, y + 2, 0); ++key) {
+            const std::uint32_t j = std::get<3>(*key);
+            if (j != i && (grains_[j].place - g.place).squaredNorm() < reach * reach) g.near.push_back(j);
+          }
+        }
+      }
+    }
+  }
+
+  void collide(Grain& g, const Vec3f& fall, float seconds) const {
+    const Vec3f way = g.way + fall;
+    const Vec3f at = g.place + way;
+    Vec3f sum = Vec3f::Zero();
+    float touches = 0.0f;
+    for (const std::uint32_t j : g.near) {
+      const Vec3f otherWay = grains_[j].way + fall;
+      const Vec3f between = at - (grains_[j].place + otherWay);
+      const float distance = between.norm();
+      if (!(distance < diameter_) || distance < 1e-7f) continue;
+      const Vec3f normal = between / distance;
+      const Vec3f slip = way - otherWay;
+      const float along = slip.dot(normal), overlap = diameter_ - distance;
+      const float before = std::max(0.0f, overlap + along);
+      const float opening = std::min(before, 0.12f * seconds + 0.1f * std::max(0.0f, before - 0.1f * diameter_));
+      const Vec3f sliding = slip - along * normal;
+      const float held = std::min(1.0f, 0.4f * overlap / std::max(sliding.norm(), 1e-7f));
+      sum += (0.5f + 0.5f * normal.y()) * (std::max(0.0f, overlap - before + opening) * normal - held * sliding);
+      touches += 1.0f;
+    }
+    g.nextWay = way + std::min(1.0f, 2.0f / std::max(touches, 1.0f)) * sum;
+    const float below = std::max(0.0f, 0.5f * diameter_ - (g.place.y() + g.nextWay.y()));
+    g.nextWay.y() += below;
+    const float slide = std::hypot(g.nextWay.x(), g.nextWay.z());
+    const float held = std::min(1.0f, 0.4f * below / std::max(slide, 1e-7f));
+    g.nextWay.x() -= held * g.nextWay.x();
+    g.nextWay.z() -= held * g.nextWay.z();
+    const float length = g.nextWay.norm();
+    if (length < 0.7f * fall.norm()) g.nextWay.setZero();
+    if (length > diameter_) g.nextWay *= diameter_ / length;
+    g.nextPlace = g.place + g.nextWay;
+  }
+
+  std::vector<Grain> grains_;
+  float diameter_;
+};
+
+struct Walker {
+  std::unique_ptr<LiveBody> body;
+  std::vector<std::vector<Affine3>> worldFromModel;
+};
+
+Result<Walker> makeWalker() {
+  const Character character = makeMannequin();
+  const std::vector<SkeletonFrame> walk = synthesizeMotion(SyntheticMotion::kWalk);
+  std::vector<SkeletalMotion> training;
+  training.push_back(perform(character.skeleton, walk).value());
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 6);
+  if (!keyframes) return keyframes.error();
+  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
+  Result<Decomposition> decomposition = decompose(character.mesh, poses, {.maxParts = 16});
+  if (!decomposition) return decomposition.error();
+  Walker walker;
+  walker.body = std::make_unique<LiveBody>(std::move(*decomposition), character);
+  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
+  if (!retargeter) return retargeter.error();
+  Pose pose = restPose(character.skeleton);
+  for (const SkeletonFrame& frame : walk) {
+    retargeter->apply(frame, pose);
+    std::vector<Affine3>& matrices = walker.worldFromModel.emplace_back(pose.size());
+    computeWorldFromJoint(character.skeleton, pose, matrices);
+    computeWorldFromModel(character, matrices, matrices);
+  }
+  return walker;
+}
+
+ParticleSettings settingsOf(ParticleSettings::Kind kind, int count) {
+  ParticleSettings settings;
+  settings.kind = kind;
+  // A bed that the walker goes through the length of, 30 cm deep.
+  const double step = 2.0 * settings.radius * 1.02;
+  const double area = count * step * step * step / 0.3;
+  const double width = std::sqrt(area / 2.0);
+  settings.fills.push_back({Vec3(0.0, 0.16, 0.3 * width), Vec3(width, 5.0, 2.0 * width), count});
+  settings.fills[0].middle.y() = 2.5;
+  settings.walls = Aabb{Vec3(-0.5 * width, 0, -0.7 * width), Vec3(0.5 * width, 9, 1.3 * width)};
+  return settings;
+}
+
+int run(const Options& options) {
+  Result<Walker> walker = makeWalker();
+  if (!walker) return fail(walker.error());
+  fmt::print("what,particles,frames,wall ms,cpu ms,most wall ms,most cpu ms,hash\n");
+  for (const auto kind : {ParticleSettings::Kind::kSand, ParticleSettings::Kind::kWater}) {
+    const bool sand = kind == ParticleSettings::Kind::kSand;
+    Particles particles(settingsOf(kind, sand ? options.grains : options.drops));
+    walker->body->update(walker->worldFromModel[0]);
+    walker->body->update(walker->worldFromModel[0]);
+    Times falling, walking;
+    for (int f = 0; f < options.settle; ++f) {
+      falling.add([&] { particles.step(walker->body->parts(), kFrame); });
+    }
+    falling.print(sand ? "sand settles" : "water settles", particles.places().size(), hashOf(particles.places()));
+    for (int f = 1; f <= options.frames; ++f) {
+      const std::size_t pose = std::min(static_cast<std::size_t>(f), walker->worldFromModel.size() - 1);
+      walker->body->update(walker->worldFromModel[pose]);
+      walking.add([&] { particles.step(walker->body->parts(), kFrame); });
+    }
+    walking.print(sand ? "sand is walked through" : "water is walked through", particles.places().size(),
+                  hashOf(particles.places()));
+  }
+  ParticleSettings few = settingsOf(ParticleSettings::Kind::kSand, options.plain);
+  few.walls.reset();
+  PlainSand plain(Particles(few).places(), static_cast<float>(few.radius));
+  Times times;
+  for (int f = 0; f < 5; ++f) times.add([&] { plain.step(8); });
+  times.print("plain scalar sand without a body", static_cast<std::size_t>(options.plain), hashOf(plain.places()));
+  Particles same(few);
+  Times own;
+  for (int f = 0; f < 5; ++f) own.add([&] { same.step({}, kFrame); });
+  own.print("the same sand", static_cast<std::size_t>(options.plain), hashOf(same.places()));
+  return 0;
+}
+
+}  // namespace
+}  // namespace lorica::bench
+
+int main(int argc, char** argv) {
+  lorica::bench::Options options;
+  CLI::App app("What a frame of simulated sand or water costs");
+  app.add_option("--grains", options.grains)->check(CLI::Range(1, 300'000));
+  app.add_option("--drops", options.drops)->check(CLI::Range(1, 300'000));
+  app.add_option("--plain", options.plain)->check(CLI::Range(1, 300'000));
+  app.add_option("--settle", options.settle, "Frames before the walk")->check(CLI::Range(1, 1000));
+  app.add_option("--frames", options.frames)->check(CLI::Range(1, 1000));
+  CLI11_PARSE(app, argc, argv);
+  return lorica::bench::run(options);
+}
