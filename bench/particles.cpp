@@ -288,7 +288,6 @@ int run(const Options& options) {
 
   // Preparing, over the whole motion.
   ParticlePush push;
-  Cost prepare;
   std::vector<double> microseconds;
   for (const std::vector<Affine3>& frame : frames) {
     body.update(frame);
