@@ -13,7 +13,9 @@ namespace lorica {
 namespace {
 
 constexpr double kReach = 1.7;           // of the kernels, in spacings
-constexpr int kMostNeighbours = 40;      // at rest there are 18 to 26
+constexpr int kSubstepsPerSort = 2;      // for which lists of neighbours are good
+constexpr float kListed = 1.06f;         // reach of the lists, in the kernels'
+constexpr int kMostNeighbours = 64;      // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;      // of the sum of squared slopes at rest
 constexpr float kOverRelaxation = 1.5f;  // of what a pressure corrects
 constexpr float kLongestMove = 0.25f;    // of an iteration, in spacings
@@ -114,7 +116,7 @@ void Fluid::step(std::span<const LivePart> parts, double seconds) {
   const auto length = static_cast<float>(seconds / substeps);
   body_.begin(parts, seconds, substeps);
   for (int substep = 0; substep < substeps; ++substep) {
-    predict(length);
+    predict(length, substep % kSubstepsPerSort == 0);
     keepVolume();
     forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -139,8 +141,8 @@ void Fluid::step(std::span<const LivePart> parts, double seconds) {
   });
 }
 
-// All fall and go on, are sorted where they come to, and find their neighbours there.
-void Fluid::predict(float seconds) {
+// All fall and go on; in every second substep they are sorted where they come to, and find their neighbours there.
+void Fluid::predict(float seconds, bool sorts) {
   const Vec3f fall = settings_.gravity.cast<float>() * seconds;
   const float fastest = kFastest * spacing_ / seconds;
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -153,7 +155,13 @@ void Fluid::predict(float seconds) {
       nextPlace_[i] = {to.x(), to.y(), to.z(), 0.0f};
     }
   });
-  grid_.sort({nextPlace_.data(), count_}, kernels_.reach);
+  if (!sorts) {
+    std::swap(before_, place_);
+    std::swap(place_, nextPlace_);
+    return;
+  }
+  const float listed = kListed * kernels_.reach;
+  grid_.sort({nextPlace_.data(), count_}, listed);
   const std::uint32_t* order = grid_.order().data();
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -169,7 +177,7 @@ void Fluid::predict(float seconds) {
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) place_[i] = {x_[i], y_[i], z_[i], 0.0f};
   });
-  lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, kernels_.reach, none_);
+  lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, listed, none_);
 }
 
 void Fluid::keepVolume() {
@@ -188,7 +196,10 @@ void Fluid::keepVolume() {
 }
 
 void Fluid::pushOut(float seconds) {
-  const float margin = (1.0f + kLongestMove * static_cast<float>(settings_.iterations)) * spacing_;
+  // As far as all can go since they were sorted.
+  const float margin = (1.0f + (kSubstepsPerSort - 1) * kFastest +
+                        kSubstepsPerSort * kLongestMove * static_cast<float>(settings_.iterations)) *
+                       spacing_;
   bool any = false;
   for (ParticleBody::Sweep box : body_.sweeps()) {
     for (std::size_t axis = 0; axis < 3; ++axis) {

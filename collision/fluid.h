@@ -52,7 +52,7 @@ class Fluid {
   [[nodiscard]] const FluidSettings& settings() const { return settings_; }
 
  private:
-  void predict(float seconds);
+  void predict(float seconds, bool sorts);
   void keepVolume();
   void pushOut(float seconds);
 
