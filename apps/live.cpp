@@ -7,6 +7,7 @@
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/scenes.h"
+#include "apps/session_files.h"
 #include "apps/snapshots.h"
 #include "apps/tally.h"
 #include "apps/window_loop.h"
@@ -36,6 +37,7 @@ struct Options {
   std::string scene;
   SnapshotOptions pictures;
   PlaybackOptions limit;
+  std::string record;  // file; empty = none
   bool window = false;
   bool headless = false;
 };
@@ -181,6 +183,7 @@ Result<Joints> openJoints(const Options& options) {
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.character, options.body.decomposition}); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
+  if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   const Result<bool> inWindow = chooseWindow(options);
   if (!inWindow) return inWindow.error();
   const Result<Subject> subject = readCharacter(options.character, options.reading);
@@ -195,17 +198,31 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // The source is opened last: a live one runs on while others are made ready.
   Result<Joints> joints = openJoints(options);
   if (!joints) return joints.error();
+  const RecordedAs as{joints->name,       false,        options.character, options.reading,
+                      options.performing, options.body, options.scene};
+  const Result<std::shared_ptr<SessionRecorder>> recorder =
+      startRecorder(options.record, as, *subject->character, *body, *world);
+  if (!recorder) return recorder.error();
+  const SourceTreatment treatment{*recorder ? (*recorder)->log() : nullptr, options.performing.faults(),
+                                  options.performing.joints()};
   Result<std::unique_ptr<PoseSource>> source =
-      makeJointPoseSource(*subject->character, std::move(joints->source), options.performing.joints());
+      makeTreatedSource(*subject->character, std::move(joints->source), treatment);
   if (!source) return source.error();
   Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
+  session->watch(*recorder);
 
   Live live{std::move(*session), joints->tracked, joints->name, {}, {}, 0, {}};
   if (!*inWindow) fmt::print(stderr, "Following {}; Ctrl-C ends.\n", live.name);
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
-  if (!ran) return ran;
-  return publish(common, toReport(options, live), toJson(live, *body));
+  if (!ran) {
+    if (*recorder) (void)(*recorder)->finish();  // what was recorded stays, whatever ended it
+    return ran;
+  }
+  Report report = toReport(options, live);
+  nlohmann::ordered_json json = toJson(live, *body);
+  if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
+  return publish(common, report, json);
 }
 
 }  // namespace
@@ -237,6 +254,8 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
   addCharacterOptions(*app, options->reading);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
+  addFaultOption(*app, options->performing);
+  addRecordOption(*app, options->record);
   CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");

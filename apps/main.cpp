@@ -52,9 +52,10 @@ int run(int argc, char** argv) {
       "\n`lorica COMMAND --help` says more about each command.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {
-      lorica::addDemo(app, common), lorica::addDecompose(app, common), lorica::addScore(app, common),
-      lorica::addPlay(app, common), lorica::addLive(app, common),      lorica::addRecord(app, common),
-      lorica::addInfo(app, common), lorica::addConvert(app, common),   lorica::addSnapshot(app, common),
+      lorica::addDemo(app, common),     lorica::addDecompose(app, common), lorica::addScore(app, common),
+      lorica::addPlay(app, common),     lorica::addLive(app, common),      lorica::addRecord(app, common),
+      lorica::addReplay(app, common),   lorica::addInfo(app, common),      lorica::addConvert(app, common),
+      lorica::addSnapshot(app, common),
   };
 
   try {
@@ -82,7 +83,8 @@ int run(int argc, char** argv) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(common.threadCount()));
   const lorica::Result<void> done = chosen->run(common);
-  return done ? 0 : fail(done.error());
+  if (!done) return fail(done.error());
+  return chosen->status ? chosen->status() : 0;
 }
 
 }  // namespace

@@ -115,6 +115,12 @@ JointSettings MotionOptions::joints() const {
   return settings;
 }
 
+FaultSettings MotionOptions::faults() const {
+  const Result<FaultSettings> faults = inject.empty() ? FaultSettings() : parseFaults(inject);
+  CHECK(faults.ok(), "the option was checked when it was read");
+  return *faults;
+}
+
 void addReadingOptions(CLI::App& app, MotionOptions& options) {
   std::vector<std::string> formats;
   formats.reserve(kJointFormatCount);
@@ -143,6 +149,20 @@ void addPlayingOptions(CLI::App& app, MotionOptions& options) {
       app, "--beta", options.oneEuro.beta,
       fmt::format("How much the cutoff rises with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
       "NUMBER");
+}
+
+void addFaultOption(CLI::App& app, MotionOptions& options) {
+  CLI::Validator validator("");
+  validator.operation([](std::string& text) -> std::string {
+    const Result<FaultSettings> faults = parseFaults(text);
+    return faults ? "" : faults.error().message;
+  });
+  app.add_option("--inject", options.inject,
+                 "Make faults in the joints as they come, each in a dose or its default: dropout=0.1 (share of joints "
+                 "lost), jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (shares of frames); seed=1. A motion "
+                 "of bones knows late and freeze")
+      ->type_name("FAULTS")
+      ->check(validator);
 }
 
 bool isBareName(const std::string& text) {
@@ -252,16 +272,20 @@ Result<SkeletalMotion> performedBy(const Character& character, const Motion& mot
 }
 
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
-                                                 const MotionOptions& options) {
+                                                 const MotionOptions& options, std::shared_ptr<SourceLog> log) {
+  const SourceTreatment treatment{std::move(log), options.faults(), options.joints()};
   if (!motion.bones) {
     Result<std::unique_ptr<PoseSource>> source =
-        makeJointPoseSource(character, makeRecordedSource(motion.joints), options.joints());
+        makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
     if (!source) return onCharacter(motion, character, source.error());
     return source;
   }
   Result<SkeletalMotion> performed = performedBy(character, motion, options);
   if (!performed) return performed.error();
-  return makeMotionPoseSource(std::move(*performed));
+  Result<std::unique_ptr<PoseSource>> source =
+      makeTreatedSource(makeMotionPoseSource(std::move(*performed)), treatment);
+  if (!source) return Error{source.error().code, "--inject: " + source.error().message};
+  return source;
 }
 
 }  // namespace lorica

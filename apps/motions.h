@@ -1,8 +1,10 @@
 #pragma once
 
+#include "capture/fault_injector.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"
 #include "session/pose_source.h"
+#include "session/treated_source.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
 
@@ -25,14 +27,18 @@ struct MotionOptions {
   bool mirror = false;
   std::string smooth = "off";  ///< or "one-euro"
   OneEuroSettings oneEuro;
+  std::string inject;  ///< faults, see parseFaults(); empty = none
 
   [[nodiscard]] JointSettings joints() const;
+  [[nodiscard]] FaultSettings faults() const;
 };
 
 /// --format, --person, --clip: how a motion is read.
 void addReadingOptions(CLI::App& app, MotionOptions& options);
 /// --mirror, --smooth, --min-cutoff, --beta: what is done to it.
 void addPlayingOptions(CLI::App& app, MotionOptions& options);
+/// --inject: faults that are made in it.
+void addFaultOption(CLI::App& app, MotionOptions& options);
 
 /// A motion as its file has it, before a character performs it: joints, or a skeleton of its own.
 struct Motion {
@@ -82,8 +88,10 @@ struct Motion {
 [[nodiscard]] Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion,
                                                  const MotionOptions& options = {});
 
-/// The same, to play: joints are retargeted frame by frame, as live ones are.
+/// The same, to play: joints are retargeted frame by frame, as live ones are, and faults are made.
+/// @param log  of what comes before faults are made; null = none
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
-                                                               const MotionOptions& options = {});
+                                                               const MotionOptions& options = {},
+                                                               std::shared_ptr<SourceLog> log = nullptr);
 
 }  // namespace lorica

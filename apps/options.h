@@ -15,6 +15,7 @@ namespace lorica {
 struct Command {
   CLI::App* app = nullptr;
   std::function<Result<void>(const CommonOptions&)> run;
+  std::function<int()> status = {};  ///< exit status of a run without an error; null = 0
 };
 
 /// A subcommand with the options that all share: --json, --threads, --help.
@@ -48,14 +49,15 @@ CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, co
 /// An option that takes a share above zero, as a number or in percent: 0.05 or 5%.
 CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description);
 
-/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, info.cpp, convert.cpp,
-/// snapshot.cpp.
+/// One file a subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, replay.cpp, info.cpp,
+/// convert.cpp, snapshot.cpp.
 [[nodiscard]] Command addDemo(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addScore(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addPlay(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addLive(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addRecord(CLI::App& parent, CommonOptions& common);
+[[nodiscard]] Command addReplay(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addInfo(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addConvert(CLI::App& parent, CommonOptions& common);
 [[nodiscard]] Command addSnapshot(CLI::App& parent, CommonOptions& common);

@@ -1,11 +1,13 @@
 #include "acd/decomposition_file.h"
 #include "apps/body_choice.h"
+#include "apps/cast.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/progress_bar.h"
 #include "apps/scenes.h"
+#include "apps/session_files.h"
 #include "apps/snapshots.h"
 #include "apps/tally.h"
 #include "apps/window_loop.h"
@@ -25,58 +27,15 @@ constexpr int kWindowWidth = 1280;
 constexpr int kWindowHeight = 720;
 
 struct Options {
-  std::string motion;     // empty = the character's own clip
-  std::string character;  // empty = the mannequin, or the motion's file where that is a character with a surface
-  CharacterOptions reading;
-  MotionOptions performing;
+  CastOptions cast;
   BodyOptions body;
   std::string scene;
   SnapshotOptions pictures;
   PlaybackOptions playing;
+  std::string record;  // file; empty = none
   bool window = false;
   bool selfContacts = false;
 };
-
-/// Who plays what.
-struct Cast {
-  Subject subject;
-  Motion motion;
-};
-
-/// A character that is the motion's file performs its own clip. Without a motion so does the one named.
-Result<Cast> readCast(const Options& options) {
-  const std::string& own = options.motion.empty() ? options.character : options.motion;
-  if (own.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "no motion given, expected one, such as `lorica play walk`, or a character with clips: --character "
-                 "hero.glb --clip Run"};
-  }
-  if (isCharacterFile(own) &&
-      (options.character.empty() || options.motion.empty() || options.motion == options.character)) {
-    Result<Subject> subject = readSubject(own, options.reading);
-    if (subject && subject->character) {
-      const Result<const Clip*> clip = findClip(subject->file->clips, options.performing.clip, own);
-      if (!clip) return clip.error();
-      Motion motion;
-      motion.name = subject->name + ((*clip)->name.empty() ? "" : ": " + (*clip)->name);
-      motion.bones = framesOf(subject->character->skeleton, **clip);
-      motion.fromCharacterFile = true;
-      motion.format = subject->file->format;
-      motion.notes = subject->file->notes;
-      return Cast{std::move(*subject), std::move(motion)};
-    }
-    // A file of motion alone is performed by another character.
-    if (!subject && (options.motion.empty() || subject.error().code != ErrorCode::kBadMesh)) return subject.error();
-  }
-  Result<Motion> motion = readMotion(own, options.performing);
-  if (!motion) return motion.error();
-  Result<Subject> subject = readCharacter(options.character.empty() ? "mannequin" : options.character, options.reading);
-  if (!subject) return subject.error();
-  if (subject->file) {
-    motion->notes.insert(motion->notes.end(), subject->file->notes.begin(), subject->file->notes.end());
-  }
-  return Cast{std::move(*subject), std::move(*motion)};
-}
 
 /// Runs all frames without a window, with a picture every so often where pictures are wanted.
 /// @return how many pictures were written
@@ -106,7 +65,7 @@ Result<void> playWithWindow(const Options& options, const Cast& cast, Session& s
   window->setCamera(windowCamera(session.character().height));
   WindowSubject subject{session, motion.name};
   subject.duration = motion.seconds();
-  subject.sourceAnew = [&] { return poseSourceOf(*cast.subject.character, motion, options.performing); };
+  subject.sourceAnew = [&] { return poseSourceOf(*cast.subject.character, motion, options.cast.performing); };
   subject.scene = options.scene;
   subject.stepped = [&] { tally.add(session, options.selfContacts); };
   subject.restarted = [&] { tally = Tally(); };  // what is told afterwards is of the last run
@@ -162,7 +121,8 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.motion, options.character, options.body.decomposition});
+  if (Result<void> fine =
+          checkJsonOutput(common, {options.cast.motion, options.cast.character, options.body.decomposition});
       !fine) {
     return fine;
   }
@@ -172,7 +132,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
                  "none"};
   }
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
-  const Result<Cast> cast = readCast(options);
+  if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
+  const Result<Cast> cast = readCast(options.cast);
   if (!cast) return cast.error();
   const auto& [subject, motion] = *cast;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
@@ -180,22 +141,38 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
-  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.performing);
+  const std::string& character =
+      !options.cast.character.empty() || !subject.file ? options.cast.character : options.cast.motion;
+  const RecordedAs as{motion.name,          motion.bones.has_value(), character,
+                      options.cast.reading, options.cast.performing,  options.body,
+                      options.scene};
+  const Result<std::shared_ptr<SessionRecorder>> recorder =
+      startRecorder(options.record, as, *subject.character, *file, *world);
+  if (!recorder) return recorder.error();
+  Result<std::unique_ptr<PoseSource>> source =
+      poseSourceOf(*subject.character, motion, options.cast.performing, *recorder ? (*recorder)->log() : nullptr);
   if (!source) return source.error();
   Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
   if (!session) return session.error();
 
   Tally tally;
+  session->watch(*recorder);
   int pictures = 0;
-  if (options.window) {
-    if (Result<void> played = playWithWindow(options, *cast, *session, tally); !played) return played;
-  } else {
+  const auto play = [&]() -> Result<void> {
+    if (options.window) return playWithWindow(options, *cast, *session, tally);
     const Result<int> played = playHeadless(options, motion, *session, tally);
     if (!played) return played.error();
     pictures = *played;
+    return {};
+  };
+  if (Result<void> played = play(); !played) {
+    if (*recorder) (void)(*recorder)->finish();  // what was recorded stays, whatever ended it
+    return played;
   }
-  return publish(common, toReport(options, motion, *session, *file, tally, pictures),
-                 toJson(motion, *session, *file, tally, pictures));
+  Report report = toReport(options, motion, *session, *file, tally, pictures);
+  nlohmann::ordered_json json = toJson(motion, *session, *file, tally, pictures);
+  if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
+  return publish(common, report, json);
 }
 
 }  // namespace
@@ -216,6 +193,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "      a character's own clip\n"
       "  lorica play punch_and_kick --scene bowling\n"
       "      among other things: boxes, bowling, curtain, or a scene file of your own\n"
+      "  lorica play walk --inject dropout=0.1,swap,seed=7\n"
+      "      with joints that are lost or exchanged, as trackers do\n"
       "  lorica play body.oni\n"
       "      whoever is in a depth recording\n"
       "  lorica decompose mannequin --parts 24 -o body.lorica\n"
@@ -227,19 +206,11 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "\nWithout --decomposition: 16 parts from 12 keyframes, computed the first time and then cached. So is what\n"
       "--cover and --hull-vertices ask for. Keyframes come from the character's own clips, else from the shipped\n"
       "recordings.");
-  app->add_option("MOTION", options->motion,
-                  "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
-                  "recording [default: a "
-                  "clip of --character]")
-      ->type_name("");
-  app->add_option("--character", options->character,
-                  "Who performs it: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
-      ->type_name("FILE");
-  addReadingOptions(*app, options->performing);
-  addPlayingOptions(*app, options->performing);
-  addCharacterOptions(*app, options->reading);
+  addCastOptions(*app, options->cast);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
+  addFaultOption(*app, options->cast.performing);
+  addRecordOption(*app, options->record);
   CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after so many frames");
   app->add_flag("--as-fast-as-possible", options->playing.hurry,

@@ -2,6 +2,9 @@
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/playback.h"
+#include "apps/record_session.h"
+#include "apps/scenes.h"
+#include "apps/session_files.h"
 #include "sensor/oni_joints.h"
 #include "sensor/openni.h"
 #include "tracking/tracker.h"
@@ -18,11 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
-  std::string out;
-  DepthOptions depth;
-  PlaybackOptions limit;
-};
+using Options = SessionRecording;  // of a depth recording only the file, the camera and the limit
+
+constexpr const char* kSessionEnding = ".lsession";
 
 struct Recording {
   int frames = 0;  // of depth, in the file
@@ -68,7 +69,20 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
   return recording;
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+/// A depth recording holds what the camera saw; who performs it, and how, is said when it is played.
+Result<void> refuseSessionOptions(const CLI::App& app, const Options& options) {
+  for (const char* name :
+       {"MOTION", "--character", "--map", "--body-resolution", "--decomposition", "--cover", "--hull-vertices",
+        "--scene", "--inject", "--mirror", "--smooth", "--min-cutoff", "--beta", "--clip", "--format", "--person"}) {
+    if (app.count(name) == 0) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: {} is for sessions ({}), which a depth recording (.oni) is not", options.out, name,
+                             kSessionEnding)};
+  }
+  return {};
+}
+
+Result<void> recordDepth(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.out, jointsBeside(options.out)}); !fine) return fine;
   if (Result<void> fine = checkOutput("OUT", options.out, ".oni"); !fine) return fine;
   // An older recording of both may be replaced; joints that came from elsewhere may not.
@@ -110,12 +124,33 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   return publish(common, report, json);
 }
 
+Result<void> run(const CLI::App& app, const Options& options, const CommonOptions& common) {
+  const std::string ending = lowerCase(fs::path(options.out).extension().string());
+  if (ending == kSessionEnding) {
+    if (Result<void> fine = checkJsonOutput(
+            common, {options.out, options.cast.motion, options.cast.character, options.body.decomposition});
+        !fine) {
+      return fine;
+    }
+    if (Result<void> fine = checkRecord("OUT", options.out); !fine) return fine;
+    return recordSession(options, common);
+  }
+  if (ending != ".oni") {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("OUT: found {}, expected a name that ends in .oni (depth) or {} (a session)", options.out,
+                             kSessionEnding)};
+  }
+  if (Result<void> fine = refuseSessionOptions(app, options); !fine) return fine;
+  return recordDepth(options, common);
+}
+
 }  // namespace
 
 Command addRecord(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CLI::App* app = addSubcommand(
-      parent, common, "record", "Record a depth camera to .oni, and the joints of whoever is seen beside it as .csv.",
+      parent, common, "record",
+      "Record a depth camera to .oni, with the joints of whoever is seen beside it as .csv; or a session to .lsession.",
       "  lorica record body.oni\n"
       "      body.oni and body.csv, until Ctrl-C\n"
       "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
@@ -123,12 +158,24 @@ Command addRecord(CLI::App& parent, CommonOptions& common) {
       "      without a camera: a virtual one before a virtual person\n"
       "  lorica play body.oni\n"
       "      play what was recorded\n"
-      "\nWhile it runs the files are named body.part.oni and body.part.csv; both can be read even if it is killed.");
-  app->add_option("OUT", options->out, "The recording to write: .oni")->required()->type_name("");
+      "  lorica record kick.lsession punch_and_kick --scene bowling\n"
+      "      a session: joints, character, settings, scene, and what came of each step\n"
+      "  lorica record me.lsession --seconds 20 --inject dropout=0.1,seed=7\n"
+      "      of whoever stands before the camera, with faults\n"
+      "  lorica replay kick.lsession\n"
+      "      run it again, and say whether it comes out the same\n"
+      "\nWhile it runs the files are named body.part.oni, body.part.csv and kick.part.lsession; all can be read even "
+      "if "
+      "it is\nkilled.");
+  app->add_option("OUT", options->out, "The recording to write: .oni or .lsession")->required()->type_name("");
+  addCastOptions(*app, options->cast);
+  addFaultOption(*app, options->cast.performing);
+  addBodyOptions(*app, options->body);
+  addSceneOption(*app, options->scene);
   addDepthOptions(*app, options->depth);
-  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many depth frames");
+  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [app, options](const CommonOptions& given) { return run(*app, *options, given); }};
 }
 
 }  // namespace lorica

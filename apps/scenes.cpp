@@ -1,6 +1,8 @@
 #include "apps/scenes.h"
 
+#include "apps/decomposition_cache.h"
 #include "apps/motions.h"
+#include "geometry/files.h"
 #include "session/demo_scene.h"
 #include "session/scene_file.h"
 
@@ -12,12 +14,12 @@ namespace lorica {
 
 void addSceneOption(CLI::App& app, std::string& scene) {
   app.add_option("--scene", scene,
-                 "What stands around: a scene file (.json), or boxes, bowling or curtain [default: boxes and balls]")
+                 "What stands around: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls]")
       ->type_name("SCENE");
 }
 
-Result<World> openScene(const std::string& scene) {
-  if (scene.empty()) return makeDemoWorld(kDemoSeed);
+Result<SceneText> readSceneText(const std::string& scene) {
+  if (scene.empty()) return SceneText();
   std::filesystem::path file = scene;
   if (isBareName(scene)) {
     // Scenes lie beside the recordings, in the source tree and as installed.
@@ -32,9 +34,27 @@ Result<World> openScene(const std::string& scene) {
                                scene, shippedNames(file.parent_path(), ".json"))};
     }
   }
-  const Result<SceneFile> read = readScene(file);
+  Result<std::string> text = readFile(file);
+  if (!text) return text.error();
+  return SceneText{std::move(*text), file.parent_path()};
+}
+
+Result<World> worldOf(const SceneText& scene, const std::string& name) {
+  if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
+  SceneReading reading;
+  reading.folder = scene.folder;
+  reading.decomposer = [](const std::string& mesh, const TriMesh& surface, int parts) {
+    return cachedMeshDecomposition(mesh, surface, parts);
+  };
+  const Result<SceneFile> read = parseScene(scene.text, name, reading);
   if (!read) return read.error();
   return makeWorld(*read);
+}
+
+Result<World> openScene(const std::string& scene) {
+  const Result<SceneText> text = readSceneText(scene);
+  if (!text) return text.error();
+  return worldOf(*text, scene);
 }
 
 }  // namespace lorica
