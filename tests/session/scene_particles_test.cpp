@@ -1,0 +1,60 @@
+#include "session/scene_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+namespace lorica {
+namespace {
+
+Result<SceneFile> sceneWith(const std::string& particles) {
+  return parseScene("{\"format\": \"lorica scene 1\", " + particles + "}", "my.json");
+}
+
+TEST(SceneParticles, AreReadPouredAndSettle) {
+  const Result<SceneFile> scene = sceneWith(
+      R"("gravity": [0, -5, 0], "grains": {"radius": 0.02, "settle": 0.5, "color": "#ffffff",
+         "fill": [{"at": [0, 0.1, 0], "size": [0.4, 0.2, 0.4], "count": 50}],
+         "pour": [{"at": [0, 1, 0], "radius": 0.1, "rate": 300, "count": 200}]})");
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  ASSERT_TRUE(scene->particles.has_value());
+  EXPECT_DOUBLE_EQ(scene->particles->gravity.y(), -5.0);
+  EXPECT_EQ(scene->particles->color, Vec3f::Ones());
+  World world = makeWorld(*scene);
+  ASSERT_NE(world.particles(), nullptr);
+  EXPECT_EQ(world.particles()->places().size(), 50u);
+  world.step({}, 1.0 / 30.0);
+  EXPECT_EQ(world.particles()->places().size(), 210u) << "half a second and a frame of pouring";
+  for (int i = 0; i < 10; ++i) world.step({}, 1.0 / 30.0);
+  EXPECT_EQ(world.particles()->places().size(), 250u) << "no more than asked for";
+}
+
+TEST(SceneParticles, WaterStaysBetweenWalls) {
+  const Result<SceneFile> scene = sceneWith(
+      R"("water": {"spacing": 0.05, "walls": {"from": [-0.3, 0, -0.3], "to": [0.3, 0, 0.3]},
+         "fill": [{"at": [0, 0.3, 0], "size": [0.5, 0.5, 0.5]}]})");
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  World world = makeWorld(*scene);
+  for (int i = 0; i < 30; ++i) world.step({}, 1.0 / 30.0);
+  EXPECT_GT(world.particles()->places().size(), 500u);
+  for (const Vec3f& p : world.particles()->places()) {
+    EXPECT_LE(std::abs(p.x()), 0.3f);
+    EXPECT_LE(std::abs(p.z()), 0.3f);
+  }
+}
+
+TEST(SceneParticles, MistakesAreNamed) {
+  const auto sentence = [](const std::string& particles) { return sceneWith(particles).error().message; };
+  EXPECT_EQ(sentence(R"("grains": {"radius": 0, "fill": []})"),
+            "my.json: grains.radius: found 0, expected a number from 0.004 to 0.1");
+  EXPECT_EQ(sentence(R"("grains": {})"), "my.json: grains.fill: found nothing, expected a list of boxes, or pours");
+  EXPECT_EQ(sentence(R"("grains": {"pour": [{"at": [0, 1, 0], "count": 9000000}]})"),
+            "my.json: grains.pour[0].count: found 9000000, expected a whole number from 1 to 300000");
+  EXPECT_NE(sentence(R"("grains": {"fill": [{"at": [0, 1, 0], "size": [1, 1, 1]}]}, "water": {})").find("one of them"),
+            std::string::npos);
+  EXPECT_NE(sentence(R"("water": {"friction": 1})").find("water.friction: found no such key"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lorica
