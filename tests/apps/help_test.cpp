@@ -40,7 +40,8 @@ TEST(Command, WithoutArgumentsListsTheCommands) {
   const CommandResult result = runLorica({});
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_NE(result.err.find("expected one of demo, decompose, score, play, live, record, info"), std::string::npos)
+  EXPECT_NE(result.err.find("expected one of demo, decompose, score, play, live, record, replay, info"),
+            std::string::npos)
       << result.err;
 }
 
