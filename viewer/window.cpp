@@ -224,12 +224,6 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwPollEvents();
 }
 
-void Window::show(const Scene& scene, const std::string& caption) {
-  WindowValues values;
-  values.status = caption;
-  show(scene, values);
-}
-
 bool displayAvailable() {
   const auto set = [](const char* name) {
     const char* value = std::getenv(name);

@@ -33,8 +33,6 @@ class Window {
 
   /// Draws, presents, polls input.
   void show(const Scene& scene, const WindowValues& values);
-  /// The same with a line of text and nothing to steer.
-  void show(const Scene& scene, const std::string& caption);
   /// What was asked for since the last call.
   [[nodiscard]] WindowRequests takeRequests();
   /// From the eye through the mouse.
