@@ -295,7 +295,7 @@ Command addSnapshot(CLI::App& parent, CommonOptions& common) {
                     "      four moments side by side; without --strip kick_1.png, kick_2.png, ...\n"
                     "  lorica snapshot walk --frame 45 --camera front --show hulls,bones,ground --size 640x480\n"
                     "      what physics touches, and the bones\n"
-                    "  lorica snapshot walk --scene bowling --video walk.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
+                    "  lorica snapshot punch_and_kick --scene bowling --video kick.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
                     "      all of it, from one place; walk.gif makes an animation for web pages\n"
                     "\nThe hulls are those of `lorica play`, frame by frame: the hash says so.");
   addCastOptions(*app, options->cast);
