@@ -296,7 +296,7 @@ Command addSnapshot(CLI::App& parent, CommonOptions& common) {
                     "  lorica snapshot walk --frame 45 --camera front --show hulls,bones,ground --size 640x480\n"
                     "      what physics touches, and the bones\n"
                     "  lorica snapshot punch_and_kick --scene bowling --video kick.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
-                    "      all of it, from one place; walk.gif makes an animation for web pages\n"
+                    "      all of it, from one place; kick.gif makes an animation for web pages\n"
                     "\nThe hulls are those of `lorica play`, frame by frame: the hash says so.");
   addCastOptions(*app, options->cast);
   app->add_option("-o,--out", options->out, "The picture, or what several are named after [default: MOTION.png]")
