@@ -13,8 +13,9 @@
 namespace lorica {
 
 void addSceneOption(CLI::App& app, std::string& scene) {
-  app.add_option("--scene", scene,
-                 "What stands around: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls]")
+  app.add_option(
+         "--scene", scene,
+         "What stands around: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls]")
       ->type_name("SCENE");
 }
 

@@ -3,7 +3,7 @@
 #include "acd/decompose.h"
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
-#include "tests/geometry/allocation_watch.h"
+#include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 

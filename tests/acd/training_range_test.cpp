@@ -4,7 +4,7 @@
 #include "acd/transfer.h"
 #include "geometry/random_numbers.h"
 #include "geometry/rigid_distance.h"
-#include "tests/geometry/allocation_watch.h"
+#include "tests/support/allocations.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>

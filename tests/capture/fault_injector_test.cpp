@@ -1,7 +1,7 @@
 #include "capture/fault_injector.h"
 
 #include "capture/joint_csv.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

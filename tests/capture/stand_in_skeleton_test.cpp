@@ -6,7 +6,7 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
 #include "tests/capture/figures.h"
-#include "tests/geometry/allocation_watch.h"
+#include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include "tests/collision/dancer.h"
 #include "tests/collision/moving_hull_truth.h"
 #include "tests/collision/parts.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

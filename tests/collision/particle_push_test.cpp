@@ -5,7 +5,7 @@
 #include "tests/collision/instruction_sets.h"
 #include "tests/collision/particle_push_truth.h"
 #include "tests/collision/parts.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

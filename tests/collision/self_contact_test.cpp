@@ -3,7 +3,7 @@
 #include "geometry/convex_hull.h"
 #include "skinning/mannequin.h"
 #include "tests/collision/parts.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>

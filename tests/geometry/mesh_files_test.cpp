@@ -1,8 +1,8 @@
 #include "geometry/mesh_files.h"
 
 #include "geometry/files.h"
-#include "tests/geometry/allocation_watch.h"
 #include "tests/geometry/mesh_file_samples.h"
+#include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 

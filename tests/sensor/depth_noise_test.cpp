@@ -1,6 +1,6 @@
 #include "sensor/depth_noise.h"
 
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

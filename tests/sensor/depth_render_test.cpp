@@ -2,7 +2,7 @@
 
 #include "geometry/random_numbers.h"
 #include "sensor/virtual_room.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

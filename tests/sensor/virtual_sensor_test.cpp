@@ -5,7 +5,7 @@
 #include "capture/synthetic_motion.h"
 #include "sensor/virtual_body.h"
 #include "skinning/mannequin.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

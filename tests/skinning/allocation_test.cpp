@@ -1,6 +1,6 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "sensor/virtual_body.h"
 #include "sensor/virtual_sensor.h"
 #include "skinning/mannequin.h"
-#include "tests/support/allocation_count.h"
+#include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tests/geometry/allocation_watch.h"
+#include "tests/support/allocations.h"
 
 #include <atomic>
 #include <cstdlib>
@@ -6,26 +6,29 @@
 
 namespace {
 
+std::atomic<long> allocations{0};
 std::atomic<bool> watching{false};
 std::atomic<std::size_t> largestRequest{0};
 
-}  // namespace
-
-// The program's own operator new and delete, for all of this test program.
-void* operator new(std::size_t size) {
+/// @return null where there is no memory
+void* counted(std::size_t size) noexcept {
+  allocations.fetch_add(1, std::memory_order_relaxed);
   if (watching.load(std::memory_order_relaxed) && size > largestRequest.load(std::memory_order_relaxed)) {
     largestRequest.store(size, std::memory_order_relaxed);
   }
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  return std::malloc(size == 0 ? 1 : size);
+}
+
+}  // namespace
+
+// The program's own operator new and delete; those of arrays call these.
+void* operator new(std::size_t size) {
+  if (void* memory = counted(size)) return memory;
   throw std::bad_alloc();
 }
 // std::stable_sort asks this way; without it a sanitizer would see its memory freed by another family.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  try {
-    return operator new(size);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
+  return counted(size);
 }
 void operator delete(void* memory) noexcept {
   std::free(memory);
@@ -35,6 +38,10 @@ void operator delete(void* memory, std::size_t) noexcept {
 }
 
 namespace lorica::test {
+
+long allocationCount() {
+  return allocations;
+}
 
 AllocationWatch::AllocationWatch() {
   largestRequest = 0;
