@@ -135,7 +135,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   const Result<Cast> cast = readCast(options.cast);
   if (!cast) return cast.error();
-  const auto& [subject, motion] = *cast;
+  const Subject& subject = cast->subject;
+  const Motion& motion = cast->motion;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
   const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
   if (!file) return file.error();

@@ -243,7 +243,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = check(options, common); !fine) return fine;
   const Result<Cast> cast = readCast(options.cast);
   if (!cast) return cast.error();
-  const auto& [subject, motion] = *cast;
+  const Subject& subject = cast->subject;
+  const Motion& motion = cast->motion;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
   const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
   if (!wanted) return wanted.error();
