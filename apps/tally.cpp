@@ -66,7 +66,7 @@ void Tally::add(const Session& session, bool selfContacts) {
 }
 
 void Tally::addSelfContacts(const Session& session) {
-  if (!selfContacts_) selfContacts_.emplace();
+  if (!selfContacts_) selfContacts_ = SelfContacts{{}, 0, {}, 0.0};
   const std::span<const SelfContact> found = session.selfContacts();
   selfContacts_->frames += found.empty() ? 0 : 1;
   for (const SelfContact& contact : found) {

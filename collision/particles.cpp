@@ -116,8 +116,8 @@ void Particles::pour(std::size_t index, double seconds) {
     Vec3f place = source.disc[static_cast<std::size_t>((begin + i) % places)];
     place.x() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
     place.z() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
-    place.y() =
-        layer * static_cast<float>(i / places) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
+    const int turn = i / places;
+    place.y() = layer * static_cast<float>(turn) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
     added_.push_back(pour.middle.cast<float>() + place);
   }
   source.poured += count;

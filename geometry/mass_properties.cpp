@@ -8,7 +8,7 @@ MassProperties massProperties(std::span<const Vec3> vertices, std::span<const Tr
   MassProperties result;
   if (triangles.empty()) return result;
   // Tetrahedra from one corner of the surface: numbers stay small however far away the coordinates begin.
-  const Vec3 apex = vertices[static_cast<std::size_t>(triangles[0][0])];
+  const Vec3& apex = vertices[static_cast<std::size_t>(triangles[0][0])];
   double sixVolume = 0.0;
   Vec3 first = Vec3::Zero();   // 24 x the integral of position
   Mat3 second = Mat3::Zero();  // 120 x the integral of position * position^T
