@@ -214,6 +214,7 @@ void printTable(const std::vector<Row>& rows, double from) {
   line("turn on the spot: left is right [%], after 2 s", "0", of(MotionKind::kTurn), swapped);
   line("starting back turned: the same", "0", of(MotionKind::kBackTurned), swapped);
   line("sitting on a chair: mean [mm], limb joint [%]", "tracked", of(MotionKind::kSitting), meanAndLimbs);
+  line("walking up to 6 m away: mean [mm], limb joint [%]", "-", of(MotionKind::kFar), meanAndLimbs);
   line("two people: mean [mm], limb joint [%]", "both", of(MotionKind::kTwo), meanAndLimbs);
   line(
       "one person: CPU ms a frame, mean / p99", "12 / 25",

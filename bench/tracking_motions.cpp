@@ -22,6 +22,7 @@ using motion::FigurePose;
 using motion::minimumJerk;
 
 constexpr double kFramesPerSecond = 30.0;
+constexpr double kRoom = 2.15;  ///< of the way that someone has where such a camera sees the whole body well [m]
 constexpr double kPi = std::numbers::pi;
 
 std::vector<SkeletonFrame> figureMotion(double seconds, const std::function<void(double, FigurePose&)>& pose) {
@@ -101,6 +102,28 @@ std::vector<SkeletonFrame> sitOnChair() {
   });
 }
 
+/// The middle between the hips.
+Vec3 middleOf(const SkeletonFrame& frame) {
+  return 0.5 * (frame[BodyJoint::kLeftHip].position + frame[BodyJoint::kRightHip].position);
+}
+
+/// The same motion over a shorter way: body and limbs move as before, so that feet slide.
+/// @param most  length of the way along Z [m]
+std::vector<SkeletonFrame> shortened(std::vector<SkeletonFrame> frames, double most) {
+  double least = 1e9, largest = -1e9;
+  for (const SkeletonFrame& frame : frames) {
+    least = std::min(least, middleOf(frame).z());
+    largest = std::max(largest, middleOf(frame).z());
+  }
+  const double away = 1.0 - std::min(1.0, most / std::max(largest - least, 1e-6));
+  for (SkeletonFrame& frame : frames) {
+    const Vec3 middle = middleOf(frame);
+    const Vec3 back(away * middle.x(), 0.0, away * middle.z());
+    for (TrackedJoint& joint : frame.joints) joint.position -= back;
+  }
+  return frames;
+}
+
 TrackedMotion made(std::string name, MotionKind kind, std::vector<SkeletonFrame> joints) {
   TrackedMotion result;
   result.name = std::move(name);
@@ -159,13 +182,15 @@ bool isThere(const std::filesystem::path& file) {
 
 std::vector<TrackedMotion> formulaMotions() {
   std::vector<TrackedMotion> all;
-  all.reserve(13);
+  all.reserve(14);
   for (int i = 0; i < kSyntheticMotionCount; ++i) {
     const auto which = static_cast<SyntheticMotion>(i);
     const bool boxing = which == SyntheticMotion::kPunchAndKick;
     all.push_back(made(std::string(nameOf(which)), boxing ? MotionKind::kBoxing : MotionKind::kOrdinary,
-                       synthesizeMotion(which)));
+                       which == SyntheticMotion::kWalk ? shortened(synthesizeMotion(which), kRoom)
+                                                       : synthesizeMotion(which)));
   }
+  all.push_back(made("walk_far", MotionKind::kFar, synthesizeMotion(SyntheticMotion::kWalk)));
   const std::vector<SkeletonFrame> wave = synthesizeMotion(SyntheticMotion::kWave);
   all.push_back(made("crossed_arms", MotionKind::kCrossedArms, crossedArms()));
   all.push_back(made("turn_on_the_spot", MotionKind::kTurn, turnOnTheSpot()));
