@@ -14,6 +14,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_N
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                                     ImGuiWindowFlags_NoFocusOnAppearing;
 const ImVec4 kFaint(0.62f, 0.66f, 0.72f, 1.0f);
+constexpr float kViewPanel = 206.0f;
 constexpr ImU32 kPlate = IM_COL32(22, 26, 33, 224);
 constexpr ImU32 kInk = IM_COL32(236, 240, 245, 255);
 constexpr ImU32 kAmber = IM_COL32(255, 190, 84, 255);
@@ -68,14 +69,16 @@ bool keyedButton(const char* name, const char* key) {
   return pressed;
 }
 
-/// One line of text on a plate of its own, in the middle of the picture's width.
-/// @return the place below it
-float drawPlate(const PanelLayout& layout, float top, std::string_view text, ImU32 ink, ImU32 mark) {
+/// A sentence on a plate of its own, in the middle of the picture's width, not over open panels. The next one goes
+/// below.
+void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {
+  const float top = layout.ceiling;
   ImDrawList& list = *ImGui::GetForegroundDrawList();
   const char* begin = text.data();
   const char* end = begin + text.size();
   const float pad = layout.of(8.0f), bar = layout.of(4.0f);
-  const float wrap = layout.width - 2.0f * layout.margin() - 2.0f * pad - bar;
+  const float panel = layout.small() || layout.panels.empty() ? 0.0f : layout.of(kWidestPanel) + layout.margin();
+  const float wrap = layout.width - 2.0f * (panel + layout.margin() + pad) - bar;
   const ImVec2 size = ImGui::CalcTextSize(begin, end, false, wrap);
   const float left = std::round(0.5f * (layout.width - size.x - 2.0f * pad - bar));
   const ImVec2 corner(left + size.x + 2.0f * pad + bar, top + size.y + pad);
@@ -85,10 +88,20 @@ float drawPlate(const PanelLayout& layout, float top, std::string_view text, ImU
                        ImDrawFlags_RoundCornersLeft);
   }
   list.AddText(nullptr, 0.0f, ImVec2(left + bar + pad, top + std::round(0.5f * pad)), ink, begin, end, wrap);
-  return corner.y + layout.of(4.0f);
+  layout.ceiling = corner.y + layout.of(4.0f);
 }
 
 }  // namespace
+
+void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold) {
+  if (fold.small == layout.small()) return;
+  fold.small = layout.small();
+  ImGui::SetNextWindowCollapsed(layout.small() || !fold.openIfLarge);
+}
+
+void noteFold(PanelLayout::Fold& fold) {
+  if (!*fold.small) fold.openIfLarge = !ImGui::IsWindowCollapsed();
+}
 
 void setPanelStyle(float scale) {
   ImGuiStyle style;
@@ -194,13 +207,15 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const Window
 void drawViewPanel(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
                    WindowRequests& requests) {
   const float margin = layout.margin();
-  const float width = std::min(layout.of(206.0f), 0.5f * (layout.width - 3.0f * margin));
+  const float width = std::min(layout.of(kViewPanel), 0.5f * (layout.width - 3.0f * margin));
   const float room = layout.floor - 2.0f * margin;
   if (room < layout.of(40.0f)) return;
   ImGui::SetNextWindowPos(ImVec2(margin, margin));
-  ImGui::SetNextWindowCollapsed(layout.small(), ImGuiCond_Once);
+  foldAsSizeSays(layout, layout.view);
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
-  if (ImGui::Begin("View", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize)) {
+  const bool open = ImGui::Begin("View", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
+  noteFold(layout.view);
+  if (open) {
     SceneOptions& show = state.show;
     toggle("character", "1", show.skin);
     toggle("hulls", "2", show.hulls);
@@ -258,29 +273,33 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const Window
 
 void drawWarnings(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts) {
   // Between the panels, or below their titles where there is no room between them.
-  float top = layout.margin();
-  if (layout.small() && !layout.panels.empty()) top += layout.of(kPanelLine + 12.0f);
-  for (const std::string& warning : values.warnings) top = drawPlate(layout, top, warning, kAmber, kAmber);
+  if (layout.small() && !layout.panels.empty()) layout.ceiling += layout.of(kPanelLine + 12.0f);
+  for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
   if (facts.videoSeconds >= 0.0) {
-    top = drawPlate(layout, top, fmt::format("video {:.1f} s, V ends it", facts.videoSeconds), kInk, kRed);
+    drawPlate(layout, fmt::format("video {:.1f} s, V ends it", facts.videoSeconds), kInk, kRed);
   }
-  if (!facts.notice.empty()) drawPlate(layout, top, facts.notice, kInk, 0);
+  if (!facts.notice.empty()) drawPlate(layout, facts.notice, kInk, 0);
 }
 
 void drawHelp(PanelLayout& layout) {
-  const ImVec2 middle(0.5f * layout.width, 0.5f * (layout.panels.empty() ? layout.height : layout.floor));
-  ImGui::SetNextWindowPos(middle, ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-  const float room = 2.0f * layout.margin();
-  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f),
-                                      ImVec2(layout.width - room, std::max(layout.height - room, 1.0f)));
+  // Below the warnings; where it is too long for that above the transport, over the transport, and then it scrolls.
+  constexpr float kTitleAndPads = 46.0f;
+  const float line = ImGui::GetTextLineHeightWithSpacing();
+  const float wanted = line * static_cast<float>(kHelp.size()) + layout.of(kTitleAndPads);
+  const float top = layout.ceiling;
+  const float above = layout.panels.empty() ? layout.height - layout.margin() : layout.floor - layout.of(4.0f);
+  const float bottom = wanted <= above - top ? above : layout.height - layout.margin();
+  const float room = std::max(bottom - top, layout.of(40.0f));
+  ImGui::SetNextWindowPos(ImVec2(0.5f * layout.width, 0.5f * (top + bottom)), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(layout.width - 2.0f * layout.margin(), room));
   ImGui::SetNextWindowBgAlpha(0.92f);
   ImGui::SetNextWindowFocus();
   ImGui::Begin("Keys and mouse", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
-  for (const HelpLine& line : kHelp) {
-    ImGui::TextUnformatted(line.keys);
+  for (const HelpLine& help : kHelp) {
+    ImGui::TextUnformatted(help.keys);
     ImGui::SameLine(layout.of(120.0f));
     ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
-    ImGui::TextUnformatted(line.what);
+    ImGui::TextUnformatted(help.what);
     ImGui::PopStyleColor();
   }
   note(layout);

@@ -53,16 +53,18 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
 
 void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGraph& times) {
   const float margin = layout.margin();
-  const float width = std::min(layout.of(250.0f), 0.5f * (layout.width - 3.0f * margin));
+  const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
   const float room = layout.floor - 2.0f * margin;
   if (room < layout.of(40.0f)) return;
   ImGui::SetNextWindowPos(ImVec2(layout.width - margin, margin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
-  ImGui::SetNextWindowCollapsed(layout.small(), ImGuiCond_Once);
+  foldAsSizeSays(layout, layout.times);
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
-  if (ImGui::Begin("Time of a frame", nullptr,
-                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
-                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
-                       ImGuiWindowFlags_AlwaysAutoResize)) {
+  const bool open = ImGui::Begin("Time of a frame", nullptr,
+                                 ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
+  noteFold(layout.times);
+  if (open) {
     const double scale = scaleFor(times.longest());
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 size(ImGui::GetContentRegionAvail().x, layout.of(84.0f));

@@ -327,6 +327,38 @@ TEST_F(WindowAtWork, TinyHiddenAndResizedWindowsGoOn) {
   EXPECT_TRUE(window->open());
 }
 
+TEST_F(WindowAtWork, PanelsFoldWhereTheWindowBecomesSmallAndOpenAgain) {
+  open(1000, 600);
+  const auto turnsAt = [&](const char* place) {
+    const Vec3 eye = window->camera().eye;
+    send(std::string("mousemove --window %1 ") + place + " mousedown 1 mousemove_relative 15 0 mouseup 1");
+    return window->camera().eye != eye;
+  };
+  EXPECT_FALSE(turnsAt("60 380")) << "the panel of what is shown";
+  send("windowsize --sync %1 640 480");
+  EXPECT_TRUE(turnsAt("60 380"));
+  send("windowsize --sync %1 1000 600");
+  EXPECT_FALSE(turnsAt("60 380"));
+  send("mousemove --window %1 20 20 click 1");  // folded by hand
+  EXPECT_TRUE(turnsAt("60 380"));
+  send("windowsize --sync %1 640 480");
+  send("windowsize --sync %1 1000 600");
+  EXPECT_TRUE(turnsAt("60 380")) << "as it was left";
+}
+
+TEST_F(WindowAtWork, HelpStaysInThePictureAndBelowWarnings) {
+  open(480, 360);
+  const std::vector<std::string> warnings = {"left hand lost"};
+  values.warnings = warnings;
+  const Image warned = picture("shift+p");
+  send("key h");
+  const Image helped = picture("shift+p");
+  // The plate of the warning, 240 pixels wide at least, and the row above: no help covers them.
+  for (int y = 0; y < 60; ++y) EXPECT_EQ(test::pixelAt(warned, 240, y), test::pixelAt(helped, 240, y)) << y;
+  EXPECT_NE(test::pixelAt(warned, 240, 180), test::pixelAt(helped, 240, 180));
+  EXPECT_EQ(test::pixelAt(warned, 240, 355), test::pixelAt(helped, 240, 355)) << "a margin below";
+}
+
 TEST_F(WindowAtWork, VBeginsAndEndsAVideoThatPlays) {
   open(321, 240);  // of odd width, which no encoder takes
   send("key v");
