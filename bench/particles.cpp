@@ -2,17 +2,10 @@
 // output.
 
 #include "bench/measure.h"
-#include "capture/retarget.h"
-#include "capture/synthetic_motion.h"
-#include "collision/cover.h"
+#include "bench/walker.h"
 #include "collision/live_body.h"
 #include "collision/particle_push.h"
 #include "geometry/random_numbers.h"
-#include "session/cover_poses.h"
-#include "session/keyframes.h"
-#include "session/pose_source.h"
-#include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -137,45 +130,6 @@ class PlainPush {
   std::vector<Hull> hulls_;
 };
 
-/// The mannequin's body, and where the bones are in the frames of a shipped motion.
-struct Walker {
-  std::unique_ptr<LiveBody> body;
-  std::vector<std::vector<Affine3>> worldFromModel;
-};
-
-Result<Walker> makeWalker(const Options& options) {
-  const Character character = makeMannequin();
-  std::vector<SkeletalMotion> training;
-  training.reserve(kSyntheticMotionCount);
-  for (int m = 0; m < kSyntheticMotionCount; ++m) {
-    training.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
-  }
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
-  if (!keyframes) return keyframes.error();
-  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
-  Result<Decomposition> decomposition = decompose(character.mesh, poses, {.maxParts = options.parts});
-  if (!decomposition) return decomposition.error();
-
-  Walker walker;
-  const Result<CoverPoses> coverIn = coverPoses(character, training);
-  if (!coverIn) return coverIn.error();
-  const std::vector<LiftedPoint> points = liftPoints(character, *decomposition);
-  Result<CoverPromise> cover =
-      chooseCover(*decomposition, points, coverIn->sampledView(), {}, {.maxHullVertices = options.hullVertices});
-  if (!cover) return cover.error();
-  walker.body = std::make_unique<LiveBody>(std::move(*decomposition), character, std::move(*cover));
-  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
-  if (!retargeter) return retargeter.error();
-  Pose pose = restPose(character.skeleton);
-  for (const SkeletonFrame& frame : synthesizeMotion(SyntheticMotion::kWalk)) {
-    retargeter->apply(frame, pose);
-    std::vector<Affine3>& matrices = walker.worldFromModel.emplace_back(pose.size());
-    computeWorldFromJoint(character.skeleton, pose, matrices);
-    computeWorldFromModel(character, matrices, matrices);
-  }
-  return walker;
-}
-
 /// Evenly in a box.
 std::vector<Vec3f> sandbox(const Vec3& center, const Vec3& size, std::size_t count) {
   RandomNumbers random(1);
@@ -281,7 +235,7 @@ void measure(const std::string& name, std::span<const LivePart> parts, const std
 }
 
 int run(const Options& options) {
-  Result<Walker> made = makeWalker(options);
+  Result<Walker> made = makeWalker(options.parts, options.hullVertices);
   if (!made) return fail(made.error());
   LiveBody& body = *made->body;
   const std::vector<std::vector<Affine3>>& frames = made->worldFromModel;

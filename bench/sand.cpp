@@ -2,15 +2,9 @@
 // same contacts in the same run: CSV on standard output.
 
 #include "bench/measure.h"
-#include "capture/retarget.h"
-#include "capture/synthetic_motion.h"
-#include "collision/live_body.h"
+#include "bench/walker.h"
 #include "collision/particles.h"
 #include "geometry/random_numbers.h"
-#include "session/keyframes.h"
-#include "session/pose_source.h"
-#include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -160,35 +154,6 @@ class PlainSand {
   float diameter_;
 };
 
-struct Walker {
-  std::unique_ptr<LiveBody> body;
-  std::vector<std::vector<Affine3>> worldFromModel;
-};
-
-Result<Walker> makeWalker() {
-  const Character character = makeMannequin();
-  const std::vector<SkeletonFrame> walk = synthesizeMotion(SyntheticMotion::kWalk);
-  std::vector<SkeletalMotion> training;
-  training.push_back(perform(character.skeleton, walk).value());
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 6);
-  if (!keyframes) return keyframes.error();
-  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
-  Result<Decomposition> decomposition = decompose(character.mesh, poses, {.maxParts = 16});
-  if (!decomposition) return decomposition.error();
-  Walker walker;
-  walker.body = std::make_unique<LiveBody>(std::move(*decomposition), character);
-  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
-  if (!retargeter) return retargeter.error();
-  Pose pose = restPose(character.skeleton);
-  for (const SkeletonFrame& frame : walk) {
-    retargeter->apply(frame, pose);
-    std::vector<Affine3>& matrices = walker.worldFromModel.emplace_back(pose.size());
-    computeWorldFromJoint(character.skeleton, pose, matrices);
-    computeWorldFromModel(character, matrices, matrices);
-  }
-  return walker;
-}
-
 ParticleSettings settingsOf(ParticleSettings::Kind kind, int count) {
   ParticleSettings settings;
   settings.kind = kind;
@@ -203,7 +168,7 @@ ParticleSettings settingsOf(ParticleSettings::Kind kind, int count) {
 }
 
 int run(const Options& options) {
-  Result<Walker> walker = makeWalker();
+  Result<Walker> walker = makeWalker(16, 120);
   if (!walker) return fail(walker.error());
   fmt::print("what,particles,frames,wall ms,cpu ms,most wall ms,most cpu ms,hash\n");
   for (const auto kind : {ParticleSettings::Kind::kSand, ParticleSettings::Kind::kWater}) {

@@ -55,18 +55,18 @@ void pressures(const FluidKernels& k, const ParticleRow* places, const Neighbour
                std::size_t lastBlock, ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
-    const auto zero = hn::Zero(f), reach = hn::Set(f, k.reach), tiny = hn::Set(f, 1e-6f);
+    const auto zero = hn::Zero(f), reach = hn::Set(f, k.reach);
     Rows own = loadRows(places + i);
     auto density = hn::Set(f, k.ownDensity);
     auto sumX = zero, sumY = zero, sumZ = zero, squares = zero;
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
       const Pairs pairs = pairsOf(own, gatherRows(places, slot), slot, i, k.reach);
       density = hn::Add(density, densityOf(k, pairs));
-      const auto distance = hn::Sqrt(pairs.distanceSq);
-      const auto left = hn::Sub(reach, distance);
+      const auto inverse = inverseRoot(pairs.distanceSq);
+      const auto left = hn::Sub(reach, hn::Mul(pairs.distanceSq, inverse));
       const auto slope = hn::IfThenElseZero(pairs.near, hn::Mul(hn::Set(f, k.slope), hn::Mul(left, left)));
       squares = hn::Add(squares, hn::Mul(slope, slope));
-      const auto along = hn::Div(slope, hn::Max(distance, tiny));
+      const auto along = hn::Mul(slope, inverse);
       sumX = hn::Add(sumX, hn::Mul(along, pairs.dx));
       sumY = hn::Add(sumY, hn::Mul(along, pairs.dy));
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
@@ -90,11 +90,12 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
       const Rows other = gatherRows(pressed, slot);
       const Pairs pairs = pairsOf(own, other, slot, i, k.reach);
-      const auto distance = hn::Sqrt(pairs.distanceSq);
+      const auto inverse = inverseRoot(pairs.distanceSq);
+      const auto distance = hn::Mul(pairs.distanceSq, inverse);
       const auto left = hn::Sub(reach, distance);
       const auto slope = hn::IfThenElseZero(pairs.near, hn::Mul(hn::Set(f, k.slope), hn::Mul(left, left)));
       const auto way = hn::Mul(hn::Add(own.w, other.w), slope);
-      const auto along = hn::Div(way, hn::Max(distance, tiny));
+      const auto along = hn::Mul(way, inverse);
       sumX = hn::Add(sumX, hn::Mul(along, pairs.dx));
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
       // Two particles in one place part upwards and downwards, by their numbers.

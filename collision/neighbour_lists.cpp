@@ -2,7 +2,6 @@
 
 #include "geometry/result.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -53,8 +52,8 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
 
 void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
                  float radiusSq, const std::uint8_t* skipped, std::size_t firstBlock, std::size_t lastBlock,
-                 int mostNeighbours, std::size_t stride, std::uint32_t* slots, std::uint8_t* slotCounts,
-                 std::uint8_t* overflows) {
+                 int mostNeighbours, std::uint32_t* slots, std::size_t firstSlot, std::size_t* firstSlots,
+                 std::uint8_t* slotCounts, std::uint8_t* overflows) {
   constexpr auto kRoom = static_cast<std::size_t>(NeighbourLists::kMostNeighbours) + 1 + kParticleBlock;
   std::array<std::array<std::uint32_t, kRoom>, kParticleBlock> found;
   std::array<int, kParticleBlock> counts;
@@ -82,7 +81,9 @@ void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const
       longest = std::max(longest, counts[lane]);
     }
     slotCounts[block] = static_cast<std::uint8_t>(longest);
-    std::uint32_t* out = slots + block * stride;
+    std::uint32_t* out = slots + firstSlot;
+    firstSlots[block] = firstSlot;
+    firstSlot += static_cast<std::size_t>(longest) * kParticleBlock;
     for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
       const auto self = static_cast<std::uint32_t>(block * kParticleBlock + lane);
       const std::uint32_t* in = found[lane].data();
@@ -108,23 +109,26 @@ HWY_EXPORT(buildBlocks);
 }  // namespace
 
 NeighbourLists::NeighbourLists(std::size_t capacity, int mostNeighbours)
-    : stride_(static_cast<std::size_t>(mostNeighbours) * kParticleBlock),
-      mostNeighbours_(mostNeighbours),
-      slots_(paddedCount(capacity) / kParticleBlock * stride_),
-      slotCounts_(paddedCount(capacity) / kParticleBlock),
-      overflows_(slotCounts_.size()) {
+    : mostNeighbours_(mostNeighbours),
+      slots_(paddedCount(capacity) * static_cast<std::size_t>(mostNeighbours)),
+      firstSlots_(paddedCount(capacity) / kParticleBlock),
+      slotCounts_(firstSlots_.size()),
+      overflows_(firstSlots_.size()) {
   CHECK(mostNeighbours > 0 && mostNeighbours <= kMostNeighbours, "lists are built in room for so many neighbours");
 }
 
 void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
                            float radius, std::span<const std::uint8_t> skipped) {
-  constexpr std::size_t kBlocksAtOnce = 32;
+  constexpr std::size_t kBlocksInChunk = 32;
   const std::size_t blocks = (count + kParticleBlock - 1) / kParticleBlock;
+  const std::size_t chunks = (blocks + kBlocksInChunk - 1) / kBlocksInChunk;
   std::fill(overflows_.begin(), overflows_.end(), std::uint8_t{0});
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, kBlocksAtOnce), [&](const auto& range) {
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    const std::size_t first = chunk * kBlocksInChunk, last = std::min(blocks, first + kBlocksInChunk);
     HWY_DYNAMIC_DISPATCH(buildBlocks)
-    (grid, x, y, z, count, radius * radius, skipped.data(), range.begin(), range.end(), mostNeighbours_, stride_,
-     slots_.data(), slotCounts_.data(), overflows_.data());
+    (grid, x, y, z, count, radius * radius, skipped.data(), first, last, mostNeighbours_, slots_.data(),
+     first * kParticleBlock * static_cast<std::size_t>(mostNeighbours_), firstSlots_.data(), slotCounts_.data(),
+     overflows_.data());
   });
 }
 

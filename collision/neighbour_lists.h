@@ -38,15 +38,16 @@ class NeighbourLists {
              std::span<const std::uint8_t> skipped);
 
   /// Slots of a block.
-  [[nodiscard]] const std::uint32_t* slots(std::size_t block) const { return &slots_[block * stride_]; }
+  [[nodiscard]] const std::uint32_t* slots(std::size_t block) const { return &slots_[firstSlots_[block]]; }
   [[nodiscard]] int slotCount(std::size_t block) const { return slotCounts_[block]; }
   /// Lists that had no room for all neighbours, in the last build.
   [[nodiscard]] std::size_t overflows() const;
 
  private:
-  std::size_t stride_;
   int mostNeighbours_;
+  // Blocks are built in chunks, and lie one after the other in a chunk's room: memory is read in its order.
   std::vector<std::uint32_t> slots_;
+  std::vector<std::size_t> firstSlots_;  // of each block
   std::vector<std::uint8_t> slotCounts_;
   std::vector<std::uint8_t> overflows_;  // of each block
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace lorica {
 namespace {
@@ -36,27 +35,6 @@ void extend(ParticleBody::Sweep& bounds, const LivePart& part, const Isometry3& 
 
 constexpr ParticleBody::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}, false};
 
-/// Of a ray from within a hull that is larger by `margin`: how far it is to the outside. None where it begins outside.
-std::optional<double> exitOf(const LivePart& part, const Vec3& place, const Vec3& direction, double margin) {
-  const Isometry3 partFromWorld = part.worldFromPart.inverse();
-  const Vec3 from = partFromWorld * place;
-  const Vec3 along = partFromWorld.linear() * direction;
-  double exit = 1e9;
-  for (const Triangle& t : part.shape.triangles) {
-    const Vec3& corner = part.shape.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3 area = (part.shape.vertices[static_cast<std::size_t>(t[1])] - corner)
-                          .cross(part.shape.vertices[static_cast<std::size_t>(t[2])] - corner);
-    const double length = area.norm();
-    if (!(length > 1e-12)) continue;
-    const Vec3 normal = area / length;
-    const double depth = margin - normal.dot(from - corner);
-    if (depth <= 0.0) return std::nullopt;
-    const double rate = normal.dot(along);
-    if (rate > 1e-9) exit = std::min(exit, depth / rate);
-  }
-  return exit;
-}
-
 }  // namespace
 
 ParticleBody::ParticleBody(double radius) : radius_(radius), push_(ParticlePushSettings{.radius = radius}) {}
@@ -69,6 +47,8 @@ void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int su
   motions_.resize(parts.size());
   sweeps_.clear();
   sweeps_.reserve(parts.size());
+  faces_.clear();
+  planes_.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     LivePart& own = parts_[i];
     const LivePart& part = parts[i];
@@ -79,8 +59,10 @@ void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int su
       own.shape.vertices.clear();
       own.shape.triangles.clear();
       motions_[i] = Motion();
+      faces_.emplace_back();
       continue;
     }
+    takeFaces(part);
     own.reshaped = part.reshaped;
     own.trust = part.trust;
     Motion& motion = motions_[i];
@@ -95,6 +77,22 @@ void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int su
     extend(sweep, part, motion.to);
     if (sweep.least[0] <= sweep.most[0]) sweeps_.push_back(sweep);
   }
+}
+
+void ParticleBody::takeFaces(const LivePart& part) {
+  Faces& faces = faces_.emplace_back();
+  faces.first = planes_.size();
+  for (const Triangle& t : part.shape.triangles) {
+    const Vec3& corner = part.shape.vertices[static_cast<std::size_t>(t[0])];
+    const Vec3 area = (part.shape.vertices[static_cast<std::size_t>(t[1])] - corner)
+                          .cross(part.shape.vertices[static_cast<std::size_t>(t[2])] - corner);
+    const double length = area.norm();
+    if (!(length > 1e-12)) continue;
+    const Vec3 normal = area / length;
+    planes_.push_back({normal, normal.dot(corner) + radius_});
+  }
+  faces.end = planes_.size();
+  for (const Vec3& v : part.shape.vertices) faces.box.extend(v);
 }
 
 void ParticleBody::advance(int substep) {
@@ -119,6 +117,20 @@ std::span<const ParticleTouch> ParticleBody::push(std::span<Vec3f> places, const
   return touches;
 }
 
+/// Of a ray from within a part: how far it is to the outside. 0 where it begins outside.
+double ParticleBody::exitOf(const Faces& faces, const Vec3& from, const Vec3& along) const {
+  if (((from - faces.box.min).array() < -radius_).any() || ((from - faces.box.max).array() > radius_).any()) return 0.0;
+  double exit = 1e9;
+  for (std::size_t p = faces.first; p < faces.end; ++p) {
+    const Plane& plane = planes_[p];
+    const double depth = plane.offset - plane.normal.dot(from);
+    if (depth <= 0.0) return 0.0;
+    const double rate = plane.normal.dot(along);
+    if (rate * exit > depth) exit = depth / rate;
+  }
+  return exit;
+}
+
 // A ray leaves a hull once and for ever, so following it out of one hull after the other ends outside of all of them.
 Vec3f ParticleBody::wayOut(const Vec3f& place, const ParticleRoom& room) const {
   static constexpr std::array<std::array<double, 3>, 21> kWays{
@@ -126,29 +138,32 @@ Vec3f ParticleBody::wayOut(const Vec3f& place, const ParticleRoom& room) const {
        {0.6, 0, -0.8},  {-0.6, 0, 0.8}, {-0.6, 0, -0.8}, {0.8, 0, 0.6}, {0.8, 0, -0.6}, {-0.8, 0, 0.6},
        {-0.8, 0, -0.6}, {0.6, 0.8, 0},  {-0.6, 0.8, 0},  {0, 0.8, 0.6}, {0, 0.8, -0.6}, {0.8, 0.6, 0},
        {-0.8, 0.6, 0},  {0, 0.6, 0.8},  {0, 0.6, -0.8}}};
+  const Vec3 from = place.cast<double>();
   double shortest = 1e9;
-  Vec3 best = place.cast<double>();
+  Vec3 best = from;
   for (const std::array<double, 3>& way : kWays) {
     const Vec3 direction(way[0], way[1], way[2]);
     double length = 0.0;
     bool inside = true;
-    for (std::size_t round = 0; inside && round <= parts_.size(); ++round) {
+    for (std::size_t round = 0; inside && round <= parts_.size() && length < shortest; ++round) {
       inside = false;
-      for (const LivePart& part : parts_) {
-        if (part.shape.triangles.empty()) continue;
-        const std::optional<double> exit = exitOf(part, place.cast<double>() + length * direction, direction, radius_);
-        if (!exit) continue;
-        length += *exit + kOutside;
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
+        if (faces_[i].first == faces_[i].end) continue;
+        const Isometry3& worldFromPart = parts_[i].worldFromPart;
+        const Mat3 turn = worldFromPart.linear().transpose();
+        const Vec3 at = turn * (from + length * direction - worldFromPart.translation());
+        const double exit = exitOf(faces_[i], at, turn * direction);
+        if (exit == 0.0) continue;
+        length += exit + kOutside;
         inside = true;
       }
     }
-    const Vec3 end = place.cast<double>() + length * direction;
+    if (length >= shortest) continue;
+    const Vec3 end = from + length * direction;
     const Vec3f rounded = end.cast<float>();
     if (rounded != rounded.cwiseMax(room.least).cwiseMin(room.most)) continue;
-    if (length < shortest) {
-      shortest = length;
-      best = end;
-    }
+    shortest = length;
+    best = end;
   }
   return best.cast<float>();
 }

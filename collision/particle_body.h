@@ -50,6 +50,18 @@ class ParticleBody {
   struct Motion {
     Isometry3 from = Isometry3::Identity(), to = Isometry3::Identity();
   };
+  /// A part's faces, grown by the radius, in the part's frame.
+  struct Faces {
+    std::size_t first = 0, end = 0;  // of planes_
+    Aabb box;
+  };
+  struct Plane {
+    Vec3 normal;
+    double offset;
+  };
+  [[nodiscard]] double exitOf(const Faces& faces, const Vec3& from, const Vec3& along) const;
+  void takeFaces(const LivePart& part);
+
   double radius_;
   double substepSeconds_ = 0.0;
   int substeps_ = 1;
@@ -57,6 +69,8 @@ class ParticleBody {
   ParticlePush push_;
   std::vector<LivePart> parts_;
   std::vector<Motion> motions_;
+  std::vector<Faces> faces_;  // of each part
+  std::vector<Plane> planes_;
   std::vector<Sweep> sweeps_;
 };
 

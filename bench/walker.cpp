@@ -1,0 +1,48 @@
+#include "bench/walker.h"
+
+#include "acd/decompose.h"
+#include "capture/retarget.h"
+#include "capture/synthetic_motion.h"
+#include "collision/cover.h"
+#include "session/cover_poses.h"
+#include "session/keyframes.h"
+#include "session/pose_source.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin.h"
+
+namespace lorica::bench {
+
+Result<Walker> makeWalker(int parts, int hullVertices) {
+  const Character character = makeMannequin();
+  std::vector<SkeletalMotion> training;
+  training.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    training.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+  }
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
+  if (!keyframes) return keyframes.error();
+  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
+  Result<Decomposition> decomposition = decompose(character.mesh, poses, {.maxParts = parts});
+  if (!decomposition) return decomposition.error();
+
+  Walker walker;
+  const Result<CoverPoses> coverIn = coverPoses(character, training);
+  if (!coverIn) return coverIn.error();
+  const std::vector<LiftedPoint> points = liftPoints(character, *decomposition);
+  Result<CoverPromise> cover =
+      chooseCover(*decomposition, points, coverIn->sampledView(), {}, {.maxHullVertices = hullVertices});
+  if (!cover) return cover.error();
+  walker.body = std::make_unique<LiveBody>(std::move(*decomposition), character, std::move(*cover));
+  Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
+  if (!retargeter) return retargeter.error();
+  Pose pose = restPose(character.skeleton);
+  for (const SkeletonFrame& frame : synthesizeMotion(SyntheticMotion::kWalk)) {
+    retargeter->apply(frame, pose);
+    std::vector<Affine3>& matrices = walker.worldFromModel.emplace_back(pose.size());
+    computeWorldFromJoint(character.skeleton, pose, matrices);
+    computeWorldFromModel(character, matrices, matrices);
+  }
+  return walker;
+}
+
+}  // namespace lorica::bench

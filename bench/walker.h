@@ -1,0 +1,21 @@
+#pragma once
+
+#include "collision/live_body.h"
+#include "geometry/math.h"
+#include "geometry/result.h"
+
+#include <memory>
+#include <vector>
+
+namespace lorica::bench {
+
+/// The mannequin's body as a session has it, and where the bones are in the frames of the shipped walk.
+struct Walker {
+  std::unique_ptr<LiveBody> body;
+  std::vector<std::vector<Affine3>> worldFromModel;
+};
+
+/// @param hullVertices  most of a hull, see CoverSettings::maxHullVertices
+[[nodiscard]] Result<Walker> makeWalker(int parts, int hullVertices);
+
+}  // namespace lorica::bench
