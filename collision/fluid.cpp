@@ -15,6 +15,7 @@ namespace {
 constexpr double kReach = 1.7;           // of the kernels, in spacings
 constexpr int kSubstepsPerSort = 2;      // for which lists of neighbours are good
 constexpr float kListed = 1.06f;         // reach of the lists, in the kernels'
+constexpr int kRows = 4;                 // of the grid: a run has a dozen particles, most of a vector
 constexpr int kMostNeighbours = 64;      // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;      // of the sum of squared slopes at rest
 constexpr float kOverRelaxation = 1.5f;  // of what a pressure corrects
@@ -161,7 +162,7 @@ void Fluid::predict(float seconds, bool sorts) {
     return;
   }
   const float listed = kListed * kernels_.reach;
-  grid_.sort({nextPlace_.data(), count_}, listed);
+  grid_.sort({nextPlace_.data(), count_}, listed, kRows);
   const std::uint32_t* order = grid_.order().data();
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

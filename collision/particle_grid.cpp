@@ -37,7 +37,7 @@ ParticleGrid::ParticleGrid(std::size_t capacity)
       columnHigh_(columns_.size()) {}
 
 std::array<int, 3> ParticleGrid::cellAt(const std::array<float, 3>& place) const {
-  return {cellIndex(place[0], perCell_), cellIndex(place[1], perCell_), cellIndex(place[2], perCell_)};
+  return {cellIndex(place[0], perCell_), cellIndex(place[1], perRow_), cellIndex(place[2], perCell_)};
 }
 
 // Where the particles are; where they are farther apart than there are columns, around their mean.
@@ -83,11 +83,13 @@ void ParticleGrid::placeWindow(const ParticleRow* places) {
   window(all.leastZ, all.mostZ, all.z, originZ_, columnsZ_);
 }
 
-void ParticleGrid::sort(std::span<const ParticleRow> places, float cellSize) {
+void ParticleGrid::sort(std::span<const ParticleRow> places, float cellSize, int rows) {
   const std::size_t count = places.size();
-  CHECK(count <= order_.size() && cellSize > 0.0f, "a grid has room for as many particles as it was made for");
+  CHECK(count <= order_.size() && cellSize > 0.0f && rows > 0, "a grid has room for as many particles as it was made for");
   count_ = count;
   perCell_ = 1.0f / cellSize;
+  perRow_ = perCell_ * static_cast<float>(rows);
+  rows_ = rows;
   if (count == 0) return;
   placeWindow(places.data());
 
@@ -136,7 +138,7 @@ void ParticleGrid::sortSlab(int slab, const ParticleRow* places) {
   for (std::uint32_t k = begin; k < end; ++k) {
     const std::uint32_t i = slabOrder_[k];
     const int column = clampTo(cellIndex(places[i].x, perCell_) - originX_, columnsX_);
-    const int cell = cellIndex(places[i].y, perCell_);
+    const int cell = cellIndex(places[i].y, perRow_);
     columnInSlab_[k] = column;
     yOf_[k] = cell;
     if (counts[column]++ == 0) {
@@ -195,7 +197,7 @@ int ParticleGrid::runsAround(std::size_t place, Runs& runs) const {
   int count = 0;
   for (int nearZ = firstZ; nearZ <= lastZ; ++nearZ) {
     for (int nearX = firstX; nearX <= lastX; ++nearX) {
-      const Run run = runOf(columns_[static_cast<std::size_t>(nearZ * columnsX_ + nearX)], y - 1, y + 1);
+      const Run run = runOf(columns_[static_cast<std::size_t>(nearZ * columnsX_ + nearX)], y - rows_, y + rows_);
       if (run.first == run.last) continue;
       runs[static_cast<std::size_t>(count++)] = run;
     }

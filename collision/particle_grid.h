@@ -15,9 +15,9 @@ struct alignas(16) ParticleRow {
 
 /// Particles sorted by cell, so that neighbours lie together in memory.
 ///
-/// Cells are cubes. They stand in columns along y, and a column has cells only from its lowest particle to its highest:
-/// few cells, however far a few particles fly. Sorted by z, then x, then y of the cell, stable within a cell; so three
-/// cells above each other are one run of particles. Same order for any number of threads. Sorting allocates nothing.
+/// Cells are squares of cellSize from above, and stand in columns along y, in rows of a whole share of that height. A
+/// column has cells only from its lowest particle to its highest: few cells, however far a few particles fly. Sorted by
+/// z, then x, then y of the cell, stable within a cell; so cells above each other are one run of particles. Same order for any number of threads. Sorting allocates nothing.
 class ParticleGrid {
  public:
   /// @param capacity  most particles
@@ -25,7 +25,8 @@ class ParticleGrid {
 
   /// @param places    finite, within a million cells of the origin [m]; w is not looked at
   /// @param cellSize  above 0 [m]
-  void sort(std::span<const ParticleRow> places, float cellSize);
+  /// @param rows      of cells in the height of cellSize: more make shorter runs, of fewer particles that are not near
+  void sort(std::span<const ParticleRow> places, float cellSize, int rows = 1);
 
   /// The particle, of those that were sorted, which now stands at each place.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return {order_.data(), count_}; }
@@ -80,13 +81,14 @@ class ParticleGrid {
   void sortSlab(int slab, const ParticleRow* places);
 
   std::size_t count_ = 0;
-  float perCell_ = 1.0f;
+  float perCell_ = 1.0f, perRow_ = 1.0f;
+  int rows_ = 1;
   int originX_ = 0, originZ_ = 0, columnsX_ = 0, columnsZ_ = 0;
   std::vector<std::uint32_t> order_, slabOrder_;
   std::vector<std::uint16_t> slabOf_;
   std::vector<std::int32_t> columnInSlab_, yOf_;  // in the order of the slabs
   std::vector<std::uint32_t> columnOf_;           // sorted
-  std::vector<std::int32_t> rowOf_;               // sorted: y in cells, which may be above the column's last cell
+  std::vector<std::int32_t> rowOf_;               // sorted: of the cell, or above the column's last one
   std::vector<Column> columns_;
   std::vector<std::uint32_t> cellFirst_;    // sorted particle that begins each cell
   std::vector<std::uint32_t> slabFirst_;    // and the end

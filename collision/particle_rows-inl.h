@@ -79,7 +79,7 @@ HWY_INLINE hn::Vec<D> blocksOfRows(D d, const ParticleRow* rows, const std::uint
 /// Lane i is the row that ids[i] names, marked or not. Faster than gather instructions.
 HWY_INLINE Rows gatherRows(const ParticleRow* rows, const std::uint32_t* ids) {
   const Floats f;
-  hwy::Prefetch(ids + 12 * kParticleBlock);
+  hwy::Prefetch(ids + 24 * kParticleBlock);
   const hn::RepartitionToWide<Floats> pairs;
   const auto p0 = blocksOfRows(f, rows, ids);
   const auto p1 = blocksOfRows(f, rows, ids + 1);

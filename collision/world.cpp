@@ -1,6 +1,7 @@
 #include "collision/world.h"
 
 #include "collision/bullet_math.h"
+#include "collision/make_room.h"
 #include "collision/world_impl.h"
 #include "geometry/result.h"
 
@@ -150,6 +151,19 @@ void World::Impl::addLink(int a, int b, const Vec3& place) {
   links.push_back(std::move(link));
 }
 
+void World::Impl::makeRoom(std::span<const LivePart> avatar) {
+  if (roomMade || avatar.empty()) return;
+  roomMade = true;
+  if (!settings.makesRoom) return;
+  const std::vector<Vec3> moves = roomFor(avatar, props);
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (moves[i].isZero() || std::find(thrown.begin(), thrown.end(), static_cast<int>(i)) != thrown.end()) continue;
+    Prop prop = props[i];
+    prop.worldFromProp.pretranslate(moves[i]);
+    replaceProp(static_cast<int>(i), prop);
+  }
+}
+
 void World::Impl::setPartCount(std::size_t count) {
   while (parts.size() > count) {
     if (parts.back()->inWorld) world.removeRigidBody(parts.back()->body.get());
@@ -293,6 +307,7 @@ void World::setParticles(const ParticleSettings& settings) {
 void World::step(std::span<const LivePart> parts, double seconds) {
   CHECK(seconds >= 0.0 && std::isfinite(seconds), "a world cannot step back in time");
   impl_->contacts.clear();
+  impl_->makeRoom(parts);
   impl_->setPartCount(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) impl_->takePart(*impl_->parts[i], parts[i], seconds);
 

@@ -54,6 +54,8 @@ class World {
     Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
     bool floor = true;                    ///< at y = 0
     double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame without fast parts is cut into equal ones
+    /// What would be inside the avatar in the first step that has parts goes out of its way before it, see roomFor().
+    bool makesRoom = false;
   };
   World();
   explicit World(const Settings& settings);

@@ -69,6 +69,7 @@ struct World::Impl {
   std::vector<Contact> contacts;
   std::deque<int> thrown;  ///< the oldest first
   std::optional<GrabBody> grabbed;
+  bool roomMade = false;
 
   explicit Impl(const Settings& s);
   ~Impl();
@@ -79,6 +80,7 @@ struct World::Impl {
   [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < static_cast<int>(props.size()); }
   void release();
   void drawGrabbed(double seconds);
+  void makeRoom(std::span<const LivePart> parts);
   void setPartCount(std::size_t count);
   void takePart(PartBody& body, const LivePart& part, double seconds);
   void followSurfaces();
