@@ -7,6 +7,7 @@
 #include "tracking/floor.h"
 #include "tracking/person_gates.h"
 #include "tracking/person_image.h"
+#include "tracking/person_moves.h"
 #include "tracking/person_split.h"
 
 #include <algorithm>
@@ -26,6 +27,7 @@ constexpr float kGapUnknown = 0.25F;     // and where it is not known [m]
 constexpr int kGapCells = 10;            // that noise and shadows may take out between pieces
 constexpr int kHeightBins = 256;         // of 2 cm, from 0.5 m under the floor
 constexpr float kLeastHeight = 1.1F;     // of whoever does not move, over the floor [m]
+constexpr int kMovingFrames = 3;         // in a row, until someone has moved
 constexpr double kStillSeconds = 3.0;    // that furniture may be taken for a person
 constexpr double kPersonSeconds = 20.0;  // that someone with head and shoulders may stand like a post
 
@@ -44,6 +46,7 @@ struct Slot {
   Vec3f velocity = Vec3f::Zero();     ///< [m/s]
   float top = 0.0F;                   ///< height of the highest cells but a few [m]
   bool cutAbove = false;              ///< by the image's upper border
+  bool cutAside = false;              ///< by one of its sides
   Vec3f sum = Vec3f::Zero();
   std::array<int, kHeightBins> heights{};  ///< cells at each height
 };
@@ -73,6 +76,7 @@ struct PeopleFinder::Impl {
   void give(std::size_t component, int slot);
   void splitBetween(std::size_t component, unsigned slotMask);
   [[nodiscard]] SplitShare shareOf(const Slot& slot) const;
+  [[nodiscard]] bool looksLikePerson(const Slot& slot) const;
 
   DepthCamera camera;
   int maxPeople;
@@ -82,6 +86,7 @@ struct PeopleFinder::Impl {
   Background background;
   ComponentFinder finder;
   PersonSplit split;
+  PersonMoves moves;
   DepthTable floorNoise;  ///< of heights over the floor, for a camera 1 m up [m]
 
   std::vector<CellKind> kinds;
@@ -116,6 +121,7 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int most)
       background(grid),
       finder(grid),
       split(grid),
+      moves(grid),
       floorNoise([](double depth) { return 2.5 * depthNoise(static_cast<float>(depth)) / depth; }),
       kinds(grid.cellCount()),
       person(grid.cellCount()),
@@ -336,7 +342,7 @@ void PeopleFinder::Impl::measure() {
     slot.cells = slot.newCells = 0;
     slot.sum.setZero();
     slot.heights.fill(0);
-    slot.cutAbove = false;
+    slot.cutAbove = slot.cutAside = false;
   }
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
@@ -348,11 +354,13 @@ void PeopleFinder::Impl::measure() {
       slot.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
       slot.sum += place;
       slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
+      slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
       ++slot.heights[static_cast<std::size_t>(
           std::clamp(static_cast<int>((place.y() + 0.5F) * 50.0F), 0, kHeightBins - 1))];
     }
   }
-  for (Slot& slot : slots) {
+  for (int k = 0; k < kPersonSlots; ++k) {
+    Slot& slot = slots[static_cast<std::size_t>(k)];
     if (!slot.used) continue;
     slot.seen = slot.cells >= kLeastCells;
     if (slot.seen) {
@@ -370,8 +378,11 @@ void PeopleFinder::Impl::measure() {
       }
       slot.middle = middle;
       slot.lastSeen = time;
-      slot.movingFrames = 20 * slot.newCells > 3 * slot.cells ? slot.movingFrames + 1 : 0;
-      slot.moved = slot.moved || slot.movingFrames >= 3;
+      if (slot.born == time) moves.remember(grid, person, k);
+      if (slot.moved) continue;
+      const bool isMoving = 20 * slot.newCells > 3 * slot.cells || moves.hasLeft(grid, k);
+      slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
+      slot.moved = slot.movingFrames >= kMovingFrames;
     } else if (time - slot.lastSeen > kRemembered) {
       slot = Slot{};
     }
@@ -386,8 +397,8 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
     const double age = time - slot.born;
     const bool low =
         floorIsNew && !slot.cutAbove && slot.top < kLeastHeight && slot.cells * 25 < static_cast<int>(person.size());
-    const bool likely =
-        age < kStillSeconds || (age < kPersonSeconds && hasHeadAndShoulders(grid, places, person, k, slot.top));
+    const bool likely = age < kStillSeconds ||
+                        (age < kPersonSeconds && hasHeadAndShoulders(grid, places, person, k, slot.top, slot.cutAside));
     if (!low && likely) continue;
     for (std::size_t i = 0; i < person.size(); ++i) {
       if (person[i] != k + 1) continue;
@@ -396,6 +407,13 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
     }
     slot = Slot{};
   }
+}
+
+/// Whoever has moved, or stands free. What is cut off by the image's top or sides may be a shelf as well: it must show
+/// head and shoulders.
+bool PeopleFinder::Impl::looksLikePerson(const Slot& slot) const {
+  if (slot.moved || (!slot.cutAbove && !slot.cutAside)) return true;
+  return hasHeadAndShoulders(grid, places, person, static_cast<int>(&slot - slots.data()), slot.top, slot.cutAside);
 }
 
 /// The nearest ones, those who move first; whoever is reported stays so.
@@ -413,7 +431,7 @@ void PeopleFinder::Impl::report() {
       if (!slot.used) continue;
       if (slot.reported) {
         if (least == nullptr || before(*least, slot)) least = &slot;
-      } else if (slot.seen && (next == nullptr || before(slot, *next))) {
+      } else if (slot.seen && (next == nullptr || before(slot, *next)) && looksLikePerson(slot)) {
         next = &slot;
       }
     }

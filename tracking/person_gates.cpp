@@ -43,7 +43,7 @@ bool mayBePartOfPerson(const DepthComponent& one) {
 }
 
 bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places, std::span<const std::uint8_t> person,
-                         int slot, float top) {
+                         int slot, float top, bool cutAside) {
   // Widths of two slices, across what the camera sees.
   std::array<float, 2> least{1e9F, 1e9F}, most{-1e9F, -1e9F};
   for (int r = 0; r < grid.height; ++r) {
@@ -51,7 +51,8 @@ bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places, std::
       if (person[grid.index(c, r)] != slot + 1) continue;
       const Vec3f place = places(grid, c, r);
       const float down = top - place.y();
-      const bool head = down > 0.06F && down<0.16F, shoulders = down> 0.33F && down < 0.48F;
+      const bool head = down > 0.06F && down < 0.16F;
+      const bool shoulders = down > 0.33F && down < 0.55F;
       if (!head && !shoulders) continue;
       const std::size_t slice = head ? 0 : 1;
       least[slice] = std::min(least[slice], place.x());
@@ -59,7 +60,8 @@ bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places, std::
     }
   }
   const float head = most[0] - least[0], shoulders = most[1] - least[1];
-  return head > 0.1F && head < 0.34F && shoulders > 0.26F && shoulders < 0.8F && shoulders > 1.35F * head;
+  const float part = cutAside ? 0.5F : 1.0F;
+  return head > 0.1F * part && head < 0.34F && shoulders > 0.26F * part && shoulders < 0.8F && shoulders > 1.35F * head;
 }
 
 }  // namespace lorica

@@ -25,9 +25,10 @@ namespace lorica {
 [[nodiscard]] bool mayBePartOfPerson(const DepthComponent& one);
 
 /// Narrow at the top and wider below.
-/// @param person  slot + 1 of each cell
-/// @param top     height of the person [m]
+/// @param person    slot + 1 of each cell
+/// @param top       height of the person [m]
+/// @param cutAside  one side of the person is out of the image: half of either is enough
 [[nodiscard]] bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPlaces& places,
-                                       std::span<const std::uint8_t> person, int slot, float top);
+                                       std::span<const std::uint8_t> person, int slot, float top, bool cutAside);
 
 }  // namespace lorica
