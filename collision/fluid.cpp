@@ -12,15 +12,16 @@
 namespace lorica {
 namespace {
 
-constexpr double kReach = 1.7;           // of the kernels, in spacings
-constexpr int kSubstepsPerSort = 2;      // for which lists of neighbours are good
-constexpr float kListed = 1.06f;         // reach of the lists, in the kernels'
-constexpr int kRows = 4;                 // of the grid: a run has a dozen particles, most of a vector
-constexpr int kMostNeighbours = 64;      // at rest there are 18 to 30
-constexpr double kSoftening = 0.02;      // of the sum of squared slopes at rest
-constexpr float kOverRelaxation = 1.5f;  // of what a pressure corrects
-constexpr float kLongestMove = 0.25f;    // of an iteration, in spacings
-constexpr float kFastest = 5.0f;         // in a substep, in spacings
+constexpr double kReach = 1.7;         // of the kernels, in spacings
+constexpr int kSubstepsPerSort = 2;    // for which lists of neighbours are good
+constexpr float kListed = 1.06f;       // reach of the lists, in the kernels'
+constexpr int kRows = 3;               // of the grid: a run has a dozen particles, most of a vector
+constexpr int kMostNeighbours = 64;    // at rest there are 18 to 30
+constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
+constexpr float kRelaxation = 0.7f;    // of what a pressure corrects
+constexpr float kKeptPressure = 0.6f;  // from one substep to the next
+constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
+constexpr float kFastest = 5.0f;       // in a substep, in spacings
 constexpr std::size_t kParticlesAtOnce = 1024;
 
 template <class Work>
@@ -32,7 +33,7 @@ void forRanges(std::size_t count, std::size_t atOnce, const Work& work) {
 /// Density 1 for particles on a cubic lattice.
 FluidKernels makeKernels(double spacing) {
   const double reach = kReach * spacing;
-  double sum = 0.0, squares = 0.0;
+  double sum = 0.0, squares = 0.0, behind = 0.0, slopeBehind = 0.0;
   for (int x = -2; x <= 2; ++x) {
     for (int y = -2; y <= 2; ++y) {
       for (int z = -2; z <= 2; ++z) {
@@ -41,6 +42,9 @@ FluidKernels makeKernels(double spacing) {
         const double left = reach * reach - r * r;
         sum += left * left * left;
         if (r > 0.0) squares += std::pow(reach - r, 4.0);
+        if (y >= 0) continue;
+        behind += left * left * left;
+        slopeBehind -= (reach - r) * (reach - r) * y * spacing / r;
       }
     }
   }
@@ -48,12 +52,21 @@ FluidKernels makeKernels(double spacing) {
   // The slopes are those of a sharper kernel, of the same integral, that does not vanish where particles are close:
   // 315 / (64 pi reach^9) stands before the one, 45 / (pi reach^6) before the other.
   const double slope = density * (45.0 * 64.0 / 315.0) * reach * reach * reach;
-  return {static_cast<float>(reach),
-          static_cast<float>(density),
-          static_cast<float>(density * std::pow(reach, 6.0)),
-          static_cast<float>(slope),
-          kOverRelaxation,
-          static_cast<float>(kSoftening * slope * slope * squares)};
+  // A wall is half a spacing from the outermost particles, and stands for as much fluid as the lattice would have
+  // there.
+  const double q = 1.0 - 0.5 / kReach;
+  const double wall = std::pow(q, 5.0) * (16.0 / 5.0 - q * (16.0 / 3.0 - q * (24.0 / 7.0 - q * (1.0 - q / 9.0))));
+  const double wallSlope = std::pow(q, 4.0) * (1.0 / 6.0 - 2.0 / 15.0 * q);
+  return {.reach = static_cast<float>(reach),
+          .density = static_cast<float>(density),
+          .ownDensity = static_cast<float>(density * std::pow(reach, 6.0)),
+          .slope = static_cast<float>(slope),
+          .relaxation = kRelaxation,
+          .softening = static_cast<float>(kSoftening * slope * slope * squares),
+          .wallDensity = static_cast<float>(density * behind / wall),
+          .wallSlope = static_cast<float>(slope * slopeBehind / wallSlope),
+          .least = {},
+          .most = {}};
 }
 
 }  // namespace
@@ -72,6 +85,8 @@ Fluid::Fluid(const FluidSettings& settings)
       x_(place_.size()),
       y_(place_.size()),
       z_(place_.size()),
+      pressure_(place_.size()),
+      nextPressure_(place_.size()),
       none_(place_.size()),
       nearBody_(settings.capacity),
       grid_(settings.capacity),
@@ -91,6 +106,8 @@ Fluid::Fluid(const FluidSettings& settings)
       room_.most[axis] = std::max(room_.least[axis], static_cast<float>(settings.walls->max[axis]) - half);
     }
   }
+  kernels_.least = {room_.least.x() - half, room_.least.y() - half, room_.least.z() - half, 0.0f};
+  kernels_.most = {room_.most.x() + half, room_.most.y() + half, room_.most.z() + half, 0.0f};
 }
 
 std::size_t Fluid::add(std::span<const Vec3f> places, const Vec3& velocity) {
@@ -104,6 +121,7 @@ std::size_t Fluid::add(std::span<const Vec3f> places, const Vec3& velocity) {
     place_[i] = {place.x(), place.y(), place.z(), 0.0f};
     motion_[i] = {speed.x(), speed.y(), speed.z(), 0.0f};
     id_[i] = static_cast<std::uint32_t>(i);
+    pressure_[i] = 0.0f;
     places_[i] = place;
     velocities_[i] = speed;
   }
@@ -118,7 +136,7 @@ void Fluid::step(std::span<const LivePart> parts, double seconds) {
   body_.begin(parts, seconds, substeps);
   for (int substep = 0; substep < substeps; ++substep) {
     predict(length, substep % kSubstepsPerSort == 0);
-    keepVolume();
+    keepVolume(length);
     forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         motion_[i] = {(place_[i].x - before_[i].x) / length, (place_[i].y - before_[i].y) / length,
@@ -172,23 +190,33 @@ void Fluid::predict(float seconds, bool sorts) {
       z_[i] = to.z;
       before_[i] = place_[order[i]];
       nextId_[i] = id_[order[i]];
+      nextPressure_[i] = pressure_[order[i]];
     }
   });
   std::swap(id_, nextId_);
+  std::swap(pressure_, nextPressure_);
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) place_[i] = {x_[i], y_[i], z_[i], 0.0f};
   });
   lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, listed, none_);
 }
 
-void Fluid::keepVolume() {
+// Pressures begin with those of the substep before: what carries a column of water is found over many substeps.
+void Fluid::keepVolume(float seconds) {
   const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
   const std::size_t atOnce = kParticlesAtOnce / kParticleBlock;
   const ParticleRow least{room_.least.x(), room_.least.y(), room_.least.z(), 0.0f};
   const ParticleRow most{room_.most.x(), room_.most.y(), room_.most.z(), 0.0f};
+  const float rate = pressureSeconds_ > 0.0f ? seconds / pressureSeconds_ : 0.0f;
+  const float kept = kKeptPressure * rate * rate;  // pressures are of ways
+  pressureSeconds_ = seconds;
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) pressure_[i] *= kept;
+  });
   for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
+    const float pressed = iteration == 0 ? 0.0f : 1.0f;
     forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
-      findPressures(kernels_, place_.data(), lists_, begin, end, nextPlace_.data());
+      findPressures(kernels_, place_.data(), lists_, begin, end, pressure_.data(), pressed, nextPlace_.data());
     });
     forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
       movePressed(kernels_, nextPlace_.data(), lists_, least, most, kLongestMove * spacing_, begin, end, place_.data());

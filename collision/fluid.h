@@ -53,7 +53,7 @@ class Fluid {
 
  private:
   void predict(float seconds, bool sorts);
-  void keepVolume();
+  void keepVolume(float seconds);
   void pushOut(float seconds);
 
   FluidSettings settings_;
@@ -65,6 +65,8 @@ class Fluid {
   std::vector<ParticleRow> place_, before_, motion_, nextPlace_, nextMotion_;  // motions in m/s
   std::vector<std::uint32_t> id_, nextId_;
   std::vector<float> x_, y_, z_;
+  std::vector<float> pressure_, nextPressure_;
+  float pressureSeconds_ = 0.0f;    // of the substep that the pressures are of
   std::vector<std::uint8_t> none_;  // that is left out of lists
   std::vector<std::uint8_t> nearBody_;
   ParticleGrid grid_;

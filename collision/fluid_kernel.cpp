@@ -39,6 +39,41 @@ HWY_INLINE Float densityOf(const FluidKernels& k, const Pairs& pairs) {
   return hn::IfThenElseZero(pairs.near, hn::Mul(hn::Set(f, k.density), hn::Mul(left, hn::Mul(left, left))));
 }
 
+/// What particles have of the floor and the walls, were there as much fluid behind them: density, and its slopes away
+/// from them.
+struct Walls {
+  Float density, x, y, z;
+};
+
+/// Integrals of the kernels over the half space behind a wall; q is how much of the reach is behind it.
+/// (1 - r^2)^3 over it is pi/4 q^5 (16/5 - 16/3 q + 24/7 q^2 - q^3 + q^4/9); the part of (1 - r)^2 that is along the
+/// normal is pi q^4 (1/6 - 2/15 q).
+HWY_INLINE void addWall(const FluidKernels& k, Float distance, Float away, Float& density, Float& slope) {
+  const Floats f;
+  const auto q = hn::Max(hn::Zero(f), hn::Sub(hn::Set(f, 1.0f), hn::Mul(distance, hn::Set(f, 1.0f / k.reach))));
+  if (hn::AllTrue(f, hn::Eq(q, hn::Zero(f)))) return;
+  const auto q2 = hn::Mul(q, q), q4 = hn::Mul(q2, q2);
+  auto sum = hn::Sub(hn::Mul(q, hn::Set(f, 1.0f / 9.0f)), hn::Set(f, 1.0f));
+  sum = hn::Add(hn::Mul(q, sum), hn::Set(f, 24.0f / 7.0f));
+  sum = hn::Sub(hn::Mul(q, sum), hn::Set(f, 16.0f / 3.0f));
+  sum = hn::Add(hn::Mul(q, sum), hn::Set(f, 16.0f / 5.0f));
+  density = hn::Add(density, hn::Mul(hn::Set(f, k.wallDensity), hn::Mul(hn::Mul(q4, q), sum)));
+  const auto own = hn::Sub(hn::Set(f, 1.0f / 6.0f), hn::Mul(q, hn::Set(f, 2.0f / 15.0f)));
+  slope = hn::Add(slope, hn::Mul(away, hn::Mul(hn::Set(f, k.wallSlope), hn::Mul(q4, own))));
+}
+
+HWY_INLINE Walls wallsOf(const FluidKernels& k, const Rows& own) {
+  const Floats f;
+  const auto zero = hn::Zero(f), one = hn::Set(f, 1.0f), minus = hn::Set(f, -1.0f);
+  Walls walls{zero, zero, zero, zero};
+  addWall(k, hn::Sub(own.x, hn::Set(f, k.least.x)), one, walls.density, walls.x);
+  addWall(k, hn::Sub(hn::Set(f, k.most.x), own.x), minus, walls.density, walls.x);
+  addWall(k, hn::Sub(own.y, hn::Set(f, k.least.y)), one, walls.density, walls.y);
+  addWall(k, hn::Sub(own.z, hn::Set(f, k.least.z)), one, walls.density, walls.z);
+  addWall(k, hn::Sub(hn::Set(f, k.most.z), own.z), minus, walls.density, walls.z);
+  return walls;
+}
+
 // Calls work(i, slots of these particles, how many) for each vector of particles.
 template <class Work>
 HWY_INLINE void forVectors(const NeighbourLists& lists, std::size_t firstBlock, std::size_t lastBlock,
@@ -52,13 +87,14 @@ HWY_INLINE void forVectors(const NeighbourLists& lists, std::size_t firstBlock, 
 }
 
 void pressures(const FluidKernels& k, const ParticleRow* places, const NeighbourLists& lists, std::size_t firstBlock,
-               std::size_t lastBlock, ParticleRow* next) {
+               std::size_t lastBlock, float* pressure, float pressed, ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
     const auto zero = hn::Zero(f), reach = hn::Set(f, k.reach);
     Rows own = loadRows(places + i);
-    auto density = hn::Set(f, k.ownDensity);
-    auto sumX = zero, sumY = zero, sumZ = zero, squares = zero;
+    const Walls walls = wallsOf(k, own);
+    auto density = hn::Add(hn::Set(f, k.ownDensity), walls.density);
+    auto sumX = walls.x, sumY = walls.y, sumZ = walls.z, squares = zero;
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
       const Pairs pairs = pairsOf(own, gatherRows(places, slot), slot, i, k.reach);
       density = hn::Add(density, densityOf(k, pairs));
@@ -72,9 +108,12 @@ void pressures(const FluidKernels& k, const ParticleRow* places, const Neighbour
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
     }
     squares = hn::Add(squares, dotOf(sumX, sumY, sumZ, sumX, sumY, sumZ));
-    const auto excess =
-        hn::Mul(hn::Set(f, k.over), hn::Max(zero, hn::Sub(density, hn::Set(f, 1.0f))));  // a free surface does not pull
-    own.w = hn::Div(excess, hn::Add(squares, hn::Set(f, k.softening)));
+    const auto excess = hn::Mul(hn::Set(f, k.relaxation), hn::Sub(density, hn::Set(f, 1.0f)));
+    const auto before = hn::LoadU(f, pressure + i);
+    const auto after =  // a free surface does not pull
+        hn::Max(zero, hn::Add(before, hn::Div(excess, hn::Add(squares, hn::Set(f, k.softening)))));
+    hn::StoreU(after, f, pressure + i);
+    own.w = hn::Sub(after, hn::Mul(hn::Set(f, pressed), before));
     storeRows(own, next + i);
   });
 }
@@ -84,9 +123,10 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
     const Numbers u;
-    const auto zero = hn::Zero(f), reach = hn::Set(f, k.reach), tiny = hn::Set(f, 1e-6f), one = hn::Set(f, 1.0f);
+    const auto reach = hn::Set(f, k.reach), tiny = hn::Set(f, 1e-6f), one = hn::Set(f, 1.0f);
     Rows own = loadRows(pressed + i);
-    auto sumX = zero, sumY = zero, sumZ = zero;
+    const Walls walls = wallsOf(k, own);
+    auto sumX = hn::Mul(own.w, walls.x), sumY = hn::Mul(own.w, walls.y), sumZ = hn::Mul(own.w, walls.z);
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
       const Rows other = gatherRows(pressed, slot);
       const Pairs pairs = pairsOf(own, other, slot, i, k.reach);
@@ -148,14 +188,14 @@ HWY_EXPORT(blends);
 }  // namespace
 
 void findPressures(const FluidKernels& kernels, const ParticleRow* places, const NeighbourLists& lists,
-                   std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(pressures)(kernels, places, lists, firstBlock, lastBlock, next);
+                   std::size_t firstBlock, std::size_t lastBlock, float* pressures, float pressed, ParticleRow* next) {
+  HWY_DYNAMIC_DISPATCH(pressures)(kernels, places, lists, firstBlock, lastBlock, pressures, pressed, next);
 }
 
-void movePressed(const FluidKernels& kernels, const ParticleRow* pressures, const NeighbourLists& lists,
+void movePressed(const FluidKernels& kernels, const ParticleRow* pressed, const NeighbourLists& lists,
                  const ParticleRow& least, const ParticleRow& most, float longest, std::size_t firstBlock,
                  std::size_t lastBlock, ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(moves)(kernels, pressures, lists, least, most, longest, firstBlock, lastBlock, next);
+  HWY_DYNAMIC_DISPATCH(moves)(kernels, pressed, lists, least, most, longest, firstBlock, lastBlock, next);
 }
 
 void blendMotions(const FluidKernels& kernels, const ParticleRow* places, const ParticleRow* motions,

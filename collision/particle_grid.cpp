@@ -85,7 +85,8 @@ void ParticleGrid::placeWindow(const ParticleRow* places) {
 
 void ParticleGrid::sort(std::span<const ParticleRow> places, float cellSize, int rows) {
   const std::size_t count = places.size();
-  CHECK(count <= order_.size() && cellSize > 0.0f && rows > 0, "a grid has room for as many particles as it was made for");
+  CHECK(count <= order_.size() && cellSize > 0.0f && rows > 0,
+        "a grid has room for as many particles as it was made for");
   count_ = count;
   perCell_ = 1.0f / cellSize;
   perRow_ = perCell_ * static_cast<float>(rows);

@@ -17,7 +17,8 @@ struct alignas(16) ParticleRow {
 ///
 /// Cells are squares of cellSize from above, and stand in columns along y, in rows of a whole share of that height. A
 /// column has cells only from its lowest particle to its highest: few cells, however far a few particles fly. Sorted by
-/// z, then x, then y of the cell, stable within a cell; so cells above each other are one run of particles. Same order for any number of threads. Sorting allocates nothing.
+/// z, then x, then y of the cell, stable within a cell; so cells above each other are one run of particles. Same order
+/// for any number of threads. Sorting allocates nothing.
 class ParticleGrid {
  public:
   /// @param capacity  most particles

@@ -30,8 +30,8 @@ HWY_INLINE Float dotOf(Float ax, Float ay, Float az, Float bx, Float by, Float b
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-/// 1 / sqrt(x) to a few units in the last place, by Newton's method from a guess at the exponent: a third of the time of
-/// a root and a division, and the same bits on every machine. Of 0 it is a large number.
+/// 1 / sqrt(x) to a few units in the last place, by Newton's method from a guess at the exponent: a third of the time
+/// of a root and a division, and the same bits on every machine. Of 0 it is a large number.
 HWY_INLINE Float inverseRoot(Float x) {
   const Floats f;
   const hn::RebindToUnsigned<Floats> u;
