@@ -12,9 +12,10 @@
 namespace lorica {
 namespace {
 
-constexpr double kReach = 1.7;         // of the kernels, in spacings
-constexpr int kSubstepsPerSort = 2;    // for which lists of neighbours are good
-constexpr float kListed = 1.06f;       // reach of the lists, in the kernels'
+constexpr double kReach = 1.7;       // of the kernels, in spacings
+constexpr int kSubstepsPerSort = 2;  // for which lists of neighbours are good
+constexpr float kListed = 1.06f;     // reach of the lists, in the kernels'
+constexpr int kSubstepsPerPush = 2;
 constexpr int kRows = 3;               // of the grid: a run has a dozen particles, most of a vector
 constexpr int kMostNeighbours = 64;    // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
@@ -149,8 +150,11 @@ void Fluid::step(std::span<const LivePart> parts, double seconds) {
                    nextMotion_.data());
     });
     std::swap(motion_, nextMotion_);
-    body_.advance(substep);
-    pushOut(length);
+    // The body comes in every second substep and in the last.
+    if ((substeps - substep) % kSubstepsPerPush == 1) {
+      body_.advance(substep);
+      pushOut(length);
+    }
   }
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
