@@ -380,7 +380,7 @@ void PeopleFinder::Impl::measure() {
       slot.lastSeen = time;
       if (slot.born == time) moves.remember(grid, person, k);
       if (slot.moved) continue;
-      const bool isMoving = 20 * slot.newCells > 3 * slot.cells || moves.hasLeft(grid, k);
+      const bool isMoving = 20 * slot.newCells > 3 * slot.cells || moves.hasMoved(grid, person, k);
       slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
       slot.moved = slot.movingFrames >= kMovingFrames;
     } else if (time - slot.lastSeen > kRemembered) {

@@ -21,6 +21,12 @@ constexpr int kMostSearched = 1;            ///< lost limbs searched for in a vi
 constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
 constexpr float kMomentum = 0.7F;           ///< of the last step, in the prediction of the next
 
+// By how much a proportion may change in a view. Later hardly: in poses that the body explains badly, such as a deep
+// squat, proportions drift to what is wrong for all others.
+constexpr int kLearningViews = 30;
+constexpr float kLearning = 0.01F;
+constexpr float kLearnt = 0.0003F;
+
 constexpr int kEarlyViews = 60;        ///< in which rivals are sought without pause
 constexpr int kChallengePause = 60;    ///< views between searches for rivals later
 constexpr int kRivalViews = 6;         ///< that a rival is followed before it can win
@@ -209,7 +215,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
                    : usualCost_ + (cost_.image() < usualCost_ ? 0.3F : kUsualRise) * (cost_.image() - usualCost_);
   ++views_;
   std::array<float, kProportionCount> deviation;
-  deviation.fill(views_ < 30 ? 0.01F : 0.001F);
+  deviation.fill(views_ < kLearningViews ? kLearning : kLearnt);
   fitter_.refineProportions(view, deviation, pose_, proportions_);
   support_ = fitter_.supportOf(view, proportions_, pose_);
   confidence_.update(support_);

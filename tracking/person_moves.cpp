@@ -1,13 +1,11 @@
 #include "tracking/person_moves.h"
 
-#include <algorithm>
-
 namespace lorica {
 
 namespace {
 
-constexpr int kLeftShare = 12;  ///< a twelfth of what was covered
-constexpr int kEdgeCells = 2;   ///< at either end of a row of cells that show something else, noise may have done it
+constexpr int kMovedShare = 60;  ///< of what was covered: a forearm that comes forward is twice that
+constexpr int kEdgeCells = 2;    ///< at either end of a row of cells that show something else, noise may have done it
 
 }  // namespace
 
@@ -26,25 +24,23 @@ void PersonMoves::remember(const DepthGrid& grid, std::span<const std::uint8_t> 
   }
 }
 
-bool PersonMoves::hasLeft(const DepthGrid& grid, int slot) const {
+bool PersonMoves::hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot) const {
   const std::vector<std::uint16_t>& was = depthMm_[static_cast<std::size_t>(slot)];
-  int left = 0;
+  int changed = 0;
   for (int r = 0; r < grid.height; ++r) {
     int run = 0;
-    for (int c = 0; c <= grid.width; ++c) {
-      const std::size_t i = grid.index(std::min(c, grid.width - 1), r);
-      const bool deeper =
-          c < grid.width && was[i] != 0 &&
-          static_cast<float>(grid.depthMm[i]) > static_cast<float>(was[i]) + 1000.0F * tolerance_[was[i]];
-      if (deeper) {
-        ++run;
-        continue;
-      }
-      left += std::max(0, run - 2 * kEdgeCells);
-      run = 0;
+    for (int c = 0; c < grid.width; ++c) {
+      const std::size_t i = grid.index(c, r);
+      const float off = static_cast<float>(grid.depthMm[i]) - static_cast<float>(was[i]);
+      const float tolerance = 1000.0F * tolerance_[was[i]];
+      // Something nearer may be someone else before the person.
+      const bool differs =
+          was[i] != 0 && grid.depthMm[i] != 0 && (off > tolerance || (off < -tolerance && person[i] == slot + 1));
+      run = differs ? run + 1 : 0;
+      changed += static_cast<int>(run > 2 * kEdgeCells);
     }
   }
-  return left * kLeftShare > cells_[static_cast<std::size_t>(slot)];
+  return changed * kMovedShare > cells_[static_cast<std::size_t>(slot)];
 }
 
 }  // namespace lorica

@@ -11,7 +11,7 @@
 namespace lorica {
 
 /// Tells people from furniture that is taken for a person: it remembers what each one covered when found, and sees
-/// whether that place is left. Needs no background to be known, so that sitting down counts as much as an arm raised.
+/// whether that changes. Needs no background to be known, so that sitting down counts as much as an arm raised.
 class PersonMoves {
  public:
   explicit PersonMoves(const DepthGrid& grid);
@@ -20,9 +20,9 @@ class PersonMoves {
   /// @param person  slot + 1 of each cell
   void remember(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot);
 
-  /// @return whether so much shows something deeper now where the person was when remembered that it moved; edges,
-  ///         which noise moves by a cell, do not count
-  [[nodiscard]] bool hasLeft(const DepthGrid& grid, int slot) const;
+  /// @return whether so much of what the person covered when remembered shows another depth now that it moved: deeper,
+  ///         or nearer and the person's. Edges, which noise moves by a cell, do not count
+  [[nodiscard]] bool hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot) const;
 
  private:
   std::array<std::vector<std::uint16_t>, kPersonSlots> depthMm_;  ///< 0 where the person was not
