@@ -173,25 +173,31 @@ float PersonSearch::unusual(const Proportions& proportions) {
   return kUnusualWeight * sum;
 }
 
+void PersonSearch::pickFinalists() {
+  if (count_ <= kFinal) return;
+  const auto begin = candidates_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
+  const auto finalists = begin + static_cast<std::ptrdiff_t>(kFinal);
+  const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
+  for (auto place = begin; place != finalists; ++place) std::iter_swap(place, std::min_element(place, end, cheaper));
+  // Other proportions show their worth only once they are fitted: the best such figure goes on in any case.
+  const auto isComic = [](const Candidate& candidate) { return candidate.figure.proportions.factor[kHeadSize] > 1.3F; };
+  if (std::none_of(begin, finalists, isComic)) {
+    auto best = end;
+    for (auto one = finalists; one != end; ++one) {
+      if (isComic(*one) && (best == end || one->cost < best->cost)) best = one;
+    }
+    if (best != end) std::iter_swap(best, finalists - 1);
+  }
+  count_ = kFinal;
+}
+
 float PersonSearch::oneStep(const BodyView& view) {
   Candidate& c = candidates_[next_];
   if (rough_) {
     c.cost = fitter_.fit(view, c.figure.proportions, weakly(c.figure.pose, 0.5F), kRough, c.figure.pose).plausible();
     c.cost += unusual(c.figure.proportions);
     if (++next_ < count_) return kRoughEffort;
-    std::stable_sort(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count_),
-                     [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-    if (count_ > kFinal) {
-      // Other proportions show their worth only once they are fitted: the best such figure goes on in any case.
-      const auto isComic = [](const Candidate& candidate) {
-        return candidate.figure.proportions.factor[kHeadSize] > 1.3F;
-      };
-      const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(count_);
-      const auto finalists = candidates_.begin() + static_cast<std::ptrdiff_t>(kFinal);
-      const auto comic = std::find_if(candidates_.begin(), end, isComic);
-      if (comic != end && comic >= finalists) std::swap(*comic, *(finalists - 1));
-      count_ = kFinal;
-    }
+    pickFinalists();
     next_ = 0;
     phase_ = 0;
     rough_ = false;

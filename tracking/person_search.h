@@ -38,6 +38,7 @@ class PersonSearch {
 
   void add(const BodyPose& pose, const Proportions& proportions);
   [[nodiscard]] static float unusual(const Proportions& proportions);
+  void pickFinalists();
   float oneStep(const BodyView& view);
   void refine(const BodyView& view, Figure& figure, int phase);
 

@@ -5,6 +5,7 @@
 #include "sensor/virtual_body.h"
 #include "sensor/virtual_sensor.h"
 #include "skinning/mannequin.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 
@@ -132,6 +133,23 @@ TEST(Tracker, GoesOnAfterAPersonWasHidden) {
   }
   EXPECT_GT(seen, 10);
   EXPECT_LE(wrong, 1);
+}
+
+TEST(Tracker, FramesTakeNoMemory) {
+  // Followed, searched for, lost and found again: of all that runs each frame nothing asks for memory.
+  VirtualSensor sensor = sensorBefore(SyntheticMotion::kJumpingJacks, 0.0, 4, {}, {{0.5, 1.0}});
+  Tracker tracker = Tracker::create(sensor.camera()).value();
+  DepthFrame frame;
+  std::size_t seen = 0;
+  for (int f = 0; f < 45; ++f) {
+    sensor.render(static_cast<std::uint64_t>(f), frame);
+    const long before = test::allocationCount();
+    seen += tracker.track(frame).size();
+    if (f > 0) {
+      EXPECT_EQ(test::allocationCount(), before) << "frame " << f;
+    }
+  }
+  EXPECT_GT(seen, 18U);
 }
 
 TEST(Tracker, SameFramesGiveTheSameBits) {
