@@ -38,9 +38,12 @@ Prop fallingProp(int i, std::mt19937_64& random) {
   Prop prop;
   prop.shape = i % 2 == 0 ? PropShape::kSphere : PropShape::kBox;
   const double size = uniform(random, 0.06, 0.12);
-  prop.halfExtents = prop.shape == PropShape::kSphere
-                         ? Vec3(Vec3::Constant(size))
-                         : Vec3(size, size * uniform(random, 0.6, 1.0), size * uniform(random, 0.6, 1.0));
+  // Each number in a statement of its own: compilers differ in which argument they take first.
+  prop.halfExtents.setConstant(size);
+  if (prop.shape == PropShape::kBox) {
+    prop.halfExtents.z() *= uniform(random, 0.6, 1.0);
+    prop.halfExtents.y() *= uniform(random, 0.6, 1.0);
+  }
   prop.mass = 500.0 * size * size * size * 8.0 * 0.5;  // cork, roughly: light enough to be knocked about
   prop.restitution = prop.shape == PropShape::kSphere ? 0.55 : 0.2;
   prop.color = kPalette[random() % kPalette.size()];
@@ -48,7 +51,9 @@ Prop fallingProp(int i, std::mt19937_64& random) {
   // Two of three are aimed at head and shoulders, the others land within reach of arms and feet.
   const double radius = i % 3 != 0 ? uniform(random, 0.0, 0.25) : uniform(random, 0.3, 0.8);
   const double angle = uniform(random, 0.0, 2.0 * std::numbers::pi);
-  const Vec3 axis = Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 1.5).normalized();
+  const double y = uniform(random, -1.0, 1.0);
+  const double x = uniform(random, -1.0, 1.0);
+  const Vec3 axis = Vec3(x, y, 1.5).normalized();
   prop.worldFromProp = Eigen::Translation3d(radius * std::cos(angle), 2.2 + 0.4 * i, radius * std::sin(angle)) *
                        Eigen::AngleAxisd(uniform(random, 0.0, std::numbers::pi), axis);
   return prop;

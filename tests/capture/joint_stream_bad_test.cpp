@@ -154,8 +154,10 @@ TEST(JointStreamBad, DamagedBytesGiveASentenceOrSoundJoints) {
           case 2:
             damaged.erase(at, 1 + random() % 40);
             break;
-          default:
-            damaged.insert(at, damaged.substr(random() % damaged.size(), random() % 40));
+          default: {
+            const std::size_t from = random() % damaged.size();
+            damaged.insert(at, damaged.substr(from, random() % 40));
+          }
         }
         if (damaged.empty()) damaged += '0';
       }

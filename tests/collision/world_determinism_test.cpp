@@ -38,7 +38,9 @@ Trace run(std::uint64_t clutterSeed) {
     Prop prop;
     prop.shape = i % 3 == 0 ? PropShape::kSphere : PropShape::kBox;
     prop.halfExtents = test::uniformVec3(random, 0.05, 0.15);
-    prop.worldFromProp = at(test::uniform(random, -0.5, 0.5), 0.3 + 0.3 * i, test::uniform(random, -0.5, 0.5));
+    const double x = test::uniform(random, -0.5, 0.5);
+    const double z = test::uniform(random, -0.5, 0.5);
+    prop.worldFromProp = at(x, 0.3 + 0.3 * i, z);
     prop.worldFromProp.rotate(test::uniformRotation(random));
     world.addProp(prop);
   }

@@ -114,8 +114,8 @@ TEST(ConvexHull, CoplanarFacesInAnyOrientationContainTheirPoints) {
     const Quat q = Quat(std::cos(trial), std::sin(trial * 1.3), std::cos(trial * 0.7), 0.3).normalized();
     std::vector<Vec3> points;
     for (int i = 0; i < 400; ++i) {
-      Vec3 p(static_cast<double>(random() % 11), static_cast<double>(random() % 11),
-             static_cast<double>(random() % 11));
+      Vec3 p;
+      for (double& x : p) x = static_cast<double>(random() % 11);
       p[static_cast<int>(random() % 3)] = random() % 2 ? 0.0 : 10.0;
       points.push_back(q * p * 0.1 + Vec3(3, 2, 1));
     }
