@@ -70,6 +70,11 @@ struct Device {
 inline constexpr int kOk = 0;
 using Tracker = void*;
 
+/// Called from a thread of NiTE 2's.
+struct Callbacks {
+  void (*frameIsReady)(void* cookie);
+};
+
 struct Api {
   int (*initialize)();
   void (*shutdown)();
@@ -77,7 +82,9 @@ struct Api {
   int (*destroyTracker)(Tracker);
   int (*startSkeleton)(Tracker, std::int16_t user);
   void (*stopSkeleton)(Tracker, std::int16_t user);
-  int (*readFrame)(Tracker, Frame**);
+  int (*addCallbacks)(Tracker, Callbacks*, void* cookie);
+  void (*removeCallbacks)(Tracker, Callbacks*);
+  int (*readFrame)(Tracker, Frame**);  ///< waits for ever where none is ready
   int (*releaseFrame)(Tracker, Frame*);
 };
 

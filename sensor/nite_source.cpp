@@ -7,12 +7,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace lorica {
@@ -23,6 +27,8 @@ namespace fs = std::filesystem;
 constexpr double kMillimetre = 1e-3;
 constexpr double kFootHeight = 0.08;  ///< of the ankle over the floor [m]
 constexpr float kSure = 0.5F;
+constexpr std::chrono::milliseconds kPause(100);    ///< between looks for an unplugged camera
+constexpr std::chrono::milliseconds kSilence(500);  ///< after which nobody is taken to be there
 
 template <typename Function>
 bool load(void* handle, const char* name, Function& function) {
@@ -43,12 +49,9 @@ class NiteSource final : public SkeletonSource {
   NiteSource(std::shared_ptr<OpenNiLibrary> openNi, std::string name)
       : openNi_(std::move(openNi)), name_(std::move(name)) {}
   ~NiteSource() override {
-    if (tracker_ != nullptr) {
-      for (const std::int16_t user : asked_) api_.stopSkeleton(tracker_, user);
-      (void)api_.destroyTracker(tracker_);
-    }
+    endTracker();
     if (initialized_) api_.shutdown();
-    if (device_.handle != nullptr) (void)openNi_->api().deviceClose(static_cast<OniDeviceHandle>(device_.handle));
+    closeDevice();
     // The library stays: its threads may need its code longer than it says.
   }
   NiteSource(const NiteSource&) = delete;
@@ -69,6 +72,8 @@ class NiteSource final : public SkeletonSource {
         !load(handle, "niteShutdownUserTracker", api_.destroyTracker) ||
         !load(handle, "niteStartSkeletonTracking", api_.startSkeleton) ||
         !load(handle, "niteStopSkeletonTracking", api_.stopSkeleton) ||
+        !load(handle, "niteRegisterUserTrackerCallbacks", api_.addCallbacks) ||
+        !load(handle, "niteUnregisterUserTrackerCallbacks", api_.removeCallbacks) ||
         !load(handle, "niteReadUserTrackerFrame", api_.readFrame) ||
         !load(handle, "niteUserTrackerFrameRelease", api_.releaseFrame)) {
       ::dlclose(handle);
@@ -82,11 +87,8 @@ class NiteSource final : public SkeletonSource {
     if (camera == cameras->end()) {
       return Error{ErrorCode::kNotFound, fmt::format("{}: found no camera {}, expected one for it", name_, uri)};
     }
-    OniDeviceHandle device = nullptr;
-    if (openNi_->api().deviceOpen(camera->uri.c_str(), &device) != ONI_STATUS_OK) {
-      return openNi_->failure(fmt::format("{}: cannot be opened", camera->uri));
-    }
-    device_.handle = device;
+    camera_ = *camera;
+    if (const Result<void> opened = openDevice(); !opened) return opened.error();
 
     const WorkingFolder keep;
     fs::current_path(file.parent_path(), error);  // where it looks for its data
@@ -96,15 +98,21 @@ class NiteSource final : public SkeletonSource {
           fmt::format("{}: does not start (status {}): is its folder NiTE2 of data beside it?", name_, status)};
     }
     initialized_ = true;
-    if (const int status = api_.createTracker(&device_, &tracker_); status != nite::kOk || tracker_ == nullptr) {
-      tracker_ = nullptr;
-      return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: does not track with {} (status {})", name_, camera->uri, status)};
-    }
-    return {};
+    return beginTracker();
   }
 
   Result<std::optional<SkeletonFrame>> next() override {
+    if (tracker_ == nullptr && !comeBack()) {
+      std::this_thread::sleep_for(kPause);
+      return std::optional<SkeletonFrame>(nobody());
+    }
+    if (!waitForFrame()) {
+      if (openNi_->isGone(camera_.uri)) {
+        endTracker();
+        closeDevice();
+      }
+      return std::optional<SkeletonFrame>(nobody());
+    }
     nite::Frame* frame = nullptr;
     if (const int status = api_.readFrame(tracker_, &frame); status != nite::kOk || frame == nullptr) {
       return Error{ErrorCode::kUnreadable, fmt::format("{}: gives no frame (status {})", name_, status)};
@@ -115,6 +123,77 @@ class NiteSource final : public SkeletonSource {
   }
 
  private:
+  Result<void> openDevice() {
+    OniDeviceHandle device = nullptr;
+    if (openNi_->api().deviceOpen(camera_.uri.c_str(), &device) != ONI_STATUS_OK) {
+      return openNi_->failure(fmt::format("{}: cannot be opened", camera_.uri));
+    }
+    device_.handle = device;
+    return {};
+  }
+
+  void closeDevice() {
+    if (device_.handle != nullptr) (void)openNi_->api().deviceClose(static_cast<OniDeviceHandle>(device_.handle));
+    device_.handle = nullptr;
+  }
+
+  Result<void> beginTracker() {
+    const int status = api_.createTracker(&device_, &tracker_);
+    if (status != nite::kOk || tracker_ == nullptr) {
+      tracker_ = nullptr;
+      return Error{ErrorCode::kUnreadable,
+                   fmt::format("{}: does not track with {} (status {})", name_, camera_.uri, status)};
+    }
+    if (api_.addCallbacks(tracker_, &callbacks_, this) != nite::kOk) {
+      (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
+      return Error{ErrorCode::kUnreadable, fmt::format("{}: does not say when a frame is ready", name_)};
+    }
+    clockIsNew_ = true;
+    return {};
+  }
+
+  void endTracker() {
+    if (tracker_ == nullptr) return;
+    for (const std::int16_t user : asked_) api_.stopSkeleton(tracker_, user);
+    asked_.clear();
+    person_ = 0;
+    api_.removeCallbacks(tracker_, &callbacks_);
+    (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
+    const std::lock_guard<std::mutex> lock(mutex_);
+    frameIsReady_ = false;
+  }
+
+  bool comeBack() {
+    if (openNi_->isGone(camera_.uri)) return false;
+    if (openDevice() && beginTracker()) return true;
+    closeDevice();
+    return false;
+  }
+
+  /// @return whether one is ready; not where the camera is gone, or silent for long
+  bool waitForFrame() {
+    const auto until = std::chrono::steady_clock::now() + kSilence;
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!frameIsReady_) {
+      if (openNi_->isGone(camera_.uri) || std::chrono::steady_clock::now() >= until) return false;
+      frameCame_.wait_for(lock, kPause);
+    }
+    frameIsReady_ = false;
+    return true;
+  }
+
+  /// A frame in which nobody is tracked, at the present time.
+  SkeletonFrame nobody() {
+    const auto now = std::chrono::steady_clock::now();
+    SkeletonFrame skeleton;
+    skeleton.time = std::max(0.0, lastTime_) + std::chrono::duration<double>(now - lastRead_).count();
+    skeleton.user = std::max<int>(person_, 1);
+    lastTime_ = skeleton.time;
+    lastRead_ = now;
+    clockIsNew_ = true;
+    return skeleton;
+  }
+
   SkeletonFrame read(const nite::Frame& frame) {
     const std::span<const nite::User> users(
         frame.users, frame.users == nullptr ? 0U : static_cast<std::size_t>(std::max(0, frame.userCount)));
@@ -132,8 +211,15 @@ class NiteSource final : public SkeletonSource {
     std::erase_if(asked_, [&](std::int16_t user) { return here.count(user) == 0; });  // numbers are given again
 
     SkeletonFrame skeleton;
-    skeleton.time = std::max(1e-6 * static_cast<double>(frame.timeUs), std::nextafter(lastTime_, 1e300));
+    const auto now = std::chrono::steady_clock::now();
+    const double sensorTime = 1e-6 * static_cast<double>(frame.timeUs);
+    if (clockIsNew_ && lastTime_ >= 0.0) {
+      timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
+    }
+    clockIsNew_ = false;
+    skeleton.time = std::max(sensorTime + timeOffset_, std::nextafter(lastTime_, 1e300));
     lastTime_ = skeleton.time;
+    lastRead_ = now;
     if (chosen == nullptr) {
       skeleton.user = std::max<int>(person_, 1);
       return skeleton;
@@ -189,9 +275,22 @@ class NiteSource final : public SkeletonSource {
   nite::Device device_{};
   nite::Tracker tracker_ = nullptr;
   bool initialized_ = false;
+  OpenNiCamera camera_;
+  nite::Callbacks callbacks_{[](void* self) {
+    auto& source = *static_cast<NiteSource*>(self);
+    const std::lock_guard<std::mutex> lock(source.mutex_);
+    source.frameIsReady_ = true;
+    source.frameCame_.notify_one();
+  }};
+  std::mutex mutex_;  ///< never held while NiTE 2 is called: its threads call the callback
+  std::condition_variable frameCame_;
+  bool frameIsReady_ = false;
   std::set<std::int16_t> asked_;  ///< users whose skeletons were asked for
   std::int16_t person_ = 0;
   double lastTime_ = -1.0;
+  double timeOffset_ = 0.0;  ///< a tracker that begins anew may count from 0
+  bool clockIsNew_ = false;
+  std::chrono::steady_clock::time_point lastRead_ = std::chrono::steady_clock::now();
   Isometry3 floorFromCamera_ = Isometry3::Identity();
   bool floorKnown_ = false;
   double lowestFoot_ = std::numeric_limits<double>::max();

@@ -72,6 +72,30 @@ void niteShutdown() {
   ++niteStandInCalls[1];
 }
 
+/// As if its camera were gone: no frame is ready any more.
+int niteStandInIsSilent;
+
+typedef struct {
+  void (*readyForNextFrame)(void*);
+} NiteUserTrackerCallbacks;
+
+static NiteUserTrackerCallbacks* g_callbacks;
+static void* g_cookie;
+
+static void sayReady() {
+  if (g_callbacks != nullptr && niteStandInIsSilent == 0) g_callbacks->readyForNextFrame(g_cookie);
+}
+
+int niteRegisterUserTrackerCallbacks(void*, NiteUserTrackerCallbacks* callbacks, void* cookie) {
+  g_callbacks = callbacks;
+  g_cookie = cookie;
+  sayReady();
+  return 0;
+}
+void niteUnregisterUserTrackerCallbacks(void*, NiteUserTrackerCallbacks* callbacks) {
+  if (callbacks == g_callbacks) g_callbacks = nullptr;
+}
+
 static short g_asked[2];
 static int g_number;
 
@@ -133,6 +157,7 @@ int niteUserTrackerFrameRelease(void*, NiteUserTrackerFrame* frame) {
   ++niteStandInCalls[5];
   delete[] frame->pUser;
   delete frame;
+  sayReady();
   return 0;
 }
 }

@@ -94,6 +94,41 @@ TEST_F(NiteTest, WhatIsStartedIsEnded) {
   EXPECT_EQ(calls[6], 6) << "each skeleton asked for once";
 }
 
+TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
+  Result<std::unique_ptr<SkeletonSource>> source = makeNiteSource(openNi_, library());
+  ASSERT_TRUE(source) << source.error().message;
+  void* handle = dlopen(library().c_str(), RTLD_NOW | RTLD_NOLOAD);
+  ASSERT_NE(handle, nullptr);
+  const int* calls = static_cast<const int*>(dlsym(handle, "niteStandInCalls"));
+  int* silent = static_cast<int*>(dlsym(handle, "niteStandInIsSilent"));
+  ASSERT_TRUE(calls != nullptr && silent != nullptr);
+
+  double last = -1.0;
+  const auto personAt = [&](int mostFrames, bool wanted) {
+    for (int i = 0; i < mostFrames; ++i) {
+      const Result<std::optional<SkeletonFrame>> next = (*source)->next();
+      if (!next || !*next || !((*next)->time > last)) return false;
+      last = (*next)->time;
+      if (((**next)[BodyJoint::kHead].confidence > 0.0) == wanted) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(personAt(5, true));
+  *silent = 1;
+  fs::remove(plug_.path() / "a");
+  EXPECT_TRUE(personAt(5, false));
+  for (int i = 0; i < 40 && calls[3] == 0; ++i) ASSERT_TRUE(personAt(1, false));
+  EXPECT_EQ(calls[3], 1) << "the tracker of a camera that is gone ends";
+  EXPECT_EQ(calls[6], calls[7]);
+  ASSERT_TRUE(personAt(1, false));
+  EXPECT_EQ(calls[2], 1);
+
+  *silent = 0;
+  fs::rename(folder_.write("again", "small"), plug_.path() / "a");
+  EXPECT_TRUE(personAt(60, true));
+  EXPECT_EQ(calls[2], 2);
+}
+
 TEST_F(NiteTest, LibrariesThatAreNoneAreSentences) {
   const auto problem = [this](const fs::path& file, const std::string& uri = {}) {
     const Result<std::unique_ptr<SkeletonSource>> source = makeNiteSource(openNi_, file, uri);
