@@ -21,6 +21,8 @@ namespace {
 constexpr double kBlendSeconds = 0.15;
 /// A standing sole may be this much too high or low, of the leg's length: 5 mm.
 constexpr double kSoleTolerance = 0.006;
+/// An ankle that moves by less from frame to frame does not roll on the ball of the foot, of the leg's length: 0.3 mm.
+constexpr double kRollStill = 0.0004;
 /// The root's way is smoothed over this time, either side, twice [s].
 constexpr double kShiftSeconds = 0.1;
 /// The root is lowered for legs that are too short within this time, either side [s].
@@ -167,6 +169,25 @@ class MotionRetargeter {
     return ankle;
   }
 
+  /// How far the ankle goes in a step of a stance beyond the source's, scaled, so that the ball of the foot stands
+  /// where the source's does: feet of other lengths roll on it in other circles. As much of that as the source's foot
+  /// turns about its ball and not about its heel.
+  [[nodiscard]] Vec3 rollOf(std::size_t frame, std::size_t side) const {
+    const FootPlace& before = sourceFeet_[frame - 1][side];
+    const FootPlace& now = sourceFeet_[frame][side];
+    const auto level = [](const Vec3& v) { return Vec3(v.x(), 0.0, v.z()); };
+    const double ankleSq = level(now.ankle - before.ankle).squaredNorm();
+    const double ballSq = level(now.ball - before.ball).squaredNorm();
+    const double still = kRollStill * from_.rig().legLength;
+    const double share = ankleSq / (ankleSq + ballSq + still * still);
+    const auto behindBall = [&](std::size_t f) -> Vec3 {
+      const FootPlace& source = sourceFeet_[f][side];
+      const FootPlace& own = feetAsPosed_[f][side];
+      return level(ratio_ * (source.ball - source.ankle) - (own.ball - own.ankle));
+    };
+    return share * (behindBall(frame) - behindBall(frame - 1));
+  }
+
   /// What a stance adds to its ankle's place; nothing where the foot does not stand.
   [[nodiscard]] std::vector<std::optional<Vec3>> pullsOf(std::size_t side) const {
     std::vector<std::optional<Vec3>> pulls(frameCount());
@@ -174,12 +195,15 @@ class MotionRetargeter {
       const auto first = static_cast<std::size_t>(contact.first);
       const auto last = static_cast<std::size_t>(contact.last);
       Vec3 offset = Vec3::Zero();
+      std::vector<Vec3> rolled = {Vec3::Zero()};
+      rolled.reserve(last - first + 1);
       for (std::size_t f = first; f <= last; ++f) {
-        offset += feetAsPosed_[f][side].ankle - ratio_ * sourceFeet_[f][side].ankle;
+        if (f > first) rolled.push_back(rolled.back() + rollOf(f, side));
+        offset += feetAsPosed_[f][side].ankle - ratio_ * sourceFeet_[f][side].ankle - rolled.back();
       }
       offset /= static_cast<double>(last - first + 1);
       for (std::size_t f = first; f <= last; ++f) {
-        pulls[f] = standingAnkle(f, side, offset) - feetAsPosed_[f][side].ankle;
+        pulls[f] = standingAnkle(f, side, offset + rolled[f - first]) - feetAsPosed_[f][side].ankle;
       }
     }
     return pulls;

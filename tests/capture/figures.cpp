@@ -75,7 +75,7 @@ Draft draftFigure(const FigureSettings& s) {
     int parent = draft.add(left ? B::kLeftUpperLeg : B::kRightUpperLeg, hips, {m * 0.09, hipHeight, 0}, apart);
     parent = draft.add(left ? B::kLeftLowerLeg : B::kRightLowerLeg, parent, {m * 0.09, 0.08 + s.shin, 0}, apart);
     parent = draft.add(left ? B::kLeftFoot : B::kRightFoot, parent, {m * 0.09, 0.08, 0}, none);
-    if (s.fullSpine) draft.add(left ? B::kLeftToes : B::kRightToes, parent, {m * 0.09, 0.02, 0.13}, none);
+    if (s.fullSpine) draft.add(left ? B::kLeftToes : B::kRightToes, parent, {m * 0.09, 0.02, s.toesAhead}, none);
   }
   return draft;
 }

@@ -20,6 +20,7 @@ struct FigureSettings {
   std::uint32_t seed = 1;
   double scale = 1.0;                                                 ///< of the whole figure
   double thigh = 0.42, shin = 0.40, upperArm = 0.29, forearm = 0.26;  ///< [m] before scale
+  double toesAhead = 0.13;                                            ///< of the ankle [m] before scale
   bool armature = false;                                              ///< below a root joint in centimetres with Z up
   bool fullSpine = true;  ///< spine, chest, upperChest, clavicles and toes; else spine only
 };
