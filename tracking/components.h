@@ -3,6 +3,7 @@
 #include "geometry/math.h"
 #include "tracking/background.h"
 #include "tracking/depth_grid.h"
+#include "tracking/person_slot.h"
 
 #include <array>
 #include <cstdint>
@@ -10,9 +11,6 @@
 #include <vector>
 
 namespace lorica {
-
-/// People that a finder remembers at once, reported or not.
-inline constexpr int kPersonSlots = 8;
 
 /// A connected surface that is neither floor nor known background. Places are in the floor frame [m].
 struct DepthComponent {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "geometry/math.h"
+
+#include <array>
+
+namespace lorica {
+
+/// People that a finder remembers at once, reported or not.
+inline constexpr int kPersonSlots = 8;
+
+inline constexpr int kHeightBins = 256;  ///< of 2 cm, from 0.5 m under the floor
+
+/// A person who is followed, or remembered.
+struct PersonSlot {
+  bool used = false;
+  bool seen = false;      ///< in this frame
+  bool reported = false;  ///< and to be told of
+  bool moved = false;     ///< since found; furniture does not
+  int user = 0;           ///< 0 until reported
+  int movingFrames = 0;
+  int cells = 0;
+  int newCells = 0;
+  double born = 0.0, lastSeen = 0.0;  ///< [s]
+  Vec3f middle = Vec3f::Zero();       ///< floor frame [m]
+  Vec3f velocity = Vec3f::Zero();     ///< [m/s]
+  float top = 0.0F;                   ///< height of the highest cells but a few [m]
+  bool cutAbove = false;              ///< by the image's upper border
+  bool cutAside = false;              ///< by one of its sides
+  Vec3f sum = Vec3f::Zero();
+  std::array<int, kHeightBins> heights{};  ///< cells at each height
+};
+
+}  // namespace lorica
