@@ -23,15 +23,33 @@ if(LORICA_SANITIZE)
   add_link_options(-fsanitize=${LORICA_SANITIZE})
 endif()
 
-# The headers that nearly every file includes take longer than most files themselves: they are compiled once a target.
+# The headers that nearly every file includes take longer than most files themselves: they are compiled once for all
+# targets of a kind (library, tests, apps), with the flags of that kind.
 # Not where ccache is at work, which then keeps files only with settings of its own. g++ 12 no longer sees that precompiled
 # code is the standard library's, and shows its false alarms there.
-function(lorica_precompile target)
-  if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    target_precompile_headers(${target} PRIVATE ${ARGN})
-    target_compile_options(${target} PRIVATE
-      $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
+function(lorica_precompile target kind)
+  cmake_parse_arguments(ARG "" "" "HEADERS;LINKS" ${ARGN})
+  if(CMAKE_CXX_COMPILER_LAUNCHER)
+    return()
   endif()
+  set(precompiled lorica_precompiled_${kind})
+  if(NOT TARGET ${precompiled})
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp CONTENT "// Holds the precompiled headers.\n")
+    add_library(${precompiled} OBJECT ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp)
+    target_link_libraries(${precompiled} PRIVATE ${ARG_LINKS})
+    target_precompile_headers(${precompiled} PRIVATE ${ARG_HEADERS})
+    get_target_property(position_independent ${target} POSITION_INDEPENDENT_CODE)
+    set_target_properties(${precompiled} PROPERTIES POSITION_INDEPENDENT_CODE ${position_independent})
+    lorica_flags(${precompiled})
+    if(NOT kind STREQUAL "library")
+      lorica_compile_quickly(${precompiled})
+    endif()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${precompiled})
+  foreach(each ${target} ${precompiled})
+    target_compile_options(${each} PRIVATE
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
+  endforeach()
 endfunction()
 
 # Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
@@ -56,7 +74,8 @@ function(lorica_library name)
   target_compile_features(lorica_${name} PUBLIC cxx_std_20)  # for those who use the installed headers
   target_link_libraries(lorica_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   lorica_flags(lorica_${name})
-  lorica_precompile(lorica_${name} <Eigen/Core> <Eigen/Geometry> <optional> <string> <variant> <vector>)
+  lorica_precompile(lorica_${name} library LINKS Eigen3::Eigen fmt::fmt
+    HEADERS <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <algorithm> <filesystem> <functional> <memory> <optional> <string> <variant> <vector>)
   foreach(header ${ARG_HEADERS})
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lorica/${name})
   endforeach()
@@ -70,7 +89,8 @@ function(lorica_tests name)
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
   lorica_flags(${name}_tests)
   lorica_compile_quickly(${name}_tests)
-  lorica_precompile(${name}_tests <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry>)
+  lorica_precompile(${name}_tests tests LINKS Eigen3::Eigen GTest::gtest
+    HEADERS <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry> <algorithm> <filesystem> <functional>)
   set(timeout 300)
   if(LORICA_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug")
     set(timeout 1500)
