@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -229,10 +229,10 @@ bool OpenNiLibrary::isGone(const std::string& uri) const {
 
 Error OpenNiLibrary::failure(const std::string& what) const {
   const char* said = api_.extendedError();
-  std::string why = said == nullptr ? "" : said;
-  std::replace(why.begin(), why.end(), '\n', ' ');
-  why.erase(std::find_if(why.rbegin(), why.rend(), [](unsigned char c) { return std::isspace(c) == 0; }).base(),
-            why.end());
+  // OpenNI2 ends its lines with breaks and sets them in with tabs: ours is one sentence.
+  std::string why;
+  std::istringstream words(said == nullptr ? "" : said);
+  for (std::string word; words >> word;) why += why.empty() ? word : " " + word;
   return {ErrorCode::kUnreadable, why.empty() ? what : fmt::format("{}: {}", what, why)};
 }
 

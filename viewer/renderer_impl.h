@@ -116,7 +116,8 @@ struct Renderer::Impl {
   void drawGrains(const Scene& scene, const FrameSetup& setup);
   void drawFloor(const FrameSetup& setup);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
-  void drawPanel(PanelGpu& target, const std::string& text, bool top);
+  /// At the top as it is, at the bottom in lines that fit.
+  void drawPanel(PanelGpu& target, const std::string& whole, bool top);
   void drawInset(const Image& image);
   /// The bound texture, straight onto the resolved picture; pixels from the lower left.
   void drawFlat(int left, int bottom, int width, int height);

@@ -139,9 +139,11 @@ void Renderer::Impl::drawFlat(int left, int bottom, int width, int height) {
 }
 
 /// One texel a pixel.
-void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& text, bool top) {
-  if (text.empty()) return;
+void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& whole, bool top) {
+  if (whole.empty()) return;
   const int lineHeight = std::clamp(targets.height / 34, 12, 48);
+  // A plate is as much wider than its text as a line is high, and stands half of that off the side.
+  const std::string text = top ? whole : fittedText(whole, lineHeight, targets.width - 2 * lineHeight);
   gl.ActiveTexture(GL_TEXTURE0);
   gl.BindTexture(GL_TEXTURE_2D, target.texture);
   if (text != target.text || lineHeight != target.lineHeight) {

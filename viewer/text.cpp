@@ -102,6 +102,35 @@ TextMask drawText(std::string_view text, int lineHeight) {
   return mask;
 }
 
+std::string fittedText(std::string_view text, int lineHeight, int width) {
+  const double cap = kCapPerLine * std::max(lineHeight, 6);
+  const int stroke = std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap)));
+  const auto fits = [&](const std::string& line) {
+    int baseline = 0;
+    return cv::getTextSize(line, kFont, cap / kCapHeight, stroke, &baseline).width + 2 * stroke <= width;
+  };
+  std::istringstream words(drawableText(text));
+  std::string all, line, word, blanks;
+  const auto endLine = [&] {
+    if (!all.empty()) all += '\n';
+    all += line;
+    line.clear();
+  };
+  while (words >> word) {
+    if (!line.empty() && !fits(line + blanks + word)) endLine();
+    if (!line.empty()) line += blanks;
+    if (!fits(word)) {
+      while (!word.empty() && !fits(word + "..")) word.pop_back();
+      word += "..";
+    }
+    line += word;
+    blanks.clear();
+    while (words.peek() == ' ') blanks += static_cast<char>(words.get());
+  }
+  endLine();
+  return all;
+}
+
 Image drawTextPanel(std::string_view text, int lineHeight) {
   constexpr double kPlateAlpha = 0.72;
   const TextMask mask = drawText(text, lineHeight);

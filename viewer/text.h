@@ -25,6 +25,11 @@ struct TextMask {
 /// @param lineHeight  [pixels]
 [[nodiscard]] Image drawTextPanel(std::string_view text, int lineHeight);
 
+/// The text in lines that are at most so wide as drawText draws them: broken at blanks, and words that are too long cut
+/// off, with two dots for what is missing.
+/// @param width  [pixels]
+[[nodiscard]] std::string fittedText(std::string_view text, int lineHeight, int width);
+
 /// What drawText can draw of UTF-8 text.
 [[nodiscard]] std::string drawableText(std::string_view utf8);
 

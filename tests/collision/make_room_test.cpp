@@ -48,7 +48,7 @@ TEST(MakeRoom, AStackGoesOutwardsAsOneAndWhatFallsGoesUp) {
   const LivePart part = makeBoxPart(partHalf, at(partAt.x(), partAt.y(), partAt.z()));
   std::vector<Prop> props;
   for (int i = 0; i < 4; ++i) props.push_back(boxAt(Vec3(0.3, 0.1 + 0.2 * i, 0.7), 0.1, 0.05 * i));
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 3; ++i) {
     Prop falling = boxAt(Vec3(0.1, 2.2 + 0.4 * i, 0.0), 0.1, 0.3 * i);
     if (i % 2 == 0) falling.shape = PropShape::kSphere;
     props.push_back(falling);
@@ -56,8 +56,10 @@ TEST(MakeRoom, AStackGoesOutwardsAsOneAndWhatFallsGoesUp) {
   const std::vector<Vec3> moves = roomFor(std::span(&part, 1), props);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(moves[static_cast<std::size_t>(i)], moves[0]) << "of the stack, " << i;
-    EXPECT_EQ(moves[static_cast<std::size_t>(i) + 4].head<1>()[0], 0.0);
-    EXPECT_GT(moves[static_cast<std::size_t>(i) + 4].y(), 0.0) << "inside the part, which ends at 3 m";
+  }
+  for (std::size_t i = 4; i < 7; ++i) {
+    EXPECT_EQ(moves[i], Vec3(0.0, moves[i].y(), 0.0));
+    EXPECT_GT(moves[i].y(), 0.0) << "inside the part, which ends at 3 m";
   }
   EXPECT_EQ(moves[0].y(), 0.0);
   EXPECT_GT(moves[0].z(), 0.2);
@@ -94,7 +96,7 @@ TEST(MakeRoom, AWorldDoesItOnceAndOnlyWhereItIsAsked) {
     World world(settings);
     world.addProp(boxAt(Vec3(0.0, 0.1, 0.4), 0.1));
     world.step({}, 0.0);
-    EXPECT_EQ(world.props()[0].worldFromProp.translation().z(), 0.4) << "nobody is there yet";
+    EXPECT_NEAR(world.props()[0].worldFromProp.translation().z(), 0.4, 1e-6) << "nobody is there yet";
     world.step(std::span(&part, 1), 1.0 / 30.0);
     EXPECT_EQ(world.contacts().empty(), asked);
     if (!asked) continue;

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
+#include <sstream>
+#include <string>
 
 namespace lorica {
 namespace {
@@ -40,6 +43,29 @@ TEST(Text, LinesGoBelowOneAnother) {
   EXPECT_EQ(two.height, 2 * one.height);
   EXPECT_EQ(two.width, one.width);
   EXPECT_GT(ink(two), ink(one));
+}
+
+TEST(Text, FittedLinesAreNoWiderThanAskedAndLoseNoWord) {
+  const std::string text = "jumping_jacks   2.1 s   16 convex parts   touching 3 props   beyond training";
+  for (const int width : {90, 120, 200, 276, 400, 2000}) {
+    const std::string fitted = fittedText(text, 12, width);
+    EXPECT_LE(drawText(fitted, 12).width, width) << fitted;
+    std::string joined = fitted;
+    std::replace(joined.begin(), joined.end(), '\n', ' ');
+    std::istringstream got(joined), wanted(text);
+    for (std::string a, b; wanted >> b;) {
+      ASSERT_TRUE(got >> a);
+      if (width > 90) {
+        EXPECT_EQ(a, b);
+      }
+    }
+  }
+  EXPECT_EQ(fittedText(text, 12, 2000), text) << "what fits stays as it is";
+  EXPECT_GT(std::ranges::count(fittedText(text, 12, 200), '\n'), 0);
+  const std::string cut = fittedText("a_name_without_any_blank_in_it.bvh", 12, 80);
+  EXPECT_TRUE(cut.starts_with("a_name") && cut.ends_with("..")) << cut;
+  EXPECT_LE(drawText(cut, 12).width, 80);
+  EXPECT_EQ(fittedText("", 12, 80), "");
 }
 
 TEST(Text, DescendersStayInTheirLine) {
