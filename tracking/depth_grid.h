@@ -47,6 +47,8 @@ struct DepthGrid {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
   }
   [[nodiscard]] std::size_t cellCount() const { return depthMm.size(); }
+  /// Of the image that the cells are of; cells leave out its last column and row where they do not come out even.
+  [[nodiscard]] int imageWidth() const { return imageWidth_; }
 
   int step = 2;  ///< pixels to a cell, along either axis
   int width = 0;

@@ -13,7 +13,7 @@ void paintPeople(const DepthGrid& grid, const ComponentFinder& finder, std::span
   if (people.empty()) return;
 
   const int pixelWidth = grid.width * grid.step;
-  const auto stride = labels.size() / static_cast<std::size_t>(grid.height * grid.step);
+  const auto stride = static_cast<std::size_t>(grid.imageWidth());
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       // Most cells have only themselves around.

@@ -99,7 +99,11 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
   t.begun = true;
   t.floorFromCamera = floor;
 
-  for (Seat& seat : t.seats) seat.seen = false;
+  for (Seat& seat : t.seats) {
+    seat.seen = false;
+    // Before anyone is looked at: who comes now may have the number of who has gone.
+    if (seat.user != 0 && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
+  }
   const auto people = t.finder.people();
   for (std::size_t i = 0; i < people.size(); ++i) {
     Seat* seat = t.seatOf(people[i], frame.time);
@@ -109,7 +113,6 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     if (seat->seen) seat->lastTime = frame.time;
   }
   for (Seat& seat : t.seats) {
-    if (seat.user != 0 && !seat.seen && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
     if (seat.user == 0 || !seat.seen) continue;
     TrackedPerson person;
     seat.fit.report(person.skeleton);

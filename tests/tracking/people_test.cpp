@@ -164,6 +164,14 @@ TEST(PeopleFinder, SeveralCamerasSeeTheSamePerson) {
   }
 }
 
+TEST(PeopleFinder, ImagesOfOddSizeAreLabelledInPlace) {
+  VirtualSensorSettings settings;
+  settings.camera.width = 639;
+  settings.camera.height = 479;
+  const Watched seen = watch(everyone(performing(SyntheticMotion::kWave)), settings, false, 2, 1);
+  EXPECT_GE(seen.mean[0], 0.95);
+}
+
 TEST(PeopleFinder, TwoPeopleAreKeptApart) {
   const Watched seen = watch(everyone(performing(SyntheticMotion::kWave, at(-0.6, 0.0)),
                                       performing(SyntheticMotion::kJumpingJacks, at(0.7, -0.4))),
