@@ -224,8 +224,10 @@ void measure(const std::string& name, std::span<const LivePart> parts, const std
   for (const int threads : {1, 2}) {
     ParticlePush push({.threads = threads});
     std::span<const ParticleTouch> touches;
-    push.prepare(parts, kSecondsOfFrame);
-    const Cost cost = leastOf(repeats, restore, [&] { touches = push.push(moved); });
+    const Cost cost = leastOf(repeats, restore, [&] {
+      push.prepare(parts, kSecondsOfFrame);
+      touches = push.push(moved);
+    });
     fmt::print("{},{},{},{:.3f},{:.1f},{:.1f},{:.1f},{:.1f},{},{},{:016x}\n", name, particles.size(), threads,
                100.0 * static_cast<double>(touches.size()) / static_cast<double>(particles.size()), cost.wall, cost.cpu,
                reference.cpu, reference.cpu / cost.cpu, leftByReference, deeperThan(parts, moved, 1e-3),
@@ -240,15 +242,6 @@ int run(const Options& options) {
   LiveBody& body = *made->body;
   const std::vector<std::vector<Affine3>>& frames = made->worldFromModel;
 
-  // Preparing, over the whole motion.
-  ParticlePush push;
-  std::vector<double> microseconds;
-  for (const std::vector<Affine3>& frame : frames) {
-    body.update(frame);
-    const Cost cost = leastOf(
-        3, [] {}, [&] { push.prepare(body.parts(), kSecondsOfFrame); });
-    microseconds.push_back(1e3 * cost.cpu);
-  }
   const std::size_t middle = frames.size() / 2;
   body.update(frames[middle - 1]);
   body.update(frames[middle]);
@@ -258,9 +251,7 @@ int run(const Options& options) {
     faces += part.shape.triangles.size();
     for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
   }
-  fmt::print("# {} parts, {} faces; preparing a frame takes {:.0f} us of CPU (median), at most {:.0f}\n",
-             body.parts().size(), faces, medianOf(microseconds),
-             *std::max_element(microseconds.begin(), microseconds.end()));
+  fmt::print("# {} parts, {} faces; a frame is preparing and pushing\n", body.parts().size(), faces);
   fmt::print(
       "task,particles,threads,inside_percent,wall_ms,cpu_ms,reference_cpu_ms,ratio,reference_deeper_than_1mm,deeper_"
       "than_1mm,hash\n");

@@ -124,7 +124,7 @@ class Soak {
     const Vec3 middle =
         session_.frameCount() == 0 ? Vec3(0.0, 1.0, 0.0) : session_.body().parts().front().worldFromPart.translation();
     if (random_.unit() < 0.04) {
-      const Vec3 from = middle + Vec3(random_.between(-3.0, 3.0), random_.between(0.0, 1.5), random_.between(1.0, 3.0));
+      const Vec3 from = middle + Vec3{random_.between(-3.0, 3.0), random_.between(0.0, 1.5), random_.between(1.0, 3.0)};
       const Vec3 velocity = random_.between(3.0, 20.0) * (middle - from).normalized() + Vec3(0.0, 1.0, 0.0);
       session_.act(WorldAction::throwBall(from, velocity, random_.between(0.04, 0.15)));
       ++result_.balls;
@@ -136,7 +136,7 @@ class Soak {
       ++result_.grabs;
       held_ = true;
     } else if (held_) {
-      Vec3 to = middle + Vec3(random_.between(-1.5, 1.5), random_.between(-1.0, 1.0), random_.between(-1.5, 1.5));
+      Vec3 to = middle + Vec3{random_.between(-1.5, 1.5), random_.between(-1.0, 1.0), random_.between(-1.5, 1.5)};
       to.y() = std::max(to.y(), 0.3);
       held_ = random_.unit() >= 0.03;
       session_.act(held_ ? WorldAction::moveGrab(to) : WorldAction::release());
@@ -171,11 +171,21 @@ class Soak {
       // Half of a thing that is below the floor will not come up again.
       if (height < 0.0) violation(fmt::format("prop {} went through the floor, to {:.3f} m", p, height));
     }
+    watchParticles();
     if (result_.seconds < nextMemory_) return;
     nextMemory_ += kMemoryEvery;
     const double mebibytes = residentMebibytes();
     result_.mostMemory = std::max(result_.mostMemory, mebibytes);
     if (result_.seconds >= settings_.warmUp) memory_.push_back(mebibytes);
+  }
+
+  void watchParticles() {
+    const Particles* particles = session_.world().particles();
+    if (particles == nullptr) return;
+    for (const Vec3f& place : particles->places()) {
+      if (!place.allFinite()) return violation("a particle is not finite");
+      if (place.y() < 0.0f) return violation(fmt::format("a particle went through the floor, to {:.3f} m", place.y()));
+    }
   }
 
   void judgeMemory() {

@@ -103,7 +103,7 @@ void ParticleBody::advance(int substep) {
     part.worldFromPart =
         substep + 1 == substeps_ ? motions_[i].to : between(motions_[i].from, motions_[i].to, fraction);
   }
-  push_.prepare(parts_, (substep + 1 - done_) * substepSeconds_);
+  push_.prepare(parts_, (substep + 1 - done_) * substepSeconds_, done_ > 0);
   done_ = substep + 1;
 }
 

@@ -18,6 +18,10 @@ namespace {
 
 /// Particles that are looked at in one go.
 constexpr std::size_t kChunk = 4096;
+/// Cells in the box of all hulls: more take longer to make, fewer have more planes each.
+constexpr double kFewestCells = 500.0;
+constexpr double kMostCells = 10000.0;
+constexpr double kParticlesOfCell = 8.0;
 
 }  // namespace
 
@@ -31,6 +35,7 @@ struct ParticlePush::State {
   tbb::task_arena arena;
   PushHulls hulls;
   PushGrid grid;
+  double cells = 0.0;    ///< of the grid, about; 0: it is not built yet
   std::size_t room = 0;  ///< of `touches`
   /// Each chunk writes where its particles begin: only what is written is ever touched.
   std::unique_ptr<ParticleTouch[]> touches;
@@ -44,10 +49,10 @@ ParticlePush::~ParticlePush() = default;
 ParticlePush::ParticlePush(ParticlePush&&) noexcept = default;
 ParticlePush& ParticlePush::operator=(ParticlePush&&) noexcept = default;
 
-void ParticlePush::prepare(std::span<const LivePart> parts, double seconds) {
+void ParticlePush::prepare(std::span<const LivePart> parts, double seconds, bool again) {
   CHECK(seconds > 0.0, "a velocity needs time");
-  state_->hulls.prepare(parts, seconds, state_->settings.radius);
-  if (!state_->hulls.hulls().empty()) state_->grid.build(state_->hulls);
+  state_->hulls.prepare(parts, seconds, state_->settings.radius, again);
+  state_->cells = 0.0;
 }
 
 std::size_t ParticlePush::State::pushChunk(std::span<Vec3f> positions, std::size_t first, ParticleTouch* out) const {
@@ -60,6 +65,11 @@ std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
   State& s = *state_;
   CHECK(positions.size() <= std::numeric_limits<std::uint32_t>::max(), "particles are counted in 32 bits");
   if (s.hulls.hulls().empty() || positions.empty()) return {};
+  const double cells = std::clamp(static_cast<double>(positions.size()) / kParticlesOfCell, kFewestCells, kMostCells);
+  if (s.cells < 0.5 * cells) {
+    s.cells = cells;
+    s.grid.build(s.hulls, cells);
+  }
   const std::size_t chunks = (positions.size() + kChunk - 1) / kChunk;
   if (s.room < positions.size()) {
     s.room = positions.size();

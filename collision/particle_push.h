@@ -45,8 +45,10 @@ class ParticlePush {
 
   /// Takes the parts as they are now; keeps no reference. Parts without triangles (flat ones), in no finite
   /// place or a thousand kilometres away push nothing.
-  /// @param seconds  since the last frame, above 0
-  void prepare(std::span<const LivePart> parts, double seconds);
+  /// @param seconds  since the last call, above 0
+  /// @param again    these are the parts of the last call, moved on by a part of a frame: which faces lead into other
+  ///                 parts is taken from there. That only guides, and saves most of the time for hulls of many faces.
+  void prepare(std::span<const LivePart> parts, double seconds, bool again = false);
 
   /// Moves the particles that are inside. Positions that are no numbers are left as they are.
   /// @param positions  world [m]

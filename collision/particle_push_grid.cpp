@@ -201,8 +201,6 @@ namespace lorica {
 namespace {
 HWY_EXPORT(fillGrid);
 
-/// Cells in the box of all hulls, about: more take longer to make, fewer have more planes each.
-constexpr double kCells = 10000.0;
 constexpr double kMostAlong = 400.0;
 
 }  // namespace
@@ -214,7 +212,7 @@ void PushGrid::Chosen::makeRoom(std::size_t planeCount) {
   plane.resize(room);
 }
 
-void PushGrid::build(const PushHulls& hulls) {
+void PushGrid::build(const PushHulls& hulls, double cells) {
   lists.clear();
   blocks.clear();
   planes.clear();
@@ -222,15 +220,15 @@ void PushGrid::build(const PushHulls& hulls) {
   const Eigen::Array3d extent = hulls.boxMax().cast<double>().array();
   const double longest = extent.maxCoeff();
   const Eigen::Array3d thick = extent.max(1e-3 * longest);
-  size = static_cast<float>(std::max(std::cbrt(thick.prod() / kCells), longest / kMostAlong));
+  size = static_cast<float>(std::max(std::cbrt(thick.prod() / cells), longest / kMostAlong));
   inverseSize = 1.0F / size;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     count[axis] = static_cast<std::int32_t>(hulls.boxMax()[static_cast<Eigen::Index>(axis)] * inverseSize) + 1;
   }
-  const std::size_t cells =
+  const std::size_t cellCount =
       static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
-  firstList.assign(cells, 0);
-  occupied.assign(cells / 32 + 1, 0);
+  firstList.assign(cellCount, 0);
+  occupied.assign(cellCount / 32 + 1, 0);
 
   std::size_t most = 0;
   for (const PushHulls::Hull& hull : hulls.hulls()) most = std::max(most, hull.planeCount);

@@ -33,7 +33,8 @@ class PushGrid {
     bool last = true;              ///< of the cell
   };
 
-  void build(const PushHulls& hulls);
+  /// @param cells  about so many: any number gives the same result
+  void build(const PushHulls& hulls, double cells);
 
   /// The cell of a point in the box of all hulls.
   [[nodiscard]] std::size_t cellOf(const Vec3f& p) const {

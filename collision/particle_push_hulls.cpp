@@ -24,10 +24,14 @@ Aabb boxOf(const LivePart& part) {
 
 }  // namespace
 
-void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double radius) {
+void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double radius, bool again) {
   hulls_.clear();
   for (std::vector<float>* v : {&x_, &y_, &z_, &offset_}) v->clear();
   vertices_.clear();
+  wereCovered_.clear();
+  if (again) {
+    for (const Face& face : faces_) wereCovered_.push_back(face.covered);
+  }
   faces_.clear();
   raw_.clear();
 
@@ -49,7 +53,11 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (!boxOf(parts[i]).empty()) takeHull(parts[i], static_cast<std::uint32_t>(i));
   }
-  findCovered();
+  if (again && wereCovered_.size() == faces_.size()) {
+    for (std::size_t f = 0; f < faces_.size(); ++f) faces_[f].covered = wereCovered_[f];
+  } else {
+    findCovered();
+  }
   for (const Raw& raw : raw_) addHull(raw, seconds, radius);
 }
 
@@ -105,11 +113,18 @@ void PushHulls::findCovered() {
       const Vec3f upper = by.boxMax.array() + rough;
       if (&of == &by || (of.boxMin.array() > upper.array()).any() || (lower.array() > of.boxMax.array()).any())
         continue;
+      std::size_t above = by.firstFace;  // the face that the last point was above: the next one is, too, mostly
+      const auto isAbove = [&](std::size_t f, const Vec3f& p) {
+        return faces_[f].normal.dot(p) - faces_[f].offset >= rough;
+      };
       const auto nearlyInside = [&](const Vec3f& p) {
-        if ((p.array() < lower.array()).any() || (p.array() > upper.array()).any()) return false;
-        const auto first = faces_.begin() + static_cast<std::ptrdiff_t>(by.firstFace);
-        const auto end = faces_.begin() + static_cast<std::ptrdiff_t>(by.endFace);
-        return std::all_of(first, end, [&](const Face& face) { return face.normal.dot(p) - face.offset < rough; });
+        if ((p.array() < lower.array()).any() || (p.array() > upper.array()).any() || isAbove(above, p)) return false;
+        for (std::size_t f = by.firstFace; f < by.endFace; ++f) {
+          if (!isAbove(f, p)) continue;
+          above = f;
+          return false;
+        }
+        return true;
       };
       for (std::size_t v = of.firstVertex; v < of.endVertex; ++v) coveredVertices_[v] = nearlyInside(vertices_[v]);
       for (std::size_t f = of.firstFace; f < of.endFace; ++f) {

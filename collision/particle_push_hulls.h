@@ -32,7 +32,8 @@ class PushHulls {
   };
 
   /// @param radius  the planes are moved outward by it [m]
-  void prepare(std::span<const LivePart> parts, double seconds, double radius);
+  /// @param again   see ParticlePush::prepare()
+  void prepare(std::span<const LivePart> parts, double seconds, double radius, bool again);
 
   [[nodiscard]] std::span<const Hull> hulls() const { return hulls_; }
   [[nodiscard]] const Vec3f& origin() const { return origin_; }
@@ -81,7 +82,7 @@ class PushHulls {
   std::vector<Vec3f> vertices_;
   std::vector<Face> faces_;
   std::vector<Raw> raw_;
-  std::vector<bool> coveredVertices_;
+  std::vector<bool> coveredVertices_, wereCovered_;
 };
 
 }  // namespace lorica
