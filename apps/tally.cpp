@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
@@ -23,6 +24,7 @@ constexpr Stage kStages[] = {
     {"points", "pose to hull candidates", [](const StageTimes& t) { return t.points; }},
     {"hulls", "candidates to hulls", [](const StageTimes& t) { return t.hulls; }},
     {"physics", "props", [](const StageTimes& t) { return t.physics; }},
+    {"particles", "sand or water", [](const StageTimes& t) { return t.particles; }},
     {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
 };
 
@@ -144,6 +146,7 @@ void Tally::addTrainingTo(Report& report) const {
 void Tally::addTo(Report& report) const {
   for (const Stage& stage : kStages) {
     const Spread spread = spreadOfStage(stages_, stage);
+    if (std::string_view(stage.name) == "particles" && spread.p95 == 0.0) continue;  // there are none
     report.line(stage.name, fmt::format("{:>8}  (95 % below {:>8})  {}", duration(spread.median), duration(spread.p95),
                                         stage.what));
   }

@@ -8,6 +8,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -327,8 +328,10 @@ void World::step(std::span<const LivePart> parts, double seconds) {
       part->body->setLinearVelocity(toBullet(Vec3(rate * part->sweep.travel)));
       part->body->setAngularVelocity(toBullet(Vec3(rate * part->sweep.angle * part->sweep.axis)));
     }
-    // What overlaps is moved apart by a fifth in a substep of the longest kind, and in shorter ones by less.
-    impl_->world.getSolverInfo().m_erp2 =
+    // What overlaps, and links that were torn apart, are mended by a fifth in a substep of the longest kind, and in
+    // shorter ones by less: else a chain that an arm has stretched would snap back the faster the shorter they are.
+    btContactSolverInfo& solving = impl_->world.getSolverInfo();
+    solving.m_erp = solving.m_erp2 =
         static_cast<btScalar>(0.2 * std::min(1.0, length / impl_->settings.substepSeconds));
     impl_->drawGrabbed(length);
     impl_->world.stepSimulation(static_cast<btScalar>(length), 0);
@@ -342,7 +345,12 @@ void World::step(std::span<const LivePart> parts, double seconds) {
            std::make_tuple(b.part, b.prop, b.point.x(), b.point.y(), b.point.z());
   });
   impl_->readProps();
-  if (particles_ && seconds > 0.0) particles_->step(parts, seconds);
+  particleSeconds_ = 0.0;
+  if (particles_ && seconds > 0.0) {
+    const auto begin = std::chrono::steady_clock::now();
+    particles_->step(parts, seconds);
+    particleSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
 }
 
 std::span<const Prop> World::props() const {

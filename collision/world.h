@@ -96,6 +96,8 @@ class World {
   void setParticles(const ParticleSettings& settings);
   /// Null = none.
   [[nodiscard]] const Particles* particles() const { return particles_.get(); }
+  /// What moving them took in the last step [s].
+  [[nodiscard]] double particleSeconds() const { return particleSeconds_; }
 
   /// Moves the world from the last frame to this one; the parts sweep from their previous to their present motion.
   ///
@@ -125,6 +127,7 @@ class World {
   struct Impl;
   std::unique_ptr<Impl> impl_;
   std::unique_ptr<Particles> particles_;
+  double particleSeconds_ = 0.0;
 };
 
 }  // namespace lorica

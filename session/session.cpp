@@ -154,7 +154,8 @@ Result<bool> Session::step() {
   times_.motion = body_.timing().motion;
   times_.points = body_.timing().points;
   times_.hulls = body_.timing().hulls;
-  times_.physics = microsecondsBetween(updated, end);
+  times_.particles = 1e6 * world_.particleSeconds();
+  times_.physics = microsecondsBetween(updated, end) - times_.particles;
 
   addToHashes();
   ++frameCount_;

@@ -21,10 +21,10 @@
 namespace lorica {
 
 /// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics, and not what the source
-/// waited for its joints.
+/// waited for its joints; particles are 0 where there are none.
 struct StageTimes {
-  double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0;
-  [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics; }
+  double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0, particles = 0;
+  [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics + particles; }
 };
 
 /// What all frames so far left behind, bit for bit: XXH3, each over the same before it.

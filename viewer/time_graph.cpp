@@ -3,11 +3,16 @@
 #include "geometry/result.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace lorica {
 
 void TimeGraph::add(std::span<const TimedStage> stages) {
   CHECK(stages.size() <= static_cast<std::size_t>(kMostStages), "the graph has room for TimeGraph::kMostStages");
+  const bool same = std::ranges::equal(
+      stages, std::span(names_).first(static_cast<std::size_t>(stageCount_)),
+      [](const TimedStage& stage, const char* name) { return std::string_view(stage.name) == name; });
+  if (!same) clear();
   stageCount_ = static_cast<int>(stages.size());
   auto& frame = frames_[static_cast<std::size_t>(count_ % kFrames)];
   for (std::size_t s = 0; s < stages.size(); ++s) {

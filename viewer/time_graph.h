@@ -13,7 +13,8 @@ class TimeGraph {
   static constexpr int kFrames = 200;
   static constexpr int kMostStages = 8;
 
-  /// Takes the next frame. @param stages  the same in every call, up to kMostStages
+  /// Takes the next frame. Where its stages are others than before, the graph begins anew. @param stages  up to
+  /// kMostStages
   void add(std::span<const TimedStage> stages);
   void clear() { count_ = 0; }
 

@@ -39,7 +39,7 @@ class Window {
   [[nodiscard]] Ray pointer() const;
   [[nodiscard]] Camera camera() const;
 
-  /// The next frame of the graph. @param stages  the same in every call, at most TimeGraph::kMostStages
+  /// The next frame of the graph. @param stages  at most TimeGraph::kMostStages; where they change it begins anew
   void addTimes(std::span<const TimedStage> stages);
   /// Shows a sentence for three seconds.
   void notice(std::string sentence);

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace lorica {
 namespace {
@@ -133,6 +135,77 @@ TEST(WorldGrab, AFarTargetHurlsNothing) {
     world.step({}, kFrame);
     EXPECT_LT(world.props()[0].velocity.norm(), 9.0);
     EXPECT_LT(placeOf(world, 0).x(), 0.87);
+  }
+}
+
+/// A row of capsules from a place, along `step` each, hung up at its begin.
+/// @return the last one
+int addChain(World& world, const Vec3& begin, const Vec3& step, int links) {
+  int before = kWorldItself;
+  for (int i = 0; i < links; ++i) {
+    Prop link;
+    link.shape = PropShape::kCapsule;
+    link.halfExtents = Vec3(0.018, 0.5 * step.norm(), 0.018);
+    link.mass = 0.04;
+    link.worldFromProp = Eigen::Translation3d(begin + (i + 0.5) * step);
+    const int added = world.addProp(link);
+    world.addLink(added, before, begin + i * step);
+    before = added;
+  }
+  return before;
+}
+
+double fastestIn(const World& world) {
+  double fastest = 0.0;
+  for (const Prop& prop : world.props()) fastest = std::max(fastest, prop.velocity.norm());
+  return fastest;
+}
+
+TEST(WorldLinks, AChainThatAnArmTearsDoesNotSnapBackFasterInShortSubsteps) {
+  World::Settings weightless;
+  weightless.gravity = Vec3::Zero();
+  // Hung up at both ends. Nothing holds an arm up: it pushes the middle aside by more than the chain is long.
+  const auto run = [&](double handSpeed) {
+    World world(weightless);
+    const int last = addChain(world, Vec3(0, 0.2, 0), Vec3(0, 0.2, 0), 8);
+    world.addLink(last, kWorldItself, Vec3(0, 1.8, 0));
+    // A hand beside it goes to and fro, so that substeps are short.
+    std::array<LivePart, 2> avatar = {test::makeBoxPart(Vec3(0.2, 0.05, 0.05), at(0, 1, -0.08)),
+                                      test::makeBoxPart(Vec3(0.05, 0.05, 0.05), at(0.3, 1.6, 0))};
+    double fastest = 0.0;
+    for (int frame = 0; frame < 60; ++frame) {
+      test::moveTo(avatar[0], at(0, 1, -0.08 + 0.6 * std::min(1.0, frame / 30.0)));
+      test::moveTo(avatar[1], at(0.3, 1.6, handSpeed * kFrame * (frame % 2 == 0 ? 0.5 : -0.5)));
+      world.step(avatar, kFrame);
+      fastest = std::max(fastest, fastestIn(world));
+    }
+    return fastest;
+  };
+  EXPECT_LT(run(0.0), 10.0);
+  EXPECT_LT(run(24.0), 10.0);
+}
+
+TEST(WorldGrab, NothingIsHurledWhereALinkIsDraggedThroughChainsAndPastAnArm) {
+  World world;
+  constexpr int kLinks = 9;
+  for (int chain = 0; chain < 6; ++chain) {
+    addChain(world, Vec3(0.1 * chain, 1.9, 0.5), Vec3(0, -1.6 / kLinks, 0), kLinks);
+  }
+  std::array<LivePart, 2> avatar = {test::makeBoxPart(Vec3(0.2, 0.8, 0.12), at(0.25, 0.8, 0.3)),
+                                    test::makeBoxPart(Vec3(0.05, 0.05, 0.3), at(0.25, 1.3, 0.45))};
+  constexpr int kHeld = kLinks + kLinks / 2;
+  Vec3 target = placeOf(world, kHeld), goal = target;
+  ASSERT_TRUE(world.grab(kHeld, target));
+  std::mt19937_64 random(1);
+  for (int frame = 0; frame < 150; ++frame) {
+    if ((goal - target).norm() < 0.01) goal = Vec3(0.25, 1.3, 0.5) + test::uniformVec3(random, -1.2, 1.2);
+    target += (goal - target) * std::min(1.0, 3.0 * kFrame / std::max((goal - target).norm(), 1e-9));
+    world.moveGrab(target);
+    test::moveTo(avatar[0], avatar[0].worldFromPart);
+    test::moveTo(avatar[1], at(0.25 + 0.3 * std::sin(0.13 * frame), 1.3, 0.45 + 0.3 * std::sin(0.2 * frame)));
+    world.step(avatar, kFrame);
+    ASSERT_LT(world.props()[kHeld].velocity.norm(), 9.0) << frame;
+    ASSERT_LT(fastestIn(world), 20.0) << frame << ": ends of chains are faster than what strikes them";
   }
 }
 
