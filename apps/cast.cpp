@@ -1,8 +1,48 @@
 #include "apps/cast.h"
 
+#include "capture/motion_retarget.h"
+#include "capture/stand_in_skeleton.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <utility>
 
 namespace lorica {
+namespace {
+
+constexpr std::size_t kMostClipsNamed = 6;
+
+/// The character's own clips, for a sentence: "Survey, Walk and Run".
+std::string clipsOf(const CharacterFile& file) {
+  std::vector<std::string> names;
+  names.reserve(file.clips.size());
+  for (const Clip& clip : file.clips) {
+    if (!clip.name.empty()) names.push_back(clip.name);
+  }
+  const std::size_t more = names.size() - std::min(names.size(), kMostClipsNamed);
+  names.resize(names.size() - more);
+  std::string text = fmt::format("{}", fmt::join(names, ", "));
+  return more == 0 ? text : fmt::format("{} and {} more", text, more);
+}
+
+/// Refuses a human's motion for a character that is none but has clips of its own, and names these.
+Result<void> checkPerformer(const Motion& motion, const Subject& subject, const std::string& asGiven) {
+  if (!subject.file || subject.file->clips.empty() || canPerform(*subject.character)) return {};
+  if (motion.fromCharacterFile && renameMotion(*motion.bones, subject.character->skeleton)) return {};
+  const std::string clips = clipsOf(*subject.file);
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} on {}: found a motion of {}, expected a clip of its own{}, since its {} joints are not "
+                  "known for a human's: lorica play {}{}. If it is one, lorica info {} --write-map FILE starts "
+                  "a file that says which joint is which",
+                  motion.name, subject.name, motion.fromCharacterFile ? "another character" : "a human",
+                  clips.empty() ? "" : ", " + clips, subject.character->skeleton.jointCount(), asGiven,
+                  clips.empty() ? "" : " --clip " + subject.file->clips.front().name, asGiven)};
+}
+
+}  // namespace
 
 void addCastOptions(CLI::App& app, CastOptions& options) {
   app.add_option("MOTION", options.motion,
@@ -45,6 +85,7 @@ Result<Cast> readCast(const CastOptions& options) {
   if (!motion) return motion.error();
   Result<Subject> subject = readCharacter(options.character.empty() ? "mannequin" : options.character, options.reading);
   if (!subject) return subject.error();
+  if (Result<void> fine = checkPerformer(*motion, *subject, options.character); !fine) return fine.error();
   if (subject->file) {
     motion->notes.insert(motion->notes.end(), subject->file->notes.begin(), subject->file->notes.end());
   }

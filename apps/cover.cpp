@@ -16,8 +16,9 @@
 namespace lorica {
 namespace {
 
-constexpr int kVolumeStride = 4;           // a mean over 32 of 128 poses is soon taken, and as good
-constexpr double kLargestTolerance = 0.1;  // of the character's height
+constexpr int kVolumeStride = 4;             // a mean over 32 of 128 poses is soon taken, and as good
+constexpr double kLargestTolerance = 0.1;    // of the character's height
+constexpr double kSmallestTolerance = 1e-4;  // points are taken one by one: most of them, in half a minute and more
 
 bool isExact(const CoverPromise& cover) {
   return cover.tolerance == 0.0 && cover.maxHullVertices == 0;
@@ -58,6 +59,13 @@ Result<void> checkCover(const CoverRequest& request, const Character& character)
                              request.hullVertices)};
   }
   const double most = kLargestTolerance * character.height;
+  const double least = kSmallestTolerance * character.height;
+  if (request.tolerance && *request.tolerance > 0.0 && *request.tolerance < least) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--cover: found {:g} m, expected exact, or at least {:.2g} m, a ten-thousandth of the "
+                             "height of {}",
+                             *request.tolerance, least, character.name)};
+  }
   if (request.tolerance && *request.tolerance > most) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("--cover: found {:g} m, expected at most {:.3g} m, a tenth of the height of {}",

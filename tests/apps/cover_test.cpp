@@ -167,6 +167,9 @@ TEST(Cover, WrongValuesAreRefusedBeforeAnyWork) {
     const CommandResult large = runLorica({command, what, "--cover", "2"});
     EXPECT_EQ(large.exitCode, 2);
     EXPECT_NE(large.err.find("found 2 m, expected at most 0.17"), std::string::npos) << large.err;
+    const CommandResult small = runLorica({command, what, "--cover", "1e-9"});
+    EXPECT_EQ(small.exitCode, 2);
+    EXPECT_NE(small.err.find("found 1e-09 m, expected exact, or at least 0.00018 m"), std::string::npos) << small.err;
     const CommandResult both = runLorica({command, what, "--cover", "exact", "--hull-vertices", "64"});
     EXPECT_EQ(both.exitCode, 2);
     EXPECT_NE(both.err.find("--hull-vertices 64"), std::string::npos) << both.err;
@@ -214,7 +217,7 @@ TEST(Cover, CtrlCEndsTheChoice) {
   CommandSurroundings surroundings;
   surroundings.cache = folder.path() / "cache";
   surroundings.interruptAfterMs = 1500;
-  const CommandResult result = runLorica({"play", "walk", "--decomposition", file, "--cover", "0.0001"}, surroundings);
+  const CommandResult result = runLorica({"play", "walk", "--decomposition", file, "--cover", "0.0002"}, surroundings);
   EXPECT_EQ(result.exitCode, 130) << result.err;
   EXPECT_EQ(result.out, "");
   EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica")) << "nothing is kept of it";
