@@ -67,6 +67,18 @@ TEST_F(Replay, AVirtualPersonBeforeACameraIsReplayed) {
   EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
 }
 
+TEST_F(Replay, TheShippedDepthIsTrackedAndReplayedTheSameOnOneThreadAndTwo) {
+  const CommandResult made = record({"wave_depth", "--frames", "40", "--threads", "2", "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  EXPECT_EQ(made.json()["recorded"], 40);
+  const CommandResult again = runLorica({"replay", session.string(), "--threads", "1", "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
+  const CommandResult anew = record({"wave_depth", "--frames", "40", "--threads", "1", "--json", "-"});
+  ASSERT_EQ(anew.exitCode, 0) << anew.err;
+  EXPECT_EQ(anew.json()["hash"], made.json()["hash"]) << "the tracker sees the same";
+}
+
 /// Whoever is killed loses no step that was done.
 TEST_F(Replay, AKilledRecordingIsReplayedAsFarAsItWent) {
   const fs::path part = folder.path() / "s.part.lsession";
