@@ -1,5 +1,6 @@
 #include "capture/bvh_file.h"
 #include "capture/motion_retarget.h"
+#include "geometry/files.h"
 #include "geometry/result.h"
 #include "skinning/mannequin.h"
 
@@ -8,8 +9,8 @@
 #include <cstdint>
 #include <string_view>
 
-/// Any bytes as a BVH file. What is accepted must be sound, fit the bytes that it came from, and be fit to be carried
-/// over to another skeleton.
+/// Any bytes as a BVH file. What is accepted must be sound and fit the bytes that it came from; and one in sixteen, as
+/// its bytes have it, must be fit to be carried over to another skeleton, which takes far longer than reading it.
 namespace {
 
 using namespace lorica;
@@ -56,6 +57,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   CHECK(motion.frameCount() > 0 && motion.poses.size() <= 2 * size, "more joints and frames than bytes");
   CHECK(!file->unit.empty() && file->metresPerUnit > 0.0, "no unit");
   expectSound(motion, motion.times.size(), static_cast<std::size_t>(motion.skeleton.jointCount()));
-  if (motion.frameCount() <= 20) retarget(motion);
+  if (motion.frameCount() <= 20 && contentHash(text) % 16 == 0) retarget(motion);
   return 0;
 }

@@ -1,6 +1,7 @@
 #include "capture/joint_stream.h"
 #include "capture/joint_stream_parts.h"
 #include "capture/smoothing.h"
+#include "geometry/files.h"
 #include "geometry/result.h"
 
 #include <cmath>
@@ -9,15 +10,15 @@
 #include <string_view>
 
 /// Any bytes as recorded joints: told by their content, and as a layout that their number of bytes picks. What is
-/// accepted must be sound.
+/// accepted must be sound; one in sixteen, as its bytes have it, is smoothed and mirrored too, which takes far longer.
 namespace {
 
 using namespace lorica;
 
-void expectSound(const JointStream& stream, std::size_t bytes) {
+void expectSound(const JointStream& stream, std::string_view text) {
   CHECK(!stream.frames.empty() && !stream.people.empty(), "accepted without a frame or a person");
   // Nothing can make many frames of few bytes: a frame takes three joints with three numbers each.
-  CHECK(stream.frames.size() <= 1 + bytes / 20, "more frames than the file can hold");
+  CHECK(stream.frames.size() <= 1 + text.size() / 20, "more frames than the file can hold");
   double last = -1e300;
   for (const SkeletonFrame& frame : stream.frames) {
     CHECK(frame.time > last && std::abs(frame.time) <= 1e12, "times do not rise");
@@ -28,6 +29,7 @@ void expectSound(const JointStream& stream, std::size_t bytes) {
       CHECK(!joint.orientation || std::abs(joint.orientation->norm() - 1.0) < 0.01, "no unit quaternion");
     }
   }
+  if (contentHash(text) % 16 != 0) return;
   OneEuroFilter filter;
   for (SkeletonFrame frame : stream.frames) {
     filter.apply(frame);
@@ -50,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const JointStreamSettings& settings : {JointStreamSettings{}, JointStreamSettings{picked}}) {
     const Result<JointStream> stream = parseJointStream(text, "fuzz", settings);
     if (stream) {
-      expectSound(*stream, size);
+      expectSound(*stream, text);
     } else {
       expectSentence(stream.error());
     }
@@ -64,6 +66,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const Result<JointStream> stream = joints::finish(std::move(*raw), JointFormat::kUiPrmd, "p", {});
-  if (stream) expectSound(*stream, size);
+  if (stream) expectSound(*stream, text);
   return 0;
 }
