@@ -1,9 +1,7 @@
 #include "collision/fluid.h"
 
+#include "collision/particle_ranges.h"
 #include "geometry/result.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,13 +21,6 @@ constexpr float kRelaxation = 0.7f;    // of what a pressure corrects
 constexpr float kKeptPressure = 0.6f;  // from one substep to the next
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // in a substep, in spacings
-constexpr std::size_t kParticlesAtOnce = 1024;
-
-template <class Work>
-void forRanges(std::size_t count, std::size_t atOnce, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, atOnce),
-                    [&](const tbb::blocked_range<std::size_t>& range) { work(range.begin(), range.end()); });
-}
 
 /// Density 1 for particles on a cubic lattice.
 FluidKernels makeKernels(double spacing) {
@@ -74,6 +65,7 @@ FluidKernels makeKernels(double spacing) {
 
 Fluid::Fluid(const FluidSettings& settings)
     : settings_(settings),
+      room_(particleRoom(settings.floor, settings.walls, 0.5 * settings.spacing)),
       spacing_(static_cast<float>(settings.spacing)),
       kernels_(makeKernels(settings.spacing)),
       place_(paddedCount(settings.capacity)),
@@ -100,13 +92,6 @@ Fluid::Fluid(const FluidSettings& settings)
   candidates_.reserve(settings.capacity);
   candidateOf_.reserve(settings.capacity);
   const float half = 0.5f * spacing_;
-  if (settings.floor) room_.least.y() = half;
-  if (settings.walls) {
-    for (const Eigen::Index axis : {0, 2}) {
-      room_.least[axis] = static_cast<float>(settings.walls->min[axis]) + half;
-      room_.most[axis] = std::max(room_.least[axis], static_cast<float>(settings.walls->max[axis]) - half);
-    }
-  }
   kernels_.least = {room_.least.x() - half, room_.least.y() - half, room_.least.z() - half, 0.0f};
   kernels_.most = {room_.most.x() + half, room_.most.y() + half, room_.most.z() + half, 0.0f};
 }

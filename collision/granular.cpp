@@ -1,10 +1,8 @@
 #include "collision/granular.h"
 
 #include "collision/granular_kernel.h"
+#include "collision/particle_ranges.h"
 #include "geometry/result.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -26,14 +24,6 @@ constexpr float kRousing = 2.5f;        // times that wakes sleeping neighbours
 constexpr float kAsleep = 24.0f;        // substeps of being quiet
 constexpr float kRoused = 16.0f;        // as if it had been quiet so long, when something near has moved
 constexpr float kHeldOnBody = 0.0006f;  // a grain that rests on the body stays, though it be so far in it [m]
-constexpr std::size_t kGrainsAtOnce = 1024;
-
-/// Work on ranges, on all threads. The ranges do not change what is computed.
-template <class Work>
-void forRanges(std::size_t count, std::size_t atOnce, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, atOnce),
-                    [&](const tbb::blocked_range<std::size_t>& range) { work(range.begin(), range.end()); });
-}
 
 /// A grain that moves less in a substep is held [m].
 float quietWay(const GranularSettings& settings, float seconds) {
@@ -44,6 +34,7 @@ float quietWay(const GranularSettings& settings, float seconds) {
 
 Granular::Granular(const GranularSettings& settings)
     : settings_(settings),
+      room_(particleRoom(settings.floor, settings.walls, settings.radius)),
       diameter_(2.0f * static_cast<float>(settings.radius)),
       motionSeconds_(static_cast<float>(settings.substepSeconds)),
       place_(paddedCount(settings.capacity)),
@@ -66,14 +57,6 @@ Granular::Granular(const GranularSettings& settings)
   CHECK(settings.radius > 0.0 && settings.substepSeconds > 0.0, "grains have a size, and substeps a length");
   candidates_.reserve(settings.capacity);
   candidateOf_.reserve(settings.capacity);
-  const auto radius = static_cast<float>(settings.radius);
-  if (settings.floor) room_.least.y() = radius;
-  if (settings.walls) {
-    for (const Eigen::Index axis : {0, 2}) {
-      room_.least[axis] = static_cast<float>(settings.walls->min[axis]) + radius;
-      room_.most[axis] = std::max(room_.least[axis], static_cast<float>(settings.walls->max[axis]) - radius);
-    }
-  }
 }
 
 std::size_t Granular::add(std::span<const Vec3f> places, const Vec3& velocity) {
@@ -114,7 +97,7 @@ void Granular::step(std::span<const LivePart> parts, double seconds) {
     }
     if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps - 1) rouse(length);
   }
-  forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       places_[id_[i]] = Vec3f(place_[i].x, place_[i].y, place_[i].z);
       velocities_[id_[i]] = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z) / length;
@@ -140,7 +123,7 @@ void Granular::wakeAroundParts() {
 void Granular::sort(float seconds) {
   const float rate = seconds / motionSeconds_;
   motionSeconds_ = seconds;
-  forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       ParticleRow& motion = motion_[i];
       if (woken_[i] != 0) {
@@ -156,7 +139,7 @@ void Granular::sort(float seconds) {
   });
   grid_.sort({nextPlace_.data(), count_}, kReach * diameter_);
   const std::uint32_t* order = grid_.order().data();
-  forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const ParticleRow& ahead = nextPlace_[order[i]];
       x_[i] = ahead.x;
@@ -170,10 +153,10 @@ void Granular::sort(float seconds) {
   std::swap(motion_, nextMotion_);
   std::swap(id_, nextId_);
   // Sleepers are in both of the buffers that take turns.
-  forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) nextPlace_[i] = place_[order[i]];
   });
-  forRanges(count_, kGrainsAtOnce, [&](std::size_t begin, std::size_t end) {
+  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       place_[i] = nextPlace_[i];
       nextMotion_[i] = motion_[i];
@@ -228,7 +211,7 @@ void Granular::stepContacts(float seconds) {
                        {room_.least.x(), room_.least.y(), room_.least.z(), 0.0f},
                        {room_.most.x(), room_.most.y(), room_.most.z(), 0.0f}};
   const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
-  forRanges(blocks, kGrainsAtOnce / kParticleBlock,
+  forRanges(blocks, kParticlesAtOnce / kParticleBlock,
             [&](std::size_t begin, std::size_t end) { stepGrains(pass, lists_, begin, end); });
   std::swap(place_, nextPlace_);
   std::swap(motion_, nextMotion_);
@@ -286,7 +269,7 @@ void Granular::pushOut(float seconds) {
 void Granular::rouse(float seconds) {
   const float rousing = kRousing * quietWay(settings_, seconds);
   const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
-  forRanges(blocks, kGrainsAtOnce / kParticleBlock, [&](std::size_t firstBlock, std::size_t lastBlock) {
+  forRanges(blocks, kParticlesAtOnce / kParticleBlock, [&](std::size_t firstBlock, std::size_t lastBlock) {
     for (std::size_t block = firstBlock; block < lastBlock; ++block) {
       const std::size_t last = std::min(count_, (block + 1) * kParticleBlock);
       for (std::size_t i = block * kParticleBlock; i < last; ++i) {

@@ -41,6 +41,19 @@ constexpr ParticleBody::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}
 
 }  // namespace
 
+ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius) {
+  ParticleRoom room;
+  const auto away = static_cast<float>(radius);
+  if (floor) room.least.y() = away;
+  if (walls) {
+    for (const Eigen::Index axis : {0, 2}) {
+      room.least[axis] = static_cast<float>(walls->min[axis]) + away;
+      room.most[axis] = std::max(room.least[axis], static_cast<float>(walls->max[axis]) - away);
+    }
+  }
+  return room;
+}
+
 ParticleBody::ParticleBody(double radius) : radius_(radius), push_(ParticlePushSettings{.radius = radius}) {}
 
 void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int substeps) {

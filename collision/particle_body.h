@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,10 @@ struct ParticleRoom {
   Vec3f least = Vec3f::Constant(-1e3f);
   Vec3f most = Vec3f::Constant(1e3f);
 };
+/// @param floor   at y = 0
+/// @param walls   its x and z count, not its y
+/// @param radius  how far centres stay away from both [m]
+[[nodiscard]] ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius);
 
 /// The avatar as simulated particles meet it: its parts go through a frame in substeps, and push what they meet.
 /// Allocates nothing but for more or larger parts than ever before.
