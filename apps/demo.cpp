@@ -6,8 +6,8 @@
 #include "apps/performance.h"
 #include "apps/playback.h"
 #include "apps/progress_bar.h"
+#include "apps/run_session.h"
 #include "apps/tally.h"
-#include "apps/window_loop.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -19,8 +19,6 @@
 namespace lorica {
 namespace {
 
-constexpr int kWindowWidth = 1280;
-constexpr int kWindowHeight = 720;
 constexpr double kVideoSeconds = 8.0;
 
 struct Options {
@@ -161,11 +159,8 @@ Result<std::optional<Window>> chooseWindow(const Options& options, double height
     fmt::print(stderr, "No display, so no window: drawing a video and pictures to {} instead.\n", options.out);
     return std::optional<Window>();
   }
-  Result<Window> window = Window::create("Lorica", kWindowWidth, kWindowHeight);
-  if (window) {
-    window->setCamera(windowCamera(height));
-    return std::optional<Window>(std::move(*window));
-  }
+  Result<Window> window = openWindow("", height);
+  if (window) return std::optional<Window>(std::move(*window));
   if (options.window) return window.error();
   warn(fmt::format("{}; the demo is drawn to {} instead", window.error().message, options.out));
   return std::optional<Window>();
@@ -174,11 +169,7 @@ Result<std::optional<Window>> chooseWindow(const Options& options, double height
 Result<void> run(const Options& options, const CommonOptions& common) {
   // What would fail late is tried early.
   if (Result<void> fine = checkJsonOutput(common, {}); !fine) return fine;
-  if (options.window && !displayAvailable()) {
-    return Error{ErrorCode::kNoDisplay,
-                 "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run `lorica demo "
-                 "--headless` for a video"};
-  }
+  if (Result<void> fine = checkWindow(options.window, "run `lorica demo --headless` for a video"); !fine) return fine;
   if (options.headless || !displayAvailable()) {
     if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
   }

@@ -6,11 +6,10 @@
 #include "apps/live_log.h"
 #include "apps/options.h"
 #include "apps/playback.h"
+#include "apps/run_session.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "apps/snapshots.h"
 #include "apps/tally.h"
-#include "apps/window_loop.h"
 #include "geometry/files.h"
 #include "tracking/live_joints.h"
 
@@ -22,9 +21,6 @@
 
 namespace lorica {
 namespace {
-
-constexpr int kWindowWidth = 1280;
-constexpr int kWindowHeight = 720;
 
 struct Options {
   DepthOptions depth;
@@ -49,7 +45,7 @@ struct Live {
   std::string name;
   LiveLog log;
   Tally tally;
-  int pictures = 0;
+  DrawnFiles drawn;
   Image picture;  // of what the camera sees
 };
 
@@ -87,14 +83,16 @@ Result<void> runHeadless(const Options& options, Live& live) {
     }
     if (!*more) break;
   }
-  if (*pictures) live.pictures = (*pictures)->written();
+  if (!*pictures) return {};
+  const Result<DrawnFiles> drawn = (*pictures)->finish();
+  if (!drawn) return drawn.error();
+  live.drawn = *drawn;
   return {};
 }
 
 Result<void> runInWindow(const Options& options, Live& live) {
-  Result<Window> window = Window::create("Lorica: " + live.name, kWindowWidth, kWindowHeight);
+  Result<Window> window = openWindow(live.name, live.session.character().height);
   if (!window) return window.error();
-  window->setCamera(windowCamera(live.session.character().height));
   WindowSubject subject{live.session, live.name};
   subject.scene = options.scene;
   subject.atEnd = WindowSubject::AtEnd::kReturn;
@@ -113,7 +111,7 @@ Result<void> runInWindow(const Options& options, Live& live) {
   return end ? Result<void>() : end.error();
 }
 
-nlohmann::ordered_json toJson(const Live& live, const DecompositionFile& body) {
+nlohmann::ordered_json toJson(const Options& options, const Live& live, const DecompositionFile& body) {
   nlohmann::ordered_json json;
   json["source"] = live.name;
   json["character"] = live.session.character().name;
@@ -122,7 +120,7 @@ nlohmann::ordered_json toJson(const Live& live, const DecompositionFile& body) {
   live.tally.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
-  json["snapshots"] = live.pictures;
+  live.drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(live.session.hash());
   return json;
 }
@@ -137,9 +135,7 @@ Report toReport(const Options& options, const Live& live) {
   live.tally.addTrainingTo(report);
   report.line("contacts", fmt::format("{}, on {}", counted(live.tally.touches(), "touch", "touches"),
                                       counted(live.tally.propsTouched(), "prop")));
-  if (!options.pictures.folder.empty()) {
-    report.line("pictures", fmt::format("{} in {}", counted(live.pictures, "PNG file"), options.pictures.folder));
-  }
+  live.drawn.addTo(options.pictures, report);
   report.gap();
   report.line("time a frame", "median");
   live.tally.addTo(report);
@@ -148,14 +144,12 @@ Report toReport(const Options& options, const Live& live) {
 
 /// A window where one was asked for or can be had and nothing else was asked for.
 Result<bool> chooseWindow(const Options& options) {
-  if (options.headless || !options.pictures.folder.empty()) return false;
-  if (displayAvailable()) return true;
-  if (options.window) {
-    return Error{ErrorCode::kNoDisplay,
-                 "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --headless and "
-                 "--snapshots DIR need none"};
+  if (options.headless || options.pictures.any()) return false;
+  if (Result<void> fine = checkWindow(options.window, "--headless, --snapshots DIR and --video FILE need none");
+      !fine) {
+    return fine.error();
   }
-  return false;
+  return displayAvailable();
 }
 
 /// Whoever finds the joints.
@@ -212,7 +206,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!session) return session.error();
   session->watch(*recorder);
 
-  Live live{std::move(*session), joints->tracked, joints->name, {}, {}, 0, {}};
+  Live live{std::move(*session), joints->tracked, joints->name, {}, {}, {}, {}};
   if (!*inWindow) fmt::print(stderr, "Following {}; Ctrl-C ends.\n", live.name);
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
   if (!ran) {
@@ -220,7 +214,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return ran;
   }
   Report report = toReport(options, live);
-  nlohmann::ordered_json json = toJson(live, *body);
+  nlohmann::ordered_json json = toJson(options, live, *body);
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json);
 }
@@ -256,11 +250,10 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
   addSceneOption(*app, options->scene);
   addFaultOption(*app, options->performing);
   addRecordOption(*app, options->record);
-  CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
   CLI::Option* window = app->add_flag("--window", options->window, "In a window, and an error where none can be had");
-  window->excludes(snapshots);
+  addSnapshotOptions(*app, options->pictures, window);
   app->add_flag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

@@ -2,15 +2,12 @@
 #include "apps/body_choice.h"
 #include "apps/cast.h"
 #include "apps/inputs.h"
-#include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/playback.h"
-#include "apps/progress_bar.h"
+#include "apps/run_session.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "apps/snapshots.h"
 #include "apps/tally.h"
-#include "apps/window_loop.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -23,9 +20,6 @@
 namespace lorica {
 namespace {
 
-constexpr int kWindowWidth = 1280;
-constexpr int kWindowHeight = 720;
-
 struct Options {
   CastOptions cast;
   BodyOptions body;
@@ -37,46 +31,27 @@ struct Options {
   bool selfContacts = false;
 };
 
-/// Runs all frames without a window, with a picture every so often where pictures are wanted.
-/// @return how many pictures were written
-Result<int> playHeadless(const Options& options, const Motion& motion, Session& session, Tally& tally) {
-  Result<std::optional<SnapshotSeries>> pictures = SnapshotSeries::create(options.pictures, session);
-  if (!pictures) return pictures.error();
-  int frames = motion.frameCount();
-  if (options.playing.frames > 0) frames = std::min(frames, options.playing.frames);
-  ProgressBar bar("Playing " + motion.name, "frames");
-  for (int frame = 0; frame < frames; ++frame) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<bool> more = session.step();
-    if (!more) return more.error();
-    if (!*more) break;
-    tally.add(session, options.selfContacts);
-    bar.update(frame + 1, frames);
-    if (!*pictures) continue;
-    if (Result<void> drawn = (*pictures)->add(session, motion.name); !drawn) return drawn.error();
-  }
-  return *pictures ? (*pictures)->written() : 0;
-}
-
 Result<void> playWithWindow(const Options& options, const Cast& cast, Session& session, Tally& tally) {
   const Motion& motion = cast.motion;
-  Result<Window> window = Window::create("Lorica: " + motion.name, kWindowWidth, kWindowHeight);
-  if (!window) return window.error();
-  window->setCamera(windowCamera(session.character().height));
   WindowSubject subject{session, motion.name};
   subject.duration = motion.seconds();
   subject.sourceAnew = [&] { return poseSourceOf(*cast.subject.character, motion, options.cast.performing); };
   subject.scene = options.scene;
   subject.stepped = [&] { tally.add(session, options.selfContacts); };
   subject.restarted = [&] { tally = Tally(); };  // what is told afterwards is of the last run
-  const Result<WindowEnd> end = runInWindow(*window, subject, options.playing);
-  if (!end) return end.error();
-  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
-  return {};
+  return runInOwnWindow(subject, options.playing);
 }
 
-nlohmann::ordered_json toJson(const Motion& motion, const Session& session, const DecompositionFile& file,
-                              const Tally& tally, int pictures) {
+Result<DrawnFiles> playHeadless(const Options& options, const Motion& motion, Session& session, Tally& tally) {
+  HeadlessRun all{"Playing", motion.name};
+  all.frames = motion.frameCount();
+  if (options.playing.frames > 0) all.frames = std::min(all.frames, options.playing.frames);
+  all.stepped = [&] { tally.add(session, options.selfContacts); };
+  return runHeadless(all, options.pictures, session);
+}
+
+nlohmann::ordered_json toJson(const Options& options, const Motion& motion, const Session& session,
+                              const DecompositionFile& file, const Tally& tally, const DrawnFiles& drawn) {
   nlohmann::ordered_json json;
   json["recording"] = motion.name;
   json["format"] = motion.format;
@@ -88,13 +63,13 @@ nlohmann::ordered_json toJson(const Motion& motion, const Session& session, cons
   tally.addTo(json);
   const std::optional<double> delay = session.source().smoothingDelay();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
-  json["snapshots"] = pictures;
+  drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(session.hash());
   return json;
 }
 
 Report toReport(const Options& options, const Motion& motion, const Session& session, const DecompositionFile& file,
-                const Tally& tally, int pictures) {
+                const Tally& tally, const DrawnFiles& drawn) {
   Report report(
       fmt::format("{} performed {}: {}", session.character().name, motion.name, counted(tally.frames(), "frame")));
   report.line("parts",
@@ -110,9 +85,7 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
                           counted(tally.propsTouched(), "prop"), counted(tally.contacts(), "contact point")));
   tally.addSelfContactsTo(report);
   report.line("hash", hexDigits(session.hash()));
-  if (!options.pictures.folder.empty()) {
-    report.line("pictures", fmt::format("{} in {}", counted(pictures, "PNG file"), options.pictures.folder));
-  }
+  drawn.addTo(options.pictures, report);
   report.gap();
   report.line("time a frame", "median");
   tally.addTo(report);
@@ -126,11 +99,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
       !fine) {
     return fine;
   }
-  if (options.window && !displayAvailable()) {
-    return Error{ErrorCode::kNoDisplay,
-                 "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --snapshots DIR needs "
-                 "none"};
-  }
+  if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE need none"); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   const Result<Cast> cast = readCast(options.cast);
@@ -158,20 +127,20 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
   Tally tally;
   session->watch(*recorder);
-  int pictures = 0;
+  DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
     if (options.window) return playWithWindow(options, *cast, *session, tally);
-    const Result<int> played = playHeadless(options, motion, *session, tally);
+    const Result<DrawnFiles> played = playHeadless(options, motion, *session, tally);
     if (!played) return played.error();
-    pictures = *played;
+    drawn = *played;
     return {};
   };
   if (Result<void> played = play(); !played) {
     if (*recorder) (void)(*recorder)->finish();  // what was recorded stays, whatever ended it
     return played;
   }
-  Report report = toReport(options, motion, *session, *file, tally, pictures);
-  nlohmann::ordered_json json = toJson(motion, *session, *file, tally, pictures);
+  Report report = toReport(options, motion, *session, *file, tally, drawn);
+  nlohmann::ordered_json json = toJson(options, motion, *session, *file, tally, drawn);
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json);
 }
@@ -188,6 +157,8 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
       "      watch it\n"
       "  lorica play walk --snapshots pictures --every 15\n"
       "      pictures/frame_0000.png, frame_0015.png, ...; needs no display\n"
+      "  lorica play punch_and_kick --scene bowling --video kick.mp4\n"
+      "      a film, with no display; `lorica snapshot --video` has more to choose from\n"
       "  lorica play walk.bvh --character hero.glb --window\n"
       "      a motion and a character of your own\n"
       "  lorica play hero.glb --clip Run\n"
@@ -212,13 +183,13 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   addSceneOption(*app, options->scene);
   addFaultOption(*app, options->cast.performing);
   addRecordOption(*app, options->record);
-  CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after so many frames");
   app->add_flag("--as-fast-as-possible", options->playing.hurry,
                 "In a window too; without one nothing waits for the recording's pace");
   app->add_flag("--self-contacts", options->selfContacts,
                 "Tell which parts of the body overlap that are not neighbours");
-  app->add_flag("--window", options->window, "Watch it in a window, at the recording's pace")->excludes(snapshots);
+  CLI::Option* window = app->add_flag("--window", options->window, "Watch it in a window, at the recording's pace");
+  addSnapshotOptions(*app, options->pictures, window);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

@@ -1,13 +1,9 @@
 #include "apps/body_choice.h"
 #include "apps/inputs.h"
-#include "apps/interrupt.h"
 #include "apps/options.h"
-#include "apps/playback.h"
-#include "apps/progress_bar.h"
+#include "apps/run_session.h"
 #include "apps/scenes.h"
-#include "apps/snapshots.h"
 #include "apps/tally.h"
-#include "apps/window_loop.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 
@@ -20,8 +16,6 @@
 namespace lorica {
 namespace {
 
-constexpr int kWindowWidth = 1280;
-constexpr int kWindowHeight = 720;
 constexpr int kDiffers = 1;  // exit status
 
 struct Options {
@@ -29,7 +23,6 @@ struct Options {
   std::string character;      // empty = as recorded
   std::string decomposition;  // empty = as recorded
   SnapshotOptions pictures;
-  PlaybackOptions playing;
   bool window = false;
 };
 
@@ -64,48 +57,12 @@ Result<DecompositionFile> findBody(const Options& options, const SessionHeader& 
   return file;
 }
 
-/// Runs the steps without a window. @return pictures written
-Result<int> replayHeadless(const Options& options, const std::string& name, int steps, Session& session, Tally& tally) {
-  Result<std::optional<SnapshotSeries>> pictures = SnapshotSeries::create(options.pictures, session);
-  if (!pictures) return pictures.error();
-  ProgressBar bar("Replaying " + name, "steps");
-  for (int step = 0; step < steps; ++step) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<bool> more = session.step();
-    if (!more) return more.error();
-    if (!*more) break;
-    tally.add(session);
-    bar.update(step + 1, steps);
-    if (!*pictures) continue;
-    if (Result<void> drawn = (*pictures)->add(session, name); !drawn) return drawn.error();
-  }
-  return *pictures ? (*pictures)->written() : 0;
-}
-
-Result<void> replayInWindow(const std::string& name, int steps, Session& session, Tally& tally) {
-  Result<Window> window = Window::create("Lorica: " + name, kWindowWidth, kWindowHeight);
-  if (!window) return window.error();
-  window->setCamera(windowCamera(session.character().height));
-  WindowSubject subject{session, name};
-  subject.stepped = [&] { tally.add(session); };
-  PlaybackOptions limit;
-  limit.frames = steps;
-  const Result<WindowEnd> end = runInWindow(*window, subject, limit);
-  if (!end) return end.error();
-  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
-  return {};
-}
-
 /// @param differs  written
 Result<void> run(const Options& options, const CommonOptions& common, bool& differs) {
   if (Result<void> fine = checkJsonOutput(common, {options.file, options.character, options.decomposition}); !fine) {
     return fine;
   }
-  if (options.window && !displayAvailable()) {
-    return Error{ErrorCode::kNoDisplay,
-                 "--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); --snapshots DIR needs "
-                 "none"};
-  }
+  if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE need none"); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   Result<SessionFile> read = readSession(options.file);
   if (!read) return read.error();
@@ -123,26 +80,47 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   }
   const Result<DecompositionFile> body = findBody(options, header, *subject, common.threadCount());
   if (!body) return body.error();
-  Result<World> world = worldOf({recorded->sceneText, header.sceneFolder}, header.scene);
+  const auto worldAnew = [&] { return worldOf({recorded->sceneText, header.sceneFolder}, header.scene); };
+  const auto sourceAnew = [&]() -> Result<std::unique_ptr<PoseSource>> {
+    Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(*recorded, character);
+    if (!source) return Error{source.error().code, options.file + ": " + source.error().message};
+    return source;
+  };
+  Result<World> world = worldAnew();
   if (!world) return world.error();
-  Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(*recorded, character);
-  if (!source) return Error{source.error().code, options.file + ": " + source.error().message};
+  Result<std::unique_ptr<PoseSource>> source = sourceAnew();
+  if (!source) return source.error();
   Result<Session> session = startSession(character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
   if (Result<void> same = checkReplay(header, options.file, *session); !same) return same;
 
-  const auto replay = std::make_shared<SessionReplay>(recorded);
-  session->watch(replay);
+  std::shared_ptr<SessionReplay> replay;
+  Tally tally;
+  const auto begin = [&] {
+    replay = std::make_shared<SessionReplay>(recorded);
+    session->watch(replay);
+    tally = Tally();
+  };
+  begin();
   const std::string name = header.source.empty() ? options.file : header.source;
   const auto steps = static_cast<int>(recorded->steps.size());
-  Tally tally;
-  int pictures = 0;
+  DrawnFiles drawn;
   if (options.window) {
-    if (Result<void> shown = replayInWindow(name, steps, *session, tally); !shown) return shown;
+    WindowSubject watched{*session, name};
+    watched.duration = recorded->steps.back().time - recorded->steps.front().time;
+    watched.sourceAnew = sourceAnew;
+    watched.worldAnew = worldAnew;
+    watched.restarted = begin;
+    watched.stepped = [&] { tally.add(*session); };
+    PlaybackOptions limit;
+    limit.frames = steps;
+    if (Result<void> shown = runInOwnWindow(watched, limit); !shown) return shown;
   } else {
-    const Result<int> played = replayHeadless(options, name, steps, *session, tally);
+    HeadlessRun all{"Replaying", name, "steps", steps};
+    all.stepped = [&] { tally.add(*session); };
+    const Result<DrawnFiles> played = runHeadless(all, options.pictures, *session);
     if (!played) return played.error();
-    pictures = *played;
+    drawn = *played;
   }
 
   const std::optional<SessionReplay::Difference>& difference = replay->difference();
@@ -161,7 +139,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   }
   json["notes"] = recorded->notes;
   tally.addTo(json);
-  json["snapshots"] = pictures;
+  drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(session->hash());
 
   Report report(fmt::format("{} replayed {}: {}", character.name, name, counted(replay->steps(), "step")));
@@ -172,6 +150,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
                       : fmt::format("the same as far as it went, {} of {}", replay->steps(), counted(steps, "step")));
   report.line("thrown, held", counted(std::ssize(recorded->actions), "action"));
   if (header.faults.any()) report.line("faults", textOf(header.faults));
+  drawn.addTo(options.pictures, report);
   report.line("hash", hexDigits(session->hash()));
   for (const std::string& note : recorded->notes) report.note("Of the file: " + note + ".");
   differs = difference.has_value();
@@ -200,8 +179,8 @@ Command addReplay(CLI::App& parent, CommonOptions& common) {
       ->type_name("FILE");
   app->add_option("--decomposition", options->decomposition, "The decomposition's file, where it is no longer there")
       ->type_name("FILE.lorica");
-  CLI::Option* snapshots = addSnapshotOptions(*app, options->pictures);
-  app->add_flag("--window", options->window, "Watch it in a window")->excludes(snapshots);
+  CLI::Option* window = app->add_flag("--window", options->window, "Watch it in a window, with a timeline");
+  addSnapshotOptions(*app, options->pictures, window);
   const auto differs = std::make_shared<bool>(false);
   return {app, [options, differs](const CommonOptions& given) { return run(*options, given, *differs); },
           [differs] { return *differs ? kDiffers : 0; }};

@@ -5,6 +5,7 @@
 #include "collision/passengers.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,9 @@ namespace {
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
+constexpr double kFilmRate = 30.0;      // [1/s]
+constexpr double kFilmEarly = 0.5;      // of a frame: times of recordings jitter around their rate
+constexpr double kLongestStill = 10.0;  // a gap in a recording is not filmed to its end [s]
 
 }  // namespace
 
@@ -81,52 +85,112 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
   return renderer_.readBack();
 }
 
-CLI::Option* addSnapshotOptions(CLI::App& app, SnapshotOptions& options) {
+void addSnapshotOptions(CLI::App& app, SnapshotOptions& options, CLI::Option* window) {
   CLI::Option* snapshots =
       app.add_option("--snapshots", options.folder, "Write pictures to this folder")->type_name("DIR");
   addCount(app, "--every", options.every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
+  CLI::Option* video =
+      app.add_option("--video", options.video, "Film it, in .mp4 (30 frames a second) or .gif (15)")->type_name("FILE");
+  for (CLI::Option* option : {snapshots, video}) option->excludes(window);
   addCameraOptions(app, options.camera);
-  for (const char* name : {"--camera", "--eye"}) app.get_option(name)->needs(snapshots);
-  return snapshots;
 }
 
 Result<void> checkSnapshots(const SnapshotOptions& options) {
-  return options.folder.empty() ? Result<void>() : checkOutputFolder("--snapshots", options.folder);
+  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+    return Error{ErrorCode::kInvalidArgument, "--camera, --eye: there is no picture, expected --snapshots or --video"};
+  }
+  if (!options.folder.empty()) {
+    if (Result<void> fine = checkOutputFolder("--snapshots", options.folder); !fine) return fine;
+  }
+  return options.video.empty() ? Result<void>() : Movie::check("--video", options.video);
+}
+
+void DrawnFiles::addTo(const SnapshotOptions& options, nlohmann::ordered_json& json) const {
+  json["snapshots"] = snapshots;
+  json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
+  json["videoFrames"] = videoFrames;
+}
+
+void DrawnFiles::addTo(const SnapshotOptions& options, Report& report) const {
+  if (!options.folder.empty()) {
+    report.line("pictures", fmt::format("{} in {}", counted(snapshots, "PNG file"), options.folder));
+  }
+  if (!options.video.empty()) {
+    report.line("video", fmt::format("{}, {}", options.video, counted(videoFrames, "frame")));
+  }
 }
 
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
-  if (options.folder.empty()) return std::optional<SnapshotSeries>();
+  if (!options.any()) return std::optional<SnapshotSeries>();
   Result<FollowCamera> follow = FollowCamera::create(options.camera, kWidth, kHeight);
   if (!follow) return follow.error();
   Result<SnapshotCamera> pictures = SnapshotCamera::create(kWidth, kHeight);
   if (!pictures) return pictures.error();
-  std::error_code error;
-  std::filesystem::create_directories(options.folder, error);
-  if (error) {
-    return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.folder, error.message())};
+  if (!options.folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.folder, error);
+    if (error) {
+      return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.folder, error.message())};
+    }
   }
-  return std::optional<SnapshotSeries>(SnapshotSeries(options, std::move(*pictures), *follow, session));
+  SnapshotSeries series(options, std::move(*pictures), *follow, session);
+  if (!options.video.empty()) {
+    Result<Movie> movie = Movie::create(options.video, kWidth, kHeight, kFilmRate);
+    if (!movie) return movie.error();
+    series.movie_.emplace(std::move(*movie));
+  }
+  return std::optional<SnapshotSeries>(std::move(series));
 }
 
 SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow,
                                const Session& session)
     : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(std::move(follow)) {}
 
+bool SnapshotSeries::snapshotDue(const Session& session) const {
+  return !options_.folder.empty() && (session.frameCount() - 1) % options_.every == 0;
+}
+
+/// Of the video, up to the session's present frame: its own time counts, so that the video has its pace.
+double SnapshotSeries::filmSeconds(const Session& session) const {
+  return filmSeconds_ + std::clamp(session.time() - previousTime_.value_or(session.time()), 0.0, kLongestStill);
+}
+
+/// So many frames of the video show the session's present one.
+int SnapshotSeries::filmFrames(const Session& session) const {
+  if (!movie_) return 0;
+  return 1 + static_cast<int>(std::floor(filmSeconds(session) * kFilmRate + kFilmEarly)) - filmed_;
+}
+
 Result<void> SnapshotSeries::add(const Session& session, const std::string& name, const Image* inset) {
-  if (!firstTime_) firstTime_ = previousTime_ = session.time();
-  follow_.update(session, session.time() - previousTime_);
+  if (!firstTime_) firstTime_ = session.time();
+  const int film = filmFrames(session);
+  filmSeconds_ = filmSeconds(session);
+  follow_.update(session, session.time() - previousTime_.value_or(session.time()));
   previousTime_ = session.time();
-  if (!due(session)) return {};
+  if (film <= 0 && !snapshotDue(session)) return {};
   SceneOptions show;
   show.caption = captionOf(name, session, session.time() - *firstTime_);
   Scene scene = scene_.of(session);
   scene.inset = inset;
   const Image image = pictures_.draw(scene, show, follow_.camera());
+  for (int i = 0; i < film; ++i, ++filmed_) {
+    if (!movie_->takes(filmed_)) continue;
+    if (Result<void> added = movie_->add(image); !added) return added;
+  }
+  if (!snapshotDue(session)) return {};
   const std::filesystem::path file =
       std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
   if (Result<void> saved = writePng(file, image); !saved) return saved;
-  ++written_;
+  ++drawn_.snapshots;
   return {};
+}
+
+Result<DrawnFiles> SnapshotSeries::finish() {
+  if (movie_ && movie_->frames() > 0) {
+    drawn_.videoFrames = movie_->frames();
+    if (Result<void> finished = movie_->finish(); !finished) return finished.error();
+  }
+  return drawn_;
 }
 
 }  // namespace lorica

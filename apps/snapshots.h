@@ -1,12 +1,15 @@
 #pragma once
 
 #include "apps/camera_options.h"
+#include "apps/movie.h"
+#include "apps/report.h"
 #include "session/session.h"
 #include "viewer/image.h"
 #include "viewer/renderer.h"
 #include "viewer/scene.h"
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <optional>
 #include <string>
@@ -47,20 +50,32 @@ class SnapshotCamera {
   int height_;
 };
 
-/// --snapshots, --every and the camera.
+/// --snapshots, --every, --video and the camera.
 struct SnapshotOptions {
   std::string folder;  ///< empty = no pictures
   int every = 30;      ///< frames
+  std::string video;   ///< file; empty = none
   CameraOptions camera;
+
+  [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
 };
 
-/// @return --snapshots, for others to exclude
-CLI::Option* addSnapshotOptions(CLI::App& app, SnapshotOptions& options);
+/// @param window  --window, which draws by itself
+void addSnapshotOptions(CLI::App& app, SnapshotOptions& options, CLI::Option* window);
 
-/// Fails early where the folder cannot be.
+/// Fails early where the folder or the video cannot be, or a camera has nothing to look at.
 [[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
 
-/// Pictures of a session as it runs, frame_0000.png and so on, from a camera that follows.
+/// What was drawn of a session.
+struct DrawnFiles {
+  int snapshots = 0;
+  int videoFrames = 0;
+
+  void addTo(const SnapshotOptions& options, nlohmann::ordered_json& json) const;
+  void addTo(const SnapshotOptions& options, Report& report) const;
+};
+
+/// Pictures of a session as it runs, frame_0000.png and so on, and a video of it, from a camera that follows.
 class SnapshotSeries {
  public:
   /// @param session  outlives the series
@@ -72,18 +87,25 @@ class SnapshotSeries {
   /// @param inset  see Scene; null = none
   [[nodiscard]] Result<void> add(const Session& session, const std::string& name, const Image* inset = nullptr);
   /// Whether add() will draw the session's present frame.
-  [[nodiscard]] bool due(const Session& session) const { return (session.frameCount() - 1) % options_.every == 0; }
-  [[nodiscard]] int written() const { return written_; }
+  [[nodiscard]] bool due(const Session& session) const { return snapshotDue(session) || filmFrames(session) > 0; }
+  /// Ends the video. @return what was drawn
+  [[nodiscard]] Result<DrawnFiles> finish();
 
  private:
   SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow, const Session& session);
+  [[nodiscard]] bool snapshotDue(const Session& session) const;
+  [[nodiscard]] double filmSeconds(const Session& session) const;
+  [[nodiscard]] int filmFrames(const Session& session) const;
+
   SnapshotOptions options_;
   SnapshotCamera pictures_;
   SessionScene scene_;
   FollowCamera follow_;
-  std::optional<double> firstTime_;
-  double previousTime_ = 0.0;
-  int written_ = 0;
+  std::optional<Movie> movie_;
+  double filmSeconds_ = 0.0;  // of the video, up to the frame that was added last [s]
+  int filmed_ = 0;            // frames of it
+  std::optional<double> firstTime_, previousTime_;
+  DrawnFiles drawn_;
 };
 
 }  // namespace lorica

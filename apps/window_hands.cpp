@@ -32,24 +32,33 @@ Vec3 forwardOf(const Camera& camera) {
 
 }  // namespace
 
+void WindowHands::act(Session& session, const WorldAction& action) {
+  if (again_) {
+    tape_.act(session, action);
+  } else {
+    session.act(action);
+  }
+}
+
 void WindowHands::take(const WindowRequests& requests, const Window& window, Session& session) {
   if (requests.pressed) {
     const std::optional<PropPick> pick = session.world().pick(*requests.pressed);
     if (pick && session.world().props()[static_cast<std::size_t>(pick->prop)].mass > 0.0) {
-      session.act(WorldAction::grab(pick->prop, pick->place));
+      act(session, WorldAction::grab(pick->prop, pick->place));
       const Camera camera = window.camera();
       depth_ = (pick->place - camera.eye).dot(forwardOf(camera));
       holds_ = true;
     }
   }
   if (requests.released && holds_) {
-    session.act(WorldAction::release());
+    act(session, WorldAction::release());
     holds_ = false;
   }
-  if (requests.throwBall) session.act(ballFrom(window.camera()));
+  if (requests.throwBall) act(session, ballFrom(window.camera()));
 }
 
 void WindowHands::beforeStep(const Window& window, Session& session) {
+  tape_.redo(session);
   if (!holds_) return;
   // In the plane that faces the camera and holds the place where it was taken.
   const Ray ray = window.pointer();
@@ -57,7 +66,18 @@ void WindowHands::beforeStep(const Window& window, Session& session) {
   Vec3 place = ray.origin + depth_ / std::max(along, 0.1) * ray.direction.normalized();
   place.y() = std::max(place.y(), kLowestHand);
   if (place.norm() > kFarthestHand) place *= kFarthestHand / place.norm();
-  session.act(WorldAction::moveGrab(place));
+  act(session, WorldAction::moveGrab(place));
+}
+
+void WindowHands::rewind(Session& session) {
+  if (holds_) act(session, WorldAction::release());
+  holds_ = false;
+  tape_.rewind();
+}
+
+void WindowHands::forget() {
+  holds_ = false;
+  tape_.clear();
 }
 
 }  // namespace lorica

@@ -64,9 +64,10 @@ class WindowLoop {
         subject_(subject),
         session_(subject.session),
         options_(options),
-        scenes_(scenesBeside(subject.scene)),
+        scenes_(subject.worldAnew ? SceneList{{}, {}} : scenesBeside(subject.scene)),
         scene_(session_),
         levels_(session_.body().plan(), session_.character()),
+        hands_(subject.sourceAnew != nullptr),
         due_(now()) {}
 
   Result<WindowEnd> run();
@@ -80,8 +81,10 @@ class WindowLoop {
     bool anew = false;  // from the start
   };
 
+  [[nodiscard]] bool onlyWatched() const { return subject_.worldAnew != nullptr; }
   [[nodiscard]] double seconds() const { return started_ ? session_.time() - firstTime_ : 0.0; }
-  Result<void> answer(const WindowRequests& requests);
+  Result<void> answer(WindowRequests requests);
+  [[nodiscard]] Result<World> worldAnew() const;
   Result<void> beginSeek(double to);
   Result<void> runSeek();
   Result<void> advance();
@@ -119,6 +122,7 @@ Result<WindowEnd> WindowLoop::run() {
     if (ended_ && !seek_) {
       if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
       if (subject_.atEnd == WindowSubject::AtEnd::kRepeat) {
+        hands_.forget();
         if (Result<void> done = restart(); !done) return done.error();
       }
     }
@@ -129,7 +133,14 @@ Result<WindowEnd> WindowLoop::run() {
   return WindowEnd::kClosed;
 }
 
-Result<void> WindowLoop::answer(const WindowRequests& requests) {
+Result<void> WindowLoop::answer(WindowRequests requests) {
+  if (requests.throwBall && (onlyWatched() || ended_)) {
+    window_.notice(onlyWatched() ? "a recorded session is only watched" : "it is over: home begins anew");
+  }
+  if (onlyWatched() || ended_) {
+    requests.throwBall = false;
+    requests.pressed.reset();
+  }
   if (requests.scene && *requests.scene != scenes_.present) {
     if (Result<void> done = changeScene(*requests.scene); !done) return done;
   }
@@ -159,15 +170,20 @@ Result<void> WindowLoop::changeScene(int scene) {
   return {};
 }
 
-/// From the start, in the scene that was chosen last.
+/// The session's own, or of the scene that was chosen last.
+Result<World> WindowLoop::worldAnew() const {
+  if (onlyWatched()) return subject_.worldAnew();
+  return openScene(scenes_.arguments[static_cast<std::size_t>(scenes_.present)]);
+}
+
 Result<void> WindowLoop::restart() {
-  Result<World> world = openScene(scenes_.arguments[static_cast<std::size_t>(scenes_.present)]);
+  Result<World> world = worldAnew();
   if (!world) return world.error();
   Result<std::unique_ptr<PoseSource>> source = subject_.sourceAnew();
   if (!source) return source.error();
+  hands_.rewind(session_);
   session_.restart(std::move(*source), std::move(*world));
   if (subject_.restarted) subject_.restarted();
-  hands_.forget();
   warnings_.clear();
   started_ = ended_ = false;
   frameBegin_ = 0.0;
@@ -257,7 +273,7 @@ Result<void> WindowLoop::step() {
 
 void WindowLoop::noteTimes() {
   const StageTimes& t = session_.times();
-  std::array<TimedStage, 6> stages;
+  std::array<TimedStage, 7> stages;
   std::size_t count = 0;
   const auto add = [&](const char* name, double microseconds) { stages[count++] = {name, 1e-3 * microseconds}; };
   if (subject_.trackingSeconds) add("joints", 1e6 * subject_.trackingSeconds());
@@ -266,6 +282,7 @@ void WindowLoop::noteTimes() {
   add("points", t.points);
   add("hulls", t.hulls);
   add("physics", t.physics);
+  if (session_.world().particles() != nullptr) add("particles", t.particles);
   window_.addTimes(std::span(stages).first(count));
 }
 
@@ -291,7 +308,7 @@ void WindowLoop::show() {
   values.duration = subject_.duration;
   values.ended = ended_;
   values.parts = levels_.asked().value_or(static_cast<int>(session_.body().parts().size()));
-  values.mostParts = levels_.mostParts();
+  values.mostParts = onlyWatched() ? 0 : levels_.mostParts();
   values.preparingParts = levels_.asked().has_value();
   values.scenes = scenes_.names;
   values.scene = scenes_.present;

@@ -1,9 +1,14 @@
 #include "acd/decompose.h"
+#include "apps/action_tape.h"
 #include "apps/detail_levels.h"
 #include "apps/window_warnings.h"
+#include "capture/joint_csv.h"
 #include "collision/live_body.h"
+#include "session/demo_scene.h"
+#include "session/treated_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
+#include "tests/session/small_session.h"
 
 #include <gtest/gtest.h>
 
@@ -130,6 +135,84 @@ TEST(DetailLevels, AreMadeOffTheFrameAndTheLastOneAskedForComes) {
   EXPECT_EQ(levels.take(), finest) << "is there at once";
   levels.ask(4);
   EXPECT_EQ(levels.take(), four) << "is kept";
+}
+
+/// A session that can begin anew, and what a person does in it.
+struct TapedSession {
+  std::vector<SkeletonFrame> frames = test::shippedFrames("walk", 40);
+  Session session = test::demoSession(source());
+  ActionTape tape;
+
+  [[nodiscard]] std::unique_ptr<PoseSource> source() const {
+    return makeTreatedSource(mannequin(), makeRecordedSource(frames), {}).value();
+  }
+  /// From the first frame. @return the hashes after each
+  std::vector<SessionHashes> runAnew(int count) {
+    tape.rewind();
+    session.restart(source(), makeDemoWorld(kDemoSeed));
+    return run(count);
+  }
+  std::vector<SessionHashes> run(int count) {
+    std::vector<SessionHashes> hashes;
+    for (int i = 0; i < count; ++i) {
+      tape.redo(session);
+      EXPECT_TRUE(session.step().value());
+      hashes.push_back(session.hashes());
+    }
+    return hashes;
+  }
+};
+
+const WorldAction& aBall() {
+  static const WorldAction ball = WorldAction::throwBall({0.0, 1.2, 1.5}, {0.0, 1.0, -6.0}, 0.1);
+  return ball;
+}
+
+TEST(ActionTape, ARunFromTheStartDoesTheSameAgain) {
+  TapedSession s;
+  const std::vector<SessionHashes> untouched = s.runAnew(30);
+  s.runAnew(5);
+  std::vector<SessionHashes> first = {s.session.hashes()};
+  const auto act = [&s](const WorldAction& action) { s.tape.act(s.session, action); };
+  const auto runOn = [&](int count) {
+    for (const SessionHashes& h : s.run(count)) first.push_back(h);
+  };
+  act(aBall());
+  runOn(3);
+  act(WorldAction::grab(0, s.session.world().props()[0].worldFromProp.translation()));
+  for (int i = 0; i < 8; ++i) {
+    act(WorldAction::moveGrab(Vec3(0.3, 0.5 + 0.05 * i, 0.8)));
+    runOn(1);
+  }
+  act(WorldAction::release());
+  runOn(14);
+  const std::vector<SessionHashes> again = s.runAnew(30);
+  for (std::size_t f = 0; f < first.size(); ++f) EXPECT_EQ(first[f], again[f + 4]) << f + 4;
+  EXPECT_NE(again.back().props, untouched.back().props);
+  EXPECT_EQ(s.runAnew(30).back(), again.back()) << "and a third time";
+}
+
+TEST(ActionTape, WhatIsDoneAnewTakesThePlaceOfWhatFollowed) {
+  TapedSession s;
+  s.runAnew(3);
+  s.tape.act(s.session, WorldAction::grab(0, s.session.world().props()[0].worldFromProp.translation()));
+  for (int i = 0; i < 10; ++i) {
+    s.tape.act(s.session, WorldAction::moveGrab(Vec3(0.3, 0.5, 0.8)));
+    s.run(1);
+  }
+  s.tape.act(s.session, WorldAction::release());
+  s.run(5);
+  s.runAnew(8);  // it is held now
+  ASSERT_TRUE(s.session.world().held().has_value());
+  EXPECT_TRUE(s.tape.goesOn());
+  s.tape.act(s.session, aBall());
+  EXPECT_FALSE(s.tape.goesOn());
+  s.run(2);
+  EXPECT_FALSE(s.session.world().held().has_value()) << "whoever was to let go later is forgotten";
+  const SessionHashes second = s.session.hashes();
+  EXPECT_EQ(s.runAnew(10).back(), second);
+  s.tape.clear();
+  EXPECT_NE(s.runAnew(10).back(), second);
 }
 
 TEST(WindowWarnings, NameWhatIsLost) {

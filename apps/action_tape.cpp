@@ -1,0 +1,20 @@
+#include "apps/action_tape.h"
+
+namespace lorica {
+
+void ActionTape::act(Session& session, const WorldAction& action) {
+  if (goesOn()) {
+    done_.resize(next_);
+    // What was to let go is forgotten too.
+    if (session.world().held() && action.kind != WorldAction::Kind::kRelease) act(session, WorldAction::release());
+  }
+  session.act(action);
+  done_.push_back({session.frameCount(), action});
+  next_ = done_.size();
+}
+
+void ActionTape::redo(Session& session) {
+  for (; goesOn() && done_[next_].frame <= session.frameCount(); ++next_) session.act(done_[next_].action);
+}
+
+}  // namespace lorica

@@ -1,0 +1,56 @@
+#include "apps/run_session.h"
+
+#include "apps/interrupt.h"
+#include "apps/progress_bar.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace lorica {
+namespace {
+
+constexpr int kWindowWidth = 1280;
+constexpr int kWindowHeight = 720;
+
+}  // namespace
+
+Result<void> checkWindow(bool wanted, const std::string& instead) {
+  if (!wanted || displayAvailable()) return {};
+  return Error{ErrorCode::kNoDisplay,
+               fmt::format("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead)};
+}
+
+Result<Window> openWindow(const std::string& name, double height) {
+  Result<Window> window = Window::create(name.empty() ? "Lorica" : "Lorica: " + name, kWindowWidth, kWindowHeight);
+  if (window) window->setCamera(windowCamera(height));
+  return window;
+}
+
+Result<void> runInOwnWindow(WindowSubject& subject, const PlaybackOptions& options) {
+  Result<Window> window = openWindow(subject.name, subject.session.character().height);
+  if (!window) return window.error();
+  const Result<WindowEnd> end = runInWindow(*window, subject, options);
+  if (!end) return end.error();
+  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
+  return {};
+}
+
+Result<DrawnFiles> runHeadless(const HeadlessRun& run, const SnapshotOptions& pictures, Session& session) {
+  Result<std::optional<SnapshotSeries>> series = SnapshotSeries::create(pictures, session);
+  if (!series) return series.error();
+  ProgressBar bar(run.doing + " " + run.name, run.unit);
+  for (int frame = 0; frame < run.frames; ++frame) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<bool> more = session.step();
+    if (!more) return more.error();
+    if (!*more) break;
+    if (run.stepped) run.stepped();
+    bar.update(frame + 1, run.frames);
+    if (!*series) continue;
+    if (Result<void> drawn = (*series)->add(session, run.name); !drawn) return drawn.error();
+  }
+  return *series ? (*series)->finish() : DrawnFiles();
+}
+
+}  // namespace lorica
