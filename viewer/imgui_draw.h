@@ -21,8 +21,6 @@ class ImguiDraw {
   /// Draws over what is in the bound framebuffer. Coordinates are pixels of it, from its upper left.
   void draw(const ImDrawData& data, int width, int height);
 
-  [[nodiscard]] const GlFunctions& gl() const { return gpu_.gl; }
-
  private:
   Gpu gpu_;
   GLuint program_ = 0, vertexArray_ = 0, indices_ = 0, font_ = 0;

@@ -44,12 +44,6 @@ constexpr std::array kHelp = {HelpLine{"left drag", "turn the camera, or move a 
                               HelpLine{"H", "hide this help"},
                               HelpLine{"esc", "close"}};
 
-/// The present window belongs to the panels.
-void note(PanelLayout& layout) {
-  const ImVec2 place = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-  layout.panels.push_back({place.x, place.y, place.x + size.x, place.y + size.y});
-}
-
 /// A check box with its key at the right edge.
 void toggle(const char* name, const char* key, bool& value) {
   ImGui::Checkbox(name, &value);
@@ -92,6 +86,11 @@ void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark
 }
 
 }  // namespace
+
+void notePanel(PanelLayout& layout) {
+  const ImVec2 place = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  layout.panels.push_back({place.x, place.y, place.x + size.x, place.y + size.y});
+}
 
 void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold) {
   if (fold.small == layout.small()) return;
@@ -199,7 +198,7 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const Window
       ImGui::TextColored(kFaint, "%s", hint);
     }
   }
-  note(layout);
+  notePanel(layout);
   layout.floor = ImGui::GetWindowPos().y;
   ImGui::End();
 }
@@ -267,7 +266,7 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const Window
       state.video = true;
     }
   }
-  note(layout);
+  notePanel(layout);
   ImGui::End();
 }
 
@@ -302,7 +301,7 @@ void drawHelp(PanelLayout& layout) {
     ImGui::TextUnformatted(help.what);
     ImGui::PopStyleColor();
   }
-  note(layout);
+  notePanel(layout);
   ImGui::End();
 }
 

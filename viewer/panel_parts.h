@@ -52,6 +52,9 @@ void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold);
 /// After it.
 void noteFold(PanelLayout::Fold& fold);
 
+/// Before the End() of a panel: the mouse over it belongs to it.
+void notePanel(PanelLayout& layout);
+
 /// Dark, translucent, for text of kPanelLine * scale.
 void setPanelStyle(float scale);
 

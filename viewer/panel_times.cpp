@@ -95,8 +95,7 @@ void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGra
     ImGui::TextUnformatted("pictures a second");
     rightText("%.0f", facts.picturesASecond);
   }
-  const ImVec2 place = ImGui::GetWindowPos(), extent = ImGui::GetWindowSize();
-  layout.panels.push_back({place.x, place.y, place.x + extent.x, place.y + extent.y});
+  notePanel(layout);
   ImGui::End();
 }
 

@@ -106,17 +106,8 @@ bool Window::wantsStep() {
 bool Window::paused() const {
   return impl_->state.paused;
 }
-void Window::setPaused(bool paused) {
-  impl_->state.paused = paused;
-}
 double Window::speed() const {
   return impl_->state.speed;
-}
-void Window::setOptions(const SceneOptions& options) {
-  impl_->state.show = options;
-}
-const SceneOptions& Window::options() const {
-  return impl_->state.show;
 }
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);

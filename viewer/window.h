@@ -27,7 +27,6 @@ class Window {
   /// Whether the simulation should advance by a frame: not paused, or a single step was asked for, which this takes.
   [[nodiscard]] bool wantsStep();
   [[nodiscard]] bool paused() const;
-  void setPaused(bool paused);
   /// How fast to play, 1 = as recorded.
   [[nodiscard]] double speed() const;
 
@@ -44,9 +43,6 @@ class Window {
   /// Shows a sentence for three seconds.
   void notice(std::string sentence);
 
-  /// What is shown at first, before any key.
-  void setOptions(const SceneOptions& options);
-  [[nodiscard]] const SceneOptions& options() const;
   /// Where the camera starts and what R returns to.
   void setCamera(const Camera& camera);
   /// Draws at this quality, whatever it takes; none = as the machine can, which is how it starts.

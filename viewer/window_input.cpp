@@ -23,6 +23,7 @@ void Window::Impl::listen() {
     const bool repeats = key == GLFW_KEY_N || key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
     if (action == GLFW_PRESS || (action == GLFW_REPEAT && repeats)) kOf(w)->onKey(key, mods);
   });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) { kOf(w)->onCharacter(code); });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { kOf(w)->onCursor(x, y); });
   glfwSetMouseButtonCallback(
       window, [](GLFWwindow* w, int button, int action, int) { kOf(w)->onButton(button, action == GLFW_PRESS); });
@@ -38,7 +39,6 @@ void Window::Impl::seekBy(double seconds) {
 }
 
 void Window::Impl::onKey(int key, int mods) {
-  const int parts = requests.parts.value_or(lastValues.parts);
   switch (key) {
     case GLFW_KEY_SPACE:
       return toggle(state.paused);
@@ -52,14 +52,6 @@ void Window::Impl::onKey(int key, int mods) {
       return seekBy(kSeekStep);
     case GLFW_KEY_HOME:
       if (lastValues.duration > 0.0) requests.seekTo = 0.0;
-      return;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-      if (lastValues.duration > 0.0) state.speed = std::max(state.speed / kSpeedStep, kSlowest);
-      return;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-      if (lastValues.duration > 0.0) state.speed = std::min(state.speed * kSpeedStep, kFastest);
       return;
     case GLFW_KEY_1:
       return toggle(state.show.skin);
@@ -77,12 +69,6 @@ void Window::Impl::onKey(int key, int mods) {
       return toggle(state.show.particles);
     case GLFW_KEY_C:
       return toggle(state.show.colorSkinByPart);
-    case GLFW_KEY_LEFT_BRACKET:
-      if (lastValues.mostParts > 0) requests.parts = std::max(parts - 1, 1);
-      return;
-    case GLFW_KEY_RIGHT_BRACKET:
-      if (lastValues.mostParts > 0) requests.parts = std::min(parts + 1, lastValues.mostParts);
-      return;
     case GLFW_KEY_B:
       requests.throwBall = true;
       return;
@@ -100,6 +86,28 @@ void Window::Impl::onKey(int key, int mods) {
       return toggle(state.help);
     case GLFW_KEY_ESCAPE:
       glfwSetWindowShouldClose(window, GLFW_TRUE);
+      return;
+    default:
+      return;
+  }
+}
+
+/// Signs are taken as they are typed: keyboards have them in different places.
+void Window::Impl::onCharacter(unsigned int code) {
+  const int parts = requests.parts.value_or(lastValues.parts);
+  switch (code) {
+    case '-':
+      if (lastValues.duration > 0.0) state.speed = std::max(state.speed / kSpeedStep, kSlowest);
+      return;
+    case '+':
+    case '=':
+      if (lastValues.duration > 0.0) state.speed = std::min(state.speed * kSpeedStep, kFastest);
+      return;
+    case '[':
+      if (lastValues.mostParts > 0) requests.parts = std::max(parts - 1, 1);
+      return;
+    case ']':
+      if (lastValues.mostParts > 0) requests.parts = std::min(parts + 1, lastValues.mostParts);
       return;
     default:
       return;

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
+#include <string_view>
 
 namespace lorica {
 namespace {
@@ -127,98 +129,56 @@ struct Golden : ::testing::Test {
     return false;
   }
 
-  /// Draws with the overlay and compares with its golden picture; without it the comparison must fail, or it could not
-  /// tell.
-  void expectOverlay(const std::string& name, const Scene& with, const SceneOptions& options, const Scene& without,
-                     const SceneOptions& lacking) const {
-    LORICA_REQUIRE_STUDIO(studio, "");
-    const Image picture = studio->draw(with, options, camera, kWidth, kHeight);
-    test::expectGolden(name, picture);
-    const Image bare = studio->draw(without, lacking, camera, kWidth, kHeight);
-    EXPECT_GT(test::pictureError(bare, test::readGolden(name)).wrong, 4.0 * test::kMostWrong)
-        << name << ": the comparison does not see that it is missing";
+  [[nodiscard]] SceneOptions showing(std::string_view what) const {
+    SceneOptions show = nothing;
+    const auto has = [what](std::string_view word) { return what.find(word) != std::string_view::npos; };
+    show.skin = has("skin");
+    show.colorSkinByPart = has("colours");
+    show.hulls = has("hulls");
+    show.bones = has("bones");
+    show.props = has("props");
+    show.contacts = has("contacts");
+    show.particles = has("particles");
+    show.ground = has("ground");
+    if (has("caption")) show.caption = "walk   1.5 s   16 convex parts";
+    if (has("panel")) show.panel = "pose\t0.12 ms\nhulls\t0.40 ms\nphysics\t0.31 ms";
+    return show;
+  }
+
+  [[nodiscard]] Image drawn(test::Studio& studio, std::string_view what) const {
+    Scene shown = scene;
+    if (what.find("inset") != std::string_view::npos) shown.inset = &inset;
+    return studio.draw(shown, showing(what), camera, kWidth, kHeight);
   }
 };
 
-TEST_F(Golden, Skin) {
-  SceneOptions show = nothing;
-  show.skin = true;
-  expectOverlay("skin", scene, show, scene, nothing);
+/// An overlay with what it is seen on, and the same without it.
+struct Overlay {
+  const char* name;
+  const char* with;
+  const char* without;
+};
+
+class GoldenOverlay : public Golden, public ::testing::WithParamInterface<Overlay> {};
+
+TEST_P(GoldenOverlay, IsAsItWas) {
+  const auto& [name, with, without] = GetParam();
+  LORICA_REQUIRE_STUDIO(studio, "");
+  test::expectGolden(name, drawn(*studio, with));
+  // Without the overlay the comparison must fail, or it could not tell.
+  EXPECT_GT(test::pictureError(drawn(*studio, without), test::readGolden(name)).wrong, 4.0 * test::kMostWrong)
+      << name << ": the comparison does not see that it is missing";
 }
 
-TEST_F(Golden, Parts) {
-  SceneOptions show = nothing;
-  show.skin = true;
-  SceneOptions plain = show;
-  show.colorSkinByPart = true;
-  expectOverlay("parts", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Hulls) {
-  SceneOptions plain = nothing;
-  plain.skin = true;
-  SceneOptions show = plain;
-  show.hulls = true;
-  expectOverlay("hulls", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Bones) {
-  SceneOptions plain = nothing;
-  plain.skin = true;
-  SceneOptions show = plain;
-  show.bones = true;
-  expectOverlay("bones", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Props) {
-  SceneOptions plain = nothing;
-  plain.ground = true;
-  SceneOptions show = plain;
-  show.props = true;
-  expectOverlay("props", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Contacts) {
-  SceneOptions plain = nothing;
-  plain.skin = true;
-  SceneOptions show = plain;
-  show.contacts = true;
-  expectOverlay("contacts", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Ground) {
-  SceneOptions plain = nothing;
-  plain.skin = plain.props = true;
-  SceneOptions show = plain;
-  show.ground = true;
-  expectOverlay("ground", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Particles) {
-  SceneOptions plain = nothing;
-  plain.skin = plain.ground = true;
-  SceneOptions show = plain;
-  show.particles = true;
-  expectOverlay("particles", scene, show, scene, plain);
-}
-
-TEST_F(Golden, Inset) {
-  Scene with = scene;
-  with.inset = &inset;
-  expectOverlay("inset", with, nothing, scene, nothing);
-}
-
-TEST_F(Golden, Caption) {
-  SceneOptions show = nothing;
-  show.caption = "walk   1.5 s   16 convex parts";
-  expectOverlay("caption", scene, show, scene, nothing);
-}
-
-TEST_F(Golden, Panel) {
-  SceneOptions show = nothing;
-  show.panel = "pose\t0.12 ms\nhulls\t0.40 ms\nphysics\t0.31 ms";
-  expectOverlay("panel", scene, show, scene, nothing);
-}
+INSTANTIATE_TEST_SUITE_P(
+    Each, GoldenOverlay,
+    ::testing::Values(Overlay{"skin", "skin", ""}, Overlay{"parts", "skin colours", "skin"},
+                      Overlay{"hulls", "skin hulls", "skin"}, Overlay{"bones", "skin bones", "skin"},
+                      Overlay{"props", "ground props", "ground"}, Overlay{"contacts", "skin contacts", "skin"},
+                      Overlay{"ground", "skin props ground", "skin props"},
+                      Overlay{"particles", "skin ground particles", "skin ground"}, Overlay{"inset", "inset", ""},
+                      Overlay{"caption", "caption", ""}, Overlay{"panel", "panel", ""}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST(PictureError, SmallDifferencesAreNone) {
   Image a{40, 30, std::vector<std::uint8_t>(40 * 30 * 4, 200)};
