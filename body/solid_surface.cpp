@@ -50,21 +50,23 @@ class Solid {
  private:
   Result<void> layGrid() {
     const Aabb box = surfaceBounds(source_.mesh);
+    const auto sizesOf = [&](double voxel) -> Vec3 {
+      return ((box.max - box.min).array() / voxel + 2.0 * (kBand + 2)).ceil() + 1.0;
+    };
     const Vec3 margin = Vec3::Constant((kBand + 2) * voxel_);
-    double count = 1.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      const double size = std::ceil((box.max - box.min + 2.0 * margin)[axis] / voxel_) + 1.0;
-      count *= size;
-      if (!(count <= static_cast<double>(kMostVoxels))) {
-        return Error{
-            ErrorCode::kInvalidArgument,
-            fmt::format(
-                "voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} of them",
-                voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMostVoxels)};
-      }
-      grid_.size[i] = static_cast<int>(size);
+    const Vec3 sizes = sizesOf(voxel_);
+    const double count = sizes.prod();
+    if (!(count <= static_cast<double>(kMostVoxels))) {
+      constexpr double kFiner = 1.02;
+      double least = voxel_ * kFiner;  // with room for what rounding takes off
+      while (!(sizesOf(least / kFiner).prod() <= static_cast<double>(kMostVoxels))) least *= kFiner;
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} "
+                               "of them, expected voxels of at least {:.3g} m",
+                               voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(),
+                               kMostVoxels, least)};
     }
+    for (std::size_t i = 0; i < 3; ++i) grid_.size[i] = static_cast<int>(sizes[static_cast<Eigen::Index>(i)]);
     grid_.origin = box.min - margin;
     grid_.values.assign(static_cast<std::size_t>(count), 0.0f);
     return {};

@@ -212,6 +212,7 @@ TEST(Body, DegenerateInputIsRefusedInWords) {
   ASSERT_FALSE(fine.ok());
   EXPECT_EQ(fine.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(fine.error().message.find("voxels of 1e-06 m"), std::string::npos) << fine.error().message;
+  EXPECT_NE(fine.error().message.find("expected voxels of at least 0."), std::string::npos) << fine.error().message;
   const Result<Body> coarse = makeBody(open, {.resolution = 0.13});
   ASSERT_FALSE(coarse.ok());
   EXPECT_EQ(coarse.error().message,
