@@ -25,6 +25,7 @@ constexpr float kMomentum = 0.7F;           ///< of the last step, in the predic
 // squat, proportions drift to what is wrong for all others.
 constexpr int kLearningViews = 30;
 constexpr float kLearning = 0.01F;
+constexpr float kLearningCut = 0.001F;  // while the image has not shown the whole body for long enough
 constexpr float kLearnt = 0.0003F;
 
 constexpr int kEarlyViews = 60;        ///< in which rivals are sought without pause
@@ -109,6 +110,7 @@ bool PersonFit::start(const BodyView& view) {
   take(search_.found());
   started_ = true;
   views_ = 0;
+  wholeViews_ = 0;
   sinceChallenge_ = 0;
   return true;
 }
@@ -215,7 +217,9 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
                    : usualCost_ + (cost_.image() < usualCost_ ? 0.3F : kUsualRise) * (cost_.image() - usualCost_);
   ++views_;
   std::array<float, kProportionCount> deviation;
-  deviation.fill(views_ < kLearningViews ? kLearning : kLearnt);
+  wholeViews_ += view.cut() ? 0 : 1;
+  const bool learning = wholeViews_ < kLearningViews;
+  deviation.fill(views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
   fitter_.refineProportions(view, deviation, pose_, proportions_);
   support_ = fitter_.supportOf(view, proportions_, pose_);
   confidence_.update(support_);

@@ -47,6 +47,7 @@ class PersonFit {
   PersonSearch search_;
   bool started_ = false;
   int views_ = 0;              ///< followed since the person came
+  int wholeViews_ = 0;         ///< of those, that showed all of the body
   int lost_ = 0;               ///< views in a row that the body does not explain
   V3 oldMiddle_ = V3::Zero();  ///< of the last view
   BodyPose pose_;
