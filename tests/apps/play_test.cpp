@@ -62,11 +62,12 @@ TEST(Play, PathAndNameMeanTheSame) {
   EXPECT_EQ(hashOf("wave"), hashOf(recordingsFolder() / "wave.csv"));
 }
 
-TEST(Play, SnapshotsAreWritten) {
+TEST(Play, SnapshotsAndAFilmAreWritten) {
   const TemporaryFolder folder;
   const std::filesystem::path pictures = folder.path() / "pictures";
+  const std::filesystem::path film = folder.path() / "film.gif";
   const CommandResult result = runLorica({"play", "wave", "--decomposition", makeBody(folder), "--frames", "7",
-                                          "--snapshots", pictures, "--every", "3", "--json", "-"});
+                                          "--snapshots", pictures, "--every", "3", "--video", film, "--json", "-"});
   if (result.exitCode == 2 && result.err.find("OSMesa") != std::string::npos) GTEST_SKIP() << result.err;
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["snapshots"], 3);
@@ -75,6 +76,14 @@ TEST(Play, SnapshotsAreWritten) {
   ASSERT_TRUE(image);
   EXPECT_EQ(image->width, 1280);
   EXPECT_EQ(image->height, 720);
+  EXPECT_EQ(result.json()["videoFrames"], 4) << "of 7 frames at 30 Hz every other one";
+  EXPECT_GT(std::filesystem::file_size(film), 10'000u);
+}
+
+TEST(Play, ACameraWithoutPicturesIsRefused) {
+  const CommandResult result = runLorica({"play", "wave", "--camera", "front"});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_NE(result.err.find("--snapshots or --video"), std::string::npos) << result.err;
 }
 
 TEST(Play, WindowWithoutDisplaySaysWhatToDo) {
