@@ -8,6 +8,7 @@
 #include "collision/cover.h"
 #include "collision/live_body.h"
 #include "collision/rigid_fit.h"
+#include "collision/self_contact.h"
 #include "session/keyframes.h"
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
@@ -87,9 +88,11 @@ struct FrameTimes {
 /// @param start  called before each pass over a motion
 /// @param frame  does the work of one frame; its time counts
 /// @param hash   of the frame's outcome
+/// @param before  makes ready what the frame needs; its time does not count
 FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t stride,
                       const std::function<void()>& start, const std::function<void(std::span<const Affine3>)>& frame,
-                      const std::function<std::uint64_t(std::uint64_t)>& hash) {
+                      const std::function<std::uint64_t(std::uint64_t)>& hash,
+                      const std::function<void(std::span<const Affine3>)>& before = nullptr) {
   FrameTimes times;
   std::size_t first = 0;
   for (const Motion& motion : motions) {
@@ -97,8 +100,10 @@ FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t 
     times.us.resize(first + (count + stride - 1) / stride, std::numeric_limits<double>::infinity());
     for (int repeat = 0; repeat < repeats; ++repeat) {
       start();
+      if (before) before(motion.worldFromModel.front());
       frame(motion.worldFromModel.front());  // the first one builds
       for (std::size_t f = 0; f < count; f += stride) {
+        if (before) before(motion.worldFromModel[f]);
         const Clock::time_point begin = Clock::now();
         frame(motion.worldFromModel[f]);
         const double us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
@@ -255,6 +260,15 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const std::vector<Motion> jumps = {jumpsBetween(motions)};
   row("hulls with faces after a jump", timeFrames(jumps, repeats, 1, startBody, update, hashBody), bullet,
       "btConvexHullComputer on the same points");
+
+  SelfContactQuery query(LiveBody(plan), character.mesh.vertices);
+  std::span<const SelfContact> found;
+  const auto ask = [&](std::span<const Affine3> /*matrices*/) { found = query.find(body->parts()); };
+  const auto hashFound = [&](std::uint64_t h) {
+    for (const SelfContact& contact : found) h = XXH3_64bits_withSeed(&contact.depth, sizeof(contact.depth), h);
+    return h;
+  };
+  row("self-contacts", timeFrames(motions, repeats, 1, startBody, ask, hashFound, update), hulls, "hulls with faces");
 
   fmt::print("# {} vertices, {} joints, {} parts; {} frames at 60 Hz\n", character.mesh.vertices.size(),
              character.skeleton.jointCount(), decomposition.parts.size(), skinning.us.size());
