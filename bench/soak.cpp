@@ -27,7 +27,7 @@ World makeBed(ParticleSettings::Kind kind) {
   settings.kind = kind;
   settings.radius = 0.02;
   settings.walls = Aabb{Vec3(-1.2, 0.0, -1.2), Vec3(1.2, 4.0, 1.2)};
-  settings.fills.push_back({Vec3(0.0, 0.1, 0.0), Vec3(2.4, 0.2, 2.4), 8000});
+  settings.fills.push_back({Vec3(0.0, 0.1, 0.0), Vec3(2.4, 0.2, 2.4), 4000});
   World world;
   world.setParticles(settings);
   return world;
