@@ -270,6 +270,21 @@ void World::Impl::collectContacts() {
   }
 }
 
+// A part goes where it goes, and may press a prop into the floor. From half its depth on it would fall through.
+void World::Impl::keepAboveFloor() {
+  if (!settings.floor) return;
+  for (const PropBody& prop : propBodies) {
+    btRigidBody& body = *prop.body;
+    const btVector3 place = body.getWorldTransform().getOrigin();
+    if (body.isStaticObject() || place.y() >= 0.0f) continue;
+    btTransform lifted = body.getWorldTransform();
+    lifted.setOrigin(btVector3(place.x(), 0.0f, place.z()));
+    body.setWorldTransform(lifted);
+    const btVector3 velocity = body.getLinearVelocity();
+    body.setLinearVelocity(btVector3(velocity.x(), std::max(velocity.y(), 0.0f), velocity.z()));
+  }
+}
+
 void World::Impl::noteContact(const Contact& contact) {
   for (Contact& known : contacts) {
     if (known.part != contact.part || known.prop != contact.prop) continue;
@@ -336,6 +351,7 @@ void World::step(std::span<const LivePart> parts, double seconds) {
     impl_->drawGrabbed(length);
     impl_->world.stepSimulation(static_cast<btScalar>(length), 0);
     impl_->collectContacts();
+    impl_->keepAboveFloor();
     done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
   }
   for (const std::unique_ptr<PartBody>& part : impl_->parts) part->body->setWorldTransform(part->sweep.at(1.0));

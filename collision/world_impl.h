@@ -86,6 +86,7 @@ struct World::Impl {
   void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
   void collectContacts();
+  void keepAboveFloor();
   void noteContact(const Contact& contact);
   void readProps();
 };

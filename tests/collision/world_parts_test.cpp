@@ -54,6 +54,22 @@ TEST(WorldParts, AHandAtTwoMetresASecondGivesABoxAtLeastThat) {
   }
 }
 
+TEST(WorldParts, APropThatAFootPressesIntoTheFloorDoesNotGoThroughIt) {
+  for (const double x : {0.0, 0.05}) {
+    World world;
+    world.addProp(makeProp(PropShape::kBox, 0.1, at(0, 0.1, 0)));
+    LivePart foot = makeBoxPart(Vec3(0.3, 0.05, 0.3), at(x, 0.5, 0));
+    for (int i = 1; i <= 30; ++i) {
+      moveTo(foot, at(x, std::max(0.05, 0.5 - 0.05 * i), 0));
+      world.step({&foot, 1}, kFrame);
+      EXPECT_GE(placeOf(world).y(), -1e-6) << "frame " << i;
+    }
+    moveTo(foot, at(5, 0.5, 0));
+    for (int i = 0; i < 60; ++i) world.step({&foot, 1}, kFrame);
+    EXPECT_NEAR(placeOf(world).y(), 0.1, 0.005) << "it comes up again";
+  }
+}
+
 TEST(WorldParts, ATurningArmGivesTheSpeedOfThePlaceItHitsWith) {
   World world = weightless();
   Prop prop = makeProp(PropShape::kSphere, 0.05, at(0.4, 1.5, 0.2));
