@@ -186,9 +186,9 @@ std::vector<TrackedMotion> formulaMotions() {
   for (int i = 0; i < kSyntheticMotionCount; ++i) {
     const auto which = static_cast<SyntheticMotion>(i);
     const bool boxing = which == SyntheticMotion::kPunchAndKick;
-    all.push_back(made(std::string(nameOf(which)), boxing ? MotionKind::kBoxing : MotionKind::kOrdinary,
-                       which == SyntheticMotion::kWalk ? shortened(synthesizeMotion(which), kRoom)
-                                                       : synthesizeMotion(which)));
+    all.push_back(
+        made(std::string(nameOf(which)), boxing ? MotionKind::kBoxing : MotionKind::kOrdinary,
+             which == SyntheticMotion::kWalk ? shortened(synthesizeMotion(which), kRoom) : synthesizeMotion(which)));
   }
   all.push_back(made("walk_far", MotionKind::kFar, synthesizeMotion(SyntheticMotion::kWalk)));
   const std::vector<SkeletonFrame> wave = synthesizeMotion(SyntheticMotion::kWave);
