@@ -21,9 +21,6 @@ set(LORICA_SANITIZE "" CACHE STRING "Sanitizers for the whole build, as for -fsa
 if(LORICA_SANITIZE)
   add_compile_options(-fsanitize=${LORICA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LORICA_SANITIZE})
-  # One instruction set, which takes minutes less to compile: the tests of the release build run all of them.
-  add_compile_options(-mssse3 -msse4.1 -mpclmul -maes)
-  add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
 endif()
 
 # The headers that nearly every file includes take longer than most files themselves: they are compiled once for all
