@@ -1,9 +1,11 @@
 #include "viewer/text.h"
 
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <utility>
 
@@ -117,10 +119,10 @@ std::string fittedText(std::string_view text, int lineHeight, int width) {
     line.clear();
   };
   while (words >> word) {
-    if (!line.empty() && !fits(line + blanks + word)) endLine();
+    if (!line.empty() && !fits(fmt::format("{}{}{}", line, blanks, word))) endLine();
     if (!line.empty()) line += blanks;
     if (!fits(word)) {
-      while (!word.empty() && !fits(word + "..")) word.pop_back();
+      while (!word.empty() && !fits(fmt::format("{}..", word))) word.pop_back();
       word += "..";
     }
     line += word;
