@@ -114,6 +114,11 @@ class WindowLoop {
 };
 
 Result<WindowEnd> WindowLoop::run() {
+  // The first step takes seconds where sand settles in it: the window does not stay black so long.
+  if (session_.world().particles() != nullptr) {
+    window_.notice("sand and water settle first");
+    for (int picture = 0; picture < 2; ++picture) show();
+  }
   while (window_.open()) {
     if (interrupted()) return WindowEnd::kInterrupted;
     if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
