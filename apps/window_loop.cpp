@@ -91,6 +91,7 @@ class WindowLoop {
   Result<void> step();
   Result<void> restart();
   Result<void> changeScene(int scene);
+  void saySettling();
   void noteTimes();
   void describe();
   void show();
@@ -113,12 +114,16 @@ class WindowLoop {
   std::vector<int> touched_;
 };
 
+// The first step takes seconds where sand settles in it: the window says so before, with a picture.
+void WindowLoop::saySettling() {
+  const Particles* particles = session_.world().particles();
+  if (particles == nullptr || particles->settings().settleSeconds <= 0.0) return;
+  window_.notice("sand and water settle first");
+  for (int picture = 0; picture < 2; ++picture) show();
+}
+
 Result<WindowEnd> WindowLoop::run() {
-  // The first step takes seconds where sand settles in it: the window does not stay black so long.
-  if (session_.world().particles() != nullptr) {
-    window_.notice("sand and water settle first");
-    for (int picture = 0; picture < 2; ++picture) show();
-  }
+  saySettling();
   while (window_.open()) {
     if (interrupted()) return WindowEnd::kInterrupted;
     if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
@@ -172,6 +177,7 @@ Result<void> WindowLoop::changeScene(int scene) {
   hands_.forget();
   if (subject_.sourceAnew) return restart();
   session_.setWorld(std::move(*world));
+  saySettling();
   return {};
 }
 
@@ -192,6 +198,7 @@ Result<void> WindowLoop::restart() {
   warnings_.clear();
   started_ = ended_ = false;
   frameBegin_ = 0.0;
+  saySettling();
   due_ = now();
   return {};
 }
