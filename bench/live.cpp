@@ -3,13 +3,13 @@
 #include "acd/level_of_detail.h"
 #include "acd/transfer.h"
 #include "bench/measure.h"
+#include "bench/walker.h"
 #include "capture/retarget.h"
 #include "capture/synthetic_motion.h"
 #include "collision/cover.h"
 #include "collision/live_body.h"
 #include "collision/rigid_fit.h"
 #include "collision/self_contact.h"
-#include "session/keyframes.h"
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin.h"
@@ -134,18 +134,6 @@ double volumeOf(const LiveBody& body) {
   double sum = 0.0;
   for (const LivePart& part : body.parts()) sum += part.shape.volume;
   return sum;
-}
-
-Result<Decomposition> decomposeMannequin(const Character& character, int parts) {
-  std::vector<SkeletalMotion> training;
-  training.reserve(kSyntheticMotionCount);
-  for (int m = 0; m < kSyntheticMotionCount; ++m) {
-    training.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
-  }
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
-  if (!keyframes) return keyframes.error();
-  const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
-  return decompose(character.mesh, poses, {.maxParts = parts});
 }
 
 /// Poses of all motions in turn, each far from the one before.

@@ -12,21 +12,29 @@
 
 namespace lorica::bench {
 
-Result<Walker> makeWalker(int parts, int hullVertices) {
-  const Character character = makeMannequin();
-  std::vector<SkeletalMotion> training;
-  training.reserve(kSyntheticMotionCount);
+std::vector<SkeletalMotion> syntheticMotions(const Character& character) {
+  std::vector<SkeletalMotion> motions;
+  motions.reserve(kSyntheticMotionCount);
   for (int m = 0; m < kSyntheticMotionCount; ++m) {
-    training.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+    motions.push_back(perform(character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
   }
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
+  return motions;
+}
+
+Result<Decomposition> decomposeMannequin(const Character& character, int parts) {
+  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, syntheticMotions(character), 12);
   if (!keyframes) return keyframes.error();
   const PoseView poses{*keyframes, static_cast<int>(character.mesh.vertices.size())};
-  Result<Decomposition> decomposition = decompose(character.mesh, poses, {.maxParts = parts});
+  return decompose(character.mesh, poses, {.maxParts = parts});
+}
+
+Result<Walker> makeWalker(int parts, int hullVertices) {
+  const Character character = makeMannequin();
+  Result<Decomposition> decomposition = decomposeMannequin(character, parts);
   if (!decomposition) return decomposition.error();
 
   Walker walker;
-  const Result<CoverPoses> coverIn = coverPoses(character, training);
+  const Result<CoverPoses> coverIn = coverPoses(character, syntheticMotions(character));
   if (!coverIn) return coverIn.error();
   const std::vector<LiftedPoint> points = liftPoints(character, *decomposition);
   Result<CoverPromise> cover =
