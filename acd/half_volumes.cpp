@@ -4,7 +4,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -91,10 +90,10 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
     mean /= static_cast<double>(points.size());
     Mat3 covariance = Mat3::Zero();
     for (const Vec3& p : points) covariance += (p - mean) * (p - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+    const SymmetricAxes solver = symmetricAxes(covariance);
     // Extents along the principal axes; a flat part is left flat rather than blown up.
-    const Vec3 extent = solver.eigenvalues().cwiseMax(1e-6 * solver.eigenvalues()[2]).cwiseSqrt();
-    const Mat3 round = extent.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
+    const Vec3 extent = solver.values.cwiseMax(1e-6 * solver.values[2]).cwiseSqrt();
+    const Mat3 round = extent.cwiseInverse().asDiagonal() * solver.vectors.transpose();
     scale_[k] = extent.prod();
     FloatPoints& own = points_[k];
     own.resize(points.size());

@@ -2,8 +2,6 @@
 
 #include "acd/outer_shell.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -66,11 +64,11 @@ OwnAxes ownAxesOf(const ConvexHull& hull) {
     Mat3 moments;
     momentsOf(hull, own, centroid, moments);
     if (!moments.allFinite()) break;
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(moments);
-    const double largest = solver.eigenvalues().maxCoeff();
+    const SymmetricAxes solver = symmetricAxes(moments);
+    const double largest = solver.values.maxCoeff();
     if (!(largest > 0.0)) break;
-    const Vec3 widths = solver.eigenvalues().cwiseMax(1e-14 * largest).cwiseSqrt();
-    const Mat3& directions = solver.eigenvectors();
+    const Vec3 widths = solver.values.cwiseMax(1e-14 * largest).cwiseSqrt();
+    const Mat3& directions = solver.vectors;
     axes.origin = axes.from(centroid);
     axes.bodyFromOwn = axes.bodyFromOwn * directions * widths.asDiagonal();
     axes.ownFromBody = widths.cwiseInverse().asDiagonal() * directions.transpose() * axes.ownFromBody;
@@ -190,8 +188,8 @@ BudgetedHull rectangleAround(const ConvexHull& flat) {
   for (const Vec3& p : flat.vertices) mean += p / static_cast<double>(flat.vertices.size());
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : flat.vertices) spread += (p - mean) * (p - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
-  const Mat3& directions = solver.eigenvectors();  // the flat one first
+  const SymmetricAxes solver = symmetricAxes(spread);
+  const Mat3& directions = solver.vectors;  // the flat one first
   Aabb box;
   for (const Vec3& p : flat.vertices) box.extend(directions.transpose() * (p - mean));
   BudgetedHull around;

@@ -6,7 +6,6 @@
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -81,10 +80,10 @@ class SplitSearch {
     for (const Vec3& p : hullPoints) mean += p / static_cast<double>(hullPoints.size());
     Mat3 covariance = Mat3::Zero();
     for (const Vec3& p : hullPoints) covariance += (p - mean) * (p - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+    const SymmetricAxes solver = symmetricAxes(covariance);
     std::vector<Vec3> axes = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
     for (int i = 0; i < 3; ++i) {
-      const Vec3 axis = solver.eigenvectors().col(i);
+      const Vec3 axis = solver.vectors.col(i);
       if (axis.cwiseAbs().maxCoeff() < 0.98) axes.push_back(axis);
     }
     for (const Vec3& axis : axes) {

@@ -31,9 +31,8 @@ Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const 
 
 }  // namespace
 
-void addBodyOptions(CLI::App& app, BodyOptions& options) {
-  app.add_option("--decomposition", options.decomposition, "What `lorica decompose -o` wrote")
-      ->type_name("FILE.lorica");
+void addBodyOptions(CommandLine& app, BodyOptions& options) {
+  app.addOption("--decomposition", options.decomposition, "What `lorica decompose -o` wrote")->typeName("FILE.lorica");
   addCover(
       app, options.cover.tolerance,
       "What the hulls hold: `exact`, the surface in every pose; a length: it may stick out so far before the hulls "

@@ -1,10 +1,9 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
+#include "apps/command_line.h"
 #include "apps/cover.h"
 #include "apps/inputs.h"
-
-#include <CLI/CLI.hpp>
 
 #include <string>
 
@@ -17,7 +16,7 @@ struct BodyOptions {
 };
 
 /// --decomposition, --cover, --hull-vertices.
-void addBodyOptions(CLI::App& app, BodyOptions& options);
+void addBodyOptions(CommandLine& app, BodyOptions& options);
 
 /// The decomposition with the cover that was asked for; without a request its own, exact where it has none.
 /// @param subject  a character

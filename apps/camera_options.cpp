@@ -34,13 +34,11 @@ std::optional<Vec3> placeOf(std::string_view text) {
   return place;
 }
 
-CLI::Validator isPlace() {
-  CLI::Validator validator("");
-  validator.operation([](std::string& text) -> std::string {
+TextCheck isPlace() {
+  return [](std::string& text) -> std::string {
     if (placeOf(text)) return "";
     return fmt::format("found `{}`, expected a place in metres, such as 1.5,1,-3", text);
-  });
-  return validator;
+  };
 }
 
 Vec3 directionOf(const std::string& preset) {
@@ -53,19 +51,19 @@ Vec3 directionOf(const std::string& preset) {
 
 }  // namespace
 
-void addCameraOptions(CLI::App& app, CameraOptions& options) {
-  CLI::Option* camera =
-      app.add_option("--camera", options.preset,
-                     "Look from the front, the side, the top or three-quarter; the camera follows the body [default: "
-                     "three-quarter]")
-          ->type_name("VIEW")
+void addCameraOptions(CommandLine& app, CameraOptions& options) {
+  Option* camera =
+      app.addOption("--camera", options.preset,
+                    "Look from the front, the side, the top or three-quarter; the camera follows the body [default: "
+                    "three-quarter]")
+          ->typeName("VIEW")
           ->check(oneOf({"front", "side", "top", "three-quarter"}));
-  CLI::Option* eye = app.add_option("--eye", options.eye, "Look from this place instead, in metres: 2,1.5,3")
-                         ->type_name("X,Y,Z")
-                         ->check(isPlace())
-                         ->excludes(camera);
-  CLI::Option* target =
-      app.add_option("--target", options.target, "And at this one")->type_name("X,Y,Z")->check(isPlace())->needs(eye);
+  Option* eye = app.addOption("--eye", options.eye, "Look from this place instead, in metres: 2,1.5,3")
+                    ->typeName("X,Y,Z")
+                    ->check(isPlace())
+                    ->excludes(camera);
+  Option* target =
+      app.addOption("--target", options.target, "And at this one")->typeName("X,Y,Z")->check(isPlace())->needs(eye);
   eye->needs(target);
 }
 

@@ -1,10 +1,9 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "geometry/result.h"
 #include "session/session.h"
 #include "viewer/scene.h"
-
-#include <CLI/CLI.hpp>
 
 #include <optional>
 #include <string>
@@ -18,7 +17,7 @@ struct CameraOptions {
   std::string target;
 };
 
-void addCameraOptions(CLI::App& app, CameraOptions& options);
+void addCameraOptions(CommandLine& app, CameraOptions& options);
 
 /// From the body to the camera: its right side and a little from the front and above, so that a kick shows. Unit.
 inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();

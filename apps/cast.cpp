@@ -44,14 +44,14 @@ Result<void> checkPerformer(const Motion& motion, const Subject& subject, const 
 
 }  // namespace
 
-void addCastOptions(CLI::App& app, CastOptions& options) {
-  app.add_option("MOTION", options.motion,
-                 "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
-                 "recording [default: a clip of --character]")
-      ->type_name("");
-  app.add_option("--character", options.character,
-                 "Who performs it: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
-      ->type_name("FILE");
+void addCastOptions(CommandLine& app, CastOptions& options) {
+  app.addOption("MOTION", options.motion,
+                "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
+                "recording [default: a clip of --character]")
+      ->typeName("");
+  app.addOption("--character", options.character,
+                "Who performs it: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+      ->typeName("FILE");
   addReadingOptions(app, options.performing);
   addPlayingOptions(app, options.performing);
   addCharacterOptions(app, options.reading);

@@ -1,9 +1,8 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "apps/inputs.h"
 #include "apps/motions.h"
-
-#include <CLI/CLI.hpp>
 
 #include <string>
 
@@ -18,7 +17,7 @@ struct CastOptions {
 };
 
 /// MOTION, --character, and how both are read and played.
-void addCastOptions(CLI::App& app, CastOptions& options);
+void addCastOptions(CommandLine& app, CastOptions& options);
 
 /// Who plays what.
 struct Cast {

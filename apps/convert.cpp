@@ -102,20 +102,20 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addConvert(CLI::App& parent, CommonOptions& common) {
+Command addConvert(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(parent, common, "convert", "Write any motion as Lorica's joints (.csv) or as BVH.",
-                                "  lorica convert kinect.csv joints.csv\n"
-                                "      what a sensor wrote, in metres, Y up, on the floor\n"
-                                "  lorica convert kinect.csv motion.bvh --person 2\n"
-                                "      the second person, for an animation program\n"
-                                "  lorica convert hero.glb joints.csv --clip Run\n"
-                                "      a character's clip as joints");
-  app->add_option("IN", options->input,
-                  "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
+  CommandLine* app = addSubcommand(parent, common, "convert", "Write any motion as Lorica's joints (.csv) or as BVH.",
+                                   "  lorica convert kinect.csv joints.csv\n"
+                                   "      what a sensor wrote, in metres, Y up, on the floor\n"
+                                   "  lorica convert kinect.csv motion.bvh --person 2\n"
+                                   "      the second person, for an animation program\n"
+                                   "  lorica convert hero.glb joints.csv --clip Run\n"
+                                   "      a character's clip as joints");
+  app->addOption("IN", options->input,
+                 "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
       ->required()
-      ->type_name("");
-  app->add_option("OUT", options->output, "What to write: .csv or .bvh")->required()->type_name("");
+      ->typeName("");
+  app->addOption("OUT", options->output, "What to write: .csv or .bvh")->required()->typeName("");
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};

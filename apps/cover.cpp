@@ -36,9 +36,8 @@ std::string asTyped(const CoverRequest& request) {
 
 }  // namespace
 
-CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description) {
-  CLI::Validator validator("");
-  validator.operation([](std::string& text) -> std::string {
+Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::string& description) {
+  const TextCheck check = [](std::string& text) -> std::string {
     if (text == "exact") {
       text = "0";
       return "";
@@ -48,8 +47,8 @@ CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std
     const auto [stopped, error] = std::from_chars(text.data(), end, length);
     if (error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0) return "";
     return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
-  });
-  return app.add_option("--cover", tolerance, description)->type_name("exact|METRES")->transform(validator);
+  };
+  return app.addOption("--cover", tolerance, description)->typeName("exact|METRES")->check(check);
 }
 
 Result<void> checkCover(const CoverRequest& request, const Character& character) {

@@ -2,11 +2,11 @@
 
 #include "acd/cover.h"
 #include "acd/decomposition.h"
+#include "apps/command_line.h"
 #include "apps/report.h"
 #include "session/cover_poses.h"
 #include "skinning/character.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include <optional>
@@ -25,7 +25,7 @@ struct CoverRequest {
 };
 
 /// --cover: `exact`, or a length above zero [m].
-CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description);
+Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::string& description);
 
 /// Refuses, before any work, a request that contradicts itself or that has the body swell beyond use.
 [[nodiscard]] Result<void> checkCover(const CoverRequest& request, const Character& character);

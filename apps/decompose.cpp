@@ -298,9 +298,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addDecompose(CLI::App& parent, CommonOptions& common) {
+Command addDecompose(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "decompose", "Cut a closed mesh, or a character in motion, into parts that are almost convex.",
       "  lorica decompose bunny.off --parts 16\n"
       "      16 parts; how close their hulls are to the mesh\n"
@@ -331,10 +331,10 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "hulls that hold all of\nit, and volumes, score and error are means over the keyframes. "
       "Points to cover it are chosen in 128 poses,\nhalf of them from the motions and half at "
       "random within joint limits, and measured in 128 others.");
-  app->add_option("INPUT", options->input,
-                  "Closed mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae) or `mannequin`")
+  app->addOption("INPUT", options->input,
+                 "Closed mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae) or `mannequin`")
       ->required()
-      ->type_name("");
+      ->typeName("");
   addCount(
       *app, "--parts", options->parts, 1,
       "Stop at so many parts [default: with a limit below none; else a character 16, a mesh when it has no concave "
@@ -343,22 +343,21 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
            "Stop when the hulls have at most so much more volume than the mesh: 0.05 or 5%");
   addLength(*app, "--max-distance", options->maxDistance,
             "Stop when no point of the hulls is farther from the surface, in any keyframe. The unit is the mesh's");
-  app->add_option("--preset", options->preset,
-                  "paper: the algorithm as published; fast: better parts in like time; quality: better still, slower "
-                  "[default: fast]")
-      ->type_name("NAME")
+  app->addOption("--preset", options->preset,
+                 "paper: the algorithm as published; fast: better parts in like time; quality: better still, slower "
+                 "[default: fast]")
+      ->typeName("NAME")
       ->check(oneOf({"paper", "fast", "quality"}));
   addCountOrAuto(
       *app, "--keyframes", options->keyframes, 1,
       "Poses that a character is trained on, evenly over the motions; `auto`: up to 12 that differ most, and "
       "says which [default: 12]");
-  app->add_option(
+  app->addOption(
          "--motion", options->motions,
          "Take the keyframes from this motion; may be given again [default: the character's own clips, else the "
          "recordings that ship]")
-      ->type_name("FILE")
-      ->expected(1)
-      ->take_all();
+      ->typeName("FILE")
+      ->repeatable();
   addCharacterOptions(*app, options->character);
   addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: the preset's, 8]");
   addCount(*app, "--orientations", options->orientations, 1,
@@ -371,9 +370,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       *app, "--hull-vertices", options->cover.hullVertices, 4,
       "Enclose each hull in a larger one of at most so many vertices and say by how much it grows; of a character, "
       "in every frame");
-  app->add_option("-o,--output", options->output, "Write the decomposition, for `lorica play`")
-      ->type_name("FILE.lorica");
-  app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");
+  app->addOption("-o,--output", options->output, "Write the decomposition, for `lorica play`")->typeName("FILE.lorica");
+  app->addOption("--export-obj", options->obj, "Write the parts' hulls")->typeName("FILE.obj");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

@@ -114,7 +114,8 @@ nlohmann::ordered_json toJson(const Show& show) {
   show.tally.addTo(json);
   json["hash"] = hexDigits(show.hash);
   json["renderer"] = show.files ? nlohmann::ordered_json(show.files->renderer) : nlohmann::ordered_json();
-  json["video"] = show.files ? nlohmann::ordered_json(show.files->video.string()) : nlohmann::ordered_json();
+  json["video"] =
+      show.files && show.files->video ? nlohmann::ordered_json(show.files->video->string()) : nlohmann::ordered_json();
   json["snapshots"] = nlohmann::ordered_json::array();
   if (show.files) {
     for (const std::filesystem::path& file : show.files->snapshots) json["snapshots"].push_back(file.string());
@@ -142,8 +143,8 @@ Report toReport(const Show& show) {
   show.tally.addTo(report);
   if (show.files) {
     report.gap();
-    report.line("video", show.files->video.string());
-    const std::filesystem::path folder = show.files->video.parent_path();
+    if (show.files->video) report.line("video", show.files->video->string());
+    const std::filesystem::path folder = show.files->contactSheet.parent_path();
     report.line("pictures", fmt::format("{} and its twin hulls_1.png, ... ({} in all)",
                                         (folder / "snapshot_1.png").string(), show.files->snapshots.size()));
     report.line("at a glance", show.files->contactSheet.string());
@@ -190,9 +191,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addDemo(CLI::App& parent, CommonOptions& common) {
+Command addDemo(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "demo", "See it: the built-in character performs, and knocks boxes and balls about.",
       "  lorica demo\n"
       "      a window where there is a display, else a video in lorica-demo/\n"
@@ -202,10 +203,10 @@ Command addDemo(CLI::App& parent, CommonOptions& common) {
       "      a short one, its figures as JSON\n"
       "\nThe body is 16 convex parts from 12 keyframes: computed the first time, then cached in\n"
       "$XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
-  app->add_option("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
-      ->type_name("DIR");
-  CLI::Option* window = app->add_flag("--window", options->window, "In a window, over and over until it is closed");
-  app->add_flag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
+  app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
+      ->typeName("DIR");
+  Option* window = app->addFlag("--window", options->window, "In a window, over and over until it is closed");
+  app->addFlag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
   addSeconds(*app, "--seconds", options->seconds, "Stop after so many seconds [default: video 8, window never]");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

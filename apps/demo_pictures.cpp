@@ -1,5 +1,7 @@
 #include "apps/demo_pictures.h"
 
+#include "apps/report.h"
+
 #include <fmt/format.h>
 
 #include <system_error>
@@ -12,6 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
+constexpr const char* kVideoName = "demo.mp4";
 constexpr double kFramesPerSecond = 30.0;
 constexpr int kMoments = 3;               // columns of the sheet
 constexpr double kCameraDistance = 2.29;  // in heights of the character
@@ -47,7 +50,7 @@ double eventsIn(const Session& session) {
 
 }  // namespace
 
-DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, VideoWriter video)
+DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional<VideoWriter> video)
     : folder_(std::move(folder)),
       camera_(std::move(camera)),
       video_(std::move(video)),
@@ -60,8 +63,12 @@ Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return Error{ErrorCode::kUnwritable, fmt::format("--out: {}: {}", folder.string(), error.message())};
-  Result<VideoWriter> video = VideoWriter::create(folder / "demo.mp4", kWidth, kHeight, kFramesPerSecond);
-  if (!video) return video.error();
+  Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, kFramesPerSecond);
+  if (!video) {
+    if (video.error().code != ErrorCode::kUnsupported) return video.error();
+    warn(video.error().message + "; there will be pictures only");  // what writes videos need not be installed
+    return DemoPictures(folder, std::move(*camera), std::nullopt);
+  }
   return DemoPictures(folder, std::move(*camera), std::move(*video));
 }
 
@@ -73,7 +80,9 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
   SceneOptions show;
   show.caption = caption;
   Image image = camera_.draw(scene_->of(session), show, follow_.camera());
-  if (Result<void> added = video_.add(image); !added) return added;
+  if (video_) {
+    if (Result<void> added = video_->add(image); !added) return added;
+  }
 
   // The time is divided evenly among the snapshots; each keeps the moment of its share in which most happens.
   Moment& moment = moments_[static_cast<std::size_t>(static_cast<long long>(frame) * kMoments / frames)];
@@ -86,8 +95,11 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
 }
 
 Result<DemoFiles> DemoPictures::finish() {
-  DemoFiles files{camera_.rendererName(), folder_ / "demo.mp4", {}, folder_ / "contact_sheet.png"};
-  if (Result<void> finished = video_.finish(); !finished) return finished.error();
+  DemoFiles files{camera_.rendererName(), std::nullopt, {}, folder_ / "contact_sheet.png"};
+  if (video_) {
+    if (Result<void> finished = video_->finish(); !finished) return finished.error();
+    files.video = folder_ / kVideoName;
+  }
   std::erase_if(moments_, [](const Moment& moment) { return moment.body.rgba.empty(); });  // fewer frames than moments
 
   // Upper row: the body. Lower row: the same moments as physics meets them.

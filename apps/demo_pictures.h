@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace lorica {
 
 /// Where the demo's pictures are.
 struct DemoFiles {
-  std::string renderer;  ///< "OSMesa 22.3.6"
-  std::filesystem::path video;
+  std::string renderer;                          ///< "OSMesa 22.3.6"
+  std::optional<std::filesystem::path> video;    ///< nothing where what writes videos is not installed
   std::vector<std::filesystem::path> snapshots;  ///< the body, then as many of the same moments with hulls only
   std::filesystem::path contactSheet;
 };
@@ -41,11 +42,11 @@ class DemoPictures {
     std::string label;
     double events = -1.0;  // how much goes on in it
   };
-  DemoPictures(std::filesystem::path folder, SnapshotCamera camera, VideoWriter video);
+  DemoPictures(std::filesystem::path folder, SnapshotCamera camera, std::optional<VideoWriter> video);
 
   std::filesystem::path folder_;
   SnapshotCamera camera_;
-  VideoWriter video_;
+  std::optional<VideoWriter> video_;
   FollowCamera follow_;
   std::unique_ptr<SessionScene> scene_;
   std::vector<Moment> moments_;

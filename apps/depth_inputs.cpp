@@ -93,20 +93,20 @@ Error withAdvice(const Error& error, const DepthOptions& options) {
 
 }  // namespace
 
-void addDepthOptions(CLI::App& app, DepthOptions& options) {
-  CLI::Option* device = app.add_option("--device", options.device,
-                                       "URI of the camera, as `lorica info --devices` names it [default: the first]")
-                            ->type_name("URI");
-  CLI::Option* driver =
-      app.add_option("--driver", options.driver, "An OpenNI2 driver that the system lacks: lib*.so")->type_name("FILE");
-  CLI::Option* virtualCamera =
-      app.add_flag("--virtual", options.virtualCamera, "No camera: a virtual one before a virtual person");
+void addDepthOptions(CommandLine& app, DepthOptions& options) {
+  Option* device = app.addOption("--device", options.device,
+                                 "URI of the camera, as `lorica info --devices` names it [default: the first]")
+                       ->typeName("URI");
+  Option* driver =
+      app.addOption("--driver", options.driver, "An OpenNI2 driver that the system lacks: lib*.so")->typeName("FILE");
+  Option* virtualCamera =
+      app.addFlag("--virtual", options.virtualCamera, "No camera: a virtual one before a virtual person");
   virtualCamera->excludes(device)->excludes(driver);
-  app.add_option(
+  app.addOption(
          "--motion", options.motion,
          "What the virtual person performs, over and over: a shipped recording, joints in .csv, or two of these, "
          "parted by a comma, for two people [default: as $LORICA_VIRTUAL says, else wave]")
-      ->type_name("MOTION")
+      ->typeName("MOTION")
       ->needs(virtualCamera);
 }
 

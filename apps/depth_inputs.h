@@ -1,10 +1,9 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"
 #include "sensor/depth_source.h"
-
-#include <CLI/CLI.hpp>
 
 #include <memory>
 #include <string>
@@ -20,7 +19,7 @@ struct DepthOptions {
 };
 
 /// --device, --driver, --virtual, --motion.
-void addDepthOptions(CLI::App& app, DepthOptions& options);
+void addDepthOptions(CommandLine& app, DepthOptions& options);
 
 /// Opens a camera through OpenNI2, be it a virtual one.
 /// @return the source; or why there is none and what helps

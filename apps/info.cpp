@@ -96,9 +96,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addInfo(CLI::App& parent, CommonOptions& common) {
+Command addInfo(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "info", "Say what a mesh, character, motion or decomposition holds.",
       "  lorica info hero.glb           # joints and bones, clips, what is open or torn, what is done about it\n"
       "  lorica info hero.glb --write-map hero.json\n"
@@ -110,20 +110,18 @@ Command addInfo(CLI::App& parent, CommonOptions& common) {
       "  lorica info --devices          # which depth cameras are seen, through which drivers\n"
       "  lorica info walk               # a shipped recording\n"
       "  lorica info mannequin          # the built-in character");
-  CLI::Option* file =
-      app->add_option(
-             "FILE", options->input,
-             "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
-             "joints), depth (.oni), decomposition (.lorica), or a shipped name")
-          ->type_name("");
-  CLI::Option* devices =
-      app->add_flag("--devices", options->devices, "Depth cameras instead of a file")->excludes(file);
-  app->add_option("--driver", options->driver, "An OpenNI2 driver that the system lacks: lib*.so")
-      ->type_name("FILE")
+  Option* file =
+      app->addOption("FILE", options->input,
+                     "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
+                     "joints), depth (.oni), decomposition (.lorica), or a shipped name")
+          ->typeName("");
+  Option* devices = app->addFlag("--devices", options->devices, "Depth cameras instead of a file")->excludes(file);
+  app->addOption("--driver", options->driver, "An OpenNI2 driver that the system lacks: lib*.so")
+      ->typeName("FILE")
       ->needs(devices);
   addCharacterOptions(*app, options->character);
-  app->add_option("--write-map", options->writeMap, "Write which joint of a character is which humanoid bone")
-      ->type_name("FILE.json");
+  app->addOption("--write-map", options->writeMap, "Write which joint of a character is which humanoid bone")
+      ->typeName("FILE.json");
   addReadingOptions(*app, options->motion);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

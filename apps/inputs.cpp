@@ -68,11 +68,11 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
 
 }  // namespace
 
-void addCharacterOptions(CLI::App& app, CharacterOptions& options) {
-  app.add_option("--map", options.map,
-                 "Which joint is which humanoid bone, where names and shape do not tell; `lorica info --write-map` "
-                 "starts one")
-      ->type_name("FILE.json");
+void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
+  app.addOption("--map", options.map,
+                "Which joint is which humanoid bone, where names and shape do not tell; `lorica info --write-map` "
+                "starts one")
+      ->typeName("FILE.json");
   addLength(app, "--body-resolution", options.bodyResolution,
             "Edge of the voxels, where the character's surface is open and one has to be made [default: from its "
             "thickness]");

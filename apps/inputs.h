@@ -1,13 +1,12 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "apps/motions.h"
 #include "body/body.h"
 #include "geometry/result.h"
 #include "geometry/tri_mesh.h"
 #include "import/character_file.h"
 #include "skinning/character.h"
-
-#include <CLI/CLI.hpp>
 
 #include <optional>
 #include <string>
@@ -22,7 +21,7 @@ struct CharacterOptions {
 };
 
 /// --map and --body-resolution.
-void addCharacterOptions(CLI::App& app, CharacterOptions& options);
+void addCharacterOptions(CommandLine& app, CharacterOptions& options);
 
 /// A thing that can be decomposed: a mesh, or a character whose bind pose is `mesh`.
 struct Subject {

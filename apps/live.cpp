@@ -221,9 +221,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addLive(CLI::App& parent, CommonOptions& common) {
+Command addLive(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "live", "Follow whoever stands before a depth camera: the character moves as they do.",
       "  lorica live\n"
       "      the first OpenNI2 depth camera; a window where there is a display\n"
@@ -236,14 +236,14 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
       "      a Kinect, by a driver of your own\n"
       "\nCtrl-C ends it, and a summary follows. Which camera needs which driver: docs/SENSORS.md.");
   addDepthOptions(*app, options->depth);
-  CLI::Option* person =
+  Option* person =
       addCount(*app, "--person", options->person, 1, "Whom to follow, by the order of coming [default: the nearest]");
-  app->add_option("--nite", options->nite, "Have NiTE 2 find the joints, where you have it: libNiTE2.so")
-      ->type_name("FILE")
+  app->addOption("--nite", options->nite, "Have NiTE 2 find the joints, where you have it: libNiTE2.so")
+      ->typeName("FILE")
       ->excludes(person);
-  app->add_option("--character", options->character,
-                  "Who performs: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
-      ->type_name("FILE");
+  app->addOption("--character", options->character,
+                 "Who performs: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+      ->typeName("FILE");
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);
   addBodyOptions(*app, options->body);
@@ -252,9 +252,9 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
   addRecordOption(*app, options->record);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
-  CLI::Option* window = app->add_flag("--window", options->window, "In a window, and an error where none can be had");
+  Option* window = app->addFlag("--window", options->window, "In a window, and an error where none can be had");
   addSnapshotOptions(*app, options->pictures, window);
-  app->add_flag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
+  app->addFlag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

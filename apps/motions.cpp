@@ -121,26 +121,26 @@ FaultSettings MotionOptions::faults() const {
   return *faults;
 }
 
-void addReadingOptions(CLI::App& app, MotionOptions& options) {
+void addReadingOptions(CommandLine& app, MotionOptions& options) {
   std::vector<std::string> formats;
   formats.reserve(kJointFormatCount);
   for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
   const std::string names = fmt::format("{}", fmt::join(formats, ", "));
-  app.add_option("--format", options.format,
-                 fmt::format("Layout of recorded joints, where the content does not tell: {}", names))
-      ->type_name("NAME")
+  app.addOption("--format", options.format,
+                fmt::format("Layout of recorded joints, where the content does not tell: {}", names))
+      ->typeName("NAME")
       ->check(oneOf(std::move(formats)));
   addCount(app, "--person", options.person, 1,
            "Of several in a stream of joints, or before a depth camera by the order of coming [default: the one that "
            "moves most; before a camera the nearest]");
-  app.add_option("--clip", options.clip, "Of a file with several clips [default: the first]")->type_name("NAME");
+  app.addOption("--clip", options.clip, "Of a file with several clips [default: the first]")->typeName("NAME");
 }
 
-void addPlayingOptions(CLI::App& app, MotionOptions& options) {
-  app.add_flag("--mirror", options.mirror, "Left becomes right");
-  app.add_option("--smooth", options.smooth,
-                 "Smooth joints as they come: off or one-euro; the delay is measured and printed [default: off]")
-      ->type_name("NAME")
+void addPlayingOptions(CommandLine& app, MotionOptions& options) {
+  app.addFlag("--mirror", options.mirror, "Left becomes right");
+  app.addOption("--smooth", options.smooth,
+                "Smooth joints as they come: off or one-euro; the delay is measured and printed [default: off]")
+      ->typeName("NAME")
       ->check(oneOf({"off", "one-euro"}));
   addPositive(app, "--min-cutoff", options.oneEuro.minCutoff,
               fmt::format("One-euro's cutoff at rest [Hz]; lower is calmer [default: {:g}]", options.oneEuro.minCutoff),
@@ -151,18 +151,17 @@ void addPlayingOptions(CLI::App& app, MotionOptions& options) {
       "NUMBER");
 }
 
-void addFaultOption(CLI::App& app, MotionOptions& options) {
-  CLI::Validator validator("");
-  validator.operation([](std::string& text) -> std::string {
+void addFaultOption(CommandLine& app, MotionOptions& options) {
+  const TextCheck check = [](std::string& text) -> std::string {
     const Result<FaultSettings> faults = parseFaults(text);
     return faults ? "" : faults.error().message;
-  });
-  app.add_option("--inject", options.inject,
-                 "Make faults in the joints as they come, each in a dose or its default: dropout=0.1 (share of joints "
-                 "lost), jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (shares of frames); seed=1. A motion "
-                 "of bones knows late and freeze")
-      ->type_name("FAULTS")
-      ->check(validator);
+  };
+  app.addOption("--inject", options.inject,
+                "Make faults in the joints as they come, each in a dose or its default: dropout=0.1 (share of joints "
+                "lost), jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (shares of frames); seed=1. A motion "
+                "of bones knows late and freeze")
+      ->typeName("FAULTS")
+      ->check(check);
 }
 
 bool isBareName(const std::string& text) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "capture/fault_injector.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"
@@ -7,8 +8,6 @@
 #include "session/treated_source.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
-
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -34,11 +33,11 @@ struct MotionOptions {
 };
 
 /// --format, --person, --clip: how a motion is read.
-void addReadingOptions(CLI::App& app, MotionOptions& options);
+void addReadingOptions(CommandLine& app, MotionOptions& options);
 /// --mirror, --smooth, --min-cutoff, --beta: what is done to it.
-void addPlayingOptions(CLI::App& app, MotionOptions& options);
+void addPlayingOptions(CommandLine& app, MotionOptions& options);
 /// --inject: faults that are made in it.
-void addFaultOption(CLI::App& app, MotionOptions& options);
+void addFaultOption(CommandLine& app, MotionOptions& options);
 
 /// A motion as its file has it, before a character performs it: joints, or a skeleton of its own.
 struct Motion {

@@ -147,9 +147,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addPlay(CLI::App& parent, CommonOptions& common) {
+Command addPlay(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "play", "Play a motion: the character moves, its hulls follow, things around it bounce.",
       "  lorica play walk\n"
       "      a shipped recording, without pictures: time of each stage, contacts\n"
@@ -184,11 +184,11 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   addFaultOption(*app, options->cast.performing);
   addRecordOption(*app, options->record);
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after so many frames");
-  app->add_flag("--as-fast-as-possible", options->playing.hurry,
-                "In a window too; without one nothing waits for the recording's pace");
-  app->add_flag("--self-contacts", options->selfContacts,
-                "Tell which parts of the body overlap that are not neighbours");
-  CLI::Option* window = app->add_flag("--window", options->window, "Watch it in a window, at the recording's pace");
+  app->addFlag("--as-fast-as-possible", options->playing.hurry,
+               "In a window too; without one nothing waits for the recording's pace");
+  app->addFlag("--self-contacts", options->selfContacts,
+               "Tell which parts of the body overlap that are not neighbours");
+  Option* window = app->addFlag("--window", options->window, "Watch it in a window, at the recording's pace");
   addSnapshotOptions(*app, options->pictures, window);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

@@ -70,11 +70,11 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
 }
 
 /// A depth recording holds what the camera saw; who performs it, and how, is said when it is played.
-Result<void> refuseSessionOptions(const CLI::App& app, const Options& options) {
+Result<void> refuseSessionOptions(const CommandLine& app, const Options& options) {
   for (const char* name :
        {"MOTION", "--character", "--map", "--body-resolution", "--decomposition", "--cover", "--hull-vertices",
         "--scene", "--inject", "--mirror", "--smooth", "--min-cutoff", "--beta", "--clip", "--format", "--person"}) {
-    if (app.count(name) == 0) continue;
+    if (!app.given(name)) continue;
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: {} is for sessions ({}), which a depth recording (.oni) is not", options.out, name,
                              kSessionEnding)};
@@ -124,7 +124,7 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
   return publish(common, report, json);
 }
 
-Result<void> run(const CLI::App& app, const Options& options, const CommonOptions& common) {
+Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
     if (Result<void> fine = checkJsonOutput(
@@ -146,9 +146,9 @@ Result<void> run(const CLI::App& app, const Options& options, const CommonOption
 
 }  // namespace
 
-Command addRecord(CLI::App& parent, CommonOptions& common) {
+Command addRecord(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "record",
       "Record a depth camera to .oni, with the joints of whoever is seen beside it as .csv; or a session to .lsession.",
       "  lorica record body.oni\n"
@@ -167,7 +167,7 @@ Command addRecord(CLI::App& parent, CommonOptions& common) {
       "\nWhile it runs the files are named body.part.oni, body.part.csv and kick.part.lsession; all can be read even "
       "if "
       "it is\nkilled.");
-  app->add_option("OUT", options->out, "The recording to write: .oni or .lsession")->required()->type_name("");
+  app->addOption("OUT", options->out, "The recording to write: .oni or .lsession")->required()->typeName("");
   addCastOptions(*app, options->cast);
   addFaultOption(*app, options->cast.performing);
   addBodyOptions(*app, options->body);

@@ -159,9 +159,9 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
 
 }  // namespace
 
-Command addReplay(CLI::App& parent, CommonOptions& common) {
+Command addReplay(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "replay", "Run a recorded session again, and say the first step that differs, if any.",
       "  lorica record walk.lsession walk\n"
       "      a session of a shipped recording\n"
@@ -172,14 +172,14 @@ Command addReplay(CLI::App& parent, CommonOptions& common) {
       "      what was recorded before a program was killed\n"
       "\nExits with 0 where every step is the same, with 1 where one differs, with 2 where the session cannot be run.\n"
       "The session names its character and decomposition; whether what is found is the same, hashes tell.");
-  app->add_option("SESSION", options->file, "What `lorica record` or --record wrote: .lsession")
+  app->addOption("SESSION", options->file, "What `lorica record` or --record wrote: .lsession")
       ->required()
-      ->type_name("");
-  app->add_option("--character", options->character, "The character's file, where it is no longer where it was")
-      ->type_name("FILE");
-  app->add_option("--decomposition", options->decomposition, "The decomposition's file, where it is no longer there")
-      ->type_name("FILE.lorica");
-  CLI::Option* window = app->add_flag("--window", options->window, "Watch it in a window, with a timeline");
+      ->typeName("");
+  app->addOption("--character", options->character, "The character's file, where it is no longer where it was")
+      ->typeName("FILE");
+  app->addOption("--decomposition", options->decomposition, "The decomposition's file, where it is no longer there")
+      ->typeName("FILE.lorica");
+  Option* window = app->addFlag("--window", options->window, "Watch it in a window, with a timeline");
   addSnapshotOptions(*app, options->pictures, window);
   const auto differs = std::make_shared<bool>(false);
   return {app, [options, differs](const CommonOptions& given) { return run(*options, given, *differs); },

@@ -12,11 +12,11 @@
 
 namespace lorica {
 
-void addSceneOption(CLI::App& app, std::string& scene) {
-  app.add_option(
+void addSceneOption(CommandLine& app, std::string& scene) {
+  app.addOption(
          "--scene", scene,
          "What stands around: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls]")
-      ->type_name("SCENE");
+      ->typeName("SCENE");
 }
 
 Result<SceneText> readSceneText(const std::string& scene) {

@@ -1,9 +1,8 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "collision/world.h"
 #include "geometry/result.h"
-
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <string>
@@ -11,7 +10,7 @@
 namespace lorica {
 
 /// --scene.
-void addSceneOption(CLI::App& app, std::string& scene);
+void addSceneOption(CommandLine& app, std::string& scene);
 
 /// What an avatar plays among: a scene file, or one of those that ship by its name. Empty = the demo's boxes and balls.
 /// @return the world, or what is wrong with the file

@@ -104,9 +104,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addScore(CLI::App& parent, CommonOptions& common) {
+Command addScore(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = addSubcommand(
+  CommandLine* app = addSubcommand(
       parent, common, "score", "Judge convex parts, ours or a rival's, against the mesh they stand for.",
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
       "  lorica score bunny.off hulls.obj\n"
@@ -115,10 +115,10 @@ Command addScore(CLI::App& parent, CommonOptions& common) {
       "      judge another program's parts: one `o` or `g` a part\n"
       "\nThe hull of each part's vertices is judged: Eq. 16 by sampling, with its standard error, Eq. 17\n"
       "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect.");
-  app->add_option("MESH", options->mesh, "The closed mesh (.off, .obj, .ply, .stl), or `mannequin` in its bind pose")
+  app->addOption("MESH", options->mesh, "The closed mesh (.off, .obj, .ply, .stl), or `mannequin` in its bind pose")
       ->required()
-      ->type_name("");
-  app->add_option("PARTS.obj", options->parts, "The parts, one object each")->required()->type_name("");
+      ->typeName("");
+  app->addOption("PARTS.obj", options->parts, "The parts, one object each")->required()->typeName("");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

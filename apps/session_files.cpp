@@ -8,8 +8,8 @@
 
 namespace lorica {
 
-void addRecordOption(CLI::App& app, std::string& file) {
-  app.add_option("--record", file, "Record the session, for `lorica replay`")->type_name("FILE.lsession");
+void addRecordOption(CommandLine& app, std::string& file) {
+  app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
 }
 
 Result<void> checkRecord(const std::string& option, const std::string& file) {

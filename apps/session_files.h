@@ -2,11 +2,11 @@
 
 #include "acd/decomposition_file.h"
 #include "apps/body_choice.h"
+#include "apps/command_line.h"
 #include "apps/motions.h"
 #include "apps/report.h"
 #include "session/session_recorder.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
@@ -15,7 +15,7 @@
 namespace lorica {
 
 /// --record FILE.lsession.
-void addRecordOption(CLI::App& app, std::string& file);
+void addRecordOption(CommandLine& app, std::string& file);
 
 /// Refuses a file that cannot be, before any work.
 [[nodiscard]] Result<void> checkRecord(const std::string& option, const std::string& file);

@@ -62,14 +62,12 @@ std::optional<Size> sizeOf(std::string_view text) {
   return size;
 }
 
-CLI::Validator isSize() {
-  CLI::Validator validator("");
-  validator.operation([](std::string& text) -> std::string {
+TextCheck isSize() {
+  return [](std::string& text) -> std::string {
     if (sizeOf(text)) return "";
     return fmt::format("found `{}`, expected width and height of {} to {} pixels, such as 640x360", text, kSmallest,
                        kLargest);
-  });
-  return validator;
+  };
 }
 
 SceneOptions shownBy(const std::vector<std::string>& words) {
@@ -286,9 +284,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-Command addSnapshot(CLI::App& parent, CommonOptions& common) {
+Command addSnapshot(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app =
+  CommandLine* app =
       addSubcommand(parent, common, "snapshot", "Take pictures or a video of a motion, without a display.",
                     "  lorica snapshot walk --at 1.5 -o walk.png\n"
                     "      the moment 1.5 s after the start\n"
@@ -300,28 +298,28 @@ Command addSnapshot(CLI::App& parent, CommonOptions& common) {
                     "      all of it, from one place; kick.gif makes an animation for web pages\n"
                     "\nThe hulls are those of `lorica play`, frame by frame: the hash says so.");
   addCastOptions(*app, options->cast);
-  app->add_option("-o,--out", options->out, "The picture, or what several are named after [default: MOTION.png]")
-      ->type_name("FILE");
-  app->add_option("--at", options->at, "When, in seconds since the first frame; several with commas [default: halfway]")
-      ->delimiter(',')
-      ->type_name("S");
-  app->add_option("--frame", options->frames, "Which frames, counted from 0")->delimiter(',')->type_name("N");
-  CLI::Option* video = app->add_option("--video", options->video,
-                                       "Film it at the recording's pace, in .mp4 (all frames) or .gif (at most 16 a "
-                                       "second)")
-                           ->type_name("FILE");
+  app->addOption("-o,--out", options->out, "The picture, or what several are named after [default: MOTION.png]")
+      ->typeName("FILE");
+  app->addOption("--at", options->at, "When, in seconds since the first frame; several with commas [default: halfway]")
+      ->separatedBy(',')
+      ->typeName("S");
+  app->addOption("--frame", options->frames, "Which frames, counted from 0")->separatedBy(',')->typeName("N");
+  Option* video = app->addOption("--video", options->video,
+                                 "Film it at the recording's pace, in .mp4 (all frames) or .gif (at most 16 a "
+                                 "second)")
+                      ->typeName("FILE");
   addSeconds(*app, "--from", options->from, "Film from here on")->needs(video);
   addSeconds(*app, "--to", options->to, "Film up to here [default: the end]")->needs(video);
-  app->add_option("--size", options->size, "Width and height in pixels [default: 1280x720]")
-      ->type_name("WxH")
+  app->addOption("--size", options->size, "Width and height in pixels [default: 1280x720]")
+      ->typeName("WxH")
       ->check(isSize());
-  app->add_option("--show", options->show,
-                  "What is drawn: skin, parts (the skin in their colours), hulls, bones, props, particles, contacts, "
-                  "ground, caption [default: all but bones]")
-      ->delimiter(',')
-      ->type_name("WHAT")
+  app->addOption("--show", options->show,
+                 "What is drawn: skin, parts (the skin in their colours), hulls, bones, props, particles, contacts, "
+                 "ground, caption [default: all but bones]")
+      ->separatedBy(',')
+      ->typeName("WHAT")
       ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
-  app->add_flag("--strip", options->strip, "Several pictures side by side in one file");
+  app->addFlag("--strip", options->strip, "Several pictures side by side in one file");
   addCameraOptions(*app, options->camera);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);

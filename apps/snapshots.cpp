@@ -85,13 +85,12 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
   return renderer_.readBack();
 }
 
-void addSnapshotOptions(CLI::App& app, SnapshotOptions& options, CLI::Option* window) {
-  CLI::Option* snapshots =
-      app.add_option("--snapshots", options.folder, "Write pictures to this folder")->type_name("DIR");
+void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
+  Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
   addCount(app, "--every", options.every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
-  CLI::Option* video =
-      app.add_option("--video", options.video, "Film it, in .mp4 (30 frames a second) or .gif (15)")->type_name("FILE");
-  for (CLI::Option* option : {snapshots, video}) option->excludes(window);
+  Option* video =
+      app.addOption("--video", options.video, "Film it, in .mp4 (30 frames a second) or .gif (15)")->typeName("FILE");
+  for (Option* option : {snapshots, video}) option->excludes(window);
   addCameraOptions(app, options.camera);
 }
 

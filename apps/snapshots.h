@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/camera_options.h"
+#include "apps/command_line.h"
 #include "apps/movie.h"
 #include "apps/report.h"
 #include "session/session.h"
@@ -8,7 +9,6 @@
 #include "viewer/renderer.h"
 #include "viewer/scene.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include <optional>
@@ -61,7 +61,7 @@ struct SnapshotOptions {
 };
 
 /// @param window  --window, which draws by itself
-void addSnapshotOptions(CLI::App& app, SnapshotOptions& options, CLI::Option* window);
+void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
 
 /// Fails early where the folder or the video cannot be, or a camera has nothing to look at.
 [[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);

@@ -1,7 +1,6 @@
 #include "bench/plot.h"
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -169,10 +168,10 @@ Result<void> writeCharts(const std::filesystem::path& file, const std::vector<Ch
   for (std::size_t i = 0; i < charts.size(); ++i) {
     Axes(picture(cv::Rect(0, kHeight * static_cast<int>(i), kWidth, kHeight)), charts[i]).draw();
   }
-  if (!cv::imwrite(file.string(), picture)) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: could not be written", file.string())};
-  }
-  return {};
+  Image image{picture.cols, picture.rows, std::vector<std::uint8_t>(picture.total() * 4)};
+  cv::Mat rgba(picture.rows, picture.cols, CV_8UC4, image.rgba.data());
+  cv::cvtColor(picture, rgba, cv::COLOR_BGR2RGBA);
+  return writePng(file, image);
 }
 
 Chart histogram(const std::vector<Series>& values, int bins) {

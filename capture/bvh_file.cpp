@@ -216,7 +216,7 @@ Quat turnToYUp(const SkeletalMotion& motion, BvhFile& out) {
   if (axis == 1 && !down) return Quat::Identity();
   const Vec3 from = (down ? -1.0 : 1.0) * Vec3::Unit(axis);
   out.notes.push_back(fmt::format("{}{} points up in the file: turned so that Y does", down ? "-" : "", "XYZ"[axis]));
-  return axis == 1 ? Quat(0.0, 1.0, 0.0, 0.0) : Quat::FromTwoVectors(from, Vec3::UnitY());
+  return axis == 1 ? Quat(0.0, 1.0, 0.0, 0.0) : rotationBetween(from, Vec3::UnitY());
 }
 
 /// A forearm or shin that ends in an end site, and not in a hand or foot, gets a joint there: else nothing says where

@@ -104,7 +104,7 @@ class Writer {
   }
   template <typename... Values>
   void print(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+    text_ += fmt::format(format, std::forward<Values>(values)...);
   }
   void printVector(const Vec3& v) { print("{:.6f} {:.6f} {:.6f}", v.x(), v.y(), v.z()); }
 

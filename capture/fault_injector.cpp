@@ -198,9 +198,9 @@ std::string textOf(const FaultSettings& settings) {
   std::string text;
   for (const Named& fault : kFaults) {
     const double dose = settings.*(fault.dose);
-    if (dose > 0.0) fmt::format_to(std::back_inserter(text), "{}={},", fault.name, dose);
+    if (dose > 0.0) text += fmt::format("{}={},", fault.name, dose);
   }
-  fmt::format_to(std::back_inserter(text), "seed={}", settings.seed);
+  text += fmt::format("seed={}", settings.seed);
   return text;
 }
 

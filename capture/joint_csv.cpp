@@ -312,16 +312,15 @@ std::string jointCsvHeader() {
 std::string jointCsvRow(const SkeletonFrame& frame) {
   // fmt writes a double as the shortest text that reads back as the same bits, in any locale.
   std::string text = fmt::format("{},{}", frame.time, frame.user);
-  auto out = std::back_inserter(text);
   for (const TrackedJoint& joint : frame.joints) {
-    out = fmt::format_to(out, ",{},{},{}", joint.position.x(), joint.position.y(), joint.position.z());
+    text += fmt::format(",{},{},{}", joint.position.x(), joint.position.y(), joint.position.z());
     if (joint.orientation) {
       const Quat& q = *joint.orientation;
-      out = fmt::format_to(out, ",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
+      text += fmt::format(",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
     } else {
-      out = fmt::format_to(out, ",,,,");
+      text += ",,,,";
     }
-    out = fmt::format_to(out, ",{}", joint.confidence);
+    text += fmt::format(",{}", joint.confidence);
   }
   text += '\n';
   return text;

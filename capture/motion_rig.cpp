@@ -88,7 +88,7 @@ void solveLeg(const FigurePose& pose, Side side, SkeletonFrame& frame) {
   const Quat footYaw = turned(std::atan2(toes.x(), toes.z()), 0.0, 0.0);
   const Quat base = pose.worldFromPelvis.slerp(foot.planted ? 0.5 : 0.5 * (1.0 - foot.follow), footYaw) *
                     about(Vec3::UnitY(), mirror * pose.kneeOut[side]);
-  const Quat swing = Quat::FromTwoVectors(-Vec3::UnitY(), base.conjugate() * leg);
+  const Quat swing = rotationBetween(-Vec3::UnitY(), base.conjugate() * leg);
   const Vec3 pole = base * (swing * Vec3::UnitZ());
 
   const double cosHip = (kThigh * kThigh + distance * distance - kShin * kShin) / (2.0 * kThigh * distance);

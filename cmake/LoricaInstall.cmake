@@ -21,6 +21,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/lorica-config-version.cma
 install(FILES ${PROJECT_BINARY_DIR}/lorica-config.cmake ${PROJECT_BINARY_DIR}/lorica-config-version.cmake
         DESTINATION ${lorica_package_dir})
 
-install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/scenes)
-install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings)
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/scenes COMPONENT command)
+install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings COMPONENT command)
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
+install(FILES packaging/lorica.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT command)
+install(FILES packaging/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+        RENAME lorica COMPONENT command)

@@ -5,6 +5,7 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+set(CMAKE_BUILD_RPATH ${CMAKE_BINARY_DIR}/lib/lorica)  # of modules, see lorica_module
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
@@ -80,6 +81,25 @@ function(lorica_library name)
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lorica/${name})
   endforeach()
   install(TARGETS lorica_${name} EXPORT loricaTargets)
+endfunction()
+
+# lorica_module(level_set FOR body SOURCES level_set_module.cpp LINKS ...): a shared library that a folder's library loads
+# when it is first needed (geometry/module.h). It lies in lib/lorica, and the run path of whatever links the folder's
+# library leads there: of a program of this build by CMAKE_BUILD_RPATH, of one outside by the exported target.
+# Symbols stay visible: OpenVDB keeps statics in templates, which must be the same for its library and for the module.
+function(lorica_module name)
+  cmake_parse_arguments(ARG "" "FOR" "SOURCES;LINKS" ${ARGN})
+  add_library(lorica_${name}_module MODULE ${ARG_SOURCES})
+  set_target_properties(lorica_${name}_module PROPERTIES
+    OUTPUT_NAME lorica_${name} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/lorica)
+  target_include_directories(lorica_${name}_module PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(lorica_${name}_module PRIVATE ${ARG_LINKS})
+  lorica_flags(lorica_${name}_module)
+  add_dependencies(lorica_${ARG_FOR} lorica_${name}_module)
+  target_link_options(lorica_${ARG_FOR} INTERFACE
+    $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/lorica>)
+  install(TARGETS lorica_${name}_module LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lorica
+          COMPONENT command)
 endfunction()
 
 # lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest.

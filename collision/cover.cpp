@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
@@ -250,7 +249,7 @@ class PartCover {
       const Vec3 offset = bindPositionOf(point(static_cast<VertexIndex>(i))) - mean;
       spread += offset * offset.transpose();
     }
-    axes_ = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
+    axes_ = symmetricAxes(spread).vectors;
     box_ = Aabb();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       box_.extend(axes_.transpose() * bindPositionOf(point(static_cast<VertexIndex>(i))));

@@ -1,7 +1,5 @@
 #include "geometry/mass_properties.h"
 
-#include <Eigen/Eigenvalues>
-
 namespace lorica {
 
 MassProperties massProperties(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
@@ -32,10 +30,10 @@ MassProperties massProperties(std::span<const Vec3> vertices, std::span<const Tr
 }
 
 PrincipalInertia principalInertia(const Mat3& inertia) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
+  const SymmetricAxes solver = symmetricAxes(inertia);
   PrincipalInertia result;
-  result.axes = solver.eigenvectors();
-  result.moments = solver.eigenvalues();
+  result.axes = solver.vectors;
+  result.moments = solver.values;
   if (result.axes.determinant() < 0.0) result.axes.col(2) *= -1.0;
   return result;
 }

@@ -7,10 +7,13 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <limits>
 #include <span>
 
 namespace lorica {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Vec3 = Eigen::Vector3d;
 using Vec3f = Eigen::Vector3f;
@@ -22,22 +25,34 @@ using Isometry3 = Eigen::Isometry3d;
 
 /// Axis-aligned bounding box; empty until a point is added.
 struct Aabb {
-  Vec3 min = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 max = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Vec3 min{kInfinity, kInfinity, kInfinity};
+  Vec3 max{-kInfinity, -kInfinity, -kInfinity};
 
   void extend(const Vec3& p) {
-    min = min.cwiseMin(p);
-    max = max.cwiseMax(p);
+    for (int i = 0; i < 3; ++i) {
+      min[i] = std::min(min[i], p[i]);
+      max[i] = std::max(max[i], p[i]);
+    }
   }
-  [[nodiscard]] bool empty() const { return min.x() > max.x(); }
-  [[nodiscard]] Vec3 center() const { return 0.5 * (min + max); }
-  [[nodiscard]] double diagonal() const { return empty() ? 0.0 : (max - min).norm(); }
+  [[nodiscard]] bool empty() const { return min[0] > max[0]; }
+  [[nodiscard]] Vec3 center() const;
+  [[nodiscard]] double diagonal() const;  ///< 0 when empty
 };
 
-[[nodiscard]] inline Aabb boundsOf(std::span<const Vec3> points) {
-  Aabb box;
-  for (const Vec3& p : points) box.extend(p);
-  return box;
-}
+[[nodiscard]] Aabb boundsOf(std::span<const Vec3> points);
+
+// What Eigen has as templates that take seconds to compile is compiled once, here.
+
+/// The shortest turn that brings one direction onto another; neither need be of length 1.
+[[nodiscard]] Quat rotationBetween(const Vec3& from, const Vec3& to);
+[[nodiscard]] Eigen::Quaternionf rotationBetween(const Vec3f& from, const Vec3f& to);
+
+/// Eigenvalues, rising, and eigenvectors of length 1, in the columns of the same order.
+struct SymmetricAxes {
+  Vec3 values;
+  Mat3 vectors;
+};
+/// @param matrix  symmetric; its lower half is read
+[[nodiscard]] SymmetricAxes symmetricAxes(const Mat3& matrix);
 
 }  // namespace lorica

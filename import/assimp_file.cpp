@@ -52,7 +52,7 @@ class NoOtherFiles : public Assimp::IOSystem {
 }
 
 [[nodiscard]] std::string asText(const aiString& text) {
-  return {text.data, std::min<std::size_t>(text.length, MAXLEN)};
+  return {text.data, std::min<std::size_t>(text.length, sizeof text.data)};
 }
 
 /// A number of the scene's metadata, however it is stored.
@@ -78,7 +78,7 @@ class NoOtherFiles : public Assimp::IOSystem {
   // A mirrored or doubled axis is no turn; then up is what counts.
   if (modelFromFile.determinant() > 0.5) return Quat(modelFromFile).normalized();
   const Vec3 up = modelFromFile.row(1);
-  return Quat::FromTwoVectors(up, Vec3::UnitY());
+  return rotationBetween(up, Vec3::UnitY());
 }
 
 class AssimpSceneReader {

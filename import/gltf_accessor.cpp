@@ -230,24 +230,25 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
 
   // 3. Those that are replaced.
   const auto& sparse = accessor.sparse;
-  if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || sparse.indices.byteOffset < 0 ||
-      sparse.values.byteOffset < 0 || !isUnsigned(sparse.indices.componentType)) {
+  // tinygltf has offsets signed or, from 2.9 on, unsigned, where a negative one is huge.
+  const auto indicesFrom = static_cast<std::int64_t>(sparse.indices.byteOffset);
+  const auto valuesFrom = static_cast<std::int64_t>(sparse.values.byteOffset);
+  if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || indicesFrom < 0 || valuesFrom < 0 ||
+      !isUnsigned(sparse.indices.componentType)) {
     return bad(
         fmt::format("{}: its sparse part has {} elements at bytes {} and {} with indices of kind {}, expected "
                     "1 to {} elements, offsets of 0 or more and unsigned indices",
-                    who, sparse.count, sparse.indices.byteOffset, sparse.values.byteOffset,
-                    sparse.indices.componentType, grouped(count)));
+                    who, sparse.count, indicesFrom, valuesFrom, sparse.indices.componentType, grouped(count)));
   }
   const auto replaced = static_cast<std::uint64_t>(sparse.count);
   std::uint64_t indexStride = 0;
   const Result<Bytes> indexBytes =
-      elements(sparse.indices.bufferView, static_cast<std::uint64_t>(sparse.indices.byteOffset), replaced,
+      elements(sparse.indices.bufferView, static_cast<std::uint64_t>(indicesFrom), replaced,
                componentBytes(sparse.indices.componentType), who + ", sparse indices", indexStride);
   if (!indexBytes) return indexBytes.error();
   std::uint64_t valueStride = 0;
-  const Result<Bytes> valueBytes =
-      elements(sparse.values.bufferView, static_cast<std::uint64_t>(sparse.values.byteOffset), replaced, elementBytes,
-               who + ", sparse values", valueStride);
+  const Result<Bytes> valueBytes = elements(sparse.values.bufferView, static_cast<std::uint64_t>(valuesFrom), replaced,
+                                            elementBytes, who + ", sparse values", valueStride);
   if (!valueBytes) return valueBytes.error();
 
   std::vector<std::uint32_t> rows(replaced);

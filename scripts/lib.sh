@@ -15,10 +15,26 @@ quietly() {
   mkdir -p "$(dirname "$log")"
   "$@" >"$log" 2>&1 </dev/null || status=$?
   if [ "$status" -ne 0 ]; then
+    local free_mb
+    free_mb=$(df --output=avail -m . | tail -n 1)
+    if [ "$free_mb" -lt 50 ]; then echo "The disk is full: $((free_mb)) MB are free in $PWD. A build with tests takes about 600 MB." >&2; fi
     tail -n 60 "$log" >&2
     printf 'Failed with %d: %s\nThe whole output is in %s\n' "$status" "$*" "$log" >&2
   fi
   return "$status"
+}
+
+# configure FOLDER PRESET OPTION...: CMake, which must be new enough to know presets.
+configure() {
+  local folder=$1 preset=$2 found
+  shift 2
+  found=$(cmake --version | sed -n '1s/[^0-9]*//p')
+  if [ "$(printf '%s\n' 3.25 "$found" | sort -V | head -n 1)" != 3.25 ]; then
+    echo "Lorica needs CMake 3.25 or newer, and this is CMake $found ($(command -v cmake))." >&2
+    echo "Debian 12 has 3.25; elsewhere take one from https://cmake.org/download and put it first in PATH." >&2
+    return 2
+  fi
+  quietly "$folder/log-configure.txt" cmake --preset "$preset" -B "$folder" "$@"
 }
 
 # build FOLDER [TARGET...]: in a terminal ninja shows its status line, elsewhere its output goes to a log.

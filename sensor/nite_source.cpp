@@ -255,7 +255,7 @@ class NiteSource final : public SkeletonSource {
     const bool upright =
         normal.allFinite() && point.allFinite() && normal.norm() > 0.5 && normal.normalized().y() > 0.7;
     if (frame.floorConfidence >= kSure && upright) {
-      const Quat turn = Quat::FromTwoVectors(normal, Vec3::UnitY());
+      const Quat turn = rotationBetween(normal, Vec3::UnitY());
       floorFromCamera_ = Isometry3::Identity();
       floorFromCamera_.linear() = turn.toRotationMatrix();
       floorFromCamera_.translation().y() = -(turn * point).y();

@@ -194,7 +194,7 @@ void readChain(SceneElement& element, SceneFile& scene) {
   if (element.failed()) return;
   prop.shape = PropShape::kCapsule;
   prop.halfExtents = Vec3(radius, 0.5 * length, radius);
-  const Quat along = Quat::FromTwoVectors(Vec3::UnitY(), step);
+  const Quat along = rotationBetween(Vec3::UnitY(), step);
   int before = kWorldItself;
   for (int i = 0; i < links && scene.props.size() <= kMostProps; ++i) {
     prop.worldFromProp = Eigen::Translation3d(from + (i + 0.5) * step) * along;

@@ -82,6 +82,10 @@ std::optional<HumanBone> humanBoneNamed(std::string_view name) {
   return static_cast<HumanBone>(found - kBoneNames.begin());
 }
 
+Affine3 JointTransform::matrix() const {
+  return Eigen::Translation3d(translation) * rotation * Eigen::Scaling(scale);
+}
+
 Result<Skeleton> Skeleton::create(std::vector<Joint> joints) {
   if (joints.empty()) return Error{ErrorCode::kInvalidArgument, "the skeleton has no joints, expected at least one"};
 

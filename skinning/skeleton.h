@@ -79,11 +79,11 @@ inline constexpr int kHumanBoneCount = static_cast<int>(HumanBone::kRightLittleD
 
 /// Local transform of a joint in its parent: translate, then rotate, then scale.
 struct JointTransform {
-  Vec3 translation = Vec3::Zero();  ///< [m]
-  Quat rotation = Quat::Identity();
-  Vec3 scale = Vec3::Ones();
+  Vec3 translation{0.0, 0.0, 0.0};  ///< [m]
+  Quat rotation{1.0, 0.0, 0.0, 0.0};
+  Vec3 scale{1.0, 1.0, 1.0};
 
-  [[nodiscard]] Affine3 matrix() const { return Eigen::Translation3d(translation) * rotation * Eigen::Scaling(scale); }
+  [[nodiscard]] Affine3 matrix() const;
 };
 
 struct Joint {

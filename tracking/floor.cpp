@@ -2,8 +2,6 @@
 
 #include "geometry/random_numbers.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,10 +88,10 @@ bool FloorFinder::refine(Plane& plane) const {
   }
   if (count < kLeastLevel) return false;
   const Vec3 middle = sum / weights;
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(Mat3(products / weights - middle * middle.transpose()));
+  const SymmetricAxes axes = symmetricAxes(Mat3(products / weights - middle * middle.transpose()));
   // Less than that is the top of something.
-  if (std::sqrt(std::max(0.0, axes.eigenvalues()[1])) < 0.1) return false;
-  Vec3 up = axes.eigenvectors().col(0);
+  if (std::sqrt(std::max(0.0, axes.values[1])) < 0.1) return false;
+  Vec3 up = axes.vectors.col(0);
   if (up.y() < 0.0) up = -up;
   plane = {up, -up.dot(middle)};
   return sensible(plane);

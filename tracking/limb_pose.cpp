@@ -49,7 +49,7 @@ void layLimb(Limb limb, const PosedBody& body, const V3& upper, const V3& lower,
   V3 side = unitAcross(isArm(limb) ? lower : V3(-lower), upper);
   if (bend < 0.15F || side.squaredNorm() < 0.5F) {
     const V3 rest = isArm(limb) ? V3(limb == kLeftArm ? 1.0F : -1.0F, 0.0F, 0.0F) : V3(0.0F, -1.0F, 0.0F);
-    const Q shortest = Q::FromTwoVectors(above * rest, upper);
+    const Q shortest = rotationBetween(V3(above * rest), upper);
     side = unitAcross(shortest * (above * V3::UnitZ()), upper);
     if (side.squaredNorm() < 0.5F) side = anyAcross(upper);
   }

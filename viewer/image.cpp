@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <png.h>
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string_view>
 
 namespace lorica {
@@ -27,22 +27,7 @@ void blend(std::uint8_t* pixel, const std::array<int, 3>& color, int coverage) {
   }
 }
 
-/// CRC-32 of ISO 3309, as PNG uses it.
-std::uint32_t crc32(std::string_view bytes) {
-  static const std::array<std::uint32_t, 256> table = [] {
-    std::array<std::uint32_t, 256> t{};
-    for (std::uint32_t n = 0; n < 256; ++n) {
-      t[n] = n;
-      for (int k = 0; k < 8; ++k) t[n] = (t[n] & 1u) ? 0xedb88320u ^ (t[n] >> 1) : t[n] >> 1;
-    }
-    return t;
-  }();
-  std::uint32_t crc = 0xffffffffu;
-  for (const char c : bytes) crc = table[(crc ^ static_cast<std::uint8_t>(c)) & 0xffu] ^ (crc >> 8);
-  return ~crc;
-}
-
-/// Walks the chunks of a PNG file, because libpng writes its complaints to the console by itself.
+/// Walks the chunks of a PNG file: libpng stops reading after the last row, whatever follows.
 /// @return empty when all are whole, else what is wrong
 std::string damageOf(std::string_view png) {
   constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
@@ -57,7 +42,8 @@ std::string damageOf(std::string_view png) {
     const std::size_t length = number(at);
     if (length > png.size() - at - 12) break;
     const std::string_view typeAndData = png.substr(at + 4, length + 4);
-    if (crc32(typeAndData) != number(at + 8 + length)) return fmt::format("checksum wrong in the chunk at byte {}", at);
+    const uLong crc = ::crc32(0, reinterpret_cast<const Bytef*>(typeAndData.data()), static_cast<uInt>(length + 4));
+    if (crc != number(at + 8 + length)) return fmt::format("checksum wrong in the chunk at byte {}", at);
     if (typeAndData.starts_with("IEND")) return {};
     at += 12 + length;
   }
@@ -73,18 +59,19 @@ Result<void> writePng(const std::filesystem::path& file, const Image& image) {
                              file.string(), image.width, image.height, image.rgba.size(),
                              static_cast<long long>(image.width) * image.height * 4)};
   }
-  std::vector<unsigned char> png;
-  try {
-    const cv::Mat rgba(image.height, image.width, CV_8UC4, const_cast<std::uint8_t*>(image.rgba.data()));
-    cv::Mat bgra;
-    cv::cvtColor(rgba, bgra, cv::COLOR_RGBA2BGRA);
-    if (!cv::imencode(".png", bgra, png)) {
-      return Error{ErrorCode::kUnwritable, fmt::format("{}: OpenCV cannot encode PNG", file.string())};
-    }
-  } catch (const std::exception& e) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: PNG encoding failed: {}", file.string(), e.what())};
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = PNG_FORMAT_RGBA;
+  png.flags = PNG_IMAGE_FLAG_FAST;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgba.data(), 0, nullptr) == 0) {
+    return Error{ErrorCode::kUnwritable, fmt::format("{}: PNG encoding failed: {}", file.string(), png.message)};
   }
-  return writeFileAtomically(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+  bytes.resize(size);
+  return writeFileAtomically(file, bytes);
 }
 
 Result<Image> readPng(const std::filesystem::path& file) {
@@ -93,30 +80,20 @@ Result<Image> readPng(const std::filesystem::path& file) {
   if (const std::string damage = damageOf(content.value()); !damage.empty()) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", file.string(), damage)};
   }
-  const cv::utils::logging::LogLevel before = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  cv::Mat decoded;
-  try {
-    // IMREAD_UNCHANGED keeps the alpha channel; 16-bit pictures are brought to 8 below.
-    const cv::Mat bytes(1, static_cast<int>(content->size()), CV_8U, const_cast<char*>(content->data()));
-    decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-    if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1.0 / 257.0);
-    if (decoded.channels() == 1) cv::cvtColor(decoded, decoded, cv::COLOR_GRAY2RGBA);
-    if (decoded.channels() == 3)
-      cv::cvtColor(decoded, decoded, cv::COLOR_BGR2RGBA);
-    else if (decoded.channels() == 4 && !decoded.empty())
-      cv::cvtColor(decoded, decoded, cv::COLOR_BGRA2RGBA);
-  } catch (const std::exception&) {
-    decoded.release();
-  }
-  cv::utils::logging::setLogLevel(before);
-  if (decoded.empty() || decoded.type() != CV_8UC4) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: damaged PNG file of {} bytes", file.string(), content->size())};
-  }
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  const auto damaged = [&] {
+    png_image_free(&png);
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: damaged PNG file: {}", file.string(), png.message)};
+  };
+  if (png_image_begin_read_from_memory(&png, content->data(), content->size()) == 0) return damaged();
+  png.format = PNG_FORMAT_RGBA;
+  png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // 16-bit pictures that do not say otherwise
   Image image;
-  image.width = decoded.cols;
-  image.height = decoded.rows;
-  image.rgba.assign(decoded.datastart, decoded.dataend);
+  image.width = static_cast<int>(png.width);
+  image.height = static_cast<int>(png.height);
+  image.rgba.resize(PNG_IMAGE_SIZE(png));
+  if (png_image_finish_read(&png, nullptr, image.rgba.data(), 0, nullptr) == 0) return damaged();
   return image;
 }
 

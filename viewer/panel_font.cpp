@@ -1,21 +1,20 @@
 #include "viewer/panel_font.h"
 
+#include "viewer/stroke_font.h"
+
 #include <imgui.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 namespace lorica {
 namespace {
 
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr int kOversampling = 8;
-constexpr double kCapHeight = 22.0;        // of the font at scale 1 [pixels]
 constexpr double kCapPerLine = 0.58;       // capitals take this share of a line
 constexpr double kStrokePerCap = 0.13;     // thickness of a stroke
 constexpr double kBaselinePerLine = 0.76;  // from the top of a line
@@ -28,25 +27,20 @@ struct Glyph {
   float advance = 0.0f;
 };
 
-/// Drawn too large and shrunk by area, as drawText() does.
 Glyph drawGlyph(char c, int lineHeight) {
   const double cap = kCapPerLine * lineHeight * kOversampling;
-  const double scale = cap / kCapHeight;
-  const int stroke = std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap)));
-  const std::string text(1, c);
-  int below = 0;
+  const StrokeStyle style{kOversampling, cap / kStrokeCapHeight,
+                          std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap))), false};
+  const StrokeLine line{std::string(1, c), style.thickness / 2,
+                        static_cast<int>(kBaselinePerLine * lineHeight * kOversampling)};
   // Its width is the advance and the thickness of one stroke.
-  const int wide = cv::getTextSize(text, kFont, scale, stroke, &below).width;
+  const int wide = strokeWidth(line.text, style);
   Glyph glyph;
-  glyph.advance = static_cast<float>(wide - stroke) / kOversampling;
-  glyph.width = (wide + stroke + kOversampling - 1) / kOversampling;
+  glyph.advance = static_cast<float>(wide - style.thickness) / kOversampling;
+  glyph.width = (wide + style.thickness + kOversampling - 1) / kOversampling;
   glyph.height = lineHeight;
-  cv::Mat large(glyph.height * kOversampling, glyph.width * kOversampling, CV_8U, cv::Scalar(0));
-  const cv::Point place(stroke / 2, static_cast<int>(kBaselinePerLine * lineHeight * kOversampling));
-  cv::putText(large, text, place, kFont, scale, cv::Scalar(255), stroke, cv::LINE_8);
   glyph.coverage.resize(static_cast<std::size_t>(glyph.width) * static_cast<std::size_t>(glyph.height));
-  cv::Mat small(glyph.height, glyph.width, CV_8U, glyph.coverage.data());
-  cv::resize(large, small, small.size(), 0, 0, cv::INTER_AREA);
+  drawStrokes({&line, 1}, style, glyph.width, glyph.height, glyph.coverage);
   return glyph;
 }
 

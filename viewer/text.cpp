@@ -1,7 +1,8 @@
 #include "viewer/text.h"
 
+#include "viewer/stroke_font.h"
+
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <array>
@@ -12,9 +13,7 @@
 namespace lorica {
 namespace {
 
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr int kOversampling = 4;
-constexpr double kCapHeight = 22.0;        // of the font at scale 1 [pixels]
 constexpr double kCapPerLine = 0.52;       // capitals take this share of a line
 constexpr double kStrokePerCap = 0.115;    // thickness of a stroke
 constexpr double kTabPerLine = 5.5;        // distance of tab stops
@@ -32,6 +31,12 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kLikenes
                                                                                       {"\u2019", "'"},
                                                                                       {"\u2026", "..."},
                                                                                       {"\u00b0", " deg"}}};
+
+/// @param line  height of a line in the picture that is drawn [pixels]
+StrokeStyle styleOf(int line) {
+  const double cap = kCapPerLine * line;
+  return {kOversampling, cap / kStrokeCapHeight, std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap))), true};
+}
 
 }  // namespace
 
@@ -69,48 +74,31 @@ TextMask drawText(std::string_view text, int lineHeight) {
     }
   }
 
-  // Drawn four times too large and shrunk by area: OpenCV's own anti-aliasing of small strokes is uneven.
   const int line = std::max(lineHeight, 6) * kOversampling;
-  const double cap = kCapPerLine * line;
-  const double scale = cap / kCapHeight;
-  const int stroke = std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap)));
+  const StrokeStyle style = styleOf(line);
   int width = 0;
-  struct Piece {
-    std::string text;
-    int x, row;
-  };
-  std::vector<Piece> pieces;
+  std::vector<StrokeLine> pieces;
   for (std::size_t row = 0; row < lines.size(); ++row) {
+    const int baseline = static_cast<int>(row) * line + static_cast<int>(kBaselinePerLine * line);
     std::stringstream cells(lines[row]);
     std::string cell;
     for (int column = 0; std::getline(cells, cell, '\t'); ++column) {
-      int baseline = 0;
       const int x = column * static_cast<int>(kTabPerLine * line);
-      width = std::max(width, x + cv::getTextSize(cell, kFont, scale, stroke, &baseline).width);
-      pieces.push_back({cell, x, static_cast<int>(row)});
+      width = std::max(width, x + strokeWidth(cell, style));
+      pieces.push_back({cell, style.thickness + x, baseline});
     }
   }
   TextMask mask;
-  mask.width = (width + 2 * stroke + kOversampling - 1) / kOversampling;
+  mask.width = (width + 2 * style.thickness + kOversampling - 1) / kOversampling;
   mask.height = static_cast<int>(lines.size()) * line / kOversampling;
-  cv::Mat large(mask.height * kOversampling, mask.width * kOversampling, CV_8U, cv::Scalar(0));
-  for (const Piece& piece : pieces) {
-    const cv::Point place(stroke + piece.x, piece.row * line + static_cast<int>(kBaselinePerLine * line));
-    cv::putText(large, piece.text, place, kFont, scale, cv::Scalar(255), stroke, cv::LINE_AA);
-  }
   mask.coverage.resize(static_cast<std::size_t>(mask.width) * mask.height);
-  cv::Mat small(mask.height, mask.width, CV_8U, mask.coverage.data());
-  cv::resize(large, small, small.size(), 0, 0, cv::INTER_AREA);
+  drawStrokes(pieces, style, mask.width, mask.height, mask.coverage);
   return mask;
 }
 
 std::string fittedText(std::string_view text, int lineHeight, int width) {
-  const double cap = kCapPerLine * std::max(lineHeight, 6);
-  const int stroke = std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap)));
-  const auto fits = [&](const std::string& line) {
-    int baseline = 0;
-    return cv::getTextSize(line, kFont, cap / kCapHeight, stroke, &baseline).width + 2 * stroke <= width;
-  };
+  const StrokeStyle style = styleOf(std::max(lineHeight, 6));
+  const auto fits = [&](const std::string& line) { return strokeWidth(line, style) + 2 * style.thickness <= width; };
   std::istringstream words(drawableText(text));
   std::string all, line, word, blanks;
   const auto endLine = [&] {

@@ -1,13 +1,12 @@
+#include "viewer/video_module.h"
+
+#include "geometry/module.h"
 #include "viewer/image.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 namespace lorica {
 namespace fs = std::filesystem;
@@ -18,41 +17,14 @@ struct VideoWriter::Impl {
   int width = 0;
   int height = 0;
   long long frames = 0;
-  cv::VideoWriter writer;
-  cv::Mat bgr;
+  const VideoModule* module = nullptr;
+  std::unique_ptr<VideoEncoder> encoder;  ///< null once finished
 
   ~Impl() {
     if (temporary.empty()) return;
-    release();
+    encoder.reset();
     std::error_code ignored;
     fs::remove(temporary, ignored);
-  }
-
-  void release() {
-    try {
-      writer.release();
-    } catch (const std::exception&) {  // what is missing then shows when the file is checked
-    }
-  }
-
-  bool open(const char (&fourcc)[5], double framesPerSecond) {
-    try {
-      return writer.open(temporary.string(), cv::CAP_FFMPEG,
-                         cv::VideoWriter::fourcc(fourcc[0], fourcc[1], fourcc[2], fourcc[3]), framesPerSecond,
-                         cv::Size(width, height), true);
-    } catch (const std::exception&) {
-      return false;
-    }
-  }
-
-  /// Frames that a reader finds in the temporary file; 0 when it cannot be opened.
-  long long framesOnDisk() const {
-    try {
-      cv::VideoCapture reader(temporary.string(), cv::CAP_FFMPEG);
-      return reader.isOpened() ? std::llround(reader.get(cv::CAP_PROP_FRAME_COUNT)) : 0;
-    } catch (const std::exception&) {
-      return 0;
-    }
   }
 };
 
@@ -85,15 +57,16 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
     return Error{ErrorCode::kUnwritable, fmt::format("{}: may not write into {}", file.string(), folder.string())};
   }
 
-  // FFmpeg writes errors to the console by itself; -8 is its AV_LOG_QUIET. A user's own wish is kept.
-  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  const Result<const void*> module = loadModule("video", kVideoSymbol, fmt::format("{}: writing MP4", file.string()));
+  if (!module) return module.error();
   auto impl = std::make_unique<Impl>();
   impl->file = file;
   impl->width = width;
   impl->height = height;
   impl->temporary = folder / fmt::format(".{}.{}.partial.mp4", file.stem().string(), ::getpid());
-  if (!impl->open("avc1", framesPerSecond) && !impl->open("mp4v", framesPerSecond)) {
+  impl->module = static_cast<const VideoModule*>(*module);
+  impl->encoder = impl->module->open(impl->temporary, width, height, framesPerSecond);
+  if (impl->encoder == nullptr) {
     return Error{ErrorCode::kUnwritable,
                  fmt::format("{}: OpenCV's FFmpeg encodes neither H.264 nor MPEG-4", file.string())};
   }
@@ -101,32 +74,29 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
 }
 
 Result<void> VideoWriter::add(const Image& image) {
-  CHECK(impl_ && impl_->writer.isOpened(), "VideoWriter::add after finish or move");
+  CHECK(impl_ && impl_->encoder, "VideoWriter::add after finish or move");
   if (image.width != impl_->width || image.height != impl_->height ||
       image.rgba.size() != static_cast<std::size_t>(image.width) * image.height * 4) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: frame {} is {} x {} pixels, expected {} x {}", impl_->file.string(), impl_->frames,
                              image.width, image.height, impl_->width, impl_->height)};
   }
-  try {
-    const cv::Mat rgba(image.height, image.width, CV_8UC4, const_cast<std::uint8_t*>(image.rgba.data()));
-    cv::cvtColor(rgba, impl_->bgr, cv::COLOR_RGBA2BGR);
-    impl_->writer.write(impl_->bgr);
-  } catch (const std::exception& e) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: frame {}: {}", impl_->file.string(), impl_->frames, e.what())};
+  if (const Result<void> added = impl_->encoder->add(image); !added) {
+    return Error{added.error().code,
+                 fmt::format("{}: frame {}: {}", impl_->file.string(), impl_->frames, added.error().message)};
   }
   ++impl_->frames;
   return {};
 }
 
 Result<void> VideoWriter::finish() {
-  CHECK(impl_ && impl_->writer.isOpened(), "VideoWriter::finish after finish or move");
-  impl_->release();
+  CHECK(impl_ && impl_->encoder, "VideoWriter::finish after finish or move");
+  impl_->encoder->close();
+  impl_->encoder.reset();
   const std::string name = impl_->file.string();
   if (impl_->frames == 0) return Error{ErrorCode::kInvalidArgument, fmt::format("{}: a video of no frames", name)};
   // OpenCV reports no failed write (a full disk), so the file is asked what it holds.
-  const long long written = impl_->framesOnDisk();
+  const long long written = impl_->module->frameCount(impl_->temporary);
   if (written != impl_->frames) {
     return Error{ErrorCode::kUnwritable,
                  fmt::format("{}: {} of {} frames reached the disk: is it full?", name, written, impl_->frames)};

@@ -62,6 +62,26 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
   EXPECT_EQ(third.json()["hash"], json["hash"]);
 }
 
+TEST(Demo, WithoutWhatWritesVideosThereArePictures) {
+  const TemporaryFolder folder;
+  folder.write("liblorica_video.so", "");  // found first, and no library
+  const CommandSurroundings surroundings = {.folder = folder.path(), .libraries = folder.path()};
+  const CommandResult demo =
+      runLorica({"demo", "--headless", "--seconds", "0.2", "--out", "pictures", "--json", "-"}, surroundings);
+  ASSERT_EQ(demo.exitCode, 0) << demo.err;
+  if (demo.json()["renderer"].is_null()) return;
+  EXPECT_TRUE(demo.json()["video"].is_null());
+  EXPECT_NE(demo.err.find("writing MP4 needs liblorica_video.so"), std::string::npos) << demo.err;
+  EXPECT_EQ(filesIn(folder.path() / "pictures"),
+            (std::vector<std::string>{"contact_sheet.png", "hulls_1.png", "hulls_2.png", "hulls_3.png",
+                                      "snapshot_1.png", "snapshot_2.png", "snapshot_3.png"}));
+
+  const CommandResult film = runLorica({"snapshot", "walk", "--video", "walk.mp4"}, surroundings);
+  EXPECT_EQ(film.exitCode, 2);
+  EXPECT_NE(film.err.find("walk.mp4: writing MP4 needs liblorica_video.so"), std::string::npos) << film.err;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "walk.mp4"));
+}
+
 TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
   const TemporaryFolder folder;
   // XDG_CACHE_HOME is a file here.

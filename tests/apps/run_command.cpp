@@ -33,6 +33,7 @@ std::string contentOf(const std::filesystem::path& file) {
   if (!surroundings.virtualCamera.empty()) setenv("LORICA_VIRTUAL", surroundings.virtualCamera.c_str(), 1);
   unsetenv("DISPLAY");
   if (!surroundings.display.empty()) setenv("DISPLAY", surroundings.display.c_str(), 1);
+  if (!surroundings.libraries.empty()) setenv("LD_LIBRARY_PATH", surroundings.libraries.c_str(), 1);
   unsetenv("WAYLAND_DISPLAY");
   const int outFile = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const int errFile = open(err, O_WRONLY | O_CREAT | O_TRUNC, 0600);

@@ -20,10 +20,11 @@ struct CommandResult {
 
 struct CommandSurroundings {
   std::filesystem::path folder = ".";  ///< where it runs
-  std::filesystem::path cache;         ///< XDG_CACHE_HOME; empty = a folder that cannot be written
+  std::filesystem::path cache{};       ///< XDG_CACHE_HOME; empty = a folder that cannot be written
   int interruptAfterMs = 0;            ///< send SIGINT then; 0 = never
   std::string virtualCamera{};         ///< LORICA_VIRTUAL: what the virtual camera shows; empty = not set
   std::string display{};               ///< DISPLAY; empty = not set
+  std::filesystem::path libraries{};   ///< LD_LIBRARY_PATH, searched before the modules of the build; empty = not set
 };
 
 /// Runs `lorica arguments...`, without a display where none is given, on the recordings of the source tree.

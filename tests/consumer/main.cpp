@@ -1,10 +1,11 @@
-// Uses the installed library from outside: decomposes an L-shaped prism into two boxes, steps a world, and looks for
-// the installed recordings.
+// Uses the installed library from outside: decomposes an L-shaped prism into two boxes, steps a world, draws a label,
+// and looks for the installed recordings.
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
 #include "capture/joint_csv.h"
 #include "collision/world.h"
+#include "viewer/image.h"
 
 #include <cmath>
 #include <cstdio>
@@ -66,6 +67,15 @@ int main() {
   const double height = world.props()[0].worldFromProp.translation().y();
   std::printf("ball rests at %.3f m\n", height);
   if (std::abs(height - 0.1) > 0.02) return fail("expected the ball to rest at its radius, 0.1 m");
+
+  // Text is drawn by a module that the library loads when it is first needed.
+  const std::vector<lorica::Image> picture(1, {64, 48, std::vector<std::uint8_t>(64 * 48 * 4, 255)});
+  const std::vector<std::string> label = {"hull"};
+  const lorica::Image sheet = lorica::contactSheet(picture, label, 1);
+  std::size_t dark = 0;
+  for (std::size_t i = 0; i < sheet.rgba.size(); i += 4) dark += sheet.rgba[i] < 128 ? 1 : 0;
+  std::printf("%zu pixels of text\n", dark);
+  if (dark < 20) return fail("expected a label under the picture");
 
   int recordings = 0;
   for (const auto& entry : std::filesystem::directory_iterator(LORICA_RECORDINGS_DIR)) {

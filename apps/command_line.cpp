@@ -1,0 +1,158 @@
+#include "apps/command_line.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr std::size_t kColumnWidth = 30;  // of the options' names in the help
+
+CLI::Validator validatorOf(TextCheck check) {
+  CLI::Validator validator("");
+  validator.operation(std::move(check));
+  return validator;
+}
+
+}  // namespace
+
+Option* Option::typeName(const std::string& name) {
+  option_->type_name(name);
+  return this;
+}
+
+Option* Option::required() {
+  option_->required();
+  return this;
+}
+
+Option* Option::check(TextCheck check) {
+  // Of CLI11's two kinds, the one that may change the text.
+  option_->transform(validatorOf(std::move(check)));
+  return this;
+}
+
+Option* Option::excludes(Option* other) {
+  option_->excludes(other->option_);
+  return this;
+}
+
+Option* Option::needs(Option* other) {
+  option_->needs(other->option_);
+  return this;
+}
+
+Option* Option::separatedBy(char sign) {
+  option_->delimiter(sign);
+  return this;
+}
+
+Option* Option::repeatable() {
+  option_->expected(1)->take_all();
+  return this;
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& description, const std::string& version)
+    : root_(std::make_unique<CLI::App>(description, name)), app_(root_.get()) {
+  app_->set_help_flag("-h,--help", "Show this help");
+  app_->set_version_flag("--version", name + " " + version);
+  app_->get_formatter()->column_width(kColumnWidth);
+  app_->require_subcommand(0, 1);
+}
+
+CommandLine::CommandLine(CLI::App* app) : app_(app) {}
+
+CommandLine::~CommandLine() = default;
+
+CommandLine* CommandLine::addSubcommand(const std::string& name, const std::string& description,
+                                        const std::string& footer) {
+  CLI::App* app = app_->add_subcommand(name, description);
+  app->set_help_flag("-h,--help", "Show this help");
+  app->footer(footer);
+  subcommands_.emplace_back(new CommandLine(app));
+  return subcommands_.back().get();
+}
+
+void CommandLine::footer(const std::string& text) {
+  app_->footer(text);
+}
+
+template <typename Value>
+Option* CommandLine::add(const std::string& name, Value& value, const std::string& description) {
+  return &options_.emplace_back(app_->add_option(name, value, description));
+}
+
+Option* CommandLine::addOption(const std::string& name, std::string& value, const std::string& description) {
+  return add(name, value, description);
+}
+Option* CommandLine::addOption(const std::string& name, int& value, const std::string& description) {
+  return add(name, value, description);
+}
+Option* CommandLine::addOption(const std::string& name, double& value, const std::string& description) {
+  return add(name, value, description);
+}
+Option* CommandLine::addOption(const std::string& name, std::optional<double>& value, const std::string& description) {
+  return add(name, value, description);
+}
+Option* CommandLine::addOption(const std::string& name, std::vector<std::string>& values,
+                               const std::string& description) {
+  return add(name, values, description);
+}
+Option* CommandLine::addOption(const std::string& name, std::vector<double>& values, const std::string& description) {
+  return add(name, values, description);
+}
+Option* CommandLine::addOption(const std::string& name, std::vector<int>& values, const std::string& description) {
+  return add(name, values, description);
+}
+
+Option* CommandLine::addFlag(const std::string& name, bool& value, const std::string& description) {
+  return &options_.emplace_back(app_->add_flag(name, value, description));
+}
+
+std::string CommandLine::subcommandNames() const {
+  std::string names;
+  for (const auto& command : subcommands_) names += (names.empty() ? "" : ", ") + command->app_->get_name();
+  return names;
+}
+
+/// The command that the arguments were meant for, to point at its help.
+std::string CommandLine::helpCommand() const {
+  for (const auto& command : subcommands_) {
+    if (command->parsed()) return app_->get_name() + " " + command->app_->get_name() + " --help";
+  }
+  return app_->get_name() + " --help";
+}
+
+std::optional<int> CommandLine::parse(int argc, char** argv) {
+  const std::string& name = app_->get_name();
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    const std::vector<std::string> extras = app_->remaining(true);
+    fmt::print(
+        stderr, "{}: {}: {}\nTry `{}`.\n", name, extras.empty() ? "?" : extras.front(),
+        app_->get_subcommands().empty() ? "no such command, expected one of " + subcommandNames() : "not expected here",
+        helpCommand());
+    return kBadInputStatus;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app_->exit(error);  // --help and --version
+    fmt::print(stderr, "{}: {}\nTry `{}`.\n", name, error.what(), helpCommand());
+    return kBadInputStatus;
+  }
+  if (app_->get_subcommands().empty()) {
+    fmt::print(stderr, "{}: no command given, expected one of {}\nTry `{}`.\n", name, subcommandNames(), helpCommand());
+    return kBadInputStatus;
+  }
+  return std::nullopt;
+}
+
+bool CommandLine::parsed() const {
+  return app_->parsed();
+}
+bool CommandLine::given(const std::string& option) const {
+  return app_->count(option) > 0;
+}
+
+}  // namespace lorica

@@ -1,0 +1,55 @@
+# What scripts/package makes of the installed files: `lorica`, the command with all that it needs at run time, and
+# `liblorica-dev`, the static libraries, their headers and what find_package(lorica) reads.
+
+set(LORICA_PACKAGE_DEPENDS "" CACHE STRING "Packages that the command's needs, as dpkg-shlibdeps says")
+set(LORICA_PACKAGE_RECOMMENDS "" CACHE STRING "Packages that only the writing of videos needs")
+set(LORICA_PACKAGE_DOCS "" CACHE PATH "Folder of manual pages, changelog and copyright that scripts/package makes")
+mark_as_advanced(LORICA_PACKAGE_DEPENDS LORICA_PACKAGE_RECOMMENDS LORICA_PACKAGE_DOCS)
+if(NOT LORICA_PACKAGE_DOCS)
+  return()
+endif()
+
+foreach(package lorica:command liblorica-dev:development)
+  string(REPLACE ":" ";" package ${package})
+  list(POP_FRONT package name)
+  install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${package})
+endforeach()
+install(DIRECTORY ${LORICA_PACKAGE_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "Lorica maintainers <maintainers@lorica.invalid>")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL command development)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME lorica)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION graphics)
+set(CPACK_COMPONENT_COMMAND_DESCRIPTION "live motion-capture avatar that collides
+Lorica reads a person's skeleton from a depth camera, a recording or a motion
+file, poses a skinned character with it, and gives the character a body that
+physics can touch: a small set of convex hulls that follow every frame.
+.
+This package has the command, sample recordings and a virtual depth camera.")
+# Pictures without a display and depth cameras are loaded by name, so that no file says it needs them.
+set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS "${LORICA_PACKAGE_DEPENDS}, libosmesa6 | libegl1, libopenni2-0")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "${LORICA_PACKAGE_RECOMMENDS}")
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME liblorica-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "live motion-capture avatar that collides - development files
+Static libraries and headers of Lorica: convex decomposition of animated
+meshes, live convex hulls, character import, retargeting and body tracking.")
+# What lorica-config.cmake looks for; the modules that the libraries load come with the command.
+string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "lorica (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libeigen3-dev, libfmt-dev, nlohmann-json3-dev, "
+  "libtbb-dev, libbullet-dev, libxxhash-dev, libhwy-dev, libglfw3-dev, libimgui-dev, libassimp-dev, libtinygltf-dev, "
+  "libpng-dev, zlib1g-dev, pkgconf | pkg-config")
+
+include(CPack)
