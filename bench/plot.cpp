@@ -1,5 +1,7 @@
 #include "bench/plot.h"
 
+#include "viewer/image.h"
+
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 

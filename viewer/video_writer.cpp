@@ -1,7 +1,7 @@
-#include "viewer/video_module.h"
+#include "viewer/image.h"
 
 #include "geometry/module.h"
-#include "viewer/image.h"
+#include "viewer/video_module.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
