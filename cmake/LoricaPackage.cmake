@@ -15,9 +15,12 @@ foreach(package lorica:command liblorica-dev:development)
   install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${package})
 endforeach()
+install(FILES packaging/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME lorica
+        COMPONENT command)
 install(DIRECTORY ${LORICA_PACKAGE_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command)
 
 set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "live motion-capture avatar that collides")
 set(CPACK_PACKAGE_CONTACT "Lorica maintainers <maintainers@lorica.invalid>")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -31,8 +34,7 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME lorica)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION graphics)
-set(CPACK_COMPONENT_COMMAND_DESCRIPTION "live motion-capture avatar that collides
-Lorica reads a person's skeleton from a depth camera, a recording or a motion
+set(CPACK_COMPONENT_COMMAND_DESCRIPTION "Lorica reads a person's skeleton from a depth camera, a recording or a motion
 file, poses a skinned character with it, and gives the character a body that
 physics can touch: a small set of convex hulls that follow every frame.
 .
@@ -43,8 +45,7 @@ set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "${LORICA_PACKAGE_RECOMMENDS}")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME liblorica-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "live motion-capture avatar that collides - development files
-Static libraries and headers of Lorica: convex decomposition of animated
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries and headers of Lorica: convex decomposition of animated
 meshes, live convex hulls, character import, retargeting and body tracking.")
 # What lorica-config.cmake looks for; the modules that the libraries load come with the command.
 string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
