@@ -102,9 +102,10 @@ function(lorica_module name)
           COMPONENT command)
 endfunction()
 
-# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest.
+# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest. ALONE Suite.*
+# names tests of what runs in real time, such as a live camera: ctest runs nothing beside them.
 function(lorica_tests name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "ALONE" "SOURCES;LINKS" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
   lorica_flags(${name}_tests)
@@ -115,5 +116,12 @@ function(lorica_tests name)
   if(LORICA_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug")
     set(timeout 1500)
   endif()
-  gtest_discover_tests(${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${timeout})
+  set(discovery TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60)
+  if(ARG_ALONE)
+    gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "-${ARG_ALONE}" PROPERTIES TIMEOUT ${timeout})
+    gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${ARG_ALONE}" TEST_LIST ${name}_tests_alone
+                         PROPERTIES TIMEOUT ${timeout} RUN_SERIAL TRUE)
+  else()
+    gtest_discover_tests(${name}_tests ${discovery} PROPERTIES TIMEOUT ${timeout})
+  endif()
 endfunction()
