@@ -3,8 +3,8 @@
 #include "acd/hull_distance.h"
 #include "acd/improve.h"
 #include "acd/merge.h"
+#include "acd/piece.h"
 #include "acd/split_search.h"
-#include "acd/workpiece.h"
 #include "geometry/convex_hull.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "acd/cover.h"
 #include "acd/decomposition.h"
+#include "acd/hull_cover.h"
 #include "acd/level_of_detail.h"
 #include "acd/training_range.h"
 #include "geometry/result.h"

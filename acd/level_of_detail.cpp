@@ -1,7 +1,7 @@
 #include "acd/level_of_detail.h"
 
+#include "acd/piece.h"
 #include "acd/transfer.h"
-#include "acd/workpiece.h"
 
 #include <tbb/parallel_for.h>
 

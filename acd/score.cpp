@@ -1,8 +1,8 @@
 #include "acd/score.h"
 
-#include "acd/coverage.h"
 #include "acd/nearest_triangle.h"
 #include "acd/random_bits.h"
+#include "acd/volume_coverage.h"
 #include "geometry/convex_hull.h"
 
 #include <fmt/format.h>

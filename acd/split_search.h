@@ -1,6 +1,6 @@
 #pragma once
 
-#include "acd/workpiece.h"
+#include "acd/piece.h"
 
 #include <optional>
 

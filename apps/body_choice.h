@@ -2,7 +2,7 @@
 
 #include "acd/decomposition_file.h"
 #include "apps/command_line.h"
-#include "apps/cover.h"
+#include "apps/cover_options.h"
 #include "apps/inputs.h"
 
 #include <string>

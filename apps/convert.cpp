@@ -1,8 +1,8 @@
 #include "apps/motions.h"
 #include "apps/options.h"
-#include "capture/bvh_file.h"
-#include "capture/joint_csv.h"
-#include "capture/motion_retarget.h"
+#include "capture/files/bvh_file.h"
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/skeletal_retarget.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

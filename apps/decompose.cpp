@@ -1,6 +1,6 @@
 #include "acd/decompose.h"
 
-#include "apps/cover.h"
+#include "apps/cover_options.h"
 #include "apps/hull_export.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"

@@ -3,7 +3,7 @@
 #include "apps/quality.h"
 #include "apps/report.h"
 #include "apps/training.h"
-#include "collision/lifted_point.h"
+#include "collision/live/lifted_point.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>

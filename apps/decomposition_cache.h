@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
-#include "apps/cover.h"
+#include "apps/cover_options.h"
 #include "apps/inputs.h"
 #include "skinning/character.h"
 

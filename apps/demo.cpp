@@ -7,7 +7,7 @@
 #include "apps/playback.h"
 #include "apps/progress_bar.h"
 #include "apps/run_session.h"
-#include "apps/tally.h"
+#include "apps/run_statistics.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>

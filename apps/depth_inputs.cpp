@@ -2,9 +2,9 @@
 
 #include "apps/motions.h"
 #include "apps/report.h"
-#include "sensor/nite.h"
-#include "sensor/openni.h"
-#include "sensor/virtual_script.h"
+#include "capture/sensor/nite.h"
+#include "capture/sensor/openni.h"
+#include "capture/virtual_sensor/virtual_script.h"
 
 #include <fmt/format.h>
 

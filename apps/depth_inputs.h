@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/command_line.h"
+#include "capture/sensor/depth_source.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"
-#include "sensor/depth_source.h"
 
 #include <memory>
 #include <string>

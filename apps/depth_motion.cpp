@@ -3,8 +3,8 @@
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
 #include "apps/report.h"
-#include "sensor/oni_source.h"
-#include "tracking/depth_joints.h"
+#include "capture/sensor/oni_source.h"
+#include "capture/tracking/depth_joints.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tracking/depth_joints.h"
+#include "capture/tracking/depth_joints.h"
 #include "viewer/image.h"
 
 namespace lorica {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/body_plan.h"
+#include "collision/live/body_plan.h"
 #include "skinning/character.h"
 
 #include <future>

@@ -1,9 +1,9 @@
 #include "apps/depth_motion.h"
-#include "apps/facts.h"
+#include "apps/file_summary.h"
 #include "apps/inputs.h"
 #include "apps/motions.h"
 #include "apps/options.h"
-#include "import/bone_map.h"
+#include "skinning/import/bone_map.h"
 
 #include <fmt/format.h>
 

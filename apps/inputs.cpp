@@ -5,8 +5,8 @@
 #include "apps/progress_bar.h"
 #include "geometry/mesh_files.h"
 #include "geometry/mesh_repair.h"
-#include "import/bone_map.h"
-#include "skinning/mannequin.h"
+#include "skinning/import/bone_map.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
 

@@ -2,11 +2,11 @@
 
 #include "apps/command_line.h"
 #include "apps/motions.h"
-#include "body/body.h"
 #include "geometry/result.h"
 #include "geometry/tri_mesh.h"
-#include "import/character_file.h"
+#include "skinning/body/closed_body.h"
 #include "skinning/character.h"
+#include "skinning/import/character_file.h"
 
 #include <optional>
 #include <string>

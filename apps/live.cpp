@@ -7,11 +7,11 @@
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/run_session.h"
+#include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "apps/tally.h"
+#include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
-#include "tracking/live_joints.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

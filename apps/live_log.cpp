@@ -1,6 +1,6 @@
 #include "apps/live_log.h"
 
-#include "apps/spread.h"
+#include "apps/percentiles.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

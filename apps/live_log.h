@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/report.h"
-#include "tracking/live_joints.h"
+#include "capture/tracking/live_joints.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -1,8 +1,8 @@
 // Writes the recordings that ship with Lorica: every synthetic motion, and two of them as a depth sensor would see
 // them.
 
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
 
 #include <fmt/core.h>
 #include <cmath>

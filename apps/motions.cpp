@@ -3,13 +3,13 @@
 #include "apps/depth_motion.h"
 #include "apps/options.h"
 #include "apps/report.h"
-#include "capture/bvh_file.h"
-#include "capture/joint_csv.h"
-#include "capture/joint_stream.h"
-#include "capture/motion_retarget.h"
-#include "capture/stand_in_skeleton.h"
-#include "capture/synthetic_motion.h"
-#include "import/character_file.h"
+#include "capture/files/bvh_file.h"
+#include "capture/files/joint_csv.h"
+#include "capture/files/joint_stream.h"
+#include "capture/retarget/proxy_skeleton.h"
+#include "capture/retarget/skeletal_retarget.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "skinning/import/character_file.h"
 
 #include <fmt/format.h>
 

@@ -1,13 +1,13 @@
 #include "acd/decomposition_file.h"
 #include "apps/body_choice.h"
-#include "apps/cast.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
 #include "apps/playback.h"
+#include "apps/playback_input.h"
 #include "apps/run_session.h"
+#include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "apps/tally.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>

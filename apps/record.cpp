@@ -5,9 +5,9 @@
 #include "apps/record_session.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "sensor/oni_joints.h"
-#include "sensor/openni.h"
-#include "tracking/tracker.h"
+#include "capture/sensor/oni_joints.h"
+#include "capture/sensor/openni.h"
+#include "capture/tracking/tracker.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -4,8 +4,8 @@
 #include "apps/playback.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
-#include "tracking/live_joints.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "apps/body_choice.h"
-#include "apps/cast.h"
 #include "apps/depth_inputs.h"
+#include "apps/playback_input.h"
 #include "apps/report.h"
 #include "apps/window_loop.h"
 

@@ -2,8 +2,8 @@
 #include "apps/inputs.h"
 #include "apps/options.h"
 #include "apps/run_session.h"
+#include "apps/run_statistics.h"
 #include "apps/scenes.h"
-#include "apps/tally.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 

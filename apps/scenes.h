@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/command_line.h"
-#include "collision/world.h"
+#include "collision/world/world.h"
 #include "geometry/result.h"
 
 #include <filesystem>

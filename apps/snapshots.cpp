@@ -2,7 +2,7 @@
 
 #include "apps/options.h"
 #include "apps/playback.h"
-#include "collision/passengers.h"
+#include "collision/live/attached_vertices.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,9 +2,9 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
-#include "capture/stand_in_skeleton.h"
-#include "session/keyframes.h"
+#include "capture/retarget/proxy_skeleton.h"
 #include "session/part_bones.h"
+#include "session/prepare/keyframes.h"
 
 #include <fmt/format.h>
 

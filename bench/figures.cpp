@@ -4,10 +4,10 @@
 #include "acd/transfer.h"
 #include "bench/measure.h"
 #include "bench/plot.h"
-#include "capture/synthetic_motion.h"
-#include "session/keyframes.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "session/pose_source.h"
-#include "skinning/mannequin.h"
+#include "session/prepare/keyframes.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

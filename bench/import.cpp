@@ -2,14 +2,14 @@
 // on standard output; each beside a reference that does the least of the same work, in the same run.
 
 #include "bench/measure.h"
-#include "body/body.h"
-#include "capture/bvh_file.h"
-#include "capture/motion_retarget.h"
-#include "capture/synthetic_motion.h"
+#include "capture/files/bvh_file.h"
+#include "capture/retarget/skeletal_retarget.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
-#include "import/character_file.h"
-#include "skinning/mannequin.h"
-#include "tests/import/glb_writer.h"
+#include "skinning/body/closed_body.h"
+#include "skinning/import/character_file.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/skinning/import/glb_writer.h"
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>

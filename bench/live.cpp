@@ -4,15 +4,15 @@
 #include "acd/transfer.h"
 #include "bench/measure.h"
 #include "bench/walker.h"
-#include "capture/retarget.h"
-#include "capture/synthetic_motion.h"
-#include "collision/cover.h"
-#include "collision/live_body.h"
-#include "collision/rigid_fit.h"
-#include "collision/self_contact.h"
+#include "capture/retarget/retarget.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "collision/live/choose_cover.h"
+#include "collision/live/live_body.h"
+#include "collision/live/rigid_fit.h"
+#include "collision/world/self_contact.h"
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <LinearMath/btConvexHullComputer.h>
 #include <fmt/format.h>

@@ -1,15 +1,15 @@
 // What it costs to follow the hulls of a body's parts by mending last frame's faces, beside building them anew from the
 // same points in the same run: CSV on standard output. Times are CPU microseconds for all parts in one frame.
 
-#include "collision/moving_hull.h"
+#include "collision/live/moving_hull.h"
 #include "acd/decompose.h"
 #include "acd/transfer.h"
 #include "bench/measure.h"
-#include "capture/synthetic_motion.h"
-#include "collision/lifted_point.h"
-#include "session/keyframes.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "collision/live/lifted_point.h"
 #include "session/pose_source.h"
-#include "skinning/mannequin.h"
+#include "session/prepare/keyframes.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <LinearMath/btConvexHullComputer.h>
 #include <fmt/format.h>

@@ -3,8 +3,8 @@
 
 #include "bench/measure.h"
 #include "bench/walker.h"
-#include "collision/live_body.h"
-#include "collision/particle_push.h"
+#include "collision/live/live_body.h"
+#include "collision/particles/particle_push.h"
 #include "geometry/random_numbers.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 
 #include "bench/measure.h"
 #include "bench/walker.h"
-#include "collision/particles.h"
+#include "collision/particles/particles.h"
 #include "geometry/random_numbers.h"
 
 #include <fmt/format.h>

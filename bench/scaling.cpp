@@ -2,11 +2,11 @@
 // fitted exponents as lines that start with #.
 
 #include "bench/measure.h"
-#include "capture/synthetic_motion.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
-#include "session/keyframes.h"
 #include "session/pose_source.h"
-#include "skinning/mannequin.h"
+#include "session/prepare/keyframes.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

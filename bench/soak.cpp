@@ -4,9 +4,9 @@
 #include "bench/measure.h"
 #include "bench/soak_run.h"
 #include "session/demo_scene.h"
-#include "session/keyframes.h"
+#include "session/prepare/keyframes.h"
 #include "session/scene_file.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -1,11 +1,11 @@
 #include "bench/soak_run.h"
 
 #include "capture/fault_injector.h"
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/random_numbers.h"
 #include "session/treated_source.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

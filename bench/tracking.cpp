@@ -5,8 +5,8 @@
 #include "bench/plot.h"
 #include "bench/tracking_errors.h"
 #include "bench/tracking_motions.h"
+#include "capture/tracking/tracker.h"
 #include "geometry/files.h"
-#include "tracking/tracker.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -1,11 +1,11 @@
 #include "bench/tracking_motions.h"
 
-#include "capture/bvh_file.h"
-#include "capture/motion_clips.h"
-#include "capture/synthetic_motion.h"
-#include "import/character_file.h"
-#include "sensor/virtual_body.h"
-#include "skinning/mannequin.h"
+#include "capture/files/bvh_file.h"
+#include "capture/synthetic/motion_clips.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "capture/virtual_sensor/virtual_body.h"
+#include "skinning/import/character_file.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <algorithm>
 #include <cmath>

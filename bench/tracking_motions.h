@@ -1,8 +1,8 @@
 #pragma once
 
 #include "capture/skeleton_frame.h"
+#include "capture/virtual_sensor/virtual_sensor.h"
 #include "geometry/result.h"
-#include "sensor/virtual_sensor.h"
 
 #include <filesystem>
 #include <optional>

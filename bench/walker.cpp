@@ -1,14 +1,14 @@
 #include "bench/walker.h"
 
 #include "acd/decompose.h"
-#include "capture/retarget.h"
-#include "capture/synthetic_motion.h"
-#include "collision/cover.h"
-#include "session/cover_poses.h"
-#include "session/keyframes.h"
+#include "capture/retarget/retarget.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "collision/live/choose_cover.h"
 #include "session/pose_source.h"
+#include "session/prepare/cover_poses.h"
+#include "session/prepare/keyframes.h"
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 namespace lorica::bench {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "collision/live_body.h"
+#include "collision/live/live_body.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
 #include "skinning/character.h"

@@ -8,9 +8,10 @@ set(lorica_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lorica)
 add_library(lorica_all INTERFACE)
 add_library(lorica::lorica ALIAS lorica_all)
 set_target_properties(lorica_all PROPERTIES EXPORT_NAME lorica)
-target_link_libraries(lorica_all INTERFACE lorica::viewer lorica::session lorica::collision lorica::tracking lorica::sensor
-                                           lorica::capture lorica::import lorica::body lorica::skinning lorica::acd
-                                           lorica::geometry)
+target_link_libraries(lorica_all INTERFACE
+  lorica::viewer lorica::session lorica::prepare lorica::world lorica::particles lorica::live lorica::tracking
+  lorica::virtual_sensor lorica::sensor lorica::synthetic lorica::retarget lorica::files lorica::capture lorica::body
+  lorica::import lorica::humanoid lorica::mannequin lorica::skinning lorica::acd lorica::geometry)
 install(TARGETS lorica_all EXPORT loricaTargets)
 
 install(EXPORT loricaTargets NAMESPACE lorica:: DESTINATION ${lorica_package_dir})

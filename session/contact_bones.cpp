@@ -1,6 +1,6 @@
 #include "session/contact_bones.h"
 
-#include "collision/lifted_point.h"
+#include "collision/live/lifted_point.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "collision/live_part.h"
+#include "collision/live/live_part.h"
 #include "skinning/character.h"
 
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/world.h"
+#include "collision/world/world.h"
 
 #include <cstdint>
 

@@ -1,7 +1,7 @@
 #include "session/pose_source.h"
 
-#include "capture/joint_csv.h"
-#include "capture/stand_in_skeleton.h"
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/proxy_skeleton.h"
 #include "session/joint_trust.h"
 
 #include <algorithm>

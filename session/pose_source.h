@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/retarget.h"
+#include "capture/retarget/retarget.h"
 #include "capture/skeleton_frame.h"
 #include "capture/smoothing.h"
 #include "skinning/character.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "collision/prop.h"
+#include "collision/world/prop.h"
 #include "geometry/result.h"
 #include "geometry/tri_mesh.h"
 

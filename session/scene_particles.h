@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/particles.h"
+#include "collision/particles/particles.h"
 #include "session/scene_element.h"
 
 #include <optional>

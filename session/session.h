@@ -1,11 +1,11 @@
 #pragma once
 
-#include "acd/cover.h"
+#include "acd/hull_cover.h"
 #include "acd/training_range.h"
-#include "collision/lifted_point.h"
-#include "collision/live_body.h"
-#include "collision/self_contact.h"
-#include "collision/world.h"
+#include "collision/live/lifted_point.h"
+#include "collision/live/live_body.h"
+#include "collision/world/self_contact.h"
+#include "collision/world/world.h"
 #include "session/contact_bones.h"
 #include "session/part_bones.h"
 #include "session/pose_source.h"

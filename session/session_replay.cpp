@@ -1,6 +1,6 @@
 #include "session/session_replay.h"
 
-#include "capture/joint_csv.h"
+#include "capture/files/joint_csv.h"
 #include "session/treated_source.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/live_body.h"
+#include "collision/live/live_body.h"
 #include "geometry/math.h"
 #include "skinning/skeleton.h"
 

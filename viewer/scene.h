@@ -1,8 +1,8 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "collision/live_part.h"
-#include "collision/world.h"
+#include "collision/live/live_part.h"
+#include "collision/world/world.h"
 #include "geometry/math.h"
 #include "geometry/tri_mesh.h"
 #include "skinning/skeleton.h"

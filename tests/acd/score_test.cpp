@@ -1,7 +1,7 @@
 #include "acd/score.h"
 
-#include "acd/coverage.h"
 #include "acd/nearest_triangle.h"
+#include "acd/volume_coverage.h"
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
 #include "tests/support/datasets.h"

@@ -1,5 +1,5 @@
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"

@@ -1,5 +1,5 @@
-#include "capture/bvh_file.h"
-#include "capture/joint_csv.h"
+#include "capture/files/bvh_file.h"
+#include "capture/files/joint_csv.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"

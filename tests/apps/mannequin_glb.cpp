@@ -1,7 +1,7 @@
 #include "tests/apps/mannequin_glb.h"
 
-#include "skinning/mannequin.h"
-#include "tests/import/glb_writer.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/skinning/import/glb_writer.h"
 
 #include <fmt/format.h>
 

@@ -2,12 +2,12 @@
 #include "apps/action_tape.h"
 #include "apps/detail_levels.h"
 #include "apps/window_warnings.h"
-#include "capture/joint_csv.h"
-#include "collision/live_body.h"
+#include "capture/files/joint_csv.h"
+#include "collision/live/live_body.h"
 #include "session/demo_scene.h"
 #include "session/treated_source.h"
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "capture/fault_injector.h"
 
-#include "capture/joint_csv.h"
+#include "capture/files/joint_csv.h"
 #include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>

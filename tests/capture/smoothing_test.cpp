@@ -1,8 +1,8 @@
 #include "capture/smoothing.h"
 
-#include "capture/joint_csv.h"
-#include "capture/retarget.h"
-#include "skinning/mannequin.h"
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/retarget.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/capture/figures.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"

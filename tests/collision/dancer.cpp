@@ -3,7 +3,7 @@
 #include "acd/decompose.h"
 #include "acd/transfer.h"
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/collision/parts.h"
 
 namespace lorica::test {

@@ -3,8 +3,8 @@
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
-#include "capture/joint_csv.h"
-#include "collision/world.h"
+#include "capture/files/joint_csv.h"
+#include "collision/world/world.h"
 #include "viewer/image.h"
 
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "capture/bvh_file.h"
-#include "capture/motion_retarget.h"
+#include "capture/files/bvh_file.h"
+#include "capture/retarget/skeletal_retarget.h"
 #include "geometry/files.h"
 #include "geometry/result.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <cmath>
 #include <cstddef>

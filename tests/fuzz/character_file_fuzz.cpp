@@ -1,4 +1,4 @@
-#include "import/character_file.h"
+#include "skinning/import/character_file.h"
 #include "skinning/linear_blend.h"
 
 #include <cstddef>

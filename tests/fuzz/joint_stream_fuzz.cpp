@@ -1,5 +1,5 @@
-#include "capture/joint_stream.h"
-#include "capture/joint_stream_parts.h"
+#include "capture/files/joint_stream.h"
+#include "capture/files/joint_stream_parts.h"
 #include "capture/smoothing.h"
 #include "geometry/files.h"
 #include "geometry/result.h"

@@ -1,5 +1,5 @@
+#include "capture/sensor/oni_file.h"
 #include "geometry/result.h"
-#include "sensor/oni_file.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,12 +1,12 @@
 #include "session/contact_bones.h"
 
 #include "acd/decompose.h"
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
-#include "collision/live_body.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "collision/live/live_body.h"
 #include "session/pose_source.h"
 #include "session/session.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 

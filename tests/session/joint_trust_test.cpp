@@ -1,11 +1,11 @@
 #include "session/joint_trust.h"
 
 #include "acd/decompose.h"
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "session/pose_source.h"
 #include "session/session.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "session/part_bones.h"
 
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>

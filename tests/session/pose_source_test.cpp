@@ -1,8 +1,8 @@
 #include "session/pose_source.h"
 
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
-#include "skinning/mannequin.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 

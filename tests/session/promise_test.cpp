@@ -2,15 +2,15 @@
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
-#include "capture/synthetic_motion.h"
-#include "collision/cover.h"
-#include "collision/live_body.h"
-#include "session/cover_poses.h"
-#include "session/keyframes.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "collision/live/choose_cover.h"
+#include "collision/live/live_body.h"
 #include "session/pose_source.h"
-#include "skinning/joint_limits.h"
+#include "session/prepare/cover_poses.h"
+#include "session/prepare/keyframes.h"
+#include "skinning/humanoid/joint_limits.h"
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>

@@ -1,7 +1,7 @@
-#include "capture/joint_csv.h"
+#include "capture/files/joint_csv.h"
 #include "session/session_replay.h"
 #include "session/treated_source.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
 

@@ -1,13 +1,13 @@
 #include "session/scene_file.h"
 
 #include "acd/decompose.h"
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "session/pose_source.h"
 #include "session/session.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 

@@ -1,10 +1,10 @@
 #include "session/session_replay.h"
 
-#include "capture/joint_csv.h"
+#include "capture/files/joint_csv.h"
 #include "geometry/files.h"
 #include "session/pose_faults.h"
 #include "session/session_blocks.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
 

@@ -1,13 +1,13 @@
 #include "session/session.h"
 
 #include "acd/decompose.h"
-#include "capture/joint_csv.h"
-#include "capture/synthetic_motion.h"
-#include "collision/cover.h"
+#include "capture/files/joint_csv.h"
+#include "capture/synthetic/synthetic_motion.h"
+#include "collision/live/choose_cover.h"
 #include "session/demo_scene.h"
-#include "session/keyframes.h"
 #include "session/pose_source.h"
-#include "skinning/mannequin.h"
+#include "session/prepare/keyframes.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 #include "tests/session/small_session.h"
 
 #include "acd/decompose.h"
-#include "capture/joint_csv.h"
+#include "capture/files/joint_csv.h"
 #include "session/demo_scene.h"
 #include "session/treated_source.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include "acd/decomposition.h"
 #include "capture/fault_injector.h"
-#include "collision/world.h"
+#include "collision/world/world.h"
 #include "session/session_file.h"
 #include "session/session_recorder.h"
 

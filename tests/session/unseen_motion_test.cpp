@@ -3,10 +3,10 @@
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
-#include "capture/synthetic_motion.h"
-#include "session/keyframes.h"
+#include "capture/synthetic/synthetic_motion.h"
 #include "session/pose_source.h"
-#include "skinning/mannequin.h"
+#include "session/prepare/keyframes.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 

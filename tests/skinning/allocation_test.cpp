@@ -1,5 +1,5 @@
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>

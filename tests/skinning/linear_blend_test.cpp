@@ -1,6 +1,6 @@
 #include "skinning/linear_blend.h"
 
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/skinning/random_pose.h"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include "tests/viewer/pictures.h"
 
 #include "geometry/convex_hull.h"
-#include "skinning/mannequin.h"
+#include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,114 @@
+#include "acd/piece.h"
+
+#include "geometry/convex_hull.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+
+namespace lorica {
+namespace {
+
+// Points closer to a plane than this lie on it, relative to the diagonal of the mesh in that keyframe.
+constexpr double kOnPlane = 1e-9;
+// And what a distance from a plane is wrong by, relative to the largest coordinate: counts far from the origin.
+constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+
+/// The same triangle with its smallest index first.
+Triangle canonical(Triangle t) {
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  return t;
+}
+
+}  // namespace
+
+Workshop::Workshop(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedMesh) {
+  for (int k = 0; k < keyframes.keyframeCount(); ++k) {
+    const std::span<const Vec3> frame = keyframes.keyframe(k);
+    points.emplace_back(frame.begin(), frame.end());
+    normals.push_back(unitNormals(mesh.triangles, frame));
+    const Aabb box = boundsOf(frame);
+    const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+    onPlane.push_back(kOnPlane * box.diagonal() + kRounding * largest);
+    meshVolume.push_back(signedVolume(frame, mesh.triangles));
+  }
+}
+
+void Workshop::addCutPoints(std::span<const CutPoint> added) {
+  for (std::vector<Vec3>& frame : points) {
+    for (const CutPoint& c : added) {
+      frame.push_back(c.lambda * frame[static_cast<std::size_t>(c.first)] +
+                      (1.0 - c.lambda) * frame[static_cast<std::size_t>(c.second)]);
+    }
+  }
+  cutPoints.insert(cutPoints.end(), added.begin(), added.end());
+}
+
+double Workpiece::totalError() const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < volume.size(); ++k) sum += error(k);
+  return sum;
+}
+
+double Workpiece::totalHullVolume() const {
+  return std::accumulate(hullVolume.begin(), hullVolume.end(), 0.0);
+}
+
+Workpiece measure(Part part, const Workshop& shop) {
+  Workpiece w;
+  w.part = std::move(part);
+  w.volume.resize(shop.keyframeCount());
+  w.hullVolume.resize(shop.keyframeCount());
+  w.hullPoints.resize(shop.keyframeCount());
+  tbb::parallel_for(std::size_t{0}, shop.keyframeCount() + 1, [&](std::size_t k) {
+    if (k == shop.keyframeCount()) {
+      w.creases = creasesOf(w.part);
+      return;
+    }
+    thread_local std::vector<Vec3> own;
+    own.clear();
+    for (PointIndex p : w.part.points) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
+    const HullOutline outline = convexHullOutline(own);
+    w.hullVolume[k] = outline.volume;
+    w.hullPoints[k].reserve(outline.points.size());
+    for (VertexIndex v : outline.points) w.hullPoints[k].push_back(w.part.points[static_cast<std::size_t>(v)]);
+    w.volume[k] = signedVolume(shop.points[k], w.part.triangles);
+  });
+  return w;
+}
+
+Part unite(std::span<const Part* const> parts) {
+  // A cap triangle and its reverse take each other out, one for one: a part may hold one of them twice.
+  std::vector<Triangle> caps;
+  for (const Part* part : parts) {
+    for (std::size_t i = 0; i < part->triangles.size(); ++i) {
+      if (part->sourceTriangle[i] < 0) caps.push_back(canonical(part->triangles[i]));
+    }
+  }
+  std::sort(caps.begin(), caps.end());
+  std::vector<std::int32_t> takenOut(caps.size(), 0);  // counted at the first of equal triangles
+  Part whole;
+  for (const Part* part : parts) {
+    for (std::size_t i = 0; i < part->triangles.size(); ++i) {
+      const Triangle& t = part->triangles[i];
+      if (part->sourceTriangle[i] < 0) {
+        const auto [own, ownEnd] = std::equal_range(caps.begin(), caps.end(), canonical(t));
+        const auto [other, otherEnd] = std::equal_range(caps.begin(), caps.end(), canonical({t[0], t[2], t[1]}));
+        std::int32_t& count = takenOut[static_cast<std::size_t>(own - caps.begin())];
+        if (count < std::min(ownEnd - own, otherEnd - other)) {
+          ++count;
+          continue;
+        }
+      }
+      whole.triangles.push_back(t);
+      whole.sourceTriangle.push_back(part->sourceTriangle[i]);
+    }
+  }
+  whole.points = pointsUsedBy(whole.triangles);
+  return whole;
+}
+
+}  // namespace lorica

@@ -1,0 +1,155 @@
+#include "apps/run_statistics.h"
+
+#include "apps/percentiles.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+struct Stage {
+  const char* name;
+  const char* what;
+  double (*of)(const StageTimes&);
+};
+
+constexpr Stage kStages[] = {
+    {"retarget", "joints to pose", [](const StageTimes& t) { return t.retarget; }},
+    {"motion", "pose to rigid motions of the parts", [](const StageTimes& t) { return t.motion; }},
+    {"points", "pose to hull candidates", [](const StageTimes& t) { return t.points; }},
+    {"hulls", "candidates to hulls", [](const StageTimes& t) { return t.hulls; }},
+    {"physics", "props", [](const StageTimes& t) { return t.physics; }},
+    {"particles", "sand or water", [](const StageTimes& t) { return t.particles; }},
+    {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
+};
+
+Spread spreadOfStage(const std::vector<StageTimes>& frames, const Stage& stage) {
+  std::vector<double> times;
+  times.reserve(frames.size());
+  for (const StageTimes& frame : frames) times.push_back(stage.of(frame));
+  return spreadOf(std::move(times));
+}
+
+}  // namespace
+
+void Tally::add(const Session& session, bool selfContacts) {
+  stages_.push_back(session.times());
+  if (!start_) start_ = session.time();
+  touched_.resize(session.world().props().size(), 0);
+  now_.clear();
+  for (const Contact& contact : session.world().contacts()) {
+    ++contacts_;
+    now_.emplace_back(contact.part, contact.prop);
+    touched_[static_cast<std::size_t>(contact.prop)] = 1;
+  }
+  // A pair has up to four contact points: it counts once.
+  std::sort(now_.begin(), now_.end());
+  now_.erase(std::unique(now_.begin(), now_.end()), now_.end());
+  for (const auto& pair : now_) {
+    if (!std::binary_search(touching_.begin(), touching_.end(), pair)) ++touches_;
+  }
+  std::swap(touching_, now_);
+
+  if (selfContacts) addSelfContacts(session);
+
+  const std::optional<double> distance = session.trainingDistance();
+  if (!distance) return;
+  if (!training_) training_ = Training{session.training()->knownDistance};
+  training_->largest = std::max(training_->largest, *distance);
+  if (*distance <= training_->knownDistance) return;
+  if (training_->framesOutside++ > 0) return;
+  training_->firstOutside = frames() - 1;
+  training_->firstTime = session.time() - *start_;
+}
+
+void Tally::addSelfContacts(const Session& session) {
+  if (!selfContacts_) selfContacts_ = SelfContacts{{}, 0, {}, 0.0};
+  const std::span<const SelfContact> found = session.selfContacts();
+  selfContacts_->frames += found.empty() ? 0 : 1;
+  for (const SelfContact& contact : found) {
+    const std::pair pair(contact.first, contact.second);
+    auto& pairs = selfContacts_->pairs;
+    const auto at = std::lower_bound(pairs.begin(), pairs.end(), pair);
+    if (at == pairs.end() || *at != pair) pairs.insert(at, pair);
+    if (contact.depth <= selfContacts_->deepest.depth) continue;
+    selfContacts_->deepest = contact;
+    selfContacts_->deepestTime = session.time() - *start_;
+  }
+}
+
+int Tally::propsTouched() const {
+  return static_cast<int>(std::count(touched_.begin(), touched_.end(), 1));
+}
+
+void Tally::addTo(nlohmann::ordered_json& json) const {
+  json["frames"] = frames();
+  json["contacts"] = contacts_;
+  json["touches"] = touches_;
+  json["propsTouched"] = propsTouched();
+  json["selfContacts"] = nullptr;
+  if (selfContacts_) {
+    const SelfContacts& s = *selfContacts_;
+    json["selfContacts"] = {{"frames", s.frames}, {"pairs", s.pairs}, {"deepest", nullptr}};
+    if (s.frames > 0) {
+      json["selfContacts"]["deepest"] = {
+          {"parts", {s.deepest.first, s.deepest.second}}, {"depth", s.deepest.depth}, {"time", s.deepestTime}};
+    }
+  }
+  json["training"] = nullptr;
+  if (training_) {
+    json["training"] = {{"knownDistance", training_->knownDistance},
+                        {"largestDistance", training_->largest},
+                        {"framesOutside", training_->framesOutside},
+                        {"firstOutside", nullptr}};
+    if (training_->framesOutside > 0) {
+      json["training"]["firstOutside"] = {{"frame", training_->firstOutside}, {"time", training_->firstTime}};
+    }
+  }
+  for (const Stage& stage : kStages) {
+    const Spread spread = spreadOfStage(stages_, stage);
+    json["stages"][stage.name] = {{"median", spread.median}, {"p95", spread.p95}};
+  }
+}
+
+void Tally::addSelfContactsTo(Report& report) const {
+  if (!selfContacts_) return;
+  const SelfContacts& s = *selfContacts_;
+  report.line("self-contacts",
+              s.frames == 0 ? "none: only neighbours overlap"
+                            : fmt::format("{} of parts in {}; deepest {:.1f} cm, parts {} and {} at {:.2f} s",
+                                          counted(std::ssize(s.pairs), "pair"), counted(s.frames, "frame"),
+                                          100.0 * s.deepest.depth, s.deepest.first, s.deepest.second, s.deepestTime));
+}
+
+void Tally::addTrainingTo(Report& report) const {
+  if (!training_) {
+    report.line("training", "not in the decomposition, which an older Lorica made: nobody knows which poses are known");
+    return;
+  }
+  const std::string reach = fmt::format("at most {:.2f} m from the nearest training keyframe, up to {:.2f} m is known",
+                                        training_->largest, training_->knownDistance);
+  if (training_->framesOutside == 0) {
+    report.line("training", "every pose is known: " + reach);
+    return;
+  }
+  report.line("training", fmt::format("{} of {} outside the known range, the first at {:.2f} s (frame {})",
+                                      grouped(training_->framesOutside), counted(frames(), "frame"),
+                                      training_->firstTime, training_->firstOutside));
+  report.line("", reach);
+}
+
+void Tally::addTo(Report& report) const {
+  for (const Stage& stage : kStages) {
+    const Spread spread = spreadOfStage(stages_, stage);
+    if (std::string_view(stage.name) == "particles" && spread.p95 == 0.0) continue;  // there are none
+    report.line(stage.name, fmt::format("{:>8}  (95 % below {:>8})  {}", duration(spread.median), duration(spread.p95),
+                                        stage.what));
+  }
+}
+
+}  // namespace lorica

@@ -1,0 +1,99 @@
+#include "apps/file_summary.h"
+#include "capture/sensor/oni_file.h"
+#include "capture/sensor/openni.h"
+#include "capture/sensor/openni_usb.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 57.29577951308232;
+
+std::string describe(const OpenNiCamera& camera) {
+  std::string text = camera.vendor + " " + camera.name;
+  if (camera.usbVendor != 0) text += fmt::format(" (USB {:04x}:{:04x})", camera.usbVendor, camera.usbProduct);
+  if (!camera.driver.empty()) text += ", by " + camera.driver;
+  return text;
+}
+
+}  // namespace
+
+Result<Facts> describeDepthRecording(const std::filesystem::path& file) {
+  const Result<OniFile> read = OniFile::open(file);
+  if (!read) return read.error();
+  const OniInfo& info = read->info();
+  const double rate = info.duration > 0.0 ? (info.frameCount - 1) / info.duration : 0.0;
+  Facts facts{Report(file.filename().string() + ": a depth recording"), {}};
+  Report& report = facts.report;
+  report.line("format",
+              fmt::format("OpenNI {}{}", info.version, info.cutOff ? ", cut off: its whole frames are there" : ""));
+  if (!info.device.empty()) report.line("device", info.device);
+  report.line("length", fmt::format("{:.2f} s", info.duration));
+  report.line("depth frames", fmt::format("{} at {:.1f} a second", grouped(info.frameCount), rate));
+  report.line("image", fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees{}", info.camera.width, info.camera.height,
+                                   kDegrees * info.camera.horizontalFov, kDegrees * info.camera.verticalFov,
+                                   info.mirrored ? "; mirrored in the file, turned back when read" : ""));
+  if (info.colorFrameCount > 0) report.line("colour", counted(info.colorFrameCount, "frame") + ", not read");
+  if (info.infraredFrameCount > 0) report.line("infrared", counted(info.infraredFrameCount, "frame") + ", not read");
+  Json& json = facts.json;
+  json["kind"] = "depth recording";
+  json["name"] = file.filename().string();
+  json["version"] = info.version;
+  json["device"] = info.device;
+  json["seconds"] = info.duration;
+  json["frames"] = info.frameCount;
+  json["framesPerSecond"] = rate;
+  json["width"] = info.camera.width;
+  json["height"] = info.camera.height;
+  json["mirrored"] = info.mirrored;
+  json["cutOff"] = info.cutOff;
+  return facts;
+}
+
+Result<Facts> describeDevices(const std::string& driver) {
+  OpenNiSettings settings;
+  if (!driver.empty()) settings.drivers.emplace_back(driver);
+  const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start(settings);
+  if (!openNi) return openNi.error();
+  const Result<std::vector<OpenNiCamera>> cameras = (*openNi)->cameras();
+  if (!cameras) return cameras.error();
+
+  Facts facts{Report(cameras->empty() ? "No depth camera is seen" : counted(std::ssize(*cameras), "depth camera")), {}};
+  Json& json = facts.json;
+  json["kind"] = "devices";
+  json["cameras"] = Json::array();
+  for (const OpenNiCamera& camera : *cameras) {
+    facts.report.line(camera.uri, describe(camera));
+    json["cameras"].push_back({{"uri", camera.uri},
+                               {"vendor", camera.vendor},
+                               {"name", camera.name},
+                               {"usb", fmt::format("{:04x}:{:04x}", camera.usbVendor, camera.usbProduct)},
+                               {"driver", camera.driver}});
+  }
+  if (!cameras->empty()) facts.report.gap();
+  json["drivers"] = Json::array();
+  for (const OpenNiDriver& known : (*openNi)->drivers()) {
+    const std::string origin = known.packaged ? "comes with OpenNI2" : "added";
+    facts.report.line(known.file.filename().string(),
+                      known.problem.empty() ? origin : origin + ", cannot be used: " + known.problem);
+    json["drivers"].push_back({{"file", known.file.string()},
+                               {"packaged", known.packaged},
+                               {"problem", known.problem.empty() ? Json() : Json(known.problem)}});
+  }
+  json["why"] = Json::array();
+  if (cameras->empty()) {
+    for (const std::string& sentence : whyNoCamera(usbDepthCameras(), !driver.empty())) {
+      facts.report.note(sentence);
+      json["why"].push_back(sentence);
+    }
+    facts.report.note("Which camera needs which driver: docs/SENSORS.md. Without any, try `lorica live --virtual`.");
+  }
+  return facts;
+}
+
+}  // namespace lorica

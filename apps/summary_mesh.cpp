@@ -1,0 +1,58 @@
+#include "apps/file_summary.h"
+#include "geometry/convex_hull.h"
+
+#include <fmt/format.h>
+
+namespace lorica {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string point(const Vec3& p) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
+}
+
+}  // namespace
+
+Facts describeMesh(const Subject& subject) {
+  const TriMesh& mesh = subject.mesh;
+  const Aabb box = boundsOf(mesh.vertices);
+  const double volume = signedVolume(mesh.vertices, mesh.triangles);
+  const double hullVolume = convexHullVolume(mesh.vertices);
+  const int components = connectedComponents(mesh.vertices.size(), mesh.triangles).count;
+  const Result<void> closed = checkClosedTwoManifold(mesh);
+
+  Facts facts{Report(subject.name + (subject.character ? ": a character" : ": a mesh")), {}};
+  Report& report = facts.report;
+  report.line("vertices", grouped(std::ssize(mesh.vertices)));
+  report.line("triangles", grouped(std::ssize(mesh.triangles)));
+  report.line("components", grouped(components));
+  if (!subject.mended.empty()) report.line("mended", subject.mended);
+  report.line("closed", closed ? "yes, it can be decomposed" : "no: " + closed.error().message);
+  report.line("volume", fmt::format("{:.6g}", volume));
+  report.line("hull volume", fmt::format("{:.6g}", hullVolume));
+  const double convexity = hullVolume > 0.0 ? volume / hullVolume : 0.0;
+  if (closed && hullVolume > 0.0) report.line("convexity", fmt::format("{:.4f} (volume / hull volume)", convexity));
+  if (!box.empty()) {
+    report.line("bounding box", fmt::format("{} to {}", point(box.min), point(box.max)));
+    report.line("diagonal", fmt::format("{:.6g}", box.diagonal()));
+  }
+
+  Json& json = facts.json;
+  json["kind"] = subject.character ? "character" : "mesh";
+  json["name"] = subject.name;
+  json["vertices"] = mesh.vertices.size();
+  json["triangles"] = mesh.triangles.size();
+  json["components"] = components;
+  json["closed"] = closed.ok();
+  json["mended"] = subject.mended.empty() ? Json() : Json(subject.mended);
+  json["problem"] = closed ? Json() : Json(closed.error().message);
+  json["volume"] = volume;
+  json["hullVolume"] = hullVolume;
+  json["convexity"] = closed && hullVolume > 0.0 ? Json(convexity) : Json();
+  json["boundingBox"] =
+      box.empty() ? Json() : Json{{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}};
+  return facts;
+}
+
+}  // namespace lorica

@@ -1,0 +1,342 @@
+#include "capture/files/joint_csv.h"
+
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+namespace lorica {
+namespace {
+
+constexpr int kFieldsBeforeJoints = 2;
+constexpr int kFieldsPerJoint = 8;
+constexpr int kFieldCount = kFieldsBeforeJoints + kBodyJointCount * kFieldsPerJoint;
+constexpr std::array<std::string_view, kFieldsPerJoint> kJointFields = {"x",  "y",  "z",  "qx",
+                                                                        "qy", "qz", "qw", "confidence"};
+
+/// Positions beyond this are in another unit, most often millimetres; bounded numbers also keep later sums finite.
+constexpr double kLargestCoordinate = 100.0;
+/// Seconds since 1970 fit; their microseconds do not.
+constexpr double kLargestTime = 1e12;
+constexpr double kQuaternionTolerance = 0.01;
+/// A quaternion this close to unit length is kept bit for bit, so that writing and reading change nothing.
+constexpr double kUnitAlready = 1e-12;
+
+std::string columnName(int column) {
+  if (column == 0) return "time";
+  if (column == 1) return "user";
+  const int joint = (column - kFieldsBeforeJoints) / kFieldsPerJoint;
+  const int field = (column - kFieldsBeforeJoints) % kFieldsPerJoint;
+  return fmt::format("{}.{}", nameOf(static_cast<BodyJoint>(joint)), kJointFields[static_cast<std::size_t>(field)]);
+}
+
+/// What stood in the file, fit for a sentence: quoted, short, printable.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  if (text.empty()) return "an empty field";
+  std::string out = "\"";
+  for (const char c : text.substr(0, kLongest)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte < 0x7f) {
+      out += c;
+    } else {
+      out += fmt::format("\\x{:02x}", byte);
+    }
+  }
+  out += text.size() > kLongest ? "...\"" : "\"";
+  return out;
+}
+
+std::optional<double> parseNumber(std::string_view text) {
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// One file being read: where we are, and the sentences that say so.
+class Reader {
+ public:
+  explicit Reader(std::string file) : file_(std::move(file)) {}
+
+  Result<std::vector<std::vector<SkeletonFrame>>> read(std::string_view text) {
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.remove_suffix(1);
+    if (text.empty()) return bad(fmt::format("{}: found an empty file, expected a header line", file_));
+
+    for (line_ = 1; !text.empty(); ++line_) {
+      const std::size_t end = text.find('\n');
+      std::string_view row = text.substr(0, end);
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      if (!row.empty() && row.back() == '\r') row.remove_suffix(1);
+      const Result<void> result = line_ == 1 ? readHeader(row) : readRow(row);
+      if (!result) return result.error();
+    }
+    if (users_.empty()) {
+      return bad(fmt::format("{}: found a header and no rows, expected at least one frame", file_));
+    }
+    std::vector<std::vector<SkeletonFrame>> people;
+    people.reserve(users_.size());
+    for (User& user : users_) people.push_back(std::move(user.frames));
+    return people;
+  }
+
+ private:
+  struct User {
+    std::vector<SkeletonFrame> frames;
+    int lastLine = 0;
+  };
+
+  [[nodiscard]] static Error bad(std::string message) { return {ErrorCode::kBadFormat, std::move(message)}; }
+
+  /// "walk.csv, line 7, column 12 (neck.x): found ..., expected ..."; columns count from 1.
+  [[nodiscard]] Error badField(int column, const std::string& found, std::string_view expected) const {
+    return bad(fmt::format("{}, line {}, column {} ({}): found {}, expected {}", file_, line_, column + 1,
+                           columnName(column), found, expected));
+  }
+
+  Result<void> readHeader(std::string_view row) {
+    split(row);
+    for (int column = 0; column < kFieldCount; ++column) {
+      const std::string expected = columnName(column);
+      if (column >= static_cast<int>(fields_.size())) {
+        return bad(fmt::format("{}, line 1: found {} columns, expected {}; column {}, \"{}\", is missing", file_,
+                               fields_.size(), kFieldCount, column + 1, expected));
+      }
+      if (field(column) != expected) {
+        return bad(fmt::format("{}, line 1, column {}: found {}, expected \"{}\"", file_, column + 1,
+                               quoted(field(column)), expected));
+      }
+    }
+    if (fields_.size() > kFieldCount) {
+      return bad(fmt::format("{}, line 1, column {}: found {}, expected the line to end after {} columns", file_,
+                             kFieldCount + 1, quoted(field(kFieldCount)), kFieldCount));
+    }
+    return {};
+  }
+
+  Result<void> readRow(std::string_view row) {
+    split(row);
+    if (fields_.size() != kFieldCount) {
+      return bad(fmt::format("{}, line {}: found {}, expected {} fields", file_, line_,
+                             row.empty() ? "an empty line" : fmt::format("{} fields", fields_.size()), kFieldCount));
+    }
+    SkeletonFrame frame;
+    const std::optional<double> time = parseNumber(field(0));
+    if (!time) return badField(0, quoted(field(0)), "a number");
+    if (std::abs(*time) > kLargestTime) return badField(0, quoted(field(0)), "seconds within +-1e12");
+    frame.time = *time;
+
+    const std::string_view user = field(1);
+    const auto [end, status] = std::from_chars(user.data(), user.data() + user.size(), frame.user);
+    if (status != std::errc{} || end != user.data() + user.size()) {
+      return badField(1, quoted(user), "a whole number");
+    }
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      Result<TrackedJoint> joint = readJoint(kFieldsBeforeJoints + j * kFieldsPerJoint);
+      if (!joint) return joint.error();
+      frame[static_cast<BodyJoint>(j)] = *joint;
+    }
+    return append(frame);
+  }
+
+  Result<TrackedJoint> readJoint(int firstColumn) const {
+    TrackedJoint joint;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int column = firstColumn + axis;
+      const std::optional<double> value = parseNumber(field(column));
+      if (!value) return badField(column, quoted(field(column)), "a number");
+      if (std::abs(*value) > kLargestCoordinate) {
+        return badField(column, quoted(field(column)), fmt::format("metres within +-{:g}", kLargestCoordinate));
+      }
+      joint.position[axis] = *value;
+    }
+    Result<std::optional<Quat>> orientation = readOrientation(firstColumn + 3);
+    if (!orientation) return orientation.error();
+    joint.orientation = *orientation;
+
+    const int column = firstColumn + kFieldsPerJoint - 1;
+    const std::optional<double> confidence = parseNumber(field(column));
+    if (!confidence) return badField(column, quoted(field(column)), "a number");
+    if (*confidence < 0.0 || *confidence > 1.0) {
+      return badField(column, quoted(field(column)), "a confidence from 0 to 1");
+    }
+    joint.confidence = *confidence;
+    return joint;
+  }
+
+  Result<std::optional<Quat>> readOrientation(int firstColumn) const {
+    int emptyFields = 0;
+    for (int i = 0; i < 4; ++i) emptyFields += field(firstColumn + i).empty() ? 1 : 0;
+    if (emptyFields == 4) return std::optional<Quat>{};
+
+    Quat q;
+    for (int i = 0; i < 4; ++i) {
+      const int column = firstColumn + i;
+      if (field(column).empty()) {
+        return badField(column, quoted(field(column)), "all four quaternion fields or none");
+      }
+      const std::optional<double> value = parseNumber(field(column));
+      if (!value) return badField(column, quoted(field(column)), "a number");
+      q.coeffs()[i] = *value;
+    }
+    const double length = q.coeffs().stableNorm();
+    if (!(std::abs(length - 1.0) <= kQuaternionTolerance)) {
+      return badField(firstColumn, fmt::format("a quaternion of length {:.4g}", length),
+                      fmt::format("length 1 +- {:g}", kQuaternionTolerance));
+    }
+    if (std::abs(length - 1.0) > kUnitAlready) q.coeffs() /= length;
+    return std::optional<Quat>(q);
+  }
+
+  Result<void> append(const SkeletonFrame& frame) {
+    const auto [entry, isNew] = indexOfUser_.try_emplace(frame.user, users_.size());
+    if (isNew) users_.emplace_back();
+    User& user = users_[entry->second];
+    if (!user.frames.empty() && frame.time <= user.frames.back().time) {
+      return badField(0, quoted(field(0)),
+                      fmt::format("more than {} of line {}: time must rise for user {}", user.frames.back().time,
+                                  user.lastLine, frame.user));
+    }
+    user.frames.push_back(frame);
+    user.lastLine = line_;
+    return {};
+  }
+
+  void split(std::string_view row) {
+    fields_.clear();
+    for (std::size_t begin = 0;;) {
+      const std::size_t comma = row.find(',', begin);
+      fields_.push_back(row.substr(begin, comma - begin));
+      if (comma == std::string_view::npos) return;
+      begin = comma + 1;
+    }
+  }
+
+  [[nodiscard]] std::string_view field(int column) const { return fields_[static_cast<std::size_t>(column)]; }
+
+  std::string file_;
+  int line_ = 0;
+  std::vector<std::string_view> fields_;
+  std::vector<User> users_;  ///< in order of first appearance
+  std::map<int, std::size_t> indexOfUser_;
+};
+
+/// What readJointCsv would refuse, said of frames in memory.
+Result<void> checkFrames(std::span<const SkeletonFrame> frames) {
+  const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
+  if (frames.empty()) return refuse("found no frames to write, expected at least one");
+  std::map<int, double> lastTimeOfUser;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const SkeletonFrame& frame = frames[f];
+    if (!(std::abs(frame.time) <= kLargestTime)) {
+      return refuse(fmt::format("frame {}, time: found {}, expected seconds within +-1e12", f, frame.time));
+    }
+    const auto [last, isNew] = lastTimeOfUser.try_emplace(frame.user, frame.time);
+    if (!isNew && frame.time <= last->second) {
+      return refuse(fmt::format("frame {}, time: found {}, expected more than {}: time must rise for user {}", f,
+                                frame.time, last->second, frame.user));
+    }
+    last->second = frame.time;
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      const TrackedJoint& joint = frame.joints[static_cast<std::size_t>(j)];
+      const std::string_view name = nameOf(static_cast<BodyJoint>(j));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::abs(joint.position[axis]) <= kLargestCoordinate) continue;
+        return refuse(fmt::format("frame {}, {}.{}: found {}, expected metres within +-{:g}", f, name, "xyz"[axis],
+                                  joint.position[axis], kLargestCoordinate));
+      }
+      if (joint.orientation && !(std::abs(joint.orientation->coeffs().stableNorm() - 1.0) <= kQuaternionTolerance)) {
+        return refuse(fmt::format("frame {}, {}: found a quaternion of length {:.4g}, expected length 1 +- {:g}", f,
+                                  name, joint.orientation->coeffs().stableNorm(), kQuaternionTolerance));
+      }
+      if (!(joint.confidence >= 0.0 && joint.confidence <= 1.0)) {
+        return refuse(fmt::format("frame {}, {}.confidence: found {}, expected 0 to 1", f, name, joint.confidence));
+      }
+    }
+  }
+  return {};
+}
+
+class RecordedSource final : public SkeletonSource {
+ public:
+  explicit RecordedSource(std::vector<SkeletonFrame> frames) : frames_(std::move(frames)) {}
+
+  Result<std::optional<SkeletonFrame>> next() override {
+    if (next_ == frames_.size()) return std::optional<SkeletonFrame>{};
+    return std::optional<SkeletonFrame>(frames_[next_++]);
+  }
+
+ private:
+  std::vector<SkeletonFrame> frames_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& file) {
+  const Result<std::string> text = readFile(file);
+  if (!text) return text.error();
+  return parseJointCsv(*text, file.string());
+}
+
+Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name) {
+  Result<std::vector<std::vector<SkeletonFrame>>> people = parseJointCsvOfAll(text, name);
+  if (!people) return people.error();
+  // The first of equals.
+  auto most = std::max_element(people->begin(), people->end(),
+                               [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return std::move(*most);
+}
+
+Result<std::vector<std::vector<SkeletonFrame>>> parseJointCsvOfAll(std::string_view text, std::string_view name) {
+  return Reader(std::string(name)).read(text);
+}
+
+std::string jointCsvHeader() {
+  std::string text;
+  for (int column = 0; column < kFieldCount; ++column) {
+    if (column > 0) text += ',';
+    text += columnName(column);
+  }
+  text += '\n';
+  return text;
+}
+
+std::string jointCsvRow(const SkeletonFrame& frame) {
+  // fmt writes a double as the shortest text that reads back as the same bits, in any locale.
+  std::string text = fmt::format("{},{}", frame.time, frame.user);
+  for (const TrackedJoint& joint : frame.joints) {
+    text += fmt::format(",{},{},{}", joint.position.x(), joint.position.y(), joint.position.z());
+    if (joint.orientation) {
+      const Quat& q = *joint.orientation;
+      text += fmt::format(",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
+    } else {
+      text += ",,,,";
+    }
+    text += fmt::format(",{}", joint.confidence);
+  }
+  text += '\n';
+  return text;
+}
+
+Result<void> writeJointCsv(const std::filesystem::path& file, std::span<const SkeletonFrame> frames) {
+  if (const Result<void> checked = checkFrames(frames); !checked) {
+    return Error{checked.error().code, fmt::format("{}: {}", file.string(), checked.error().message)};
+  }
+  std::string text = jointCsvHeader();
+  for (const SkeletonFrame& frame : frames) text += jointCsvRow(frame);
+  return writeFileAtomically(file, text);
+}
+
+std::unique_ptr<SkeletonSource> makeRecordedSource(std::vector<SkeletonFrame> frames) {
+  return std::make_unique<RecordedSource>(std::move(frames));
+}
+
+}  // namespace lorica

@@ -1,0 +1,263 @@
+#include "capture/files/joint_stream_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace lorica::joints {
+namespace {
+
+/// No number that means something is longer.
+constexpr std::size_t kLongestNumber = 60;
+
+bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool isLetter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// Blanks and quotes around a field.
+std::string_view bare(std::string_view field) {
+  const auto isPadding = [](char c) {
+    return c == ' ' || c == '\t' || c == '"' || c == '\r' || c == '\v' || c == '\f';
+  };
+  while (!field.empty() && isPadding(field.front())) field.remove_prefix(1);
+  while (!field.empty() && isPadding(field.back())) field.remove_suffix(1);
+  return field;
+}
+
+/// What C, C#, Java, Python and MATLAB write for a number that there is not.
+bool isMissing(std::string_view field) {
+  if (field.empty()) return true;
+  if (field.size() > 1 && (field[0] == '-' || field[0] == '+')) field.remove_prefix(1);
+  constexpr std::array<std::string_view, 13> kMissing = {"nan",      "nan(ind)", "nan(snan)", "inf", "infinity",
+                                                         "null",     "none",     "na",        "n/a", "1.#ind",
+                                                         "1.#ind00", "1.#qnan0", "1.#inf00"};
+  return std::any_of(kMissing.begin(), kMissing.end(), [&](std::string_view m) { return sameWord(field, m); }) ||
+         sameWord(field, "1.#qnan") || sameWord(field, "1.#inf");
+}
+
+bool isUnsignedWhole(std::string_view token) {
+  return !token.empty() && std::all_of(token.begin(), token.end(), isDigit);
+}
+bool isWhole(std::string_view token) {
+  if (!token.empty() && (token[0] == '-' || token[0] == '+')) token.remove_prefix(1);
+  return isUnsignedWhole(token);
+}
+/// The digits behind a decimal comma, with an exponent perhaps.
+bool isFraction(std::string_view token) {
+  const std::size_t e = token.find_first_of("eE");
+  if (e == std::string_view::npos) return isUnsignedWhole(token);
+  return isUnsignedWhole(token.substr(0, e)) && isWhole(token.substr(e + 1));
+}
+/// What stands for a number whose fraction is 0, or which is missing.
+bool isNumberWithoutFraction(std::string_view token) {
+  const std::size_t e = token.find_first_of("eE");
+  return isMissing(bare(token)) || isWhole(token.substr(0, e));
+}
+
+}  // namespace
+
+Delimiter delimiterOf(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return Delimiter::kSemicolon;
+  if (line.find('\t') != std::string_view::npos) {
+    // Tabs that stand among blanks are blanks; alone they may have nothing between them.
+    std::size_t begin = 0;
+    while (begin <= line.size()) {
+      const std::size_t end = std::min(line.find('\t', begin), line.size());
+      if (bare(line.substr(begin, end - begin)).find(' ') != std::string_view::npos) return Delimiter::kBlanks;
+      begin = end + 1;
+    }
+    return Delimiter::kTab;
+  }
+  // "1,5 2,5" has decimal commas, "1, 2" has not.
+  const std::size_t comma = line.find(',');
+  if (comma == std::string_view::npos) return Delimiter::kBlanks;
+  for (std::size_t i = line.find(' '); i != std::string_view::npos; i = line.find(' ', i + 1)) {
+    const bool apart = i > 0 && i + 1 < line.size() && line[i - 1] != ',' && line[i - 1] != ' ' && line[i + 1] != ',' &&
+                       line[i + 1] != ' ';
+    if (apart && isDigit(line[i - 1]) && (isDigit(line[i + 1]) || line[i + 1] == '-')) return Delimiter::kBlanks;
+  }
+  return Delimiter::kComma;
+}
+
+NumberKind readNumber(std::string_view field, double& value) {
+  field = bare(field);
+  if (parseReal(field, value)) return NumberKind::kNumber;
+  if (isMissing(field)) return NumberKind::kMissing;
+  const std::size_t comma = field.find(',');
+  if (comma == std::string_view::npos || field.size() > kLongestNumber) return NumberKind::kBad;
+  std::array<char, kLongestNumber> text;
+  std::copy(field.begin(), field.end(), text.begin());
+  text[comma] = '.';
+  return parseReal({text.data(), field.size()}, value) ? NumberKind::kNumber : NumberKind::kBad;
+}
+
+bool isWord(std::string_view field) {
+  field = bare(field);
+  return !field.empty() && isLetter(field[0]) && !isMissing(field);
+}
+
+bool sameWord(std::string_view a, std::string_view b) {
+  a = bare(a);
+  b = bare(b);
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+RowReader::RowReader(std::string_view text, std::string_view file)
+    : scanner_(text, std::string(file), 0),
+      file_(file),
+      endsWithNewline_(!text.empty() && (text.back() == '\n' || text.back() == '\r')) {}
+
+bool RowReader::next() {
+  while (scanner_.nextLine()) {
+    const std::string_view line = scanner_.rest();
+    if (line.empty() || line[0] == '#') continue;
+    if (std::exchange(first_, false)) delimiter_ = delimiterOf(line);
+    split(line);
+    return true;
+  }
+  return false;
+}
+
+void RowReader::split(std::string_view line) {
+  fields_.clear();
+  if (delimiter_ == Delimiter::kBlanks) {
+    constexpr std::string_view kBlanks = " \t\v\f\r";
+    for (std::size_t begin = line.find_first_not_of(kBlanks); begin != std::string_view::npos;) {
+      const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+      fields_.push_back(line.substr(begin, end - begin));
+      begin = line.find_first_not_of(kBlanks, end);
+    }
+    return;
+  }
+  const char delimiter = delimiter_ == Delimiter::kTab ? '\t' : delimiter_ == Delimiter::kComma ? ',' : ';';
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = std::min(line.find(delimiter, begin), line.size());
+    fields_.push_back(bare(line.substr(begin, end - begin)));
+    if (end == line.size()) return;
+    begin = end + 1;
+  }
+}
+
+bool RowReader::fit(std::size_t count) {
+  if (fields_.size() == count) return true;
+  const auto withoutLast = [&](std::size_t n) { return fields_.size() == n + 1 && fields_.back().empty(); };
+  if (withoutLast(count) || withoutLast(2 * count)) fields_.pop_back();
+  if (fields_.size() == count) return true;
+  if (delimiter_ != Delimiter::kComma || fields_.size() != 2 * count) return false;
+  for (std::size_t i = 0; i < fields_.size(); i += 2) {
+    if (!isWhole(fields_[i]) || !isFraction(fields_[i + 1])) return false;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string_view whole = fields_[2 * i];
+    const std::string_view fraction = fields_[2 * i + 1];
+    fields_[i] = {whole.data(), static_cast<std::size_t>(fraction.data() + fraction.size() - whole.data())};
+  }
+  fields_.resize(count);
+  return true;
+}
+
+bool RowReader::cutOff() const {
+  return !endsWithNewline_ && scanner_.bytesLeft() == 0;
+}
+
+Error RowReader::badCount(std::string_view expected) const {
+  return fail(fmt::format("found {} fields, expected {}", fields_.size(), expected));
+}
+
+Error RowReader::badField(std::size_t column, std::string_view name, std::string_view expected) const {
+  const std::string_view found = column < fields_.size() ? fields_[column] : std::string_view{};
+  return {ErrorCode::kBadFormat, fmt::format("{}, line {}, column {} ({}): found {}, expected {}", file_, line(),
+                                             column + 1, name, quotedWord(found), expected)};
+}
+
+Error RowReader::fail(std::string_view foundAndExpected) const {
+  return {ErrorCode::kBadFormat, fmt::format("{}, line {}: {}", file_, line(), foundAndExpected)};
+}
+
+Result<double> RowReader::number(std::size_t column, std::string_view name, double largest) const {
+  double value = 0.0;
+  if (readNumber(fields_[column], value) != NumberKind::kNumber) return badField(column, name, "a number");
+  if (!(std::abs(value) <= largest)) {
+    return badField(column, name, fmt::format("a number within +-{:g}", largest));
+  }
+  return value;
+}
+
+Result<std::optional<Vec3>> RowReader::place(std::size_t firstColumn, std::string_view name, double unit) const {
+  Vec3 place = Vec3::Zero();
+  bool missing = false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t column = firstColumn + axis;
+    const auto called = [&] { return fmt::format("{} {}", name, "xyz"[axis]); };
+    double value = 0.0;
+    const NumberKind kind = readNumber(fields_[column], value);
+    if (kind == NumberKind::kBad) return badField(column, called(), "a number");
+    missing = missing || kind == NumberKind::kMissing;
+    if (kind == NumberKind::kNumber && std::abs(value * unit) > kLargestCoordinate) {
+      return badField(column, called(), fmt::format("a place within +-{:g}", kLargestCoordinate / unit));
+    }
+    place[static_cast<Eigen::Index>(axis)] = value * unit;
+  }
+  if (missing || place == Vec3::Zero()) return std::optional<Vec3>{};
+  return std::optional<Vec3>(place);
+}
+
+std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens,
+                                                               std::size_t count) {
+  constexpr std::size_t kMostNumbers = 16;
+  if (count == 0 || count > kMostNumbers || tokens.size() < count || tokens.size() > 2 * count) return std::nullopt;
+  const std::size_t joins = tokens.size() - count;
+  std::optional<std::vector<std::string_view>> best;
+  double bestCost = 0.0;
+  std::vector<std::string_view> numbers(count);
+  std::array<double, kMostNumbers> values{};
+
+  // Bit n says that number n has a fraction. Highest first, so that of equals the one wins that joins the first ones.
+  for (std::uint32_t joined = 1u << count; joined-- > 0;) {
+    if (static_cast<std::size_t>(std::popcount(joined)) != joins) continue;
+    double cost = 0.0;
+    bool fits = true;
+    std::size_t token = 0;
+    for (std::size_t n = 0; n < count && fits; ++n) {
+      const std::string_view whole = tokens[token++];
+      numbers[n] = whole;
+      if ((joined >> (count - 1 - n) & 1u) != 0) {
+        const std::string_view fraction = tokens[token++];
+        numbers[n] = {whole.data(), static_cast<std::size_t>(fraction.data() + fraction.size() - whole.data())};
+        fits = isWhole(whole) && isFraction(fraction);
+        if (fraction.find_first_not_of('0') == std::string_view::npos) cost += 0.5;  // "1,0" is written "1"
+      } else {
+        fits = isNumberWithoutFraction(whole);
+        if (whole != "0" && !isMissing(whole)) cost += 0.1;
+      }
+      const NumberKind kind = fits ? readNumber(numbers[n], values[n]) : NumberKind::kBad;
+      fits = kind != NumberKind::kBad;
+      if (kind == NumberKind::kMissing) values[n] = 0.0;
+      if (fits && (n < 3 ? std::abs(values[n]) > 10.0 : std::abs(values[n]) > 1.001)) cost += 1.0;
+    }
+    if (!fits) continue;
+    if (count == 7) {
+      const double length = std::hypot(std::hypot(values[3], values[4]), std::hypot(values[5], values[6]));
+      if (length != 0.0 && std::abs(length - 1.0) > 0.01) cost += 10.0;
+    }
+    if (cost == 0.0) return numbers;
+    if (!best || cost < bestCost) {
+      best = numbers;
+      bestCost = cost;
+    }
+  }
+  return best;
+}
+
+}  // namespace lorica::joints

@@ -1,0 +1,379 @@
+#include "capture/files/joint_stream_parts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+/// From what the parsers read to one person in Lorica's units and axes.
+namespace lorica::joints {
+namespace {
+
+using J = BodyJoint;
+
+/// Ankles stand this high above the floor, of a sensor's person as of the shipped ones [m].
+constexpr double kAnkleHeight = 0.08;
+/// Where neither ankle is ever seen, hips or shoulders are set this high [m].
+constexpr double kHipHeight = 0.9;
+constexpr double kShoulderHeight = 1.4;
+/// Of all frames the share in which the lower ankle is under the floor: noise, and feet that sink.
+constexpr double kFloorShare = 0.1;
+/// A trunk that leans by more over the whole recording comes from a tilted sensor, most often.
+constexpr double kLeanDegrees = 15.0;
+/// A clock that goes back by more was started anew; by less, rows are out of order [s].
+constexpr double kClockRestart = 1.0;
+/// No recording is longer: some thirty years [s].
+constexpr double kLongestRecording = 1e9;
+
+double degreesBetween(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
+}
+
+/// The value below which `share` of them are. @param values  at least one; reordered
+double percentile(std::vector<double>& values, double share) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+std::optional<Vec3> seen(const SkeletonFrame& frame, J joint) {
+  if (!(frame[joint].confidence > 0.0)) return std::nullopt;
+  return frame[joint].position;
+}
+
+std::optional<Vec3> between(const SkeletonFrame& frame, J from, J to) {
+  const std::optional<Vec3> a = seen(frame, from);
+  const std::optional<Vec3> b = seen(frame, to);
+  if (!a || !b) return std::nullopt;
+  return Vec3(*b - *a);
+}
+
+/// Seconds of a tick such that the rows come nearest to 30 a second.
+double guessedTick(std::span<const Observation> rows, std::vector<std::string>& notes) {
+  std::vector<double> steps;
+  steps.reserve(rows.size());
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double step = rows[i].frame.time - rows[i - 1].frame.time;
+    if (step > 0.0) steps.push_back(step);
+  }
+  struct Unit {
+    double seconds;
+    std::string_view name;
+  };
+  constexpr std::array<Unit, 4> kUnits = {
+      {{1.0, "seconds"}, {1e-3, "milliseconds"}, {1e-6, "microseconds"}, {1e-7, "100 ns"}}};
+  const Unit* best = kUnits.data();
+  if (!steps.empty()) {
+    const double step = percentile(steps, 0.5);
+    double nearest = std::abs(std::log(step * 30.0));
+    for (const Unit& unit : kUnits) {
+      const double distance = std::abs(std::log(step * unit.seconds * 30.0));
+      if (distance < nearest) {
+        nearest = distance;
+        best = &unit;
+      }
+    }
+  }
+  notes.push_back(fmt::format("Times were taken for {}, from how far apart they are.", best->name));
+  return best->seconds;
+}
+
+/// Rows that share one time but not their data were read one after the other: they are spread up to the next time.
+void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& notes) {
+  const auto samePlaces = [](const SkeletonFrame& a, const SkeletonFrame& b) {
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      if (a.joints[j].position != b.joints[j].position) return false;
+    }
+    return true;
+  };
+  std::size_t spread = 0;
+  for (std::size_t begin = 0; begin < rows.size();) {
+    const double time = rows[begin].frame.time;
+    std::size_t end = begin + 1;
+    while (end < rows.size() && rows[end].frame.time == time && !samePlaces(rows[end].frame, rows[end - 1].frame))
+      ++end;
+    if (end - begin > 1 && end < rows.size() && rows[end].frame.time > time) {
+      const double step = (rows[end].frame.time - time) / static_cast<double>(end - begin);
+      for (std::size_t i = begin + 1; i < end; ++i) rows[i].frame.time = time + step * static_cast<double>(i - begin);
+      spread += end - begin - 1;
+    }
+    begin = end;
+  }
+  if (spread > 0) {
+    notes.push_back(fmt::format("{} rows repeat a time with other data: they were spread up to the next one.", spread));
+  }
+}
+
+/// Seconds from the first row on, rising.
+void mendTimes(std::vector<Observation>& rows, double secondsPerTick, std::vector<std::string>& notes) {
+  std::vector<double> steps;
+  steps.reserve(rows.size());
+  const double start = rows.front().frame.time;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].frame.time = (rows[i].frame.time - start) * secondsPerTick;
+    if (i > 0 && rows[i].frame.time > rows[i - 1].frame.time) {
+      steps.push_back(rows[i].frame.time - rows[i - 1].frame.time);
+    }
+  }
+  const double usualStep = steps.empty() ? 1.0 / 30.0 : percentile(steps, 0.5);
+  double added = 0.0;
+  std::size_t restarts = 0;
+  std::size_t kept = 1;
+  double last = 0.0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    double time = rows[i].frame.time + added;
+    if (time < last - kClockRestart) {
+      added += last + usualStep - time;
+      time = last + usualStep;
+      ++restarts;
+    }
+    if (!(time > last)) continue;
+    last = time;
+    rows[i].frame.time = time;
+    if (kept != i) rows[kept] = std::move(rows[i]);
+    ++kept;
+  }
+  if (kept < rows.size()) {
+    notes.push_back(fmt::format("{} rows repeat a time or go back in it and were left out.", rows.size() - kept));
+    rows.resize(kept);
+  }
+  if (restarts > 0) {
+    notes.push_back(fmt::format("The time starts anew {} times: what follows was put behind.", restarts));
+  }
+}
+
+/// How much toes and knees point to the side that left, right and up make the front: 1 all, -1 all to the back.
+double frontAgreement(std::span<const Observation> rows) {
+  constexpr double kBentKnee = 0.05;  // a knee this far off the line of its leg has a direction [m]
+  constexpr double kFewest = 5.0;
+  double sum = 0.0;
+  double count = 0.0;
+  for (const Observation& row : rows) {
+    std::optional<Vec3> left = between(row.frame, J::kRightHip, J::kLeftHip);
+    if (!left) left = between(row.frame, J::kRightShoulder, J::kLeftShoulder);
+    if (!left) continue;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const J hip = side == 0 ? J::kLeftHip : J::kRightHip;
+      const J knee = side == 0 ? J::kLeftKnee : J::kRightKnee;
+      const J foot = side == 0 ? J::kLeftFoot : J::kRightFoot;
+      const std::optional<Vec3> thigh = between(row.frame, knee, hip);
+      const std::optional<Vec3> leg = between(row.frame, foot, hip);
+      if (!thigh || !leg || leg->norm() < kBentKnee) continue;
+      const Vec3 front = left->cross(*leg).normalized();
+      const Vec3 knees = (leg->dot(*thigh) / leg->squaredNorm()) * *leg - *thigh;
+      if (knees.norm() > kBentKnee) {
+        sum += front.dot(knees.normalized());
+        count += 1.0;
+      }
+      if (!row.toes[side]) continue;
+      const Vec3 toes = *row.toes[side] - row.frame[foot].position;
+      if (toes.norm() < kBentKnee) continue;
+      sum += front.dot(toes.normalized());
+      count += 1.0;
+    }
+  }
+  return count < kFewest ? 1.0 : sum / count;
+}
+
+/// x to the sensor's left, z away from it: half a turn about Y makes the person who looks at it face +Z.
+void turnToWorld(std::vector<Observation>& rows) {
+  const auto turned = [](const Vec3& p) { return Vec3(-p.x(), p.y(), -p.z()); };
+  for (Observation& row : rows) {
+    for (TrackedJoint& joint : row.frame.joints) {
+      joint.position = turned(joint.position);
+      if (joint.orientation) {
+        const Quat& q = *joint.orientation;
+        joint.orientation = Quat(q.w(), -q.x(), q.y(), -q.z());
+      }
+    }
+    for (std::optional<Vec3>& toe : row.toes) {
+      if (toe) toe = turned(*toe);
+    }
+  }
+}
+
+void mirrorPlaces(std::vector<Observation>& rows) {
+  for (Observation& row : rows) {
+    for (TrackedJoint& joint : row.frame.joints) {
+      joint.position.x() = -joint.position.x();
+      if (!joint.orientation) continue;
+      const Quat& q = *joint.orientation;
+      joint.orientation = Quat(q.w(), q.x(), -q.y(), -q.z());
+    }
+    for (std::optional<Vec3>& toe : row.toes) {
+      if (toe) toe->x() = -toe->x();
+    }
+  }
+}
+
+/// Orientations that say another direction than the limb has are in another convention: then none is believed.
+void checkOrientations(std::vector<Observation>& rows, std::vector<std::string>& notes) {
+  constexpr double kMostDegrees = 25.0;
+  struct Limb {
+    J from, to;
+    Vec3 axis;
+  };
+  const std::array<Limb, 5> limbs = {{{J::kLeftShoulder, J::kLeftElbow, Vec3::UnitX()},
+                                      {J::kRightShoulder, J::kRightElbow, -Vec3::UnitX()},
+                                      {J::kLeftHip, J::kLeftKnee, -Vec3::UnitY()},
+                                      {J::kRightHip, J::kRightKnee, -Vec3::UnitY()},
+                                      {J::kTorso, J::kNeck, Vec3::UnitY()}}};
+  std::vector<double> off;
+  bool any = false;
+  for (const Observation& row : rows) {
+    for (const TrackedJoint& joint : row.frame.joints) any = any || joint.orientation.has_value();
+    for (const Limb& limb : limbs) {
+      const std::optional<Quat>& turn = row.frame[limb.from].orientation;
+      const std::optional<Vec3> direction = between(row.frame, limb.from, limb.to);
+      if (turn && direction) off.push_back(degreesBetween(*turn * limb.axis, *direction));
+    }
+  }
+  if (!any || (!off.empty() && percentile(off, 0.5) <= kMostDegrees)) return;
+  notes.emplace_back("Orientations do not point along the limbs and were left out.");
+  for (Observation& row : rows) {
+    for (TrackedJoint& joint : row.frame.joints) joint.orientation.reset();
+  }
+}
+
+/// How much lower the frames have to be for the person to stand on y = 0 [m], and by which joints.
+double floorHeight(std::span<const Observation> rows, std::vector<std::string>& notes) {
+  struct Guess {
+    J left, right;
+    double height;
+    std::string_view name;
+  };
+  constexpr std::array<Guess, 3> kGuesses = {{{J::kLeftFoot, J::kRightFoot, kAnkleHeight, "ankles"},
+                                              {J::kLeftHip, J::kRightHip, kHipHeight, "hips"},
+                                              {J::kLeftShoulder, J::kRightShoulder, kShoulderHeight, "shoulders"}}};
+  for (const Guess& guess : kGuesses) {
+    std::vector<double> heights;
+    heights.reserve(rows.size());
+    for (const Observation& row : rows) {
+      const std::optional<Vec3> left = seen(row.frame, guess.left);
+      const std::optional<Vec3> right = seen(row.frame, guess.right);
+      if (!left && !right) continue;
+      heights.push_back(
+          std::min(left.value_or(*(left ? left : right)).y(), right.value_or(*(right ? right : left)).y()));
+    }
+    if (heights.empty()) continue;
+    const bool ankles = guess.left == J::kLeftFoot;
+    notes.push_back(fmt::format("The floor was set {:g} m below the {} {}.", guess.height,
+                                ankles ? "lowest" : "middle of the", guess.name));
+    return percentile(heights, ankles ? kFloorShare : 0.5) - guess.height;
+  }
+  return 0.0;
+}
+
+/// On the floor, the middle of the ground that it covers over the origin.
+void placeOnFloor(std::vector<Observation>& rows, std::vector<std::string>& notes) {
+  const double floor = floorHeight(rows, notes);
+  Eigen::AlignedBox3d ground;
+  for (const Observation& row : rows) {
+    if (const std::optional<Vec3> place = placeOf(row.frame)) ground.extend(*place);
+  }
+  if (ground.isEmpty()) return;
+  const Vec3 origin(ground.center().x(), floor, ground.center().z());
+  for (Observation& row : rows) {
+    for (TrackedJoint& joint : row.frame.joints) {
+      joint.position = joint.confidence > 0.0 ? Vec3(joint.position - origin) : Vec3::Zero();
+    }
+  }
+}
+
+void noteLean(std::span<const Observation> rows, std::vector<std::string>& notes) {
+  Vec3 trunk = Vec3::Zero();
+  for (const Observation& row : rows) {
+    const std::optional<Vec3> left = between(row.frame, J::kLeftHip, J::kNeck);
+    const std::optional<Vec3> right = between(row.frame, J::kRightHip, J::kNeck);
+    if (left && right && left->norm() > 0.0) trunk += (*left + *right).normalized();
+  }
+  const double lean = degreesBetween(trunk, Vec3::UnitY());
+  if (lean <= kLeanDegrees) return;
+  notes.push_back(fmt::format("The trunk leans by {:.0f} degrees on average: perhaps the sensor was tilted.", lean));
+}
+
+}  // namespace
+
+void WayMeter::add(const SkeletonFrame& frame) {
+  constexpr double kStep = 0.05;
+  ++frames_;
+  const std::optional<Vec3> place = placeOf(frame);
+  if (!place) return;
+  if (!from_) from_ = place;
+  const double step = (*place - *from_).norm();
+  if (step < kStep) return;
+  way_ += step;
+  from_ = place;
+}
+
+Result<int> choosePerson(const std::map<int, WayMeter>& ways, std::string_view file,
+                         const JointStreamSettings& settings) {
+  if (settings.person) {
+    if (ways.contains(*settings.person)) return *settings.person;
+    std::vector<int> people;
+    people.reserve(ways.size());
+    for (const auto& [person, meter] : ways) people.push_back(person);
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found no person {}, expected {}{}", file, *settings.person,
+                             people.size() > 1 ? "one of " : "", fmt::join(people, ", "))};
+  }
+  const auto movesLess = [](const auto& a, const auto& b) {
+    if (a.second.way() != b.second.way()) return a.second.way() < b.second.way();
+    return a.second.frames() < b.second.frames();
+  };
+  return std::max_element(ways.begin(), ways.end(), movesLess)->first;
+}
+
+Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view file,
+                           const JointStreamSettings& settings) {
+  JointStream stream;
+  stream.format = format;
+  stream.notes = std::move(raw.notes);
+  std::map<int, WayMeter> ways;
+  for (const Observation& row : raw.rows) ways[row.frame.user].add(row.frame);
+  stream.people.reserve(ways.size());
+  for (const auto& [id, meter] : ways) stream.people.push_back(id);
+  const Result<int> chosen = choosePerson(ways, file, settings);
+  if (!chosen) return chosen.error();
+  const int person = *chosen;
+  if (!settings.person && stream.people.size() > 1) {
+    stream.notes.push_back(
+        fmt::format("Of {} persons the one that moves most was taken: {}.", stream.people.size(), person));
+  }
+  std::vector<Observation> rows = std::move(raw.rows);
+  std::erase_if(rows, [&](const Observation& row) { return row.frame.user != person; });
+
+  const double tick = raw.secondsPerTick ? *raw.secondsPerTick : guessedTick(rows, stream.notes);
+  spreadRepeats(rows, stream.notes);
+  mendTimes(rows, tick, stream.notes);
+  if (rows.back().frame.time > kLongestRecording) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: found times over {:.3g} s, expected at most {:g} s", file,
+                                                    rows.back().frame.time, kLongestRecording)};
+  }
+
+  constexpr double kMirrored = -0.5;
+  if (raw.axes == Axes::kSensor) turnToWorld(rows);
+  if (frontAgreement(rows) < kMirrored) {
+    mirrorPlaces(rows);
+    stream.notes.emplace_back(
+        "Toes and knees point to the back of left and right: the stream is mirrored and was mirrored back.");
+  }
+  checkOrientations(rows, stream.notes);
+  placeOnFloor(rows, stream.notes);
+  noteLean(rows, stream.notes);
+
+  stream.frames.reserve(rows.size());
+  for (Observation& row : rows) stream.frames.push_back(std::move(row.frame));
+  const bool anyoneSeen = std::any_of(stream.frames.begin(), stream.frames.end(),
+                                      [](const SkeletonFrame& frame) { return placeOf(frame).has_value(); });
+  if (!anyoneSeen) {
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: found no joint that is seen in {} frames, expected one", file, stream.frames.size())};
+  }
+  return stream;
+}
+
+}  // namespace lorica::joints

@@ -1,0 +1,231 @@
+#include "capture/retarget/skeletal_retarget.h"
+
+#include "capture/retarget/completed_skeleton.h"
+#include "capture/retarget/human_rig.h"
+#include "capture/retarget/retarget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+using B = HumanBone;
+using J = BodyJoint;
+
+struct TrackedBone {
+  J joint;
+  B bone;
+};
+/// All but the torso, which is no bone's joint.
+constexpr std::array<TrackedBone, kBodyJointCount - 1> kTracked = {{{J::kHead, B::kHead},
+                                                                    {J::kNeck, B::kNeck},
+                                                                    {J::kLeftShoulder, B::kLeftUpperArm},
+                                                                    {J::kRightShoulder, B::kRightUpperArm},
+                                                                    {J::kLeftElbow, B::kLeftLowerArm},
+                                                                    {J::kRightElbow, B::kRightLowerArm},
+                                                                    {J::kLeftHand, B::kLeftHand},
+                                                                    {J::kRightHand, B::kRightHand},
+                                                                    {J::kLeftHip, B::kLeftUpperLeg},
+                                                                    {J::kRightHip, B::kRightUpperLeg},
+                                                                    {J::kLeftKnee, B::kLeftLowerLeg},
+                                                                    {J::kRightKnee, B::kRightLowerLeg},
+                                                                    {J::kLeftFoot, B::kLeftFoot},
+                                                                    {J::kRightFoot, B::kRightFoot}}};
+/// A floor nearer to y = 0 than this is where it belongs [m].
+constexpr double kFloorIsZero = 0.05;
+
+double medianOf(std::vector<double> values, double otherwise) {
+  if (values.empty()) return otherwise;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Bone lengths of the person in frames.
+class Lengths {
+ public:
+  explicit Lengths(const std::vector<SkeletonFrame>& frames) : frames_(frames) {}
+
+  /// Median distance of two joints; `otherwise` where they are never both seen [m].
+  [[nodiscard]] double between(J a, J b, double otherwise) const {
+    std::vector<double> values;
+    for (const SkeletonFrame& frame : frames_) {
+      if (seen(frame, a) && seen(frame, b)) values.push_back((frame[a].position - frame[b].position).norm());
+    }
+    return atLeast(medianOf(std::move(values), otherwise));
+  }
+  /// From the middle between two joints to a third.
+  [[nodiscard]] double fromMiddle(J left, J right, J other, double otherwise) const {
+    std::vector<double> values;
+    for (const SkeletonFrame& frame : frames_) {
+      if (!seen(frame, left) || !seen(frame, right) || !seen(frame, other)) continue;
+      values.push_back((0.5 * (frame[left].position + frame[right].position) - frame[other].position).norm());
+    }
+    return atLeast(medianOf(std::move(values), otherwise));
+  }
+  /// Both sides of the body, as one.
+  [[nodiscard]] double ofBoth(J leftA, J leftB, J rightA, J rightB, double otherwise) const {
+    return 0.5 * (between(leftA, leftB, otherwise) + between(rightA, rightB, otherwise));
+  }
+  /// How far the shoulders are over the torso, seen along the trunk [m].
+  [[nodiscard]] double shouldersOverTorso(double otherwise) const {
+    std::vector<double> values;
+    for (const SkeletonFrame& frame : frames_) {
+      const bool all = seen(frame, J::kTorso) && seen(frame, J::kNeck) && seen(frame, J::kLeftShoulder) &&
+                       seen(frame, J::kRightShoulder);
+      if (!all) continue;
+      const Vec3 up = frame[J::kNeck].position - frame[J::kTorso].position;
+      const Vec3 middle = 0.5 * (frame[J::kLeftShoulder].position + frame[J::kRightShoulder].position);
+      if (up.norm() > 0.05) values.push_back((middle - frame[J::kTorso].position).dot(up.normalized()));
+    }
+    return medianOf(std::move(values), otherwise);
+  }
+  [[nodiscard]] double lowestFoot() const {
+    std::vector<double> heights;
+    for (const SkeletonFrame& frame : frames_) {
+      for (const J foot : {J::kLeftFoot, J::kRightFoot}) {
+        if (seen(frame, foot)) heights.push_back(frame[foot].position.y());
+      }
+    }
+    return heights.empty() ? 0.0 : *std::min_element(heights.begin(), heights.end());
+  }
+  [[nodiscard]] static bool seen(const SkeletonFrame& frame, J joint) {
+    return frame[joint].confidence > 0.0 && frame[joint].position.allFinite();
+  }
+
+ private:
+  static double atLeast(double length) { return std::clamp(length, 0.01, 10.0); }
+  const std::vector<SkeletonFrame>& frames_;
+};
+
+/// A T-pose that faces +Z; the middle of the hips is the root, and the other joints bear the tracked joints' names.
+Result<Skeleton> skeletonFrom(const Lengths& lengths) {
+  std::vector<Joint> joints;
+  const auto add = [&](std::string_view name, JointIndex parent, B bone, const Vec3& offset) {
+    Joint joint;
+    joint.name = std::string(name);
+    joint.parent = parent;
+    joint.bone = bone;
+    joint.rest.translation = offset;
+    joints.push_back(std::move(joint));
+    return static_cast<JointIndex>(joints.size()) - 1;
+  };
+  const double thigh = lengths.ofBoth(J::kLeftHip, J::kLeftKnee, J::kRightHip, J::kRightKnee, 0.42);
+  const double shin = lengths.ofBoth(J::kLeftKnee, J::kLeftFoot, J::kRightKnee, J::kRightFoot, 0.40);
+  const double upperArm = lengths.ofBoth(J::kLeftShoulder, J::kLeftElbow, J::kRightShoulder, J::kRightElbow, 0.28);
+  const double forearm = lengths.ofBoth(J::kLeftElbow, J::kLeftHand, J::kRightElbow, J::kRightHand, 0.25);
+  const double waist = lengths.fromMiddle(J::kLeftHip, J::kRightHip, J::kTorso, 0.25);
+  const double chest = lengths.between(J::kTorso, J::kNeck, 0.27);
+  const double ankle = std::clamp(lengths.lowestFoot(), 0.03, 0.15);
+
+  const JointIndex hips = add("hips", kNoJoint, B::kHips, {0.0, ankle + thigh + shin, 0.0});
+  const JointIndex torso = add(nameOf(J::kTorso), hips, B::kSpine, {0.0, waist, 0.0});
+  const JointIndex neck = add(nameOf(J::kNeck), torso, B::kNeck, {0.0, chest, 0.0});
+  add(nameOf(J::kHead), neck, B::kHead, {0.0, lengths.between(J::kNeck, J::kHead, 0.15), 0.0});
+  const double shoulderHeight = std::clamp(lengths.shouldersOverTorso(chest), 0.0, 2.0 * chest);
+  const double halfShoulders = 0.5 * lengths.between(J::kLeftShoulder, J::kRightShoulder, 0.34);
+  const double halfHips = 0.5 * lengths.between(J::kLeftHip, J::kRightHip, 0.18);
+  for (const bool left : {true, false}) {
+    const double m = left ? 1.0 : -1.0;
+    const JointIndex shoulder =
+        add(nameOf(left ? J::kLeftShoulder : J::kRightShoulder), torso, left ? B::kLeftUpperArm : B::kRightUpperArm,
+            {m * halfShoulders, shoulderHeight, 0.0});
+    const JointIndex elbow = add(nameOf(left ? J::kLeftElbow : J::kRightElbow), shoulder,
+                                 left ? B::kLeftLowerArm : B::kRightLowerArm, {m * upperArm, 0.0, 0.0});
+    add(nameOf(left ? J::kLeftHand : J::kRightHand), elbow, left ? B::kLeftHand : B::kRightHand,
+        {m * forearm, 0.0, 0.0});
+  }
+  for (const bool left : {true, false}) {
+    const double m = left ? 1.0 : -1.0;
+    const JointIndex hip = add(nameOf(left ? J::kLeftHip : J::kRightHip), hips,
+                               left ? B::kLeftUpperLeg : B::kRightUpperLeg, {m * halfHips, 0.0, 0.0});
+    const JointIndex knee = add(nameOf(left ? J::kLeftKnee : J::kRightKnee), hip,
+                                left ? B::kLeftLowerLeg : B::kRightLowerLeg, {0.0, -thigh, 0.0});
+    add(nameOf(left ? J::kLeftFoot : J::kRightFoot), knee, left ? B::kLeftFoot : B::kRightFoot, {0.0, -shin, 0.0});
+  }
+  return Skeleton::create(std::move(joints));
+}
+
+}  // namespace
+
+Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
+  const auto joints = static_cast<std::size_t>(motion.skeleton.jointCount());
+  if (motion.times.empty() || motion.poses.size() != motion.times.size() * joints) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
+                             motion.name, motion.poses.size(), motion.times.size(), joints)};
+  }
+  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(motion.skeleton);
+  if (!completed) {
+    return Error{completed.error().code, fmt::format("the motion {}: {}", motion.name, completed.error().message)};
+  }
+  if (!completed->isWhole()) {
+    Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(completed->complete(motion));
+    if (!frames) return frames;
+    for (SkeletonFrame& frame : *frames) {
+      for (const TrackedBone& tracked : kTracked) {
+        TrackedJoint& joint = frame[tracked.joint];
+        if (!completed->knowsPlaceOf(tracked.bone)) joint = {};
+        if (!completed->speaksOf(tracked.bone)) {
+          joint.orientation.reset();
+          joint.confidence *= 0.5;
+        }
+      }
+    }
+    return frames;
+  }
+  Result<HumanBody> body = HumanBody::create(motion.skeleton);
+  if (!body) return Error{body.error().code, fmt::format("the motion {}: {}", motion.name, body.error().message)};
+  const auto has = [&](B bone) { return motion.skeleton.jointOf(bone) != kNoJoint; };
+  std::vector<SkeletonFrame> frames(motion.times.size());
+  std::array<std::vector<FootPlace>, 2> feet;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    SkeletonFrame& frame = frames[f];
+    frame.time = motion.times[f];
+    const HumanPose human = body->read(motion.pose(static_cast<int>(f)));
+    for (const TrackedBone& tracked : kTracked) {
+      if (has(tracked.bone)) frame[tracked.joint] = {body->placeOf(tracked.bone), human[tracked.bone], 1.0};
+    }
+    const Vec3 neck = has(B::kNeck) ? body->placeOf(B::kNeck)
+                                    : Vec3(0.5 * (body->placeOf(B::kLeftUpperArm) + body->placeOf(B::kRightUpperArm)));
+    frame[J::kTorso] = {0.5 * (human.middleHip + neck), body->spineTurnsOf(human).back(), 1.0};
+    for (std::size_t side = 0; side < 2; ++side) feet[side].push_back(human.foot[side]);
+  }
+  const double floor = floorUnder(feet[0], feet[1]);
+  if (std::abs(floor) < kFloorIsZero) return frames;
+  for (SkeletonFrame& frame : frames) {
+    for (TrackedJoint& joint : frame.joints) joint.position.y() -= joint.confidence > 0.0 ? floor : 0.0;
+  }
+  return frames;
+}
+
+Result<SkeletalMotion> skeletalMotionOf(const std::vector<SkeletonFrame>& frames) {
+  if (frames.empty()) return Error{ErrorCode::kInvalidArgument, "found no frames of joints, expected one at least"};
+  SkeletalMotion motion;
+  Result<Skeleton> skeleton = skeletonFrom(Lengths(frames));
+  if (!skeleton) return skeleton.error();
+  motion.skeleton = std::move(*skeleton);
+  Result<Retargeter> retargeter = Retargeter::create(motion.skeleton, {.hold = {}, .plantFeet = false});
+  if (!retargeter) return retargeter.error();
+  Pose pose = restPose(motion.skeleton);
+  motion.times.reserve(frames.size());
+  motion.poses.reserve(frames.size() * pose.size());
+  Vec3 middleHip = pose[0].translation;
+  for (const SkeletonFrame& frame : frames) {
+    retargeter->apply(frame, pose);
+    // The retargeter puts feet on the floor; here the body is where it was seen.
+    if (Lengths::seen(frame, J::kLeftHip) && Lengths::seen(frame, J::kRightHip)) {
+      middleHip = 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);
+    }
+    pose[0].translation = middleHip;
+    motion.times.push_back(frame.time);
+    motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
+  }
+  return motion;
+}
+
+}  // namespace lorica

@@ -1,0 +1,301 @@
+#include "capture/retarget/completed_skeleton.h"
+
+#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/retarget_rig.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+using B = HumanBone;
+
+// An adult's proportions [m].
+constexpr double kThigh = 0.42;
+constexpr double kShin = 0.42;
+constexpr double kUpperArm = 0.28;
+constexpr double kForearm = 0.25;
+constexpr double kHipHalfWidth = 0.09;
+constexpr double kShoulderHalfWidth = 0.18;
+constexpr double kShoulderDrop = 0.04;   // below the neck
+constexpr double kHipsBelowSpine = 0.1;  // of the lowest bone of the spine
+constexpr double kTrunk = 0.5;
+
+/// Shorter than this a bone has no direction [m].
+constexpr double kShortestBone = 1e-3;
+
+std::size_t at(JointIndex joint) {
+  return static_cast<std::size_t>(joint);
+}
+
+double sideOf(std::size_t limb) {
+  return limb % 2 == 0 ? 1.0 : -1.0;
+}
+
+/// A completed skeleton while it is made: the first one's joints under their own numbers, then those that are added.
+struct Draft {
+  std::vector<Joint> joints;  ///< a parent may come after its child
+  std::vector<Quat> rotation;
+  std::vector<Affine3> world;
+  std::array<JointIndex, kHumanBoneCount> jointOf{};
+  Vec3 up = Vec3::UnitY();
+  Vec3 left = Vec3::UnitX();
+  Vec3 low = Vec3::Zero();
+  Vec3 high = Vec3::Zero();
+  double size = 1.0;  ///< against an adult
+
+  explicit Draft(const Skeleton& skeleton)
+      : joints(skeleton.joints().begin(), skeleton.joints().end()), rotation(joints.size()), world(joints.size()) {
+    evaluatePose(skeleton, restPose(skeleton), rotation, world);
+    for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = skeleton.jointOf(static_cast<B>(b));
+  }
+
+  [[nodiscard]] JointIndex operator[](B bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] bool has(B bone) const { return (*this)[bone] != kNoJoint; }
+  [[nodiscard]] Vec3 place(JointIndex joint) const { return world[at(joint)].translation(); }
+  [[nodiscard]] Vec3 place(B bone) const { return place((*this)[bone]); }
+
+  [[nodiscard]] bool isBelow(JointIndex joint, JointIndex ancestor) const {
+    do {
+      joint = joints[at(joint)].parent;
+    } while (joint != kNoJoint && joint != ancestor);
+    return joint == ancestor;
+  }
+  /// Whether a bone hangs on another and is of some length.
+  [[nodiscard]] bool hangsOn(B bone, B above) const {
+    return has(bone) && has(above) && isBelow((*this)[bone], (*this)[above]) &&
+           (place(bone) - place(above)).norm() >= kShortestBone;
+  }
+
+  void forget(B bone) {
+    JointIndex& joint = jointOf[static_cast<std::size_t>(bone)];
+    if (joint != kNoJoint) joints[at(joint)].bone.reset();
+    joint = kNoJoint;
+  }
+
+  JointIndex add(B bone, JointIndex parent, const Vec3& where) {
+    const auto joint = static_cast<JointIndex>(joints.size());
+    JointTransform rest;
+    rest.translation = parent == kNoJoint ? where : Vec3(world[at(parent)].inverse() * where);
+    rotation.push_back(parent == kNoJoint ? Quat::Identity() : rotation[at(parent)]);
+    world.push_back(parent == kNoJoint ? Affine3::Identity() : world[at(parent)]);
+    world.back().translation() = where;
+    joints.push_back({fmt::format("{} (added)", nameOf(bone)), parent, rest, bone});
+    jointOf[static_cast<std::size_t>(bone)] = joint;
+    return joint;
+  }
+
+  [[nodiscard]] JointIndex firstOf(std::initializer_list<B> bones) const {
+    for (const B bone : bones) {
+      if (has(bone)) return (*this)[bone];
+    }
+    return kNoJoint;
+  }
+  [[nodiscard]] JointIndex lowestSpine() const { return firstOf({B::kSpine, B::kChest, B::kUpperChest}); }
+  [[nodiscard]] JointIndex highestSpine() const { return firstOf({B::kUpperChest, B::kChest, B::kSpine}); }
+
+  /// Where up and left are, and how large the body is. @return false where that cannot be told
+  [[nodiscard]] bool measure(const std::array<bool, kLimbCount>& known) {
+    double sizes = 0.0;
+    int count = 0;
+    for (std::size_t i = 0; i < kLimbCount; ++i) {
+      if (!known[i]) continue;
+      const double length = (place(limbs()[i].lower) - place(limbs()[i].upper)).norm();
+      sizes += length / (i < kFirstLeg ? kUpperArm : kThigh);
+      ++count;
+    }
+    if (count == 0) return false;
+    size = sizes / count;
+
+    const auto middleOf = [&](std::size_t limb) -> std::optional<Vec3> {
+      if (known[limb] && known[limb + 1]) {
+        return Vec3(0.5 * (place(limbs()[limb].upper) + place(limbs()[limb + 1].upper)));
+      }
+      return std::nullopt;
+    };
+    const JointIndex trunk = has(B::kHips) ? (*this)[B::kHips] : lowestSpine();
+    low = place(trunk);
+    const std::optional<Vec3> shoulders = middleOf(0);
+    const JointIndex neck = firstOf({B::kNeck, B::kHead});
+    const std::optional<Vec3> top = neck != kNoJoint ? std::optional<Vec3>(place(neck)) : shoulders;
+    if (top && (*top - low).norm() >= kShortestBone) up = (*top - low).normalized();
+    high = top.value_or(Vec3(low + kTrunk * size * up));
+
+    Vec3 across = Vec3::Zero();
+    for (const std::size_t limb : {std::size_t{kFirstLeg}, std::size_t{0}}) {
+      if (across.norm() < kShortestBone && middleOf(limb)) {
+        across = place(limbs()[limb].upper) - place(limbs()[limb + 1].upper);
+      }
+    }
+    for (std::size_t limb = 0; limb < kLimbCount && across.norm() < kShortestBone; ++limb) {
+      if (known[limb]) across = sideOf(limb) * (place(limbs()[limb].upper) - low);
+    }
+    across -= across.dot(up) * up;
+    if (across.norm() < kShortestBone) return false;
+    left = across.normalized();
+    return true;
+  }
+
+  void addHips() {
+    const JointIndex hips = add(B::kHips, kNoJoint, low - kHipsBelowSpine * size * up);
+    const Affine3 hipsFromWorld = world[at(hips)].inverse();
+    for (std::size_t j = 0; j < at(hips); ++j) {
+      if (joints[j].parent != kNoJoint) continue;
+      joints[j].parent = hips;
+      joints[j].rest.translation = hipsFromWorld * joints[j].rest.translation;
+    }
+  }
+
+  void addSpine() {
+    const JointIndex hips = (*this)[B::kHips];
+    const JointIndex spine = add(B::kSpine, hips, place(hips));
+    const auto carries = [&](JointIndex joint, std::initializer_list<B> bones) {
+      return std::any_of(bones.begin(), bones.end(), [&](B bone) {
+        return has(bone) && ((*this)[bone] == joint || isBelow((*this)[bone], joint));
+      });
+    };
+    for (JointIndex j = 0; j < spine; ++j) {
+      if (joints[at(j)].parent != hips || carries(j, {B::kLeftUpperLeg, B::kRightUpperLeg})) continue;
+      if (!carries(j, {B::kNeck, B::kHead, B::kLeftShoulder, B::kRightShoulder, B::kLeftUpperArm, B::kRightUpperArm})) {
+        continue;
+      }
+      joints[at(j)].parent = spine;
+    }
+  }
+
+  void addLimb(std::size_t i) {
+    const LimbBones& limb = limbs()[i];
+    const bool leg = i >= kFirstLeg;
+    for (const B bone : {limb.upper, limb.lower, limb.end}) forget(bone);
+    const Vec3 along = leg ? Vec3(-up) : Vec3(sideOf(i) * left);
+    const Vec3 begin = leg ? Vec3(place(B::kHips) + sideOf(i) * kHipHalfWidth * size * left)
+                           : Vec3(high - size * kShoulderDrop * up + sideOf(i) * kShoulderHalfWidth * size * left);
+    const double upper = size * (leg ? kThigh : kUpperArm);
+    const double lower = size * (leg ? kShin : kForearm);
+    JointIndex joint = add(limb.upper, leg ? (*this)[B::kHips] : highestSpine(), begin);
+    joint = add(limb.lower, joint, begin + upper * along);
+    add(limb.end, joint, begin + (upper + lower) * along);
+  }
+
+  void addEnd(const LimbBones& limb) {
+    forget(limb.end);
+    const JointIndex lower = (*this)[limb.lower];
+    JointIndex only = kNoJoint;
+    int children = 0;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      if (joints[j].parent != lower) continue;
+      only = static_cast<JointIndex>(j);
+      ++children;
+    }
+    const bool known = children == 1 && !joints[at(only)].bone && (place(only) - place(lower)).norm() >= kShortestBone;
+    add(limb.end, lower, known ? place(only) : Vec3(2.0 * place(lower) - place(limb.upper)));
+  }
+
+  /// Parents before children, otherwise in their order.
+  [[nodiscard]] std::vector<JointIndex> order() const {
+    std::vector<JointIndex> ordered;
+    ordered.reserve(joints.size());
+    std::vector<bool> placed(joints.size(), false);
+    std::vector<JointIndex> above;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      for (auto joint = static_cast<JointIndex>(j); joint != kNoJoint && !placed[at(joint)];
+           joint = joints[at(joint)].parent) {
+        above.push_back(joint);
+        placed[at(joint)] = true;
+      }
+      ordered.insert(ordered.end(), above.rbegin(), above.rend());
+      above.clear();
+    }
+    return ordered;
+  }
+};
+
+}  // namespace
+
+Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
+  CompletedSkeleton made;
+  const Result<RetargetRig> own = RetargetRig::create(skeleton);
+  if (own) {
+    made.skeleton_ = skeleton;
+    return made;
+  }
+  Draft draft(skeleton);
+  for (const Affine3& world : draft.world) {
+    if (!(std::abs(world.linear().determinant()) > 1e-18)) return own.error();
+  }
+  std::array<bool, kLimbCount> known{};
+  for (std::size_t i = 0; i < kLimbCount; ++i) known[i] = draft.hangsOn(limbs()[i].lower, limbs()[i].upper);
+  const bool trunk = draft.has(B::kHips) || draft.lowestSpine() != kNoJoint;
+  if (!trunk || !draft.measure(known)) return own.error();
+
+  made.trunk_ = draft.has(B::kHips) ? draft[B::kHips] : draft.lowestSpine();
+  const bool addsHips = !draft.has(B::kHips);
+  if (addsHips) draft.addHips();
+  if (draft.lowestSpine() == kNoJoint) draft.addSpine();
+  for (std::size_t i = 0; i < kLimbCount; ++i) {
+    const LimbBones& limb = limbs()[i];
+    if (!known[i]) {
+      draft.addLimb(i);
+      for (const B bone : {limb.upper, limb.lower, limb.end}) {
+        made.silent_[static_cast<std::size_t>(bone)] = made.placeless_[static_cast<std::size_t>(bone)] = true;
+      }
+    } else if (!draft.hangsOn(limb.end, limb.lower)) {
+      draft.addEnd(limb);
+      made.silent_[static_cast<std::size_t>(limb.end)] = true;
+    }
+  }
+
+  const std::vector<JointIndex> order = draft.order();
+  std::vector<JointIndex> newIndex(order.size());
+  std::vector<Joint> joints;
+  joints.reserve(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    newIndex[at(order[k])] = static_cast<JointIndex>(k);
+    Joint joint = draft.joints[at(order[k])];
+    if (joint.parent != kNoJoint) joint.parent = newIndex[at(joint.parent)];
+    joints.push_back(std::move(joint));
+  }
+  Result<Skeleton> whole = Skeleton::create(std::move(joints));
+  if (!whole) return whole.error();
+  // What is wrong beside missing bones, such as limbs that hang on no hips, no added bone mends.
+  if (const Result<RetargetRig> rig = RetargetRig::create(*whole); !rig) return own.error();
+  made.skeleton_ = std::move(*whole);
+  made.indexOf_.assign(newIndex.begin(), newIndex.begin() + skeleton.jointCount());
+  if (addsHips) made.addedHips_ = made.skeleton_.jointOf(B::kHips);
+  return made;
+}
+
+SkeletalMotion CompletedSkeleton::complete(const SkeletalMotion& motion) const {
+  if (isWhole()) return motion;
+  CHECK(indexOf_.size() == at(motion.skeleton.jointCount()), "a motion of another skeleton");
+  SkeletalMotion out{motion.name, skeleton_, motion.times, {}};
+  const Pose rest = restPose(skeleton_);
+  out.poses.reserve(motion.times.size() * rest.size());
+  std::vector<Affine3> world(indexOf_.size());
+  Vec3 start = Vec3::Zero();
+  for (int f = 0; f < motion.frameCount(); ++f) {
+    Pose pose = rest;
+    const std::span<const JointTransform> from = motion.pose(f);
+    for (std::size_t j = 0; j < indexOf_.size(); ++j) pose[at(indexOf_[j])] = from[j];
+    if (addedHips_ != kNoJoint) {
+      computeWorldFromJoint(motion.skeleton, from, world);
+      const Vec3 place = world[at(trunk_)].translation();
+      if (f == 0) start = place;
+      JointTransform& hips = pose[at(addedHips_)];
+      hips.translation += Vec3(place.x() - start.x(), 0.0, place.z() - start.z());
+      for (std::size_t j = 0; j < indexOf_.size(); ++j) {
+        if (motion.skeleton.joint(static_cast<JointIndex>(j)).parent == kNoJoint) {
+          pose[at(indexOf_[j])].translation -= hips.translation;
+        }
+      }
+    }
+    out.poses.insert(out.poses.end(), pose.begin(), pose.end());
+  }
+  return out;
+}
+
+}  // namespace lorica

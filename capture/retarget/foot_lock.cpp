@@ -1,0 +1,151 @@
+#include "capture/retarget/foot_lock.h"
+
+#include "capture/retarget/leg_reach.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+/// Bounds for a person whose legs are 0.85 m long; others' grow with the legs.
+constexpr double kUsualLeg = 0.85;
+/// A foot locks below the first and goes below the second [m/s].
+constexpr double kSlow = 0.25;
+constexpr double kStillSlow = 0.45;
+/// Likewise of the ankle over its standing height [m].
+constexpr double kLow = 0.05;
+constexpr double kStillLow = 0.09;
+/// A sensor's jitter is faster than this and has no direction [s].
+constexpr double kSmoothing = 0.07;
+/// An ankle may be this far from where it stands: a leg that is nearly straight bends by degrees for millimetres [m].
+constexpr double kTolerance = 0.005;
+/// Of a leg that was lost, see ConfidenceHoldSettings::returnSeconds [s].
+constexpr double kComesBack = 0.5;
+constexpr double kReleaseSeconds = 0.08;
+constexpr double kReleaseSpeed = 0.5;  // at most, for a leg of the usual length [m/s]
+/// The root goes along with the locked feet within this time, and little with the others [s].
+constexpr double kShiftSeconds = 0.08;
+constexpr double kWeightInAir = 0.02;
+constexpr double kSettleSeconds = 0.08;
+/// A lock that has to pull a foot further than this share of the leg is let go.
+constexpr double kLongestPull = 0.15;
+/// How fast the root comes up again [m/s].
+constexpr double kRiseSpeed = 0.3;
+/// Corrections below this are none [m].
+constexpr double kNothing = 1e-9;
+
+std::size_t index(JointIndex joint) {
+  return static_cast<std::size_t>(joint);
+}
+
+/// What is left of a vector when so much of its length is forgiven.
+Vec3 beyond(const Vec3& v, double forgiven) {
+  const double length = v.norm();
+  return length > forgiven ? Vec3((1.0 - forgiven / length) * v) : Vec3::Zero();
+}
+
+double shareWithin(double step, double seconds) {
+  return 1.0 - std::exp(-step / seconds);
+}
+
+}  // namespace
+
+/// Decides whether a foot is locked, and where.
+void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed, double size, double ratio,
+                      double step) {
+  if (!tracked.seen && foot.hasShown) foot.unsettled = kComesBack;
+  if (tracked.seen) foot.unsettled = std::max(0.0, foot.unsettled - step);
+  const bool known = tracked.seen && foot.seen && foot.hasShown && step > 0.0;
+  const Vec3 moved = known ? Vec3(tracked.place - foot.place) : Vec3::Zero();
+  bool locked = false;
+  if (known) {
+    const Vec3 velocity = moved / step;
+    foot.velocity += shareWithin(step, kSmoothing) * (velocity - foot.velocity);
+    const double speed = std::min(velocity.norm(), foot.velocity.norm()) / size;
+    const double above = tracked.above / size;
+    locked = foot.unsettled > 0.0 ? false
+             : foot.locked        ? speed < kStillSlow && above < kStillLow
+                                  : speed < kSlow && above < kLow;
+  } else if (tracked.seen) {
+    foot.velocity.setZero();
+  }
+  if (locked) {
+    // At the lock's first frame too the foot goes on from where it was shown: it stood still from there on.
+    foot.anchor = (foot.locked ? foot.anchor : foot.shown) + ratio * moved;
+    const Vec3 pull = foot.anchor - posed;
+    locked = std::hypot(pull.x(), pull.z()) < kLongestPull * kUsualLeg * size * ratio;
+  }
+  foot.locked = locked;
+  foot.seen = tracked.seen;
+  foot.place = tracked.place;
+}
+
+void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
+                     std::span<Quat> worldRotation, std::span<Affine3> worldFromJoint, std::span<JointTransform> pose) {
+  const Skeleton& skeleton = rig.skeleton;
+  const double size = rig.legLength / (ratio * kUsualLeg);  // the person's
+  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(skeleton.jointOf(bone))].translation(); };
+  const double tolerance = kTolerance * std::min(1.0, rig.legLength / kUsualLeg);
+  std::array<Vec3, 2> posed;
+  Vec3 asked = Vec3::Zero();
+  double weights = 0.0;
+  for (std::size_t side = 0; side < 2; ++side) {
+    Foot& foot = feet_[side];
+    posed[side] = at(limbs()[kFirstLeg + side].end);
+    follow(foot, feet[side], posed[side], size, ratio, step);
+    const double weight = foot.locked ? 1.0 : kWeightInAir;
+    asked += weight * (foot.locked ? Vec3(foot.anchor - posed[side]) : foot.correction);
+    weights += weight;
+  }
+  asked.y() = 0.0;
+  shift_ += shareWithin(step, kShiftSeconds) * (asked / weights - shift_);
+
+  std::array<Vec3, 2> wanted;
+  double need = 0.0;
+  bool none = shift_.norm() < kNothing;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const LimbBones& leg = limbs()[kFirstLeg + side];
+    Foot& foot = feet_[side];
+    // Heights are right for the lower foot already; the other one comes to its own.
+    double lift = 0.0;
+    if (foot.locked) {
+      Vec3 away = posed[side] + shift_ - foot.anchor;
+      away.y() = 0.0;
+      const Vec3 level = shift_ - beyond(away, tolerance);
+      foot.correction.x() = level.x();
+      foot.correction.z() = level.z();
+      const double height = rig.restAnkleHeight[side] + ratio * std::max(0.0, feet[side].above);
+      lift = -beyond(Vec3(0.0, posed[side].y() - height, 0.0), tolerance).y();
+    } else {
+      // Each step takes back a part of the root's shift, so that it does not add up.
+      const Vec3 rest = beyond(shift_, std::max(tolerance, 0.4 * shift_.norm())) - foot.correction;
+      const double length = std::max(std::hypot(rest.x(), rest.z()), kNothing);
+      const double fastest = kReleaseSpeed * step * rig.legLength / kUsualLeg;
+      const double share = std::min(shareWithin(step, kReleaseSeconds), fastest / length);
+      foot.correction.x() += share * rest.x();
+      foot.correction.z() += share * rest.z();
+    }
+    foot.correction.y() += shareWithin(step, kSettleSeconds) * (lift - foot.correction.y());
+    wanted[side] = posed[side] + foot.correction;
+    none = none && foot.correction.norm() < kNothing;
+    need =
+        std::max(need, dropToReach(at(leg.upper) + shift_, at(leg.lower) + shift_, posed[side] + shift_, wanted[side]));
+  }
+  nudge_ = std::clamp(std::max(need, nudge_ - kRiseSpeed * step), 0.0, kLongestPull * rig.legLength);
+  if (!none || nudge_ > kNothing) {
+    const Vec3 by = shift_ - Vec3(0.0, nudge_, 0.0);
+    pose[index(rig.hips)].translation += rig.hipsParentFromWorld.linear() * by;
+    for (Affine3& joint : worldFromJoint) joint.pretranslate(by);
+    for (std::size_t side = 0; side < 2; ++side) {
+      bendLeg(rig, side, wanted[side], worldRotation, worldFromJoint, pose);
+    }
+    evaluatePose(skeleton, pose, worldRotation, worldFromJoint);
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    feet_[side].shown = at(limbs()[kFirstLeg + side].end);
+    feet_[side].hasShown = true;
+  }
+}
+
+}  // namespace lorica

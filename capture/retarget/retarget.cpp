@@ -1,0 +1,454 @@
+#include "capture/retarget/retarget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lorica {
+namespace {
+
+/// Tracked joints closer than this give no direction [m].
+constexpr double kShortestLimb = 0.01;
+/// Angle between the limb's two bones below which elbow or knee says nothing of twist, and above which all [rad].
+/// With 2 cm of noise the plane of a bend of 15 degrees is good to some 20 degrees only.
+constexpr double kHingeFrom = 0.26;
+constexpr double kHingeFull = 1.05;
+/// How fast a twist may go to another source's [rad/s].
+constexpr double kTwistSpeed = 8.0;
+/// An arm straight up is turned out by this much against the least twist from T-pose: palms forward [rad].
+constexpr double kOverheadTurn = 0.5 * std::numbers::pi;
+/// Lift of the collar bone under an arm straight up [rad].
+constexpr double kClavicleLift = 0.35;
+/// A foot joint this far above its standing height is on the ground; from the second on it is in the air [m].
+constexpr double kFootGrounded = 0.03;
+constexpr double kFootInAir = 0.15;
+/// Toes bend up when the ball of the foot is nearer to the floor than the first, not at all above the second [m].
+constexpr double kBallGrounded = 0.02;
+constexpr double kBallInAir = 0.10;
+constexpr double kLargestToeBend = 1.05;
+/// A sole may be this far under the floor before it lifts the character [m].
+constexpr double kSoleSlack = 0.01;
+/// How fast the root may be lifted or lowered to suit the feet [m/s].
+constexpr double kLiftSpeed = 1.5;
+constexpr double kLegRatioSeconds = 1.0;
+
+Quat about(const Vec3& axis, double angle) {
+  return Quat(Eigen::AngleAxisd(angle, axis));
+}
+
+/// Into [-pi, pi].
+double wrapped(double angle) {
+  return std::remainder(angle, 2.0 * std::numbers::pi);
+}
+
+/// Rotation angle of q about a unit axis, q's own axis being that one or nearly [rad].
+double twistAbout(const Quat& q, const Vec3& axis) {
+  return wrapped(2.0 * std::atan2(q.vec().dot(axis), q.w()));
+}
+
+}  // namespace
+
+std::optional<Vec3> Retargeter::Person::direction(BodyJoint a, BodyJoint b) const {
+  if (!has(a) || !has(b)) return std::nullopt;
+  const Vec3 v = at(b) - at(a);
+  const double length = v.norm();
+  if (length < kShortestLimb) return std::nullopt;
+  return Vec3(v / length);
+}
+
+Result<Retargeter> Retargeter::create(const Skeleton& skeleton, const RetargetSettings& settings) {
+  Result<RetargetRig> rig = RetargetRig::create(skeleton);
+  if (!rig) return rig.error();
+  return Retargeter(std::move(*rig), settings);
+}
+
+Retargeter::Retargeter(RetargetRig rig, const RetargetSettings& settings)
+    : rig_(std::move(rig)),
+      settings_(settings),
+      hold_(rig_.skeleton, settings.hold),
+      worldRotation_(static_cast<std::size_t>(rig_.skeleton.jointCount()), Quat::Identity()),
+      worldFromJoint_(static_cast<std::size_t>(rig_.skeleton.jointCount())) {}
+
+void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pose) {
+  const auto joints = rig_.skeleton.joints();
+  CHECK(pose.size() == joints.size(), "a pose of another skeleton");
+  hold_.beginFrame(frame.time);
+  const Person person = readPerson(frame);
+  measureLegs(person);
+  measureFloor(person);
+
+  // Parents first, against what the parents show: a seen forearm points right under a held upper arm too.
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto joint = static_cast<JointIndex>(j);
+    const JointIndex parent = joints[j].parent;
+    const Quat worldFromParent =
+        parent == kNoJoint ? Quat::Identity() : worldRotation_[static_cast<std::size_t>(parent)];
+    pose[j] = joints[j].rest;
+    if (joints[j].bone && *joints[j].bone <= HumanBone::kRightHand) {
+      worldRotation_[j] = worldFromParent * joints[j].rest.rotation;  // where solve() finds the bone at rest
+      const std::optional<Quat> world = solve(*joints[j].bone, joint, person);
+      const Quat local = world ? (worldFromParent.conjugate() * *world).normalized() : joints[j].rest.rotation;
+      pose[j].rotation = hold_.rotation(joint, world.has_value(), local);
+    }
+    worldRotation_[j] = (worldFromParent * pose[j].rotation).normalized();
+  }
+  placeRoot(person, pose);
+  if (settings_.plantFeet) plantFeet(person, pose);
+}
+
+Retargeter::Person Retargeter::readPerson(const SkeletonFrame& frame) {
+  using J = BodyJoint;
+  Person person;
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+    const TrackedJoint& joint = frame.joints[j];
+    person.seen[j] = joint.confidence > 0.0 && joint.position.allFinite();
+    person.place[j] = person.seen[j] ? joint.position : Vec3::Zero();
+    if (!person.seen[j] || !joint.orientation) continue;
+    const double length = joint.orientation->norm();
+    if (length > 0.5 && length < 2.0) person.orientation[j] = joint.orientation->normalized();
+  }
+
+  const bool bothHips = person.has(J::kLeftHip) && person.has(J::kRightHip);
+  if (bothHips) person.middleHip = 0.5 * (person.at(J::kLeftHip) + person.at(J::kRightHip));
+  const std::optional<Quat>& torso = person.turnOf(J::kTorso);
+  if (bothHips && (person.has(J::kTorso) || person.has(J::kNeck))) {
+    const Vec3& above = person.at(person.has(J::kTorso) ? J::kTorso : J::kNeck);
+    person.hips = frameAlongLeft(person.at(J::kLeftHip) - person.at(J::kRightHip), above - *person.middleHip);
+  }
+  if (!person.hips) person.hips = torso;
+
+  // Reaching shifts the shoulders, so the torso's own orientation knows better where the chest faces.
+  const bool trunk = person.has(J::kNeck) && (person.has(J::kTorso) || person.middleHip);
+  if (trunk) {
+    const Vec3 up = person.at(J::kNeck) - (person.has(J::kTorso) ? person.at(J::kTorso) : *person.middleHip);
+    const bool left = person.has(J::kLeftShoulder);
+    const bool right = person.has(J::kRightShoulder);
+    if (torso && up.norm() >= kShortestLimb) {
+      person.chest = pointed(*torso, Vec3::UnitY(), up.normalized(), Vec3::UnitX());
+    } else if (left || right) {
+      const Vec3 from = right ? person.at(J::kRightShoulder) : person.at(J::kNeck);
+      const Vec3 to = left ? person.at(J::kLeftShoulder) : person.at(J::kNeck);
+      person.chest = frameAlongUp(to - from, up);
+    }
+  }
+  if (!person.chest) person.chest = torso;
+  return person;
+}
+
+Quat Retargeter::shown(JointIndex joint) const {
+  const auto j = static_cast<std::size_t>(joint);
+  return worldRotation_[j] * rig_.tposeFromJoint[j].conjugate();
+}
+
+/// The world rotation that the person asks of a bone; nothing when its joints are unknown.
+std::optional<Quat> Retargeter::solve(HumanBone bone, JointIndex joint, const Person& person) {
+  using B = HumanBone;
+  std::optional<Quat> orientation;
+  switch (bone) {
+    case B::kHips:
+      orientation = person.hips;
+      break;
+    case B::kSpine:
+    case B::kChest:
+    case B::kUpperChest:
+      orientation = solveSpine(joint, person);
+      break;
+    case B::kNeck:
+      orientation = solveNeck(person);
+      break;
+    case B::kHead:
+      orientation = solveHead(person);
+      break;
+    case B::kLeftShoulder:
+      orientation = solveClavicle(0, person);
+      break;
+    case B::kRightShoulder:
+      orientation = solveClavicle(1, person);
+      break;
+    case B::kLeftToes:
+      orientation = solveToes(0, person);
+      break;
+    case B::kRightToes:
+      orientation = solveToes(1, person);
+      break;
+    default:
+      for (std::size_t i = 0; i < kLimbCount; ++i) {
+        const LimbBones& limb = limbs()[i];
+        if (bone == limb.upper) orientation = solveUpper(i, person);
+        if (bone == limb.lower) orientation = solveLower(i, person);
+        if (bone != limb.end) continue;
+        if (person.turnOf(limb.endJoint)) {
+          orientation = person.turnOf(limb.endJoint);
+        } else if (i >= kFirstLeg) {
+          orientation = solveFoot(i, person);
+        } else if (person.direction(limb.lowerJoint, limb.endJoint)) {
+          orientation = shown(joint);  // at rest on the forearm
+        }
+      }
+  }
+  if (!orientation) return std::nullopt;
+  return *orientation * rig_.tposeFromJoint[static_cast<std::size_t>(joint)];
+}
+
+std::optional<Quat> Retargeter::solveSpine(JointIndex joint, const Person& person) const {
+  if (!person.chest) return std::nullopt;
+  return shown(rig_.hips).slerp(rig_.spineShare[static_cast<std::size_t>(joint)], *person.chest);
+}
+
+std::optional<Quat> Retargeter::solveNeck(const Person& person) const {
+  const std::optional<Vec3> direction = person.direction(BodyJoint::kNeck, BodyJoint::kHead);
+  if (!direction) return std::nullopt;
+  const Quat neck = pointed(shown(rig_.chest), rig_.neckAxis, *direction, Vec3::UnitX());
+  const std::optional<Quat>& head = person.turnOf(BodyJoint::kHead);
+  if (!head) return neck;
+  const Quat turnedHead = pointed(*head, rig_.neckAxis, *direction, Vec3::UnitX());
+  return about(*direction, 0.5 * twistAbout(turnedHead * neck.conjugate(), *direction)) * neck;
+}
+
+std::optional<Quat> Retargeter::solveHead(const Person& person) const {
+  if (person.turnOf(BodyJoint::kHead)) return person.turnOf(BodyJoint::kHead);
+  const std::optional<Vec3> direction = person.direction(BodyJoint::kNeck, BodyJoint::kHead);
+  if (!direction) return std::nullopt;
+  // Trackers put the head elsewhere over the neck than characters have it, so only half of the neck's tilt is looked
+  // at.
+  if (rig_.skeleton.jointOf(HumanBone::kNeck) != kNoJoint) {
+    return shown(rig_.chest).slerp(0.5, shown(HumanBone::kNeck));
+  }
+  return pointed(shown(rig_.chest), rig_.neckAxis, *direction, Vec3::UnitX());
+}
+
+std::optional<Quat> Retargeter::solveClavicle(std::size_t limb, const Person& person) const {
+  const std::optional<Vec3> arm = person.direction(limbs()[limb].upperJoint, limbs()[limb].lowerJoint);
+  if (!arm) return std::nullopt;
+  const Quat chest = shown(rig_.chest);
+  const double lift = kClavicleLift * smoothStep(0.0, 1.0, (chest.conjugate() * *arm).y());
+  return chest * about(Vec3::UnitZ(), limb == 0 ? lift : -lift);
+}
+
+/// Direction of forearm or shin. What a shin has of a bend backwards is tracking noise and is taken out.
+std::optional<Vec3> Retargeter::lowerDirection(std::size_t limb, const Person& person) const {
+  const LimbBones& l = limbs()[limb];
+  const std::optional<Vec3> lower = person.direction(l.lowerJoint, l.endJoint);
+  const std::optional<Vec3> upper = person.direction(l.upperJoint, l.lowerJoint);
+  if (limb < kFirstLeg || !lower || !upper) return lower;
+  const Quat swung = pointed(shown(rig_.hips), l.axis, *upper, l.hinge);
+  const Vec3 hinge = swung * l.hinge;
+  Vec3 bend = upper->cross(*lower);
+  const double forwards = bend.dot(hinge);
+  if (forwards >= 0.0) return lower;
+  bend -= forwards * hinge;
+  const Vec3 straightened = std::max(upper->dot(*lower), 0.0) * *upper + bend.cross(*upper);
+  if (straightened.norm() < 1e-3) return upper;
+  return Vec3(straightened.normalized());
+}
+
+/// Turns the least-twisted orientation of a bone to the wanted twist. A new source is approached at a bounded speed;
+/// orientations that keep coming are then followed as they are.
+Quat Retargeter::twisted(const Quat& least, const Vec3& direction, double wanted, TwistSource source, Twist& twist) {
+  // Near half a turn both ways round are the same: stay on the side where the limb is.
+  wanted = twist.angle + wrapped(wanted - twist.angle);
+  if (std::abs(wanted) > 1.25 * std::numbers::pi) wanted = wrapped(wanted);
+  if (twist.source == TwistSource::kNone) {
+    twist.angle = wanted;
+  } else {
+    if (twist.source != source) twist.catchingUp = true;
+    const double largest = kTwistSpeed * hold_.step();
+    const double change = wanted - twist.angle;
+    const bool bounded = twist.catchingUp || source != TwistSource::kOrientation;
+    if (!bounded || std::abs(change) <= largest) {
+      twist.angle = wanted;
+      twist.catchingUp = false;
+    } else {
+      twist.angle += std::copysign(largest, change);
+    }
+  }
+  twist.source = source;
+  return (about(direction, twist.angle) * least).normalized();
+}
+
+std::optional<Quat> Retargeter::solveUpper(std::size_t limb, const Person& person) {
+  const LimbBones& l = limbs()[limb];
+  const std::optional<Vec3> direction = person.direction(l.upperJoint, l.lowerJoint);
+  if (!direction) return std::nullopt;
+  const bool leg = limb >= kFirstLeg;
+  const Quat body = shown(leg ? rig_.hips : rig_.chest);
+  Quat least = pointed(body, l.axis, *direction, l.hinge);
+  if (!leg) {
+    const double raised = smoothStep(0.0, 1.0, (body.conjugate() * *direction).y());
+    least = least * about(Vec3::UnitX(), -kOverheadTurn * raised);
+  }
+
+  Twist& twist = upperTwist_[limb];
+  if (const std::optional<Quat>& orientation = person.turnOf(l.upperJoint)) {
+    const Quat measured = pointed(*orientation, l.axis, *direction, l.hinge);
+    return twisted(least, *direction, twistAbout(measured * least.conjugate(), *direction), TwistSource::kOrientation,
+                   twist);
+  }
+  const std::optional<Vec3> lower = lowerDirection(limb, person);
+  if (!lower) return twisted(least, *direction, twist.angle, TwistSource::kLeast, twist);  // keep what was shown
+  const Vec3 hinge = direction->cross(*lower);
+  const double share = smoothStep(kHingeFrom, kHingeFull, std::atan2(hinge.norm(), direction->dot(*lower)));
+  double wanted = 0.0;
+  if (share > 0.0) {
+    const Vec3 from = least * l.hinge;
+    wanted = std::atan2(from.cross(hinge).dot(*direction), from.dot(hinge));
+    // Unwrapped before it is weighted: the weight must not tear the two ends of the circle apart.
+    wanted = share * (twist.angle + wrapped(wanted - twist.angle));
+  }
+  return twisted(least, *direction, wanted, TwistSource::kHinge, twist);
+}
+
+std::optional<Quat> Retargeter::solveLower(std::size_t limb, const Person& person) {
+  const LimbBones& l = limbs()[limb];
+  const std::optional<Vec3> direction = lowerDirection(limb, person);
+  if (!direction) return std::nullopt;
+  const Quat least = pointed(shown(l.upper), l.axis, *direction, l.hinge);
+  Twist& twist = lowerTwist_[limb];
+  const auto twistOf = [&](const Quat& orientation) {
+    const Quat measured = pointed(orientation, l.axis, *direction, l.hinge);
+    return twistAbout(measured * least.conjugate(), *direction);
+  };
+  if (const std::optional<Quat>& own = person.turnOf(l.lowerJoint)) {
+    return twisted(least, *direction, twistOf(*own), TwistSource::kOrientation, twist);
+  }
+  // Radius and ulna cross: half of the hand's turn already shows in the forearm.
+  const std::optional<Quat>& hand = person.turnOf(l.endJoint);
+  if (limb < kFirstLeg && hand) {
+    return twisted(least, *direction, 0.5 * twistOf(*hand), TwistSource::kHinge, twist);
+  }
+  return twisted(least, *direction, 0.0, TwistSource::kLeast, twist);
+}
+
+/// A foot without an orientation: in the air at its rest angle to the shin, on the ground flat and headed alike.
+std::optional<Quat> Retargeter::solveFoot(std::size_t limb, const Person& person) const {
+  const LimbBones& l = limbs()[limb];
+  if (!person.direction(l.lowerJoint, l.endJoint)) return std::nullopt;
+  const Quat onShin = shown(l.end);
+  const Vec3 forward = onShin * Vec3::UnitZ();
+  const double level = std::hypot(forward.x(), forward.z());
+  const double above = person.at(l.endJoint).y() - standingFoot_.value_or(0.0);
+  const double flat = (1.0 - smoothStep(kFootGrounded, kFootInAir, above)) * smoothStep(0.2, 0.5, level);
+  if (flat <= 0.0) return onShin;
+  return onShin.slerp(flat, about(Vec3::UnitY(), std::atan2(forward.x(), forward.z())));
+}
+
+/// Toes stay level while the heel lifts off.
+std::optional<Quat> Retargeter::solveToes(std::size_t side, const Person& person) const {
+  const LimbBones& l = limbs()[kFirstLeg + side];
+  if (!person.has(l.endJoint) || !person.has(l.lowerJoint)) return std::nullopt;
+  const Quat foot = shown(l.end);
+  const double ankle = legRatio_ * (person.at(l.endJoint).y() - standingFoot_.value_or(0.0));
+  const double ball = ankle + rig_.restAnkleHeight[side] + (foot * rig_.ballFromAnkle[side]).y();
+  const double pitch = std::asin(std::clamp(-(foot * Vec3::UnitZ()).y(), 0.0, std::sin(kLargestToeBend)));
+  return foot * about(Vec3::UnitX(), -pitch * (1.0 - smoothStep(kBallGrounded, kBallInAir, ball)));
+}
+
+/// The ratio of leg lengths: the median of the first frames that show both legs, approached slowly.
+void Retargeter::measureLegs(const Person& person) {
+  using J = BodyJoint;
+  const auto legSeen = [&](J hip, J knee, J foot) { return person.has(hip) && person.has(knee) && person.has(foot); };
+  if (legLengthCount_ < kLegSamples && legSeen(J::kLeftHip, J::kLeftKnee, J::kLeftFoot) &&
+      legSeen(J::kRightHip, J::kRightKnee, J::kRightFoot)) {
+    const auto length = [&](J a, J b) { return (person.at(a) - person.at(b)).norm(); };
+    const double mean = 0.5 * (length(J::kLeftHip, J::kLeftKnee) + length(J::kLeftKnee, J::kLeftFoot) +
+                               length(J::kRightHip, J::kRightKnee) + length(J::kRightKnee, J::kRightFoot));
+    if (mean > 0.1 && mean < 3.0) {
+      legLengths_[legLengthCount_++] = mean;
+      std::array<double, kLegSamples> sorted = legLengths_;
+      const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(legLengthCount_ / 2);
+      std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(legLengthCount_));
+      medianLegLength_ = *middle;
+      if (legLengthCount_ == 1) legRatio_ = rig_.legLength / medianLegLength_;
+    }
+  }
+  if (legLengthCount_ == 0) return;
+  const double share = 1.0 - std::exp(-hold_.step() / kLegRatioSeconds);
+  legRatio_ += share * (rig_.legLength / medianLegLength_ - legRatio_);
+}
+
+/// Follows the height of the lower foot: down at once, up slowly and only while it could still be standing.
+void Retargeter::measureFloor(const Person& person) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const BodyJoint foot : {BodyJoint::kLeftFoot, BodyJoint::kRightFoot}) {
+    if (person.has(foot)) lowest = std::min(lowest, person.at(foot).y());
+  }
+  if (!std::isfinite(lowest)) return;
+  lowest = std::clamp(lowest, -0.2, 0.25);  // beyond is no foot that stands
+  if (!standingFoot_) standingFoot_ = lowest;
+  const double above = lowest - *standingFoot_;
+  if (above > 0.05) return;
+  const double seconds = above < 0.0 ? 0.1 : 5.0;
+  *standingFoot_ += (1.0 - std::exp(-hold_.step() / seconds)) * above;
+}
+
+void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose) {
+  const auto hips = static_cast<std::size_t>(rig_.hips);
+  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
+  const auto at = [&](HumanBone bone) -> Vec3 {
+    return worldFromJoint_[static_cast<std::size_t>(rig_.skeleton.jointOf(bone))].translation();
+  };
+  const Vec3 middleHip = 0.5 * (at(HumanBone::kLeftUpperLeg) + at(HumanBone::kRightUpperLeg));
+  const Vec3 hipsFromMiddle = worldFromJoint_[hips].translation() - middleHip;
+  // Height of each foot over its rest height when the middle of the hips is at y = 0: about minus the leg's length.
+  std::array<double, 2> footOverRest{};
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t side = 0; side < 2; ++side) {
+    const LimbBones& leg = limbs()[kFirstLeg + side];
+    const Affine3& foot = worldFromJoint_[static_cast<std::size_t>(rig_.skeleton.jointOf(leg.end))];
+    const JointIndex toesJoint = rig_.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
+    const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[static_cast<std::size_t>(toesJoint)];
+    const RetargetRig::Sole& sole = rig_.sole[side];
+    footOverRest[side] = foot.translation().y() - middleHip.y() - rig_.restAnkleHeight[side];
+    for (const Vec3& point : {Vec3(foot * sole.heel), Vec3(foot * sole.ball), Vec3(toes * sole.tip)}) {
+      lowest = std::min(lowest, point.y() - middleHip.y() + kSoleSlack);
+    }
+  }
+
+  Vec3 place = Vec3::Zero();
+  if (person.middleHip) {
+    if (!lastMiddleHip_) {
+      root_ = *person.middleHip;
+    } else {
+      root_ += legRatio_ * (*person.middleHip - *lastMiddleHip_);
+    }
+    root_.y() = 0.0;
+    lastMiddleHip_ = person.middleHip;
+
+    // The minimum over the feet of both is continuous, so stepping from one foot to the other shows no jump.
+    double wanted = std::numeric_limits<double>::infinity();
+    double actual = std::numeric_limits<double>::infinity();
+    for (std::size_t side = 0; side < 2; ++side) {
+      const BodyJoint foot = limbs()[kFirstLeg + side].endJoint;
+      if (!person.has(foot)) continue;
+      wanted = std::min(wanted, legRatio_ * std::max(0.0, person.at(foot).y() - *standingFoot_));
+      actual = std::min(actual, footOverRest[side]);
+    }
+    const double scaledHeight = legRatio_ * person.middleHip->y();
+    if (std::isfinite(wanted)) {
+      const double lift = wanted - actual - scaledHeight;
+      const double largest = kLiftSpeed * hold_.step();
+      footLift_ = footLift_ ? *footLift_ + std::clamp(lift - *footLift_, -largest, largest) : lift;
+    }
+    place = root_ + Vec3(0.0, scaledHeight + footLift_.value_or(0.0), 0.0) + hipsFromMiddle;
+  }
+  Vec3 shownHips = hold_.rootPlace(person.middleHip.has_value(), place, rig_.restHips);
+  // No sole goes under the floor, whatever is held or eases: legs may straighten while the hips stay low.
+  shownHips.y() = std::max(shownHips.y(), hipsFromMiddle.y() - lowest);
+  pose[hips].translation = rig_.hipsParentFromWorld * shownHips;
+}
+
+void Retargeter::plantFeet(const Person& person, std::span<JointTransform> pose) {
+  std::array<TrackedFoot, 2> feet;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const LimbBones& leg = limbs()[kFirstLeg + side];
+    const BodyJoint joint = leg.endJoint;
+    feet[side].seen = person.has(joint) && person.has(leg.lowerJoint) && person.middleHip;
+    if (!feet[side].seen) continue;
+    feet[side].place = person.at(joint);
+    feet[side].above = person.at(joint).y() - standingFoot_.value_or(0.0);
+  }
+  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
+  footLock_.apply(rig_, feet, legRatio_, hold_.step(), worldRotation_, worldFromJoint_, pose);
+}
+
+}  // namespace lorica

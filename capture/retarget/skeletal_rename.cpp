@@ -1,0 +1,254 @@
+#include "capture/retarget/skeletal_retarget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+namespace lorica {
+namespace {
+
+/// A joint moves when it turns or shifts by more than this against the rest pose or the first frame [rad], [m].
+constexpr double kStillTurn = 1e-3;
+constexpr double kStillShift = 1e-4;
+/// Skeletons whose sizes differ by less are of the same size.
+constexpr double kSameSize = 0.02;
+
+std::size_t index(JointIndex joint) {
+  return static_cast<std::size_t>(joint);
+}
+
+/// "mixamorig:Hips" is "Hips": writers put the name of the scene in front.
+std::string_view ownName(std::string_view name) {
+  const std::size_t colon = name.rfind(':');
+  return colon == std::string_view::npos || colon + 1 == name.size() ? name : name.substr(colon + 1);
+}
+
+/// The source's joint of each target joint; kNoJoint where there is none.
+std::vector<JointIndex> namesakes(const Skeleton& source, const Skeleton& target) {
+  std::map<std::string_view, JointIndex> whole;
+  std::map<std::string_view, JointIndex> own;
+  for (JointIndex j = 0; j < source.jointCount(); ++j) {
+    whole.emplace(source.joint(j).name, j);
+    own.emplace(ownName(source.joint(j).name), j);
+  }
+  std::vector<JointIndex> out;
+  out.reserve(target.joints().size());
+  for (const Joint& joint : target.joints()) {
+    const auto same = whole.find(joint.name);
+    const auto similar = own.find(ownName(joint.name));
+    out.push_back(same != whole.end() ? same->second : similar != own.end() ? similar->second : kNoJoint);
+  }
+  return out;
+}
+
+std::vector<bool> movingJoints(const SkeletalMotion& motion) {
+  const std::span<const Joint> joints = motion.skeleton.joints();
+  std::vector<bool> moves(joints.size(), false);
+  for (int f = 0; f < motion.frameCount(); ++f) {
+    const std::span<const JointTransform> pose = motion.pose(f);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      moves[j] = moves[j] || pose[j].rotation.angularDistance(motion.pose(0)[j].rotation) > kStillTurn ||
+                 pose[j].rotation.angularDistance(joints[j].rest.rotation) > kStillTurn ||
+                 (pose[j].translation - motion.pose(0)[j].translation).norm() > kStillShift;
+    }
+  }
+  return moves;
+}
+
+/// World transforms, rotations apart: products of rotations stay rotations whatever the scales are.
+struct World {
+  std::vector<Affine3> matrix;
+  std::vector<Quat> rotation;
+
+  void compute(const Skeleton& skeleton, std::span<const JointTransform> pose) {
+    matrix.resize(pose.size());
+    rotation.resize(pose.size());
+    computeWorldFromJoint(skeleton, pose, matrix);
+    for (std::size_t j = 0; j < pose.size(); ++j) {
+      const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
+      const Quat above = parent == kNoJoint ? Quat::Identity() : rotation[index(parent)];
+      rotation[j] = (above * pose[j].rotation).normalized();
+    }
+  }
+};
+
+/// Which joints move in their parents, by more than a hundredth of their bone.
+std::vector<bool> shiftingJoints(const SkeletalMotion& motion) {
+  constexpr double kOfTheBone = 0.01;
+  std::vector<bool> shifts(motion.skeleton.joints().size(), false);
+  const std::span<const JointTransform> first = motion.pose(0);
+  for (int f = 1; f < motion.frameCount(); ++f) {
+    const std::span<const JointTransform> pose = motion.pose(f);
+    for (std::size_t j = 0; j < shifts.size(); ++j) {
+      const double shift = (pose[j].translation - first[j].translation).norm();
+      shifts[j] = shifts[j] || shift > kOfTheBone * first[j].translation.norm() + 1e-9;
+    }
+  }
+  return shifts;
+}
+
+/// Metres in a unit of a joint's translation.
+double metresAbove(const World& rest, const Skeleton& skeleton, JointIndex joint) {
+  const JointIndex parent = skeleton.joint(joint).parent;
+  if (parent == kNoJoint) return 1.0;
+  return std::max(1e-9, std::cbrt(std::abs(rest.matrix[index(parent)].linear().determinant())));
+}
+
+class Renamer {
+ public:
+  Renamer(const SkeletalMotion& source, const Skeleton& target)
+      : source_(source), target_(target), namesake_(namesakes(source.skeleton, target)) {
+    for (std::size_t j = 0; j < namesake_.size(); ++j) above_.push_back(namedAbove(static_cast<JointIndex>(j)));
+    sourceRest_.compute(source.skeleton, restPose(source.skeleton));
+    targetRest_.compute(target, restPose(target));
+    sizeRatio_ = sizeRatio();
+    shifts_ = shiftingJoints(source);
+  }
+
+  [[nodiscard]] Result<void> check() const {
+    const std::vector<bool> moves = movingJoints(source_);
+    const bool anyMoves = std::find(moves.begin(), moves.end(), true) != moves.end();
+    int moving = 0;
+    int found = 0;
+    for (std::size_t s = 0; s < moves.size(); ++s) {
+      if (anyMoves && !moves[s]) continue;
+      ++moving;
+      if (std::find(namesake_.begin(), namesake_.end(), static_cast<JointIndex>(s)) != namesake_.end()) ++found;
+    }
+    if (2 * found >= moving) return {};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("the motion {}: {} of its {} moving joints have a namesake in the character, expected half "
+                    "or more",
+                    source_.name, found, moving)};
+  }
+
+  SkeletalMotion run() {
+    SkeletalMotion out;
+    out.name = source_.name;
+    out.skeleton = target_;
+    out.times = source_.times;
+    out.poses.reserve(out.times.size() * namesake_.size());
+    Pose pose(namesake_.size());
+    for (int f = 0; f < source_.frameCount(); ++f) {
+      sourcePose_ = source_.pose(f);
+      sourceWorld_.compute(source_.skeleton, sourcePose_);
+      for (std::size_t j = 0; j < namesake_.size(); ++j) {
+        pose[j] = target_.joint(static_cast<JointIndex>(j)).rest;
+        if (namesake_[j] != kNoJoint) takeFrom(static_cast<JointIndex>(j), pose);
+      }
+      out.poses.insert(out.poses.end(), pose.begin(), pose.end());
+    }
+    return out;
+  }
+
+ private:
+  /// The nearest joint above that has a namesake from which this one's namesake descends.
+  [[nodiscard]] JointIndex namedAbove(JointIndex joint) const {
+    if (namesake_[index(joint)] == kNoJoint) return kNoJoint;
+    for (JointIndex up = target_.joint(joint).parent; up != kNoJoint; up = target_.joint(up).parent) {
+      JointIndex s = namesake_[index(joint)];
+      while (s != kNoJoint && s != namesake_[index(up)]) s = source_.skeleton.joint(s).parent;
+      if (s != kNoJoint && namesake_[index(up)] != kNoJoint) return up;
+    }
+    return kNoJoint;
+  }
+
+  [[nodiscard]] bool directlyBelow(JointIndex joint) const {
+    const JointIndex up = above_[index(joint)];
+    return up != kNoJoint && target_.joint(joint).parent == up &&
+           source_.skeleton.joint(namesake_[index(joint)]).parent == namesake_[index(up)];
+  }
+
+  /// The target's size over the source's, by the joints that they share; 1 when they differ little.
+  [[nodiscard]] double sizeRatio() const {
+    double target = 0.0;
+    double source = 0.0;
+    for (std::size_t j = 0; j < namesake_.size(); ++j) {
+      if (above_[j] == kNoJoint) continue;
+      const auto up = index(above_[j]);
+      target += (targetRest_.matrix[j].translation() - targetRest_.matrix[up].translation()).norm();
+      source += (sourceRest_.matrix[index(namesake_[j])].translation() -
+                 sourceRest_.matrix[index(namesake_[up])].translation())
+                    .norm();
+    }
+    if (!(target > 0.0 && source > 0.0) || std::abs(target / source - 1.0) < kSameSize) return 1.0;
+    return target / source;
+  }
+
+  void takeFrom(JointIndex joint, Pose& pose) const {
+    const JointIndex from = namesake_[index(joint)];
+    const Joint& mine = target_.joint(joint);
+    const JointTransform& rest = source_.skeleton.joint(from).rest;
+    JointTransform& local = pose[index(joint)];
+    if (directlyBelow(joint)) {
+      const JointTransform& theirs = sourcePose_[index(from)];
+      local.rotation = theirs.rotation.normalized();
+      // A character of other proportions keeps its bones' lengths; the hips, and joints that move in their parents, go
+      // where their namesakes are. The rest pose of a file that holds a clip may be any pose of it.
+      if (mine.bone == HumanBone::kHips || shifts_[index(from)]) {
+        const double unit = metresAbove(sourceRest_, source_.skeleton, from) / metresAbove(targetRest_, target_, joint);
+        local.translation = sizeRatio_ * unit * theirs.translation;
+      }
+      local.scale = mine.rest.scale.cwiseProduct(theirs.scale.cwiseQuotient(rest.scale));
+      if (!local.scale.allFinite()) local.scale = mine.rest.scale;
+      return;
+    }
+    // Joints lie between in one of the two, or it is the topmost: then what counts is where it is from the joint above
+    // that both have, or in the world.
+    const JointIndex up = above_[index(joint)];
+    Quat rotation = sourceWorld_.rotation[index(from)];
+    Vec3 place = sourceWorld_.matrix[index(from)].translation();
+    if (up != kNoJoint) {
+      const auto theirUp = index(namesake_[index(up)]);
+      rotation = sourceWorld_.rotation[theirUp].conjugate() * rotation;
+      place = sourceWorld_.rotation[theirUp].conjugate() * (place - sourceWorld_.matrix[theirUp].translation());
+    }
+    place *= sizeRatio_;
+    Affine3 upFromParent = Affine3::Identity();
+    Quat upTurn = Quat::Identity();
+    for (JointIndex between = mine.parent; between != up; between = target_.joint(between).parent) {
+      const JointTransform& step = pose[index(between)];
+      upFromParent = step.matrix() * upFromParent;
+      upTurn = step.rotation * upTurn;
+    }
+    // Scales above the upper joint make its own axes shorter or longer than metres.
+    double metres = 1.0;
+    for (JointIndex over = up; over != kNoJoint; over = target_.joint(over).parent) {
+      metres *= std::cbrt(std::abs(target_.joint(over).rest.scale.prod()));
+    }
+    if (!(std::abs(upFromParent.linear().determinant()) > 1e-18) || !(metres > 1e-9)) return;
+    local.rotation = (upTurn.conjugate() * rotation).normalized();
+    local.translation = upFromParent.inverse() * Vec3(place / metres);
+  }
+
+  const SkeletalMotion& source_;
+  const Skeleton& target_;
+  std::vector<JointIndex> namesake_;
+  std::vector<JointIndex> above_;  ///< see namedAbove
+  World sourceRest_;
+  World targetRest_;
+  std::vector<bool> shifts_;  ///< of the source's joints, see shiftingJoints
+  double sizeRatio_ = 1.0;
+  std::span<const JointTransform> sourcePose_;
+  World sourceWorld_;
+};
+
+}  // namespace
+
+Result<SkeletalMotion> renameMotion(const SkeletalMotion& source, const Skeleton& target) {
+  const auto joints = static_cast<std::size_t>(source.skeleton.jointCount());
+  if (source.times.empty() || source.poses.size() != source.times.size() * joints) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
+                             source.name, source.poses.size(), source.times.size(), joints)};
+  }
+  Renamer renamer(source, target);
+  if (Result<void> enough = renamer.check(); !enough) return enough.error();
+  return renamer.run();
+}
+
+}  // namespace lorica

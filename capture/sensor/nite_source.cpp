@@ -1,0 +1,310 @@
+#include "capture/sensor/nite.h"
+#include "capture/sensor/nite_api.h"
+#include "capture/sensor/openni_library.h"
+#include "capture/sensor/openni_working_folder.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kFootHeight = 0.08;  ///< of the ankle over the floor [m]
+constexpr float kSure = 0.5F;
+constexpr std::chrono::milliseconds kPause(100);    ///< between looks for an unplugged camera
+constexpr std::chrono::milliseconds kSilence(500);  ///< after which nobody is taken to be there
+
+template <typename Function>
+bool load(void* handle, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(::dlsym(handle, name));
+  return function != nullptr;
+}
+
+/// NiTE 2 looks from behind the camera: x to the left, y up, z away from it. Half a turn about y.
+Vec3 placeOf(const nite::Vector& p) {
+  return kMillimetre * Vec3(-p.x, p.y, -p.z);
+}
+Vec3 directionOf(const nite::Vector& p) {
+  return {-p.x, p.y, -p.z};
+}
+
+class NiteSource final : public SkeletonSource {
+ public:
+  NiteSource(std::shared_ptr<OpenNiLibrary> openNi, std::string name)
+      : openNi_(std::move(openNi)), name_(std::move(name)) {}
+  ~NiteSource() override {
+    endTracker();
+    if (initialized_) api_.shutdown();
+    closeDevice();
+    // The library stays: its threads may need its code longer than it says.
+  }
+  NiteSource(const NiteSource&) = delete;
+  NiteSource& operator=(const NiteSource&) = delete;
+
+  Result<void> start(const fs::path& library, const std::string& uri) {
+    std::error_code error;
+    const fs::path file = fs::canonical(library, error);
+    if (error) return Error{ErrorCode::kNotFound, fmt::format("{}: found no such file, expected libNiTE2.so", name_)};
+    void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) {
+      const char* why = dlerror();
+      return Error{ErrorCode::kUnreadable,
+                   fmt::format("{}: cannot be loaded: {}", name_, why == nullptr ? "unknown" : why)};
+    }
+    if (!load(handle, "niteInitialize", api_.initialize) || !load(handle, "niteShutdown", api_.shutdown) ||
+        !load(handle, "niteInitializeUserTrackerByDevice", api_.createTracker) ||
+        !load(handle, "niteShutdownUserTracker", api_.destroyTracker) ||
+        !load(handle, "niteStartSkeletonTracking", api_.startSkeleton) ||
+        !load(handle, "niteStopSkeletonTracking", api_.stopSkeleton) ||
+        !load(handle, "niteRegisterUserTrackerCallbacks", api_.addCallbacks) ||
+        !load(handle, "niteUnregisterUserTrackerCallbacks", api_.removeCallbacks) ||
+        !load(handle, "niteReadUserTrackerFrame", api_.readFrame) ||
+        !load(handle, "niteUserTrackerFrameRelease", api_.releaseFrame)) {
+      ::dlclose(handle);
+      return Error{ErrorCode::kUnsupported, fmt::format("{}: found no NiTE 2, expected all of its functions", name_)};
+    }
+
+    const Result<std::vector<OpenNiCamera>> cameras = openNi_->cameras();
+    if (!cameras) return cameras.error();
+    const auto camera = std::find_if(cameras->begin(), cameras->end(),
+                                     [&](const OpenNiCamera& c) { return uri.empty() || c.uri == uri; });
+    if (camera == cameras->end()) {
+      return Error{ErrorCode::kNotFound, fmt::format("{}: found no camera {}, expected one for it", name_, uri)};
+    }
+    camera_ = *camera;
+    if (const Result<void> opened = openDevice(); !opened) return opened.error();
+
+    const WorkingFolder keep;
+    fs::current_path(file.parent_path(), error);  // where it looks for its data
+    if (const int status = api_.initialize(); status != nite::kOk) {
+      return Error{
+          ErrorCode::kUnreadable,
+          fmt::format("{}: does not start (status {}): is its folder NiTE2 of data beside it?", name_, status)};
+    }
+    initialized_ = true;
+    return beginTracker();
+  }
+
+  Result<std::optional<SkeletonFrame>> next() override {
+    if (tracker_ == nullptr && !comeBack()) {
+      std::this_thread::sleep_for(kPause);
+      return std::optional<SkeletonFrame>(nobody());
+    }
+    if (!waitForFrame()) {
+      if (openNi_->isGone(camera_.uri)) {
+        endTracker();
+        closeDevice();
+      }
+      return std::optional<SkeletonFrame>(nobody());
+    }
+    nite::Frame* frame = nullptr;
+    if (const int status = api_.readFrame(tracker_, &frame); status != nite::kOk || frame == nullptr) {
+      return Error{ErrorCode::kUnreadable, fmt::format("{}: gives no frame (status {})", name_, status)};
+    }
+    SkeletonFrame skeleton = read(*frame);
+    (void)api_.releaseFrame(tracker_, frame);
+    return std::optional<SkeletonFrame>(std::move(skeleton));
+  }
+
+ private:
+  Result<void> openDevice() {
+    OniDeviceHandle device = nullptr;
+    if (openNi_->api().deviceOpen(camera_.uri.c_str(), &device) != ONI_STATUS_OK) {
+      return openNi_->failure(fmt::format("{}: cannot be opened", camera_.uri));
+    }
+    device_.handle = device;
+    return {};
+  }
+
+  void closeDevice() {
+    if (device_.handle != nullptr) (void)openNi_->api().deviceClose(static_cast<OniDeviceHandle>(device_.handle));
+    device_.handle = nullptr;
+  }
+
+  Result<void> beginTracker() {
+    const int status = api_.createTracker(&device_, &tracker_);
+    if (status != nite::kOk || tracker_ == nullptr) {
+      tracker_ = nullptr;
+      return Error{ErrorCode::kUnreadable,
+                   fmt::format("{}: does not track with {} (status {})", name_, camera_.uri, status)};
+    }
+    if (api_.addCallbacks(tracker_, &callbacks_, this) != nite::kOk) {
+      (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
+      return Error{ErrorCode::kUnreadable, fmt::format("{}: does not say when a frame is ready", name_)};
+    }
+    clockIsNew_ = true;
+    return {};
+  }
+
+  void endTracker() {
+    if (tracker_ == nullptr) return;
+    for (const std::int16_t user : asked_) api_.stopSkeleton(tracker_, user);
+    asked_.clear();
+    person_ = 0;
+    api_.removeCallbacks(tracker_, &callbacks_);
+    (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
+    const std::lock_guard<std::mutex> lock(mutex_);
+    frameIsReady_ = false;
+  }
+
+  bool comeBack() {
+    if (openNi_->isGone(camera_.uri)) return false;
+    if (openDevice() && beginTracker()) return true;
+    closeDevice();
+    return false;
+  }
+
+  /// @return whether one is ready; not where the camera is gone, or silent for long
+  bool waitForFrame() {
+    const auto until = std::chrono::steady_clock::now() + kSilence;
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!frameIsReady_) {
+      if (openNi_->isGone(camera_.uri) || std::chrono::steady_clock::now() >= until) return false;
+      frameCame_.wait_for(lock, kPause);
+    }
+    frameIsReady_ = false;
+    return true;
+  }
+
+  /// A frame in which nobody is tracked, at the present time.
+  SkeletonFrame nobody() {
+    const auto now = std::chrono::steady_clock::now();
+    SkeletonFrame skeleton;
+    skeleton.time = std::max(0.0, lastTime_) + std::chrono::duration<double>(now - lastRead_).count();
+    skeleton.user = std::max<int>(person_, 1);
+    lastTime_ = skeleton.time;
+    lastRead_ = now;
+    clockIsNew_ = true;
+    return skeleton;
+  }
+
+  SkeletonFrame read(const nite::Frame& frame) {
+    const std::span<const nite::User> users(
+        frame.users, frame.users == nullptr ? 0U : static_cast<std::size_t>(std::max(0, frame.userCount)));
+    const nite::User* chosen = nullptr;
+    std::set<std::int16_t> here;
+    for (const nite::User& user : users) {
+      here.insert(user.id);
+      if (user.skeleton.state == nite::kNotAskedFor && asked_.insert(user.id).second) {
+        if (api_.startSkeleton(tracker_, user.id) != nite::kOk) asked_.erase(user.id);  // asked again next time
+      }
+      if (user.skeleton.state != nite::kTracked) continue;
+      const bool isThePerson = user.id == person_;
+      if (chosen == nullptr || isThePerson || (chosen->id != person_ && user.id < chosen->id)) chosen = &user;
+    }
+    std::erase_if(asked_, [&](std::int16_t user) { return here.count(user) == 0; });  // numbers are given again
+
+    SkeletonFrame skeleton;
+    const auto now = std::chrono::steady_clock::now();
+    const double sensorTime = 1e-6 * static_cast<double>(frame.timeUs);
+    if (clockIsNew_ && lastTime_ >= 0.0) {
+      timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
+    }
+    clockIsNew_ = false;
+    skeleton.time = std::max(sensorTime + timeOffset_, std::nextafter(lastTime_, 1e300));
+    lastTime_ = skeleton.time;
+    lastRead_ = now;
+    if (chosen == nullptr) {
+      skeleton.user = std::max<int>(person_, 1);
+      return skeleton;
+    }
+    person_ = chosen->id;
+    skeleton.user = person_;
+    for (std::size_t j = 0; j < skeleton.joints.size(); ++j) skeleton.joints[j] = jointOf(chosen->skeleton.joints[j]);
+    findFloor(frame, skeleton);
+    for (TrackedJoint& joint : skeleton.joints) {
+      if (joint.confidence <= 0.0) continue;
+      joint.position = floorFromCamera_ * joint.position;
+      if (joint.orientation) *joint.orientation = Quat(floorFromCamera_.rotation()) * *joint.orientation;
+    }
+    return skeleton;
+  }
+
+  static TrackedJoint jointOf(const nite::Joint& from) {
+    TrackedJoint joint;
+    const Vec3 place = placeOf(from.position);
+    if (!place.allFinite() || !(from.positionConfidence > 0.0F)) return joint;
+    joint.position = place;
+    joint.confidence = std::min(1.0, static_cast<double>(from.positionConfidence));
+    const nite::Quaternion& q = from.orientation;
+    const Quat turned(q.w, -q.x, q.y, -q.z);  // by the same half turn
+    if (from.orientationConfidence >= kSure && std::abs(turned.norm() - 1.0) < 0.05)
+      joint.orientation = turned.normalized();
+    return joint;
+  }
+
+  void findFloor(const nite::Frame& frame, const SkeletonFrame& skeleton) {
+    const Vec3 normal = directionOf(frame.floorNormal);
+    const Vec3 point = placeOf(frame.floorPoint);
+    const bool upright =
+        normal.allFinite() && point.allFinite() && normal.norm() > 0.5 && normal.normalized().y() > 0.7;
+    if (frame.floorConfidence >= kSure && upright) {
+      const Quat turn = rotationBetween(normal, Vec3::UnitY());
+      floorFromCamera_ = Isometry3::Identity();
+      floorFromCamera_.linear() = turn.toRotationMatrix();
+      floorFromCamera_.translation().y() = -(turn * point).y();
+      floorKnown_ = true;
+    }
+    if (floorKnown_) return;
+    for (const BodyJoint foot : {BodyJoint::kLeftFoot, BodyJoint::kRightFoot}) {
+      if (skeleton[foot].confidence >= kSure) lowestFoot_ = std::min(lowestFoot_, skeleton[foot].position.y());
+    }
+    if (lowestFoot_ < std::numeric_limits<double>::max())
+      floorFromCamera_.translation().y() = kFootHeight - lowestFoot_;
+  }
+
+  std::shared_ptr<OpenNiLibrary> openNi_;
+  std::string name_;
+  nite::Api api_{};
+  nite::Device device_{};
+  nite::Tracker tracker_ = nullptr;
+  bool initialized_ = false;
+  OpenNiCamera camera_;
+  nite::Callbacks callbacks_{[](void* self) {
+    auto& source = *static_cast<NiteSource*>(self);
+    const std::lock_guard<std::mutex> lock(source.mutex_);
+    source.frameIsReady_ = true;
+    source.frameCame_.notify_one();
+  }};
+  std::mutex mutex_;  ///< never held while NiTE 2 is called: its threads call the callback
+  std::condition_variable frameCame_;
+  bool frameIsReady_ = false;
+  std::set<std::int16_t> asked_;  ///< users whose skeletons were asked for
+  std::int16_t person_ = 0;
+  double lastTime_ = -1.0;
+  double timeOffset_ = 0.0;  ///< a tracker that begins anew may count from 0
+  bool clockIsNew_ = false;
+  std::chrono::steady_clock::time_point lastRead_ = std::chrono::steady_clock::now();
+  Isometry3 floorFromCamera_ = Isometry3::Identity();
+  bool floorKnown_ = false;
+  double lowestFoot_ = std::numeric_limits<double>::max();
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SkeletonSource>> makeNiteSource(std::shared_ptr<OpenNi> openNi, const fs::path& library,
+                                                       const std::string& uri) {
+  auto running = std::dynamic_pointer_cast<OpenNiLibrary>(std::move(openNi));
+  CHECK(running != nullptr, "NiTE 2 needs an OpenNI2 that runs");
+  auto source = std::make_unique<NiteSource>(std::move(running), library.string());
+  if (const Result<void> started = source->start(library, uri); !started) return started.error();
+  return std::unique_ptr<SkeletonSource>(std::move(source));
+}
+
+}  // namespace lorica

@@ -1,0 +1,139 @@
+#include "capture/sensor/oni_depth_codec.h"
+
+#include "geometry/little_endian.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+// Half a byte: 0 to 12 is the last value less this one, plus 6; 13 fills up the image's last byte; 15 says that a value
+// of its own follows. A whole byte of 0xe1 to 0xef is that many pairs of pixels like the last one.
+constexpr int kZeroDifference = 6;
+constexpr int kLargestDifference = 12;
+constexpr int kNoPixel = 13;
+constexpr int kValueFollows = 15;
+constexpr int kFirstRun = 0xe0;
+constexpr int kLastRun = 0xef;
+constexpr int kValueByte = 0xff;
+// A value of its own: a byte of 0x80 and more is a difference, else two bytes are the value, the upper one first.
+constexpr int kDifferenceBit = 0x80;
+constexpr int kZeroOfDifferenceByte = 192;
+
+Error damaged(std::string message) {
+  return {ErrorCode::kBadFormat, std::move(message)};
+}
+
+std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return loadLittleEndian<std::uint16_t>(reinterpret_cast<const char*>(bytes.data() + at));
+}
+
+/// @param depthOf  of a value: false where there is none
+template <typename DepthOf>
+Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> depths, DepthOf depthOf) {
+  std::size_t at = 0;
+  std::size_t pixel = 0;
+  std::uint16_t value = 0;
+  const auto put = [&]() -> bool {
+    if (pixel == depths.size() || !depthOf(value, depths[pixel])) return false;
+    ++pixel;
+    return true;
+  };
+  const auto subtract = [&](int difference) { value = static_cast<std::uint16_t>(value - difference); };
+  /// Two pixels of one value, and a value that follows: the only ways in which bytes run out.
+  const auto readValue = [&]() -> bool {
+    if (at >= bytes.size()) return false;
+    const int upper = bytes[at++];
+    if ((upper & kDifferenceBit) != 0) {
+      subtract(upper - kZeroOfDifferenceByte);
+      return true;
+    }
+    if (at >= bytes.size()) return false;
+    value = static_cast<std::uint16_t>((upper << 8) | bytes[at++]);
+    return true;
+  };
+
+  if (bytes.size() < 2) {
+    return damaged(fmt::format("found {} bytes of packed depth, expected at least 2", bytes.size()));
+  }
+  value = word(bytes, 0);
+  at = 2;
+  bool good = put();
+  while (good && at < bytes.size()) {
+    const int byte = bytes[at++];
+    if (byte < kFirstRun) {
+      const int first = byte >> 4;
+      const int second = byte & 15;
+      if (first > kLargestDifference || second == 14) {
+        return damaged(fmt::format("found byte 0x{:02x} at {} of packed depth, expected two differences of up to 6",
+                                   byte, at - 1));
+      }
+      subtract(first - kZeroDifference);
+      good = put();
+      if (second == kValueFollows) {
+        good = good && readValue() && put();
+      } else if (second != kNoPixel) {
+        subtract(second - kZeroDifference);
+        good = good && put();
+      }
+    } else if (byte == kValueByte) {
+      good = readValue() && put();
+    } else if (byte > kFirstRun && byte <= kLastRun) {
+      const auto count = static_cast<std::size_t>(2 * (byte - kFirstRun));
+      good = count <= depths.size() - pixel;
+      if (good) std::fill_n(depths.begin() + static_cast<std::ptrdiff_t>(pixel), count, depths[pixel - 1]);
+      if (good) pixel += count;
+    } else {
+      return damaged(
+          fmt::format("found byte 0x{:02x} at {} of packed depth, expected 0xe1 to 0xef or 0xff", byte, at - 1));
+    }
+  }
+  if (!good) {
+    return damaged(
+        fmt::format("packed depth goes wrong near byte {} of {}: found value {} for pixel {}, expected one of the "
+                    "table and {} pixels",
+                    at, bytes.size(), value, pixel, depths.size()));
+  }
+  if (pixel != depths.size()) {
+    return damaged(fmt::format("found {} pixels in packed depth, expected {}", pixel, depths.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_t> packed,
+                                     std::span<std::uint16_t> depths) {
+  switch (codec) {
+    case OniCodec::kRaw:
+      if (packed.size() != 2 * depths.size()) {
+        return damaged(fmt::format("found {} bytes of depth, expected {}", packed.size(), 2 * depths.size()));
+      }
+      for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = word(packed, 2 * i);
+      return {};
+    case OniCodec::kPacked:
+      return unpack(packed, depths, [](std::uint16_t value, std::uint16_t& depth) {
+        depth = value;
+        return true;
+      });
+    case OniCodec::kTable: {
+      const std::size_t count = packed.size() < 2 ? 0 : word(packed, 0);
+      if (count == 0 || packed.size() < 2 + 2 * count) {
+        return damaged(fmt::format("found a table of {} depths in {} bytes, expected 1 or more and their bytes", count,
+                                   packed.size()));
+      }
+      table_.resize(count);
+      for (std::size_t i = 0; i < count; ++i) table_[i] = word(packed, 2 + 2 * i);
+      return unpack(packed.subspan(2 + 2 * count), depths, [this](std::uint16_t value, std::uint16_t& depth) {
+        if (value >= table_.size()) return false;
+        depth = table_[value];
+        return true;
+      });
+    }
+  }
+  return damaged("found an unknown codec, expected NONE, 16zP or 16zT");
+}
+
+}  // namespace lorica

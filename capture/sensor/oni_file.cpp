@@ -1,0 +1,165 @@
+#include "capture/sensor/oni_file.h"
+
+#include "capture/sensor/oni_records.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+class FileBytes : public OniBytes {
+ public:
+  FileBytes(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+  ~FileBytes() override { ::close(descriptor_); }
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+
+  [[nodiscard]] std::uint64_t size() const override { return size_; }
+  [[nodiscard]] bool read(std::uint64_t at, std::span<std::uint8_t> out) const override {
+    while (!out.empty()) {
+      const ssize_t got = ::pread(descriptor_, out.data(), out.size(), static_cast<off_t>(at));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      out = out.subspan(static_cast<std::size_t>(got));
+      at += static_cast<std::uint64_t>(got);
+    }
+    return true;
+  }
+
+ private:
+  int descriptor_;
+  std::uint64_t size_;
+};
+
+class MemoryBytes : public OniBytes {
+ public:
+  explicit MemoryBytes(std::string_view bytes) : bytes_(bytes) {}
+  [[nodiscard]] std::uint64_t size() const override { return bytes_.size(); }
+  [[nodiscard]] bool read(std::uint64_t at, std::span<std::uint8_t> out) const override {
+    if (at > bytes_.size() || out.size() > bytes_.size() - at) return false;
+    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + at, out.size());
+    return true;
+  }
+
+ private:
+  std::string_view bytes_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) {
+    const int why = errno;
+    const ErrorCode code = why == ENOENT || why == ENOTDIR ? ErrorCode::kNotFound : ErrorCode::kUnreadable;
+    return Error{code, fmt::format("{}: cannot be read: {}", file.string(), std::generic_category().message(why))};
+  }
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(descriptor);
+    return Error{ErrorCode::kUnreadable, fmt::format("{}: found no file, expected an .oni recording", file.string())};
+  }
+  return std::unique_ptr<OniBytes>(
+      std::make_unique<FileBytes>(descriptor, static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0))));
+}
+
+std::unique_ptr<OniBytes> oniBytesOf(std::string_view bytes) {
+  return std::make_unique<MemoryBytes>(bytes);
+}
+
+struct OniFile::Contents {
+  std::string name;
+  std::unique_ptr<OniBytes> bytes;
+  OniIndex index;
+  std::vector<std::uint8_t> packed;
+  std::vector<std::uint16_t> depths;
+  OniDepthDecoder decoder;
+};
+
+OniFile::OniFile(std::unique_ptr<Contents> contents) : contents_(std::move(contents)) {}
+OniFile::OniFile(OniFile&&) noexcept = default;
+OniFile& OniFile::operator=(OniFile&&) noexcept = default;
+OniFile::~OniFile() = default;
+
+Result<OniFile> OniFile::open(const std::filesystem::path& file) {
+  Result<std::unique_ptr<OniBytes>> bytes = openOniBytes(file);
+  if (!bytes) return bytes.error();
+  auto contents = std::make_unique<Contents>();
+  contents->name = file.string();
+  contents->bytes = std::move(*bytes);
+  Result<OniIndex> index = indexOni(*contents->bytes, contents->name);
+  if (!index) return index.error();
+  contents->index = std::move(*index);
+  return OniFile(std::move(contents));
+}
+
+Result<OniFile> OniFile::parse(std::string_view bytes, std::string name) {
+  auto contents = std::make_unique<Contents>();
+  contents->name = std::move(name);
+  contents->bytes = oniBytesOf(bytes);
+  Result<OniIndex> index = indexOni(*contents->bytes, contents->name);
+  if (!index) return index.error();
+  contents->index = std::move(*index);
+  return OniFile(std::move(contents));
+}
+
+const OniInfo& OniFile::info() const {
+  return contents_->index.info;
+}
+
+double OniFile::timeOf(int frame) const {
+  CHECK(frame >= 0 && frame < info().frameCount, "no such frame in this recording");
+  return 1e-6 * static_cast<double>(contents_->index.frames[static_cast<std::size_t>(frame)].timeUs);
+}
+
+Result<void> OniFile::read(int frame, DepthFrame& out) {
+  out.time = timeOf(frame);
+  Contents& c = *contents_;
+  const OniFrameEntry& entry = c.index.frames[static_cast<std::size_t>(frame)];
+  const auto width = static_cast<std::size_t>(c.index.info.camera.width);
+  const auto height = static_cast<std::size_t>(c.index.info.camera.height);
+  const std::size_t recorded = std::size_t{entry.width} * entry.height;
+
+  c.packed.resize(entry.payloadBytes);
+  if (!c.bytes->read(entry.payload, c.packed)) {
+    return Error{ErrorCode::kUnreadable,
+                 fmt::format("{}: depth frame {} cannot be read any more, expected {} bytes at byte {}", c.name, frame,
+                             entry.payloadBytes, entry.payload)};
+  }
+  c.depths.resize(recorded);
+  if (const Result<void> decoded = c.decoder.decode(c.index.info.codec, c.packed, c.depths); !decoded) {
+    return Error{decoded.error().code, fmt::format("{}, depth frame {} at byte {}: {}", c.name, frame, entry.payload,
+                                                   decoded.error().message)};
+  }
+  if (c.index.tenths) {
+    for (std::uint16_t& depth : c.depths) depth = static_cast<std::uint16_t>((depth + 5) / 10);
+  }
+
+  if (recorded == width * height) {
+    std::swap(out.depthMm, c.depths);
+  } else {
+    out.depthMm.assign(width * height, 0);
+    for (std::size_t row = 0; row < entry.height; ++row) {
+      std::copy_n(c.depths.begin() + static_cast<std::ptrdiff_t>(row * entry.width), entry.width,
+                  out.depthMm.begin() + static_cast<std::ptrdiff_t>((row + entry.top) * width + entry.left));
+    }
+  }
+  if (entry.mirrored) {
+    for (std::size_t row = 0; row < height; ++row) {
+      const auto begin = out.depthMm.begin() + static_cast<std::ptrdiff_t>(row * width);
+      std::reverse(begin, begin + static_cast<std::ptrdiff_t>(width));
+    }
+  }
+  return {};
+}
+
+}  // namespace lorica

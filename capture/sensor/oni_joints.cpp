@@ -1,0 +1,90 @@
+#include "capture/sensor/oni_joints.h"
+
+#include "capture/files/joint_csv.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error unwritable(const fs::path& file, int error) {
+  return {ErrorCode::kUnwritable,
+          fmt::format("{}: cannot be written: {}", file.string(), std::generic_category().message(error))};
+}
+
+}  // namespace
+
+Result<JointCsvWriter> JointCsvWriter::create(const fs::path& file) {
+  fs::path beside = file;
+  beside.replace_extension(".part.csv");
+  const int descriptor = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) return unwritable(beside, errno);
+  JointCsvWriter writer(file, beside, descriptor);
+  if (const Result<void> written = writer.write(jointCsvHeader()); !written) return written.error();
+  return writer;
+}
+
+JointCsvWriter::JointCsvWriter(fs::path target, fs::path beside, int descriptor)
+    : target_(std::move(target)), beside_(std::move(beside)), descriptor_(descriptor) {}
+
+JointCsvWriter::JointCsvWriter(JointCsvWriter&& other) noexcept
+    : target_(std::move(other.target_)),
+      beside_(std::move(other.beside_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      rows_(other.rows_),
+      lastTimes_(std::move(other.lastTimes_)) {}
+
+JointCsvWriter::~JointCsvWriter() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<void> JointCsvWriter::write(const std::string& text) {
+  CHECK(descriptor_ >= 0, "joints added to a finished file");
+  std::string_view rest = text;  // in one piece, mostly: a killed program then leaves no half row
+  while (!rest.empty()) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return unwritable(beside_, errno);
+    rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> JointCsvWriter::add(const SkeletonFrame& frame) {
+  const auto last = lastTimes_.find(frame.user);
+  if (last != lastTimes_.end() && !(frame.time > last->second)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found a frame of user {} at {} s behind one at {} s, expected rising times",
+                             beside_.string(), frame.user, frame.time, last->second)};
+  }
+  // Whoever reads the file decides what is right: one row that it refused would make the whole file unreadable.
+  static const std::string kHeader = jointCsvHeader();
+  const std::string row = jointCsvRow(frame);
+  if (const auto read = parseJointCsv(kHeader + row, beside_.string()); !read) return read.error();
+  if (const Result<void> written = write(row); !written) return written;
+  lastTimes_[frame.user] = frame.time;
+  ++rows_;
+  return {};
+}
+
+Result<int> JointCsvWriter::finish() {
+  if (::close(std::exchange(descriptor_, -1)) != 0) return unwritable(beside_, errno);
+  std::error_code error;
+  if (rows_ == 0) {
+    fs::remove(beside_, error);
+    return 0;
+  }
+  fs::rename(beside_, target_, error);
+  if (error) return unwritable(target_, error.value());
+  return rows_;
+}
+
+}  // namespace lorica

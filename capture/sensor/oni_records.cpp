@@ -1,0 +1,313 @@
+#include "capture/sensor/oni_records.h"
+
+#include "capture/sensor/oni_depth_stream.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+constexpr std::uint64_t kFileHeader = 24;
+constexpr std::uint32_t kRecordMagic = 0x0052494e;  // "NIR\0"
+constexpr std::uint32_t kCountUnknown = 0xffffffff;
+/// What of a record is looked at: its header, a name and a value. Longer ones are tables of the sensor.
+constexpr std::size_t kLookedAt = 600;
+constexpr std::uint32_t kLongestName = 256;
+constexpr std::uint32_t kMostNodes = 64;
+constexpr std::uint64_t kLatestTimeUs = 10'000'000'000'000'000;
+constexpr std::uint64_t kPaddingLookedAt = 1 << 16;
+
+enum Record : std::uint32_t {
+  kNodeAdded4 = 2,  // of version 1.0.0.4
+  kInt = 3,
+  kReal = 4,
+  kString = 5,
+  kGeneral = 6,
+  kNodeRemoved = 7,
+  kDataBegin = 8,
+  kNodeReady = 9,
+  kData = 10,
+  kEnd = 11,
+  kNodeAdded5 = 12,  // of version 1.0.0.5
+  kNodeAdded = 13,
+  kSeekTable = 14,
+};
+
+enum NodeType : std::uint32_t { kDevice = 1, kDepth = 2, kColor = 3, kInfrared = 5 };
+
+struct Node {
+  std::uint32_t type = 0;
+  bool removed = false;
+};
+
+/// For sentences: what a file says may be anything.
+std::string printable(std::string_view text) {
+  std::string out;
+  for (const char c : text.substr(0, 80)) out += c >= 0x20 && c < 0x7f ? c : '?';
+  return out;
+}
+
+class Walk {
+ public:
+  Walk(const OniBytes& bytes, const std::string& name) : bytes_(bytes), name_(name), size_(bytes.size()) {}
+
+  Result<OniIndex> run() {
+    if (const Result<void> read = readFileHeader(); !read) return read.error();
+    while (!ended_) {
+      const Result<void> read = readRecord();
+      if (!read) return read.error();
+    }
+    return finish();
+  }
+
+ private:
+  [[nodiscard]] Error bad(const std::string& found, const std::string& expected) const {
+    return {ErrorCode::kBadFormat, fmt::format("{}, byte {}: found {}, expected {}", name_, at_, found, expected)};
+  }
+
+  /// Of a clause, where in the file.
+  [[nodiscard]] Result<void> located(const Result<void>& result) const {
+    if (result) return result;
+    return Error{result.error().code, fmt::format("{}, byte {}: {}", name_, at_, result.error().message)};
+  }
+
+  Result<void> readFileHeader() {
+    std::array<std::uint8_t, kFileHeader> raw{};
+    if (size_ < kFileHeader || !bytes_.read(0, raw)) {
+      return bad(fmt::format("{} bytes", size_), "an .oni recording, which has 24 bytes and more");
+    }
+    OniFields fields(raw);
+    const std::string_view magic = *fields.text(4);
+    if (magic != "NI10") return bad(fmt::format("\"{}\"", printable(magic)), "\"NI10\", as .oni recordings start");
+    const int major = *fields.take<std::uint8_t>();
+    const int minor = *fields.take<std::uint8_t>();
+    const int maintenance = *fields.take<std::uint16_t>();
+    const std::uint32_t build = *fields.take<std::uint32_t>();
+    const auto version =
+        std::array<std::uint32_t, 4>{static_cast<std::uint32_t>(major), static_cast<std::uint32_t>(minor),
+                                     static_cast<std::uint32_t>(maintenance), build};
+    index_.info.version = fmt::format("{}.{}.{}.{}", major, minor, maintenance, build);
+    constexpr std::array<std::uint32_t, 4> kOldest = {1, 0, 0, 4};
+    constexpr std::array<std::uint32_t, 4> kWide = {1, 0, 1, 0};
+    if (version < kOldest || version > kWide) {
+      return Error{ErrorCode::kUnsupported, fmt::format("{}, byte 4: found version {}, expected 1.0.0.4 to 1.0.1.0",
+                                                        name_, index_.info.version)};
+    }
+    recordHeader_ = version < kWide ? 24 : 28;
+    latestUs_ = *fields.take<std::uint64_t>();
+    at_ = kFileHeader;
+    return {};
+  }
+
+  /// A recording that its recorder did not finish: it counts its frames only then.
+  [[nodiscard]] bool unfinished() const { return depthNode_ && declaredFrames_ == kCountUnknown; }
+
+  Result<void> cutOff(const std::string& found) {
+    if (!unfinished()) return bad(found, "more records up to an end record");
+    index_.info.cutOff = true;
+    ended_ = true;
+    return {};
+  }
+
+  [[nodiscard]] bool onlyZeros(std::uint64_t from, std::uint64_t most) const {
+    std::vector<std::uint8_t> raw(static_cast<std::size_t>(std::min(most, size_ - from)));
+    return bytes_.read(from, raw) && std::all_of(raw.begin(), raw.end(), [](std::uint8_t b) { return b == 0; });
+  }
+
+  Result<void> readRecord() {
+    if (at_ == size_) return cutOff("the end of the file");
+    std::array<std::uint8_t, kLookedAt> raw;
+    const std::span<std::uint8_t> whole(raw);
+    const auto look = static_cast<std::size_t>(std::min<std::uint64_t>(kLookedAt, size_ - at_));
+    if (!bytes_.read(at_, whole.first(look))) {
+      return Error{ErrorCode::kUnreadable, fmt::format("{}, byte {}: cannot be read", name_, at_)};
+    }
+    if (look < recordHeader_) return cutOff(fmt::format("{} bytes before the end of the file", look));
+    OniFields header(whole.first(recordHeader_));
+    const std::uint32_t magic = *header.take<std::uint32_t>();
+    if (magic != kRecordMagic) {
+      if (magic == 0 && unfinished() && onlyZeros(at_, kPaddingLookedAt)) return cutOff("zeros");
+      return bad(fmt::format("0x{:08x}", magic), "0x0052494e, as records start");
+    }
+    const std::uint32_t type = *header.take<std::uint32_t>();
+    const std::uint32_t node = *header.take<std::uint32_t>();
+    const std::uint32_t fieldsBytes = *header.take<std::uint32_t>();
+    const std::uint32_t payloadBytes = *header.take<std::uint32_t>();
+    if (fieldsBytes < recordHeader_) {
+      return bad(fmt::format("a record of {} bytes", fieldsBytes), fmt::format("{} or more", recordHeader_));
+    }
+    const std::uint64_t total = std::uint64_t{fieldsBytes} + payloadBytes;
+    if (total > size_ - at_) {
+      return cutOff(fmt::format("a record of {} bytes, {} before the end of the file", total, size_ - at_));
+    }
+    if (payloadBytes != 0 && type != kData && type != kSeekTable) {
+      return bad(fmt::format("{} bytes of payload in a record of type {}", payloadBytes, type), "none");
+    }
+    const std::size_t inSight = std::min<std::size_t>(fieldsBytes, look);
+    const OniFields fields(whole.subspan(recordHeader_, inSight - recordHeader_));
+    const std::uint32_t ownBytes = fieldsBytes - recordHeader_;
+    Result<void> handled = handle(type, node, fields, ownBytes, payloadBytes);
+    if (!handled) return handled;
+    at_ += total;
+    if (type == kEnd) return end();
+    return {};
+  }
+
+  Result<void> handle(std::uint32_t type, std::uint32_t node, OniFields fields, std::uint32_t bytes,
+                      std::uint32_t payloadBytes) {
+    switch (type) {
+      case kNodeAdded4:
+      case kNodeAdded5:
+      case kNodeAdded:
+        return addNode(type, node, fields, bytes);
+      case kEnd:
+        return {};
+      case kSeekTable:  // comes when its node is gone already
+        return known(node, true);
+      case kInt:
+      case kReal:
+      case kString:
+      case kGeneral:
+        if (const Result<void> there = known(node, false); !there) return there;
+        return property(type, node, fields, bytes);
+      case kNodeRemoved:
+        if (const Result<void> there = known(node, false); !there) return there;
+        nodes_[node].removed = true;
+        return {};
+      case kNodeReady:
+      case kDataBegin:
+        return known(node, false);
+      case kData:
+        if (const Result<void> there = known(node, false); !there) return there;
+        return data(node, fields, bytes, payloadBytes);
+      default:
+        return bad(fmt::format("a record of type {}", type), "2 to 14");
+    }
+  }
+
+  [[nodiscard]] Result<void> known(std::uint32_t node, bool evenRemoved) const {
+    const auto found = nodes_.find(node);
+    if (found == nodes_.end()) return bad(fmt::format("a record of node {}", node), "one of a node that was added");
+    if (found->second.removed && !evenRemoved) {
+      return bad(fmt::format("a record of node {}", node), "none, since the node was removed");
+    }
+    return {};
+  }
+
+  Result<void> addNode(std::uint32_t type, std::uint32_t node, OniFields fields, std::uint32_t bytes) {
+    const std::uint32_t nameBytes = fields.take<std::uint32_t>().value_or(0);
+    if (nameBytes == 0 || nameBytes > kLongestName) {
+      return bad(fmt::format("a node's name of {} bytes", nameBytes), "1 to 256");
+    }
+    const std::optional<std::string_view> name = fields.text(nameBytes);
+    const std::optional<std::uint32_t> nodeType = fields.take<std::uint32_t>();
+    const std::optional<std::uint32_t> codec = fields.take<std::uint32_t>();
+    const std::uint32_t seekBytes = recordHeader_ == 24 ? 4 : 8;
+    const std::uint32_t statistics = type == kNodeAdded4 ? 0 : type == kNodeAdded5 ? 20 : 20 + seekBytes;
+    if (!name || !codec || bytes < 4 + nameBytes + 8 + statistics) {
+      return bad(fmt::format("{} bytes of fields in an added node", bytes), "its name, type, codec and frame count");
+    }
+    const std::uint32_t frames = type == kNodeAdded4 ? kCountUnknown : fields.take<std::uint32_t>().value_or(0);
+    const auto found = nodes_.find(node);
+    if (found != nodes_.end() && !found->second.removed) {
+      return bad(fmt::format("node {} added again", node), "each node once");
+    }
+    if (found == nodes_.end() && nodes_.size() >= kMostNodes) {
+      return bad(fmt::format("more than {} nodes", kMostNodes), "a device and its streams");
+    }
+    nodes_[node] = {*nodeType, false};
+    if (*nodeType == kDevice && index_.info.device.empty()) index_.info.device = printable(*name);
+    if (*nodeType != kDepth || depthNode_) return {};
+
+    depthNode_ = node;
+    declaredFrames_ = frames;
+    countMustEnd_ = type == kNodeAdded4;
+    return located(depth_.setCodec(*codec));
+  }
+
+  Result<void> property(std::uint32_t type, std::uint32_t node, OniFields fields, std::uint32_t bytes) {
+    const std::uint32_t nameBytes = fields.take<std::uint32_t>().value_or(0);
+    if (nameBytes == 0 || nameBytes > kLongestName) {
+      return bad(fmt::format("a property's name of {} bytes", nameBytes), "1 to 256");
+    }
+    const std::optional<std::string_view> name = fields.text(nameBytes);
+    const std::optional<std::uint32_t> valueBytes = fields.take<std::uint32_t>();
+    if (!name || !valueBytes || std::uint64_t{8} + nameBytes + *valueBytes != bytes) {
+      return bad(fmt::format("{} bytes of fields in a property", bytes), "its name, its size and as many bytes");
+    }
+    if ((type == kInt || type == kReal) && *valueBytes != 8) {
+      return bad(fmt::format("{} bytes of number \"{}\"", *valueBytes, printable(*name)), "8");
+    }
+    if (type == kString && *valueBytes <= kLongestName && nodes_[node].type == kDevice &&
+        (*name == "PhysicalDeviceName" || *name == "DeviceName")) {
+      if (const auto text = fields.text(*valueBytes); text && !text->empty()) index_.info.device = printable(*text);
+      return {};
+    }
+    if (depthNode_ != node) return {};
+    if (type == kInt) return located(depth_.setNumber(*name, fields.take<std::uint64_t>().value_or(0)));
+    if (type == kGeneral) return located(depth_.setGeneral(*name, fields, *valueBytes));
+    return {};
+  }
+
+  Result<void> data(std::uint32_t node, OniFields fields, std::uint32_t bytes, std::uint32_t payloadBytes) {
+    const std::uint32_t type = nodes_[node].type;
+    if (type == kColor) ++index_.info.colorFrameCount;
+    if (type == kInfrared) ++index_.info.infraredFrameCount;
+    if (depthNode_ != node) return {};
+    const bool bounded = !unfinished() && latestUs_ != 0;
+    const std::uint64_t latestUs = bounded ? std::min(latestUs_, kLatestTimeUs) : kLatestTimeUs;
+    return located(depth_.addFrame(fields, {at_ + recordHeader_ + bytes, payloadBytes}, latestUs));
+  }
+
+  Result<void> end() {
+    ended_ = true;
+    // An end record that was none before a bit flipped has records behind it.
+    if (at_ < size_ && !onlyZeros(at_, kPaddingLookedAt)) return bad("bytes behind the end record", "none, or zeros");
+    if (declaredFrames_ != kCountUnknown && declaredFrames_ != index_.frames.size()) {
+      return bad(fmt::format("the end after {} depth frames", index_.frames.size()),
+                 fmt::format("{}, as the file says", declaredFrames_));
+    }
+    return {};
+  }
+
+  Result<OniIndex> finish() {
+    if (index_.info.cutOff && countMustEnd_) return bad("no end record", "one");
+    if (!depthNode_) {
+      return Error{ErrorCode::kUnsupported, fmt::format("{}: found no depth stream, expected one", name_)};
+    }
+    if (index_.frames.empty()) return bad("no whole depth frame", "one or more");
+    OniInfo& info = index_.info;
+    info.frameCount = static_cast<int>(index_.frames.size());
+    info.duration = 1e-6 * static_cast<double>(index_.frames.back().timeUs - index_.frames.front().timeUs);
+    info.end = at_;
+    return std::move(index_);
+  }
+
+  const OniBytes& bytes_;
+  const std::string& name_;
+  std::uint64_t size_;
+  std::uint64_t at_ = 0;
+  std::uint32_t recordHeader_ = 28;
+  std::uint64_t latestUs_ = 0;
+  bool ended_ = false;
+
+  std::map<std::uint32_t, Node> nodes_;
+  std::optional<std::uint32_t> depthNode_;
+  std::uint32_t declaredFrames_ = kCountUnknown;
+  bool countMustEnd_ = false;
+  OniIndex index_;
+  OniDepthStream depth_{index_};
+};
+
+}  // namespace
+
+Result<OniIndex> indexOni(const OniBytes& bytes, const std::string& name) {
+  return Walk(bytes, name).run();
+}
+
+}  // namespace lorica

@@ -1,0 +1,51 @@
+#pragma once
+
+/// The records of an .oni recording. Internal: not installed.
+
+#include "capture/sensor/oni_file.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lorica {
+
+/// The bytes of a file, anywhere in it.
+class OniBytes {
+ public:
+  virtual ~OniBytes() = default;
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+  /// @return whether all of `out` could be filled
+  [[nodiscard]] virtual bool read(std::uint64_t at, std::span<std::uint8_t> out) const = 0;
+};
+
+[[nodiscard]] Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file);
+/// @param bytes  must outlive the result
+[[nodiscard]] std::unique_ptr<OniBytes> oniBytesOf(std::string_view bytes);
+
+/// A depth frame in the file.
+struct OniFrameEntry {
+  std::uint64_t timeUs = 0;
+  std::uint64_t payload = 0;  ///< byte in the file
+  std::uint32_t payloadBytes = 0;
+  std::uint16_t left = 0;  ///< what of the image was recorded
+  std::uint16_t top = 0;
+  std::uint16_t width = 0;
+  std::uint16_t height = 0;
+  bool mirrored = false;
+};
+
+struct OniIndex {
+  OniInfo info;
+  bool tenths = false;  ///< depths are in tenths of a millimetre
+  std::vector<OniFrameEntry> frames;
+};
+
+/// Walks all records and checks them.
+[[nodiscard]] Result<OniIndex> indexOni(const OniBytes& bytes, const std::string& name);
+
+}  // namespace lorica

@@ -1,0 +1,47 @@
+#include "capture/sensor/oni_source.h"
+
+#include <algorithm>
+
+namespace lorica {
+
+Result<DepthRead> OniSource::next(DepthFrame& frame) {
+  if (position_ >= info().frameCount) return DepthRead::kEnd;
+  // A frame that turns out damaged must not be half there, so it is read beside the caller's.
+  if (const Result<void> read = file_.read(position_, scratch_); !read) return read.error();
+  std::swap(frame, scratch_);
+  ++position_;
+  return DepthRead::kFrame;
+}
+
+void OniSource::seek(int frame) {
+  position_ = std::clamp(frame, 0, info().frameCount);
+}
+
+void OniSource::seekTime(double seconds) {
+  const double wanted = file_.timeOf(0) + seconds;
+  int first = 0;
+  int last = info().frameCount;
+  while (first < last) {
+    const int middle = first + (last - first) / 2;
+    if (file_.timeOf(middle) < wanted) {
+      first = middle + 1;
+    } else {
+      last = middle;
+    }
+  }
+  position_ = first;
+}
+
+Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file) {
+  Result<OniFile> opened = OniFile::open(file);
+  if (!opened) return opened.error();
+  return std::make_unique<OniSource>(std::move(*opened), file.filename().string());
+}
+
+Result<std::unique_ptr<DepthSource>> makeOniSource(const std::filesystem::path& file) {
+  Result<std::unique_ptr<OniSource>> opened = openOni(file);
+  if (!opened) return opened.error();
+  return std::unique_ptr<DepthSource>(std::move(*opened));
+}
+
+}  // namespace lorica

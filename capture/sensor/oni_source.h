@@ -1,0 +1,41 @@
+#pragma once
+
+#include "capture/sensor/depth_source.h"
+#include "capture/sensor/oni_file.h"
+
+#include <filesystem>
+#include <memory>
+
+namespace lorica {
+
+/// The depth frames of an .oni recording, each once, in order, as fast as they are asked for.
+class OniSource : public DepthSource {
+ public:
+  explicit OniSource(OniFile file, std::string name) : file_(std::move(file)), name_(std::move(name)) {}
+
+  [[nodiscard]] const DepthCamera& camera() const override { return file_.info().camera; }
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
+
+  [[nodiscard]] const OniInfo& info() const { return file_.info(); }
+  /// The frame that next() gives now; info().frameCount at the end.
+  [[nodiscard]] int position() const { return position_; }
+  /// Goes to a frame, at no cost. @param frame  0 to info().frameCount; others are moved there
+  void seek(int frame);
+  /// Goes to the first frame at or after a time, counted from the first frame [s].
+  void seekTime(double seconds);
+
+ private:
+  OniFile file_;
+  std::string name_;
+  int position_ = 0;
+  DepthFrame scratch_;
+};
+
+/// Opens an .oni recording. @return or a sentence with the file, the byte, what was found and expected
+[[nodiscard]] Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file);
+
+/// The same as a source like others.
+[[nodiscard]] Result<std::unique_ptr<DepthSource>> makeOniSource(const std::filesystem::path& file);
+
+}  // namespace lorica

@@ -1,0 +1,275 @@
+#include "capture/sensor/openni_library.h"
+
+#include "capture/sensor/openni_source.h"
+#include "capture/sensor/openni_working_folder.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// libOpenNI2 in memory, with the folder that it was loaded from. It stays when OpenNI2 is shut down, and goes when
+/// other drivers are wanted: threads of its may need its code a little longer than it says.
+struct Loaded {
+  ~Loaded() {
+    if (handle != nullptr && unload) ::dlclose(handle);
+  }
+  void* handle = nullptr;
+  bool unload = false;  ///< not at the end of the process: others' destructors may still call into it
+  OpenNiApi api;
+  std::unique_ptr<OpenNiStage> stage;
+  OpenNiSettings settings;
+};
+
+bool same(const OpenNiSettings& a, const OpenNiSettings& b) {
+  return a.drivers == b.drivers && a.library == b.library;
+}
+
+Error notInstalled() {
+  const char* why = dlerror();
+  return {ErrorCode::kNotFound,
+          fmt::format("OpenNI2 cannot be loaded, expected libOpenNI2.so.0 (package libopenni2-0): {}",
+                      why == nullptr ? "unknown" : why)};
+}
+
+/// Where the system's libOpenNI2 lies.
+Result<fs::path> findLibrary() {
+  void* handle = ::dlopen("libOpenNI2.so.0", RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) return notInstalled();
+  Dl_info where{};
+  void* symbol = ::dlsym(handle, "oniInitialize");
+  const bool found = symbol != nullptr && ::dladdr(symbol, &where) != 0 && where.dli_fname != nullptr;
+  const fs::path path = found ? fs::path(where.dli_fname) : fs::path();
+  ::dlclose(handle);
+  std::error_code error;
+  const fs::path whole = fs::canonical(path, error);
+  if (!found || error) return Error{ErrorCode::kNotFound, "libOpenNI2.so.0 was loaded, but nobody knows from where"};
+  return whole;
+}
+
+template <typename Function>
+bool load(void* handle, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(::dlsym(handle, name));
+  return function != nullptr;
+}
+
+bool loadAll(void* handle, OpenNiApi& api) {
+  return load(handle, "oniInitialize", api.initialize) && load(handle, "oniShutdown", api.shutdown) &&
+         load(handle, "oniGetExtendedError", api.extendedError) && load(handle, "oniGetDeviceList", api.deviceList) &&
+         load(handle, "oniReleaseDeviceList", api.releaseDeviceList) &&
+         load(handle, "oniRegisterDeviceCallbacks", api.registerCallbacks) &&
+         load(handle, "oniUnregisterDeviceCallbacks", api.unregisterCallbacks) &&
+         load(handle, "oniDeviceOpen", api.deviceOpen) && load(handle, "oniDeviceClose", api.deviceClose) &&
+         load(handle, "oniDeviceGetSensorInfo", api.sensorInfo) &&
+         load(handle, "oniDeviceCreateStream", api.createStream) &&
+         load(handle, "oniStreamDestroy", api.streamDestroy) && load(handle, "oniStreamStart", api.streamStart) &&
+         load(handle, "oniStreamStop", api.streamStop) && load(handle, "oniStreamReadFrame", api.readFrame) &&
+         load(handle, "oniFrameRelease", api.frameRelease) && load(handle, "oniWaitForAnyStream", api.wait) &&
+         load(handle, "oniStreamSetProperty", api.setProperty) &&
+         load(handle, "oniStreamGetProperty", api.getProperty) &&
+         load(handle, "oniCreateRecorder", api.createRecorder) &&
+         load(handle, "oniRecorderAttachStream", api.recorderAttach) &&
+         load(handle, "oniRecorderStart", api.recorderStart) && load(handle, "oniRecorderStop", api.recorderStop) &&
+         load(handle, "oniRecorderDestroy", api.recorderDestroy);
+}
+
+Result<std::unique_ptr<Loaded>> loadLibrary(const OpenNiSettings& settings) {
+  const Result<fs::path> library = settings.library.empty() ? findLibrary() : Result<fs::path>(settings.library);
+  if (!library) return library.error();
+  auto loaded = std::make_unique<Loaded>();
+  loaded->settings = settings;
+  Result<std::unique_ptr<OpenNiStage>> stage = OpenNiStage::make(*library, settings.drivers);
+  if (!stage) return stage.error();
+  loaded->stage = std::move(*stage);
+  // Not local: NiTE 2 and drivers that use OpenNI2 must find this one.
+  loaded->handle = ::dlopen(loaded->stage->library().c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (loaded->handle == nullptr) return notInstalled();
+  if (!loadAll(loaded->handle, loaded->api)) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: found no OpenNI 2.2, expected all of its functions", library->string())};
+  }
+  Dl_info where{};
+  const void* symbol = ::dlsym(loaded->handle, "oniInitialize");
+  if (::dladdr(symbol, &where) == 0 || loaded->stage->library() != where.dli_fname) {
+    return Error{
+        ErrorCode::kUnsupported,
+        "libOpenNI2 is in this process already, so no driver can be added: expected a program that does not link it"};
+  }
+  return loaded;
+}
+
+OpenNiCamera cameraOf(const OniDeviceInfo& info) {
+  const auto text = [](const char(&field)[ONI_MAX_STR]) {
+    std::string out;
+    for (const char c : std::string_view(field, ONI_MAX_STR)) {
+      if (c == '\0') break;
+      out += std::isprint(static_cast<unsigned char>(c)) != 0 ? c : '?';
+    }
+    return out;
+  };
+  return {text(info.uri), text(info.vendor), text(info.name), info.usbVendorId, info.usbProductId, {}};
+}
+
+/// OpenNI2 does not say which driver gives a camera; its own give PrimeSense's and no others.
+std::string driverOf(const OpenNiCamera& camera, const std::vector<OpenNiDriver>& drivers) {
+  constexpr std::uint16_t kPrimeSense = 0x1d27;
+  const bool own = camera.usbVendor == kPrimeSense || camera.vendor == "PrimeSense";
+  std::string names;
+  for (const OpenNiDriver& driver : drivers) {
+    const std::string name = driver.file.filename().string();
+    const bool fits = own ? driver.packaged && name == (camera.name == "PS1080" ? "libPS1080.so.0" : "libPSLink.so.0")
+                          : !driver.packaged;
+    if (fits) names += (names.empty() ? "" : " or ") + name;
+  }
+  return names;
+}
+
+/// Why OpenNI2 did not take one of its own drivers; empty where it did.
+std::string problemOf(const OpenNiDriver& driver) {
+  if (void* there = ::dlopen(driver.file.c_str(), RTLD_NOW | RTLD_NOLOAD)) {
+    ::dlclose(there);
+    return {};
+  }
+  void* alone = ::dlopen(driver.file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (alone == nullptr) {
+    const char* why = dlerror();
+    return why == nullptr ? "cannot be loaded" : why;
+  }
+  ::dlclose(alone);
+  return "does not start";
+}
+
+std::mutex g_mutex;
+std::weak_ptr<OpenNiLibrary> g_running;
+std::unique_ptr<Loaded> g_loaded;
+
+}  // namespace
+
+Result<std::shared_ptr<OpenNi>> OpenNi::start(const OpenNiSettings& settings) {
+  const std::lock_guard<std::mutex> lock(g_mutex);
+  if (std::shared_ptr<OpenNiLibrary> running = g_running.lock()) {
+    if (same(running->settings(), settings)) return std::shared_ptr<OpenNi>(std::move(running));
+    return Error{ErrorCode::kInvalidArgument, "OpenNI2 runs with other drivers already, expected the same ones"};
+  }
+  if (g_loaded && !same(g_loaded->settings, settings)) {
+    g_loaded->unload = true;
+    g_loaded.reset();
+  }
+  if (!g_loaded) {
+    Result<std::unique_ptr<Loaded>> loaded = loadLibrary(settings);
+    if (!loaded) return loaded.error();
+    g_loaded = std::move(*loaded);
+  }
+  auto library = std::make_shared<OpenNiLibrary>(g_loaded->api, g_loaded->stage->drivers(), settings);
+  if (const Result<void> initialized = library->initialize(); !initialized) return initialized.error();
+  g_running = library;
+  return std::shared_ptr<OpenNi>(std::move(library));
+}
+
+OpenNiLibrary::OpenNiLibrary(const OpenNiApi& api, std::vector<OpenNiDriver> drivers, OpenNiSettings settings)
+    : api_(api), drivers_(std::move(drivers)), settings_(std::move(settings)) {}
+
+Result<void> OpenNiLibrary::initialize() {
+  const WorkingFolder keep;
+  try {
+    OniDeviceCallbacks callbacks{};
+    callbacks.deviceConnected = [](const OniDeviceInfo* device, void* self) {
+      static_cast<OpenNiLibrary*>(self)->note(device, false);
+    };
+    callbacks.deviceDisconnected = [](const OniDeviceInfo* device, void* self) {
+      static_cast<OpenNiLibrary*>(self)->note(device, true);
+    };
+    callbacks.deviceStateChanged = [](const OniDeviceInfo* device, OniDeviceState state, void* self) {
+      static_cast<OpenNiLibrary*>(self)->note(device, state == ONI_DEVICE_STATE_ERROR);
+    };
+    if (api_.initialize(ONI_API_VERSION) != ONI_STATUS_OK) return failure("OpenNI2 does not start");
+    initialized_ = true;
+    if (api_.registerCallbacks(&callbacks, this, &callbacks_) != ONI_STATUS_OK) {
+      callbacks_ = nullptr;
+      return failure("OpenNI2 does not say what is plugged in");
+    }
+    for (OpenNiDriver& driver : drivers_) {
+      if (driver.packaged) driver.problem = problemOf(driver);
+    }
+  } catch (...) {
+    return Error{ErrorCode::kUnreadable, "OpenNI2 failed while it started, in one of its drivers"};
+  }
+  return {};
+}
+
+OpenNiLibrary::~OpenNiLibrary() {
+  const WorkingFolder keep;
+  try {
+    if (callbacks_ != nullptr) api_.unregisterCallbacks(callbacks_);
+    if (initialized_) api_.shutdown();
+  } catch (...) {
+    std::fprintf(stderr, "lorica: OpenNI2 failed while it ended\n");
+  }
+}
+
+void OpenNiLibrary::note(const OniDeviceInfo* device, bool gone) {
+  if (device == nullptr) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  gone_[cameraOf(*device).uri] = gone;
+}
+
+bool OpenNiLibrary::isGone(const std::string& uri) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = gone_.find(uri);
+  return found != gone_.end() && found->second;
+}
+
+Error OpenNiLibrary::failure(const std::string& what) const {
+  const char* said = api_.extendedError();
+  // OpenNI2 ends its lines with breaks and sets them in with tabs: ours is one sentence.
+  std::string why;
+  std::istringstream words(said == nullptr ? "" : said);
+  for (std::string word; words >> word;) why += why.empty() ? word : " " + word;
+  return {ErrorCode::kUnreadable, why.empty() ? what : fmt::format("{}: {}", what, why)};
+}
+
+Result<std::vector<OpenNiCamera>> OpenNiLibrary::cameras() const {
+  try {
+    OniDeviceInfo* devices = nullptr;
+    int count = 0;
+    if (api_.deviceList(&devices, &count) != ONI_STATUS_OK) return failure("OpenNI2 does not list its cameras");
+    std::vector<OpenNiCamera> cameras;
+    cameras.reserve(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      cameras.push_back(cameraOf(devices[i]));
+      cameras.back().driver = driverOf(cameras.back(), drivers_);
+    }
+    api_.releaseDeviceList(devices);
+    return cameras;
+  } catch (...) {
+    return Error{ErrorCode::kUnreadable, "OpenNI2 failed while it listed its cameras"};
+  }
+}
+
+Result<std::unique_ptr<DepthSource>> OpenNiLibrary::open(const std::string& uri) {
+  const Result<std::vector<OpenNiCamera>> listed = cameras();
+  if (!listed) return listed.error();
+  std::string problems;
+  for (const OpenNiCamera& camera : *listed) {
+    if (!uri.empty() && camera.uri != uri) continue;
+    Result<std::unique_ptr<OpenNiSource>> source = OpenNiSource::open(shared_from_this(), camera);
+    if (source) return std::unique_ptr<DepthSource>(std::move(*source));
+    problems += (problems.empty() ? "" : "; ") + source.error().message;
+  }
+  if (!problems.empty()) return Error{ErrorCode::kUnreadable, problems};
+  if (uri.empty()) return Error{ErrorCode::kNotFound, "OpenNI2 sees no depth camera, expected one"};
+  std::string uris;
+  for (const OpenNiCamera& camera : *listed) uris += (uris.empty() ? "" : ", ") + camera.uri;
+  return Error{ErrorCode::kNotFound,
+               fmt::format("found no camera \"{}\", expected one of: {}", uri, uris.empty() ? "none is seen" : uris)};
+}
+
+}  // namespace lorica

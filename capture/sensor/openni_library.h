@@ -1,0 +1,81 @@
+#pragma once
+
+/// libOpenNI2 as loaded at run time. Internal: not installed, the only header that includes OpenNI2's.
+
+#include "capture/sensor/openni.h"
+#include "capture/sensor/openni_stage.h"
+
+#include <OniCAPI.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// The entry points in use.
+struct OpenNiApi {
+  decltype(&oniInitialize) initialize = nullptr;
+  decltype(&oniShutdown) shutdown = nullptr;
+  decltype(&oniGetExtendedError) extendedError = nullptr;
+  decltype(&oniGetDeviceList) deviceList = nullptr;
+  decltype(&oniReleaseDeviceList) releaseDeviceList = nullptr;
+  decltype(&oniRegisterDeviceCallbacks) registerCallbacks = nullptr;
+  decltype(&oniUnregisterDeviceCallbacks) unregisterCallbacks = nullptr;
+  decltype(&oniDeviceOpen) deviceOpen = nullptr;
+  decltype(&oniDeviceClose) deviceClose = nullptr;
+  decltype(&oniDeviceGetSensorInfo) sensorInfo = nullptr;
+  decltype(&oniDeviceCreateStream) createStream = nullptr;
+  decltype(&oniStreamDestroy) streamDestroy = nullptr;
+  decltype(&oniStreamStart) streamStart = nullptr;
+  decltype(&oniStreamStop) streamStop = nullptr;
+  decltype(&oniStreamReadFrame) readFrame = nullptr;
+  decltype(&oniFrameRelease) frameRelease = nullptr;
+  decltype(&oniWaitForAnyStream) wait = nullptr;
+  decltype(&oniStreamSetProperty) setProperty = nullptr;
+  decltype(&oniStreamGetProperty) getProperty = nullptr;
+  decltype(&oniCreateRecorder) createRecorder = nullptr;
+  decltype(&oniRecorderAttachStream) recorderAttach = nullptr;
+  decltype(&oniRecorderStart) recorderStart = nullptr;
+  decltype(&oniRecorderStop) recorderStop = nullptr;
+  decltype(&oniRecorderDestroy) recorderDestroy = nullptr;
+};
+
+/// OpenNI2 while it runs.
+class OpenNiLibrary : public OpenNi, public std::enable_shared_from_this<OpenNiLibrary> {
+ public:
+  OpenNiLibrary(const OpenNiApi& api, std::vector<OpenNiDriver> drivers, OpenNiSettings settings);
+  ~OpenNiLibrary() override;
+  OpenNiLibrary(const OpenNiLibrary&) = delete;
+  OpenNiLibrary& operator=(const OpenNiLibrary&) = delete;
+  /// Calls oniInitialize.
+  [[nodiscard]] Result<void> initialize();
+
+  [[nodiscard]] Result<std::vector<OpenNiCamera>> cameras() const override;
+  [[nodiscard]] const std::vector<OpenNiDriver>& drivers() const override { return drivers_; }
+  [[nodiscard]] Result<std::unique_ptr<DepthSource>> open(const std::string& uri) override;
+
+  [[nodiscard]] const OpenNiApi& api() const { return api_; }
+  [[nodiscard]] const OpenNiSettings& settings() const { return settings_; }
+  /// Whether the device was unplugged, or reported broken, and is not back since.
+  [[nodiscard]] bool isGone(const std::string& uri) const;
+  /// An error with what OpenNI2 itself says of the last failure.
+  [[nodiscard]] Error failure(const std::string& what) const;
+
+ private:
+  void note(const OniDeviceInfo* device, bool gone);
+
+  OpenNiApi api_;
+  std::vector<OpenNiDriver> drivers_;
+  OpenNiSettings settings_;
+  OniCallbackHandle callbacks_ = nullptr;
+  bool initialized_ = false;
+  mutable std::mutex mutex_;  ///< never held while OpenNI2 is called: its threads call note()
+  std::map<std::string, bool> gone_;
+};
+
+}  // namespace lorica

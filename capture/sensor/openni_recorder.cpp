@@ -1,0 +1,130 @@
+#include "capture/sensor/oni_file.h"
+#include "capture/sensor/openni_source.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// OpenNI2's packer keeps a table that all recorders share.
+bool g_recording = false;
+
+class Recorder final : public OpenNiRecorder {
+ public:
+  Recorder(OpenNiSource& source, fs::path target, fs::path beside)
+      : library_(source.library()), target_(std::move(target)), beside_(std::move(beside)) {
+    g_recording = true;
+  }
+  ~Recorder() override {
+    stop();
+    g_recording = false;
+  }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  Result<void> begin(OpenNiSource& source) {
+    const OpenNiApi& api = library_.api();
+    try {
+      if (api.createRecorder(beside_.c_str(), &handle_) != ONI_STATUS_OK) {
+        handle_ = nullptr;
+        return library_.failure(fmt::format("{}: cannot be written", beside_.string()));
+      }
+      if (api.recorderAttach(handle_, source.stream(), 0) != ONI_STATUS_OK ||
+          api.recorderStart(handle_) != ONI_STATUS_OK) {
+        return library_.failure(fmt::format("{}: {} cannot be recorded", beside_.string(), source.name()));
+      }
+    } catch (...) {
+      return Error{ErrorCode::kUnwritable, fmt::format("{}: OpenNI2's recorder failed", beside_.string())};
+    }
+    waitForBegin();
+    return {};
+  }
+
+  /// OpenNI2 starts recording in a thread of its own and drops what comes before. It has begun once the record that
+  /// says so is in the file. Where that takes very long the first images are lost, which is no reason to fail.
+  void waitForBegin() const {
+    constexpr std::string_view kDataBegin("NIR\0\x08\0\0\0", 8);
+    constexpr auto kStep = std::chrono::milliseconds(2);
+    for (int step = 0; step < 1000; ++step) {
+      std::string head(1 << 16, '\0');
+      std::ifstream file(beside_, std::ios::binary);
+      file.read(head.data(), static_cast<std::streamsize>(head.size()));
+      const bool begun = head.find(kDataBegin) != std::string::npos;
+      std::this_thread::sleep_for(kStep);
+      if (begun) return;
+    }
+  }
+
+  Result<int> finish() override {
+    stop();
+    int frames = 0;
+    std::uint64_t end = 0;
+    {
+      const Result<OniFile> file = OniFile::open(beside_);
+      if (!file) return file.error();
+      if (file->info().cutOff) {
+        return Error{
+            ErrorCode::kUnwritable,
+            fmt::format("{}: found no end of the recording, expected one: is the disk full?", beside_.string())};
+      }
+      frames = file->info().frameCount;
+      end = file->info().end;
+    }
+    // The recorder leaves as many zeros behind the end as there is recording.
+    std::error_code error;
+    fs::resize_file(beside_, end, error);
+    if (!error) fs::rename(beside_, target_, error);
+    if (error) {
+      return Error{ErrorCode::kUnwritable, fmt::format("{}: cannot be written: {}; the recording is {}",
+                                                       target_.string(), error.message(), beside_.string())};
+    }
+    return frames;
+  }
+
+ private:
+  void stop() {
+    if (handle_ == nullptr) return;
+    try {
+      library_.api().recorderStop(handle_);
+      (void)library_.api().recorderDestroy(&handle_);  // waits until all is written
+    } catch (...) {
+      std::fprintf(stderr, "lorica: %s: OpenNI2's recorder failed\n", beside_.c_str());
+    }
+    handle_ = nullptr;
+  }
+
+  OpenNiLibrary& library_;
+  fs::path target_;
+  fs::path beside_;
+  OniRecorderHandle handle_ = nullptr;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<OpenNiRecorder>> OpenNiRecorder::start(DepthSource& source, const fs::path& file) {
+  auto* const camera = dynamic_cast<OpenNiSource*>(&source);
+  if (camera == nullptr) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: found no camera of OpenNI2, expected one to record", source.name())};
+  }
+  if (camera->stream() == nullptr) {
+    return Error{ErrorCode::kNotFound, fmt::format("{}: is unplugged, expected a camera to record", source.name())};
+  }
+  if (g_recording) return Error{ErrorCode::kInvalidArgument, "found a recording under way, expected one at a time"};
+  fs::path beside = file;
+  beside.replace_extension(".part.oni");
+  auto recorder = std::make_unique<Recorder>(*camera, file, beside);
+  if (const Result<void> begun = recorder->begin(*camera); !begun) return begun.error();
+  return std::unique_ptr<OpenNiRecorder>(std::move(recorder));
+}
+
+}  // namespace lorica

@@ -1,0 +1,211 @@
+#include "capture/sensor/openni_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+#include <tuple>
+
+namespace lorica {
+namespace {
+
+constexpr int kWaitMs = 100;
+constexpr int kLargestSide = 2048;
+
+bool isDepth(OniPixelFormat format) {
+  return format == ONI_PIXEL_FORMAT_DEPTH_1_MM || format == ONI_PIXEL_FORMAT_DEPTH_100_UM;
+}
+
+/// Less is better: 640 x 480 at 30 Hz in millimetres, else what is near.
+std::tuple<int, int, int> farFromWanted(const OniVideoMode& mode) {
+  return {std::abs(mode.resolutionX - 640) + std::abs(mode.resolutionY - 480), std::abs(mode.fps - 30),
+          mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_1_MM ? 0 : 1};
+}
+
+/// The best of a sensor's modes; none where it has no depth.
+std::optional<OniVideoMode> chooseMode(const OniSensorInfo& sensor) {
+  std::optional<OniVideoMode> best;
+  for (int i = 0; i < sensor.numSupportedVideoModes; ++i) {
+    const OniVideoMode& mode = sensor.pSupportedVideoModes[i];
+    if (isDepth(mode.pixelFormat) && (!best || farFromWanted(mode) < farFromWanted(*best))) best = mode;
+  }
+  return best;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<OpenNiSource>> OpenNiSource::open(std::shared_ptr<OpenNiLibrary> library,
+                                                         const OpenNiCamera& camera) {
+  std::unique_ptr<OpenNiSource> source(new OpenNiSource(std::move(library), camera));
+  if (const Result<void> opened = source->open(); !opened) return opened.error();
+  return source;
+}
+
+std::string OpenNiSource::name() const {
+  return fmt::format("{}, {} ({})", which_.vendor, which_.name, which_.uri);
+}
+
+Result<void> OpenNiSource::open() {
+  Result<DepthCamera> camera = Error{ErrorCode::kUnreadable, name() + ": its driver failed"};
+  try {
+    camera = setUp();
+  } catch (...) {  // a driver in C++
+  }
+  if (!camera) {
+    close();
+    return camera.error();
+  }
+  if (known_ && !(*camera == camera_)) {
+    close();
+    return Error{ErrorCode::kUnsupported, fmt::format("{}: came back with images of {} x {}, expected {} x {}", name(),
+                                                      camera->width, camera->height, camera_.width, camera_.height)};
+  }
+  camera_ = *camera;
+  known_ = true;
+  clockIsNew_ = true;
+  return {};
+}
+
+Result<DepthCamera> OpenNiSource::setUp() {
+  const OpenNiApi& api = library_->api();
+  if (api.deviceOpen(which_.uri.c_str(), &device_) != ONI_STATUS_OK) {
+    device_ = nullptr;
+    return library_->failure(name() + ": cannot be opened");
+  }
+  const OniSensorInfo* sensor = api.sensorInfo(device_, ONI_SENSOR_DEPTH);
+  if (sensor == nullptr) return Error{ErrorCode::kUnsupported, name() + ": gives no depth"};
+  if (api.createStream(device_, ONI_SENSOR_DEPTH, &stream_) != ONI_STATUS_OK) {
+    stream_ = nullptr;
+    return library_->failure(name() + ": gives no depth");
+  }
+  // A camera that refuses a mode stays in its own, which is looked at below.
+  if (const std::optional<OniVideoMode> wanted = chooseMode(*sensor)) {
+    (void)api.setProperty(stream_, ONI_STREAM_PROPERTY_VIDEO_MODE, &*wanted, sizeof *wanted);
+  }
+  OniVideoMode mode{};
+  int size = sizeof mode;
+  const bool known = api.getProperty(stream_, ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, &size) == ONI_STATUS_OK;
+  if (!known || !isDepth(mode.pixelFormat) || mode.resolutionX < 1 || mode.resolutionX > kLargestSide ||
+      mode.resolutionY < 1 || mode.resolutionY > kLargestSide) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: found images of {} x {} in pixel format {}, expected depth of up to 2048 x 2048",
+                             name(), mode.resolutionX, mode.resolutionY, static_cast<int>(mode.pixelFormat))};
+  }
+  tenths_ = mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_100_UM;
+
+  OniBool mirroring = 0;
+  (void)api.setProperty(stream_, ONI_STREAM_PROPERTY_MIRRORING, &mirroring, sizeof mirroring);
+  size = sizeof mirroring;
+  mirrors_ =
+      api.getProperty(stream_, ONI_STREAM_PROPERTY_MIRRORING, &mirroring, &size) == ONI_STATUS_OK && mirroring != 0;
+
+  DepthCamera camera;
+  camera.width = mode.resolutionX;
+  camera.height = mode.resolutionY;
+  const auto angle = [&](int property, double& value) {
+    float read = 0.0F;
+    int bytes = sizeof read;
+    if (api.getProperty(stream_, property, &read, &bytes) == ONI_STATUS_OK && read > 0.1F && read < 3.0F) value = read;
+  };
+  angle(ONI_STREAM_PROPERTY_HORIZONTAL_FOV, camera.horizontalFov);
+  angle(ONI_STREAM_PROPERTY_VERTICAL_FOV, camera.verticalFov);
+
+  if (api.streamStart(stream_) != ONI_STATUS_OK) return library_->failure(name() + ": does not start");
+  return camera;
+}
+
+void OpenNiSource::close() {
+  const OpenNiApi& api = library_->api();
+  try {
+    // A stream looks at its device as it goes. (The player of .oni files wants the other order; none is played here.)
+    if (stream_ != nullptr) {
+      api.streamStop(stream_);
+      api.streamDestroy(stream_);
+    }
+    if (device_ != nullptr) (void)api.deviceClose(device_);
+  } catch (...) {
+    std::fprintf(stderr, "lorica: %s: its driver failed while it was closed\n", name().c_str());
+  }
+  stream_ = nullptr;
+  device_ = nullptr;
+}
+
+bool OpenNiSource::comeBack() {
+  const Result<std::vector<OpenNiCamera>> cameras = library_->cameras();
+  if (!cameras) return false;
+  const auto is = [this](const OpenNiCamera& c) { return c.uri == which_.uri; };
+  // In another socket it has another name.
+  const auto isLike = [this](const OpenNiCamera& c) {
+    return c.vendor == which_.vendor && c.name == which_.name && c.usbVendor == which_.usbVendor &&
+           c.usbProduct == which_.usbProduct;
+  };
+  auto found = std::find_if(cameras->begin(), cameras->end(), is);
+  if (found == cameras->end()) found = std::find_if(cameras->begin(), cameras->end(), isLike);
+  if (found == cameras->end() || library_->isGone(found->uri)) return false;
+  which_ = *found;
+  return open().ok();
+}
+
+Result<DepthRead> OpenNiSource::next(DepthFrame& frame) {
+  if (stream_ == nullptr && !comeBack()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
+    return DepthRead::kUnplugged;
+  }
+  const OpenNiApi& api = library_->api();
+  try {
+    int which = 0;
+    const OniStatus waited =
+        library_->isGone(which_.uri) ? ONI_STATUS_NO_DEVICE : api.wait(&stream_, 1, &which, kWaitMs);
+    if (waited != ONI_STATUS_OK) {
+      if (!library_->isGone(which_.uri)) return DepthRead::kWaiting;
+      close();
+      return DepthRead::kUnplugged;
+    }
+    OniFrame* read = nullptr;
+    if (api.readFrame(stream_, &read) != ONI_STATUS_OK || read == nullptr) return DepthRead::kWaiting;
+    const Result<void> copied = copy(*read, frame);
+    api.frameRelease(read);
+    if (!copied) return copied.error();
+    return DepthRead::kFrame;
+  } catch (...) {
+    return Error{ErrorCode::kUnreadable, name() + ": its driver failed"};
+  }
+}
+
+Result<void> OpenNiSource::copy(const OniFrame& from, DepthFrame& to) {
+  const auto width = static_cast<std::size_t>(camera_.width);
+  const auto height = static_cast<std::size_t>(camera_.height);
+  const std::size_t stride = static_cast<std::size_t>(std::max(from.stride, 0));
+  if (from.width != camera_.width || from.height != camera_.height || stride < 2 * width || from.data == nullptr ||
+      from.dataSize < 0 || static_cast<std::size_t>(from.dataSize) < stride * (height - 1) + 2 * width) {
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: found an image of {} x {} in {} bytes, expected {} x {}", name(), from.width,
+                             from.height, from.dataSize, camera_.width, camera_.height)};
+  }
+  to.depthMm.resize(width * height);
+  for (std::size_t row = 0; row < height; ++row) {
+    std::uint16_t* out = to.depthMm.data() + row * width;
+    std::memcpy(out, static_cast<const char*>(from.data) + row * stride, 2 * width);
+    if (mirrors_) std::reverse(out, out + width);
+  }
+  if (tenths_) {
+    for (std::uint16_t& depth : to.depthMm) depth = static_cast<std::uint16_t>((depth + 5) / 10);
+  }
+
+  const auto now = std::chrono::steady_clock::now();
+  const double sensorTime = 1e-6 * static_cast<double>(from.timestamp);
+  if (clockIsNew_ && lastTime_ >= 0.0) {
+    timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
+  }
+  clockIsNew_ = false;
+  // Some drivers repeat a time: it still has to rise.
+  to.time = std::max(sensorTime + timeOffset_, std::nextafter(lastTime_, 1e300));
+  lastTime_ = to.time;
+  lastRead_ = now;
+  return {};
+}
+
+}  // namespace lorica

@@ -1,0 +1,146 @@
+#include "capture/sensor/openni_usb.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct KnownCamera {
+  std::uint16_t vendor;
+  std::uint16_t product;  ///< 0: all of the vendor
+  std::string_view name;
+  std::string_view driver;
+  bool packaged;
+};
+
+constexpr std::string_view kPs1080 = "libPS1080, which OpenNI2 comes with";
+constexpr std::string_view kPsLink = "libPSLink, which OpenNI2 comes with";
+constexpr std::string_view kFreenect = "libFreenectDriver of libfreenect";
+constexpr std::string_view kFreenect2 = "libfreenect2-openni2 of libfreenect2";
+constexpr std::string_view kOrbbec = "liborbbec of Orbbec's OpenNI2";
+
+constexpr std::array<KnownCamera, 15> kKnown = {{
+    {0x1d27, 0x0600, "Asus Xtion", kPs1080, true},
+    {0x1d27, 0x0601, "Asus Xtion Pro Live", kPs1080, true},
+    {0x1d27, 0x0609, "PrimeSense Carmine or Structure Sensor", kPs1080, true},
+    {0x1d27, 0x0500, "PrimeSense sensor", kPs1080, true},
+    {0x1d27, 0x0401, "PrimeSense sensor", kPs1080, true},
+    {0x1d27, 0x0400, "PrimeSense sensor", kPs1080, true},
+    {0x1d27, 0x0300, "PrimeSense sensor", kPs1080, true},
+    {0x1d27, 0x0200, "PrimeSense sensor", kPs1080, true},
+    {0x1d27, 0, "PrimeSense sensor of a later kind", kPsLink, true},
+    {0x045e, 0x02ae, "Kinect v1", kFreenect, false},
+    {0x045e, 0x02bf, "Kinect v1 for Windows", kFreenect, false},
+    {0x045e, 0x02c4, "Kinect v2", kFreenect2, false},
+    {0x045e, 0x02d8, "Kinect v2", kFreenect2, false},
+    {0x045e, 0x02d9, "Kinect v2", kFreenect2, false},
+    {0x2bc5, 0, "Orbbec camera", kOrbbec, false},
+}};
+
+const KnownCamera* find(std::uint16_t vendor, std::uint16_t product) {
+  const auto* const found = std::find_if(kKnown.begin(), kKnown.end(), [&](const KnownCamera& k) {
+    return k.vendor == vendor && (k.product == product || k.product == 0);
+  });
+  return found == kKnown.end() ? nullptr : found;
+}
+
+/// The first line of a small file of the system.
+std::optional<int> number(const fs::path& file, int base) {
+  std::ifstream in(file);
+  std::string line;
+  if (!std::getline(in, line) || line.empty() || line.size() > 8) return std::nullopt;
+  int value = 0;
+  for (const char c : line) {
+    const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : base;
+    if (digit >= base) return std::nullopt;
+    value = value * base + digit;
+  }
+  return value;
+}
+
+/// The kernel's driver of one of the camera's interfaces, where one is bound that keeps OpenNI2 out.
+std::string kernelDriverOf(const fs::path& device) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(device, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.find(':') == std::string::npos) continue;  // "1-2:1.0" is an interface
+    std::error_code none;
+    const fs::path driver = fs::read_symlink(entry->path() / "driver", none);
+    if (!none) names.push_back(driver.filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names) {
+    // libusb's own way in, and sound, which a camera's microphones use.
+    if (name != "usbfs" && name != "snd-usb-audio" && name != "usbhid") return name;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<UsbDepthCamera> usbDepthCameras(const fs::path& devices, const fs::path& nodes) {
+  std::vector<fs::path> ports;
+  std::error_code error;
+  for (fs::directory_iterator entry(devices, error), end; !error && entry != end; entry.increment(error)) {
+    ports.push_back(entry->path());
+  }
+  std::sort(ports.begin(), ports.end());
+  std::vector<UsbDepthCamera> cameras;
+  for (const fs::path& port : ports) {
+    const std::optional<int> vendor = number(port / "idVendor", 16);
+    const std::optional<int> product = number(port / "idProduct", 16);
+    if (!vendor || !product) continue;  // an interface
+    const KnownCamera* known = find(static_cast<std::uint16_t>(*vendor), static_cast<std::uint16_t>(*product));
+    if (known == nullptr) continue;
+    UsbDepthCamera camera;
+    camera.vendor = static_cast<std::uint16_t>(*vendor);
+    camera.product = static_cast<std::uint16_t>(*product);
+    camera.name = known->name;
+    camera.driver = known->driver;
+    camera.packaged = known->packaged;
+    camera.node = nodes / fmt::format("{:03}", number(port / "busnum", 10).value_or(0)) /
+                  fmt::format("{:03}", number(port / "devnum", 10).value_or(0));
+    camera.permitted = ::access(camera.node.c_str(), R_OK | W_OK) == 0;
+    camera.kernelDriver = kernelDriverOf(port);
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+std::vector<std::string> whyNoCamera(const std::vector<UsbDepthCamera>& plugged, bool userDrivers) {
+  if (plugged.empty()) return {"no depth camera that Lorica knows is plugged in"};
+  std::vector<std::string> sentences;
+  sentences.reserve(plugged.size());
+  for (const UsbDepthCamera& camera : plugged) {
+    const std::string which = fmt::format("{} ({:04x}:{:04x})", camera.name, camera.vendor, camera.product);
+    if (!camera.permitted) {
+      sentences.push_back(
+          fmt::format("{}: no permission for {}: install the udev rules of its driver (of OpenNI2: "
+                      "package libopenni2-0) and plug it in again",
+                      which, camera.node.string()));
+    } else if (!camera.packaged && !userDrivers) {
+      sentences.push_back(fmt::format("{}: needs {}: name its file with --driver", which, camera.driver));
+    } else if (!camera.kernelDriver.empty()) {
+      sentences.push_back(fmt::format("{}: the kernel's {} holds it: unload that module", which, camera.kernelDriver));
+    } else {
+      sentences.push_back(
+          fmt::format("{}: {} did not take it: another program may be using it, or it needs more power "
+                      "or another USB port",
+                      which, camera.packaged ? camera.driver : "the driver that was named"));
+    }
+  }
+  return sentences;
+}
+
+}  // namespace lorica

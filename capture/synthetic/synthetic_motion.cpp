@@ -1,0 +1,43 @@
+#include "capture/synthetic/synthetic_motion.h"
+
+#include "capture/synthetic/motion_clips.h"
+
+namespace lorica {
+
+std::string_view nameOf(SyntheticMotion motion) {
+  switch (motion) {
+    case SyntheticMotion::kWalk:
+      return "walk";
+    case SyntheticMotion::kWave:
+      return "wave";
+    case SyntheticMotion::kJumpingJacks:
+      return "jumping_jacks";
+    case SyntheticMotion::kSquatAndReach:
+      return "squat_and_reach";
+    case SyntheticMotion::kPunchAndKick:
+      return "punch_and_kick";
+    case SyntheticMotion::kTurnAround:
+      return "turn_around";
+  }
+  return {};
+}
+
+std::vector<SkeletonFrame> synthesizeMotion(SyntheticMotion motion) {
+  switch (motion) {
+    case SyntheticMotion::kWalk:
+      return motion::perform(motion::walk());
+    case SyntheticMotion::kWave:
+      return motion::perform(motion::wave());
+    case SyntheticMotion::kJumpingJacks:
+      return motion::perform(motion::jumpingJacks());
+    case SyntheticMotion::kSquatAndReach:
+      return motion::perform(motion::squatAndReach());
+    case SyntheticMotion::kPunchAndKick:
+      return motion::perform(motion::punchAndKick());
+    case SyntheticMotion::kTurnAround:
+      return motion::perform(motion::turnAround());
+  }
+  return {};
+}
+
+}  // namespace lorica

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "capture/tracking/body_model.h"
+#include "capture/tracking/body_view.h"
+
+#include <array>
+#include <span>
+
+/// The terms of a fit's cost, one point, ball or joint at a time; BodyFitter and LimbSearch add them up.
+namespace lorica::fit {
+
+inline constexpr float kPointDeviation = 0.02F;  ///< [m]
+inline constexpr float kPointCount = 600.0F;     ///< points weigh as if there were this many
+inline constexpr float kFrontSlack = 0.03F;      ///< the body may be this far before what was seen [m]
+inline constexpr float kLimitDeviation = 0.08F;  ///< [rad]
+
+/// Geman and McClure's robust square, 0 to width^2, and its weight.
+struct Robust {
+  float cost, weight;
+};
+[[nodiscard]] inline Robust robust(float square, float widthSq) {
+  const float k = 1.0F / (1.0F + square / widthSq);
+  return {square * k, k * k};
+}
+
+/// A seen point on the body.
+struct SurfaceMatch {
+  int capsule = 0;
+  float residual = 0.0F;  ///< [m]
+  float costSq = 1e9F;    ///< residual, and what the normals differ by [m^2]
+  V3 at = V3::Zero();     ///< on the surface
+  V3 pull = V3::Zero();   ///< derivative of the residual by the motion of `at`
+};
+/// Takes a capsule as the match if it is better than the best so far.
+void matchCapsule(const PosedBody& body, int capsule, const V3& place, const V3& normal, const V3& ray,
+                  SurfaceMatch& best);
+
+/// A ball of a capsule, tested against what was seen.
+struct Sample {
+  int capsule;
+  float along;  ///< 0 at a, 1 at b
+  float aside;  ///< -1, 0, 1: of a flat capsule the ball at that end of its width
+};
+[[nodiscard]] std::span<const Sample> samplesOfBody();
+
+struct Ball {
+  V3 centre;
+  float radius;
+};
+[[nodiscard]] Ball ballOf(const PosedBody& body, const Sample& sample);
+
+/// One squared residual and how it moves.
+struct Pull {
+  V3 derivative = V3::Zero();
+  float residual = 0.0F;
+  float weight = 0.0F;
+  float cost = 0.0F;
+};
+struct SamplePulls {
+  V3 at;
+  std::array<Pull, 3> pull;
+  int count = 0;
+};
+/// Under the floor, beside the outline, before what was seen.
+[[nodiscard]] SamplePulls pullsOf(const BodyView& view, const PosedBody& body, const Sample& sample);
+
+/// Which samples may not be inside which capsules; by rising sample.
+struct CollisionPair {
+  int sample;
+  int capsule;
+};
+[[nodiscard]] std::span<const CollisionPair> collisionPairs();
+[[nodiscard]] Pull collisionOf(const PosedBody& body, const Ball& ball, int capsule);
+
+/// Limits of a free node, after JointRange, and how far it usually is from rest.
+struct BallLimit {
+  int node;
+  V3 twistAxis, firstAxis, secondAxis;
+  std::array<float, 2> twist, first, second;
+  float usual;  ///< deviation from rest [rad]; 0 = anything goes
+};
+[[nodiscard]] std::span<const BallLimit> ballLimits();
+/// How far a turn is beyond its range: three residuals [rad].
+[[nodiscard]] V3 excessOf(const BallLimit& limit, const Q& turn);
+
+}  // namespace lorica::fit

@@ -1,0 +1,72 @@
+#include "capture/tracking/depth_joints.h"
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// How long a live source is waited for before unknown joints are given [s]; see DepthSource::next().
+constexpr double kSilence = 0.1;
+/// What a clock that started anew is moved on by [s].
+constexpr double kFrameSeconds = 1.0 / 30.0;
+
+Vec3 placeOf(const TrackedPerson& person) {
+  return person.skeleton[BodyJoint::kTorso].position;
+}
+
+}  // namespace
+
+DepthJoints::DepthJoints(std::unique_ptr<DepthSource> depth, Tracker tracker, int person)
+    : depth_(std::move(depth)), tracker_(std::move(tracker)), wanted_(person) {}
+
+const TrackedPerson* DepthJoints::choose(std::span<const TrackedPerson> people) const {
+  const int kept = wanted_ > 0 ? wanted_ : following_;
+  const TrackedPerson* nearest = nullptr;
+  for (const TrackedPerson& person : people) {
+    if (person.skeleton.user == kept) return &person;
+    if (nearest == nullptr || placeOf(person).squaredNorm() < placeOf(*nearest).squaredNorm()) nearest = &person;
+  }
+  return wanted_ > 0 ? nullptr : nearest;
+}
+
+double DepthJoints::riseTo(double sensorTime) {
+  if (time_ && sensorTime + worldFromSensorTime_ <= *time_) {
+    worldFromSensorTime_ = *time_ + kFrameSeconds - sensorTime;
+  }
+  return sensorTime + worldFromSensorTime_;
+}
+
+Result<std::optional<SkeletonFrame>> DepthJoints::next() {
+  const Result<DepthRead> read = depth_->next(sight_.image);
+  if (!read) return read.error();
+  sight_.read = *read;
+  sight_.people = 0;
+  sight_.followed = false;
+  sight_.trackSeconds = 0.0;
+  sight_.arrived = std::chrono::steady_clock::now();
+  SkeletonFrame& joints = sight_.joints;
+  joints = {};
+  if (*read == DepthRead::kEnd) return std::optional<SkeletonFrame>();
+  if (*read != DepthRead::kFrame) {
+    time_ = time_ ? *time_ + kSilence : 0.0;
+    joints.time = *time_;
+    return std::optional(joints);
+  }
+
+  const std::span<const TrackedPerson> people = tracker_.track(sight_.image);
+  sight_.trackSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sight_.arrived).count();
+  sight_.people = static_cast<int>(people.size());
+  time_ = riseTo(sight_.image.time);
+  if (const TrackedPerson* person = choose(people)) {
+    sight_.followed = true;
+    following_ = person->skeleton.user;
+    if (!stage_) stage_ = Vec3(placeOf(*person).x(), 0.0, placeOf(*person).z());
+    joints = person->skeleton;
+    for (TrackedJoint& joint : joints.joints) joint.position -= *stage_;
+  }
+  joints.time = *time_;
+  sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
+  return std::optional(joints);
+}
+
+}  // namespace lorica

@@ -1,0 +1,77 @@
+#include "capture/tracking/joint_confidence.h"
+
+#include <algorithm>
+
+namespace lorica::fit {
+namespace {
+
+/// The capsules of capsuleDefs() by name; the left ones, the right one follows each.
+enum CapsuleName : std::uint8_t {
+  kPelvisCapsule,
+  kWaistCapsule,
+  kChestCapsule,
+  kNeckCapsule,
+  kHeadCapsule,
+  kClavicleCapsule,
+  kUpperArmCapsule = 7,
+  kForearmCapsule = 9,
+  kHandCapsule = 11,
+  kThighCapsule = 13,
+  kCalfCapsule = 15,
+  kShinCapsule = 17,
+  kFootCapsule = 19,
+};
+
+constexpr double kRise = 0.2;   ///< confidence comes back by so much a view
+constexpr double kLeast = 0.1;  ///< of a joint that nothing speaks for
+constexpr double kSeenFully = 2.0;
+
+}  // namespace
+
+void JointConfidence::restart() {
+  confidence_.fill(kLeast);
+}
+
+void JointConfidence::update(const CapsuleSupport& support) {
+  using J = BodyJoint;
+  // 0.5 where as much of the capsule was seen as is needed, 1 at twice that.
+  const auto shown = [&](int capsule, double needed) {
+    const auto c = static_cast<std::size_t>(capsule);
+    return std::clamp(static_cast<double>(support.seen[c]) / (kSeenFully * needed), 0.0, 1.0);
+  };
+  const auto violated = [&](int capsule, float most) {
+    return support.violation[static_cast<std::size_t>(capsule)] > most;
+  };
+  std::array<double, kBodyJointCount> now{};
+  const auto set = [&](J joint, double value) { now[static_cast<std::size_t>(joint)] = value; };
+  set(J::kHead, shown(kHeadCapsule, 0.15));
+  set(J::kNeck, std::max(shown(kNeckCapsule, 0.15), shown(kChestCapsule, 0.3)));
+  set(J::kTorso, std::max({shown(kChestCapsule, 0.2), shown(kWaistCapsule, 0.2), shown(kPelvisCapsule, 0.2)}));
+  for (const int side : {0, 1}) {
+    const auto of = [&](J left) { return static_cast<J>(static_cast<int>(left) + side); };
+    const double upperArm = shown(kUpperArmCapsule + side, 0.6);
+    const double forearm = shown(kForearmCapsule + side, 0.5);
+    const double clavicle = shown(kClavicleCapsule + side, 0.25);
+    double shoulder = std::max({clavicle, shown(kUpperArmCapsule + side, 0.4)});
+    if (violated(kClavicleCapsule + side, 0.02F)) shoulder = std::min(shoulder, 0.4);
+    set(of(J::kLeftShoulder), shoulder);
+    double elbow = std::max(upperArm, forearm);
+    if (violated(kUpperArmCapsule + side, 0.02F)) elbow = std::min(elbow, 0.4);
+    set(of(J::kLeftElbow), elbow);
+    double hand = std::max(shown(kHandCapsule + side, 0.45), shown(kForearmCapsule + side, 1.0));
+    if (violated(kForearmCapsule + side, 0.015F) || violated(kHandCapsule + side, 0.025F)) hand = std::min(hand, 0.4);
+    set(of(J::kLeftHand), hand);
+    set(of(J::kLeftHip), std::max(shown(kPelvisCapsule, 0.4), shown(kThighCapsule + side, 0.3)));
+    const double calf = std::max(shown(kCalfCapsule + side, 0.2), shown(kShinCapsule + side, 0.2));
+    set(of(J::kLeftKnee), std::max(calf, shown(kThighCapsule + side, 0.3)));
+    set(of(J::kLeftFoot), std::max(shown(kFootCapsule + side, 0.2), shown(kShinCapsule + side, 0.4)));
+    const auto seen = [&](int capsule) { return support.seen[static_cast<std::size_t>(capsule + side)]; };
+    hidden_[static_cast<std::size_t>(side)] = seen(kForearmCapsule) < 0.15F && seen(kHandCapsule) < 0.2F;
+    hidden_[static_cast<std::size_t>(2 + side)] = seen(kShinCapsule) < 0.15F && seen(kCalfCapsule) < 0.15F;
+  }
+  for (std::size_t j = 0; j < now.size(); ++j) {
+    confidence_[j] = std::max(kLeast, std::min(now[j], confidence_[j] + kRise));
+  }
+}
+
+}  // namespace lorica::fit

@@ -1,0 +1,298 @@
+#include "capture/tracking/people.h"
+
+#include "capture/tracking/background.h"
+#include "capture/tracking/components.h"
+#include "capture/tracking/depth_grid.h"
+#include "capture/tracking/floor.h"
+#include "capture/tracking/person_gates.h"
+#include "capture/tracking/person_image.h"
+#include "capture/tracking/person_moves.h"
+#include "capture/tracking/person_owners.h"
+#include "capture/tracking/person_slot.h"
+#include "geometry/result.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+namespace lorica {
+
+namespace {
+
+constexpr double kRemembered = 2.0;      // seconds that a person keeps the number out of sight
+constexpr int kLeastCells = 20;          // of a person who is seen
+constexpr float kLeastHeight = 1.1F;     // of whoever does not move, over the floor [m]
+constexpr int kMovingFrames = 3;         // in a row, until someone has moved
+constexpr double kStillSeconds = 3.0;    // that furniture may be taken for a person
+constexpr double kPersonSeconds = 20.0;  // that someone with head and shoulders may stand like a post
+
+}  // namespace
+
+struct PeopleFinder::Impl {
+  Impl(const DepthCamera& depthCamera, int most);
+
+  void classify();
+  void measure();
+  void giveUpFurniture(bool floorIsNew);
+  void report();
+  void paint(std::span<const std::uint16_t> depthMm);
+  void find(const DepthFrame& frame);
+
+  [[nodiscard]] bool looksLikePerson(const PersonSlot& slot) const;
+
+  DepthCamera camera;
+  int maxPeople;
+  DepthGrid grid;
+  FloorFinder floor;
+  FloorPlaces places;
+  Background background;
+  ComponentFinder finder;
+  PersonOwners owners;
+  PersonMoves moves;
+  DepthTable floorNoise;  ///< of heights over the floor, for a camera 1 m up [m]
+
+  std::vector<CellKind> kinds;
+  std::span<std::uint8_t> person;  ///< of the owners: slot + 1
+  std::vector<std::uint8_t> lastPerson;
+  std::vector<std::uint8_t> taken;
+  std::vector<std::uint16_t> lastDepthMm;
+  PersonSlots slots;
+  double time = 0.0, elapsed = 0.0;
+  bool started = false;
+
+  std::vector<PersonSegment> people;
+  std::vector<std::uint8_t> labels;
+  Isometry3 floorFromCamera = Isometry3::Identity();
+};
+
+PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int most)
+    : camera(depthCamera),
+      maxPeople(std::clamp(most, 1, kPersonSlots - 2)),
+      grid(depthCamera),
+      floor(grid),
+      places(grid),
+      background(grid),
+      finder(grid),
+      owners(grid, depthCamera),
+      moves(grid),
+      floorNoise([](double depth) { return 2.5 * depthNoise(static_cast<float>(depth)) / depth; }),
+      kinds(grid.cellCount()),
+      person(owners.person()),
+      lastPerson(grid.cellCount()),
+      taken(grid.cellCount()),
+      lastDepthMm(grid.cellCount()),
+      labels(static_cast<std::size_t>(depthCamera.width) * static_cast<std::size_t>(depthCamera.height)) {
+  people.reserve(kPersonSlots);
+  floorFromCamera = floor.floorFromCamera();
+}
+
+void PeopleFinder::Impl::classify() {
+  std::ranges::fill(kinds, CellKind::kNone);
+  if (floor.found()) {
+    const float height = places.cameraHeight();
+    for (int r = 0; r < grid.height; ++r) {
+      for (int c = 0; c < grid.width; ++c) {
+        const std::size_t i = grid.index(c, r);
+        const std::uint16_t depthMm = grid.depthMm[i];
+        const float above = 0.001F * static_cast<float>(depthMm) * places.slope(c, r) + height;
+        if (depthMm != 0 && above < 0.008F + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
+      }
+    }
+  }
+  background.classify(grid, kinds);
+}
+
+void PeopleFinder::Impl::measure() {
+  for (PersonSlot& slot : slots) {
+    slot.cells = slot.newCells = 0;
+    slot.sum.setZero();
+    slot.heights.fill(0);
+    slot.cutAbove = slot.cutAside = false;
+  }
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const std::size_t i = grid.index(c, r);
+      if (person[i] == 0) continue;
+      PersonSlot& slot = slots[person[i] - 1U];
+      const Vec3f place = places(grid, c, r);
+      ++slot.cells;
+      slot.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
+      slot.sum += place;
+      slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
+      slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
+      ++slot.heights[static_cast<std::size_t>(
+          std::clamp(static_cast<int>((place.y() + 0.5F) * 50.0F), 0, kHeightBins - 1))];
+    }
+  }
+  for (int k = 0; k < kPersonSlots; ++k) {
+    PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    if (!slot.used) continue;
+    slot.seen = slot.cells >= kLeastCells;
+    if (slot.seen) {
+      int above = 0, bin = kHeightBins;
+      while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[static_cast<std::size_t>(--bin)];
+      slot.top = 0.02F * static_cast<float>(bin + 1) - 0.5F;
+      const Vec3f middle = slot.sum / static_cast<float>(slot.cells);
+      const double since = time - slot.lastSeen;
+      if (since > 1e-4 && since < 0.2) {
+        const Vec3f velocity = (middle - slot.middle) / static_cast<float>(since);
+        slot.velocity += 0.4F * (velocity - slot.velocity);
+        if (slot.velocity.norm() > 3.0F) slot.velocity *= 3.0F / slot.velocity.norm();
+      } else {
+        slot.velocity.setZero();
+      }
+      slot.middle = middle;
+      slot.lastSeen = time;
+      if (slot.born == time) moves.remember(grid, person, k);
+      if (slot.moved) continue;
+      const bool isMoving = 20 * slot.newCells > 3 * slot.cells || moves.hasMoved(grid, person, k);
+      slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
+      slot.moved = slot.movingFrames >= kMovingFrames;
+    } else if (time - slot.lastSeen > kRemembered) {
+      slot = PersonSlot{};
+    }
+  }
+}
+
+/// What never moves is no person, nor is what proves to be low once the floor is known.
+void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
+  for (int k = 0; k < kPersonSlots; ++k) {
+    PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    if (!slot.seen || slot.moved) continue;
+    const double age = time - slot.born;
+    const bool low =
+        floorIsNew && !slot.cutAbove && slot.top < kLeastHeight && slot.cells * 25 < static_cast<int>(person.size());
+    const bool likely = age < kStillSeconds ||
+                        (age < kPersonSeconds && hasHeadAndShoulders(grid, places, person, k, slot.top, slot.cutAside));
+    if (!low && likely) continue;
+    for (std::size_t i = 0; i < person.size(); ++i) {
+      if (person[i] != k + 1) continue;
+      person[i] = 0;
+      background.absorb(grid, i);
+    }
+    slot = PersonSlot{};
+  }
+}
+
+/// Whoever has moved, or stands free. What is cut off by the image's top or sides may be a shelf as well: it must show
+/// head and shoulders.
+bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
+  if (slot.moved || (!slot.cutAbove && !slot.cutAside)) return true;
+  return hasHeadAndShoulders(grid, places, person, static_cast<int>(&slot - slots.data()), slot.top, slot.cutAside);
+}
+
+/// The nearest ones, those who move first; whoever is reported stays so.
+void PeopleFinder::Impl::report() {
+  int reported = 0;
+  for (const PersonSlot& slot : slots) reported += static_cast<int>(slot.used && slot.reported);
+  for (;;) {
+    PersonSlot* next = nullptr;
+    PersonSlot* least = nullptr;
+    const auto before = [](const PersonSlot& a, const PersonSlot& b) {
+      if (a.moved != b.moved) return a.moved;
+      return std::hypot(a.middle.x(), a.middle.z()) < std::hypot(b.middle.x(), b.middle.z());
+    };
+    for (PersonSlot& slot : slots) {
+      if (!slot.used) continue;
+      if (slot.reported) {
+        if (least == nullptr || before(*least, slot)) least = &slot;
+      } else if (slot.seen && (next == nullptr || before(slot, *next)) && looksLikePerson(slot)) {
+        next = &slot;
+      }
+    }
+    if (next == nullptr) return;
+    if (reported == maxPeople) {
+      // Furniture gives way to people.
+      if (least == nullptr || least->moved || !next->moved) return;
+      least->reported = false;
+      least->user = 0;
+    } else {
+      ++reported;
+    }
+    next->reported = true;
+    for (int user = 1; next->user == 0; ++user) {
+      const bool given =
+          std::ranges::any_of(slots, [&](const PersonSlot& slot) { return slot.used && slot.user == user; });
+      if (!given) next->user = user;
+    }
+  }
+}
+
+/// What the caller sees: people by rising number.
+void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
+  people.clear();
+  std::array<std::uint8_t, kPersonSlots> numbers{};
+  for (;;) {
+    const PersonSlot* next = nullptr;
+    for (const PersonSlot& slot : slots) {
+      if (!slot.used || !slot.seen || !slot.reported) continue;
+      if (!people.empty() && slot.user <= people.back().user) continue;
+      if (next == nullptr || slot.user < next->user) next = &slot;
+    }
+    if (next == nullptr) break;
+    PersonSegment segment;
+    segment.user = next->user;
+    segment.left = camera.width;
+    segment.top = camera.height;
+    segment.middle = next->middle.cast<double>();
+    segment.topHeight = next->top;
+    people.push_back(segment);
+    numbers[static_cast<std::size_t>(next - slots.data())] = static_cast<std::uint8_t>(people.size());
+  }
+  paintPeople(grid, finder, depthMm, numbers, person, people, labels);
+}
+
+void PeopleFinder::Impl::find(const DepthFrame& frame) {
+  elapsed = started ? std::clamp(frame.time - time, 0.0, 1.0) : 0.0;
+  time = frame.time;
+  started = true;
+  grid.fill(frame.depthMm);
+  const bool floorBefore = floor.found();
+  floor.update(grid);
+  const bool floorIsNew = floor.found() && !floorBefore;
+  floorFromCamera = floor.floorFromCamera();
+  places.set(grid, floorFromCamera);
+  classify();
+  finder.find(grid, places, kinds, LastCells{lastPerson, lastDepthMm});
+  owners.share(
+      {grid, places, finder, kinds, LastCells{lastPerson, lastDepthMm}, floorFromCamera, floor.found(), time, elapsed},
+      slots);
+  measure();
+  giveUpFurniture(floorIsNew);
+
+  // The room is learnt from what is nobody's for sure.
+  const std::span<const std::int32_t> label = finder.labels();
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    const bool maybe = label[i] >= 0 && owners.mayBeSomeone(static_cast<std::size_t>(label[i]));
+    taken[i] = static_cast<std::uint8_t>(person[i] != 0 || maybe);
+  }
+  background.learn(grid, kinds, taken);
+  report();
+  paint(frame.depthMm);
+  std::ranges::copy(person, lastPerson.begin());
+  lastDepthMm = grid.depthMm;
+}
+
+PeopleFinder::PeopleFinder(const DepthCamera& camera, int maxPeople)
+    : impl_(std::make_unique<Impl>(camera, maxPeople)) {}
+PeopleFinder::~PeopleFinder() = default;
+
+void PeopleFinder::find(const DepthFrame& frame) {
+  CHECK(frame.depthMm.size() == impl_->labels.size(), "a depth image must have the camera's size");
+  impl_->find(frame);
+}
+std::span<const PersonSegment> PeopleFinder::people() const {
+  return impl_->people;
+}
+std::span<const std::uint8_t> PeopleFinder::labels() const {
+  return impl_->labels;
+}
+const Isometry3& PeopleFinder::floorFromCamera() const {
+  return impl_->floorFromCamera;
+}
+bool PeopleFinder::floorFound() const {
+  return impl_->floor.found();
+}
+
+}  // namespace lorica

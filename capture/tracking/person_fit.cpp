@@ -1,0 +1,250 @@
+#include "capture/tracking/person_fit.h"
+
+#include "capture/tracking/limb_pose.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica::fit {
+namespace {
+
+constexpr float kMannequinHeight = 1.752F;  ///< [m]
+constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is found anew
+constexpr float kLostShare = 0.20F;         ///< of points that the body does not explain: the person is lost
+constexpr int kLostViews = 3;               ///< so many times in a row
+constexpr float kLostLimb = 0.06F;          ///< a limb this far where it cannot be is searched for [m]
+constexpr float kPassing = 0.45F;           ///< feet this near to each other may be exchanged [m]
+constexpr float kWorse = 1.25F;             ///< times the usual cost at which that is looked into
+constexpr int kPairPause = 2;               ///< views between two such looks
+constexpr float kUsualRise = 0.03F;         ///< by which the usual cost follows the present one, each view
+constexpr int kMostSearched = 1;            ///< lost limbs searched for in a view beside the one whose turn it is
+constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
+constexpr float kMomentum = 0.7F;           ///< of the last step, in the prediction of the next
+
+// By how much a proportion may change in a view. Later hardly: in poses that the body explains badly, such as a deep
+// squat, proportions drift to what is wrong for all others.
+constexpr int kLearningViews = 30;
+constexpr float kLearning = 0.01F;
+constexpr float kLearningCut = 0.001F;  // while the image has not shown the whole body for long enough
+constexpr float kLearnt = 0.0003F;
+
+constexpr int kEarlyViews = 60;        ///< in which rivals are sought without pause
+constexpr int kChallengePause = 60;    ///< views between searches for rivals later
+constexpr int kRivalViews = 6;         ///< that a rival is followed before it can win
+constexpr float kRivalShare = 0.93F;   ///< of the own cost that a rival must stay under
+constexpr float kStartEffort = 12.0F;  ///< milliseconds a view, about
+constexpr float kEarlyEffort = 4.0F;
+constexpr float kChallengeEffort = 2.0F;
+constexpr std::size_t kLeastPoints = 40;
+
+constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
+constexpr std::array<FitStage, 1> kRivalFollow = {{{0.08F, 400, 4}}};
+
+/// Deviation of each degree of freedom from what is predicted, in one frame.
+Step followStiffness() {
+  Step deviation;
+  const auto& nodes = nodeDefs();
+  for (std::size_t n = 0; n < kNodeCount; ++n) {
+    float d = 0.35F;
+    if (n == kPelvis) d = 0.20F;
+    if (n == kSpine || n == kChest) d = 0.12F;
+    if (n == kNeck) d = 0.20F;
+    if (n == kLeftClavicle || n == kRightClavicle) d = 0.10F;
+    if (n == kLeftHand || n == kRightHand) d = 0.25F;
+    if (n == kLeftFoot || n == kRightFoot) d = 0.20F;
+    for (int i = 0; i < nodes[n].dofCount; ++i) deviation[nodes[n].firstDof + i] = d;
+  }
+  deviation.head<3>().setConstant(0.08F);
+  return deviation.cwiseAbs2().cwiseInverse();
+}
+
+/// An arm that is not seen most likely comes to hang.
+void easeDown(Limb arm, BodyPose& pose) {
+  static const BodyPose rest = standingPose(V3::Zero(), 0.0F, 0.15F, 0.1F, 0.25F);
+  const Node up = upperNodeOf(arm), low = lowerNodeOf(arm), end = endNodeOf(arm);
+  pose.turn[up] = pose.turn[up].slerp(kEase, rest.turn[up]);
+  pose.angle[low][0] += kEase * (rest.angle[low][0] - pose.angle[low][0]);
+  for (float& angle : pose.angle[end]) angle *= 1.0F - kEase;
+}
+
+}  // namespace
+
+float PersonFit::height() const {
+  // Feet to crown of the body standing straight.
+  PosedBody body;
+  poseBody(BodyPose(), proportions_, body);
+  const float sole = body.place[kLeftFoot].y() - 0.09F * body.girth[kLeftFoot];
+  const float crown = placeIn(body, kNeck, {0.0F, kMannequinHeight, 0.0F}).y();
+  return crown - sole;
+}
+
+void PersonFit::forget() {
+  started_ = false;
+  views_ = 0;
+  search_.stop();
+  rival_.reset();
+  proportions_ = Proportions();
+}
+
+void PersonFit::move(const Eigen::Isometry3f& newFromOld) {
+  const Q turn(newFromOld.linear());
+  for (BodyPose* pose : {&pose_, rival_ ? &rival_->pose : nullptr}) {
+    if (!pose) continue;
+    pose->root = newFromOld * pose->root;
+    pose->turn[kPelvis] = turn * pose->turn[kPelvis];
+  }
+}
+
+void PersonFit::take(const Figure& figure) {
+  pose_ = figure.pose;
+  proportions_ = figure.proportions;
+  velocity_.setZero();
+  confidence_.restart();
+  rival_.reset();
+  lost_ = 0;
+}
+
+bool PersonFit::start(const BodyView& view) {
+  if (!search_.busy()) search_.begin(view, std::nullopt);
+  if (!search_.work(view, kStartEffort)) return false;
+  take(search_.found());
+  started_ = true;
+  views_ = 0;
+  wholeViews_ = 0;
+  sinceChallenge_ = 0;
+  return true;
+}
+
+void PersonFit::resume(const BodyView& view) {
+  // The pose is old: go to where the person is now, and look for another pose beside.
+  pose_.root += V3(view.middle().x() - oldMiddle_.x(), 0.0F, view.middle().z() - oldMiddle_.z());
+  velocity_.setZero();
+  confidence_.restart();
+  rival_.reset();
+  search_.begin(view, Figure{pose_, proportions_});
+  lost_ = kLostViews;
+  views_ = std::min(views_, kEarlyViews / 2);
+}
+
+void PersonFit::searchLimbs(const BodyView& view) {
+  // Those that look lost, and one of the others in turn.
+  turn_ = (turn_ + 1) % kFitLimbCount;
+  int searched = 0;
+  for (int i = 0; i < kFitLimbCount; ++i) {
+    const auto limb = static_cast<Limb>(i);
+    float worst = 0.0F;
+    for (std::size_t c = 0; c < kCapsuleCount; ++c) {
+      if (isOf(limb, capsuleDefs()[c].node)) worst = std::max(worst, support_.violation[c]);
+    }
+    if (i != turn_ && (worst <= kLostLimb || searched >= kMostSearched)) continue;
+    improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
+    searched += i != turn_ ? 1 : 0;
+  }
+  // Legs that pass each other may have been exchanged; then the image is explained worse than it was.
+  ++sincePair_;
+  if (sincePair_ < kPairPause || cost_.image() < kWorse * usualCost_) return;
+  PosedBody body;
+  poseBody(pose_, proportions_, body);
+  if ((body.place[kLeftFoot] - body.place[kRightFoot]).norm() > kPassing * proportions_.factor[kSize]) return;
+  improvePair(fitter_, limbs_, view, proportions_, kLeftLeg, pose_);
+  sincePair_ = 0;
+}
+
+void PersonFit::compareRival(const BodyView& view) {
+  fitter_.fit(view, rival_->proportions, weakly(rival_->pose, 2.0F), kRivalFollow, rival_->pose);
+  const auto judge = [&](const Figure& f) {
+    return fitter_.costOf(view, f.proportions, weakly(f.pose, 0.0F), kJudge, f.pose).plausible();
+  };
+  rivalCost_ += judge(*rival_);
+  ownCost_ += judge({pose_, proportions_});
+  ++rivalViews_;
+  if (rivalCost_ > ownCost_) {
+    rival_.reset();
+  } else if (rivalViews_ >= kRivalViews) {
+    if (rivalCost_ < kRivalShare * ownCost_) {
+      take(*rival_);
+    } else {
+      rival_.reset();
+    }
+  }
+}
+
+void PersonFit::challenge(const BodyView& view) {
+  if (rival_) {
+    compareRival(view);
+    return;
+  }
+  ++sinceChallenge_;
+  const bool lost = lost_ >= kLostViews;
+  if (!search_.busy()) {
+    const int pause = lost ? 0 : (views_ < kEarlyViews ? 4 : kChallengePause);
+    if (sinceChallenge_ < pause) return;
+    // At first the proportions are in doubt too.
+    fresh_ = views_ < 2 * kEarlyViews && !fresh_;
+    search_.begin(view, fresh_ ? std::optional<Figure>() : Figure{pose_, proportions_});
+  }
+  if (!search_.work(view, lost ? kStartEffort : (views_ < kEarlyViews ? kEarlyEffort : kChallengeEffort))) return;
+  sinceChallenge_ = 0;
+  rival_ = search_.found();
+  rivalViews_ = 0;
+  rivalCost_ = 0.0F;
+  ownCost_ = 0.0F;
+}
+
+bool PersonFit::follow(const BodyView& view, float seconds) {
+  if (view.points().size() < kLeastPoints) return false;
+  if (!started_) {
+    oldMiddle_ = view.middle();
+    if (!start(view)) return false;
+  } else if (seconds > kGapSeconds) {
+    resume(view);
+  }
+  oldMiddle_ = view.middle();
+  static const Step stiffness = followStiffness();
+  PosePrior prior;
+  prior.pose = stepped(pose_, kMomentum * velocity_);
+  for (const Limb arm : {kLeftArm, kRightArm}) {
+    if (confidence_.hidden(arm)) easeDown(arm, prior.pose);
+  }
+  prior.stiffness = stiffness;
+  const BodyPose last = pose_;
+  pose_ = prior.pose;
+  cost_ = fitter_.fit(view, proportions_, prior, kFollow, pose_);
+  support_ = fitter_.supportOf(view, proportions_, pose_);
+  searchLimbs(view);
+  usualCost_ = views_ == 0
+                   ? cost_.image()
+                   : usualCost_ + (cost_.image() < usualCost_ ? 0.3F : kUsualRise) * (cost_.image() - usualCost_);
+  ++views_;
+  std::array<float, kProportionCount> deviation;
+  wholeViews_ += view.cut() ? 0 : 1;
+  const bool learning = wholeViews_ < kLearningViews;
+  deviation.fill(views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
+  fitter_.refineProportions(view, deviation, pose_, proportions_);
+  support_ = fitter_.supportOf(view, proportions_, pose_);
+  confidence_.update(support_);
+  lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
+  velocity_ = stepBetween(last, pose_);
+  for (int i = 0; i < kFitLimbCount; ++i) {
+    if (!confidence_.hidden(i)) continue;
+    const auto limb = static_cast<Limb>(i);
+    for (const Node node : {upperNodeOf(limb), lowerNodeOf(limb), endNodeOf(limb)}) {
+      velocity_.segment(nodeDefs()[node].firstDof, nodeDefs()[node].dofCount).setZero();
+    }
+  }
+  const float fastest = velocity_.tail<kDofCount - 3>().cwiseAbs().maxCoeff();
+  if (fastest > 0.5F) velocity_ *= 0.5F / fastest;
+  if (sincePair_ > 0) challenge(view);
+  return true;
+}
+
+void PersonFit::report(SkeletonFrame& frame) const {
+  PosedBody body;
+  poseBody(pose_, proportions_, body);
+  readJoints(body, frame);
+  for (std::size_t j = 0; j < frame.joints.size(); ++j) {
+    frame.joints[j].confidence = confidence_[static_cast<BodyJoint>(j)];
+  }
+}
+
+}  // namespace lorica::fit

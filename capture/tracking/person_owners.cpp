@@ -1,0 +1,233 @@
+#include "capture/tracking/person_owners.h"
+
+#include "capture/tracking/person_gates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace lorica {
+
+namespace {
+
+constexpr float kReach = 0.9F;        // from the middle of a person to that of any piece, horizontally [m]
+constexpr float kGapNew = 0.35F;      // between pieces of a person in front of known background [m]
+constexpr float kGapUnknown = 0.25F;  // and where it is not known [m]
+constexpr int kGapCells = 10;         // that noise and shadows may take out between pieces
+
+// Owners of surfaces that are no slots.
+constexpr int kNobody = -1;
+constexpr int kMaybe = -2;    // a person for whom there is no room
+constexpr int kSeveral = -3;  // shared out between people already
+constexpr int kScenery = -4;  // goes on into the background
+
+Vec3f expected(const PeopleScene& scene, const PersonSlot& slot) {
+  return slot.middle + static_cast<float>(scene.elapsed) * slot.velocity;
+}
+
+/// Along the floor, from the middle of a surface to where a person's is expected [m].
+float awayFrom(const PeopleScene& scene, const DepthComponent& one, const PersonSlot& slot) {
+  const Vec3f apart = one.middle() - expected(scene, slot);
+  return std::hypot(apart.x(), apart.z());
+}
+
+int freeSlot(const PersonSlots& slots) {
+  for (int k = 0; k < kPersonSlots; ++k) {
+    if (!slots[static_cast<std::size_t>(k)].used) return k;
+  }
+  return -1;
+}
+
+int rememberedSlot(const PeopleScene& scene, const PersonSlots& slots, const DepthComponent& one) {
+  int best = -1;
+  float bestDistance = 0.0F;
+  for (int k = 0; k < kPersonSlots; ++k) {
+    const PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    if (!slot.used || slot.seen) continue;
+    const auto away = static_cast<float>(scene.time - slot.lastSeen);
+    const Vec3f apart = one.middle() - slot.middle;
+    const float distance = std::hypot(apart.x(), apart.z());
+    if (distance > std::min(0.6F + 1.5F * away, 1.8F) || (best >= 0 && distance >= bestDistance)) continue;
+    best = k;
+    bestDistance = distance;
+  }
+  return best;
+}
+
+}  // namespace
+
+PersonOwners::PersonOwners(const DepthGrid& grid, const DepthCamera& camera)
+    : camera_(camera), split_(grid), person_(grid.cellCount()) {
+  owner_.reserve(2048);
+}
+
+bool PersonOwners::mayBeSomeone(std::size_t component) const {
+  return owner_[component] == kMaybe;
+}
+
+void PersonOwners::share(const PeopleScene& scene, PersonSlots& slots) {
+  for (PersonSlot& slot : slots) slot.seen = false;
+  assign(scene, slots);
+  giveBirth(scene, slots);
+  joinPieces(scene, slots);
+}
+
+void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots) {
+  const DepthComponent& one = scene.surfaces.components()[component];
+  owner_[component] = slot;
+  slots[static_cast<std::size_t>(slot)].seen = true;
+  const std::span<const std::int32_t> label = scene.surfaces.labels();
+  const bool whole = !isOversize(one);
+  const Vec3f middle = expected(scene, slots[static_cast<std::size_t>(slot)]);
+  for (int r = one.top; r <= one.bottom; ++r) {
+    for (int c = one.left; c <= one.right; ++c) {
+      const std::size_t i = scene.grid.index(c, r);
+      if (label[i] != static_cast<std::int32_t>(component)) continue;
+      if (!whole) {
+        // Grown together with something large: what is near the person, in front of known background, is the person's.
+        const Vec3f apart = scene.places(scene.grid, c, r) - middle;
+        if (std::hypot(apart.x(), apart.z()) > 1.2F || (scene.last.person[i] == 0 && scene.kinds[i] != CellKind::kNew))
+          continue;
+      }
+      person_[i] = static_cast<std::uint8_t>(slot + 1);
+    }
+  }
+}
+
+SplitShare PersonOwners::shareOf(const PeopleScene& scene, const PersonSlot& slot) const {
+  SplitShare share;
+  share.middle = expected(scene, slot);
+  const Isometry3 cameraFromFloor = scene.floorFromCamera.inverse();
+  const Vec3 before = cameraFromFloor * slot.middle.cast<double>();
+  const Vec3 now = cameraFromFloor * share.middle.cast<double>();
+  if (before.z() > -0.1 || now.z() > -0.1) return share;
+  const double x = (now.x() / -now.z() - before.x() / -before.z()) * camera_.focalX() / scene.grid.step;
+  const double y = -(now.y() / -now.z() - before.y() / -before.z()) * camera_.focalY() / scene.grid.step;
+  share.columns = static_cast<int>(std::lround(std::clamp(x, -8.0, 8.0)));
+  share.rows = static_cast<int>(std::lround(std::clamp(y, -8.0, 8.0)));
+  return share;
+}
+
+void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask,
+                                PersonSlots& slots) {
+  std::array<SplitShare, kPersonSlots> shares{};
+  for (int k = 0; k < kPersonSlots; ++k) {
+    if ((slotMask & (1U << static_cast<unsigned>(k))) == 0) continue;
+    PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    slot.seen = true;
+    shares[static_cast<std::size_t>(k)] = shareOf(scene, slot);
+  }
+  owner_[component] = kSeveral;
+  split_.apply(scene.grid, scene.surfaces, scene.places, component, slotMask, shares, scene.last, person_);
+}
+
+void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
+  const std::span<const DepthComponent> all = scene.surfaces.components();
+  owner_.assign(all.size(), kNobody);
+  std::ranges::fill(person_, std::uint8_t{0});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const DepthComponent& one = all[i];
+    if (goesOnIntoBackground(one)) {
+      owner_[i] = kScenery;
+      continue;
+    }
+    int best = -1;
+    unsigned mask = 0;
+    for (int k = 0; k < kPersonSlots; ++k) {
+      const int overlap = one.overlap[static_cast<std::size_t>(k)];
+      if (overlap == 0) continue;
+      if (best < 0 || overlap > one.overlap[static_cast<std::size_t>(best)]) best = k;
+      const PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+      if (overlap * 12 > one.cells || overlap * 4 > slot.cells) mask |= 1U << static_cast<unsigned>(k);
+    }
+    if (best < 0 || one.overlap[static_cast<std::size_t>(best)] < std::max(6, one.cells / 50)) continue;
+    if ((mask & (mask - 1)) != 0) {
+      splitBetween(scene, i, mask, slots);
+    } else if (isMainPiece(one, slots[static_cast<std::size_t>(best)].cells, best) ||
+               awayFrom(scene, one, slots[static_cast<std::size_t>(best)]) < kReach) {
+      give(scene, i, best, slots);
+    }
+  }
+}
+
+void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
+  const std::span<const DepthComponent> all = scene.surfaces.components();
+  for (;;) {
+    int best = -1;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (owner_[i] != kNobody) continue;
+      if (best >= 0 && all[i].area <= all[static_cast<std::size_t>(best)].area) continue;
+      const bool whole = mayBePerson(all[i], scene.grid, scene.floorFound);
+      if (!whole && (rememberedSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
+      best = static_cast<int>(i);
+    }
+    if (best < 0) return;
+    const auto component = static_cast<std::size_t>(best);
+    const int remembered = rememberedSlot(scene, slots, all[component]);
+    if (remembered >= 0) {
+      give(scene, component, remembered, slots);
+      continue;
+    }
+    const int free = freeSlot(slots);
+    owner_[component] = kMaybe;
+    if (free < 0) continue;
+    PersonSlot& slot = slots[static_cast<std::size_t>(free)];
+    slot = PersonSlot{};
+    slot.used = true;
+    slot.born = slot.lastSeen = scene.time;
+    slot.middle = all[component].middle();
+    give(scene, component, free, slots);
+    joinPieces(scene, slots);
+  }
+}
+
+void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
+  const std::span<const DepthComponent> all = scene.surfaces.components();
+  const std::span<const std::int32_t> label = scene.surfaces.labels();
+  const auto w = static_cast<std::ptrdiff_t>(scene.grid.width);
+  for (std::size_t component = 0; component < all.size(); ++component) {
+    const DepthComponent& one = all[component];
+    if (owner_[component] != kNobody || one.area > 0.4) continue;
+    const bool isNew = 2 * one.newCells > one.cells;
+    // Where the background is not known, what stands on the floor may be a chair as well as a leg.
+    if (!isNew && scene.floorFound && one.least.y() < 0.15F) continue;
+    float bestGap = isNew ? kGapNew : kGapUnknown;
+    int best = -1;
+    for (int r = one.top; r <= one.bottom; ++r) {
+      for (int c = one.left; c <= one.right; ++c) {
+        const std::size_t i = scene.grid.index(c, r);
+        if (label[i] != static_cast<std::int32_t>(component)) continue;
+        const auto look = [&](std::ptrdiff_t stride, int room) {
+          for (int s = 1; s <= std::min(room, kGapCells); ++s) {
+            const std::size_t j = i + static_cast<std::size_t>(s * stride);
+            if (label[j] == static_cast<std::int32_t>(component)) return;
+            if (person_[j] == 0) continue;
+            const int slot = person_[j] - 1;
+            const Vec3f there = scene.places(scene.grid, static_cast<int>(j % static_cast<std::size_t>(w)),
+                                             static_cast<int>(j / static_cast<std::size_t>(w)));
+            const float gap = (there - scene.places(scene.grid, c, r)).norm();
+            if (gap < bestGap) {
+              bestGap = gap;
+              best = slot;
+            }
+            return;
+          }
+        };
+        look(-1, c);
+        look(1, scene.grid.width - 1 - c);
+        look(-w, r);
+        look(w, scene.grid.height - 1 - r);
+      }
+    }
+    if (best < 0) continue;
+    // Someone who has gone behind another one looks out beside him.
+    const int hidden = isNew ? rememberedSlot(scene, slots, one) : -1;
+    if (hidden >= 0 && awayFrom(scene, one, slots[static_cast<std::size_t>(hidden)]) <
+                           awayFrom(scene, one, slots[static_cast<std::size_t>(best)])) {
+      best = hidden;
+    }
+    if (awayFrom(scene, one, slots[static_cast<std::size_t>(best)]) < kReach) give(scene, component, best, slots);
+  }
+}
+
+}  // namespace lorica

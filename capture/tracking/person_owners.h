@@ -1,0 +1,59 @@
+#pragma once
+
+#include "capture/sensor/depth_frame.h"
+#include "capture/tracking/background.h"
+#include "capture/tracking/components.h"
+#include "capture/tracking/depth_grid.h"
+#include "capture/tracking/person_slot.h"
+#include "capture/tracking/person_split.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+using PersonSlots = std::array<PersonSlot, kPersonSlots>;
+
+/// What a frame shows, before it is known whose it is.
+struct PeopleScene {
+  const DepthGrid& grid;
+  const FloorPlaces& places;
+  const ComponentFinder& surfaces;
+  std::span<const CellKind> kinds;
+  LastCells last;
+  Isometry3 floorFromCamera;
+  bool floorFound = false;
+  double time = 0.0, elapsed = 0.0;  ///< of the frame, and since the last one [s]
+};
+
+/// Says which surface is whose from frame to frame: of those who were there, of those who come, of those who come back.
+class PersonOwners {
+ public:
+  PersonOwners(const DepthGrid& grid, const DepthCamera& camera);
+
+  /// @param slots  `seen` is set anew; slots of who comes are taken
+  void share(const PeopleScene& scene, PersonSlots& slots);
+
+  /// Slot + 1 of each cell; cells may be taken from someone.
+  [[nodiscard]] std::span<const std::uint8_t> person() const { return person_; }
+  [[nodiscard]] std::span<std::uint8_t> person() { return person_; }
+  /// Whether a surface may be a person for whom there is no room.
+  [[nodiscard]] bool mayBeSomeone(std::size_t component) const;
+
+ private:
+  void assign(const PeopleScene& scene, PersonSlots& slots);
+  void giveBirth(const PeopleScene& scene, PersonSlots& slots);
+  void joinPieces(const PeopleScene& scene, PersonSlots& slots);
+  void give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
+  void splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots);
+  [[nodiscard]] SplitShare shareOf(const PeopleScene& scene, const PersonSlot& slot) const;
+
+  DepthCamera camera_;
+  PersonSplit split_;
+  std::vector<std::uint8_t> person_;
+  std::vector<int> owner_;  ///< of components: slot, or what person_owners.cpp says
+};
+
+}  // namespace lorica

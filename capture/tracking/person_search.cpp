@@ -1,0 +1,233 @@
+#include "capture/tracking/person_search.h"
+
+#include "capture/tracking/limb_pose.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica::fit {
+namespace {
+
+constexpr float kPi = 3.14159265F;
+constexpr float kMannequinHeight = 1.752F;  ///< [m]
+constexpr float kUnusualWeight = 5.0F;      ///< of proportions unlike the mannequin's
+constexpr float kReachHeight = 2.15F;       ///< of the mannequin's raised hands [m]
+constexpr float kHipHeight = 0.915F;        ///< [m]
+
+constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
+constexpr std::array<FitStage, 2> kMedium = {{{0.15F, 200, 6}, {0.08F, 400, 6}}};
+constexpr std::array<FitStage, 1> kClose = {{{0.08F, 400, 4}}};
+
+// What steps cost, in milliseconds of a desktop core.
+constexpr float kRoughEffort = 1.0F;
+constexpr float kFinalEffort = 2.5F;
+
+// Phases of a finalist: fitted, proportions refined twice, four limbs, fitted again.
+constexpr int kLimbPhase = 3;
+constexpr int kLastPhase = kLimbPhase + kFitLimbCount;
+
+}  // namespace
+
+PosePrior weakly(const BodyPose& pose, float stiffness) {
+  PosePrior prior;
+  prior.pose = pose;
+  prior.stiffness.setConstant(stiffness);
+  return prior;
+}
+
+bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
+                 Limb limb, BodyPose& pose) {
+  const auto candidates = search.search(view, proportions, pose, limb);
+  if (candidates.empty() || candidates[0].cost > search.presentCost() - 10.0F) return false;
+  const FitCost present = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose);
+  BodyPose best = pose;
+  float bestCost = present.plausible() - 6.0F;
+  bool found = false;
+  for (const LimbSearch::Candidate& candidate : candidates) {
+    if (candidate.cost > search.presentCost() - 5.0F) break;
+    BodyPose tried = candidate.pose;
+    fitter.fit(view, proportions, weakly(tried, 4.0F), kClose, tried);
+    const float cost = fitter.costOf(view, proportions, weakly(tried, 0.5F), kJudge, tried).plausible();
+    if (cost >= bestCost) continue;
+    bestCost = cost;
+    best = tried;
+    found = true;
+  }
+  if (found) pose = best;
+  return found;
+}
+
+bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
+                 Limb left, BodyPose& pose) {
+  const float best = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose).plausible() - 6.0F;
+  const BodyPose present = pose;
+  for (const int order : {0, 1}) {
+    const auto first = static_cast<Limb>(left + order);
+    const auto second = static_cast<Limb>(left + 1 - order);
+    const auto one = search.search(view, proportions, present, first, second);
+    if (one.empty()) continue;
+    BodyPose tried = one[0].pose;
+    const auto other = search.search(view, proportions, tried, second);
+    if (other.empty()) continue;
+    tried = other[0].pose;
+    fitter.fit(view, proportions, weakly(tried, 4.0F), kClose, tried);
+    const float cost = fitter.costOf(view, proportions, weakly(tried, 0.5F), kJudge, tried).plausible();
+    if (cost >= best) continue;
+    pose = tried;
+    return true;
+  }
+  return false;
+}
+
+void PersonSearch::add(const BodyPose& pose, const Proportions& proportions) {
+  if (count_ < kMost) candidates_[count_++] = {{pose, proportions}, 0.0F};
+}
+
+void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& present) {
+  count_ = 0;
+  next_ = 0;
+  phase_ = 0;
+  rough_ = true;
+  busy_ = true;
+  middle_ = view.middle();
+  float top = -1e9F;
+  for (const BodyView::Point& point : view.points()) top = std::max(top, point.place.y());
+  const V3 away(middle_.x() - view.cameraPlace().x(), 0.0F, middle_.z() - view.cameraPlace().z());
+  const V3 back = away.normalized();
+  const float towards = std::atan2(-back.x(), -back.z());
+  const V3 place = middle_ + 0.10F * back;
+
+  const auto sized = [&](float size) {
+    Proportions proportions;
+    proportions.factor[kSize] = std::clamp(size, 0.6F, 1.25F);
+    return proportions;
+  };
+  const Proportions standing = present ? present->proportions : sized(top / kMannequinHeight);
+  const Proportions usual = present ? present->proportions : Proportions();
+  const Proportions reaching = present ? present->proportions : sized(top / kReachHeight);
+  // Children and comic figures: a large head.
+  Proportions comic = sized(0.86F * top / kMannequinHeight);
+  comic.factor[kHeadSize] = 1.6F;
+  if (present) {
+    add(turnedAbout(present->pose, present->proportions), present->proportions);
+    add(present->pose, present->proportions);
+  }
+  const auto hips = [&](float height) { return V3(place.x(), height, place.z()); };
+  for (const float turn : {0.0F, kPi, 0.5F * kPi, -0.5F * kPi}) {
+    const float heading = towards + turn;
+    const float size = standing.factor[kSize];
+    const float under = top - (kMannequinHeight - kHipHeight) * size;
+    add(standingPose(hips(under), heading, 0.15F, 0.0F, 0.2F), standing);
+    add(standingPose(hips(under), heading, 1.4F, 0.0F, 0.2F), standing);
+    add(standingPose(hips(under), heading, 0.2F, 0.8F, 1.2F), standing);
+    if (top > 1.2F) {
+      const float r = reaching.factor[kSize];
+      add(standingPose(hips(kHipHeight * r), heading, 2.8F, 0.0F, 0.2F), reaching);
+    }
+    if (top > 0.7F && top < 1.55F) {
+      const float s = usual.factor[kSize];
+      add(sittingPose(hips(top - 0.80F * s), heading), usual);
+    }
+    if (view.cut()) {
+      // The feet or the head may be out of sight: a usual body with its head on top, or with its feet on the floor.
+      const float s = usual.factor[kSize];
+      add(standingPose(hips(top - 0.84F * s), heading, 0.15F, 0.2F, 0.4F), usual);
+      add(standingPose(hips(kHipHeight * s), heading, 0.15F, 0.2F, 0.4F), usual);
+    }
+    const float low = kHipHeight * comic.factor[kSize];
+    add(standingPose(hips(low), heading, 0.3F, 0.0F, 0.2F), comic);
+    if (present)
+      add(standingPose(hips(kHipHeight * sized(top / kMannequinHeight).factor[kSize]), heading, 0.15F, 0.0F, 0.2F),
+          sized(top / kMannequinHeight));
+  }
+}
+
+void PersonSearch::refine(const BodyView& view, Figure& figure, int phase) {
+  if (phase == 0) {
+    fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kMedium, figure.pose);
+    return;
+  }
+  if (phase < kLimbPhase) {
+    std::array<float, kProportionCount> deviation;
+    deviation.fill(0.04F);
+    for (int round = 0; round < 2; ++round) {
+      fitter_.refineProportions(view, deviation, figure.pose, figure.proportions);
+      fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose);
+    }
+    return;
+  }
+  if (phase < kLastPhase) {
+    improveLimb(fitter_, limbs_, view, figure.proportions, static_cast<Limb>(phase - kLimbPhase), figure.pose);
+    return;
+  }
+  fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kMedium, figure.pose);
+}
+
+float PersonSearch::unusual(const Proportions& proportions) {
+  float sum = 0.0F;
+  for (std::size_t k = 0; k < kProportionCount; ++k) {
+    const float usual = k == kSize || k == kHeadSize ? 0.15F : 0.08F;
+    const float off = (proportions.factor[k] - 1.0F) / usual;
+    sum += off * off;
+  }
+  return kUnusualWeight * sum;
+}
+
+void PersonSearch::pickFinalists() {
+  if (count_ <= kFinal) return;
+  const auto begin = candidates_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
+  const auto finalists = begin + static_cast<std::ptrdiff_t>(kFinal);
+  const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
+  for (auto place = begin; place != finalists; ++place) std::iter_swap(place, std::min_element(place, end, cheaper));
+  // Other proportions show their worth only once they are fitted: the best such figure goes on in any case.
+  const auto isComic = [](const Candidate& candidate) { return candidate.figure.proportions.factor[kHeadSize] > 1.3F; };
+  if (std::none_of(begin, finalists, isComic)) {
+    auto best = end;
+    for (auto one = finalists; one != end; ++one) {
+      if (isComic(*one) && (best == end || one->cost < best->cost)) best = one;
+    }
+    if (best != end) std::iter_swap(best, finalists - 1);
+  }
+  count_ = kFinal;
+}
+
+float PersonSearch::oneStep(const BodyView& view) {
+  Candidate& c = candidates_[next_];
+  if (rough_) {
+    c.cost = fitter_.fit(view, c.figure.proportions, weakly(c.figure.pose, 0.5F), kRough, c.figure.pose).plausible();
+    c.cost += unusual(c.figure.proportions);
+    if (++next_ < count_) return kRoughEffort;
+    pickFinalists();
+    next_ = 0;
+    phase_ = 0;
+    rough_ = false;
+    return kRoughEffort;
+  }
+  refine(view, c.figure, phase_);
+  if (++phase_ <= kLastPhase) return kFinalEffort;
+  phase_ = 0;
+  if (++next_ < count_) return kFinalEffort;
+  // All in one view, so that they can be compared.
+  best_ = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    Figure& figure = candidates_[i].figure;
+    candidates_[i].cost =
+        fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose).plausible();
+    candidates_[i].cost += unusual(figure.proportions);
+    if (candidates_[i].cost < candidates_[best_].cost) best_ = i;
+  }
+  busy_ = false;
+  return kFinalEffort;
+}
+
+bool PersonSearch::work(const BodyView& view, float effort) {
+  if (!busy_) return true;
+  // The candidates go along with the person.
+  const V3 by = view.middle() - middle_;
+  middle_ = view.middle();
+  for (std::size_t i = 0; i < count_; ++i) candidates_[i].figure.pose.root += by;
+  while (busy_ && effort > 0.0F) effort -= oneStep(view);
+  return !busy_;
+}
+
+}  // namespace lorica::fit

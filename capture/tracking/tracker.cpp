@@ -1,0 +1,138 @@
+#include "capture/tracking/tracker.h"
+
+#include "capture/tracking/people.h"
+#include "capture/tracking/person_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+/// Someone unseen for this long is followed no more [s].
+constexpr double kForgetSeconds = 2.0;
+/// Fewer pixels than this show no pose.
+constexpr int kLeastPixels = 1200;
+
+/// A person's fit, kept from person to person for its memory.
+struct Seat {
+  int user = 0;  ///< 0 = free
+  double lastTime = 0.0;
+  bool seen = false;
+  fit::PersonFit fit;
+};
+
+}  // namespace
+
+struct Tracker::Impl {
+  Impl(const DepthCamera& device, const TrackerSettings& settings)
+      : camera(device),
+        finder(device, settings.maxPeople),
+        view(device),
+        seats(static_cast<std::size_t>(settings.maxPeople)) {
+    reported.reserve(seats.size());
+  }
+
+  Seat* seatOf(const PersonSegment& person, double time) {
+    for (Seat& seat : seats) {
+      if (seat.user == person.user) return &seat;
+    }
+    if (person.pixelCount < kLeastPixels) return nullptr;
+    for (Seat& seat : seats) {
+      if (seat.user != 0) continue;
+      seat.user = person.user;
+      seat.lastTime = time;
+      seat.fit.forget();
+      return &seat;
+    }
+    return nullptr;
+  }
+
+  DepthCamera camera;
+  PeopleFinder finder;
+  fit::BodyView view;
+  std::vector<Seat> seats;
+  std::vector<TrackedPerson> reported;
+  Isometry3 floorFromCamera = Isometry3::Identity();
+  bool begun = false;
+};
+
+Tracker::Tracker(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Tracker::~Tracker() = default;
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+Result<Tracker> Tracker::create(const DepthCamera& camera, const TrackerSettings& settings) {
+  if (settings.maxPeople < 1 || settings.maxPeople > 6) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the tracker was asked for {} people, expected 1 to 6", settings.maxPeople)};
+  }
+  if (camera.width < 80 || camera.height < 60 || camera.width > 4096 || camera.height > 4096) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the depth camera's images are {} x {}, expected 80 x 60 to 4096 x 4096", camera.width,
+                             camera.height)};
+  }
+  const auto isAngle = [](double a) { return a > 0.1 && a < 2.8; };
+  if (!isAngle(camera.horizontalFov) || !isAngle(camera.verticalFov)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the depth camera's field of view is {} x {} rad, expected 0.1 to 2.8 each",
+                             camera.horizontalFov, camera.verticalFov)};
+  }
+  return Tracker(std::make_unique<Impl>(camera, settings));
+}
+
+std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
+  Impl& t = *impl_;
+  t.reported.clear();
+  const auto pixels = static_cast<std::size_t>(t.camera.width) * static_cast<std::size_t>(t.camera.height);
+  if (frame.depthMm.size() != pixels) return {};
+  t.finder.find(frame);
+  const Isometry3& floor = t.finder.floorFromCamera();
+  if (t.begun && !floor.isApprox(t.floorFromCamera, 1e-9)) {
+    const Eigen::Isometry3f newFromOld((floor * t.floorFromCamera.inverse()).cast<float>());
+    for (Seat& seat : t.seats) {
+      if (seat.user != 0) seat.fit.move(newFromOld);
+    }
+  }
+  t.begun = true;
+  t.floorFromCamera = floor;
+
+  for (Seat& seat : t.seats) {
+    seat.seen = false;
+    // Before anyone is looked at: who comes now may have the number of who has gone.
+    if (seat.user != 0 && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
+  }
+  const auto people = t.finder.people();
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    Seat* seat = t.seatOf(people[i], frame.time);
+    if (!seat || people[i].pixelCount < kLeastPixels / 3) continue;
+    t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor);
+    seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
+    if (seat->seen) seat->lastTime = frame.time;
+  }
+  for (Seat& seat : t.seats) {
+    if (seat.user == 0 || !seat.seen) continue;
+    TrackedPerson person;
+    seat.fit.report(person.skeleton);
+    person.skeleton.time = frame.time;
+    person.skeleton.user = seat.user;
+    person.height = seat.fit.height();
+    person.residual = seat.fit.support().meanDistance;
+    person.proportionsKnown = seat.fit.proportionsKnown();
+    t.reported.push_back(person);
+  }
+  std::sort(t.reported.begin(), t.reported.end(),
+            [](const TrackedPerson& a, const TrackedPerson& b) { return a.skeleton.user < b.skeleton.user; });
+  return t.reported;
+}
+
+const Isometry3& Tracker::floorFromCamera() const {
+  return impl_->floorFromCamera;
+}
+bool Tracker::floorFound() const {
+  return impl_->finder.floorFound();
+}
+
+}  // namespace lorica

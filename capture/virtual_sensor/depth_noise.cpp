@@ -1,0 +1,265 @@
+#include "capture/virtual_sensor/depth_noise.h"
+
+#include "geometry/random_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+/// Steps of disparity in a pixel, as the Kinect v1 reports them.
+constexpr double kStepsPerPixel = 8.0;
+/// The baseline that depth is measured over, also where shadows are turned off [m].
+constexpr double kMeasuringBaseline = 0.075;
+/// Of the variance of axial noise, what neighbouring pixels share: they look at overlapping windows.
+constexpr float kSharedVariance = 0.64F;
+constexpr int kSmoothCell = 4;  ///< [pixels]
+constexpr int kClumpCell = 6;   ///< [pixels]
+constexpr int kJitterCell = 3;  ///< edges move by pieces of this size [pixels]
+/// Cosines of the angle from the normal between which more and more of a surface is missing: 70 and 83 degrees.
+constexpr float kGrazingCosine = 0.342F;
+constexpr float kLostCosine = 0.122F;
+
+/// Four 16-bit numbers, added: nearly normal, of variance 1, at most 3.46 (Irwin 1927, Hall 1927).
+float deviate(std::uint64_t bits) {
+  const auto sum =
+      static_cast<std::int32_t>((bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48));
+  constexpr float kScale = 1.7320508F / 65536.0F;
+  return static_cast<float>(sum - 2 * 65535) * kScale;
+}
+
+std::uint64_t seedOf(std::uint64_t seed, std::uint64_t frame, std::uint64_t use) {
+  RandomNumbers numbers(seed ^ RandomNumbers(frame * 8 + use).bits());
+  return numbers.bits();
+}
+
+/// The deviate that a part of all deviates exceeds, for parts below a half: Abramowitz and Stegun 26.2.23, 4.5e-4.
+float deviateExceededBy(double part) {
+  if (part <= 0.0) return 1e9F;
+  const double t = std::sqrt(-2.0 * std::log(part));
+  return static_cast<float>(t - (2.515517 + t * (0.802853 + t * 0.010328)) /
+                                    (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308))));
+}
+
+}  // namespace
+
+DepthNoiseSettings DepthNoiseSettings::clean() {
+  DepthNoiseSettings settings;
+  settings.axial = settings.lateral = settings.baseline = settings.steps = settings.dropout = 0.0;
+  settings.grazing = false;
+  return settings;
+}
+
+DepthNoiseSettings DepthNoiseSettings::mild() {
+  DepthNoiseSettings settings;
+  settings.axial *= 0.2;
+  settings.dropout *= 0.2;
+  return settings;
+}
+
+void DepthNoise::Field::resize(const DepthCamera& camera, int cellSize) {
+  cell = cellSize;
+  columns = camera.width / cell + 2;
+  rows = camera.height / cell + 2;
+  values.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0.0F);
+  weights.clear();
+  weights.reserve(static_cast<std::size_t>(cell) * static_cast<std::size_t>(cell) * 4);
+  for (int y = 0; y < cell; ++y) {
+    for (int x = 0; x < cell; ++x) {
+      const float v = (static_cast<float>(y) + 0.5F) / static_cast<float>(cell);
+      const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(cell);
+      const std::array<float, 4> w = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+      const float norm = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
+      for (const float weight : w) weights.push_back(weight / norm);
+    }
+  }
+}
+
+void DepthNoise::Field::draw(std::uint64_t seed) {
+  RandomNumbers numbers(seed);
+  for (float& value : values) value = deviate(numbers.bits());
+}
+
+void DepthNoise::Field::readRow(int row, std::span<float> out) const {
+  const int cellRow = row / cell;
+  const float* corner = &values[static_cast<std::size_t>(cellRow * columns)];
+  const float* rowWeights = &weights[static_cast<std::size_t>((row - cellRow * cell) * cell * 4)];
+  for (std::size_t begin = 0; begin < out.size(); begin += static_cast<std::size_t>(cell), ++corner) {
+    const std::size_t count = std::min(out.size() - begin, static_cast<std::size_t>(cell));
+    const float* w = rowWeights;
+    for (std::size_t i = 0; i < count; ++i, w += 4) {
+      out[begin + i] = w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[columns] + w[3] * corner[columns + 1];
+    }
+  }
+}
+
+DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& settings)
+    : camera_(camera), settings_(settings) {
+  const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  lit_.assign(pixels, 0.0F);
+  spread_.assign(pixels, 0.0F);
+  threshold_.assign(pixels, 0.0F);
+  smooth_.resize(camera, kSmoothCell);
+  clumps_.resize(camera, kClumpCell);
+  smoothRow_.assign(static_cast<std::size_t>(camera.width), 0.0F);
+  clumpsRow_ = rayX_ = smoothRow_;
+  for (int column = 0; column < camera.width; ++column) {
+    rayX_[static_cast<std::size_t>(column)] = static_cast<float>(camera.placeOf(column, 0.0, 1.0).x());
+  }
+  jitter_.assign(static_cast<std::size_t>(camera.width / kJitterCell + 1) *
+                     static_cast<std::size_t>(camera.height / kJitterCell + 1) * 2,
+                 0);
+  // Without steps depth is still kept as a disparity, in steps so small that none is over 0.1 mm.
+  const double steps = settings.steps > 0.0 ? settings.steps : 1e-4 / (2.9e-3 * settings.most * settings.most);
+  const double whole = kStepsPerPixel / steps * camera.focalX() * kMeasuringBaseline;
+  disparityOfInverse_ = static_cast<float>(whole);
+  if (settings.steps <= 0.0) return;
+  millimetres_.resize(static_cast<std::size_t>(whole / settings.least) + 2, 0);
+  for (std::size_t step = 1; step < millimetres_.size(); ++step) {
+    const double depth = whole / static_cast<double>(step);
+    if (depth >= settings.least && depth <= settings.most) {
+      millimetres_[step] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
+    }
+  }
+}
+
+void DepthNoise::findLit(std::span<const float> inverseDepth) {
+  if (settings_.baseline <= 0.0) {
+    std::copy(inverseDepth.begin(), inverseDepth.end(), lit_.begin());
+    return;
+  }
+  // The projector sees a point further left the nearer it is. From the right, a point is lit if it lies, for the
+  // projector, left of all points before it; half a pixel is granted.
+  const auto shift = static_cast<float>(camera_.focalX() * settings_.baseline);
+  const auto width = static_cast<std::size_t>(camera_.width);
+  for (std::size_t row = 0; row < lit_.size(); row += width) {
+    auto leftmost = static_cast<float>(2 * camera_.width);
+    for (std::size_t i = width; i-- > 0;) {
+      const float inverse = inverseDepth[row + i];
+      const float place = static_cast<float>(i) - shift * inverse;
+      lit_[row + i] = place <= leftmost + 0.5F ? inverse : 0.0F;
+      if (inverse > 0.0F) leftmost = std::min(leftmost, place);
+    }
+  }
+}
+
+void DepthNoise::findSurface(std::span<const float> inverseDepth) {
+  // The slope of the surface follows from the gradient of inverse depth; of the two differences to neighbours the
+  // smaller one counts, so that an edge does not look like a slope.
+  const auto width = static_cast<std::size_t>(camera_.width);
+  const auto fx = static_cast<float>(camera_.focalX());
+  const auto fy = static_cast<float>(camera_.focalY());
+  const float middleY = 0.5F * static_cast<float>(camera_.height) - 0.5F;
+  const float usual = deviateExceededBy(settings_.dropout);
+  const float perGrazing = settings_.grazing ? 1.0F : 0.0F;
+  const auto axial = static_cast<float>(settings_.axial);
+  const float scale = disparityOfInverse_;
+  const float quantisation = settings_.steps > 0.0 ? 1.0F / 12.0F : 0.0F;
+  for (int row = 0; row < camera_.height; ++row) {
+    const std::size_t begin = static_cast<std::size_t>(row) * width;
+    const float* here = &inverseDepth[begin];
+    // At the border the one neighbour counts: the other one is its mirror image.
+    const float* above = row > 0 ? here - width : here + width;
+    const float* below = row + 1 < camera_.height ? here + width : here - width;
+    const float upwards = row > 0 ? 1.0F : -1.0F;
+    const float downwards = row + 1 < camera_.height ? 1.0F : -1.0F;
+    const float* rayX = rayX_.data();
+    float* across = smoothRow_.data();
+    for (std::size_t i = 1; i + 1 < width; ++i) {
+      const float left = here[i] - here[i - 1];
+      const float right = here[i + 1] - here[i];
+      across[i] = std::abs(left) < std::abs(right) ? left : right;
+    }
+    across[0] = here[1] - here[0];
+    across[width - 1] = here[width - 1] - here[width - 2];
+
+    const float y = (middleY - static_cast<float>(row)) / fy;
+    float* spread = &spread_[begin];
+    float* threshold = &threshold_[begin];
+    for (std::size_t i = 0; i < width; ++i) {
+      const float w = here[i];
+      const float upper = upwards * (w - above[i]);
+      const float lower = downwards * (below[i] - w);
+      const float x = rayX[i];
+      const float a = fx * across[i];
+      const float b = -fy * (std::abs(upper) < std::abs(lower) ? upper : lower);
+      const float c = w - a * x - b * y;
+      const float normalSq = (a * a + b * b + c * c) * (x * x + y * y + 1.0F);
+      const float cosine = w / std::sqrt(normalSq + 1e-20F);
+
+      // Nguyen et al.: sigma = 0.0012 + 0.0019 (z - 0.4)^2 + 0.0001 / sqrt(z) * theta^2 / (pi / 2 - theta)^2.
+      const float inverse = w > 0.01F ? w : 0.01F;
+      const float beyond = 1.0F / inverse - 0.4F;
+      const float fromGrazing = cosine * (1.0F + cosine * cosine * (1.0F / 6.0F));  // pi / 2 - theta, nearly
+      const float rest = 1.5707963F - fromGrazing;
+      const float theta = rest > 0.0F ? rest : 0.0F;
+      const float ratio = theta / (fromGrazing > 0.05F ? fromGrazing : 0.05F);
+      const float sigma = 0.0012F + 0.0019F * beyond * beyond + 0.0001F * std::sqrt(inverse) * ratio * ratio;
+      const float inSteps = axial * sigma * scale * inverse * inverse;
+      const float variance = inSteps * inSteps - quantisation;
+      spread[i] = std::sqrt(variance > 0.0F ? variance : 0.0F);
+
+      // From the usual deviate down to the one that nearly all exceed.
+      const float lost = perGrazing * (kGrazingCosine - cosine) / (kGrazingCosine - kLostCosine);
+      const float seldom = 3.5F - 7.0F * lost;
+      const float grazing = lost > 0.0F ? seldom : usual;
+      threshold[i] = grazing < usual ? grazing : usual;
+    }
+  }
+}
+
+void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame, std::span<std::uint16_t> depthMm) {
+  CHECK(inverseDepth.size() == lit_.size() && depthMm.size() == lit_.size(), "images are of the camera's size");
+  findLit(inverseDepth);
+  const bool noisy = settings_.axial > 0.0;
+  const bool losing = settings_.grazing || settings_.dropout > 0.0;
+  if (noisy || losing) findSurface(inverseDepth);
+  smooth_.draw(seedOf(settings_.seed, frame, 0));
+  clumps_.draw(seedOf(settings_.seed, frame, 1));
+  RandomNumbers jitter(seedOf(settings_.seed, frame, 2));
+  RandomNumbers white(seedOf(settings_.seed, frame, 3));
+  const auto lateral = static_cast<float>(settings_.lateral);
+  for (std::int8_t& offset : jitter_) {
+    offset = static_cast<std::int8_t>(std::lround(std::clamp(lateral * deviate(jitter.bits()), -100.0F, 100.0F)));
+  }
+  const float shared = std::sqrt(kSharedVariance);
+  const float own = std::sqrt(1.0F - kSharedVariance);
+  const auto least = static_cast<float>(settings_.least);
+  const auto most = static_cast<float>(settings_.most);
+  const int width = camera_.width;
+  const int height = camera_.height;
+  const int jitterColumns = width / kJitterCell + 1;
+  std::size_t at = 0;
+  for (int row = 0; row < height; ++row) {
+    if (noisy) smooth_.readRow(row, smoothRow_);
+    if (losing) clumps_.readRow(row, clumpsRow_);
+    const int jitterRow = row / kJitterCell * jitterColumns;
+    for (int column = 0; column < width; ++column, ++at) {
+      const std::size_t cell = static_cast<std::size_t>(jitterRow + column / kJitterCell) * 2;
+      const int fromColumn = std::clamp(column + jitter_[cell], 0, width - 1);
+      const int fromRow = std::clamp(row + jitter_[cell + 1], 0, height - 1);
+      const auto from = static_cast<std::size_t>(fromRow * width + fromColumn);
+      const float inverse = lit_[from];
+      depthMm[at] = 0;
+      if (inverse <= 0.0F || (losing && clumpsRow_[static_cast<std::size_t>(column)] > threshold_[from])) continue;
+      float disparity = disparityOfInverse_ * inverse;
+      if (noisy) {
+        disparity +=
+            spread_[from] * (shared * smoothRow_[static_cast<std::size_t>(column)] + own * deviate(white.bits()));
+      }
+      if (disparity <= 0.0F) continue;
+      if (!millimetres_.empty()) {
+        const float upToHalf = disparity + 0.5F;  // cut, this is rounded
+        const auto step = static_cast<std::size_t>(upToHalf);
+        if (step < millimetres_.size()) depthMm[at] = millimetres_[step];
+      } else {
+        const float depth = disparityOfInverse_ / disparity;
+        const float upToHalf = 1000.0F * depth + 0.5F;
+        if (depth >= least && depth <= most) depthMm[at] = static_cast<std::uint16_t>(upToHalf);
+      }
+    }
+  }
+}
+
+}  // namespace lorica

@@ -1,0 +1,391 @@
+/// An OpenNI2 driver with one depth camera, lorica://virtual, that shows people who are not there: see
+/// capture/virtual_sensor/virtual_script.h for what it is told, and docs/VIRTUAL_SENSOR.md.
+
+#include "capture/virtual_sensor/virtual_script.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+// The driver's header expects these of XnLib, which is not packaged.
+#define XN_NEW(type, argument) new type(argument)
+#define XN_DELETE(pointer) delete (pointer)
+#define XN_MAX_UINT16 65535
+#ifndef TRUE
+#define TRUE 1
+#define FALSE 0
+#endif
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <Driver/OniDriverAPI.h>
+#pragma GCC diagnostic pop
+
+namespace lorica {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kUri = "lorica://virtual";
+/// Above every depth value: the recorder sizes a table by it, in millimetres.
+constexpr int kMaxDepth = 10000;
+
+OniDeviceInfo deviceInfo() {
+  OniDeviceInfo info{};
+  std::snprintf(info.uri, sizeof(info.uri), "%s", kUri);
+  std::snprintf(info.vendor, sizeof(info.vendor), "Lorica");
+  std::snprintf(info.name, sizeof(info.name), "Virtual depth camera");
+  return info;
+}
+
+OniVideoMode videoModeOf(const VirtualScript& script) {
+  return {ONI_PIXEL_FORMAT_DEPTH_1_MM, script.settings.camera.width, script.settings.camera.height,
+          static_cast<int>(std::lround(script.settings.framesPerSecond))};
+}
+
+/// Copies a value out to OpenNI2, whose buffer must have its size.
+template <typename Value>
+OniStatus give(const Value& value, void* data, int* size) {
+  if (data == nullptr || size == nullptr || *size != static_cast<int>(sizeof(Value))) return ONI_STATUS_BAD_PARAMETER;
+  std::memcpy(data, &value, sizeof(Value));
+  return ONI_STATUS_OK;
+}
+
+/// Takes a value that may only be set to what it is.
+template <typename Value>
+OniStatus accept(const Value& only, const void* data, int size) {
+  if (data == nullptr || size != static_cast<int>(sizeof(Value))) return ONI_STATUS_BAD_PARAMETER;
+  return std::memcmp(data, &only, sizeof(Value)) == 0 ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED;
+}
+
+/// Starts a thread. @return false where the system has none left
+template <typename Work>
+bool run(std::thread& thread, Work work) {
+  try {
+    thread = std::thread(work);
+    return true;
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
+
+/// What all streams share: the script, and the time, which begins when a stream starts for the first time and goes on
+/// while the camera is closed or unplugged.
+class Timeline {
+ public:
+  explicit Timeline(VirtualScript script) : script_(std::move(script)) {}
+
+  [[nodiscard]] const VirtualScript& script() const { return script_; }
+
+  /// A sensor of the script, made the first time that it is asked for.
+  [[nodiscard]] Result<VirtualSensor> sensor() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!sensor_) {
+      Result<VirtualSensor> made = makeVirtualSensor(script_);
+      if (!made) return made;
+      sensor_.emplace(std::move(*made));
+    }
+    return *sensor_;
+  }
+
+  void begin() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (begin_) return;
+    begin_ = Clock::now();
+    changed_.notify_all();
+  }
+
+  /// Waits for the next frame: for its time, or not at all where the pace is fast.
+  /// @return its number; nothing when `stopped` was set and wake() called
+  std::optional<std::uint64_t> nextFrame(const bool& stopped) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (stopped || !begin_) return std::nullopt;
+    if (script_.settings.live) {
+      const double passed = std::chrono::duration<double>(Clock::now() - *begin_).count();
+      next_ = std::max(next_, static_cast<std::uint64_t>(passed * script_.settings.framesPerSecond));
+      const Clock::time_point due = timeOf(static_cast<double>(next_) / script_.settings.framesPerSecond);
+      if (changed_.wait_until(lock, due, [&] { return stopped; })) return std::nullopt;
+    }
+    return next_++;
+  }
+
+  /// Waits for a time of the sensor. @return false when `stopped` was set and wake() called
+  bool waitFor(double seconds, const bool& stopped) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return stopped || begin_; });
+    return !stopped && !changed_.wait_until(lock, timeOf(seconds), [&] { return stopped; });
+  }
+
+  void stop(bool& stopped) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopped = true;
+    changed_.notify_all();
+  }
+
+ private:
+  [[nodiscard]] Clock::time_point timeOf(double seconds) const {
+    return *begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
+
+  VirtualScript script_;
+  std::mutex mutex_;
+  std::optional<VirtualSensor> sensor_;
+  std::condition_variable changed_;
+  std::optional<Clock::time_point> begin_;
+  std::uint64_t next_ = 0;
+};
+
+class DepthStream final : public oni::driver::StreamBase {
+ public:
+  DepthStream(Timeline& timeline, VirtualSensor sensor) : timeline_(timeline), sensor_(std::move(sensor)) {}
+  ~DepthStream() override { end(); }
+
+  OniStatus start() override {
+    if (thread_.joinable()) return ONI_STATUS_OK;
+    stopped_ = false;
+    timeline_.begin();
+    return run(thread_, [this] { produce(); }) ? ONI_STATUS_OK : ONI_STATUS_ERROR;
+  }
+  void stop() override { end(); }
+
+  OniBool isPropertySupported(int property) override {
+    switch (property) {
+      case ONI_STREAM_PROPERTY_CROPPING:
+      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+      case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+      case ONI_STREAM_PROPERTY_VIDEO_MODE:
+      case ONI_STREAM_PROPERTY_MAX_VALUE:
+      case ONI_STREAM_PROPERTY_MIN_VALUE:
+      case ONI_STREAM_PROPERTY_STRIDE:
+      case ONI_STREAM_PROPERTY_MIRRORING:
+        return TRUE;
+      default:
+        return FALSE;
+    }
+  }
+
+  OniStatus getProperty(int property, void* data, int* size) override {
+    const DepthCamera& camera = sensor_.camera();
+    switch (property) {
+      // Without an answer here the stock player drops every frame of a recording.
+      case ONI_STREAM_PROPERTY_CROPPING:
+        return give(OniCropping{FALSE, 0, 0, camera.width, camera.height}, data, size);
+      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+        return give(static_cast<float>(camera.horizontalFov), data, size);
+      case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+        return give(static_cast<float>(camera.verticalFov), data, size);
+      case ONI_STREAM_PROPERTY_VIDEO_MODE:
+        return give(videoModeOf(timeline_.script()), data, size);
+      case ONI_STREAM_PROPERTY_MAX_VALUE:
+        return give(kMaxDepth, data, size);
+      case ONI_STREAM_PROPERTY_MIN_VALUE:
+        return give(0, data, size);
+      case ONI_STREAM_PROPERTY_STRIDE:
+        return give(stride(), data, size);
+      case ONI_STREAM_PROPERTY_MIRRORING:
+        return give(static_cast<OniBool>(FALSE), data, size);
+      default:
+        return ONI_STATUS_NOT_SUPPORTED;
+    }
+  }
+
+  OniStatus setProperty(int property, const void* data, int size) override {
+    switch (property) {
+      case ONI_STREAM_PROPERTY_VIDEO_MODE:
+        return accept(videoModeOf(timeline_.script()), data, size);
+      case ONI_STREAM_PROPERTY_MIRRORING:
+        return accept(static_cast<OniBool>(FALSE), data, size);
+      default:
+        return ONI_STATUS_NOT_SUPPORTED;
+    }
+  }
+
+  void notifyAllProperties() override {
+    for (const int property : {ONI_STREAM_PROPERTY_HORIZONTAL_FOV, ONI_STREAM_PROPERTY_VERTICAL_FOV}) {
+      float value = 0.0F;
+      int size = sizeof(value);
+      if (getProperty(property, &value, &size) == ONI_STATUS_OK) raisePropertyChanged(property, &value, size);
+    }
+    for (const int property : {ONI_STREAM_PROPERTY_MAX_VALUE, ONI_STREAM_PROPERTY_MIN_VALUE, ONI_STREAM_PROPERTY_STRIDE,
+                               ONI_STREAM_PROPERTY_MIRRORING}) {
+      int value = 0;
+      int size = sizeof(value);
+      if (getProperty(property, &value, &size) == ONI_STATUS_OK) raisePropertyChanged(property, &value, size);
+    }
+    const OniVideoMode mode = videoModeOf(timeline_.script());
+    raisePropertyChanged(ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, sizeof(mode));
+  }
+
+ private:
+  [[nodiscard]] int stride() const { return sensor_.camera().width * static_cast<int>(sizeof(std::uint16_t)); }
+
+  void end() {
+    timeline_.stop(stopped_);
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void produce() {
+    while (const std::optional<std::uint64_t> number = timeline_.nextFrame(stopped_)) {
+      if (!timeline_.script().settings.loop && *number >= sensor_.frameCount()) return;
+      const double time = static_cast<double>(*number) / timeline_.script().settings.framesPerSecond;
+      const std::vector<TimeSpan>& away = timeline_.script().settings.unplugged;
+      if (std::any_of(away.begin(), away.end(), [&](const TimeSpan& span) { return span.holds(time); })) continue;
+      sensor_.render(*number, image_);
+      OniFrame* frame = getServices().acquireFrame();
+      if (frame == nullptr) continue;
+      const std::size_t bytes = image_.depthMm.size() * sizeof(std::uint16_t);
+      if (frame->dataSize >= static_cast<int>(bytes)) {
+        std::memcpy(frame->data, image_.depthMm.data(), bytes);
+        frame->dataSize = static_cast<int>(bytes);
+        frame->sensorType = ONI_SENSOR_DEPTH;
+        frame->timestamp = static_cast<std::uint64_t>(std::llround(1e6 * time));
+        frame->frameIndex = static_cast<int>(*number + 1);
+        frame->width = sensor_.camera().width;
+        frame->height = sensor_.camera().height;
+        frame->videoMode = videoModeOf(timeline_.script());
+        frame->croppingEnabled = FALSE;
+        frame->cropOriginX = frame->cropOriginY = 0;
+        frame->stride = stride();
+        raiseNewFrame(frame);
+      }
+      getServices().releaseFrame(frame);
+    }
+  }
+
+  Timeline& timeline_;
+  VirtualSensor sensor_;
+  DepthFrame image_;
+  bool stopped_ = false;  ///< guarded by the timeline
+  std::thread thread_;
+};
+
+class Device final : public oni::driver::DeviceBase {
+ public:
+  Device(Timeline& timeline, oni::driver::DriverServices& services)
+      : timeline_(timeline), services_(services), mode_(videoModeOf(timeline.script())) {
+    sensor_ = {ONI_SENSOR_DEPTH, 1, &mode_};
+  }
+
+  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override {
+    *sensors = &sensor_;
+    *count = 1;
+    return ONI_STATUS_OK;
+  }
+
+  oni::driver::StreamBase* createStream(OniSensorType type) override {
+    if (type != ONI_SENSOR_DEPTH) return nullptr;
+    Result<VirtualSensor> sensor = timeline_.sensor();
+    if (!sensor) {
+      services_.errorLoggerAppend("%s", sensor.error().message.c_str());
+      return nullptr;
+    }
+    return new DepthStream(timeline_, std::move(*sensor));
+  }
+  void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
+
+  OniBool isPropertySupported(int property) override {
+    return property == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION || property == ONI_DEVICE_PROPERTY_DRIVER_VERSION ? TRUE
+                                                                                                                : FALSE;
+  }
+  OniStatus getProperty(int property, void* data, int* size) override {
+    switch (property) {
+      case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION:
+        return give(ONI_IMAGE_REGISTRATION_OFF, data, size);
+      case ONI_DEVICE_PROPERTY_DRIVER_VERSION:
+        return give(OniVersion{0, 1, 0, 0}, data, size);
+      default:
+        return ONI_STATUS_NOT_SUPPORTED;
+    }
+  }
+  OniStatus setProperty(int property, const void* data, int size) override {
+    if (property == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) return accept(ONI_IMAGE_REGISTRATION_OFF, data, size);
+    return ONI_STATUS_NOT_SUPPORTED;
+  }
+
+ private:
+  Timeline& timeline_;
+  oni::driver::DriverServices& services_;
+  OniVideoMode mode_;
+  OniSensorInfo sensor_{};
+};
+
+class VirtualDriver final : public oni::driver::DriverBase {
+ public:
+  explicit VirtualDriver(OniDriverServices* services) : DriverBase(services) {}
+  ~VirtualDriver() override { end(); }
+
+  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
+                       oni::driver::DeviceDisconnectedCallback disconnected,
+                       oni::driver::DeviceStateChangedCallback stateChanged, void* cookie) override {
+    DriverBase::initialize(connected, disconnected, stateChanged, cookie);
+    const char* text = std::getenv(kVirtualScriptVariable);
+    Result<VirtualScript> script = parseVirtualScript(text != nullptr ? text : "");
+    if (!script) {
+      getServices().errorLoggerAppend("%s", script.error().message.c_str());
+      return ONI_STATUS_ERROR;
+    }
+    timeline_ = std::make_unique<Timeline>(std::move(*script));
+    connect();
+    const bool plugging = !timeline_->script().settings.unplugged.empty();
+    return !plugging || run(thread_, [this] { plug(); }) ? ONI_STATUS_OK : ONI_STATUS_ERROR;
+  }
+
+  oni::driver::DeviceBase* deviceOpen(const char* uri, const char* /*mode*/) override {
+    if (timeline_ == nullptr || uri == nullptr || std::strcmp(uri, kUri) != 0) return nullptr;
+    if (!connected_) {
+      getServices().errorLoggerAppend("%s is unplugged", kUri);
+      return nullptr;
+    }
+    return new Device(*timeline_, getServices());
+  }
+  void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
+  OniStatus tryDevice(const char* /*uri*/) override { return ONI_STATUS_ERROR; }  // it announces itself
+  void shutdown() override { end(); }
+
+ private:
+  void connect() {
+    const OniDeviceInfo info = deviceInfo();
+    connected_ = true;
+    deviceConnected(&info);
+  }
+
+  /// Unplugs the camera and plugs it in again, as the script says.
+  void plug() {
+    const OniDeviceInfo info = deviceInfo();
+    for (const TimeSpan& away : timeline_->script().settings.unplugged) {
+      if (!timeline_->waitFor(away.from, stopped_)) return;
+      connected_ = false;
+      deviceDisconnected(&info);
+      if (!timeline_->waitFor(away.to, stopped_)) return;
+      connect();
+    }
+  }
+
+  void end() {
+    if (timeline_ != nullptr) timeline_->stop(stopped_);
+    if (thread_.joinable()) thread_.join();
+  }
+
+  std::unique_ptr<Timeline> timeline_;
+  std::atomic<bool> connected_ = false;
+  bool stopped_ = false;  ///< guarded by the timeline
+  std::thread thread_;
+};
+
+}  // namespace
+}  // namespace lorica
+
+ONI_EXPORT_DRIVER(lorica::VirtualDriver)

@@ -1,0 +1,140 @@
+#include "capture/virtual_sensor/virtual_performer.h"
+
+#include "capture/retarget/proxy_skeleton.h"
+#include "capture/retarget/retarget.h"
+#include "capture/retarget/skeletal_retarget.h"
+#include "skinning/linear_blend.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using B = HumanBone;
+using J = BodyJoint;
+
+/// The bone at whose joint a tracked joint lies; the torso is at none.
+constexpr std::array<std::optional<B>, kBodyJointCount> kBoneOfJoint = {
+    B::kHead,          B::kNeck,         B::kLeftUpperArm,  B::kRightUpperArm, B::kLeftLowerArm,
+    B::kRightLowerArm, B::kLeftHand,     B::kRightHand,     std::nullopt,      B::kLeftUpperLeg,
+    B::kRightUpperLeg, B::kLeftLowerLeg, B::kRightLowerLeg, B::kLeftFoot,      B::kRightFoot};
+
+bool sameNames(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints().begin(), a.joints().end(), b.joints().begin(), b.joints().end(),
+                    [](const Joint& p, const Joint& q) { return p.name == q.name; });
+}
+
+}  // namespace
+
+Result<VirtualPerformer> VirtualPerformer::create(Character character, std::span<const SkeletonFrame> recording) {
+  if (recording.empty()) return Error{ErrorCode::kInvalidArgument, "found no frames of joints, expected one at least"};
+  if (const Result<void> checked = checkCharacter(character); !checked) return checked.error();
+  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+  if (!standIn) return standIn.error();
+  Result<Retargeter> retargeter = Retargeter::create(standIn->skeleton());
+  if (!retargeter) return retargeter.error();
+  SkeletalMotion motion{"", standIn->skeleton(), {}, {}};
+  Pose pose = restPose(motion.skeleton);
+  motion.times.reserve(recording.size());
+  motion.poses.reserve(recording.size() * pose.size());
+  for (const SkeletonFrame& frame : recording) {
+    retargeter->apply(frame, pose);
+    motion.times.push_back(frame.time);
+    motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
+  }
+  motion = standIn->carryBack(std::move(motion));
+  return VirtualPerformer(std::move(character), std::move(motion));
+}
+
+Result<VirtualPerformer> VirtualPerformer::create(Character character, const SkeletalMotion& motion) {
+  if (motion.times.empty() || motion.poses.size() != motion.times.size() * motion.skeleton.joints().size()) {
+    return Error{ErrorCode::kInvalidArgument, "the motion has no frames, or not one transform for each joint in each"};
+  }
+  if (const Result<void> checked = checkCharacter(character); !checked) return checked.error();
+  if (sameNames(motion.skeleton, character.skeleton)) {
+    Result<SkeletalMotion> own = renameMotion(motion, character.skeleton);
+    if (!own) return own.error();
+    return VirtualPerformer(std::move(character), std::move(*own));
+  }
+  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+  if (!standIn) return standIn.error();
+  Result<SkeletalMotion> carried = retargetMotion(motion, standIn->skeleton());
+  if (!carried) return carried.error();
+  SkeletalMotion own = standIn->carryBack(std::move(*carried));
+  return VirtualPerformer(std::move(character), std::move(own));
+}
+
+VirtualPerformer::VirtualPerformer(Character character, SkeletalMotion motion)
+    : character_(std::move(character)),
+      motion_(std::move(motion)),
+      sides_(openEdgeCount({character_.mesh.vertices, {triangles().begin(), triangles().end()}}) == 0
+                 ? SurfaceSides::kOuter
+                 : SurfaceSides::kBoth),
+      pose_(restPose(character_.skeleton)),
+      targetFromJoint_(pose_.size()),
+      targetFromModel_(pose_.size()),
+      places_(character_.mesh.vertices.size()) {
+  // Orientations need the whole body read; that is done here, once, and interpolated later.
+  if (const Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(motion_); frames) {
+    orientations_.resize(frames->size());
+    for (std::size_t f = 0; f < frames->size(); ++f) {
+      for (std::size_t j = 0; j < kBodyJointCount; ++j) orientations_[f][j] = (*frames)[f].joints[j].orientation;
+    }
+  }
+  pose(0.0, Isometry3::Identity());
+}
+
+void VirtualPerformer::pose(double time, const Isometry3& targetFromWorld) {
+  // The frames around the time.
+  const double wanted = std::clamp(motion_.times.front() + time, motion_.times.front(), motion_.times.back());
+  const auto after = std::upper_bound(motion_.times.begin(), motion_.times.end(), wanted);
+  const auto last = static_cast<std::size_t>(motion_.frameCount() - 1);
+  const std::size_t to = std::min(static_cast<std::size_t>(after - motion_.times.begin()), last);
+  const std::size_t from = to > 0 ? to - 1 : 0;
+  const double span = motion_.times[to] - motion_.times[from];
+  const double part = span > 0.0 ? std::clamp((wanted - motion_.times[from]) / span, 0.0, 1.0) : 1.0;
+  const std::span<const JointTransform> fromPose = motion_.pose(static_cast<int>(from));
+  const std::span<const JointTransform> toPose = motion_.pose(static_cast<int>(to));
+  for (std::size_t j = 0; j < pose_.size(); ++j) {
+    pose_[j].translation = (1.0 - part) * fromPose[j].translation + part * toPose[j].translation;
+    pose_[j].rotation = fromPose[j].rotation.slerp(part, toPose[j].rotation);
+    pose_[j].scale = (1.0 - part) * fromPose[j].scale + part * toPose[j].scale;
+  }
+
+  computeWorldFromJoint(character_.skeleton, pose_, targetFromJoint_);
+  for (Affine3& joint : targetFromJoint_) joint = targetFromWorld * joint;
+  computeWorldFromModel(character_, targetFromJoint_, targetFromModel_);
+  skinLinearBlend(character_, targetFromModel_, places_);
+
+  const auto place = [&](B bone) -> std::optional<Vec3> {
+    const JointIndex joint = character_.skeleton.jointOf(bone);
+    if (joint == kNoJoint) return std::nullopt;
+    return Vec3(targetFromJoint_[static_cast<std::size_t>(joint)].translation());
+  };
+  joints_ = {};
+  joints_.time = time;
+  const Quat targetTurn(targetFromWorld.linear());
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+    TrackedJoint& joint = joints_.joints[j];
+    std::optional<Vec3> at;
+    if (kBoneOfJoint[j]) {
+      at = place(*kBoneOfJoint[j]);
+    } else {
+      const std::optional<Vec3> left = place(B::kLeftUpperLeg);
+      const std::optional<Vec3> right = place(B::kRightUpperLeg);
+      std::optional<Vec3> neck = place(B::kNeck);
+      if (!neck && place(B::kLeftUpperArm) && place(B::kRightUpperArm)) {
+        neck = 0.5 * (*place(B::kLeftUpperArm) + *place(B::kRightUpperArm));
+      }
+      if (left && right && neck) at = 0.25 * (*left + *right) + 0.5 * *neck;
+    }
+    if (!at) continue;
+    joint.position = *at;
+    joint.confidence = 1.0;
+    if (orientations_.empty() || !orientations_[from][j] || !orientations_[to][j]) continue;
+    joint.orientation = targetTurn * orientations_[from][j]->slerp(part, *orientations_[to][j]);
+  }
+}
+
+}  // namespace lorica

@@ -1,0 +1,156 @@
+#include "capture/virtual_sensor/virtual_sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr std::size_t kMostPeople = 6;
+constexpr int kMostPixels = 4096;  ///< a side
+/// next() waits no longer than this at a time.
+constexpr std::chrono::milliseconds kPatience{100};
+
+/// See Tracker: below the camera, looking along -Z.
+Isometry3 floorFromWorld(const Isometry3& worldFromCamera) {
+  const Vec3 looks = worldFromCamera.linear() * -Vec3::UnitZ();
+  const double heading = std::atan2(-looks.x(), -looks.z());
+  const Vec3 place = worldFromCamera.translation();
+  Isometry3 floorFromWorld(Eigen::AngleAxisd(-heading, Vec3::UnitY()));
+  floorFromWorld.translate(-Vec3(place.x(), 0.0, place.z()));
+  return floorFromWorld;
+}
+
+Result<void> check(std::size_t people, const VirtualSensorSettings& settings) {
+  const auto bad = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
+  if (people > kMostPeople) {
+    return bad(fmt::format("{} people before the virtual sensor, expected {} at most", people, kMostPeople));
+  }
+  const DepthCamera& camera = settings.camera;
+  if (std::min(camera.width, camera.height) < 2 || std::max(camera.width, camera.height) > kMostPixels) {
+    return bad(fmt::format("the virtual sensor's image is {} x {} pixels, expected 2 to {} a side", camera.width,
+                           camera.height, kMostPixels));
+  }
+  for (const double view : {camera.horizontalFov, camera.verticalFov}) {
+    if (!(view > 0.01 && view < 3.0)) return bad(fmt::format("a field of view of {} rad, expected 0.01 to 3", view));
+  }
+  if (!(settings.framesPerSecond >= 1.0 && settings.framesPerSecond <= 1000.0)) {
+    return bad(fmt::format("{} frames a second, expected 1 to 1000", settings.framesPerSecond));
+  }
+  const DepthNoiseSettings& noise = settings.noise;
+  for (const double part : {noise.axial, noise.lateral, noise.baseline, noise.steps, noise.dropout}) {
+    if (!(part >= 0.0 && part <= 100.0)) return bad(fmt::format("a part of the noise is {}, expected 0 to 100", part));
+  }
+  if (noise.steps > 0.0 && noise.steps < 0.01) {
+    return bad(fmt::format("steps of depth of {}, expected 0 or 0.01 and more", noise.steps));
+  }
+  if (noise.dropout > 0.5) return bad(fmt::format("a dropout of {}, expected 0 to 0.5", noise.dropout));
+  if (!(noise.least >= 0.1 && noise.least < noise.most && noise.most <= 60.0)) {
+    return bad(fmt::format("a range of {} to {} m, expected one within 0.1 to 60 m", noise.least, noise.most));
+  }
+  return {};
+}
+
+}  // namespace
+
+SkeletonFrame moved(SkeletonFrame joints, const Isometry3& otherFromThis) {
+  const Quat turn(otherFromThis.linear());
+  for (TrackedJoint& joint : joints.joints) {
+    joint.position = otherFromThis * joint.position;
+    if (joint.orientation) joint.orientation = turn * *joint.orientation;
+  }
+  return joints;
+}
+
+Result<VirtualSensor> VirtualSensor::create(std::vector<VirtualPerson> people, const VirtualSensorSettings& settings) {
+  if (const Result<void> checked = check(people.size(), settings); !checked) return checked.error();
+  return VirtualSensor(std::move(people), settings);
+}
+
+VirtualSensor::VirtualSensor(std::vector<VirtualPerson> people, const VirtualSensorSettings& settings)
+    : settings_(settings),
+      people_(std::move(people)),
+      floorFromCamera_(floorFromWorld(settings.room.worldFromCamera) * settings.room.worldFromCamera),
+      renderer_(settings.camera),
+      noise_(settings.camera, settings.noise),
+      roomNow_(settings.room),
+      truth_(people_.size()) {
+  double seconds = 0.0;
+  for (const VirtualPerson& person : people_) seconds = std::max(seconds, person.performer.seconds() - person.start);
+  frameCount_ = static_cast<std::uint64_t>(std::floor(seconds * settings_.framesPerSecond + 1e-6)) + 1;
+  roomNow_.boxes.reserve(settings_.room.boxes.size() + settings_.screens.size());
+}
+
+void VirtualSensor::render(std::uint64_t number, DepthFrame& frame) {
+  const double time = static_cast<double>(number) / settings_.framesPerSecond;
+  const Isometry3 cameraFromWorld = settings_.room.worldFromCamera.inverse();
+  renderer_.clear();
+  roomNow_.boxes.assign(settings_.room.boxes.begin(), settings_.room.boxes.end());
+  for (const VirtualScreen& screen : settings_.screens) {
+    if (screen.when.holds(time)) roomNow_.boxes.push_back(screen.box);
+  }
+  drawRoom(roomNow_, renderer_);
+
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    VirtualPerson& person = people_[i];
+    VirtualTruth& truth = truth_[i];
+    truth.present = true;
+    Isometry3 cameraFromMotion = cameraFromWorld * person.worldFromMotion;
+    for (const TimeSpan& span : person.absent) {
+      if (!span.holds(time)) continue;
+      truth.present = person.leaveSpeed > 0.0;
+      cameraFromMotion.pretranslate(person.leaveSpeed * std::min(time - span.from, span.to - time) * Vec3::UnitX());
+    }
+    double performed = person.start + time;
+    if (settings_.loop && person.performer.seconds() > 0.0)
+      performed = std::fmod(performed, person.performer.seconds());
+    person.performer.pose(performed, cameraFromMotion);
+    truth.joints = person.performer.joints();
+    truth.joints.time = time;
+    truth.joints.user = static_cast<int>(i) + 1;
+    if (!truth.present) continue;
+    renderer_.draw(person.performer.places(), person.performer.triangles(), person.performer.sides(),
+                   static_cast<std::uint8_t>(i + 1));
+  }
+  for (VirtualTruth& truth : truth_) truth.pixelCount = 0;
+  for (const std::uint8_t label : renderer_.labels()) {
+    if (label > 0) ++truth_[label - 1U].pixelCount;
+  }
+
+  frame.time = time;
+  frame.depthMm.resize(renderer_.inverseDepth().size());
+  noise_.apply(renderer_.inverseDepth(), number, frame.depthMm);
+}
+
+Result<DepthRead> VirtualSensor::next(DepthFrame& frame) {
+  using Clock = std::chrono::steady_clock;
+  if (settings_.live) {
+    const Clock::time_point now = Clock::now();
+    if (!begin_) begin_ = now;
+    const auto timeOf = [&](std::uint64_t number) {
+      return *begin_ + std::chrono::duration_cast<Clock::duration>(
+                           std::chrono::duration<double>(static_cast<double>(number) / settings_.framesPerSecond));
+    };
+    const double passed = std::chrono::duration<double>(now - *begin_).count();
+    nextFrame_ = std::max(nextFrame_, static_cast<std::uint64_t>(passed * settings_.framesPerSecond));
+    if (settings_.loop || nextFrame_ < frameCount_) {
+      const Clock::time_point due = timeOf(nextFrame_);
+      std::this_thread::sleep_until(std::min(due, now + kPatience));
+      if (due > now + kPatience) return DepthRead::kWaiting;
+    }
+  }
+  if (!settings_.loop && nextFrame_ >= frameCount_) return DepthRead::kEnd;
+  const std::uint64_t number = nextFrame_++;
+  const double time = static_cast<double>(number) / settings_.framesPerSecond;
+  for (const TimeSpan& span : settings_.unplugged) {
+    if (span.holds(time)) return DepthRead::kUnplugged;
+  }
+  render(number, frame);
+  return DepthRead::kFrame;
+}
+
+}  // namespace lorica

@@ -1,0 +1,445 @@
+#include "collision/live/choose_cover.h"
+
+#include "collision/live/attached_vertices.h"
+#include "geometry/convex_hull.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr int kSweeps = 60;         // over all sampled poses, while pushing points outward
+constexpr double kTurn = 0.05;      // by which pushes turn from the faces' normals to outward, with every sweep
+constexpr int kShortSweeps = 10;    // with pushes along the faces' normals only
+constexpr int kPushes = 20;         // in one pose, before the next one has its turn
+constexpr double kHeld = 1e-7;      // of the part's size: farther outside than this is outside
+constexpr double kSteepest = 0.2;   // cosine: pushes that lean more from a face's normal count as if they leant so
+constexpr double kMore = 1.0 / 64;  // pushes are longer by this share, so that they end
+
+/// Planes of a hull: unit normals pointing outward, and offsets.
+struct Planes {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> normals;
+  Eigen::VectorXd offsets;
+};
+
+Planes planesOf(const ConvexHull& hull) {
+  Planes planes;
+  planes.normals.resize(static_cast<Eigen::Index>(hull.triangles.size()), 3);
+  planes.offsets.resize(planes.normals.rows());
+  for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
+    const Vec3& a = hull.vertices[static_cast<std::size_t>(hull.triangles[f][0])];
+    const Vec3& b = hull.vertices[static_cast<std::size_t>(hull.triangles[f][1])];
+    const Vec3& c = hull.vertices[static_cast<std::size_t>(hull.triangles[f][2])];
+    const Vec3 normal = (b - a).cross(c - a).stableNormalized();
+    planes.normals.row(static_cast<Eigen::Index>(f)) = normal.transpose();
+    planes.offsets[static_cast<Eigen::Index>(f)] = normal.dot(a);
+  }
+  return planes;
+}
+
+using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+/// Chooses and pushes the points of one part.
+class PartCover {
+ public:
+  PartCover(std::span<const PointIndex> candidates, std::span<const LiftedPoint> lifted, BonePoseView sampled)
+      : candidates_(candidates), lifted_(lifted), sampled_(sampled) {
+    lookAt_.resize(static_cast<std::size_t>(sampled.poseCount()));
+    for (int s = 0; s < sampled.poseCount(); ++s) {
+      const std::vector<Vec3> all = positions(sampled, s);
+      size_ = std::max(size_, boundsOf(all).diagonal());
+      // What sticks out farthest is a vertex of the hull of all: only those are looked at from now on.
+      std::vector<VertexIndex> corners = convexHullOutline(all).points;
+      Columns& at = lookAt_[static_cast<std::size_t>(s)].at;
+      at.resize(3, static_cast<Eigen::Index>(corners.size()));
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        at.col(static_cast<Eigen::Index>(i)) = all[static_cast<std::size_t>(corners[i])];
+      }
+      lookAt_[static_cast<std::size_t>(s)].candidate = std::move(corners);
+    }
+  }
+
+  /// Takes points until nothing sticks out farther than the tolerance, or there are enough of them.
+  void choose(double tolerance, std::size_t atMost) {
+    takeFirst();
+    // What sticks out in a pose only shrinks while points are added, so what was measured before bounds it from above.
+    struct Outside {
+      double bound;
+      int pose;
+      bool operator<(const Outside& other) const {
+        return bound != other.bound ? bound < other.bound : pose > other.pose;
+      }
+    };
+    std::priority_queue<Outside> poses;
+    for (int s = 0; s < sampled_.poseCount(); ++s) poses.push({farthestOut(s).first, s});
+    while (poses.top().bound > tolerance && chosen_.size() < atMost) {
+      const int pose = poses.top().pose;
+      poses.pop();
+      const auto [distance, candidate] = farthestOut(pose);
+      if (distance > tolerance && (poses.empty() || distance >= poses.top().bound)) {
+        take(candidate);
+        poses.push({distance, pose});
+      } else {
+        poses.push({distance, pose});
+      }
+    }
+    shortfall_ = 0.0;
+    for (int s = 0; s < sampled_.poseCount(); ++s) shortfall_ = std::max(shortfall_, farthestOut(s).first);
+  }
+
+  /// Pushes the points outward until in no sampled pose anything sticks out. What short pushes cannot hold becomes a
+  /// point itself, as long as there may be more.
+  /// @return false when that did not come to an end
+  [[nodiscard]] bool grow(std::size_t atMost) {
+    findDirections();
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      bool held = true;
+      for (int s = 0; s < sampled_.poseCount(); ++s) {
+        if (sweep >= kShortSweeps && chosen_.size() < atMost) {
+          held = takeOutside(s, atMost) && held;
+        } else {
+          held = holdIn(s, std::clamp(kTurn * (sweep - kShortSweeps), 0.0, 1.0)) && held;
+        }
+      }
+      if (held) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] double shortfall() const { return shortfall_; }
+
+  /// How far the surface sticks out in poses [m].
+  [[nodiscard]] double farthestOut(BonePoseView poses) const {
+    double farthest = 0.0;
+    for (int p = 0; p < poses.poseCount(); ++p) {
+      const std::vector<Vec3> all = positions(poses, p);
+      const ConvexHull hull = convexHull(chosenPositions(poses, p));
+      if (!hull.degenerate()) {
+        farthest = std::max(farthest, largestViolation(hull, all));
+      } else if (!convexHull(all).degenerate()) {
+        farthest = std::max(farthest, boundsOf(all).diagonal());
+      }
+    }
+    return farthest;
+  }
+
+  [[nodiscard]] std::vector<CoverPoint> points() const {
+    std::vector<CoverPoint> points;
+    points.reserve(chosen_.size());
+    for (const Chosen& c : chosen_) {
+      points.push_back({candidates_[static_cast<std::size_t>(c.candidate)], c.push});
+    }
+    std::sort(points.begin(), points.end(), [](const CoverPoint& a, const CoverPoint& b) { return a.point < b.point; });
+    return points;
+  }
+
+  [[nodiscard]] double longestPush() const {
+    double longest = 0.0;
+    for (const Chosen& c : chosen_) longest = std::max(longest, c.push.norm());
+    return longest;
+  }
+
+ private:
+  struct Chosen {
+    VertexIndex candidate = 0;
+    Vec3 direction = Vec3::Zero();  ///< of its push, in the bind pose
+    Vec3 push = Vec3::Zero();       ///< in the bind pose [m]
+  };
+  struct LookAt {
+    std::vector<VertexIndex> candidate;
+    Columns at;
+  };
+
+  [[nodiscard]] const LiftedPoint& point(VertexIndex candidate) const {
+    return lifted_[static_cast<std::size_t>(candidates_[static_cast<std::size_t>(candidate)])];
+  }
+
+  [[nodiscard]] std::vector<Vec3> positions(BonePoseView poses, int p) const {
+    std::vector<Vec3> at;
+    at.reserve(candidates_.size());
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      at.push_back(positionOf(point(static_cast<VertexIndex>(i)), poses.pose(p)));
+    }
+    return at;
+  }
+
+  /// How a point's bones turn what is fixed to its surface.
+  [[nodiscard]] static Mat3 turnOf(const LiftedPoint& point, std::span<const Affine3> worldFromModel) {
+    Mat3 turn = Mat3::Zero();
+    for (const LiftedTerm& t : point) turn += t.weight * worldFromModel[static_cast<std::size_t>(t.joint)].linear();
+    return turn;
+  }
+
+  [[nodiscard]] std::vector<Vec3> chosenPositions(BonePoseView poses, int p) const {
+    std::vector<Vec3> at;
+    at.reserve(chosen_.size());
+    for (const Chosen& c : chosen_) {
+      at.push_back(positionOf(point(c.candidate), poses.pose(p)));
+      if (!c.push.isZero()) at.back() += turnOf(point(c.candidate), poses.pose(p)) * c.push;
+    }
+    return at;
+  }
+
+  void take(VertexIndex candidate) { chosen_.push_back({candidate, Vec3::Zero()}); }
+
+  /// Four points that span a volume in the first pose, or all there are.
+  void takeFirst() {
+    const std::vector<Vec3> at = positions(sampled_, 0);
+    const auto takeFarthest = [&](const auto& distance) {
+      VertexIndex best = 0;
+      for (std::size_t i = 1; i < at.size(); ++i) {
+        if (distance(at[i]) > distance(at[static_cast<std::size_t>(best)])) best = static_cast<VertexIndex>(i);
+      }
+      const bool known =
+          std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == best; });
+      if (!known) take(best);
+      return at[static_cast<std::size_t>(best)];
+    };
+    const Vec3 middle = boundsOf(at).center();
+    const Vec3 a = takeFarthest([&](const Vec3& p) { return (p - middle).norm(); });
+    const Vec3 b = takeFarthest([&](const Vec3& p) { return (p - a).norm(); });
+    const Vec3 c = takeFarthest([&](const Vec3& p) { return (p - a).cross(b - a).norm(); });
+    const Vec3 normal = (b - a).cross(c - a);
+    takeFarthest([&](const Vec3& p) { return std::abs(normal.dot(p - a)); });
+  }
+
+  /// What sticks out farthest of the chosen points' hull in a sampled pose [m], and which candidate it is.
+  [[nodiscard]] std::pair<double, VertexIndex> farthestOut(int pose) const {
+    const LookAt& look = lookAt_[static_cast<std::size_t>(pose)];
+    const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
+    if (hull.degenerate()) {
+      // Flat so far: the point farthest from the chosen ones comes next.
+      const Vec3 from = hull.vertices.empty() ? Vec3(look.at.col(0)) : boundsOf(hull.vertices).center();
+      Eigen::Index farthest = 0;
+      const double distance = (look.at.colwise() - from).colwise().norm().maxCoeff(&farthest);
+      return {isChosen(look.candidate[static_cast<std::size_t>(farthest)]) ? 0.0 : distance,
+              look.candidate[static_cast<std::size_t>(farthest)]};
+    }
+    const Planes planes = planesOf(hull);
+    Eigen::Index face = 0;
+    Eigen::Index farthest = 0;
+    const double distance = ((planes.normals * look.at).colwise() - planes.offsets).maxCoeff(&face, &farthest);
+    return {std::max(0.0, distance), look.candidate[static_cast<std::size_t>(farthest)]};
+  }
+
+  [[nodiscard]] bool isChosen(VertexIndex candidate) const {
+    return std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == candidate; });
+  }
+
+  /// Sets the direction of each point's push: outward in the bind pose, of about unit length. All points pushed alike
+  /// stretch the part by as much along each of its principal axes, so no face loses what another one gains.
+  void findDirections() {
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      mean += bindPositionOf(point(static_cast<VertexIndex>(i))) / static_cast<double>(candidates_.size());
+    }
+    Mat3 spread = Mat3::Zero();
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const Vec3 offset = bindPositionOf(point(static_cast<VertexIndex>(i))) - mean;
+      spread += offset * offset.transpose();
+    }
+    axes_ = symmetricAxes(spread).vectors;
+    box_ = Aabb();
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      box_.extend(axes_.transpose() * bindPositionOf(point(static_cast<VertexIndex>(i))));
+    }
+    for (Chosen& c : chosen_) c.direction = directionOf(c.candidate);
+  }
+
+  [[nodiscard]] Vec3 directionOf(VertexIndex candidate) const {
+    const Vec3 reach = (0.5 * (box_.max - box_.min)).cwiseMax(1e-3 * box_.diagonal());
+    return axes_ * (axes_.transpose() * bindPositionOf(point(candidate)) - box_.center()).cwiseQuotient(reach);
+  }
+
+  /// Takes what sticks out in one pose, farthest first. @return whether nothing did from the start
+  bool takeOutside(int pose, std::size_t atMost) {
+    bool held = true;
+    for (auto [distance, candidate] = farthestOut(pose); distance > kHeld * size_ && chosen_.size() < atMost;
+         std::tie(distance, candidate) = farthestOut(pose)) {
+      held = false;
+      // One that was taken already has been pushed the wrong way.
+      const auto known = std::find_if(chosen_.begin(), chosen_.end(),
+                                      [c = candidate](const Chosen& chosen) { return chosen.candidate == c; });
+      if (known != chosen_.end()) {
+        known->push.setZero();
+        return false;
+      }
+      take(candidate);
+      chosen_.back().direction = directionOf(candidate);
+    }
+    return held;
+  }
+
+  /// Pushes points until nothing sticks out in one pose. A push along the normal of the face that something sticks out
+  /// of is the shortest; but where two faces meet at a sharp edge, one loses what the other gains, and only pushes
+  /// outward come to an end.
+  /// @param outward  share of the outward direction in a push, 0 to 1
+  /// @return whether nothing stuck out from the start
+  bool holdIn(int pose, double outward) {
+    const LookAt& look = lookAt_[static_cast<std::size_t>(pose)];
+    std::vector<Mat3> turns;
+    turns.reserve(chosen_.size());
+    for (const Chosen& c : chosen_) turns.push_back(turnOf(point(c.candidate), sampled_.pose(pose)));
+    std::vector<Vec3> moves(chosen_.size());
+    for (int push = 0; push < kPushes; ++push) {
+      const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
+      if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // nothing is held by a plane
+      const Planes planes = planesOf(hull);
+      const Eigen::MatrixXd above = (planes.normals * look.at).colwise() - planes.offsets;
+      if (above.maxCoeff() <= kHeld * size_) return push == 0;
+
+      // For each point that sticks out, the corners of the face below it move outward, most the nearest ones, by no
+      // more than those before it have moved them already.
+      std::fill(moves.begin(), moves.end(), Vec3::Zero());
+      for (Eigen::Index i = 0; i < above.cols(); ++i) {
+        Eigen::Index face = 0;
+        const double distance = above.col(i).maxCoeff(&face);
+        if (distance <= 0.0) continue;
+        const Triangle& t = hull.triangles[static_cast<std::size_t>(face)];
+        const Vec3 normal = planes.normals.row(face).transpose();
+        Vec3 gains = sharesOf(look.at.col(i), hull, t);
+        double missing = (1.0 + kMore) * distance;
+        for (int k = 0; k < 3; ++k) missing -= gains[k] * normal.dot(moves[chosenOf(hull, t, k)]);
+        if (missing <= 0.0) continue;
+        std::array<Vec3, 3> along;
+        for (int k = 0; k < 3; ++k) {
+          const std::size_t c = chosenOf(hull, t, k);
+          const Vec3 d = turns[c] * chosen_[c].direction;
+          along[k] = outward * d + (1.0 - outward) * normal;
+          gains[k] *= std::max(kSteepest, normal.dot(along[k]));
+        }
+        for (int k = 0; k < 3; ++k) {
+          moves[chosenOf(hull, t, k)] += missing * gains[k] / gains.squaredNorm() * along[k];
+        }
+      }
+      for (std::size_t c = 0; c < chosen_.size(); ++c) {
+        chosen_[c].push += turns[c].transpose() * moves[c] * (3.0 / turns[c].squaredNorm());
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] static std::size_t chosenOf(const ConvexHull& hull, const Triangle& t, int corner) {
+    return static_cast<std::size_t>(hull.pointOfVertex[static_cast<std::size_t>(t[static_cast<std::size_t>(corner)])]);
+  }
+
+  /// Barycentric coordinates of the place on a triangle below a point; of one beside it, without what is negative.
+  [[nodiscard]] static Vec3 sharesOf(const Vec3& p, const ConvexHull& hull, const Triangle& t) {
+    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
+    const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
+    const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
+    const Vec3 normal = (b - a).cross(c - a);
+    const Vec3 areas((b - p).cross(c - p).dot(normal), (c - p).cross(a - p).dot(normal),
+                     (a - p).cross(b - p).dot(normal));
+    const Vec3 inside = areas.cwiseMax(0.0);
+    return inside.sum() > 0.0 ? Vec3(inside / inside.sum()) : Vec3::Constant(1.0 / 3.0);
+  }
+
+  std::span<const PointIndex> candidates_;
+  std::span<const LiftedPoint> lifted_;
+  BonePoseView sampled_;
+  std::vector<LookAt> lookAt_;  ///< for each sampled pose
+  std::vector<Chosen> chosen_;
+  Mat3 axes_ = Mat3::Identity();  ///< principal ones of the bind pose
+  Aabb box_;                      ///< along them
+  double size_ = 0.0;
+  double shortfall_ = 0.0;
+};
+
+}  // namespace
+
+CoverPromise coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted) {
+  CoverPromise promise;
+  promise.points.resize(decomposition.parts.size());
+  const std::vector<std::vector<PointIndex>> passengers = passengersOf(decomposition, lifted);
+  for (std::size_t i = 0; i < promise.points.size(); ++i) {
+    for (const PointIndex p : hullCandidates(decomposition, decomposition.parts[i], lifted, passengers[i])) {
+      promise.points[i].push_back({p, Vec3::Zero()});
+    }
+  }
+  return promise;
+}
+
+Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<const LiftedPoint> lifted,
+                                 BonePoseView sampled, BonePoseView heldOut, const CoverSettings& settings) {
+  CHECK(sampled.poseCount() > 0, "points are chosen in one pose or more");
+  if (!(settings.tolerance >= 0.0) || !std::isfinite(settings.tolerance)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("a cover tolerance of {} m, expected 0 or more", settings.tolerance)};
+  }
+  if (settings.maxHullVertices != 0 && settings.maxHullVertices < 4) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("hulls of {} vertices, expected 4 or more", settings.maxHullVertices)};
+  }
+  CoverPromise promise = coverExactly(decomposition, lifted);
+  promise.tolerance = settings.tolerance;
+  promise.maxHullVertices = settings.maxHullVertices;
+  if (settings.tolerance == 0.0 && settings.maxHullVertices == 0) return promise;
+  promise.sampledPoses = sampled.poseCount();
+  promise.heldOutPoses = heldOut.poseCount();
+
+  const std::size_t partCount = promise.points.size();
+  const std::size_t atMost =
+      settings.maxHullVertices == 0 ? std::size_t(-1) : static_cast<std::size_t>(settings.maxHullVertices);
+  struct Outcome {
+    double growth = 0.0, shortfall = 0.0, heldOut = 0.0;
+    bool held = true;
+  };
+  std::vector<Outcome> outcomes(partCount);
+  std::mutex progressMutex;
+  int done = 0;
+  std::atomic<bool> cancelled = false;
+  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(std::size_t{0}, partCount, [&](std::size_t i) {
+      if (cancelled) return;
+      std::vector<PointIndex> candidates;
+      candidates.reserve(promise.points[i].size());
+      for (const CoverPoint& p : promise.points[i]) candidates.push_back(p.point);
+      if (candidates.size() > 4) {
+        PartCover cover(candidates, lifted, sampled);
+        cover.choose(settings.tolerance, atMost);
+        outcomes[i].held = cover.grow(atMost);
+        outcomes[i].shortfall = cover.shortfall();
+        outcomes[i].growth = cover.longestPush();
+        outcomes[i].heldOut = cover.farthestOut(heldOut);
+        promise.points[i] = cover.points();
+      }
+      const std::scoped_lock lock(progressMutex);
+      ++done;
+      if (settings.progress && !settings.progress(done, static_cast<int>(partCount))) cancelled = true;
+    });
+  });
+  if (cancelled) return Error{ErrorCode::kCancelled, "cancelled"};
+  for (std::size_t i = 0; i < partCount; ++i) {
+    if (!outcomes[i].held) {
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("part {}: {} points cannot hold the body in all {} sampled poses, expected more vertices "
+                      "or a smaller tolerance",
+                      i, promise.points[i].size(), sampled.poseCount())};
+    }
+    promise.growth = std::max(promise.growth, outcomes[i].growth);
+    promise.sampledShortfall = std::max(promise.sampledShortfall, outcomes[i].shortfall);
+    promise.heldOutShortfall = std::max(promise.heldOutShortfall, outcomes[i].heldOut);
+  }
+  return promise;
+}
+
+LiftedPoint pushed(LiftedPoint point, const Vec3& outward) {
+  for (LiftedTerm& t : point) t.moment += t.weight * outward;
+  return point;
+}
+
+}  // namespace lorica

@@ -1,0 +1,162 @@
+#include "collision/live/lifted_kernel.h"
+
+#include <array>
+#include <limits>
+
+// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/live/lifted_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace lorica::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, LiftedPart::kBlock>;  // any smaller power of two divides a block too
+using Float = hn::Vec<Floats>;
+
+// Both sums are fused where there is such an instruction: alike from AVX2 and NEON on, and within rounding elsewhere.
+
+// Adds a block's points: weights times the bones' matrices times (place, 1).
+HWY_INLINE void addPlaces(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
+                          const float* lanes, Float& x, Float& y, Float& z) {
+  const Floats f;
+  constexpr std::size_t kBlock = LiftedPart::kBlock;
+  const auto px = hn::Load(f, lanes);
+  const auto py = hn::Load(f, lanes + kBlock);
+  const auto pz = hn::Load(f, lanes + 2 * kBlock);
+  for (std::uint32_t b = 0; b < count; ++b) {
+    const auto& m = matrices[bones[b]].column;
+    const auto weight = hn::Load(f, lanes + (3 + b) * kBlock);
+    const auto moved = [&](std::size_t r) HWY_ATTR {
+      const auto z0 = hn::MulAdd(hn::Set(f, m[2][r]), pz, hn::Set(f, m[3][r]));
+      return hn::MulAdd(hn::Set(f, m[0][r]), px, hn::MulAdd(hn::Set(f, m[1][r]), py, z0));
+    };
+    x = hn::MulAdd(weight, moved(0), x);
+    y = hn::MulAdd(weight, moved(1), y);
+    z = hn::MulAdd(weight, moved(2), z);
+  }
+}
+
+// Adds a block's points: the bones' matrices times (moment, weight).
+HWY_INLINE void addMoments(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
+                           const float* lanes, Float& x, Float& y, Float& z) {
+  const Floats f;
+  constexpr std::size_t kBlock = LiftedPart::kBlock;
+  for (std::uint32_t b = 0; b < count; ++b, lanes += 4 * kBlock) {
+    const auto& m = matrices[bones[b]].column;
+    const auto qx = hn::Load(f, lanes);
+    const auto qy = hn::Load(f, lanes + kBlock);
+    const auto qz = hn::Load(f, lanes + 2 * kBlock);
+    const auto qw = hn::Load(f, lanes + 3 * kBlock);
+    const auto add = [&](auto to, std::size_t r) HWY_ATTR {
+      to = hn::MulAdd(hn::Set(f, m[0][r]), qx, to);
+      to = hn::MulAdd(hn::Set(f, m[1][r]), qy, to);
+      to = hn::MulAdd(hn::Set(f, m[2][r]), qz, to);
+      return hn::MulAdd(hn::Set(f, m[3][r]), qw, to);
+    };
+    x = add(x, 0);
+    y = add(y, 1);
+    z = add(z, 2);
+  }
+}
+
+float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const std::uint32_t> groupBones,
+                     const LiftedPart::Lane* lanes, const FourColumns<float>* matrices, PointRow* rows) {
+  const Floats f;
+  auto largest = hn::Zero(f);
+  for (const LiftedPart::Group& group : groups) {
+    const std::uint32_t* bones = &groupBones[group.firstBone];
+    const std::size_t lanesOfOne = LiftedPart::lanesOfBlock(group.bones, group.onePlace);
+    const float* block = lanes[group.firstLane].of.data();
+    float* out = &rows[group.firstRow].x;
+    for (std::uint32_t k = 0; k < group.blocks; ++k) {
+      for (std::size_t lane = 0; lane < LiftedPart::kBlock; lane += hn::Lanes(f)) {
+        auto x = hn::Zero(f);
+        auto y = hn::Zero(f);
+        auto z = hn::Zero(f);
+        if (group.onePlace) {
+          addPlaces(bones, group.bones, matrices, block + lane, x, y, z);
+        } else {
+          addMoments(bones, group.bones, matrices, block + lane, x, y, z);
+        }
+        x = hn::Round(x);
+        y = hn::Round(y);
+        z = hn::Round(z);
+        largest = hn::Max(largest, hn::Max(hn::Abs(x), hn::Max(hn::Abs(y), hn::Abs(z))));
+        hn::StoreInterleaved4(x, y, z, hn::Zero(f), f, out + 4 * lane);
+      }
+      block += lanesOfOne * LiftedPart::kBlock;
+      out += 4 * LiftedPart::kBlock;
+    }
+  }
+  return hn::GetLane(hn::MaxOfLanes(f, largest));
+}
+
+std::int32_t farthestOfRows(std::span<const PointRow> rows, const Vec3f& direction) {
+  const Floats f;
+  const hn::RebindToSigned<Floats> n;
+  const std::size_t lanes = hn::Lanes(f);
+  const auto dx = hn::Set(f, direction.x());
+  const auto dy = hn::Set(f, direction.y());
+  const auto dz = hn::Set(f, direction.z());
+  auto best = hn::Set(f, -std::numeric_limits<float>::infinity());
+  auto which = hn::Zero(n);
+  auto index = hn::Iota(n, 0);
+  std::size_t i = 0;
+  for (; i + lanes <= rows.size(); i += lanes) {
+    auto x = hn::Zero(f);
+    auto y = hn::Zero(f);
+    auto z = hn::Zero(f);
+    auto w = hn::Zero(f);
+    hn::LoadInterleaved4(f, &rows[i].x, x, y, z, w);
+    // Not fused, so that every instruction set rounds alike.
+    const auto along = hn::Add(hn::Add(hn::Mul(dx, x), hn::Mul(dy, y)), hn::Mul(dz, z));
+    const auto farther = hn::Gt(along, best);
+    best = hn::IfThenElse(farther, along, best);
+    which = hn::IfThenElse(hn::RebindMask(n, farther), index, which);
+    index = hn::Add(index, hn::Set(n, static_cast<std::int32_t>(lanes)));
+  }
+  std::array<float, LiftedPart::kBlock> value;
+  std::array<std::int32_t, LiftedPart::kBlock> at;
+  hn::StoreU(best, f, value.data());
+  hn::StoreU(which, n, at.data());
+  float most = value[0];
+  std::int32_t row = at[0];
+  for (std::size_t lane = 1; lane < lanes; ++lane) {
+    if (value[lane] < most || (value[lane] == most && at[lane] > row)) continue;
+    most = value[lane];
+    row = at[lane];
+  }
+  for (; i < rows.size(); ++i) {
+    const float along = (direction.x() * rows[i].x + direction.y() * rows[i].y) + direction.z() * rows[i].z;
+    if (!(along > most)) continue;
+    most = along;
+    row = static_cast<std::int32_t>(i);
+  }
+  return row;
+}
+
+}  // namespace lorica::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace lorica {
+namespace {
+HWY_EXPORT(evaluateGroups);
+HWY_EXPORT(farthestOfRows);
+}  // namespace
+
+float evaluateLifted(std::span<const LiftedPart::Group> groups, std::span<const std::uint32_t> groupBones,
+                     const LiftedPart::Lane* lanes, const FourColumns<float>* matrices, PointRow* rows) {
+  return HWY_DYNAMIC_DISPATCH(evaluateGroups)(groups, groupBones, lanes, matrices, rows);
+}
+
+std::int32_t farthestRow(std::span<const PointRow> rows, const Vec3f& direction) {
+  return HWY_DYNAMIC_DISPATCH(farthestOfRows)(rows, direction);
+}
+
+}  // namespace lorica
+#endif

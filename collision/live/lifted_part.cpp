@@ -1,0 +1,177 @@
+#include "collision/live/lifted_part.h"
+
+#include "collision/live/lifted_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace lorica {
+namespace {
+
+constexpr double kStill = 0.25;       // of a step: closer than this to the pose taken last, a pose is the same
+constexpr double kSamePlace = 1e-12;  // of a metre, and of the distance from the model's origin
+
+/// Which points can share blocks.
+struct Layout {
+  std::vector<JointIndex> bones;  ///< ascending
+  bool onePlace = false;          ///< each bone moves the same place of the bind pose
+
+  auto operator<=>(const Layout&) const = default;
+};
+
+Layout layoutOf(const LiftedPoint& point) {
+  Layout layout;
+  layout.bones.reserve(point.size());
+  layout.onePlace = true;
+  const Vec3 place = bindPositionOf(point);
+  for (const LiftedTerm& t : point) {
+    layout.bones.push_back(t.joint);
+    layout.onePlace = layout.onePlace && (t.moment - t.weight * place).norm() <= kSamePlace * (1.0 + place.norm());
+  }
+  return layout;
+}
+
+/// Whether points of one layout can be in blocks of another: unused bones weigh nothing there.
+bool fits(const Layout& small, const Layout& large) {
+  return (small.onePlace || !large.onePlace) &&
+         std::includes(large.bones.begin(), large.bones.end(), small.bones.begin(), small.bones.end());
+}
+
+/// Points by their layout. A few points that would leave most of a block empty join others.
+std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const LiftedPoint> points) {
+  std::map<Layout, std::vector<std::int32_t>> groups;
+  for (std::size_t i = 0; i < points.size(); ++i) groups[layoutOf(points[i])].push_back(static_cast<std::int32_t>(i));
+  const auto lanesOf = [](const Layout& layout) {
+    return LiftedPart::lanesOfBlock(layout.bones.size(), layout.onePlace);
+  };
+  for (auto small = groups.begin(); small != groups.end();) {
+    auto home = groups.end();
+    if (small->second.size() <= LiftedPart::kBlock / 2) {
+      for (auto other = groups.begin(); other != groups.end(); ++other) {
+        if (other == small || !fits(small->first, other->first)) continue;
+        if (home == groups.end() || lanesOf(other->first) < lanesOf(home->first)) home = other;
+      }
+    }
+    if (home == groups.end()) {
+      ++small;
+      continue;
+    }
+    home->second.insert(home->second.end(), small->second.begin(), small->second.end());
+    small = groups.erase(small);
+  }
+  return groups;
+}
+
+}  // namespace
+
+LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
+  CHECK(!points.empty(), "a part has points");
+  const double share = 1.0 / static_cast<double>(points.size());
+
+  // Bind positions and the bones of the whole part.
+  std::vector<Vec3> bind(points.size(), Vec3::Zero());
+  std::map<JointIndex, std::uint32_t> boneOfJoint;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (const LiftedTerm& t : points[i]) {
+      bind[i] += t.moment;
+      boneOfJoint.emplace(t.joint, 0);
+    }
+    bindMean_ += share * bind[i];
+  }
+  for (const Vec3& p : bind) radius_ = std::max(radius_, (p - bindMean_).norm());
+  for (auto& [joint, bone] : boneOfJoint) {
+    bone = static_cast<std::uint32_t>(joints_.size());
+    joints_.push_back(joint);
+  }
+
+  // Sums over all points, bone by bone.
+  sums_.resize(joints_.size());
+  weightMean_ = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 offset = bind[i] - bindMean_;
+    for (const LiftedTerm& t : points[i]) {
+      FourColumns<double>& sum = sums_[boneOfJoint[t.joint]];
+      const Eigen::Vector4d lifted(t.moment.x(), t.moment.y(), t.moment.z(), t.weight);
+      for (std::size_t r = 0; r < 4; ++r) {
+        const double entry = lifted[static_cast<Eigen::Index>(r)];
+        for (std::size_t c = 0; c < 3; ++c) sum.column[c][r] += entry * offset[static_cast<Eigen::Index>(c)];
+        sum.column[3][r] += entry * share;
+      }
+      offsetSum_ += t.weight * offset;
+      weightMean_ += t.weight * share;
+    }
+  }
+
+  // Blocks of points that are moved alike, places and moments about the part's mean.
+  order_.reserve(points.size());
+  for (const auto& [layout, members] : groupByLayout(points)) {
+    Group group;
+    group.firstRow = static_cast<std::uint32_t>(order_.size());
+    group.blocks = static_cast<std::uint32_t>((members.size() + kBlock - 1) / kBlock);
+    group.firstLane = static_cast<std::uint32_t>(lanes_.size());
+    group.firstBone = static_cast<std::uint32_t>(groupBones_.size());
+    group.bones = static_cast<std::uint32_t>(layout.bones.size());
+    group.onePlace = layout.onePlace;
+    const std::size_t lanesOfOne = lanesOfBlock(group.bones, group.onePlace);
+    lanes_.resize(lanes_.size() + group.blocks * lanesOfOne);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      Lane* block = &lanes_[group.firstLane + i / kBlock * lanesOfOne];
+      const std::size_t lane = i % kBlock;
+      const auto write = [&](std::size_t first, const Vec3& v) {
+        for (int axis = 0; axis < 3; ++axis)
+          block[first + static_cast<std::size_t>(axis)].of[lane] = static_cast<float>(v[axis]);
+      };
+      const auto member = static_cast<std::size_t>(members[i]);
+      if (layout.onePlace) write(0, bind[member] - bindMean_);
+      for (const LiftedTerm& t : points[member]) {
+        const auto bone = static_cast<std::size_t>(std::lower_bound(layout.bones.begin(), layout.bones.end(), t.joint) -
+                                                   layout.bones.begin());
+        if (!layout.onePlace) write(4 * bone, t.moment - t.weight * bindMean_);
+        block[layout.onePlace ? 3 + bone : 4 * bone + 3].of[lane] = static_cast<float>(t.weight);
+      }
+      order_.push_back(members[i]);
+    }
+    for (const JointIndex joint : layout.bones) groupBones_.push_back(boneOfJoint[joint]);
+    groups_.push_back(group);
+    rowCount_ = std::max(rowCount_, group.firstRow + group.blocks * kBlock);
+  }
+}
+
+LiftedPart::Moments LiftedPart::momentsOf(std::span<const Affine3> worldFromModel) const {
+  // Far from the world's origin digits are kept by looking from where one of the bones is.
+  const Vec3 origin = worldFromModel[static_cast<std::size_t>(joints_.front())].translation();
+  const FourColumns<double> sums = sumOverBones(worldFromModel, origin, joints_, sums_);
+  const Eigen::Map<const Eigen::Matrix4d> sum(sums.column[0].data());
+  // Offsets are from the bind mean, so what they sum to, and with it the mean, nearly drops out of the covariance.
+  const Vec3 mean = sum.col(3).head<3>();
+  return {mean + weightMean_ * origin, sum.topLeftCorner<3, 3>() - mean * offsetSum_.transpose()};
+}
+
+LiftedPart::TakenPose LiftedPart::noPose() const {
+  TakenPose pose(joints_.size());
+  for (FourColumns<float>& matrix : pose) {
+    for (auto& column : matrix.column) column.fill(std::numeric_limits<float>::quiet_NaN());
+  }
+  return pose;
+}
+
+bool LiftedPart::take(std::span<const Affine3> worldFromModel, const Isometry3& worldFromPart, double tick,
+                      TakenPose& taken) const {
+  const BoneView view{worldFromPart.linear().transpose() / tick, worldFromPart.translation(), bindMean_,
+                      static_cast<float>(radius_), static_cast<float>(kStill)};
+  return viewBones(worldFromModel, view, joints_, taken);
+}
+
+float LiftedPart::evaluate(const TakenPose& taken, std::span<PointRow> rows) const {
+  CHECK(rows.size() >= rowCount_, "the caller sizes rows: rowCount() of them");
+  return evaluateLifted(groups_, groupBones_, lanes_.data(), taken.data(), rows.data());
+}
+
+std::size_t LiftedPart::memory() const {
+  return order_.size() * sizeof(order_[0]) + joints_.size() * (sizeof(JointIndex) + sizeof(FourColumns<double>)) +
+         groups_.size() * sizeof(Group) + groupBones_.size() * sizeof(groupBones_[0]) + lanes_.size() * sizeof(Lane);
+}
+
+}  // namespace lorica

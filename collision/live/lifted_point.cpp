@@ -1,0 +1,108 @@
+#include "collision/live/lifted_point.h"
+
+#include "acd/transfer.h"
+#include "geometry/convex_hull.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// Adds `scale` times another lifted point. Both have their joints in ascending order, and so has the sum.
+void add(LiftedPoint& sum, const LiftedPoint& other, double scale) {
+  for (const LiftedTerm& term : other) {
+    auto at = std::lower_bound(sum.begin(), sum.end(), term.joint,
+                               [](const LiftedTerm& t, JointIndex joint) { return t.joint < joint; });
+    if (at == sum.end() || at->joint != term.joint) at = sum.insert(at, LiftedTerm{term.joint, Vec3::Zero(), 0.0});
+    at->moment += scale * term.moment;
+    at->weight += scale * term.weight;
+  }
+}
+
+/// Points with the same key are moved by one affine map. Weights of cut points carry rounding; 1e-12 of it is dropped.
+using BoneKey = std::vector<std::pair<JointIndex, std::int64_t>>;
+
+BoneKey boneKeyOf(const LiftedPoint& point) {
+  BoneKey key;
+  key.reserve(point.size());
+  for (const LiftedTerm& t : point) key.emplace_back(t.joint, std::llround(t.weight * 1e12));
+  return key;
+}
+
+/// Whether the point moves as a mesh vertex does, all its bones taking one bind position along. A cut point between
+/// vertices of different weights does not.
+bool hasOneBindPosition(const LiftedPoint& point) {
+  const Vec3 bind = bindPositionOf(point);
+  return std::all_of(point.begin(), point.end(), [&](const LiftedTerm& t) {
+    return (t.moment - t.weight * bind).norm() <= 1e-12 * (1.0 + bind.norm());
+  });
+}
+
+}  // namespace
+
+Vec3 bindPositionOf(const LiftedPoint& point) {
+  Vec3 sum = Vec3::Zero();
+  for (const LiftedTerm& t : point) sum += t.moment;
+  return sum;
+}
+
+std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposition& decomposition) {
+  CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
+        "the decomposition was made from the character's mesh");
+  std::vector<LiftedPoint> lifted;
+  lifted.reserve(static_cast<std::size_t>(decomposition.pointCount()));
+  for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
+    LiftedPoint point;
+    for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
+      const Influence& influence = character.influences[i];
+      if (influence.weight == 0.0) continue;
+      add(point, {{influence.joint, character.mesh.vertices[v], 1.0}}, influence.weight);
+    }
+    lifted.push_back(std::move(point));
+  }
+  for (const CutPoint& cut : decomposition.cutPoints) {
+    LiftedPoint point;
+    add(point, lifted[static_cast<std::size_t>(cut.first)], cut.lambda);
+    add(point, lifted[static_cast<std::size_t>(cut.second)], 1.0 - cut.lambda);
+    lifted.push_back(std::move(point));
+  }
+  return lifted;
+}
+
+Vec3 positionOf(const LiftedPoint& point, std::span<const Affine3> worldFromModel) {
+  Vec3 sum = Vec3::Zero();
+  for (const LiftedTerm& t : point) {
+    const Affine3& bone = worldFromModel[static_cast<std::size_t>(t.joint)];
+    sum += bone.linear() * t.moment + t.weight * bone.translation();
+  }
+  return sum;
+}
+
+std::vector<PointIndex> hullCandidates(const Decomposition& decomposition, const Part& part,
+                                       std::span<const LiftedPoint> lifted, std::span<const PointIndex> passengers) {
+  std::map<BoneKey, std::vector<PointIndex>> together;
+  std::vector<PointIndex> candidates;
+  std::vector<PointIndex> spanning = spanningPoints(decomposition, part);
+  spanning.insert(spanning.end(), passengers.begin(), passengers.end());
+  for (const PointIndex p : spanning) {
+    const LiftedPoint& point = lifted[static_cast<std::size_t>(p)];
+    if (hasOneBindPosition(point)) {
+      together[boneKeyOf(point)].push_back(p);
+    } else {
+      candidates.push_back(p);
+    }
+  }
+  std::vector<Vec3> positions;
+  for (const auto& [key, points] : together) {
+    positions.clear();
+    for (const PointIndex p : points) positions.push_back(bindPositionOf(lifted[static_cast<std::size_t>(p)]));
+    for (const VertexIndex i : convexHullOutline(positions).points) candidates.push_back(points[i]);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  return candidates;
+}
+
+}  // namespace lorica

@@ -1,0 +1,248 @@
+#include "collision/live/live_body.h"
+
+#include "acd/transfer.h"
+#include "collision/live/lifted_kernel.h"
+#include "collision/live/rigid_fit.h"
+#include "geometry/result.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::micro>(end - begin).count();
+}
+
+// A part reaches 2^20 to 2^21 ticks from its mean: less than a millionth of its size is one. MovingHull takes up to
+// 2^22. Coarser ticks round more points onto each other's planes, which makes work.
+constexpr int kTickBits = 21;
+constexpr float kLargest = 4194304.0f;  // 2^22
+constexpr float kSmallest = 65536.0f;   // 2^16: below, ticks are made finer
+
+/// The tick for a part that reaches so far from its mean; a power of two.
+double tickFor(double reach) {
+  return reach > 0.0 && std::isfinite(reach) ? std::ldexp(1.0, std::ilogb(reach) + 1 - kTickBits) : 0.0;
+}
+
+bool isFinite(const Isometry3& motion) {
+  return motion.matrix().allFinite();
+}
+
+}  // namespace
+
+LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : plan_(std::move(plan)), detail_(detail) {
+  CHECK(plan_ != nullptr, "a body has a plan");
+  tracks_.resize(plan_->parts().size());
+  parts_.resize(tracks_.size());
+  covariances_.resize(tracks_.size());
+  rotations_.resize(tracks_.size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const BodyPlan::PartPlan& own = plan_->parts()[i];
+    const std::size_t count = own.candidates.size();
+    Track& track = tracks_[i];
+    if (own.lifted) {
+      track.rows.resize(own.lifted->rowCount());
+      track.tick = tickFor(own.lifted->radius());
+      track.taken = own.lifted->noPose();
+    } else {
+      track.rows.resize(count);
+      track.points.resize(count);
+      track.firstPoints.resize(count);
+      meshPoints_.resize(static_cast<std::size_t>(decomposition().pointCount()), Vec3::Zero());
+    }
+    if (detail != LiveDetail::kFaces) continue;
+    track.hull.emplace(static_cast<int>(count));
+    LivePart& part = parts_[i];
+    part.shape.vertices.reserve(count);
+    part.shape.pointOfVertex.reserve(count);
+    part.shape.triangles.reserve(2 * count);
+    part.previousVertices.reserve(count);
+  }
+}
+
+// What is assigned to keeps its room; what is copied by default has none to spare.
+LiveBody::LiveBody(const LiveBody& other) : LiveBody(other.plan_, other.detail_) {
+  tracks_ = other.tracks_;
+  parts_ = other.parts_;
+  meshPoints_ = other.meshPoints_;
+  timing_ = other.timing_;
+  started_ = other.started_;
+}
+
+LiveBody& LiveBody::operator=(const LiveBody& other) {
+  if (this != &other) *this = LiveBody(other);
+  return *this;
+}
+
+LiveBody::LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail)
+    : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition), character), detail) {}
+
+LiveBody::LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover, LiveDetail detail)
+    : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition), character, std::move(cover)), detail) {}
+
+LiveBody::LiveBody(Decomposition decomposition) : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition))) {}
+
+Vec3 LiveBody::support(PartIndex part, const Vec3& direction) const {
+  const Track& track = tracks_[static_cast<std::size_t>(part)];
+  const Isometry3& worldFromPart = parts_[static_cast<std::size_t>(part)].worldFromPart;
+  const Vec3f own = (worldFromPart.linear().transpose() * direction).cast<float>();
+  const std::span<const PointRow> rows = std::span(track.rows).first(candidateCount(part));
+  const PointRow& row = rows[static_cast<std::size_t>(farthestRow(rows, own))];
+  return worldFromPart * (track.tick * Vec3(row.x, row.y, row.z));
+}
+
+std::size_t LiveBody::candidateCount(PartIndex part) const {
+  return plan_->parts()[static_cast<std::size_t>(part)].candidates.size();
+}
+
+std::size_t LiveBody::memory() const {
+  const auto bytes = [](const auto& vector) { return vector.capacity() * sizeof(vector[0]); };
+  std::size_t sum = bytes(meshPoints_) + bytes(covariances_) + bytes(rotations_) + bytes(parts_) + bytes(tracks_);
+  for (const Track& t : tracks_) {
+    sum += bytes(t.rows) + bytes(t.taken) + bytes(t.firstPoints) + bytes(t.points);
+    if (t.hull) sum += t.hull->memory();
+  }
+  for (const LivePart& part : parts_) {
+    sum += bytes(part.shape.vertices) + bytes(part.shape.pointOfVertex) + bytes(part.shape.triangles) +
+           bytes(part.previousVertices);
+  }
+  return sum;
+}
+
+void LiveBody::update(std::span<const Affine3> worldFromModel) {
+  CHECK(meshPoints_.empty(), "a mesh sequence's body is moved by its vertices");
+  const Clock::time_point begin = Clock::now();
+
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    LivePart& part = parts_[i];
+    part.previousWorldFromPart = part.worldFromPart;
+    const LiftedPart::Moments moments = plan_->parts()[i].lifted->momentsOf(worldFromModel);
+    part.worldFromPart.translation() = moments.mean;
+    covariances_[i] = moments.covariance;
+    rotations_[i] = part.previousWorldFromPart.linear();
+  }
+  fitRotations(covariances_, rotations_);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    LivePart& part = parts_[i];
+    part.worldFromPart.linear() = rotations_[i];
+    if (!started_) part.previousWorldFromPart = part.worldFromPart;
+  }
+  const Clock::time_point placed = Clock::now();
+
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const LiftedPart& lifted = *plan_->parts()[i].lifted;
+    Track& track = tracks_[i];
+    // A few rounds, where a pose is so much larger or smaller than the last one that it needs other ticks.
+    for (int round = 0; round < 4; ++round) {
+      const bool taken = lifted.take(worldFromModel, parts_[i].worldFromPart, track.tick, track.taken);
+      if (round == 0) track.moved = taken;
+      if (!taken || !isFinite(parts_[i].worldFromPart)) break;
+      const float largest = lifted.evaluate(track.taken, track.rows);
+      if (largest >= kSmallest && largest <= kLargest) break;
+      const double tick = tickFor(track.tick * static_cast<double>(largest));
+      if (tick == 0.0) break;
+      track.tick = tick;
+    }
+  }
+  const Clock::time_point carried = Clock::now();
+
+  reshapeAll();
+  const Clock::time_point end = Clock::now();
+  timing_ = {microsecondsBetween(begin, placed), microsecondsBetween(placed, carried),
+             microsecondsBetween(carried, end)};
+}
+
+void LiveBody::update(std::span<const Vec3> posed) {
+  CHECK(!meshPoints_.empty(), "a character's body is moved by its bones");
+  const Clock::time_point begin = Clock::now();
+
+  transfer(decomposition(), posed, meshPoints_);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const std::vector<PointIndex>& candidates = plan_->parts()[i].candidates;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      tracks_[i].points[k] = meshPoints_[static_cast<std::size_t>(candidates[k])];
+    }
+  }
+  const Clock::time_point carried = Clock::now();
+
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Track& track = tracks_[i];
+    LivePart& part = parts_[i];
+    if (!started_) {
+      part.worldFromPart.translation() = centroidOf(track.points);
+      part.previousWorldFromPart = part.worldFromPart;
+      for (std::size_t k = 0; k < track.points.size(); ++k) {
+        track.firstPoints[k] = track.points[k] - part.worldFromPart.translation();
+      }
+    } else {
+      part.previousWorldFromPart = part.worldFromPart;
+      part.worldFromPart = fitRigidMotion(track.firstPoints, track.points, part.previousWorldFromPart.linear());
+    }
+  }
+  const Clock::time_point placed = Clock::now();
+
+  for (std::size_t i = 0; i < parts_.size(); ++i) readRows(tracks_[i], parts_[i].worldFromPart);
+  reshapeAll();
+  const Clock::time_point end = Clock::now();
+  timing_ = {microsecondsBetween(carried, placed), microsecondsBetween(begin, carried),
+             microsecondsBetween(placed, end)};
+}
+
+/// Points of a mesh sequence into the part's own frame, in ticks.
+void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
+  const Isometry3 partFromWorld = worldFromPart.inverse();
+  double reach = 0.0;
+  for (Vec3& p : track.points) {
+    p = partFromWorld * p;
+    reach = std::max(reach, p.cwiseAbs().maxCoeff());
+  }
+  const double largest = track.tick > 0.0 ? reach / track.tick : 0.0;
+  if (!(largest >= kSmallest && largest <= kLargest)) track.tick = tickFor(reach);
+  const double ticks = track.tick > 0.0 ? 1.0 / track.tick : 0.0;
+  for (std::size_t k = 0; k < track.points.size(); ++k) {
+    const Vec3f p = (ticks * track.points[k]).array().round().cast<float>();
+    track.rows[k] = {p.x(), p.y(), p.z(), 0.0f};
+  }
+  track.moved = true;
+}
+
+void LiveBody::reshapeAll() {
+  for (std::size_t i = 0; i < parts_.size(); ++i) reshape(plan_->parts()[i], tracks_[i], parts_[i]);
+  started_ = true;
+}
+
+/// Lets the hull follow the rows.
+void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part) {
+  part.reshaped = track.moved;
+  if (!track.moved) return;
+  std::swap(part.previousVertices, part.shape.vertices);
+  const MovingHull* hull = nullptr;
+  if (track.hull && track.tick != 0.0 && isFinite(part.worldFromPart)) {
+    track.hull->update(std::span(track.rows).first(plan.candidates.size()));
+    hull = &*track.hull;
+  }
+  const std::span<const VertexIndex> vertices = hull ? hull->vertices() : std::span<const VertexIndex>();
+  const std::span<const Triangle> faces = hull ? hull->faces() : std::span<const Triangle>();
+  part.shape.vertices.resize(vertices.size());
+  part.shape.pointOfVertex.resize(vertices.size());
+  part.shape.triangles.resize(faces.size());
+  part.shape.volume = hull ? hull->volume() * track.tick * track.tick * track.tick : 0.0;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const auto candidate = static_cast<std::size_t>(vertices[v]);
+    const PointRow& row = track.rows[candidate];
+    part.shape.pointOfVertex[v] = plan.candidates[candidate];
+    part.shape.vertices[v] = track.tick * Vec3(row.x, row.y, row.z);
+  }
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& [a, b, c] = faces[f];
+    part.shape.triangles[f] = {hull->placeOf(a), hull->placeOf(b), hull->placeOf(c)};
+  }
+}
+
+}  // namespace lorica

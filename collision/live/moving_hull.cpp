@@ -1,0 +1,397 @@
+#include "collision/live/moving_hull.h"
+
+#include "collision/live/moving_hull_exact.h"
+#include "geometry/result.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace lorica {
+
+using exact::det;
+using exact::side;
+
+MovingHull::Scratch& MovingHull::scratchOfThisThread() {
+  thread_local Scratch scratch;
+  return scratch;
+}
+
+void MovingHull::Scratch::fit(std::size_t pointCount) {
+  const std::size_t mostFaces = std::max<std::size_t>(4, 2 * pointCount);
+  if (isNear.size() >= mostFaces) return;
+  start.fit(pointCount);
+  doubts.resize(mostFaces);
+  queue.reserve(3 * mostFaces);
+  queued.resize(3 * mostFaces);
+  turned.reserve(mostFaces);
+  pierced.reserve(mostFaces);
+  near.reserve(mostFaces);
+  isNear.resize(mostFaces);
+  unsettled.reserve(pointCount);
+  link.reserve(pointCount);
+  cuts.reserve(pointCount);
+}
+
+MovingHull::MovingHull(int pointCount) : surface_(pointCount) {
+  CHECK(pointCount > 0, "a hull needs points");
+  const auto n = static_cast<std::size_t>(pointCount);
+  scratchOfThisThread().fit(n);
+  vertices_.reserve(n);
+  inside_.resize(n + kPassWidth);
+  slot_.resize(n);
+  for (std::size_t p = 0; p < n; ++p) {
+    const auto id = static_cast<VertexIndex>(p);
+    slot_[p] = id;
+    inside_[p] = {id, id, id, id};
+  }
+  insideCount_ = n;
+
+  // Without common divisor, and far from simple fractions of the count.
+  stride_ = std::max<std::size_t>(1, (n * 618) / 1000);
+  while (std::gcd(stride_, n) != 1) ++stride_;
+}
+
+// All points once, neighbours far apart.
+template <class Visit>
+void MovingHull::visitScrambled(const Visit& visit) const {
+  const std::size_t n = slot_.size();
+  for (std::size_t i = 0, p = 0; i < n; ++i, p = (p + stride_) % n) visit(static_cast<VertexIndex>(p));
+}
+
+void MovingHull::update(std::span<const PointRow> points) {
+  CHECK(points.size() == slot_.size(), "as many points as the hull was made for");
+  points_ = points;
+  counts_ = {};
+  scratch_ = &scratchOfThisThread();
+  scratch_->fit(points.size());
+  if (!flat() && repair()) return;
+  if (!build()) startOver();
+}
+
+double MovingHull::volume() const {
+  return sumOfDeterminants(points_.data(), faces().data(), surface_.faceCount()) / 6.0;
+}
+
+std::size_t MovingHull::memory() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return sizeof(*this) + surface_.memory() + bytes(vertices_) + bytes(inside_) + bytes(slot_);
+}
+
+VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) const {
+  const auto along = [&](VertexIndex p) {
+    const PointRow& q = at(p);
+    return direction.x() * q.x + direction.y() * q.y + direction.z() * q.z;
+  };
+  const auto higherOf = [&](VertexIndex a, VertexIndex b) { return along(b) > along(a) ? b : a; };
+  if (flat()) {
+    VertexIndex highest = startHint;
+    visitScrambled([&](VertexIndex p) { highest = higherOf(highest, p); });
+    return highest;
+  }
+  VertexIndex best = isVertex(startHint) ? startHint : vertices_.front();
+  double most = along(best);
+  while (true) {
+    const HalfEdge first = surface_.outOf(best);
+    VertexIndex higher = best;
+    HalfEdge h = first;
+    do {
+      const VertexIndex candidate = surface_.end(h);
+      const double value = along(candidate);
+      if (value > most) {
+        most = value;
+        higher = candidate;
+      }
+      h = surface_.turn(h);
+    } while (h != first);
+    if (higher != best) {
+      best = higher;
+      continue;
+    }
+    // The edges of a vertex span the cone in which the hull lies, so that nothing is higher. That is not so within a
+    // flat face that looks the other way; then, and only then, is this place lower than s.
+    if (most > 0.0) return best;
+    return std::accumulate(vertices_.begin(), vertices_.end(), best, higherOf);
+  }
+}
+
+bool MovingHull::repair() {
+  // Faces that lost their side come first: all else takes for granted that s sees the whole surface from inside.
+  constexpr int kRounds = 8;
+  scanFaces();
+  for (int round = 0; !scratch_->turned.empty(); ++round) {
+    if (round == kRounds || !turnFaces()) return false;
+    lookAgain();
+  }
+  // All faces may look outwards on a surface that winds round s twice, like a star pentagon.
+  if (scratch_->pierced.size() != 1) return false;
+  return legalise() && checkCertificates();
+}
+
+bool MovingHull::build() {
+  counts_.rebuilds = 1;
+  const std::span<const Triangle> first = scratch_->start.find(points_);
+  if (first.empty()) return false;
+
+  // Last frame's vertices are likely to be vertices again, and then the others are inside at once.
+  scratch_->unsettled.clear();
+  for (const bool wasVertex : {true, false}) {
+    visitScrambled([&](VertexIndex p) {
+      if (isVertex(p) == wasVertex) scratch_->unsettled.push_back(p);
+    });
+  }
+  startOver();
+  for (const Triangle& t : first) {
+    const std::int32_t face = surface_.addFace(t[0], t[1], t[2]);
+    for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
+      for (HalfEdge g = 0; g < 3 * face; ++g) {
+        if (surface_.start(g) == surface_.end(h) && surface_.end(g) == surface_.start(h)) surface_.glue(h, g);
+      }
+    }
+  }
+  visitScrambled([&](VertexIndex p) {
+    if (isVertex(p)) becomeVertex(p);
+  });
+  return settleAll();
+}
+
+// Leaves no faces and no vertices. Certificates stay: they hold nothing now, but tell where to look. So do a vertex's
+// neighbours: they are likely to be near again, though all has moved.
+void MovingHull::startOver() {
+  while (!scratch_->queue.empty()) {
+    scratch_->queued[static_cast<std::size_t>(scratch_->queue.back())] = 0;
+    scratch_->queue.pop_back();
+  }
+  while (!vertices_.empty()) {
+    const VertexIndex v = vertices_.back();
+    const HalfEdge out = surface_.outOf(v);
+    const HalfEdge onward = surface_.turn(surface_.turn(out));
+    becomeInside(v, {surface_.end(out), surface_.apex(out), surface_.end(onward)});
+  }
+  surface_.clear();
+}
+
+double MovingHull::faceDet(std::int32_t face) const {
+  const Triangle& t = surface_.faces()[static_cast<std::size_t>(face)];
+  return det(at(t[0]), at(t[1]), at(t[2]));
+}
+
+// Each flip adds volume to the solid and each vertex that is taken out stays out, so this ends.
+bool MovingHull::legalise() {
+  while (!scratch_->queue.empty()) {
+    const HalfEdge h = scratch_->queue.back();
+    scratch_->queue.pop_back();
+    scratch_->queued[static_cast<std::size_t>(h)] = 0;
+    if (h >= 3 * surface_.faceCount()) continue;
+    const HalfEdge k = surface_.twin(h);
+    const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
+    if (side(at(a), at(b), at(c), at(d)) <= 0.0) continue;
+    // Seen from s, the quadrilateral a d b c has at most one corner that is not convex, a or b: with s and the other
+    // three corners as a tetrahedron, the edge would be convex if both were.
+    if (det(at(a), at(d), at(c)) <= 0.0) {
+      if (!takeOut(a, Link::kSeenFromVertex, {d, b, c})) return false;
+    } else if (det(at(d), at(b), at(c)) <= 0.0) {
+      if (!takeOut(b, Link::kSeenFromVertex, {a, d, c})) return false;
+    } else {
+      surface_.flip(h);
+      ++counts_.flips;
+      const std::int32_t f = HullSurface::faceOf(h);
+      const std::int32_t g = HullSurface::faceOf(k);
+      queueConcave(f, 3 * f, 3 * f + 2);
+      queueConcave(g, 3 * g, 3 * g + 1);
+    }
+  }
+  return true;
+}
+
+bool MovingHull::holds(const HullCertificate& certificate) const {
+  const auto [ia, ib, ic, ip] = certificate;
+  const PointRow &a = at(ia), &b = at(ib), &c = at(ic), &p = at(ip);
+  return det(a, b, c) > 0.0 && det(a, b, p) >= 0.0 && det(b, c, p) >= 0.0 && det(c, a, p) >= 0.0 &&
+         side(a, b, c, p) <= 0.0;
+}
+
+bool MovingHull::checkCertificates() {
+  scratch_->unsettled.clear();
+  const int found =
+      findDoubtfulCertificates(points_.data(), inside_.data(), static_cast<int>(insideCount_), scratch_->doubts.data());
+  for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
+    const HullCertificate& certificate = inside_[static_cast<std::size_t>(doubt)];
+    if (!holds(certificate)) scratch_->unsettled.push_back(certificate.point);
+  }
+  counts_.failedCertificates = static_cast<int>(scratch_->unsettled.size());
+  return settleAll();
+}
+
+bool MovingHull::settleAll() {
+  return std::all_of(scratch_->unsettled.begin(), scratch_->unsettled.end(),
+                     [&](VertexIndex p) { return isVertex(p) || settle(p); });
+}
+
+// A vertex that may be near a point.
+VertexIndex MovingHull::hintFor(VertexIndex p) const {
+  const HullCertificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
+  for (const VertexIndex v : {last.a, last.b, last.c}) {
+    if (isVertex(v)) return v;
+  }
+  // Of a few vertices, that whose direction is nearest, or about so.
+  constexpr std::size_t kTries = 12;
+  const std::size_t step = 1 + vertices_.size() / kTries;
+  const PointRow& q = at(p);
+  const auto towards = [&](VertexIndex v) { return at(v).x * q.x + at(v).y * q.y + at(v).z * q.z; };
+  VertexIndex nearest = vertices_.front();
+  for (std::size_t i = step; i < vertices_.size(); i += step) {
+    if (towards(vertices_[i]) > towards(nearest)) nearest = vertices_[i];
+  }
+  return nearest;
+}
+
+// Gives a point a new certificate, or makes it a vertex where it is outside.
+bool MovingHull::settle(VertexIndex p) {
+  const Place place = locate(p, hintFor(p));
+  const Triangle t = faces()[static_cast<std::size_t>(place.face)];
+  if (side(at(t[0]), at(t[1]), at(t[2]), at(p)) <= 0.0) {
+    inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])] = {t[0], t[1], t[2], p};
+    return true;
+  }
+  ++counts_.insertions;
+  becomeVertex(p);
+  const int zeros = (place.ab == 0.0) + (place.bc == 0.0) + (place.ca == 0.0);
+  const HalfEdge first = 3 * place.face;
+  if (zeros == 0) {
+    surface_.splitFace(place.face, p);
+  } else if (zeros == 1) {
+    surface_.splitEdge(place.ab == 0.0 ? first : place.bc == 0.0 ? first + 1 : first + 2, p);
+  } else {
+    // Straight above a corner, which goes inside: it lies between s and p.
+    const VertexIndex v = place.ab != 0.0 ? t[2] : place.bc != 0.0 ? t[0] : t[1];
+    surface_.replaceVertex(v, p);
+    const Triangle& over = faces()[static_cast<std::size_t>(place.face)];
+    becomeInside(v, over);
+  }
+  // Edges at a point that was put on top of a face or an edge are convex; at one on top of a vertex they need not be.
+  const HalfEdge out = surface_.outOf(p);
+  HalfEdge h = out;
+  do {
+    const HalfEdge rim = HullSurface::next(h);
+    queueConcave(HullSurface::faceOf(h), rim, zeros == 2 ? h : rim);
+    h = surface_.turn(h);
+  } while (h != out);
+  return legalise();
+}
+
+// Walks along the arc from a vertex to the point's direction. Seen from s, the arc leaves each face that it enters
+// through an edge of the face's third corner, so one product a step tells where it goes on.
+//
+//      L ----- q       The arc comes in over the edge from L to R. With q on its right it leaves between q and L, else
+//       \     /        between R and q.
+//        \  /
+//         R
+MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
+  const PointRow& point = at(p);
+  const exact::Row across = exact::cross(exact::rowOf(point), exact::rowOf(at(from)));
+  const auto rightOfArc = [&](VertexIndex q) { return exact::dot(across, exact::rowOf(at(q))); };
+  const auto edge = [&](HalfEdge h) { return det(at(surface_.start(h)), at(surface_.end(h)), point); };
+
+  // The face at the vertex into which the arc sets out: that with its second corner on the right and its third not.
+  const HalfEdge out = surface_.outOf(from);
+  HalfEdge h = out;
+  double first = rightOfArc(surface_.end(h));
+  double second = 0.0;
+  if (first >= 0.0) {
+    while ((second = rightOfArc(surface_.apex(h))) >= 0.0) {
+      h = surface_.turn(h);
+      first = second;
+      if (h == out) break;
+    }
+  } else {
+    do {
+      second = first;
+      h = HullSurface::next(surface_.twin(h));
+      first = rightOfArc(surface_.end(h));
+    } while (first < 0.0 && h != out);
+  }
+  HalfEdge rim = HullSurface::next(h);
+  double beyond = edge(rim);
+  if (beyond >= 0.0) {
+    if (first >= 0.0 && second <= 0.0) return placeAt(h, first, beyond, -second);
+  } else {
+    for (int step = 0; step < surface_.faceCount(); ++step) {
+      const HalfEdge entry = surface_.twin(rim);
+      const bool right = rightOfArc(surface_.apex(entry)) >= 0.0;
+      rim = right ? HullSurface::previous(entry) : HullSurface::next(entry);
+      const double entered = -beyond;
+      beyond = edge(rim);
+      if (beyond < 0.0) continue;
+      const double beside = edge(right ? HullSurface::next(entry) : HullSurface::previous(entry));
+      if (beside < 0.0) break;
+      return right ? placeAt(entry, entered, beside, beyond) : placeAt(entry, entered, beyond, beside);
+    }
+  }
+  // Only where the point lies in the direction straight away from the vertex there is no arc.
+  for (std::int32_t face = 0; face < surface_.faceCount(); ++face) {
+    const Place place{face, edge(3 * face), edge(3 * face + 1), edge(3 * face + 2)};
+    if (place.ab >= 0.0 && place.bc >= 0.0 && place.ca >= 0.0) return place;
+  }
+  CHECK(false, "the faces of a star-shaped surface cover all directions");
+  return {};
+}
+
+// The place in the face of h, beside h, the next half-edge and the one before.
+MovingHull::Place MovingHull::placeAt(HalfEdge h, double beside, double besideNext, double besidePrevious) {
+  const std::int32_t face = HullSurface::faceOf(h);
+  switch (h - 3 * face) {
+    case 0:
+      return {face, beside, besideNext, besidePrevious};
+    case 1:
+      return {face, besidePrevious, beside, besideNext};
+    default:
+      return {face, besideNext, besidePrevious, beside};
+  }
+}
+
+// Takes a point from its place in inside_; the surface must hold it.
+void MovingHull::becomeVertex(VertexIndex p) {
+  std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
+  const HullCertificate last = inside_[--insideCount_];
+  inside_[static_cast<std::size_t>(slot)] = last;
+  slot_[static_cast<std::size_t>(last.point)] = slot;
+  slot = static_cast<std::int32_t>(vertices_.size());
+  vertices_.push_back(p);
+}
+
+// Takes a point from its place in vertices_.
+void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
+  std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
+  const VertexIndex last = vertices_.back();
+  vertices_[static_cast<std::size_t>(slot)] = last;
+  slot_[static_cast<std::size_t>(last)] = slot;
+  vertices_.pop_back();
+  slot = static_cast<std::int32_t>(insideCount_);
+  inside_[insideCount_++] = {certificate[0], certificate[1], certificate[2], p};
+}
+
+// Most edges beside a change are convex; those need no place in the queue.
+void MovingHull::queueConcave(std::int32_t face, HalfEdge h, HalfEdge k) {
+  const Triangle& t = faces()[static_cast<std::size_t>(face)];
+  const PointRow& a = at(t[0]);
+  const exact::Row normal = exact::cross(exact::between(a, at(t[1])), exact::between(a, at(t[2])));
+  const auto above = [&](HalfEdge edge) {
+    return exact::dot(normal, exact::between(a, at(surface_.opposite(edge)))) > 0.0;
+  };
+  if (above(h)) queueEdge(h);
+  if (k != h && above(k)) queueEdge(k);
+}
+
+void MovingHull::queueEdge(HalfEdge h) {
+  h = std::min(h, surface_.twin(h));
+  std::uint8_t& queued = scratch_->queued[static_cast<std::size_t>(h)];
+  if (queued != 0) return;
+  queued = 1;
+  scratch_->queue.push_back(h);
+}
+
+void MovingHull::queueFace(std::int32_t face) {
+  for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) queueEdge(h);
+}
+
+}  // namespace lorica

@@ -1,0 +1,120 @@
+// How MovingHull finds and mends faces that no longer turn their outside away from the origin s.
+
+#include "collision/live/moving_hull.h"
+#include "collision/live/moving_hull_exact.h"
+
+namespace lorica {
+
+using exact::det;
+using exact::side;
+
+// Whether the direction (e, e^2, 1) for an infinitely small e lies in the cone of a face that looks outwards. It is
+// never on an edge: an edge's plane through s would need a normal of zero.
+bool MovingHull::isPierced(std::int32_t face) const {
+  const Triangle& t = faces()[static_cast<std::size_t>(face)];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const exact::Row n = exact::cross(exact::rowOf(at(t[i])), exact::rowOf(at(t[(i + 1) % 3])));
+    const double first = n.z != 0.0 ? n.z : n.x != 0.0 ? n.x : n.y;
+    if (first < 0.0) return false;
+  }
+  return true;
+}
+
+// Queues concave edges and lists faces that lost their side or are pierced.
+void MovingHull::scanFaces() {
+  scratch_->turned.clear();
+  scratch_->pierced.clear();
+  const int found = findDoubtfulFaces(points_.data(), faces().data(), surface_.opposites(), surface_.faceCount(),
+                                      scratch_->doubts.data());
+  for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
+    const std::int32_t face = doubt / kFaceBits;
+    const Triangle& t = faces()[static_cast<std::size_t>(face)];
+    const PointRow &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
+    if ((doubt & kMayBeTurned) != 0 && det(a, b, c) <= 0.0) {
+      scratch_->turned.push_back(face);
+      continue;
+    }
+    if ((doubt & kMayBePierced) != 0 && isPierced(face)) scratch_->pierced.push_back(face);
+    for (int edge = 0; edge < 3; ++edge) {
+      if ((doubt & kEdgeMayBeConcave << edge) == 0) continue;
+      // A concave edge is in doubt from both its faces; one of them is enough.
+      const HalfEdge h = 3 * face + edge;
+      if (h < surface_.twin(h) && side(a, b, c, at(surface_.opposite(h))) > 0.0) queueEdge(h);
+    }
+  }
+}
+
+// The same lists after some faces were changed: these have all their edges in the queue.
+void MovingHull::lookAgain() {
+  scratch_->near.clear();
+  for (const HalfEdge h : scratch_->queue) {
+    if (h >= 3 * surface_.faceCount()) continue;
+    for (const std::int32_t face : {HullSurface::faceOf(h), HullSurface::faceOf(surface_.twin(h))}) {
+      if (scratch_->isNear[static_cast<std::size_t>(face)] != 0) continue;
+      scratch_->isNear[static_cast<std::size_t>(face)] = 1;
+      scratch_->near.push_back(face);
+    }
+  }
+  std::erase_if(scratch_->pierced, [&](std::int32_t face) {
+    return face >= surface_.faceCount() || scratch_->isNear[static_cast<std::size_t>(face)] != 0;
+  });
+  scratch_->turned.clear();
+  for (const std::int32_t face : scratch_->near) {
+    scratch_->isNear[static_cast<std::size_t>(face)] = 0;
+    if (faceDet(face) <= 0.0) {
+      scratch_->turned.push_back(face);
+    } else if (isPierced(face)) {
+      scratch_->pierced.push_back(face);
+    }
+  }
+}
+
+bool MovingHull::turnFaces() {
+  counts_.turnedFaces += static_cast<int>(scratch_->turned.size());
+  if (scratch_->turned.size() > 8 + static_cast<std::size_t>(surface_.faceCount()) / 8) return false;
+  for (const std::int32_t face : scratch_->turned) {
+    if (face < surface_.faceCount() && faceDet(face) <= 0.0 && !turnFace(face)) return false;
+  }
+  return true;
+}
+
+bool MovingHull::turnFace(std::int32_t face) {
+  // Most often a corner has slipped over the edge across from it.
+  for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
+    const HalfEdge k = surface_.twin(h);
+    const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
+    if (surface_.hasThreeEdges(h) || surface_.hasThreeEdges(k)) continue;  // two faces would lie back to back
+    if (det(at(a), at(d), at(c)) <= 0.0 || det(at(d), at(b), at(c)) <= 0.0) continue;
+    surface_.flip(h);
+    ++counts_.flips;
+    queueFace(HullSurface::faceOf(h));
+    queueFace(HullSurface::faceOf(k));
+    return true;
+  }
+  // Else a corner goes, first the one with most faces amiss, if its hole can be closed well.
+  Triangle corners = faces()[static_cast<std::size_t>(face)];
+  std::array<int, 3> turned{};
+  for (std::size_t i = 0; i < 3; ++i) turned[i] = turnedAround(corners[i]);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{0}}) {
+    if (turned[i + 1] <= turned[i]) continue;
+    std::swap(turned[i], turned[i + 1]);
+    std::swap(corners[i], corners[i + 1]);
+  }
+  for (const VertexIndex v : corners) {
+    if (takeOut(v, Link::kSimple, {v, v, v})) return true;
+  }
+  return false;
+}
+
+int MovingHull::turnedAround(VertexIndex v) const {
+  int count = 0;
+  const HalfEdge first = surface_.outOf(v);
+  HalfEdge h = first;
+  do {
+    count += faceDet(HullSurface::faceOf(h)) <= 0.0 ? 1 : 0;
+    h = surface_.turn(h);
+  } while (h != first);
+  return count;
+}
+
+}  // namespace lorica

@@ -1,0 +1,140 @@
+#include "collision/particles/neighbour_lists.h"
+
+#include "geometry/result.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/particles/neighbour_lists.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace lorica::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Sets the numbers of the particles within the radius, in order. Not fused, so that every instruction set finds the
+// same ones. `found` has room for a vector more than `most`.
+// @return how many; more than `most` says that there are too many
+int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const float* y, const float* z,
+             std::uint32_t self, float radiusSq, int most, std::uint32_t* found) {
+  const hn::CappedTag<float, kParticleBlock> f;
+  const hn::RebindToUnsigned<decltype(f)> u;
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
+  const auto ownX = hn::Set(f, x[self]), ownY = hn::Set(f, y[self]), ownZ = hn::Set(f, z[self]);
+  const auto limit = hn::Set(f, radiusSq);
+  const auto own = hn::Set(u, self);
+  std::size_t count = 0;
+  for (int r = 0; r < runCount; ++r) {
+    const std::uint32_t last = runs[r].last;
+    for (std::uint32_t j = runs[r].first; j < last; j += lanes) {
+      const auto dx = hn::Sub(hn::LoadU(f, x + j), ownX);
+      const auto dy = hn::Sub(hn::LoadU(f, y + j), ownY);
+      const auto dz = hn::Sub(hn::LoadU(f, z + j), ownZ);
+      const auto distanceSq = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+      const auto number = hn::Iota(u, j);
+      const auto inRun = hn::And(hn::Lt(number, hn::Set(u, last)), hn::Ne(number, own));
+      const auto near = hn::And(hn::RebindMask(u, hn::Lt(distanceSq, limit)), inRun);
+      // Not in one instruction: on some machines that takes a hundred cycles.
+      hn::StoreU(hn::Compress(number, near), u, found + count);
+      count += hn::CountTrue(u, near);
+      if (count > static_cast<std::size_t>(most)) return most + 1;
+    }
+  }
+  return static_cast<int>(count);
+}
+
+void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
+                 float radiusSq, const std::uint8_t* skipped, std::size_t firstBlock, std::size_t lastBlock,
+                 int mostNeighbours, std::uint32_t* slots, std::size_t firstSlot, std::size_t* firstSlots,
+                 std::uint8_t* slotCounts, std::uint8_t* overflows) {
+  constexpr auto kRoom = static_cast<std::size_t>(NeighbourLists::kMostNeighbours) + 1 + kParticleBlock;
+  std::array<std::array<std::uint32_t, kRoom>, kParticleBlock> found;
+  std::array<int, kParticleBlock> counts;
+  ParticleGrid::Runs runs;
+  for (std::size_t block = firstBlock; block < lastBlock; ++block) {
+    int longest = 0, runCount = 0;
+    bool runsKnown = false;
+    overflows[block] = 0;
+    for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
+      const std::size_t i = block * kParticleBlock + lane;
+      counts[lane] = 0;
+      if (i >= count) continue;
+      if (skipped[i] != 0) {
+        runsKnown = false;
+        continue;
+      }
+      if (lane == 0 || !runsKnown || !grid.sameCellAsBefore(i)) runCount = grid.runsAround(i, runs);
+      runsKnown = true;
+      counts[lane] = findNear(runs.data(), runCount, x, y, z, static_cast<std::uint32_t>(i), radiusSq, mostNeighbours,
+                              found[lane].data());
+      if (counts[lane] > mostNeighbours) {
+        counts[lane] = mostNeighbours;
+        ++overflows[block];
+      }
+      longest = std::max(longest, counts[lane]);
+    }
+    slotCounts[block] = static_cast<std::uint8_t>(longest);
+    std::uint32_t* out = slots + firstSlot;
+    firstSlots[block] = firstSlot;
+    firstSlot += static_cast<std::size_t>(longest) * kParticleBlock;
+    for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
+      const auto self = static_cast<std::uint32_t>(block * kParticleBlock + lane);
+      const std::uint32_t* in = found[lane].data();
+      for (int slot = 0; slot < counts[lane]; ++slot) {
+        const std::uint32_t mark = skipped[in[slot]] != 0 ? NeighbourLists::kMarked : 0u;
+        out[static_cast<std::size_t>(slot) * kParticleBlock + lane] = in[slot] | mark;
+      }
+      for (int slot = counts[lane]; slot < longest; ++slot) {
+        out[static_cast<std::size_t>(slot) * kParticleBlock + lane] = self;
+      }
+    }
+  }
+}
+
+}  // namespace lorica::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace lorica {
+namespace {
+HWY_EXPORT(buildBlocks);
+}  // namespace
+
+NeighbourLists::NeighbourLists(std::size_t capacity, int mostNeighbours)
+    : mostNeighbours_(mostNeighbours),
+      slots_(paddedCount(capacity) * static_cast<std::size_t>(mostNeighbours)),
+      firstSlots_(paddedCount(capacity) / kParticleBlock),
+      slotCounts_(firstSlots_.size()),
+      overflows_(firstSlots_.size()) {
+  CHECK(mostNeighbours > 0 && mostNeighbours <= kMostNeighbours, "lists are built in room for so many neighbours");
+}
+
+void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
+                           float radius, std::span<const std::uint8_t> skipped) {
+  constexpr std::size_t kBlocksInChunk = 32;
+  const std::size_t blocks = (count + kParticleBlock - 1) / kParticleBlock;
+  const std::size_t chunks = (blocks + kBlocksInChunk - 1) / kBlocksInChunk;
+  std::fill(overflows_.begin(), overflows_.end(), std::uint8_t{0});
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    const std::size_t first = chunk * kBlocksInChunk, last = std::min(blocks, first + kBlocksInChunk);
+    HWY_DYNAMIC_DISPATCH(buildBlocks)
+    (grid, x, y, z, count, radius * radius, skipped.data(), first, last, mostNeighbours_, slots_.data(),
+     first * kParticleBlock * static_cast<std::size_t>(mostNeighbours_), firstSlots_.data(), slotCounts_.data(),
+     overflows_.data());
+  });
+}
+
+std::size_t NeighbourLists::overflows() const {
+  return std::accumulate(overflows_.begin(), overflows_.end(), std::size_t{0});
+}
+
+}  // namespace lorica
+#endif

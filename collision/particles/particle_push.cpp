@@ -1,0 +1,108 @@
+#include "collision/particles/particle_push.h"
+
+#include "collision/particles/particle_push_grid.h"
+#include "collision/particles/particle_push_hulls.h"
+#include "collision/particles/particle_push_kernel.h"
+#include "geometry/result.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+/// Particles that are looked at in one go.
+constexpr std::size_t kChunk = 4096;
+/// Cells in the box of all hulls: more take longer to make, fewer have more planes each.
+constexpr double kFewestCells = 500.0;
+constexpr double kMostCells = 10000.0;
+constexpr double kParticlesOfCell = 8.0;
+
+}  // namespace
+
+struct ParticlePush::State {
+  explicit State(const ParticlePushSettings& wanted)
+      : settings(wanted), arena(wanted.threads > 0 ? wanted.threads : tbb::task_arena::automatic) {}
+
+  std::size_t pushChunk(std::span<Vec3f> positions, std::size_t first, ParticleTouch* out) const;
+
+  ParticlePushSettings settings;
+  tbb::task_arena arena;
+  PushHulls hulls;
+  PushGrid grid;
+  double cells = 0.0;    ///< of the grid, about; 0: it is not built yet
+  std::size_t room = 0;  ///< of `touches`
+  /// Each chunk writes where its particles begin: only what is written is ever touched.
+  std::unique_ptr<ParticleTouch[]> touches;
+  std::vector<std::size_t> countOfChunk;
+};
+
+ParticlePush::ParticlePush(const ParticlePushSettings& settings) : state_(std::make_unique<State>(settings)) {
+  CHECK(settings.radius >= 0.0, "particles have a radius of 0 or more");
+}
+ParticlePush::~ParticlePush() = default;
+ParticlePush::ParticlePush(ParticlePush&&) noexcept = default;
+ParticlePush& ParticlePush::operator=(ParticlePush&&) noexcept = default;
+
+void ParticlePush::prepare(std::span<const LivePart> parts, double seconds, bool again) {
+  CHECK(seconds > 0.0, "a velocity needs time");
+  state_->hulls.prepare(parts, seconds, state_->settings.radius, again);
+  state_->cells = 0.0;
+}
+
+std::size_t ParticlePush::State::pushChunk(std::span<Vec3f> positions, std::size_t first, ParticleTouch* out) const {
+  std::array<std::uint32_t, kChunk + 16> scratch;  // NOLINT: written before it is read
+  return pushParticles(hulls, grid, positions[first].data(), std::min(kChunk, positions.size() - first),
+                       static_cast<std::uint32_t>(first), scratch.data(), out);
+}
+
+std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
+  State& s = *state_;
+  CHECK(positions.size() <= std::numeric_limits<std::uint32_t>::max(), "particles are counted in 32 bits");
+  if (s.hulls.hulls().empty() || positions.empty()) return {};
+  const double cells = std::clamp(static_cast<double>(positions.size()) / kParticlesOfCell, kFewestCells, kMostCells);
+  if (s.cells < 0.5 * cells) {
+    s.cells = cells;
+    s.grid.build(s.hulls, cells);
+  }
+  const std::size_t chunks = (positions.size() + kChunk - 1) / kChunk;
+  if (s.room < positions.size()) {
+    s.room = positions.size();
+    s.touches = std::make_unique_for_overwrite<ParticleTouch[]>(s.room);
+  }
+  s.countOfChunk.resize(std::max(s.countOfChunk.size(), chunks));
+
+  const auto work = [&](std::size_t chunk) {
+    s.countOfChunk[chunk] = s.pushChunk(positions, chunk * kChunk, s.touches.get() + chunk * kChunk);
+  };
+  if (s.settings.threads == 1 || chunks == 1) {
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) work(chunk);
+  } else {
+    s.arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, work); });
+  }
+
+  std::size_t count = s.countOfChunk[0];
+  for (std::size_t chunk = 1; chunk < chunks; ++chunk) {
+    const ParticleTouch* from = s.touches.get() + chunk * kChunk;
+    std::copy(from, from + s.countOfChunk[chunk], s.touches.get() + count);
+    count += s.countOfChunk[chunk];
+  }
+  return {s.touches.get(), count};
+}
+
+Vec3f velocityChange(const ParticleTouch& touch, const Vec3f& velocity, float friction) {
+  const Vec3f relative = velocity - touch.surfaceVelocity;
+  const float along = relative.dot(touch.normal);
+  if (!(along < 0.0F)) return Vec3f::Zero();
+  const Vec3f sliding = relative - along * touch.normal;
+  const float speed = sliding.norm();
+  const float stopped = speed > 0.0F ? std::min(friction * -along / speed, 1.0F) : 0.0F;
+  return -along * touch.normal - stopped * sliding;
+}
+
+}  // namespace lorica

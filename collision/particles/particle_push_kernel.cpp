@@ -1,0 +1,309 @@
+#include "collision/particles/particle_push_kernel.h"
+
+#include "collision/particles/particle_push_exit.h"
+
+// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/particles/particle_push_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <array>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace lorica::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
+using Ints = hn::RebindToSigned<Floats>;
+using PlaneFloats = hn::CappedTag<float, PushGrid::kWidth>;
+
+// Nothing is fused, so that every instruction set rounds alike.
+HWY_INLINE hn::Vec<PlaneFloats> heights(const PushGrid::Block& block, std::size_t i, hn::Vec<PlaneFloats> x,
+                                        hn::Vec<PlaneFloats> y, hn::Vec<PlaneFloats> z) {
+  const PlaneFloats f;
+  return hn::Sub(
+      hn::Add(hn::Add(hn::Mul(hn::Load(f, block.x.data() + i), x), hn::Mul(hn::Load(f, block.y.data() + i), y)),
+              hn::Mul(hn::Load(f, block.z.data() + i), z)),
+      hn::Load(f, block.offset.data() + i));
+}
+
+/// A point, and its cell's lists.
+struct Place {
+  hn::Vec<PlaneFloats> x, y, z;
+  const PushGrid::List* list;  ///< null where there is none
+};
+
+HWY_INLINE Place placeOf(const PushGrid& grid, const Vec3f& p) {
+  const PlaneFloats f;
+  const std::uint32_t first = grid.firstList[grid.cellOf(p)];
+  return {hn::Set(f, p.x()), hn::Set(f, p.y()), hn::Set(f, p.z()), first != 0 ? &grid.lists[first] : nullptr};
+}
+
+/// The height of a point above the highest plane of a list that may lead out; 0 where it is not inside the hull.
+HWY_INLINE float heightIn(const PushGrid& grid, const PushGrid::List& list, const Place& place) {
+  const PlaneFloats f;
+  auto highest = hn::Set(f, -std::numeric_limits<float>::infinity());
+  std::uint32_t b = list.firstBlock;
+  for (; b < list.firstBlock + list.exitCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      highest = hn::Max(highest, heights(grid.blocks[b], i, place.x, place.y, place.z));
+    }
+  }
+  const float height = hn::GetLane(hn::MaxOfLanes(f, highest));
+  if (!(height < 0.0F)) return 0.0F;
+  const auto zero = hn::Zero(f);
+  for (; b < list.firstBlock + list.blockCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      if (!hn::AllFalse(f, hn::Ge(heights(grid.blocks[b], i, place.x, place.y, place.z), zero))) return 0.0F;
+    }
+  }
+  return height;
+}
+
+/// Which of a list's planes is the first so high.
+HWY_INLINE PushDepth depthOf(const PushGrid& grid, const PushGrid::List& list, float height, const Place& place) {
+  const PlaneFloats f;
+  const auto wanted = hn::Set(f, height);
+  for (std::uint32_t b = list.firstBlock; b < list.firstBlock + list.exitCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      const auto lane = hn::FindFirstTrue(f, hn::Eq(heights(grid.blocks[b], i, place.x, place.y, place.z), wanted));
+      if (lane >= 0) return {height, list.hull, grid.planes[b][i + static_cast<std::size_t>(lane)]};
+    }
+  }
+  return {};
+}
+
+HWY_INLINE bool isNear(const PushHulls& hulls, const Vec3f& p) {
+  return (p.array() >= 0.0F).all() && (p.array() <= hulls.boxMax().array()).all();
+}
+
+/// @param p  in the box of all hulls
+HWY_INLINE PushDepth deepestInCell(const PushGrid& grid, const Vec3f& p) {
+  const Place place = placeOf(grid, p);
+  if (place.list == nullptr) return {};
+  const PushGrid::List* found = nullptr;
+  float lowest = 0.0F;
+  for (const PushGrid::List* list = place.list;; ++list) {
+    const float height = heightIn(grid, *list, place);
+    if (height < lowest) {
+      lowest = height;
+      found = list;
+    }
+    if (list->last) break;
+  }
+  return found != nullptr ? depthOf(grid, *found, lowest, place) : PushDepth{};
+}
+
+/// @param p  in the box of all hulls
+HWY_INLINE bool insideAny(const PushGrid& grid, const Vec3f& p) {
+  const Place place = placeOf(grid, p);
+  if (place.list == nullptr) return false;
+  for (const PushGrid::List* list = place.list;; ++list) {
+    if (heightIn(grid, *list, place) < 0.0F) return true;
+    if (list->last) return false;
+  }
+}
+
+PushDepth deepest(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
+  return isNear(hulls, p) ? deepestInCell(grid, p) : PushDepth{};
+}
+
+std::size_t allDepths(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths) {
+  if (!isNear(hulls, p)) return 0;
+  const Place place = placeOf(grid, p);
+  if (place.list == nullptr) return 0;
+  std::size_t count = 0;
+  for (const PushGrid::List* list = place.list; count < depths.size(); ++list) {
+    const float height = heightIn(grid, *list, place);
+    if (height < 0.0F) depths[count++] = depthOf(grid, *list, height, place);
+    if (list->last) break;
+  }
+  return count;
+}
+
+std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, std::span<PushDepth> faces) {
+  constexpr std::size_t kMostPlanes = 2048;
+  constexpr float kSimilar = 0.9F;  // cosine
+  const Floats f;
+  const PushHulls::Hull& hull = hulls.hulls()[which];
+  if (hull.exitCount > kMostPlanes) return 0;
+  const std::size_t first = hull.firstPlane;
+  alignas(64) std::array<float, kMostPlanes> height;  // NOLINT: written before it is read
+  const auto dot = [&](std::size_t i, const Vec3f& v) HWY_ATTR {
+    return hn::Add(hn::Add(hn::Mul(hn::LoadU(f, hulls.x() + first + i), hn::Set(f, v.x())),
+                           hn::Mul(hn::LoadU(f, hulls.y() + first + i), hn::Set(f, v.y()))),
+                   hn::Mul(hn::LoadU(f, hulls.z() + first + i), hn::Set(f, v.z())));
+  };
+  const auto none = hn::Set(f, -std::numeric_limits<float>::infinity());
+  auto highest = none;
+  for (std::size_t i = 0; i < hull.exitCount; i += hn::Lanes(f)) {
+    const auto h = hn::Sub(dot(i, p), hn::LoadU(f, hulls.offset() + first + i));
+    hn::StoreU(h, f, height.data() + i);
+    highest = hn::Max(highest, h);
+  }
+  std::size_t count = 0;
+  while (count < faces.size()) {
+    const float wanted = hn::GetLane(hn::MaxOfLanes(f, highest));
+    if (!(wanted > -std::numeric_limits<float>::infinity())) break;
+    std::size_t at = 0;
+    for (; at < hull.exitCount; at += hn::Lanes(f)) {
+      const auto lane = hn::FindFirstTrue(f, hn::Eq(hn::LoadU(f, height.data() + at), hn::Set(f, wanted)));
+      if (lane < 0) continue;
+      at += static_cast<std::size_t>(lane);
+      break;
+    }
+    const auto plane = static_cast<std::uint32_t>(first + at);
+    faces[count++] = {wanted, which, plane};
+    const Vec3f normal = hulls.normal(plane);
+    highest = none;
+    for (std::size_t i = 0; i < hull.exitCount; i += hn::Lanes(f)) {
+      const auto similar = hn::Gt(dot(i, normal), hn::Set(f, kSimilar));
+      const auto h = hn::IfThenElse(similar, none, hn::LoadU(f, height.data() + i));
+      hn::StoreU(h, f, height.data() + i);
+      highest = hn::Max(highest, h);
+    }
+    height[at] = -std::numeric_limits<float>::infinity();
+  }
+  return count;
+}
+
+PushLeave leaveOne(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, const Vec3f& direction) {
+  const Floats f;
+  const PushHulls::Hull& hull = hulls.hulls()[which];
+  const float infinity = std::numeric_limits<float>::infinity();
+  const auto lengths = [&](std::size_t i) HWY_ATTR {
+    const auto x = hn::LoadU(f, hulls.x() + i);
+    const auto y = hn::LoadU(f, hulls.y() + i);
+    const auto z = hn::LoadU(f, hulls.z() + i);
+    const auto dot = [&](const Vec3f& v) HWY_ATTR {
+      return hn::Add(hn::Add(hn::Mul(x, hn::Set(f, v.x())), hn::Mul(y, hn::Set(f, v.y()))),
+                     hn::Mul(z, hn::Set(f, v.z())));
+    };
+    const auto height = hn::Sub(dot(p), hn::LoadU(f, hulls.offset() + i));
+    const auto rise = dot(direction);
+    const auto leaves = hn::Ge(rise, hn::Set(f, 1e-3F));
+    return hn::IfThenElse(leaves, hn::Div(hn::Sub(hn::Set(f, hulls.margin()), height), rise), hn::Set(f, infinity));
+  };
+  const std::size_t end = hull.firstPlane + hull.planeCount;
+  auto nearest = hn::Set(f, infinity);
+  for (std::size_t i = hull.firstPlane; i < end; i += hn::Lanes(f)) nearest = hn::Min(nearest, lengths(i));
+  const float length = hn::GetLane(hn::MinOfLanes(f, nearest));
+  if (!(length < infinity)) return {infinity, 0};
+  for (std::size_t i = hull.firstPlane; i < end; i += hn::Lanes(f)) {
+    const auto lane = hn::FindFirstTrue(f, hn::Eq(lengths(i), hn::Set(f, length)));
+    if (lane >= 0) return {length, static_cast<std::uint32_t>(i + static_cast<std::size_t>(lane))};
+  }
+  return {infinity, 0};
+}
+
+/// Lists the particles in cells that a hull reaches into.
+HWY_INLINE std::size_t screen(const PushHulls& hulls, const PushGrid& grid, const float* xyz, std::size_t count,
+                              std::uint32_t* listed) {
+  const Floats f;
+  const Ints n;
+  const std::size_t lanes = hn::Lanes(f);
+  const auto originX = hn::Set(f, hulls.origin().x());
+  const auto originY = hn::Set(f, hulls.origin().y());
+  const auto originZ = hn::Set(f, hulls.origin().z());
+  const auto topX = hn::Set(f, hulls.boxMax().x());
+  const auto topY = hn::Set(f, hulls.boxMax().y());
+  const auto topZ = hn::Set(f, hulls.boxMax().z());
+  const auto zero = hn::Zero(f);
+  const auto inverse = hn::Set(f, grid.inverseSize);
+  const auto countX = hn::Set(n, grid.count[0]);
+  const auto countY = hn::Set(n, grid.count[1]);
+  const auto* occupied = reinterpret_cast<const std::int32_t*>(grid.occupied.data());
+  std::size_t found = 0;
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    auto x = zero;
+    auto y = zero;
+    auto z = zero;
+    hn::LoadInterleaved3(f, xyz + 3 * i, x, y, z);
+    x = hn::Sub(x, originX);
+    y = hn::Sub(y, originY);
+    z = hn::Sub(z, originZ);
+    const auto above = hn::And(hn::And(hn::Ge(x, zero), hn::Ge(y, zero)), hn::Ge(z, zero));
+    const auto below = hn::And(hn::And(hn::Le(x, topX), hn::Le(y, topY)), hn::Le(z, topZ));
+    const auto near = hn::And(above, below);
+    if (hn::AllFalse(f, near)) continue;
+    const auto cellX = hn::ConvertTo(n, hn::Mul(hn::IfThenElseZero(near, x), inverse));
+    const auto cellY = hn::ConvertTo(n, hn::Mul(hn::IfThenElseZero(near, y), inverse));
+    const auto cellZ = hn::ConvertTo(n, hn::Mul(hn::IfThenElseZero(near, z), inverse));
+    const auto cell = hn::Add(hn::Mul(hn::Add(hn::Mul(cellZ, countY), cellY), countX), cellX);
+    const auto word = hn::GatherIndex(n, occupied, hn::ShiftRight<5>(cell));
+    const auto bit = hn::Shl(hn::Set(n, 1), hn::And(cell, hn::Set(n, 31)));
+    const auto hit = hn::And(hn::TestBit(word, bit), hn::RebindMask(n, near));
+    if (hn::AllFalse(n, hit)) continue;
+    const auto index = hn::Iota(n, static_cast<std::int32_t>(i));
+    found += hn::CompressStore(index, hit, n, reinterpret_cast<std::int32_t*>(listed) + found);
+  }
+  for (; i < count; ++i) {
+    const Vec3f p = Vec3f(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]) - hulls.origin();
+    if (isNear(hulls, p) && grid.firstList[grid.cellOf(p)] != 0) listed[found++] = static_cast<std::uint32_t>(i);
+  }
+  return found;
+}
+
+std::size_t pushAll(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count, std::uint32_t first,
+                    std::uint32_t* scratch, ParticleTouch* touches) {
+  const std::size_t listed = screen(hulls, grid, xyz, count, scratch);
+  std::size_t touched = 0;
+  for (std::size_t k = 0; k < listed; ++k) {
+    float* at = xyz + 3 * static_cast<std::size_t>(scratch[k]);
+    const Vec3f start = Vec3f(at[0], at[1], at[2]) - hulls.origin();
+    const PushDepth inside = deepestInCell(grid, start);
+    if (!(inside.height < 0.0F)) continue;
+    // Nearly always the nearest way out of the one hull leads out of all.
+    PushExit exit{start + (hulls.margin() - inside.height) * hulls.normal(inside.plane), inside.hull, inside.plane};
+    if (isNear(hulls, exit.place) && insideAny(grid, exit.place)) exit = findExit(hulls, grid, start, inside);
+    const PushHulls::Hull& hull = hulls.hulls()[exit.hull];
+    const Vec3f place = exit.place + hulls.origin();
+    at[0] = place.x();
+    at[1] = place.y();
+    at[2] = place.z();
+    touches[touched++] = {first + scratch[k], hull.part, (exit.place - start).norm(), hulls.normal(exit.plane),
+                          hulls.surfaceVelocity(hull, exit.place)};
+  }
+  return touched;
+}
+
+}  // namespace lorica::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace lorica {
+namespace {
+HWY_EXPORT(deepest);
+HWY_EXPORT(allDepths);
+HWY_EXPORT(waysOutOf);
+HWY_EXPORT(leaveOne);
+HWY_EXPORT(pushAll);
+}  // namespace
+
+PushDepth deepestAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
+  return HWY_DYNAMIC_DISPATCH(deepest)(hulls, grid, p);
+}
+
+std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths) {
+  return HWY_DYNAMIC_DISPATCH(allDepths)(hulls, grid, p, depths);
+}
+
+std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, std::span<PushDepth> faces) {
+  return HWY_DYNAMIC_DISPATCH(waysOutOf)(hulls, hull, p, faces);
+}
+
+PushLeave leaveHull(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, const Vec3f& direction) {
+  return HWY_DYNAMIC_DISPATCH(leaveOne)(hulls, hull, p, direction);
+}
+
+std::size_t pushParticles(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count,
+                          std::uint32_t first, std::uint32_t* scratch, ParticleTouch* touches) {
+  return HWY_DYNAMIC_DISPATCH(pushAll)(hulls, grid, xyz, count, first, scratch, touches);
+}
+
+}  // namespace lorica
+#endif

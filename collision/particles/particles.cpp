@@ -1,0 +1,166 @@
+#include "collision/particles/particles.h"
+
+#include "geometry/random_numbers.h"
+#include "geometry/result.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr double kApart = 1.02;  // of new particles, in diameters
+constexpr double kJitter = 0.02;
+constexpr std::uint64_t kSeed = 20;
+constexpr double kSettlingFrame = 1.0 / 30.0;
+
+/// How many a box takes: along each axis, and at most so many in all.
+struct Lattice {
+  std::array<int, 3> counts{};
+  int count = 0;
+};
+
+Lattice latticeIn(const ParticleSettings& settings, const ParticleSettings::Fill& fill) {
+  Lattice lattice;
+  const double step = 2.0 * settings.radius * kApart;
+  double count = 1.0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double along = std::clamp(std::floor(fill.size[axis] / step), 1.0, 1e5);
+    lattice.counts[static_cast<std::size_t>(axis)] = static_cast<int>(along);
+    count *= along;
+  }
+  lattice.count = static_cast<int>(std::min(count, static_cast<double>(fill.most)));
+  return lattice;
+}
+
+std::size_t countOf(const ParticleSettings& settings) {
+  std::size_t count = 0;
+  for (const ParticleSettings::Fill& fill : settings.fills) {
+    count += static_cast<std::size_t>(latticeIn(settings, fill).count);
+  }
+  for (const ParticleSettings::Pour& pour : settings.pours) count += static_cast<std::size_t>(std::max(pour.count, 0));
+  return std::clamp<std::size_t>(count, 1, ParticleSettings::kMostParticles);
+}
+
+}  // namespace
+
+Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
+  CHECK(settings.radius > 0.0, "particles have a size");
+  const std::size_t capacity = countOf(settings);
+  if (settings.kind == ParticleSettings::Kind::kSand) {
+    GranularSettings sand;
+    sand.capacity = capacity;
+    sand.radius = settings.radius;
+    sand.friction = settings.friction;
+    sand.gravity = settings.gravity;
+    sand.floor = settings.floor;
+    sand.walls = settings.walls;
+    sand_.emplace(sand);
+  } else {
+    FluidSettings water;
+    water.capacity = capacity;
+    water.spacing = 2.0 * settings.radius;
+    water.viscosity = settings.viscosity;
+    water.gravity = settings.gravity;
+    water.floor = settings.floor;
+    water.walls = settings.walls;
+    water_.emplace(water);
+  }
+  added_.reserve(capacity);
+  for (const ParticleSettings::Fill& box : settings.fills) fill(box);
+  sources_.resize(settings.pours.size());
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const double step = 2.0 * settings.radius * kApart, radius = settings.pours[i].radius;
+    const int most = static_cast<int>(std::min(radius / step, 200.0));
+    for (int z = -most; z <= most; ++z) {
+      for (int x = -most; x <= most; ++x) {
+        if (x * x + z * z > most * most) continue;
+        sources_[i].disc.emplace_back(static_cast<float>(x * step), 0.0f, static_cast<float>(z * step));
+      }
+    }
+  }
+}
+
+void Particles::fill(const ParticleSettings::Fill& fill) {
+  const Lattice lattice = latticeIn(settings_, fill);
+  const double step = 2.0 * settings_.radius * kApart;
+  RandomNumbers random(kSeed);
+  added_.clear();
+  for (int i = 0; i < lattice.count; ++i) {
+    const int x = i % lattice.counts[0], z = i / lattice.counts[0] % lattice.counts[2];
+    const int y = i / lattice.counts[0] / lattice.counts[2];
+    Vec3 place = step * Vec3(x - 0.5 * (lattice.counts[0] - 1), y - 0.5 * (lattice.counts[1] - 1),
+                             z - 0.5 * (lattice.counts[2] - 1));
+    // Grains that lie exactly on each other would stand as columns.
+    for (Eigen::Index axis = 0; axis < 3; ++axis) place[axis] += kJitter * step * random.between(-0.5, 0.5);
+    added_.push_back((fill.middle + place).cast<float>());
+  }
+  add(added_, Vec3::Zero());
+}
+
+void Particles::pour(std::size_t index, double seconds) {
+  const ParticleSettings::Pour& pour = settings_.pours[index];
+  Source& source = sources_[index];
+  source.due = std::min(source.due + pour.rate * seconds, static_cast<double>(pour.count - source.poured));
+  const auto count = static_cast<int>(source.due);
+  if (count <= 0) return;
+  source.due -= count;
+  const auto layer = static_cast<float>(2.0 * settings_.radius * kApart);
+  RandomNumbers random(kSeed + static_cast<std::uint64_t>(source.poured));
+  added_.clear();
+  // Side by side on the disc, and above each other where it is full; each as if it came at another time of the frame.
+  const auto places = static_cast<int>(source.disc.size());
+  const auto begin = static_cast<int>(random.bits() % source.disc.size());
+  for (int i = 0; i < count; ++i) {
+    Vec3f place = source.disc[static_cast<std::size_t>((begin + i) % places)];
+    place.x() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
+    place.z() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
+    const int turn = i / places;
+    place.y() = layer * static_cast<float>(turn) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
+    added_.push_back(pour.middle.cast<float>() + place);
+  }
+  source.poured += count;
+  add(added_, pour.velocity);
+}
+
+void Particles::add(std::span<const Vec3f> places, const Vec3& velocity) {
+  if (sand_) {
+    sand_->add(places, velocity);
+  } else {
+    water_->add(places, velocity);
+  }
+}
+
+void Particles::move(std::span<const LivePart> parts, double seconds) {
+  for (std::size_t i = 0; i < sources_.size(); ++i) pour(i, seconds);
+  if (sand_) {
+    sand_->step(parts, seconds);
+  } else {
+    water_->step(parts, seconds);
+  }
+}
+
+void Particles::step(std::span<const LivePart> parts, double seconds) {
+  if (!started_ && settings_.settleSeconds > 0.0) {
+    std::vector<LivePart> still(parts.begin(), parts.end());
+    for (LivePart& part : still) {
+      part.previousWorldFromPart = part.worldFromPart;
+      part.reshaped = false;
+    }
+    const auto frames = static_cast<int>(std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6));
+    for (int frame = 0; frame < frames; ++frame) move(still, kSettlingFrame);
+  }
+  started_ = true;
+  move(parts, seconds);
+}
+
+std::span<const Vec3f> Particles::places() const {
+  return sand_ ? sand_->places() : water_->places();
+}
+
+std::span<const Vec3f> Particles::velocities() const {
+  return sand_ ? sand_->velocities() : water_->velocities();
+}
+
+}  // namespace lorica

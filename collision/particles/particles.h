@@ -1,0 +1,80 @@
+#pragma once
+
+#include "collision/live/live_part.h"
+#include "collision/particles/fluid.h"
+#include "collision/particles/granular.h"
+#include "geometry/math.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// The grains or the drops of a scene, and where they come from.
+struct ParticleSettings {
+  enum class Kind : std::uint8_t { kSand, kWater };
+  Kind kind = Kind::kSand;
+  double radius = 0.01;    ///< of a grain, or half the spacing of water [m]
+  double friction = 0.4;   ///< of sand
+  double viscosity = 0.1;  ///< of water
+  Vec3 gravity{0.0, -9.81, 0.0};
+  bool floor = true;
+  std::optional<Aabb> walls;                 ///< they stay within its x and z
+  Vec3f color = Vec3f(0.60f, 0.45f, 0.26f);  ///< linear RGB
+  /// A box that is full of them at the begin.
+  struct Fill {
+    Vec3 middle = Vec3::Zero(), size = Vec3::Ones();  ///< world [m]
+    int most = kMostParticles;
+  };
+  std::vector<Fill> fills;
+  /// A level disc that they fall from.
+  struct Pour {
+    Vec3 middle = Vec3::Zero();  ///< world [m]
+    double radius = 0.2;         ///< of the disc [m]
+    double rate = 5000.0;        ///< a second
+    int count = 10'000;          ///< until so many came
+    Vec3 velocity{0.0, -1.0, 0.0};
+  };
+  std::vector<Pour> pours;
+  /// So long they move, around the body as it is in the first step, before that step begins [s].
+  double settleSeconds = 0.0;
+
+  static constexpr int kMostParticles = 300'000;
+};
+
+/// Sand or water with its sources, moved frame by frame. The same settings and parts give the same bits.
+class Particles {
+ public:
+  explicit Particles(const ParticleSettings& settings);
+
+  /// Moves on by a frame; the first also settles, which takes as long as all the frames that it is.
+  /// @param seconds  above 0
+  void step(std::span<const LivePart> parts, double seconds);
+
+  [[nodiscard]] const ParticleSettings& settings() const { return settings_; }
+  /// World [m]; a particle keeps its number.
+  [[nodiscard]] std::span<const Vec3f> places() const;
+  [[nodiscard]] std::span<const Vec3f> velocities() const;
+
+ private:
+  void fill(const ParticleSettings::Fill& fill);
+  void pour(std::size_t source, double seconds);
+  void add(std::span<const Vec3f> places, const Vec3& velocity);
+  void move(std::span<const LivePart> parts, double seconds);
+
+  ParticleSettings settings_;
+  std::optional<Granular> sand_;
+  std::optional<Fluid> water_;
+  struct Source {
+    std::vector<Vec3f> disc;  // places side by side
+    double due = 0.0;         // particles
+    int poured = 0;
+  };
+  std::vector<Source> sources_;
+  std::vector<Vec3f> added_;
+  bool started_ = false;
+};
+
+}  // namespace lorica

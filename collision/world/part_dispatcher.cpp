@@ -1,0 +1,105 @@
+#include "collision/world/part_dispatcher.h"
+
+#include "collision/world/part_shape.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+const btCollisionObject* objectOf(const btBroadphaseProxy* proxy) {
+  return static_cast<const btCollisionObject*>(proxy->m_clientObject);
+}
+
+bool isPart(const btCollisionObject* object) {
+  return object->isKinematicObject();
+}
+
+/// Whether a box b, seen in a frame, is apart from a box along the axes of that frame.
+bool apartAlongAxes(const btVector3& low, const btVector3& high, const btVector3& centerOfB, const btVector3& halfOfB) {
+  const btVector3 lowOfB = centerOfB - halfOfB;
+  const btVector3 highOfB = centerOfB + halfOfB;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (lowOfB[axis] > high[axis] || highOfB[axis] < low[axis]) return true;
+  }
+  return false;
+}
+
+/// Whether a part and a convex shape are farther apart than `gap`, beside both margins. False where that is not sure.
+bool areApart(const btCollisionObject& part, const btConvexInternalShape& shape, const btTransform& worldFromShape,
+              btScalar gap) {
+  const auto& hull = static_cast<const PartShape&>(*part.getCollisionShape());
+  gap += hull.getMargin() + shape.getMargin();
+
+  // First by the boxes around both, each along its own axes.
+  btVector3 low, high;
+  shape.getAabb(btTransform::getIdentity(), low, high);
+  const btVector3 half = btScalar(0.5) * (high - low);
+  const btVector3 centerOfShape = btScalar(0.5) * (high + low);
+  const btVector3 halfOfHull = btScalar(0.5) * (hull.high() - hull.low());
+  const btVector3 centerOfHull = btScalar(0.5) * (hull.high() + hull.low());
+  const btVector3 gaps(gap, gap, gap);
+  const btTransform partFromShape = part.getWorldTransform().inverseTimes(worldFromShape);
+  const btMatrix3x3 spread = partFromShape.getBasis().absolute();
+  if (apartAlongAxes(hull.low(), hull.high(), partFromShape * centerOfShape, spread * half + gaps)) return true;
+  if (apartAlongAxes(low, high, partFromShape.invXform(centerOfHull), spread.transpose() * halfOfHull + gaps)) {
+    return true;
+  }
+
+  btGjkEpaSolver2::sResults results;
+  const bool measured =
+      btGjkEpaSolver2::Distance(&hull, part.getWorldTransform(), &shape, worldFromShape,
+                                part.getWorldTransform() * centerOfHull - worldFromShape.getOrigin(), results);
+  // The distance comes from an iteration that stops within a ten-thousandth.
+  return measured && results.distance > btScalar(1.001) * gap;
+}
+
+/// Whether a part and a prop are surely farther apart than `gap`, beside their margins.
+bool areApart(const btCollisionObject& part, const btCollisionObject& prop, btScalar gap) {
+  const btCollisionShape* shape = prop.getCollisionShape();
+  const btTransform& worldFromProp = prop.getWorldTransform();
+  if (!shape->isCompound()) {
+    return areApart(part, static_cast<const btConvexInternalShape&>(*shape), worldFromProp, gap);
+  }
+  const auto& compound = static_cast<const btCompoundShape&>(*shape);
+  for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+    const auto& child = static_cast<const btConvexInternalShape&>(*compound.getChildShape(i));
+    if (!areApart(part, child, worldFromProp * compound.getChildTransform(i), gap)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+PartDispatcher::PartDispatcher(btCollisionConfiguration* configuration) : btCollisionDispatcher(configuration) {
+  setNearCallback(nearCallback);
+}
+
+bool PartDispatcher::canTouch(const btBroadphasePair& pair) {
+  const btCollisionObject* a = objectOf(pair.m_pProxy0);
+  const btCollisionObject* b = objectOf(pair.m_pProxy1);
+  if (isPart(a) == isPart(b)) return true;
+  if (pair.m_algorithm != nullptr) {
+    // Contacts that a pair has must be followed until they are given up.
+    manifolds_.resizeNoInitialize(0);
+    pair.m_algorithm->getAllContactManifolds(manifolds_);
+    for (int i = 0; i < manifolds_.size(); ++i) {
+      if (manifolds_[i]->getNumContacts() > 0) return true;
+    }
+  }
+  if (!isPart(a)) std::swap(a, b);
+  const btCollisionShape* shape = b->getCollisionShape();
+  return !areApart(*a, *b, shape->getContactBreakingThreshold(gContactBreakingThreshold));
+}
+
+void PartDispatcher::nearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
+                                  const btDispatcherInfo& info) {
+  if (static_cast<PartDispatcher&>(dispatcher).canTouch(pair)) defaultNearCallback(pair, dispatcher, info);
+}
+
+}  // namespace lorica

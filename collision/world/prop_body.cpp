@@ -1,0 +1,120 @@
+#include "collision/world/prop_body.h"
+
+#include "collision/world/bullet_math.h"
+#include "geometry/result.h"
+
+#include <LinearMath/btConvexHullComputer.h>
+#include <btBulletCollisionCommon.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+// Hulls shrink by this and are inflated by as much again: shapes that overlap less are told apart sharply. Thin ones
+// shrink by at most that share of their inner radius.
+constexpr btScalar kHullMargin = 0.005f;
+constexpr btScalar kMostShrunk = 0.3f;
+
+/// A hull for Bullet, rounded off at edges and corners by at most kHullMargin.
+std::unique_ptr<PartShape> hullShape(const ConvexHull& hull, const Isometry3& massFromProp) {
+  CHECK(!hull.degenerate(), "a mesh prop's hulls have a volume");
+  std::vector<Vec3> points;
+  points.reserve(hull.vertices.size());
+  for (const Vec3& v : hull.vertices) points.emplace_back(massFromProp * v);
+  btConvexHullComputer shrunk;
+  const btScalar margin =
+      shrunk.compute(points[0].data(), 3 * sizeof(double), static_cast<int>(points.size()), kHullMargin, kMostShrunk);
+  if (margin > 0.0f && shrunk.vertices.size() >= 4) {
+    points.clear();
+    points.reserve(static_cast<std::size_t>(shrunk.vertices.size()));
+    for (int i = 0; i < shrunk.vertices.size(); ++i) points.push_back(fromBullet(shrunk.vertices[i]));
+  }
+  auto shape = std::make_unique<PartShape>(std::max(margin, btScalar(0.0)));
+  shape->setPoints(points);
+  return shape;
+}
+
+/// @return moments of inertia along the axes of the body [kg m^2]
+Vec3 takeMesh(const Prop& prop, PropBody& body) {
+  CHECK(prop.mesh != nullptr && !prop.mesh->hulls.empty() && prop.mesh->solid.volume > 0.0,
+        "a prop of shape kMesh has a mesh with hulls and a volume");
+  const PropMeshShape& mesh = *prop.mesh;
+  const PrincipalInertia principal = principalInertia(mesh.solid.inertia);
+  Isometry3 propFromMass = Isometry3::Identity();
+  propFromMass.linear() = principal.axes;
+  propFromMass.translation() = mesh.solid.center;
+  body.massFromProp = propFromMass.inverse();
+  body.centered = false;
+  body.radius = 0.0;
+  auto compound = std::make_unique<btCompoundShape>(true, static_cast<int>(mesh.hulls.size()));
+  for (const ConvexHull& hull : mesh.hulls) {
+    for (const Vec3& v : hull.vertices) body.radius = std::max(body.radius, (v - mesh.solid.center).norm());
+    body.hulls.push_back(hullShape(hull, body.massFromProp));
+    compound->addChildShape(btTransform::getIdentity(), body.hulls.back().get());
+  }
+  body.shape = std::move(compound);
+  return principal.moments * (prop.mass / mesh.solid.volume);
+}
+
+/// @return moments of inertia along the axes of the body [kg m^2]
+btVector3 takeShape(const Prop& prop, PropBody& body) {
+  const auto radius = static_cast<btScalar>(prop.halfExtents.x());
+  body.radius = boundingRadius(prop);
+  switch (prop.shape) {
+    case PropShape::kBox:
+      body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
+      break;
+    case PropShape::kSphere:
+      body.shape = std::make_unique<btSphereShape>(radius);
+      body.round = true;
+      break;
+    case PropShape::kCapsule: {
+      const double straight = 2.0 * (prop.halfExtents.y() - prop.halfExtents.x());
+      CHECK(straight >= 0.0, "a capsule is at least as high as wide");
+      body.shape = std::make_unique<btCapsuleShape>(radius, static_cast<btScalar>(straight));
+      break;
+    }
+    case PropShape::kCylinder:
+      body.shape = std::make_unique<btCylinderShape>(
+          toBullet(Vec3(prop.halfExtents.x(), prop.halfExtents.y(), prop.halfExtents.x())));
+      break;
+    case PropShape::kMesh:
+      return toBullet(takeMesh(prop, body));
+  }
+  btVector3 inertia(0.0f, 0.0f, 0.0f);
+  if (prop.mass > 0.0) body.shape->calculateLocalInertia(static_cast<btScalar>(prop.mass), inertia);
+  return inertia;
+}
+
+}  // namespace
+
+void PropBody::read(Prop& prop) const {
+  prop.worldFromProp = fromBullet(body->getWorldTransform());
+  if (!centered) prop.worldFromProp = prop.worldFromProp * massFromProp;
+  prop.velocity = fromBullet(body->getLinearVelocity());
+  prop.angularVelocity = fromBullet(body->getAngularVelocity());
+}
+
+PropBody makePropBody(const Prop& prop, int index) {
+  CHECK(prop.mass >= 0.0 && prop.halfExtents.minCoeff() > 0.0, "a prop needs extents above zero, and no negative mass");
+  PropBody body;
+  const btVector3 inertia = takeShape(prop, body);
+  btRigidBody::btRigidBodyConstructionInfo construction(static_cast<btScalar>(prop.mass), nullptr, body.shape.get(),
+                                                        inertia);
+  construction.m_friction = static_cast<btScalar>(prop.friction);
+  construction.m_restitution = static_cast<btScalar>(prop.restitution);
+  const Isometry3 worldFromMass = prop.worldFromProp * body.massFromProp.inverse();
+  construction.m_startWorldTransform = toBullet(Quat(worldFromMass.linear()), worldFromMass.translation());
+  // Bullet lets things sleep below 0.8 m/s, which freezes what still visibly drifts.
+  construction.m_linearSleepingThreshold = 0.03f;
+  construction.m_angularSleepingThreshold = 0.1f;
+  if (prop.shape != PropShape::kBox) construction.m_rollingFriction = 0.002f;  // else what is round never stops
+  body.body = std::make_unique<btRigidBody>(construction);
+  body.body->setLinearVelocity(toBullet(prop.velocity));
+  body.body->setAngularVelocity(toBullet(prop.angularVelocity));
+  body.body->setUserIndex(index);
+  return body;
+}
+
+}  // namespace lorica

@@ -1,0 +1,268 @@
+#include "skinning/body/closed_body.h"
+
+#include "geometry/mesh_repair.h"
+#include "skinning/body/solid_source.h"
+#include "skinning/body/solid_surface.h"
+#include "skinning/body/transfer_weights.h"
+#include "skinning/body/weld.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr int kSteps = 5;
+constexpr double kCoarsest = 0.125;  // voxel, of the character's longest side
+
+Error cancelled() {
+  return {ErrorCode::kCancelled, "cancelled"};
+}
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+/// Puts vertices and their influences at the end of a character.
+void append(Character& character, const Vec3& vertex, std::span<const Influence> influences) {
+  character.mesh.vertices.push_back(vertex);
+  character.influences.insert(character.influences.end(), influences.begin(), influences.end());
+  character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+}
+
+/// The same bones without a mesh.
+Character bonesOf(const Character& character) {
+  Character bones;
+  bones.name = character.name;
+  bones.skeleton = character.skeleton;
+  bones.jointFromModel = character.jointFromModel;
+  bones.height = character.height;
+  bones.influenceBegin = {0};
+  return bones;
+}
+
+/// Whether every shell has an inside of its own: boxes that overlap may hide shells that do.
+bool shellsApart(const TriMesh& mesh, const Components& shells) {
+  if (shells.count == 1) return true;
+  const auto count = static_cast<std::size_t>(shells.count);
+  std::vector<Aabb> boxes(count);
+  std::vector<std::vector<Triangle>> triangles(count);
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto s = static_cast<std::size_t>(shells.componentOfTriangle[k]);
+    triangles[s].push_back(mesh.triangles[k]);
+    for (const VertexIndex v : mesh.triangles[k]) boxes[s].extend(mesh.vertices[static_cast<std::size_t>(v)]);
+  }
+  for (std::size_t a = 0; a < count; ++a) {
+    if (signedVolume(mesh.vertices, triangles[a]) <= 0.0) return false;
+    for (std::size_t b = 0; b < a; ++b) {
+      const bool apart =
+          (boxes[a].min.array() >= boxes[b].max.array()).any() || (boxes[b].min.array() >= boxes[a].max.array()).any();
+      if (!apart) return false;
+    }
+  }
+  return true;
+}
+
+class BodyMaker {
+ public:
+  BodyMaker(const Character& character, const BodySettings& settings) : character_(character), settings_(settings) {}
+
+  Result<Body> run() {
+    if (!step(0)) return cancelled();
+    const Limbs limbs(character_);
+    welded_ = weld(character_, limbs);
+    if (welded_.mesh.triangles.empty()) {
+      return Error{ErrorCode::kBadMesh,
+                   fmt::format("the character has {} vertices and {} triangles, expected a surface",
+                               character_.mesh.vertices.size(), character_.mesh.triangles.size())};
+    }
+    if (welded_.weldedVertices > 0) {
+      note(fmt::format("{} welded onto others at the same place",
+                       counted(welded_.weldedVertices, "vertex was", "vertices were")));
+    }
+    if (welded_.droppedTriangles > 0) {
+      note(counted(welded_.droppedTriangles, "triangle without area was dropped",
+                   "triangles without area were dropped"));
+    }
+    if (!(surfaceArea(welded_.mesh.vertices, welded_.mesh.triangles) > 0.0)) {
+      return Error{ErrorCode::kBadMesh, fmt::format("the character's {} triangles have no area, expected a surface",
+                                                    welded_.mesh.triangles.size())};
+    }
+    body_.shells = connectedComponents(welded_.mesh.vertices.size(), welded_.mesh.triangles).count;
+    if (keepAsItIs()) {
+      (void)step(kSteps);
+      return std::move(body_);
+    }
+    return make(limbs);
+  }
+
+ private:
+  [[nodiscard]] bool step(int done) const { return !settings_.progress || settings_.progress(done, kSteps); }
+  void note(std::string sentence) { body_.notes.push_back(std::move(sentence)); }
+
+  /// Takes the surface itself where it is closed and one solid.
+  bool keepAsItIs() {
+    TriMesh mesh = welded_.mesh;
+    const bool turned = signedVolume(mesh.vertices, mesh.triangles) < 0.0;
+    if (turned) {
+      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    }
+    Result<MeshRepair> repaired = repairClosedMesh(mesh);
+    if (!repaired || !checkClosedTwoManifold(repaired->mesh)) return false;
+    const Components shells = connectedComponents(repaired->mesh.vertices.size(), repaired->mesh.triangles);
+    if (!shellsApart(repaired->mesh, shells)) {
+      note(fmt::format("its {} closed shells are within each other's reach, so one surface was made around them",
+                       shells.count));
+      return false;
+    }
+    if (turned) note("it was inside out and was turned");
+    if (repaired->changed()) note(repaired->summary());
+    if (welded_.mixedVertices > 0) {
+      note(fmt::format("at {} the welded vertices had other weights: the mean was taken",
+                       counted(welded_.mixedVertices, "place", "places")));
+    }
+    body_.crowdedEdges = static_cast<int>(repaired->crowdedEdges);
+    body_.shells = shells.count;
+    body_.character = bonesOf(character_);
+    for (std::size_t v = 0; v < repaired->mesh.vertices.size(); ++v) {
+      const VertexOrigin& origin = repaired->origin[v];
+      const std::array<const std::vector<Influence>*, 2> lists{
+          &welded_.influences[static_cast<std::size_t>(origin.first)],
+          &welded_.influences[static_cast<std::size_t>(origin.second)]};
+      const std::array<double, 2> shares{0.5, 0.5};
+      append(body_.character, repaired->mesh.vertices[v],
+             origin.first == origin.second ? *lists[0] : blended(lists, shares));
+    }
+    body_.character.mesh.triangles = std::move(repaired->mesh.triangles);
+    body_.bodyVertices = static_cast<int>(body_.character.mesh.vertices.size());
+    return true;
+  }
+
+  Result<Body> make(const Limbs& limbs) {
+    body_.made = true;
+    Welded original = welded_;
+    if (const std::size_t duplicates = dropDuplicates(original.mesh.triangles); duplicates > 0) {
+      note(fmt::format("{} on others were passed over",
+                       counted(duplicates, "triangle that lies", "triangles that lie")));
+    }
+    const SolidSource source(character_, limbs, std::move(original));
+    tell(source);
+    if (!step(1)) return cancelled();
+
+    body_.resolution = settings_.resolution > 0.0 ? settings_.resolution : chooseResolution(source);
+    const Aabb box = boundsOf(character_.mesh.vertices);
+    const double coarsest = kCoarsest * (box.max - box.min).maxCoeff();
+    if (settings_.resolution > coarsest) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("a body of voxels of {:.4g} m: expected at most {:.4g} m, an eighth of its longest side",
+                               settings_.resolution, coarsest)};
+    }
+    Result<SolidSurface> solid = solidSurface(source, body_.resolution);
+    if (!solid) return solid.error();
+    tell(*solid);
+    if (!step(2)) return cancelled();
+
+    const std::vector<std::vector<Influence>> weights = carryWeights(solid->mesh, source, body_.resolution);
+    if (!step(3)) return cancelled();
+
+    assemble(*solid, weights);
+    const std::vector<Affine3> bind(character_.jointFromModel.size(), Affine3::Identity());
+    body_.distances = distancesInPose(body_, bind);
+    (void)step(kSteps);  // the body is there: whoever cancels now is too late
+    return std::move(body_);
+  }
+
+  void tell(const SolidSource& source) {
+    body_.openEdges = static_cast<int>(source.openEdges);
+    body_.crowdedEdges = static_cast<int>(source.crowdedEdges);
+    if (source.turnedPatches > 0) {
+      note(counted(source.turnedPatches, "piece was inside out and was turned",
+                   "pieces were inside out and were turned"));
+    }
+    if (source.turnedTriangles > 0) {
+      note(counted(source.turnedTriangles, "triangle faced another way than its neighbours and was turned",
+                   "triangles faced another way than their neighbours and were turned"));
+    }
+    if (source.sheetPatches > 0) {
+      note(fmt::format("{} nothing ({:.1f} % of the surface): covered, not cut",
+                       counted(source.sheetPatches, "open sheet encloses", "open sheets enclose"),
+                       100.0 * source.sheetShare));
+    }
+  }
+
+  void tell(const SolidSurface& solid) {
+    note(fmt::format("a closed surface of {} vertices in {} was made with voxels of {:.4g} m",
+                     solid.mesh.vertices.size(), counted(solid.pieces, "piece", "pieces"), body_.resolution));
+    if (solid.droppedPieces > 0) {
+      note(fmt::format("{} too small to be parts: covered, not cut",
+                       counted(solid.droppedPieces, "loose piece is", "loose pieces are")));
+    }
+    if (solid.thinVoxels > 0) note(fmt::format("what is thinner than {:.4g} m is covered, not cut", body_.resolution));
+    if (solid.rodTriangles > 0) note("limbs too thin for voxels were made as thick as these need");
+    if (solid.partedVoxels > 0) {
+      note(fmt::format("limbs that touch in the bind pose were parted, at {}",
+                       counted(solid.partedVoxels, "voxel", "voxels")));
+    }
+  }
+
+  /// The body's vertices first, then those that people see.
+  void assemble(const SolidSurface& solid, const std::vector<std::vector<Influence>>& weights) {
+    Character& made = body_.character;
+    made = bonesOf(character_);
+    for (std::size_t v = 0; v < weights.size(); ++v) append(made, solid.mesh.vertices[v], weights[v]);
+    made.mesh.triangles = solid.mesh.triangles;
+    body_.bodyVertices = static_cast<int>(weights.size());
+
+    std::vector<VertexIndex> numberOf(character_.mesh.vertices.size(), -1);
+    std::vector<bool> used(numberOf.size(), false);
+    for (const Triangle& t : character_.mesh.triangles) {
+      for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = true;
+    }
+    for (std::size_t v = 0; v < numberOf.size(); ++v) {
+      if (!used[v]) continue;
+      numberOf[v] = static_cast<VertexIndex>(made.mesh.vertices.size());
+      append(
+          made, character_.mesh.vertices[v],
+          std::span(character_.influences)
+              .subspan(character_.influenceBegin[v], character_.influenceBegin[v + 1] - character_.influenceBegin[v]));
+    }
+    made.shown.reserve(character_.mesh.triangles.size());
+    for (Triangle t : character_.mesh.triangles) {
+      for (VertexIndex& v : t) v = numberOf[static_cast<std::size_t>(v)];
+      made.shown.push_back(t);
+    }
+  }
+
+  const Character& character_;
+  const BodySettings& settings_;
+  Welded welded_;
+  Body body_;
+};
+
+}  // namespace
+
+Result<Body> makeBody(const Character& character, const BodySettings& settings) {
+  if (!(settings.resolution >= 0.0) || !std::isfinite(settings.resolution) || settings.threads < 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("body resolution {} m, threads {}: expected 0 or more of each", settings.resolution,
+                             settings.threads)};
+  }
+  if (Result<void> checked = checkCharacter(character); !checked) return checked.error();
+  // More threads than cores are allowed, so that tests can show that the result does not depend on them.
+  const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
+                                    std::max(known, static_cast<std::size_t>(settings.threads)));
+  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
+  std::optional<Result<Body>> result;
+  arena.execute([&] { result.emplace(BodyMaker(character, settings).run()); });
+  return std::move(*result);
+}
+
+}  // namespace lorica

@@ -1,0 +1,89 @@
+#include "skinning/body/closed_body.h"
+#include "skinning/body/triangle_tree.h"
+#include "skinning/linear_blend.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr std::size_t kSamples = 4096;
+constexpr double kInside = 0.5;  // winding number
+
+/// Points spread evenly over a surface: its area laid out as one strip, a point in the middle of each equal piece.
+std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
+  const double area = surfaceArea(vertices, triangles);
+  std::vector<Vec3> points;
+  if (!(area > 0.0)) return points;
+  points.reserve(kSamples);
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  double upTo = 0.0;
+  for (const Triangle& t : triangles) {
+    const Vec3& a = vertices[static_cast<std::size_t>(t[0])];
+    const Vec3& b = vertices[static_cast<std::size_t>(t[1])];
+    const Vec3& c = vertices[static_cast<std::size_t>(t[2])];
+    upTo += 0.5 * (b - a).cross(c - a).norm();
+    while (points.size() < kSamples &&
+           (static_cast<double>(points.size()) + 0.5) * area / static_cast<double>(kSamples) <= upTo) {
+      // Within a triangle an additive recurrence (with powers of the plastic number) spreads consecutive points; the
+      // square root turns a uniform number into the distance from a corner under which equal areas lie.
+      const auto i = static_cast<double>(points.size());
+      const double r = std::sqrt(fraction(0.5 + i * 0.7548776662466927));
+      const double u = r * fraction(0.5 + i * 0.5698402909980532);
+      points.emplace_back((1.0 - r) * a + (r - u) * b + u * c);
+    }
+  }
+  return points;
+}
+
+std::vector<double> distancesOutside(const TriangleTree& tree, std::span<const Vec3> points) {
+  std::vector<double> distances(points.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    if (tree.windingNumber(points[i]) < kInside) distances[i] = tree.nearest(points[i]).distance;
+  });
+  return distances;
+}
+
+std::vector<double> distancesTo(const TriangleTree& tree, std::span<const Vec3> points) {
+  std::vector<double> distances(points.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { distances[i] = tree.nearest(points[i]).distance; });
+  return distances;
+}
+
+double meanOf(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+double largestOf(std::span<const double> values) {
+  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+BodyDistances distancesInPose(const Body& body, std::span<const Affine3> worldFromModel) {
+  BodyDistances result;
+  if (!body.made) return result;
+  const Character& character = body.character;
+  std::vector<Vec3> posed(character.mesh.vertices.size());
+  skinLinearBlend(character, worldFromModel, posed);
+  const auto bodyCount = static_cast<std::size_t>(body.bodyVertices);
+  const std::span<const Vec3> bodyVertices = std::span(posed).first(bodyCount);
+  const std::span<const Vec3> shownVertices = std::span(posed).subspan(bodyCount);
+
+  const TriangleTree bodyTree(posed, character.mesh.triangles);
+  const TriangleTree shownTree(posed, character.shown);
+  result.farthestOutside = largestOf(distancesOutside(bodyTree, shownVertices));
+  result.meanOutside = meanOf(distancesOutside(bodyTree, spreadPoints(posed, character.shown)));
+  const std::vector<double> spread = distancesTo(shownTree, spreadPoints(posed, character.mesh.triangles));
+  result.meanToOriginal = meanOf(spread);
+  result.farthestToOriginal = std::max(largestOf(spread), largestOf(distancesTo(shownTree, bodyVertices)));
+  return result;
+}
+
+}  // namespace lorica

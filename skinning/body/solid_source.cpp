@@ -1,0 +1,179 @@
+#include "skinning/body/solid_source.h"
+
+#include "skinning/body/patches.h"
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kAside = 1e-4;   // of the box's diagonal: so far from a triangle one asks on which side one is
+constexpr double kLarge = 0.01;   // of the same: larger triangles are asked in four places, others in their middle
+constexpr double kSheet = -0.25;  // mean winding number in front of a patch: 0 for skin, -1/2 for a free sheet
+constexpr double kHidden = 0.5;   // in front of a triangle
+
+constexpr double kVerticesAVoxelFace = 1.5;  // of a surface that lies at any angle to the grid
+constexpr double kMostVertices = 14000.0;
+constexpr double kLeastVertices = 7000.0;
+constexpr double kVoxelsAcross = 4.0;
+constexpr double kThinShare = 0.05;  // of the surface: what is thinner than the rest does not count up to so much area
+
+double areaOf(const std::array<Vec3, 3>& t) {
+  return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
+}
+
+Vec3 middleOf(const std::array<Vec3, 3>& t) {
+  return (t[0] + t[1] + t[2]) / 3.0;
+}
+
+/// Winding numbers just in front of a triangle: in its middle; of a large one also towards its corners.
+template <typename Visit>
+void askInFront(const TriangleTree& tree, const std::array<Vec3, 3>& t, double diagonal, Visit&& visit) {
+  const Vec3 front = kAside * diagonal * (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
+  const Vec3 middle = middleOf(t);
+  visit(tree.windingNumber(middle + front));
+  const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+  if (longest < kLarge * diagonal) return;
+  for (const Vec3& corner : t) visit(tree.windingNumber(0.3 * middle + 0.7 * corner + front));
+}
+
+/// @param groupOfTriangle  which group each triangle belongs to
+std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const std::int32_t> groupOfTriangle,
+                                   std::size_t groups) {
+  std::vector<Thickness> result(groups);
+  std::vector<Vec3> sum(groups, Vec3::Zero());
+  std::vector<Mat3> squares(groups, Mat3::Zero());
+  const Vec3 origin = surfaceBounds(source.mesh).center();
+  for (std::size_t k = 0; k < groupOfTriangle.size(); ++k) {
+    if (source.roles[k] != TriangleRole::kSkin) continue;
+    const auto g = static_cast<std::size_t>(groupOfTriangle[k]);
+    const std::array<Vec3, 3> t = source.corners(k);
+    const double area = areaOf(t);
+    const Vec3 at = middleOf(t) - origin;
+    result[g].area += area;
+    sum[g] += area * at;
+    // A long triangle is no point: over it the mean of x x' is that of its corners and its middle, weighted like this.
+    for (const Vec3& corner : t) squares[g] += area / 12.0 * (corner - origin) * (corner - origin).transpose();
+    squares[g] += 0.75 * area * at * at.transpose();
+  }
+  for (std::size_t g = 0; g < groups; ++g) {
+    Thickness& size = result[g];
+    if (!(size.area > 0.0)) continue;
+    const Vec3 mean = sum[g] / size.area;
+    const Mat3 spread = squares[g] / size.area - mean * mean.transpose();
+    const Vec3 along = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
+    // Round a circle the mean square of one coordinate is half the radius squared.
+    size.least = 2.0 * std::sqrt(2.0 * along[0]);
+    size.middle = 2.0 * std::sqrt(2.0 * along[1]);
+    size.length = std::sqrt(12.0 * along[2]);  // and along a rod a twelfth of its square
+  }
+  return result;
+}
+
+}  // namespace
+
+std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
+  const Triangle& t = mesh.triangles[triangle];
+  return {mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
+          mesh.vertices[static_cast<std::size_t>(t[2])]};
+}
+
+SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
+    : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(std::move(known)) {
+  const Patches patches = orientPatches(mesh);
+  openEdges = patches.openEdges;
+  crowdedEdges = patches.crowdedEdges;
+  turnedPatches = patches.turnedPatches;
+  turnedTriangles = patches.turnedTriangles;
+  const std::size_t count = mesh.triangles.size();
+  const double diagonal = surfaceBounds(mesh).diagonal();
+
+  jointOfTriangle.resize(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    std::array<const std::vector<Influence>*, 3> lists{};
+    for (std::size_t i = 0; i < 3; ++i) lists[i] = &influences[static_cast<std::size_t>(mesh.triangles[k][i])];
+    const std::array<double, 3> shares{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
+    jointOfTriangle[k] = strongest(blended(lists, shares));
+  });
+
+  // Sheets first: what encloses nothing must not confuse what does.
+  tree.emplace(mesh.vertices, mesh.triangles);
+  roles.assign(count, TriangleRole::kSkin);
+  std::vector<double> inFront(count, 0.0);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    const int patch = patches.patchOfTriangle[k];
+    if (!patches.patches[static_cast<std::size_t>(patch)].open) return;
+    double sum = 0.0;
+    int asked = 0;
+    askInFront(*tree, corners(k), diagonal, [&](double number) {
+      sum += number;
+      ++asked;
+    });
+    inFront[k] = sum / asked;
+  });
+  std::vector<double> meanInFront(patches.patches.size(), 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto p = static_cast<std::size_t>(patches.patchOfTriangle[k]);
+    if (patches.patches[p].area > 0.0) meanInFront[p] += areaOf(corners(k)) / patches.patches[p].area * inFront[k];
+  }
+  double area = 0.0;
+  double sheetArea = 0.0;
+  for (std::size_t p = 0; p < meanInFront.size(); ++p) {
+    area += patches.patches[p].area;
+    if (meanInFront[p] >= kSheet) continue;
+    sheetArea += patches.patches[p].area;
+    ++sheetPatches;
+  }
+  if (sheetPatches == patches.patches.size()) sheetPatches = 0;  // there must be something to make a body of
+  if (sheetPatches > 0) {
+    sheetShare = sheetArea / area;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (meanInFront[static_cast<std::size_t>(patches.patchOfTriangle[k])] < kSheet) roles[k] = TriangleRole::kSheet;
+    }
+    std::vector<Triangle> others;
+    others.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (roles[k] != TriangleRole::kSheet) others.push_back(mesh.triangles[k]);
+    }
+    winding.emplace(mesh.vertices, others);
+  } else {
+    winding = tree;
+  }
+
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    if (roles[k] == TriangleRole::kSheet) return;
+    bool hidden = true;
+    askInFront(*winding, corners(k), diagonal, [&](double number) { hidden = hidden && number > kHidden; });
+    if (hidden) roles[k] = TriangleRole::kHidden;
+  });
+
+  patchOfTriangle = patches.patchOfTriangle;
+  ofJoint = thicknesses(*this, jointOfTriangle, static_cast<std::size_t>(character.skeleton.jointCount()));
+  ofPatch = thicknesses(*this, patchOfTriangle, patches.patches.size());
+}
+
+double chooseResolution(const SolidSource& source) {
+  std::vector<Thickness> limbs = source.ofJoint;
+  std::stable_sort(limbs.begin(), limbs.end(),
+                   [](const Thickness& a, const Thickness& b) { return a.least < b.least; });
+  double whole = 0.0;
+  for (const Thickness& limb : limbs) whole += limb.area;
+  if (!(whole > 0.0)) whole = surfaceArea(source.mesh.vertices, source.mesh.triangles);
+  double passed = 0.0;
+  double thin = 0.0;
+  for (const Thickness& limb : limbs) {
+    if (limb.area == 0.0) continue;
+    thin = limb.least;
+    passed += limb.area;
+    if (passed >= kThinShare * whole) break;
+  }
+  const auto voxelFor = [&](double vertices) { return std::sqrt(kVerticesAVoxelFace * whole / vertices); };
+  return std::clamp(thin / kVoxelsAcross, voxelFor(kMostVertices), voxelFor(kLeastVertices));
+}
+
+}  // namespace lorica

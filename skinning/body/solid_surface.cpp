@@ -1,0 +1,364 @@
+#include "skinning/body/solid_surface.h"
+
+#include "geometry/mesh_repair.h"
+#include "skinning/body/level_set.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr int kBand = 3;                        // voxels about the triangles in which distances are known
+constexpr std::size_t kMostVoxels = 48u << 20;  // 200 MB of distances
+constexpr float kInside = 0.5f;                 // winding number
+constexpr float kBlocked = 0.6f;                // voxels: nearer to a triangle than this is no way through
+constexpr float kCore = 0.45f;                  // voxels: what is solid has a point this deep near by
+constexpr int kLayer = 9;                       // voxels of 27 that a layer of one voxel takes
+constexpr double kRod = 2.5;                    // voxels: limbs thinner than this in two directions are thickened
+constexpr float kRodRadius = 0.6f;              // voxels about the triangles
+constexpr double kTouch = 1.1;    // voxels: limbs touch at a place whose distances from both add up to this
+constexpr float kParted = 0.3f;   // voxels: what is said of a place that was taken out
+constexpr float kSlope = 8.0f;    // voxels of distance that a winding number of 1 more is worth, across holes
+constexpr double kCrumb = 2e-3;   // of the volume: smaller pieces are dropped
+constexpr int kSmoothRounds = 8;  // of smoothing the surface; each takes a step in and one out (Taubin 1995)
+constexpr double kStepIn = 0.5;
+constexpr double kStepOut = -0.53;
+constexpr int kBlock = 4;  // voxels: far from triangles winding numbers are asked for in blocks
+
+class Solid {
+ public:
+  Solid(const SolidSource& source, double voxel) : source_(source), voxel_(voxel) {}
+
+  Result<SolidSurface> make() {
+    if (Result<void> laid = layGrid(); !laid) return laid.error();
+    if (Result<void> known = unsignedDistances(grid_, skin(), voxel_, kBand); !known) return known.error();
+    wind();
+    sign();
+    dropThin();
+    if (Result<void> thickened = thickenRods(); !thickened) return thickened.error();
+    part();
+    Result<TriMesh> mesh = zeroSurface(grid_, voxel_);
+    if (!mesh) return mesh.error();
+    return finished(std::move(*mesh));
+  }
+
+ private:
+  Result<void> layGrid() {
+    const Aabb box = surfaceBounds(source_.mesh);
+    const auto sizesOf = [&](double voxel) -> Vec3 {
+      return ((box.max - box.min).array() / voxel + 2.0 * (kBand + 2)).ceil() + 1.0;
+    };
+    const Vec3 margin = Vec3::Constant((kBand + 2) * voxel_);
+    const Vec3 sizes = sizesOf(voxel_);
+    const double count = sizes.prod();
+    if (!(count <= static_cast<double>(kMostVoxels))) {
+      constexpr double kFiner = 1.02;
+      double least = voxel_ * kFiner;  // with room for what rounding takes off
+      while (!(sizesOf(least / kFiner).prod() <= static_cast<double>(kMostVoxels))) least *= kFiner;
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} "
+                               "of them, expected voxels of at least {:.3g} m",
+                               voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(),
+                               kMostVoxels, least)};
+    }
+    for (std::size_t i = 0; i < 3; ++i) grid_.size[i] = static_cast<int>(sizes[static_cast<Eigen::Index>(i)]);
+    grid_.origin = box.min - margin;
+    grid_.values.assign(static_cast<std::size_t>(count), 0.0f);
+    return {};
+  }
+
+  [[nodiscard]] Vec3 placeOf(int x, int y, int z) const { return grid_.origin + voxel_ * Vec3(x, y, z); }
+
+  /// The triangles that may be on the surface.
+  [[nodiscard]] TriMesh skin() const {
+    TriMesh skin;
+    skin.vertices = source_.mesh.vertices;
+    for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
+      if (source_.roles[k] == TriangleRole::kSkin) skin.triangles.push_back(source_.mesh.triangles[k]);
+    }
+    if (skin.triangles.empty()) skin.triangles = source_.mesh.triangles;
+    return skin;
+  }
+
+  /// Winding numbers: of each voxel near triangles; elsewhere of blocks, and of their voxels where a hole is closed.
+  void wind() {
+    winding_.assign(grid_.values.size(), 0.0f);
+    const auto blocks = [](int size) { return (size + kBlock - 1) / kBlock; };
+    tbb::parallel_for(0, blocks(grid_.size[0]), [&](int bx) {
+      for (int by = 0; by < blocks(grid_.size[1]); ++by) {
+        for (int bz = 0; bz < blocks(grid_.size[2]); ++bz) windBlock({kBlock * bx, kBlock * by, kBlock * bz});
+      }
+    });
+  }
+
+  void windBlock(const std::array<int, 3>& begin) {
+    std::array<int, 3> end{};
+    for (std::size_t i = 0; i < 3; ++i) end[i] = std::min(begin[i] + kBlock, grid_.size[i]);
+    const auto each = [&](auto&& visit) {
+      for (int x = begin[0]; x < end[0]; ++x) {
+        for (int y = begin[1]; y < end[1]; ++y) {
+          for (int z = begin[2]; z < end[2]; ++z) visit(x, y, z);
+        }
+      }
+    };
+    bool near = false;
+    each([&](int x, int y, int z) { near = near || grid_.at(x, y, z) < kBand - 0.5f; });
+    float middle = 0.0f;
+    if (!near) {
+      const Vec3 at = 0.5 * (placeOf(begin[0], begin[1], begin[2]) + placeOf(end[0] - 1, end[1] - 1, end[2] - 1));
+      middle = static_cast<float>(source_.winding->windingNumber(at));
+      near = std::abs(middle - kInside) < 0.3f;
+    }
+    each([&](int x, int y, int z) {
+      winding_[grid_.index(x, y, z)] =
+          near ? static_cast<float>(source_.winding->windingNumber(placeOf(x, y, z))) : middle;
+    });
+  }
+
+  /// Makes signed distances of the distances: negative inside.
+  void sign() {
+    // From outside along free voxels; what is not reached is inside.
+    std::vector<std::uint8_t> reached(grid_.values.size(), 0);
+    std::vector<std::array<int, 3>> walk{{0, 0, 0}};  // a corner of the box is outside
+    reached[0] = 1;
+    while (!walk.empty()) {
+      const std::array<int, 3> at = walk.back();
+      walk.pop_back();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const int step : {-1, 1}) {
+          std::array<int, 3> to = at;
+          to[axis] += step;
+          if (to[axis] < 0 || to[axis] >= grid_.size[axis]) continue;
+          const std::size_t i = grid_.index(to[0], to[1], to[2]);
+          if (reached[i] != 0 || grid_.values[i] < kBlocked || winding_[i] > kInside) continue;
+          reached[i] = 1;
+          walk.push_back(to);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < grid_.values.size(); ++i) {
+      const float distance = grid_.values[i];
+      const bool wound = winding_[i] > kInside;
+      const bool enclosed = !wound && distance >= kBlocked && reached[i] == 0;
+      if (enclosed) {
+        ++result_.enclosedVoxels;
+        grid_.values[i] = -distance;
+      } else {
+        // Across a hole there is no triangle to be near to; there the winding number places the surface.
+        const float held = std::min(distance, kSlope * std::abs(winding_[i] - kInside));
+        grid_.values[i] = wound ? -held : held;
+      }
+    }
+  }
+
+  /// Takes out what has no deeper point near by: sheets with two sides, blades, tips of hair. They would be rags.
+  void dropThin() {
+    std::vector<std::uint8_t> kept(grid_.values.size(), 0);
+    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = grid_.values[i] <= -kCore ? 1 : 0;
+    for (int round = 0; round < 2; ++round) {
+      for (std::size_t axis = 0; axis < 3; ++axis) spread(kept, axis);
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      if (grid_.values[i] < 0.0f && kept[i] == 0) takeOut(i);
+    }
+    // Of what is left by the border of a sheet, a layer of one voxel.
+    std::vector<std::size_t> layers;
+    for (int x = 1; x + 1 < grid_.size[0]; ++x) {
+      for (int y = 1; y + 1 < grid_.size[1]; ++y) {
+        for (int z = 1; z + 1 < grid_.size[2]; ++z) {
+          if (grid_.at(x, y, z) < 0.0f && solidAround(x, y, z) <= kLayer) layers.push_back(grid_.index(x, y, z));
+        }
+      }
+    }
+    for (const std::size_t i : layers) takeOut(i);
+  }
+
+  void takeOut(std::size_t voxel) {
+    grid_.values[voxel] = kParted;
+    ++result_.thinVoxels;
+  }
+
+  /// How many voxels of the block of 27 about one are solid, itself included.
+  [[nodiscard]] int solidAround(int x, int y, int z) const {
+    int count = 0;
+    for (int i = x - 1; i <= x + 1; ++i) {
+      for (int j = y - 1; j <= y + 1; ++j) {
+        for (int k = z - 1; k <= z + 1; ++k) count += grid_.at(i, j, k) < 0.0f ? 1 : 0;
+      }
+    }
+    return count;
+  }
+
+  /// Sets each voxel whose neighbour along an axis is set.
+  void spread(std::vector<std::uint8_t>& set, std::size_t axis) const {
+    const std::array<std::size_t, 3> strides{static_cast<std::size_t>(grid_.size[1]) * grid_.size[2],
+                                             static_cast<std::size_t>(grid_.size[2]), 1};
+    const std::size_t stride = strides[axis];
+    // The outermost voxels are far from everything: to wrap round there does no harm.
+    std::vector<std::uint8_t> wider = set;
+    for (std::size_t i = stride; i + stride < set.size(); ++i) wider[i] |= set[i - stride] | set[i + stride];
+    set = std::move(wider);
+  }
+
+  /// Puts solid around triangles of thin rods that have none.
+  Result<void> thickenRods() {
+    TriMesh rods;
+    rods.vertices = source_.mesh.vertices;
+    for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
+      if (source_.roles[k] != TriangleRole::kSkin) continue;
+      const Thickness& limb = source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])];
+      const Thickness& piece = source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])];
+      const bool rod =
+          limb.middle < kRod * voxel_ || (piece.middle < kRod * voxel_ && piece.length > kRod * voxel_);  // no rivet
+      if (rod && !isInSolid(k)) {
+        rods.triangles.push_back(source_.mesh.triangles[k]);
+      }
+    }
+    if (rods.triangles.empty()) return {};
+    result_.rodTriangles = rods.triangles.size();
+    VoxelGrid distances = grid_;
+    if (Result<void> known = unsignedDistances(distances, rods, voxel_, kBand); !known) return known;
+    for (std::size_t i = 0; i < grid_.values.size(); ++i) {
+      grid_.values[i] = std::min(grid_.values[i], distances.values[i] - kRodRadius);
+    }
+    return {};
+  }
+
+  /// Whether solid is near a triangle's middle and corners.
+  [[nodiscard]] bool isInSolid(std::size_t triangle) const {
+    const std::array<Vec3, 3> t = source_.corners(triangle);
+    const auto near = [&](const Vec3& p) {
+      const Eigen::Vector3i at = ((p - grid_.origin) / voxel_).array().round().cast<int>();
+      return solidAround(at.x(), at.y(), at.z()) > kLayer;
+    };
+    const Vec3 middle = (t[0] + t[1] + t[2]) / 3.0;
+    return near(middle) && std::all_of(t.begin(), t.end(), [&](const Vec3& corner) {
+             return near(0.2 * middle + 0.8 * corner) && near(0.6 * middle + 0.4 * corner);
+           });
+  }
+
+  /// Takes out voxels at which two limbs touch.
+  void part() {
+    std::vector<std::size_t> counts(static_cast<std::size_t>(grid_.size[0]), 0);
+    tbb::parallel_for(0, grid_.size[0], [&](int x) {
+      std::vector<std::pair<JointIndex, double>> near;  // how near the skin of each joint is
+      for (int y = 0; y < grid_.size[1]; ++y) {
+        for (int z = 0; z < grid_.size[2]; ++z) {
+          float& value = grid_.values[grid_.index(x, y, z)];
+          if (value >= kParted) continue;
+          const Vec3 at = placeOf(x, y, z);
+          near.clear();
+          source_.tree->forEachWithin(at, kTouch * voxel_, [&](std::int32_t t, double distance) {
+            if (source_.roles[static_cast<std::size_t>(t)] == TriangleRole::kSheet) return;
+            const JointIndex joint = source_.jointOfTriangle[static_cast<std::size_t>(t)];
+            const auto known = std::find_if(near.begin(), near.end(), [&](const auto& n) { return n.first == joint; });
+            if (known == near.end()) {
+              near.emplace_back(joint, distance);
+            } else {
+              known->second = std::min(known->second, distance);
+            }
+          });
+          bool touch = false;
+          for (std::size_t a = 0; a < near.size(); ++a) {
+            for (std::size_t b = 0; b < a; ++b) {
+              touch = touch || (near[a].second + near[b].second <= kTouch * voxel_ &&
+                                source_.limbs.apart(near[a].first, near[b].first, at));
+            }
+          }
+          if (!touch) continue;
+          value = kParted;
+          ++counts[static_cast<std::size_t>(x)];
+        }
+      }
+    });
+    for (const std::size_t count : counts) result_.partedVoxels += count;
+  }
+
+  /// Drops crumbs and bubbles, and makes a two-manifold of what is left.
+  Result<SolidSurface> finished(TriMesh mesh) {
+    const Error nothing{ErrorCode::kBadMesh,
+                        fmt::format("nothing of the {} triangles encloses anything that is thicker than {:.4g} m, "
+                                    "expected a body",
+                                    source_.mesh.triangles.size(), voxel_)};
+    if (mesh.triangles.empty()) return nothing;
+    if (signedVolume(mesh.vertices, mesh.triangles) < 0.0) {
+      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    }
+    const Components pieces = connectedComponents(mesh.vertices.size(), mesh.triangles);
+    std::vector<std::vector<Triangle>> trianglesOf(static_cast<std::size_t>(pieces.count));
+    for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+      trianglesOf[static_cast<std::size_t>(pieces.componentOfTriangle[k])].push_back(mesh.triangles[k]);
+    }
+    std::vector<double> volumes;
+    double whole = 0.0;
+    for (const std::vector<Triangle>& piece : trianglesOf) {
+      volumes.push_back(signedVolume(mesh.vertices, piece));
+      whole += volumes.back();
+    }
+    TriMesh kept;
+    std::vector<VertexIndex> numberOf(mesh.vertices.size(), -1);
+    for (std::size_t p = 0; p < trianglesOf.size(); ++p) {
+      if (volumes[p] < kCrumb * whole) {
+        if (volumes[p] > 0.0) ++result_.droppedPieces;
+        continue;
+      }
+      ++result_.pieces;
+      for (Triangle t : trianglesOf[p]) {
+        for (VertexIndex& v : t) {
+          VertexIndex& number = numberOf[static_cast<std::size_t>(v)];
+          if (number < 0) {
+            number = static_cast<VertexIndex>(kept.vertices.size());
+            kept.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+          }
+          v = number;
+        }
+        kept.triangles.push_back(t);
+      }
+    }
+    if (kept.triangles.empty()) return nothing;
+    Result<MeshRepair> repaired = repairClosedMesh(kept);
+    if (!repaired) return repaired.error();
+    result_.mesh = std::move(repaired->mesh);
+    smooth(result_.mesh);
+    return std::move(result_);
+  }
+
+  /// Takes the grid's steps out of the surface.
+  static void smooth(TriMesh& mesh) {
+    std::vector<Vec3> sum(mesh.vertices.size());
+    std::vector<int> count(mesh.vertices.size());
+    for (int round = 0; round < 2 * kSmoothRounds; ++round) {
+      std::fill(sum.begin(), sum.end(), Vec3::Zero());
+      std::fill(count.begin(), count.end(), 0);
+      for (const Triangle& t : mesh.triangles) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          sum[static_cast<std::size_t>(t[i])] += mesh.vertices[static_cast<std::size_t>(t[(i + 1) % 3])];
+          ++count[static_cast<std::size_t>(t[i])];
+        }
+      }
+      const double step = round % 2 == 0 ? kStepIn : kStepOut;
+      for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (count[v] > 0) mesh.vertices[v] += step * (sum[v] / count[v] - mesh.vertices[v]);
+      }
+    }
+  }
+
+  const SolidSource& source_;
+  double voxel_;
+  VoxelGrid grid_;
+  std::vector<float> winding_;
+  SolidSurface result_;
+};
+
+}  // namespace
+
+Result<SolidSurface> solidSurface(const SolidSource& source, double voxel) {
+  return Solid(source, voxel).make();
+}
+
+}  // namespace lorica

@@ -1,0 +1,150 @@
+#include "skinning/body/transfer_weights.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+
+namespace lorica {
+namespace {
+
+constexpr int kVoteRounds = 3;
+constexpr int kSmoothRounds = 3;
+constexpr double kReach = 4.0;  // voxels: farther originals are taken whichever way they face
+constexpr std::size_t kMostInfluences = 8;
+constexpr double kLeastWeight = 2e-3;
+
+class Carrier {
+ public:
+  Carrier(const TriMesh& body, const SolidSource& source, double voxel) : body_(body), source_(source), voxel_(voxel) {
+    originalNormals_.reserve(source.mesh.triangles.size());
+    for (const Triangle& t : source.mesh.triangles) originalNormals_.push_back(areaNormal(source.mesh.vertices, t));
+    normals_.assign(body.vertices.size(), Vec3::Zero());
+    neighbours_.resize(body.vertices.size());
+    for (const Triangle& t : body.triangles) {
+      const Vec3 normal = areaNormal(body.vertices, t);
+      for (std::size_t i = 0; i < 3; ++i) {
+        normals_[static_cast<std::size_t>(t[i])] += normal;
+        // Each edge is met twice, once in each direction.
+        neighbours_[static_cast<std::size_t>(t[i])].push_back(t[(i + 1) % 3]);
+      }
+    }
+  }
+
+  std::vector<std::vector<Influence>> run() {
+    weights_.resize(body_.vertices.size());
+    tbb::parallel_for(std::size_t{0}, weights_.size(),
+                      [&](std::size_t v) { weights_[v] = weightsAt(v, [](std::int32_t) { return true; }); });
+    for (int round = 0; round < kVoteRounds; ++round) vote();
+    const std::vector<std::vector<Influence>> carried = weights_;
+    for (int round = 0; round < kSmoothRounds; ++round) smooth(carried);
+    tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) { prune(weights_[v]); });
+    return std::move(weights_);
+  }
+
+ private:
+  static Vec3 areaNormal(std::span<const Vec3> vertices, const Triangle& t) {
+    const Vec3& a = vertices[static_cast<std::size_t>(t[0])];
+    return (vertices[static_cast<std::size_t>(t[1])] - a).cross(vertices[static_cast<std::size_t>(t[2])] - a);
+  }
+
+  [[nodiscard]] TriangleTree::Hit nearestTo(std::size_t v, const auto& accept) const {
+    const auto faces = [&](std::int32_t t) {
+      return originalNormals_[static_cast<std::size_t>(t)].dot(normals_[v]) >= 0.0;
+    };
+    const auto solid = [&](std::int32_t t) { return source_.isSkin(t); };
+    const Vec3& at = body_.vertices[v];
+    TriangleTree::Hit hit =
+        source_.tree->nearest(at, kReach * voxel_, [&](std::int32_t t) { return solid(t) && faces(t) && accept(t); });
+    if (hit.triangle >= 0) return hit;
+    hit = source_.tree->nearest(at, std::numeric_limits<double>::infinity(),
+                                [&](std::int32_t t) { return solid(t) && accept(t); });
+    if (hit.triangle >= 0) return hit;
+    return source_.tree->nearest(at, std::numeric_limits<double>::infinity(), accept);
+  }
+
+  [[nodiscard]] std::vector<Influence> weightsAt(std::size_t v, const auto& accept) const {
+    const TriangleTree::Hit hit = nearestTo(v, accept);
+    if (hit.triangle < 0) return {};
+    const Triangle& t = source_.mesh.triangles[static_cast<std::size_t>(hit.triangle)];
+    std::array<const std::vector<Influence>*, 3> lists{};
+    for (std::size_t i = 0; i < 3; ++i) lists[i] = &source_.influences[static_cast<std::size_t>(t[i])];
+    const std::array<double, 3> shares{hit.shares[0], hit.shares[1], hit.shares[2]};
+    return blended(lists, shares);
+  }
+
+  /// Where most neighbours follow another limb, so does the vertex.
+  void vote() {
+    std::vector<std::vector<Influence>> next = weights_;
+    tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) {
+      const Vec3& at = body_.vertices[v];
+      const JointIndex own = strongest(weights_[v]);
+      std::size_t others = 0;
+      JointIndex other = own;
+      for (const VertexIndex n : neighbours_[v]) {
+        const JointIndex joint = strongest(weights_[static_cast<std::size_t>(n)]);
+        if (!source_.limbs.apart(own, joint, at)) continue;
+        ++others;
+        other = joint;
+      }
+      if (2 * others <= neighbours_[v].size()) return;
+      std::vector<Influence> found = weightsAt(v, [&](std::int32_t t) {
+        return !source_.limbs.apart(source_.jointOfTriangle[static_cast<std::size_t>(t)], other, at);
+      });
+      if (!found.empty()) next[v] = std::move(found);
+    });
+    weights_ = std::move(next);
+  }
+
+  /// Half of each vertex's weights become its neighbours' mean.
+  void smooth(const std::vector<std::vector<Influence>>& carried) {
+    std::vector<std::vector<Influence>> next(weights_.size());
+    tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) {
+      std::vector<const std::vector<Influence>*> lists{&weights_[v]};
+      const JointIndex own = strongest(carried[v]);
+      for (const VertexIndex n : neighbours_[v]) {
+        const std::vector<Influence>& list = weights_[static_cast<std::size_t>(n)];
+        if (!source_.limbs.apart(own, strongest(list), body_.vertices[v])) lists.push_back(&list);
+      }
+      std::vector<double> shares(lists.size(), 0.5 / static_cast<double>(std::max<std::size_t>(lists.size() - 1, 1)));
+      shares.front() = lists.size() > 1 ? 0.5 : 1.0;
+      std::vector<Influence> mean = blended(lists, shares);
+      // A bone beside the vertex's own branch stays only where it was: a thigh never comes to follow the other one.
+      std::erase_if(mean, [&](const Influence& i) {
+        if (source_.limbs.onOneBranch(i.joint, own)) return false;
+        return std::none_of(carried[v].begin(), carried[v].end(),
+                            [&](const Influence& was) { return was.joint == i.joint; });
+      });
+      const std::array<const std::vector<Influence>*, 1> one{&mean};
+      const std::array<double, 1> whole{1.0};
+      next[v] = blended(one, whole);
+    });
+    weights_ = std::move(next);
+  }
+
+  static void prune(std::vector<Influence>& weights) {
+    std::stable_sort(weights.begin(), weights.end(),
+                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    if (weights.size() > kMostInfluences) weights.resize(kMostInfluences);
+    while (weights.size() > 1 && weights.back().weight < kLeastWeight) weights.pop_back();
+    const std::array<const std::vector<Influence>*, 1> one{&weights};
+    const std::array<double, 1> whole{1.0};
+    weights = blended(one, whole);
+  }
+
+  const TriMesh& body_;
+  const SolidSource& source_;
+  double voxel_;
+  std::vector<Vec3> originalNormals_;  ///< times twice the area
+  std::vector<Vec3> normals_;
+  std::vector<std::vector<VertexIndex>> neighbours_;
+  std::vector<std::vector<Influence>> weights_;
+};
+
+}  // namespace
+
+std::vector<std::vector<Influence>> carryWeights(const TriMesh& body, const SolidSource& source, double voxel) {
+  return Carrier(body, source, voxel).run();
+}
+
+}  // namespace lorica

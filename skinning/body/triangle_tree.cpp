@@ -1,0 +1,155 @@
+#include "skinning/body/triangle_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr std::size_t kLeafSize = 4;
+constexpr double kFar = 2.0;  // in radii of a group: from there on it counts as one dipole
+
+/// Signed solid angle of a triangle over 4 pi (Van Oosterom and Strackee 1983).
+double windingOf(const Vec3& p, const std::array<Vec3, 3>& triangle) {
+  const Vec3 a = triangle[0] - p;
+  const Vec3 b = triangle[1] - p;
+  const Vec3 c = triangle[2] - p;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  const double numerator = a.dot(b.cross(c));
+  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  if (numerator == 0.0) return 0.0;  // in the triangle's plane
+  return std::atan2(numerator, denominator) / (2.0 * std::numbers::pi);
+}
+
+std::pair<double, double> nearestOnSegment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 ab = b - a;
+  const double lengthSq = ab.squaredNorm();
+  const double t = lengthSq > 0.0 ? std::clamp((p - a).dot(ab) / lengthSq, 0.0, 1.0) : 0.0;
+  return {(a + t * ab - p).squaredNorm(), t};
+}
+
+}  // namespace
+
+std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 normal = (b - a).cross(c - a);
+  const double normalSq = normal.squaredNorm();
+  const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  // Of a sliver only the edges count: its normal is noise.
+  if (normalSq > 1e-24 * longestSq * longestSq) {
+    const Vec3 shares((c - b).cross(p - b).dot(normal), (a - c).cross(p - c).dot(normal),
+                      (b - a).cross(p - a).dot(normal));
+    if (shares.minCoeff() >= 0.0) {
+      const double height = (p - a).dot(normal);
+      return {height * height / normalSq, shares / shares.sum()};
+    }
+  }
+  std::pair<double, Vec3> best{std::numeric_limits<double>::infinity(), Vec3::Zero()};
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const auto [distanceSq, t] =
+        nearestOnSegment(p, triangle[static_cast<std::size_t>(i)], triangle[static_cast<std::size_t>(j)]);
+    if (distanceSq >= best.first) continue;
+    best.first = distanceSq;
+    best.second.setZero();
+    best.second[i] = 1.0 - t;
+    best.second[j] = t;
+  }
+  return best;
+}
+
+TriangleTree::TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
+    : original_(triangles.size()) {
+  CHECK(!triangles.empty(), "a tree of no triangles: makeBody() refuses these");
+  corners_.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
+    corners_.push_back({vertices[static_cast<std::size_t>(t[0])], vertices[static_cast<std::size_t>(t[1])],
+                        vertices[static_cast<std::size_t>(t[2])]});
+  }
+  std::iota(original_.begin(), original_.end(), 0);
+  nodes_.reserve(triangles.size());
+  build(0, triangles.size());
+  // The tree was built over indices: now the corners follow them.
+  std::vector<std::array<Vec3, 3>> ordered;
+  ordered.reserve(corners_.size());
+  for (const std::int32_t i : original_) ordered.push_back(corners_[static_cast<std::size_t>(i)]);
+  corners_ = std::move(ordered);
+}
+
+void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) const {
+  double area = 0.0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const auto& [a, b, c] = corners_[static_cast<std::size_t>(original_[i])];
+    const Vec3 normal = 0.5 * (b - a).cross(c - a);
+    const double own = normal.norm();
+    node.dipole += normal;
+    node.center += own / 3.0 * (a + b + c);
+    area += own;
+    for (const Vec3* corner : {&a, &b, &c}) node.box.extend(*corner);
+  }
+  node.center = area > 0.0 ? Vec3(node.center / area) : node.box.center();
+  for (std::size_t i = first; i < first + count; ++i) {
+    for (const Vec3& corner : corners_[static_cast<std::size_t>(original_[i])]) {
+      node.radius = std::max(node.radius, (corner - node.center).squaredNorm());
+    }
+  }
+  node.radius = std::sqrt(node.radius);
+}
+
+void TriangleTree::build(std::size_t first, std::size_t count) {
+  const std::size_t self = nodes_.size();
+  nodes_.emplace_back();
+  measure(nodes_[self], first, count);
+  if (count <= kLeafSize) {
+    nodes_[self].first = static_cast<std::int32_t>(first);
+    nodes_[self].count = static_cast<std::int32_t>(count);
+    return;
+  }
+  const auto center = [&](std::int32_t i) -> Vec3 {
+    const auto& [a, b, c] = corners_[static_cast<std::size_t>(i)];
+    return a + b + c;
+  };
+  Aabb centers;
+  for (std::size_t i = first; i < first + count; ++i) centers.extend(center(original_[i]));
+  Eigen::Index axis = 0;
+  (centers.max - centers.min).maxCoeff(&axis);
+  const auto begin = original_.begin() + static_cast<std::ptrdiff_t>(first);
+  const std::size_t half = count / 2;
+  std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half), begin + static_cast<std::ptrdiff_t>(count),
+                   [&](std::int32_t a, std::int32_t b) {
+                     const double ca = center(a)[axis], cb = center(b)[axis];
+                     return ca != cb ? ca < cb : a < b;
+                   });
+  build(first, half);
+  nodes_[self].first = static_cast<std::int32_t>(nodes_.size());
+  build(first + half, count - half);
+}
+
+double TriangleTree::windingNumber(const Vec3& p) const {
+  double sum = 0.0;
+  std::array<std::int32_t, 64> stack;
+  int depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::int32_t index = stack[--depth];
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Vec3 offset = node.center - p;
+    const double distanceSq = offset.squaredNorm();
+    if (distanceSq > kFar * kFar * node.radius * node.radius) {
+      sum += node.dipole.dot(offset) / (4.0 * std::numbers::pi * distanceSq * std::sqrt(distanceSq));
+    } else if (node.count > 0) {
+      for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
+        sum += windingOf(p, corners_[i]);
+      }
+    } else {
+      stack[depth++] = node.first;
+      stack[depth++] = index + 1;
+    }
+  }
+  return sum;
+}
+
+}  // namespace lorica

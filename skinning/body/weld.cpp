@@ -1,0 +1,211 @@
+#include "skinning/body/weld.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+namespace lorica {
+namespace {
+
+constexpr double kSamePlace = 1e-6;    // of the diagonal
+constexpr double kSameWeights = 1e-3;  // sum of differences
+constexpr double kCell = 16.0;         // in lengths that count as the same place, so that most points ask one cell only
+
+using Cell = std::array<std::int64_t, 3>;
+
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::uint64_t h = 0x9e3779b97f4a7c15u;
+    for (const std::int64_t k : cell) {
+      h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu;
+      h ^= h >> 32;
+    }
+    return static_cast<std::size_t>(h);
+  }
+};
+
+/// Vertices that were kept, by place. Only asked, never walked: a hash table has no order.
+class Places {
+ public:
+  Places(double samePlace, const Vec3& origin) : samePlace_(samePlace), cell_(kCell * samePlace), origin_(origin) {}
+
+  /// The first kept vertex at a place that `fits(kept)`, or `vertex` itself, which is kept from now on.
+  VertexIndex firstAt(VertexIndex vertex, std::span<const Vec3> vertices, const auto& fits) {
+    const Vec3& p = vertices[static_cast<std::size_t>(vertex)];
+    const Cell low = cellOf(p - Vec3::Constant(samePlace_));
+    const Cell high = cellOf(p + Vec3::Constant(samePlace_));
+    VertexIndex found = vertex;
+    for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+      for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+        for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+          const auto there = cells_.find({x, y, z});
+          if (there == cells_.end()) continue;
+          for (const VertexIndex v : there->second) {
+            const double distanceSq = (vertices[static_cast<std::size_t>(v)] - p).squaredNorm();
+            if (v < found && distanceSq <= samePlace_ * samePlace_ && fits(v)) found = v;
+          }
+        }
+      }
+    }
+    if (found == vertex) cells_[cellOf(p)].push_back(vertex);
+    return found;
+  }
+
+ private:
+  [[nodiscard]] Cell cellOf(const Vec3& p) const {
+    Cell cell{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      cell[i] =
+          cell_ > 0.0 ? static_cast<std::int64_t>(std::floor((p - origin_)[static_cast<Eigen::Index>(i)] / cell_)) : 0;
+    }
+    return cell;
+  }
+
+  double samePlace_, cell_;
+  Vec3 origin_;
+  std::unordered_map<Cell, std::vector<VertexIndex>, CellHash> cells_;
+};
+
+/// One entry a joint, ascending, without those of no weight, summing to 1.
+std::vector<Influence> tidied(std::vector<Influence> influences) {
+  std::sort(influences.begin(), influences.end(),
+            [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
+  std::vector<Influence> result;
+  double sum = 0.0;
+  for (const Influence& influence : influences) {
+    if (influence.weight <= 0.0) continue;
+    sum += influence.weight;
+    if (!result.empty() && result.back().joint == influence.joint) {
+      result.back().weight += influence.weight;
+    } else {
+      result.push_back(influence);
+    }
+  }
+  for (Influence& influence : result) influence.weight /= sum;
+  return result;
+}
+
+double difference(const std::vector<Influence>& a, const std::vector<Influence>& b) {
+  double sum = 0.0;
+  auto i = a.begin();
+  auto j = b.begin();
+  while (i != a.end() || j != b.end()) {
+    if (j == b.end() || (i != a.end() && i->joint < j->joint)) {
+      sum += (i++)->weight;
+    } else if (i == a.end() || j->joint < i->joint) {
+      sum += (j++)->weight;
+    } else {
+      sum += std::abs((i++)->weight - (j++)->weight);
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Influence> blended(std::span<const std::vector<Influence>* const> lists, std::span<const double> shares) {
+  std::vector<Influence> all;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    for (const Influence& influence : *lists[i]) all.push_back({influence.joint, shares[i] * influence.weight});
+  }
+  return tidied(std::move(all));
+}
+
+Welded weld(const Character& character, const Limbs& limbs) {
+  Welded welded;
+  const std::span<const Vec3> vertices = character.mesh.vertices;
+  std::vector<bool> used(vertices.size(), false);
+  for (const Triangle& t : character.mesh.triangles) {
+    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = true;
+  }
+
+  const Aabb box = surfaceBounds(character.mesh);
+  Places places(kSamePlace * box.diagonal(), box.min);
+  const auto jointOf = [&](VertexIndex v) {
+    const auto i = static_cast<std::size_t>(v);
+    const std::uint32_t begin = character.influenceBegin[i];
+    return strongest(std::span(character.influences).subspan(begin, character.influenceBegin[i + 1] - begin));
+  };
+  std::vector<VertexIndex> numberOf(vertices.size(), -1);
+  std::vector<std::vector<VertexIndex>> members;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    if (!used[v]) {
+      ++welded.unusedVertices;
+      continue;
+    }
+    const auto own = static_cast<VertexIndex>(v);
+    const JointIndex joint = jointOf(own);
+    const VertexIndex first = places.firstAt(own, vertices, [&](VertexIndex kept) {
+      return limbs.onOneBranch(jointOf(kept), joint) || !limbs.apart(jointOf(kept), joint, vertices[v]);
+    });
+    if (first == own) {
+      numberOf[v] = static_cast<VertexIndex>(welded.mesh.vertices.size());
+      welded.mesh.vertices.push_back(vertices[v]);
+      members.emplace_back();
+    } else {
+      numberOf[v] = numberOf[static_cast<std::size_t>(first)];
+      ++welded.weldedVertices;
+    }
+    members[static_cast<std::size_t>(numberOf[v])].push_back(own);
+  }
+
+  welded.influences.reserve(members.size());
+  for (const std::vector<VertexIndex>& group : members) {
+    std::vector<std::vector<Influence>> lists;
+    lists.reserve(group.size());
+    bool mixed = false;
+    for (const VertexIndex v : group) {
+      const auto begin = character.influences.begin() + character.influenceBegin[static_cast<std::size_t>(v)];
+      const auto end = character.influences.begin() + character.influenceBegin[static_cast<std::size_t>(v) + 1];
+      lists.push_back(tidied({begin, end}));
+      mixed = mixed || difference(lists.front(), lists.back()) > kSameWeights;
+    }
+    if (!mixed) {
+      welded.influences.push_back(std::move(lists.front()));
+      continue;
+    }
+    ++welded.mixedVertices;
+    std::vector<const std::vector<Influence>*> pointers;
+    pointers.reserve(lists.size());
+    for (const std::vector<Influence>& list : lists) pointers.push_back(&list);
+    const std::vector<double> shares(lists.size(), 1.0 / static_cast<double>(lists.size()));
+    welded.influences.push_back(blended(pointers, shares));
+  }
+
+  welded.mesh.triangles.reserve(character.mesh.triangles.size());
+  for (const Triangle& old : character.mesh.triangles) {
+    Triangle t{};
+    for (std::size_t i = 0; i < 3; ++i) t[i] = numberOf[static_cast<std::size_t>(old[i])];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      ++welded.droppedTriangles;
+    } else {
+      welded.mesh.triangles.push_back(t);
+    }
+  }
+  return welded;
+}
+
+std::size_t dropDuplicates(std::vector<Triangle>& triangles) {
+  std::vector<std::pair<Triangle, std::size_t>> sorted;
+  sorted.reserve(triangles.size());
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    Triangle t = triangles[k];
+    std::sort(t.begin(), t.end());
+    sorted.emplace_back(t, k);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<bool> duplicate(triangles.size(), false);
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    duplicate[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
+  }
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    if (!duplicate[k]) triangles[kept++] = triangles[k];
+  }
+  const std::size_t dropped = triangles.size() - kept;
+  triangles.resize(kept);
+  return dropped;
+}
+
+}  // namespace lorica

@@ -1,0 +1,193 @@
+#include "skinning/humanoid/humanoid_limbs.h"
+
+#include "skinning/humanoid/humanoid_names.h"
+#include "skinning/mannequin/mannequin_skeleton.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+
+namespace {
+
+using enum HumanBone;
+
+/// A longer way is an ornament's, not a limb's: what comes after is not looked at.
+constexpr std::size_t kMostOnWay = 16;
+
+/// Joints nearer than this part of a limb lie at one place.
+constexpr double kSamePlace = 1e-3;
+
+[[nodiscard]] double distance(const JointTree& tree, JointIndex a, JointIndex b) {
+  return (tree.position(a) - tree.position(b)).norm();
+}
+
+[[nodiscard]] double angleBetween(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// The farthest that joints between the ends of a stretch lie from its straight line [m].
+[[nodiscard]] double bulge(const JointTree& tree, std::span<const JointIndex> way, std::size_t from, std::size_t to) {
+  const Vec3& start = tree.position(way[from]);
+  const Vec3 along = tree.position(way[to]) - start;
+  const double lengthSq = std::max(along.squaredNorm(), 1e-300);
+  double farthest = 0.0;
+  for (std::size_t i = from + 1; i < to; ++i) {
+    const Vec3 offset = tree.position(way[i]) - start;
+    const double t = std::clamp(offset.dot(along) / lengthSq, 0.0, 1.0);
+    farthest = std::max(farthest, (offset - t * along).norm());
+  }
+  return farthest;
+}
+
+/// How well three joints of a way are a limb's; weights by trial on the skeletons of the tests.
+[[nodiscard]] double splitScore(const JointTree& tree, std::span<const JointIndex> way, LimbKind kind,
+                                double wholeLength, const std::array<std::size_t, 3>& at) {
+  const Vec3 upper = tree.position(way[at[1]]) - tree.position(way[at[0]]);
+  const Vec3 lower = tree.position(way[at[2]]) - tree.position(way[at[1]]);
+  const double longer = std::max(upper.norm(), lower.norm());
+  if (std::min(upper.norm(), lower.norm()) < kSamePlace * wholeLength) return -1.0;
+  double score = std::min(upper.norm(), lower.norm()) / longer;
+  score += 0.3 * (upper.norm() + lower.norm()) / wholeLength;
+  // A collar bone may come before, a hand or foot after; more than that is a piece of the limb left out.
+  double before = 0.0;
+  double after = 0.0;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    if (i <= at[0]) before += distance(tree, way[i - 1], way[i]);
+    if (i > at[2]) after += distance(tree, way[i - 1], way[i]);
+  }
+  const double both = upper.norm() + lower.norm();
+  score -= 0.5 * std::max(0.0, before / both - 0.4) + std::max(0.0, after / both - 0.35);
+  score -= 0.1 * static_cast<double>(at[2] - at[0] - 2);
+  score -= 3.0 * (bulge(tree, way, at[0], at[1]) + bulge(tree, way, at[1], at[2])) / wholeLength;
+  if (kind == LimbKind::kArm && tree.children(way[at[2]]).size() >= 3) score += 0.5;
+  if (kind == LimbKind::kLeg && at[2] + 1 < way.size()) {
+    const Vec3 foot = tree.position(way[at[2] + 1]) - tree.position(way[at[2]]);
+    if (foot.norm() > kSamePlace * wholeLength) score += 0.3 * std::min(1.0, angleBetween(lower, foot) / 1.0);
+  }
+  return score;
+}
+
+}  // namespace
+
+Reach::Reach(const JointTree& tree) {
+  const auto count = static_cast<std::size_t>(tree.jointCount());
+  length.assign(count, 0.0);
+  next.assign(count, kNoJoint);
+  size.assign(count, 1);
+  for (std::size_t i = count; i-- > 0;) {
+    const auto joint = static_cast<JointIndex>(i);
+    const JointIndex parent = tree.parent(joint);
+    if (parent == kNoJoint) continue;
+    const auto p = static_cast<std::size_t>(parent);
+    size[p] += size[i];
+    // Of equals the first child: children are visited from the last.
+    const double reached = length[i] + distance(tree, joint, parent);
+    if (next[p] != kNoJoint && reached < length[p]) continue;
+    length[p] = reached;
+    next[p] = joint;
+  }
+}
+
+std::vector<JointIndex> Reach::wayDown(JointIndex joint) const {
+  std::vector<JointIndex> way;
+  for (; joint != kNoJoint && way.size() < kMostOnWay; joint = next[static_cast<std::size_t>(joint)]) {
+    way.push_back(joint);
+  }
+  return way;
+}
+
+Limb splitLimb(const JointTree& tree, std::span<const JointIndex> way, LimbKind kind) {
+  Limb limb;
+  if (way.empty()) return limb;
+  limb.upper = way[0];
+  if (way.size() == 1) return limb;
+  limb.lower = way[1];
+  if (way.size() == 2) return limb;
+
+  double wholeLength = 0.0;
+  for (std::size_t i = 1; i < way.size(); ++i) wholeLength += distance(tree, way[i - 1], way[i]);
+  std::array<std::size_t, 3> best = {0, 1, 2};
+  double bestScore = -1e300;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    for (std::size_t j = i + 1; j < way.size(); ++j) {
+      for (std::size_t k = j + 1; k < way.size(); ++k) {
+        const double score = splitScore(tree, way, kind, wholeLength, {i, j, k});
+        // Mirrored limbs differ by rounding: what is as good must not win.
+        if (score <= bestScore + 1e-6) continue;
+        bestScore = score;
+        best = {i, j, k};
+      }
+    }
+  }
+  limb.upper = way[best[0]];
+  limb.lower = way[best[1]];
+  limb.end = way[best[2]];
+  for (std::size_t i = best[2] + 1; i < way.size() && limb.beyond == kNoJoint; ++i) {
+    if (distance(tree, way[i], limb.end) > kSamePlace * wholeLength) limb.beyond = way[i];
+  }
+  return limb;
+}
+
+namespace {
+
+/// Two or three joints of a finger, from its knuckle.
+[[nodiscard]] std::vector<JointIndex> fingerJoints(const JointTree& tree, const Reach& reach, JointIndex hand,
+                                                   JointIndex first, bool thumb) {
+  std::vector<JointIndex> way = reach.wayDown(first);
+  // A finger's metacarpal lies at the wrist and is longer than the way to it.
+  if (!thumb && way.size() > 3 && distance(tree, hand, way[0]) < distance(tree, way[0], way[1])) way.erase(way.begin());
+  if (way.size() > 3) way.resize(3);
+  return way;
+}
+
+}  // namespace
+
+void addFingersByShape(const JointTree& tree, const Reach& reach, bool left, BoneJoints& bones) {
+  const JointIndex hand = jointOf(bones, left ? kLeftHand : kRightHand);
+  if (hand == kNoJoint) return;
+  const JointIndex arm = jointOf(bones, left ? kLeftLowerArm : kRightLowerArm);
+  std::vector<JointIndex> fingers;
+  for (const JointIndex child : tree.children(hand)) {
+    if (reach.next[static_cast<std::size_t>(child)] != kNoJoint) fingers.push_back(child);
+  }
+  if (arm == kNoJoint || fingers.size() < 3 || fingers.size() > 5) return;
+
+  // The thumb's tip comes least far along the forearm; the others follow across the palm from it.
+  const Vec3 along = (tree.position(hand) - tree.position(arm)).normalized();
+  const auto tip = [&](JointIndex finger) { return tree.position(reach.wayDown(finger).back()); };
+  const auto reached = [&](JointIndex finger) { return (tip(finger) - tree.position(hand)).dot(along); };
+  std::stable_sort(fingers.begin(), fingers.end(), [&](JointIndex a, JointIndex b) { return reached(a) < reached(b); });
+  const JointIndex thumb = fingers.front();
+  fingers.erase(fingers.begin());
+  // First joints may all lie at one place, to be moved from there by the second.
+  const auto knuckle = [&](JointIndex finger) {
+    return tree.position(fingerJoints(tree, reach, hand, finger, false).at(1));
+  };
+  Vec3 across = Vec3::Zero();
+  for (const JointIndex a : fingers) {
+    for (const JointIndex b : fingers) {
+      Vec3 between = knuckle(b) - knuckle(a);
+      between -= between.dot(along) * along;
+      if (between.norm() > across.norm()) across = between;
+    }
+  }
+  Vec3 middle = Vec3::Zero();
+  for (const JointIndex finger : fingers) middle += knuckle(finger) / static_cast<double>(fingers.size());
+  const Vec3 thumbKnuckle = tree.position(fingerJoints(tree, reach, hand, thumb, true).back());
+  if (across.dot(middle - thumbKnuckle) < 0.0) across = -across;
+  std::stable_sort(fingers.begin(), fingers.end(),
+                   [&](JointIndex a, JointIndex b) { return knuckle(a).dot(across) < knuckle(b).dot(across); });
+
+  fingers.insert(fingers.begin(), thumb);
+  for (std::size_t finger = 0; finger < fingers.size(); ++finger) {
+    const std::vector<JointIndex> joints = fingerJoints(tree, reach, hand, fingers[finger], finger == 0);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const auto bone = static_cast<HumanBone>(static_cast<std::size_t>(kLeftThumbMetacarpal) + finger * 3 + i);
+      jointOf(bones, left ? bone : mirrored(bone)) = joints[i];
+    }
+  }
+}
+
+}  // namespace lorica

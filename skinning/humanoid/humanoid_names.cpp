@@ -1,0 +1,395 @@
+#include "skinning/humanoid/humanoid_names.h"
+
+#include "skinning/humanoid/humanoid_tables.h"
+#include "skinning/mannequin/mannequin_skeleton.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace lorica {
+
+namespace {
+
+using enum HumanBone;
+
+struct Candidate {
+  JointIndex joint = kNoJoint;
+  int rank = 0;  ///< the lower the better
+};
+using Candidates = std::vector<Candidate>;
+
+/// More joints of one name than this are no skeleton's: the search stays short.
+constexpr std::size_t kMostCandidates = 6;
+
+struct ChainBone {
+  HumanBone bone;
+  int weight;
+};
+constexpr std::array<ChainBone, 4> kLeg = {{{kLeftUpperLeg, 3}, {kLeftLowerLeg, 3}, {kLeftFoot, 2}, {kLeftToes, 1}}};
+constexpr std::array<ChainBone, 5> kArm = {
+    {{kLeftShoulder, 1}, {kLeftUpperArm, 3}, {kLeftLowerArm, 3}, {kLeftHand, 2}, {kLeftMiddleProximal, 1}}};
+constexpr std::array<ChainBone, 2> kHeadChain = {{{kNeck, 1}, {kHead, 2}}};
+
+[[nodiscard]] HumanBone ofSide(HumanBone bone, Side side) {
+  return side == Side::kRight ? mirrored(bone) : bone;
+}
+
+/// What a name means in a convention.
+struct NameRow {
+  HumanBone bone;
+  int rank;
+};
+using NameRows = std::map<std::string, std::vector<NameRow>>;
+
+[[nodiscard]] NameRows readRows(const NamingConvention& convention) {
+  NameRows rows;
+  for (const BoneNames& row : convention.rows) {
+    std::string_view rest = row.names;
+    for (int rank = 0; !rest.empty(); ++rank) {
+      const std::size_t blank = rest.find(' ');
+      rows[std::string(rest.substr(0, blank))].push_back({row.bone, rank});
+      rest = blank == std::string_view::npos ? std::string_view() : rest.substr(blank + 1);
+    }
+  }
+  return rows;
+}
+
+/// One for each of namingConventions(), read once.
+[[nodiscard]] const std::vector<NameRows>& rowsOfConventions() {
+  static const std::vector<NameRows> all = [] {
+    std::vector<NameRows> made;
+    made.reserve(namingConventions().size());
+    for (const NamingConvention& convention : namingConventions()) made.push_back(readRows(convention));
+    return made;
+  }();
+  return all;
+}
+
+/// The joints that a convention's names could mean, for each bone; those of the trunk all under kSpine.
+class ConventionMatch {
+ public:
+  ConventionMatch(const NameRows& rows, std::span<const JointName> names, const BoneJoints& given) : rows_(rows) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto joint = static_cast<JointIndex>(i);
+      if (std::find(given.begin(), given.end(), joint) != given.end()) continue;
+      addCandidates(joint, names[i]);
+    }
+    for (std::size_t bone = 0; bone < kHumanBoneCount; ++bone) {
+      Candidates& all = candidates_[bone];
+      if (given[bone] != kNoJoint) all = {{given[bone], 0}};
+      if (bone == static_cast<std::size_t>(kSpine)) continue;
+      std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
+      if (all.size() > kMostCandidates) all.resize(kMostCandidates);
+    }
+  }
+
+  [[nodiscard]] const Candidates& of(HumanBone bone) const { return candidates_[static_cast<std::size_t>(bone)]; }
+
+ private:
+  /// @return whether the key names a bone of this side
+  bool add(JointIndex joint, const std::string& key, Side side, int preference) {
+    const auto found = rows_.find(key);
+    if (found == rows_.end()) return false;
+    bool added = false;
+    for (const NameRow& row : found->second) {
+      const bool sided = mirrored(row.bone) != row.bone;
+      if (sided != (side != Side::kMiddle)) continue;
+      candidates_[static_cast<std::size_t>(ofSide(row.bone, side))].push_back({joint, row.rank * 4 + preference});
+      added = true;
+    }
+    return added;
+  }
+
+  void addCandidates(JointIndex joint, const JointName& name) {
+    const std::string key = name.key();
+    if (key.empty()) return;
+    if (add(joint, key, name.side, name.preference)) return;
+    const std::string plain = withoutLeadingZeros(key);
+    if (add(joint, plain, name.side, name.preference)) return;
+    if (name.side != Side::kMiddle) return;
+    // "lfemur", "rShldr": a side glued to the name, or to its end.
+    const auto sideOf = [](char c) { return c == 'l' ? Side::kLeft : c == 'r' ? Side::kRight : Side::kMiddle; };
+    if (const Side side = sideOf(plain.front()); side != Side::kMiddle) {
+      if (add(joint, plain.substr(1), side, name.preference)) return;
+    }
+    if (const Side side = sideOf(plain.back()); side != Side::kMiddle) {
+      add(joint, plain.substr(0, plain.size() - 1), side, name.preference);
+    }
+  }
+
+  const NameRows& rows_;
+  std::array<Candidates, kHumanBoneCount> candidates_;
+};
+
+/// Of all ways to give joints to a chain of bones, each below the one before, the way with the most weight; of equals
+/// the one with the best names.
+class ChainSearch {
+ public:
+  ChainSearch(const JointTree& tree, const ConventionMatch& match, std::span<const ChainBone> chain, Side side)
+      : tree_(tree), match_(match), chain_(chain), side_(side), current_(chain.size(), kNoJoint), best_(current_) {
+    search(0, kNoJoint, 0, 0);
+  }
+  [[nodiscard]] int weight() const { return bestWeight_; }
+  void write(BoneJoints& bones) const {
+    for (std::size_t i = 0; i < chain_.size(); ++i) jointOf(bones, ofSide(chain_[i].bone, side_)) = best_[i];
+  }
+
+ private:
+  void search(std::size_t i, JointIndex above, int weight, int rank) {
+    if (i == chain_.size()) {
+      if (weight < bestWeight_ || (weight == bestWeight_ && rank >= bestRank_)) return;
+      bestWeight_ = weight;
+      bestRank_ = rank;
+      best_ = current_;
+      return;
+    }
+    for (const Candidate& candidate : match_.of(ofSide(chain_[i].bone, side_))) {
+      if (above != kNoJoint && !tree_.isBelow(candidate.joint, above)) continue;
+      current_[i] = candidate.joint;
+      search(i + 1, candidate.joint, weight + chain_[i].weight, rank + candidate.rank);
+    }
+    current_[i] = kNoJoint;
+    search(i + 1, above, weight, rank);
+  }
+
+  const JointTree& tree_;
+  const ConventionMatch& match_;
+  std::span<const ChainBone> chain_;
+  Side side_;
+  std::vector<JointIndex> current_;
+  std::vector<JointIndex> best_;
+  int bestWeight_ = 0;
+  int bestRank_ = 0;
+};
+
+[[nodiscard]] bool has(const BoneJoints& bones, HumanBone bone) {
+  return jointOf(bones, bone) != kNoJoint;
+}
+
+[[nodiscard]] bool isUsed(const BoneJoints& bones, JointIndex joint) {
+  return std::find(bones.begin(), bones.end(), joint) != bones.end();
+}
+
+/// The best named joint that carries all, and of equals the lowest; else the joint where legs and trunk meet.
+[[nodiscard]] JointIndex findHips(const JointTree& tree, const Candidates& named, JointIndex meeting) {
+  Candidate best;
+  for (const Candidate& candidate : named) {
+    if (!tree.isBelowOrSame(meeting, candidate.joint)) continue;
+    const bool better = best.joint == kNoJoint || candidate.rank < best.rank ||
+                        (candidate.rank == best.rank && tree.isBelow(candidate.joint, best.joint));
+    if (better) best = candidate;
+  }
+  return best.joint != kNoJoint ? best.joint : meeting;
+}
+
+/// Where a trunk without arms and head ends: the named joint of it that most others of it are above.
+[[nodiscard]] JointIndex lastOfTrunk(const JointTree& tree, const Candidates& named, JointIndex hips) {
+  JointIndex last = kNoJoint;
+  for (const Candidate& candidate : named) {
+    if (tree.isBelow(candidate.joint, last == kNoJoint ? hips : last)) last = candidate.joint;
+  }
+  return last;
+}
+
+void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
+  if (!keep) jointOf(bones, bone) = kNoJoint;
+}
+
+/// @return the weight of all bones; 0 when hips and legs are not there
+[[nodiscard]] int solve(const JointTree& tree, std::span<const JointName> names, const ConventionMatch& match,
+                        const BoneJoints& given, BoneJoints& bones) {
+  bones.fill(kNoJoint);
+  int weight = 0;
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const ChainSearch leg(tree, match, kLeg, side);
+    leg.write(bones);
+    weight += leg.weight();
+  }
+  for (const HumanBone bone : {kLeftUpperLeg, kRightUpperLeg, kLeftLowerLeg, kRightLowerLeg}) {
+    if (!has(bones, bone)) return 0;
+  }
+  const JointIndex leftLeg = jointOf(bones, kLeftUpperLeg);
+  const JointIndex rightLeg = jointOf(bones, kRightUpperLeg);
+  if (tree.isBelowOrSame(leftLeg, rightLeg) || tree.isBelow(rightLeg, leftLeg)) return 0;
+  const JointIndex legs = tree.commonAncestor(leftLeg, rightLeg);
+  if (legs == kNoJoint) return 0;
+
+  std::array<int, 2> armWeight{};
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const ChainSearch arm(tree, match, kArm, side);
+    arm.write(bones);
+    armWeight[side == Side::kLeft ? 0 : 1] = arm.weight();
+  }
+  const bool bothArms = has(bones, kLeftUpperArm) == has(bones, kRightUpperArm) &&
+                        has(bones, kLeftLowerArm) == has(bones, kRightLowerArm);
+  if (!bothArms) return 0;
+  // A puppet's arm is one joint, often called its hand: as an arm it moves.
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    JointIndex& hand = jointOf(bones, ofSide(kLeftHand, side));
+    JointIndex& arm = jointOf(bones, ofSide(kLeftUpperArm, side));
+    if (hand == kNoJoint || arm != kNoJoint || has(bones, ofSide(kLeftLowerArm, side))) continue;
+    arm = hand;
+    hand = kNoJoint;
+  }
+  weight += armWeight[0] + armWeight[1];
+
+  const ChainSearch headChain(tree, match, kHeadChain, Side::kMiddle);
+  headChain.write(bones);
+  weight += headChain.weight();
+
+  const JointIndex meeting = tree.commonAncestor(legs, topOfTrunk(tree, bones));
+  if (meeting == kNoJoint) return 0;
+  JointIndex& hips = jointOf(bones, kHips);
+  hips = given[static_cast<std::size_t>(kHips)];
+  if (hips == kNoJoint) hips = findHips(tree, match.of(kHips), meeting);
+  if (!tree.isBelowOrSame(meeting, hips) || hips == leftLeg || hips == rightLeg) return 0;
+  weight += std::any_of(match.of(kHips).begin(), match.of(kHips).end(),
+                        [&](const Candidate& candidate) { return candidate.joint == hips; });
+  // Rigify's hips are a spine too: a joint is one bone.
+  removeUnless(jointOf(bones, kNeck) != hips, kNeck, bones);
+  removeUnless(jointOf(bones, kHead) != hips, kHead, bones);
+
+  // All conventions are judged by the joints of the trunk that they name; only then may others stand in.
+  std::vector<JointIndex> trunk;
+  const bool armsOrHead = topOfTrunk(tree, bones) != kNoJoint && topOfTrunk(tree, bones) != hips;
+  if (armsOrHead) {
+    trunk = trunkJoints(tree, names, bones);
+  } else if (const JointIndex last = lastOfTrunk(tree, match.of(kSpine), hips); last != kNoJoint) {
+    trunk = tree.pathBelow(hips, last);
+  }
+  const auto isNamed = [&](JointIndex joint) {
+    return std::any_of(match.of(kSpine).begin(), match.of(kSpine).end(),
+                       [&](const Candidate& candidate) { return candidate.joint == joint; });
+  };
+  std::erase_if(trunk, [&](JointIndex joint) { return !isNamed(joint) || isUsed(bones, joint); });
+  const bool trunkGiven = given[static_cast<std::size_t>(kSpine)] != kNoJoint ||
+                          given[static_cast<std::size_t>(kChest)] != kNoJoint ||
+                          given[static_cast<std::size_t>(kUpperChest)] != kNoJoint;
+  if (!trunkGiven) assignTrunk(trunk, bones);
+  weight += static_cast<int>(trunk.size());
+
+  for (std::size_t bone = 0; bone < bones.size(); ++bone) {
+    if (given[bone] != kNoJoint) bones[bone] = given[bone];
+  }
+  return weight;
+}
+
+/// A body without both legs: of an upper body's sensor, say. What it has must be plain: two whole arms on one trunk.
+/// @return the weight of all bones; 0 when arms or trunk are not there
+[[nodiscard]] int solveWithoutLegs(const JointTree& tree, const ConventionMatch& match, BoneJoints& bones) {
+  bones.fill(kNoJoint);
+  int weight = 0;
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const ChainSearch leg(tree, match, kLeg, side);
+    const ChainSearch arm(tree, match, kArm, side);
+    leg.write(bones);
+    arm.write(bones);
+    weight += leg.weight() + arm.weight();
+  }
+  for (const HumanBone bone : {kLeftUpperArm, kRightUpperArm, kLeftLowerArm, kRightLowerArm}) {
+    if (!has(bones, bone)) return 0;
+  }
+  const JointIndex leftArm = jointOf(bones, kLeftUpperArm);
+  const JointIndex rightArm = jointOf(bones, kRightUpperArm);
+  if (tree.isBelowOrSame(leftArm, rightArm) || tree.isBelow(rightArm, leftArm)) return 0;
+  const ChainSearch headChain(tree, match, kHeadChain, Side::kMiddle);
+  headChain.write(bones);
+  weight += headChain.weight();
+
+  const JointIndex top = topOfTrunk(tree, bones);
+  if (top == kNoJoint || isUsed(bones, top)) return 0;
+  const auto best = [&](HumanBone bone) {
+    for (const Candidate& candidate : match.of(bone)) {
+      if (tree.isBelowOrSame(top, candidate.joint) && !isUsed(bones, candidate.joint)) return candidate.joint;
+    }
+    return kNoJoint;
+  };
+  jointOf(bones, kHips) = best(kHips);
+  std::vector<JointIndex> trunk;
+  for (JointIndex joint = top; joint != kNoJoint && joint != jointOf(bones, kHips); joint = tree.parent(joint)) {
+    const bool named = std::any_of(match.of(kSpine).begin(), match.of(kSpine).end(),
+                                   [&](const Candidate& candidate) { return candidate.joint == joint; });
+    if (named) trunk.insert(trunk.begin(), joint);
+  }
+  weight += static_cast<int>(trunk.size());
+  if (trunk.empty() && !has(bones, kHips)) trunk.push_back(top);
+  assignTrunk(trunk, bones);
+  return weight;
+}
+
+}  // namespace
+
+JointIndex topOfTrunk(const JointTree& tree, const BoneJoints& bones) {
+  JointIndex top = kNoJoint;
+  for (const HumanBone bone : {kLeftUpperArm, kRightUpperArm}) {
+    const JointIndex arm = jointOf(bones, bone);
+    if (arm != kNoJoint) top = tree.commonAncestor(top, arm);
+  }
+  // The arms hang on the neck in some rigs; the neck is no trunk then, what it hangs on is.
+  const JointIndex neck = has(bones, kNeck) ? jointOf(bones, kNeck) : jointOf(bones, kHead);
+  if (neck == kNoJoint) return top;
+  const JointIndex belowNeck = tree.parent(neck) == kNoJoint ? neck : tree.parent(neck);
+  return tree.commonAncestor(top, belowNeck);
+}
+
+std::vector<JointIndex> trunkJoints(const JointTree& tree, std::span<const JointName> names, const BoneJoints& bones) {
+  const JointIndex top = topOfTrunk(tree, bones);
+  const JointIndex hips = jointOf(bones, kHips);
+  if (top == kNoJoint || hips == kNoJoint || !tree.isBelow(top, hips)) return {};
+  std::vector<JointIndex> trunk = tree.pathBelow(hips, top);
+  std::erase_if(trunk, [&](JointIndex joint) {
+    return isUsed(bones, joint) || isHelper(names[static_cast<std::size_t>(joint)]);
+  });
+  // Biped's thighs hang on its first spine: it would swing the legs, so those above it are the spine.
+  const auto carriesLeg = [&](JointIndex joint) {
+    return tree.isBelow(jointOf(bones, kLeftUpperLeg), joint) || tree.isBelow(jointOf(bones, kRightUpperLeg), joint);
+  };
+  if (!std::all_of(trunk.begin(), trunk.end(), carriesLeg)) std::erase_if(trunk, carriesLeg);
+  return trunk;
+}
+
+void assignTrunk(std::span<const JointIndex> fromHipsUp, BoneJoints& bones) {
+  const std::size_t count = fromHipsUp.size();
+  if (count == 0) return;
+  jointOf(bones, kSpine) = fromHipsUp.front();
+  if (count == 2) jointOf(bones, kChest) = fromHipsUp.back();
+  if (count < 3) return;
+  jointOf(bones, kChest) = fromHipsUp[count / 2];
+  jointOf(bones, kUpperChest) = fromHipsUp.back();
+}
+
+NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names, const BoneJoints& given) {
+  NamedBones best;
+  best.jointOf = given;
+  int bestWeight = 0;
+  for (std::size_t c = 0; c < namingConventions().size(); ++c) {
+    const ConventionMatch match(rowsOfConventions()[c], names, given);
+    BoneJoints bones;
+    const int weight = solve(tree, names, match, given, bones);
+    if (weight <= bestWeight) continue;
+    bestWeight = weight;
+    best.jointOf = bones;
+    best.convention = namingConventions()[c].name;
+  }
+  return best;
+}
+
+NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names) {
+  NamedBones best;
+  best.jointOf.fill(kNoJoint);
+  BoneJoints none;
+  none.fill(kNoJoint);
+  int bestWeight = 0;
+  for (std::size_t c = 0; c < namingConventions().size(); ++c) {
+    BoneJoints bones;
+    const int weight = solveWithoutLegs(tree, ConventionMatch(rowsOfConventions()[c], names, none), bones);
+    if (weight <= bestWeight) continue;
+    bestWeight = weight;
+    best.jointOf = bones;
+    best.convention = namingConventions()[c].name;
+  }
+  return best;
+}
+
+}  // namespace lorica

@@ -1,0 +1,331 @@
+#include "skinning/import/assimp_file.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace lorica {
+
+namespace {
+
+/// No file but the one at hand is ever read.
+class NoOtherFiles : public Assimp::IOSystem {
+ public:
+  bool Exists(const char* /*file*/) const override { return false; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* /*file*/, const char* /*mode*/) override { return nullptr; }
+  void Close(Assimp::IOStream* /*file*/) override {}
+};
+
+[[nodiscard]] Vec3 asVec3(const aiVector3D& v) {
+  return {v.x, v.y, v.z};
+}
+
+[[nodiscard]] Quat asQuat(const aiQuaternion& q) {
+  return Quat(q.w, q.x, q.y, q.z);
+}
+
+[[nodiscard]] const Vec3& coefficients(const Vec3& v) {
+  return v;
+}
+
+[[nodiscard]] const Eigen::Vector4d& coefficients(const Quat& q) {
+  return q.coeffs();
+}
+
+[[nodiscard]] Affine3 asAffine(const aiMatrix4x4& m) {
+  Eigen::Matrix<double, 3, 4> rows;
+  rows << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4;
+  return Affine3(rows);
+}
+
+[[nodiscard]] std::string asText(const aiString& text) {
+  return {text.data, std::min<std::size_t>(text.length, sizeof text.data)};
+}
+
+/// A number of the scene's metadata, however it is stored.
+[[nodiscard]] std::optional<double> metadata(const aiScene& scene, const char* key) {
+  if (scene.mMetaData == nullptr) return std::nullopt;
+  if (double number = 0.0; scene.mMetaData->Get(key, number)) return number;
+  if (float number = 0.0F; scene.mMetaData->Get(key, number)) return number;
+  if (int number = 0; scene.mMetaData->Get(key, number)) return number;
+  return std::nullopt;
+}
+
+/// The turn that brings an FBX file's right, up and front to X, Y and Z.
+[[nodiscard]] Quat fbxAxes(const aiScene& scene) {
+  Mat3 modelFromFile = Mat3::Zero();
+  const std::array<std::pair<const char*, const char*>, 3> rows = {
+      {{"CoordAxis", "CoordAxisSign"}, {"UpAxis", "UpAxisSign"}, {"FrontAxis", "FrontAxisSign"}}};
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const double axis = metadata(scene, rows[row].first).value_or(row == 0 ? 0.0 : row == 1 ? 1.0 : 2.0);
+    const double sign = metadata(scene, rows[row].second).value_or(1.0);
+    if (axis != 0.0 && axis != 1.0 && axis != 2.0) return Quat::Identity();
+    modelFromFile(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(axis)) = sign < 0.0 ? -1.0 : 1.0;
+  }
+  // A mirrored or doubled axis is no turn; then up is what counts.
+  if (modelFromFile.determinant() > 0.5) return Quat(modelFromFile).normalized();
+  const Vec3 up = modelFromFile.row(1);
+  return rotationBetween(up, Vec3::UnitY());
+}
+
+class AssimpSceneReader {
+ public:
+  AssimpSceneReader(const aiScene& scene, const std::string& name) : from_(scene), name_(name) {}
+
+  [[nodiscard]] Result<FileScene> read(AssimpFormat format) {
+    scene_.format = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
+    scene_.metresPerUnit = 1.0;  // assimp puts COLLADA's unit and axes into the root node
+    if (format == AssimpFormat::kFbx) {
+      const double centimetres = metadata(from_, "UnitScaleFactor").value_or(1.0);
+      const bool usable = centimetres > 1e-6 && centimetres < 1e6;
+      if (!usable) scene_.notes.push_back(fmt::format("its unit is {} cm: taken to be 1 cm", centimetres));
+      scene_.metresPerUnit = 0.01 * (usable ? centimetres : 1.0);
+      scene_.modelFromFileAxes = fbxAxes(from_);
+    }
+    if (from_.mRootNode == nullptr) return bad("has no nodes");
+    if (Result<void> done = readNodes(); !done) return done.error();
+    if (Result<void> done = readMeshes(); !done) return done.error();
+    if (Result<void> done = readClips(); !done) return done.error();
+    return std::move(scene_);
+  }
+
+ private:
+  [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, name_ + ": " + what}; }
+
+  [[nodiscard]] Result<void> readNodes() {
+    std::vector<std::pair<const aiNode*, int>> stack = {{from_.mRootNode, -1}};
+    while (!stack.empty()) {
+      const auto [node, parent] = stack.back();
+      stack.pop_back();
+      const int index = static_cast<int>(scene_.nodes.size());
+      FileNode made;
+      made.name = asText(node->mName);
+      if (made.name.empty()) made.name = fmt::format("node {}", index);
+      made.parent = parent;
+      const Affine3 parentFromNode = asAffine(node->mTransformation);
+      if (!parentFromNode.matrix().allFinite()) {
+        return bad(fmt::format("node '{}': a number that is not finite", made.name));
+      }
+      setMatrix(made, parentFromNode);
+      nodeOfName_.emplace(made.name, index);
+      nodes_.push_back(node);
+      scene_.nodes.push_back(std::move(made));
+      for (unsigned c = node->mNumChildren; c-- > 0;) {
+        if (node->mChildren[c] != nullptr) stack.emplace_back(node->mChildren[c], index);
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> readMeshes() {
+    scene_.meshCount = static_cast<int>(from_.mNumMeshes);
+    scene_.primitiveCount = scene_.meshCount;
+    std::vector<int> skinOfMesh(from_.mNumMeshes, -1);
+    for (unsigned m = 0; m < from_.mNumMeshes; ++m) {
+      const aiMesh& mesh = *from_.mMeshes[m];
+      scene_.morphTargetCount += static_cast<int>(mesh.mNumAnimMeshes);
+      const Result<bool> skinned = addSkin(mesh);
+      if (!skinned) return skinned.error();
+      if (*skinned) skinOfMesh[m] = static_cast<int>(scene_.skins.size()) - 1;
+    }
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      for (unsigned i = 0; i < nodes_[n]->mNumMeshes; ++i) {
+        const unsigned m = nodes_[n]->mMeshes[i];
+        if (m >= from_.mNumMeshes) {
+          return bad(fmt::format("node '{}': names mesh {}, expected 0 to {}", scene_.nodes[n].name, m,
+                                 static_cast<int>(from_.mNumMeshes) - 1));
+        }
+        if (Result<void> added = addMesh(*from_.mMeshes[m], static_cast<int>(n), skinOfMesh[m]); !added) return added;
+      }
+    }
+    const auto note = [&](std::uint64_t count, const char* what) {
+      if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
+    };
+    note(static_cast<std::uint64_t>(scene_.morphTargetCount), "morph targets: the shape without them is taken");
+    note(otherFaces_, "faces are points, lines or name a vertex twice: left out");
+    note(lostBones_, "bones name no node: what they carry hangs on their mesh's other bones");
+    return {};
+  }
+
+  /// Adds the bones of a mesh as a skin, where it has bones.
+  [[nodiscard]] Result<bool> addSkin(const aiMesh& mesh) {
+    FileSkin skin;
+    skin.name = asText(mesh.mName);
+    skin.nodes.reserve(mesh.mNumBones);
+    skin.jointFromMesh.reserve(mesh.mNumBones);
+    std::vector<std::int64_t> places(mesh.mNumBones, -1);
+    for (unsigned b = 0; b < mesh.mNumBones; ++b) {
+      const aiBone& bone = *mesh.mBones[b];
+      const auto node = nodeOfName_.find(asText(bone.mName));
+      if (node == nodeOfName_.end()) {
+        ++lostBones_;
+        continue;
+      }
+      const Affine3 offset = asAffine(bone.mOffsetMatrix);
+      if (!offset.matrix().allFinite()) {
+        return bad(fmt::format("mesh '{}', bone '{}': a number that is not finite", skin.name, asText(bone.mName)));
+      }
+      places[b] = static_cast<std::int64_t>(skin.nodes.size());
+      skin.nodes.push_back(node->second);
+      skin.jointFromMesh.push_back(offset);
+    }
+    if (skin.nodes.empty()) return false;
+    scene_.skins.push_back(std::move(skin));
+    placeOfBone_.push_back(std::move(places));
+    return true;
+  }
+
+  [[nodiscard]] Result<void> addMesh(const aiMesh& from, int node, int skin) {
+    FileMesh mesh;
+    mesh.name = asText(from.mName);
+    mesh.node = node;
+    mesh.skin = skin;
+    mesh.positions.reserve(from.mNumVertices);
+    for (unsigned v = 0; v < from.mNumVertices; ++v) {
+      mesh.positions.push_back(asVec3(from.mVertices[v]));
+      if (!mesh.positions.back().allFinite()) {
+        return bad(fmt::format("mesh '{}': position {} is not finite", mesh.name, v));
+      }
+    }
+    mesh.triangles.reserve(from.mNumFaces);
+    for (unsigned f = 0; f < from.mNumFaces; ++f) {
+      const aiFace& face = from.mFaces[f];
+      const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
+      if (std::any_of(corners.begin(), corners.end(), [&](unsigned v) { return v >= from.mNumVertices; })) {
+        return bad(fmt::format("mesh '{}': face {} names a vertex beyond the {}", mesh.name, f, from.mNumVertices));
+      }
+      if (corners.size() != 3 || corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
+        ++otherFaces_;
+        continue;
+      }
+      mesh.triangles.push_back({static_cast<VertexIndex>(corners[0]), static_cast<VertexIndex>(corners[1]),
+                                static_cast<VertexIndex>(corners[2])});
+    }
+    if (mesh.triangles.empty()) return {};
+    if (skin != -1) addWeights(from, mesh);
+    scene_.meshes.push_back(std::move(mesh));
+    return {};
+  }
+
+  /// From a list of vertices for each bone to a list of bones for each vertex.
+  void addWeights(const aiMesh& from, FileMesh& mesh) const {
+    const std::vector<std::int64_t>& places = placeOfBone_[static_cast<std::size_t>(mesh.skin)];
+    const auto forEach = [&](const auto& use) {
+      for (unsigned b = 0; b < from.mNumBones; ++b) {
+        if (places[b] == -1) continue;
+        for (unsigned w = 0; w < from.mBones[b]->mNumWeights; ++w) {
+          const aiVertexWeight& weight = from.mBones[b]->mWeights[w];
+          if (weight.mVertexId < from.mNumVertices) use(b, weight);
+        }
+      }
+    };
+    std::vector<std::size_t> next(mesh.positions.size() + 1, 0);
+    forEach([&](unsigned, const aiVertexWeight& w) { ++next[w.mVertexId + 1]; });
+    for (std::size_t v = 1; v < next.size(); ++v) next[v] += next[v - 1];
+    mesh.weightBegin = next;
+    mesh.weights.resize(next.back());
+    forEach([&](unsigned b, const aiVertexWeight& w) {
+      mesh.weights[next[w.mVertexId]++] = {places[b], static_cast<double>(w.mWeight)};
+    });
+  }
+
+  template <typename Value, typename Key, typename Convert>
+  void addTrack(const Key* keys, unsigned count, double secondsPerTick, const Convert& convert,
+                std::optional<KeyTrack<Value>>& out) {
+    KeyTrack<Value> track;
+    track.times.reserve(count);
+    track.values.reserve(count);
+    for (unsigned k = 0; k < count; ++k) {
+      const double time = keys[k].mTime * secondsPerTick;
+      const Value value = convert(keys[k].mValue);
+      const bool finite = std::isfinite(time) && coefficients(value).allFinite();
+      if (!finite || (!track.times.empty() && time <= track.times.back())) {
+        ++lateKeys_;
+        continue;
+      }
+      track.times.push_back(time);
+      track.values.push_back(value);
+    }
+    if (!track.times.empty()) out = std::move(track);
+  }
+
+  [[nodiscard]] Result<void> readClips() {
+    std::uint64_t lostChannels = 0;
+    for (unsigned a = 0; a < from_.mNumAnimations; ++a) {
+      const aiAnimation& from = *from_.mAnimations[a];
+      FileClip clip;
+      clip.name = asText(from.mName);
+      if (clip.name.empty()) clip.name = fmt::format("clip {}", a);
+      const double secondsPerTick = 1.0 / (from.mTicksPerSecond > 0.0 ? from.mTicksPerSecond : 25.0);
+      for (unsigned c = 0; c < from.mNumChannels; ++c) {
+        const aiNodeAnim& channel = *from.mChannels[c];
+        const auto node = nodeOfName_.find(asText(channel.mNodeName));
+        if (node == nodeOfName_.end()) {
+          ++lostChannels;
+          continue;
+        }
+        FileTrack track;
+        track.node = node->second;
+        addTrack(channel.mPositionKeys, channel.mNumPositionKeys, secondsPerTick, asVec3, track.translation);
+        addTrack(channel.mRotationKeys, channel.mNumRotationKeys, secondsPerTick, asQuat, track.rotation);
+        addTrack(channel.mScalingKeys, channel.mNumScalingKeys, secondsPerTick, asVec3, track.scale);
+        clip.tracks.push_back(std::move(track));
+      }
+      scene_.clips.push_back(std::move(clip));
+    }
+    if (lostChannels > 0) {
+      scene_.notes.push_back(fmt::format("{} animation channels name no node: left out", grouped(lostChannels)));
+    }
+    if (lateKeys_ > 0) {
+      scene_.notes.push_back(fmt::format(
+          "{} animation keys are not finite or do not come after the key before them: left out", grouped(lateKeys_)));
+    }
+    return {};
+  }
+
+  const aiScene& from_;
+  const std::string& name_;
+  FileScene scene_;
+  std::vector<const aiNode*> nodes_;
+  std::map<std::string, int> nodeOfName_;               // the first of that name, as assimp's own look-up has it
+  std::vector<std::vector<std::int64_t>> placeOfBone_;  // of each skin: assimp's bones among its nodes, or -1
+  std::uint64_t otherFaces_ = 0;
+  std::uint64_t lostBones_ = 0;
+  std::uint64_t lateKeys_ = 0;
+};
+
+}  // namespace
+
+Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name, AssimpFormat format) {
+  const char* formatName = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
+  try {
+    Assimp::Importer importer;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // else files of motion get made-up meshes
+    importer.SetIOHandler(new NoOtherFiles);                              // owned by the importer
+    const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
+                                                       format == AssimpFormat::kFbx ? "fbx" : "dae");
+    if (scene == nullptr) {
+      return Error{ErrorCode::kBadFormat,
+                   fmt::format("{}: broken {}: {}", name, formatName, importer.GetErrorString())};
+    }
+    return AssimpSceneReader(*scene, name).read(format);
+  } catch (const std::exception& problem) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: broken {}: {}", name, formatName, problem.what())};
+  }
+}
+
+}  // namespace lorica

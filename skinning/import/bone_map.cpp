@@ -1,0 +1,270 @@
+#include "skinning/import/bone_map.h"
+
+#include "geometry/files.h"
+#include "skinning/humanoid/humanoid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kFormat = "bone map 1";
+constexpr std::size_t kMostBytes = std::size_t{16} << 20;  ///< a map of a hundred thousand joints is smaller
+constexpr std::size_t kLongestToCompare = 200;             ///< of names whose nearest spelling is sought
+
+[[nodiscard]] std::size_t at(HumanBone bone) {
+  return static_cast<std::size_t>(bone);
+}
+
+[[nodiscard]] Error bad(std::string_view name, std::string_view what) {
+  return {ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
+}
+
+/// Text as JSON can hold it: bytes that are no UTF-8 become U+FFFD.
+[[nodiscard]] std::string asText(const std::string& bytes) {
+  const std::string quoted = Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json::parse(quoted).get<std::string>();
+}
+
+/// How many letters must be put in, taken out or changed to make one of the other; capitals count as small letters.
+[[nodiscard]] std::size_t editDistance(std::string_view a, std::string_view b) {
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (small(a[i - 1]) == small(b[j - 1]) ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// "; the nearest is "hand.l"", or nothing where no name is near.
+[[nodiscard]] std::string nearestOf(std::string_view name, std::span<const std::string> known) {
+  constexpr std::size_t kMostCompared = 2000;
+  if (name.size() > kLongestToCompare) return "";
+  const std::string* nearest = nullptr;
+  std::size_t least = std::max<std::size_t>(name.size() / 2, 2) + 1;
+  for (const std::string& candidate : known.first(std::min(known.size(), kMostCompared))) {
+    if (candidate.size() > kLongestToCompare) continue;
+    const std::size_t distance = editDistance(name, candidate);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = &candidate;
+  }
+  return nearest == nullptr ? "" : fmt::format("; the nearest is \"{}\"", *nearest);
+}
+
+[[nodiscard]] std::vector<std::string> boneNames() {
+  std::vector<std::string> names;
+  names.reserve(kHumanBoneCount);
+  for (int bone = 0; bone < kHumanBoneCount; ++bone) names.emplace_back(nameOf(static_cast<HumanBone>(bone)));
+  return names;
+}
+
+/// Parses, and finds keys that stand twice: the library would take the last in silence.
+[[nodiscard]] Result<Json> parse(std::string_view text, std::string_view name) {
+  std::vector<std::set<std::string>> open;
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key) {
+      const auto key = value.get<std::string>();
+      if (!open.back().insert(key).second && twice.empty()) twice = key;
+    }
+    return true;
+  };
+  try {
+    Json json = Json::parse(text, watch, true, true);
+    if (!twice.empty()) return bad(name, fmt::format("\"{}\" stands twice, expected once", twice));
+    return json;
+  } catch (const Json::exception& e) {
+    const std::string_view what = e.what();
+    const std::size_t bracket = what.find("] ");  // before it stands the library's own number
+    return bad(name, fmt::format("not JSON: {}", bracket == std::string_view::npos ? what : what.substr(bracket + 2)));
+  }
+}
+
+/// Names and ways down of a skeleton's joints, as a map may write them.
+class JointNames {
+ public:
+  explicit JointNames(const Skeleton& skeleton) : skeleton_(skeleton) {
+    names_.reserve(skeleton.joints().size());
+    for (const Joint& joint : skeleton.joints()) names_.push_back(asText(joint.name));
+    for (std::size_t i = 0; i < names_.size(); ++i) jointsOf_[names_[i]].push_back(static_cast<JointIndex>(i));
+  }
+
+  [[nodiscard]] std::span<const std::string> all() const { return names_; }
+
+  /// All joints that this may mean: of that name, else at the end of that way.
+  [[nodiscard]] std::vector<JointIndex> find(std::string_view text) const {
+    const auto named = jointsOf_.find(std::string(text));
+    if (named != jointsOf_.end()) return named->second;
+    std::vector<JointIndex> found;
+    if (text.find('/') == std::string_view::npos) return found;
+    for (JointIndex joint = 0; joint < skeleton_.jointCount(); ++joint) {
+      if (endsWay(joint, text)) found.push_back(joint);
+    }
+    return found;
+  }
+
+  /// The shortest text that means this joint alone; of at most eight names, for the sake of files that are nothing but
+  /// namesakes.
+  [[nodiscard]] std::string textFor(JointIndex joint) const {
+    std::string text = name(joint);
+    const std::vector<JointIndex>& namesakes = jointsOf_.at(text);
+    const auto isShared = [&] {
+      return std::any_of(namesakes.begin(), namesakes.end(),
+                         [&](JointIndex other) { return other != joint && endsWay(other, text); });
+    };
+    JointIndex above = skeleton_.joint(joint).parent;
+    for (int names = 1; names < 8 && above != kNoJoint && isShared(); ++names) {
+      text = fmt::format("{}/{}", name(above), text);
+      above = skeleton_.joint(above).parent;
+    }
+    return text;
+  }
+
+ private:
+  [[nodiscard]] const std::string& name(JointIndex joint) const { return names_[static_cast<std::size_t>(joint)]; }
+
+  [[nodiscard]] bool endsWay(JointIndex joint, std::string_view text) const {
+    while (joint != kNoJoint && text.ends_with(name(joint))) {
+      text.remove_suffix(name(joint).size());
+      if (text.empty()) return true;
+      if (text.back() != '/') return false;
+      text.remove_suffix(1);
+      joint = skeleton_.joint(joint).parent;
+    }
+    return false;
+  }
+
+  const Skeleton& skeleton_;
+  std::vector<std::string> names_;
+  std::map<std::string, std::vector<JointIndex>> jointsOf_;
+};
+
+}  // namespace
+
+Result<BoneMap> readBoneMap(const std::filesystem::path& file) {
+  const Result<std::string> text = readFile(file);
+  if (!text) return text.error();
+  return parseBoneMap(*text, file.string());
+}
+
+Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
+  if (text.size() > kMostBytes) {
+    return bad(name, fmt::format("{} bytes, expected at most {}", text.size(), kMostBytes));
+  }
+  const Result<Json> json = parse(text, name);
+  if (!json) return json.error();
+  if (!json->is_object() || !json->contains("lorica") || !(*json)["lorica"].is_string()) {
+    return bad(name, fmt::format("no bone map, expected an object with \"lorica\": \"{}\"", kFormat));
+  }
+  const std::string format = (*json)["lorica"].get<std::string>();
+  if (format != kFormat) return bad(name, fmt::format("lorica is \"{}\", expected \"{}\"", format, kFormat));
+  const std::vector<std::string> known = {"lorica", "character", "bones", "unusedJoints"};
+  for (const auto& [key, value] : json->items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    return bad(name, fmt::format("\"{}\" is unknown{}", key, nearestOf(key, known)));
+  }
+  if (!json->contains("bones") || !(*json)["bones"].is_object()) {
+    return bad(name, "bones is missing, expected an object with a joint's name for each bone");
+  }
+
+  BoneMap map;
+  if (json->contains("character")) {
+    if (!(*json)["character"].is_string()) return bad(name, "character is no text, expected a file's name");
+    map.character = (*json)["character"].get<std::string>();
+  }
+  for (const auto& [key, value] : (*json)["bones"].items()) {
+    const std::optional<HumanBone> bone = humanBoneNamed(key);
+    if (!bone) return bad(name, fmt::format("bones: \"{}\" is no bone{}", key, nearestOf(key, boneNames())));
+    if (value.is_null()) continue;
+    if (!value.is_string() || value.get<std::string>().empty()) {
+      return bad(name, fmt::format("bones: {} is {}, expected a joint's name or null", key,
+                                   value.is_string() ? "an empty text" : std::string("a") + " " + value.type_name()));
+    }
+    map.jointOf[at(*bone)] = value.get<std::string>();
+  }
+  return map;
+}
+
+Result<void> writeBoneMap(const std::filesystem::path& file, const Skeleton& skeleton, std::string_view character) {
+  const JointNames names(skeleton);
+  Json json;
+  json["lorica"] = kFormat;
+  json["character"] = asText(std::string(character));
+  json["bones"] = Json::object();
+  for (int i = 0; i < kHumanBoneCount; ++i) {
+    const auto bone = static_cast<HumanBone>(i);
+    const JointIndex joint = skeleton.jointOf(bone);
+    Json& slot = json["bones"][std::string(nameOf(bone))];
+    if (joint != kNoJoint) slot = names.textFor(joint);
+  }
+  json["unusedJoints"] = Json::array();
+  for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
+    if (!skeleton.joint(joint).bone) json["unusedJoints"].push_back(names.textFor(joint));
+  }
+  return writeFileAtomically(file, json.dump(2) + "\n");
+}
+
+Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std::string_view name) {
+  const JointNames names(skeleton);
+  HumanoidGuess bones;
+  bones.jointOf.fill(kNoJoint);
+  bones.by = "a bone map";
+  std::map<JointIndex, HumanBone> boneOf;
+  for (int i = 0; i < kHumanBoneCount; ++i) {
+    const auto bone = static_cast<HumanBone>(i);
+    const std::string& text = map.jointOf[at(bone)];
+    if (text.empty()) continue;
+    const std::vector<JointIndex> found = names.find(text);
+    if (found.empty()) {
+      return Error{ErrorCode::kNotFound, fmt::format("{}: {}: the character has no joint \"{}\"{}", name, nameOf(bone),
+                                                     text, nearestOf(text, names.all()))};
+    }
+    if (found.size() > 1) {
+      return bad(name, fmt::format("{}: {} joints are called \"{}\", expected one: write \"{}\" or \"{}\"",
+                                   nameOf(bone), found.size(), text, names.textFor(found[0]), names.textFor(found[1])));
+    }
+    const auto [other, isNew] = boneOf.emplace(found[0], bone);
+    if (!isNew) {
+      return bad(name, fmt::format("the joint \"{}\" is both {} and {}, expected one bone", text, nameOf(other->second),
+                                   nameOf(bone)));
+    }
+    bones.jointOf[at(bone)] = found[0];
+  }
+
+  for (const auto& [joint, bone] : boneOf) {
+    std::optional<HumanBone> above = parentBone(bone);
+    while (above && bones[*above] == kNoJoint) above = parentBone(*above);
+    if (!above) continue;
+    JointIndex ancestor = skeleton.joint(joint).parent;
+    while (ancestor != kNoJoint && ancestor != bones[*above]) ancestor = skeleton.joint(ancestor).parent;
+    if (ancestor != kNoJoint) continue;
+    return bad(name, fmt::format("{} is \"{}\", which does not hang on \"{}\", the {}", nameOf(bone),
+                                 map.jointOf[at(bone)], map.jointOf[at(*above)], nameOf(*above)));
+  }
+  return withBones(skeleton, bones);
+}
+
+}  // namespace lorica

@@ -1,0 +1,352 @@
+#include "skinning/humanoid/humanoid.h"
+#include "skinning/import/bind_frames.h"
+#include "skinning/import/file_scene.h"
+#include "skinning/import/units.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace lorica {
+
+namespace {
+
+constexpr double kSecondsInADay = 86400.0;
+
+[[nodiscard]] JointIndex asJoint(std::size_t index) {
+  return static_cast<JointIndex>(index);
+}
+
+/// Turns a FileScene into a CharacterFile, phase by phase.
+class CharacterBuilder {
+ public:
+  CharacterBuilder(const FileScene& scene, const std::string& fileName)
+      : scene_(scene), fileName_(fileName), frames_(findBindFrames(scene)) {}
+
+  [[nodiscard]] Result<CharacterFile> build() {
+    out_.format = scene_.format;
+    out_.meshes = scene_.meshCount;
+    out_.primitives = scene_.primitiveCount;
+    out_.skins = static_cast<int>(scene_.skins.size());
+    out_.morphTargets = scene_.morphTargetCount;
+    out_.notes = scene_.notes;
+    out_.character.name = std::filesystem::path(fileName_).stem().string();
+
+    placeMeshes();
+    chooseNodes();
+    if (Result<void> sized = chooseUnits(); !sized) return sized.error();
+    addJoints();
+    addVertices();
+    addClips();
+    if (Result<void> finished = finish(); !finished) return finished.error();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, fileName_ + ": " + what}; }
+
+  // 1. Vertices where they are in the bind pose, still in the file's units.
+  void placeMeshes() {
+    std::size_t vertexCount = 0;
+    std::size_t triangleCount = 0;
+    for (const FileMesh& mesh : scene_.meshes) {
+      vertexCount += mesh.positions.size();
+      triangleCount += mesh.triangles.size();
+    }
+    TriMesh& all = out_.character.mesh;
+    all.vertices.reserve(vertexCount);
+    all.triangles.reserve(triangleCount);
+    for (const FileMesh& mesh : scene_.meshes) {
+      const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[static_cast<std::size_t>(mesh.skin)]
+                                                    : frames_.fileFromNode[static_cast<std::size_t>(mesh.node)];
+      const auto first = static_cast<VertexIndex>(all.vertices.size());
+      for (const Vec3& p : mesh.positions) all.vertices.push_back(fileFromMesh * p);
+      // A mirrored mesh has its outside inside.
+      const bool mirrored = fileFromMesh.linear().determinant() < 0.0;
+      for (Triangle triangle : mesh.triangles) {
+        for (VertexIndex& v : triangle) v += first;
+        if (mirrored) std::swap(triangle[1], triangle[2]);
+        all.triangles.push_back(triangle);
+      }
+    }
+    box_ = boundsOf(all.vertices);
+  }
+
+  // 2. Nodes that move something, and all above them; every node where the file is only motion.
+  void chooseNodes() {
+    const bool all = scene_.meshes.empty() && scene_.skins.empty();
+    chosen_.assign(scene_.nodes.size(), all ? 1 : 0);
+    const auto choose = [&](int node) {
+      for (; node != -1 && chosen_[static_cast<std::size_t>(node)] == 0;
+           node = scene_.nodes[static_cast<std::size_t>(node)].parent) {
+        chosen_[static_cast<std::size_t>(node)] = 1;
+      }
+    };
+    for (const FileSkin& skin : scene_.skins) {
+      for (const int node : skin.nodes) choose(node);
+    }
+    for (const FileMesh& mesh : scene_.meshes) {
+      if (mesh.skin == -1) choose(mesh.node);
+    }
+    for (const auto& [bone, node] : scene_.bones) choose(node);
+  }
+
+  // 3. The file's unit, by the size of what it shows, or of its skeleton.
+  [[nodiscard]] Result<void> chooseUnits() {
+    Aabb box = box_;
+    if (box.empty()) {
+      for (const std::size_t i : nodesThatShowSize()) box.extend(frames_.fileFromNode[i].translation());
+    }
+    const double longest = box.empty() ? 0.0 : (box.max - box.min).maxCoeff();
+    if (!std::isfinite(longest)) return bad("its bind pose is not finite");
+    UnitGuess guess = guessUnit(longest, scene_.metresPerUnit);
+    if (!guess.note.empty()) out_.notes.push_back(std::move(guess.note));
+    out_.metresPerUnit = guess.metresPerUnit;
+    return {};
+  }
+
+  /// Of a file of motion alone: the nodes that move, if there are, since a camera may stand far away.
+  [[nodiscard]] std::vector<std::size_t> nodesThatShowSize() const {
+    std::vector<char> moves(scene_.nodes.size(), 0);
+    for (const FileClip& clip : scene_.clips) {
+      for (const FileTrack& track : clip.tracks) moves[static_cast<std::size_t>(track.node)] = 1;
+    }
+    std::vector<std::size_t> moving;
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+      if (chosen_[i] == 0) continue;
+      all.push_back(i);
+      if (moves[i] != 0) moving.push_back(i);
+    }
+    return moving.empty() ? all : moving;
+  }
+
+  // 4. A joint for each node chosen.
+  void addJoints() {
+    const auto chosenCount = static_cast<std::size_t>(std::count(chosen_.begin(), chosen_.end(), 1));
+    joints_.reserve(chosenCount + 1);
+    jointFromFile_.reserve(chosenCount + 1);
+    JointTransform modelFromFile;
+    modelFromFile.rotation = scene_.modelFromFileAxes;
+    modelFromFile.scale.setConstant(out_.metresPerUnit);
+    joints_.push_back({"(file)", kNoJoint, modelFromFile, std::nullopt});
+    jointFromFile_.push_back(Affine3::Identity());
+    jointsOfNode_.resize(scene_.nodes.size());
+
+    int sheared = 0;
+    for (const int n : frames_.order) {
+      const auto i = static_cast<std::size_t>(n);
+      if (chosen_[i] == 0) continue;
+      const FileNode& node = scene_.nodes[i];
+      JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[static_cast<std::size_t>(node.parent)].front();
+      JointTransform local = node.local;
+      if (node.inner) {
+        ++sheared;
+        joints_.push_back({node.name + " (sheared)", parent, local, std::nullopt});
+        jointFromFile_.push_back(*node.inner * frames_.fileFromNode[i].inverse());
+        parent = asJoint(joints_.size() - 1);
+        local = {};
+        local.rotation = *node.inner;
+      }
+      jointsOfNode_[i].push_back(asJoint(joints_.size()));
+      joints_.push_back({node.name, parent, local, std::nullopt});
+      jointFromFile_.push_back(frames_.fileFromNode[i].inverse());
+    }
+    for (const auto& [bone, node] : scene_.bones) {
+      joints_[static_cast<std::size_t>(jointsOfNode_[static_cast<std::size_t>(node)].front())].bone = bone;
+    }
+    if (sheared > 0) {
+      out_.notes.push_back(fmt::format("{} nodes are sheared: each is held by two joints", sheared));
+    }
+  }
+
+  /// The joint that carries points with a node by an inverse bind matrix: the node's own, or one more beside it.
+  [[nodiscard]] JointIndex jointFor(int node, const Affine3& jointFromFile) {
+    const auto n = static_cast<std::size_t>(node);
+    for (const JointIndex joint : jointsOfNode_[n]) {
+      if (carrySame(frames_.fileFromNode[n], jointFromFile, jointFromFile_[static_cast<std::size_t>(joint)])) {
+        return joint;
+      }
+    }
+    const JointIndex own = jointsOfNode_[n].front();
+    const std::string name =
+        fmt::format("{} (bind {})", joints_[static_cast<std::size_t>(own)].name, jointsOfNode_[n].size() + 1);
+    const JointIndex copy = asJoint(joints_.size());
+    joints_.push_back({name, own, {}, std::nullopt});
+    jointFromFile_.push_back(jointFromFile);
+    jointsOfNode_[n].push_back(copy);
+    ++copies_;
+    return copy;
+  }
+
+  /// Whether two inverse bind matrices take the whole bind pose to the same places, to what floats in files hold.
+  [[nodiscard]] bool carrySame(const Affine3& fileFromJoint, const Affine3& a, const Affine3& b) const {
+    const Eigen::Matrix<double, 3, 4> difference =
+        fileFromJoint.linear() * (a.matrix().topRows<3>() - b.matrix().topRows<3>());
+    for (int corner = 0; corner < 8; ++corner) {
+      Eigen::Vector4d p(0.0, 0.0, 0.0, 1.0);
+      for (int axis = 0; axis < 3; ++axis) p[axis] = (corner >> axis & 1) != 0 ? box_.max[axis] : box_.min[axis];
+      if (!((difference * p).norm() <= 2e-6 * box_.diagonal())) return false;
+    }
+    return true;
+  }
+
+  // 5. Vertices and their weights.
+  void addVertices() {
+    Character& character = out_.character;
+    const Affine3 modelFromFile(joints_.front().rest.matrix());
+    for (Vec3& p : character.mesh.vertices) p = modelFromFile * p;
+    character.influenceBegin.reserve(character.mesh.vertices.size() + 1);
+    character.influenceBegin.push_back(0);
+    for (const FileMesh& mesh : scene_.meshes) {
+      if (mesh.skin == -1) {
+        const JointIndex joint = jointsOfNode_[static_cast<std::size_t>(mesh.node)].front();
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+          character.influences.push_back({joint, 1.0});
+          character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+        }
+        if (!mesh.positions.empty()) out_.mostInfluences = std::max(out_.mostInfluences, 1);
+      } else {
+        addSkinned(mesh);
+      }
+    }
+    character.jointFromModel.reserve(joints_.size());
+    const Affine3 fileFromModel = modelFromFile.inverse();
+    for (const Affine3& jointFromFile : jointFromFile_) {
+      character.jointFromModel.emplace_back(jointFromFile * fileFromModel);
+    }
+    if (out_.mendedVertices > 0) {
+      out_.notes.push_back(fmt::format(
+          "{} vertices had weights that do not sum to 1, are negative or not finite, or name no bone: mended",
+          grouped(static_cast<std::uint64_t>(out_.mendedVertices))));
+    }
+    if (copies_ > 0) {
+      out_.notes.push_back(fmt::format("{} joints more, for bones that are bound in two ways",
+                                       grouped(static_cast<std::uint64_t>(copies_))));
+    }
+  }
+
+  void addSkinned(const FileMesh& mesh) {
+    Character& character = out_.character;
+    const auto s = static_cast<std::size_t>(mesh.skin);
+    const FileSkin& skin = scene_.skins[s];
+    const Affine3 skinFromFile = frames_.fileFromSkin[s].inverse();
+    std::vector<JointIndex> jointOfBone(skin.nodes.size(), kNoJoint);
+    const auto jointOf = [&](std::size_t bone) {
+      if (jointOfBone[bone] == kNoJoint) {
+        jointOfBone[bone] = jointFor(skin.nodes[bone], skin.jointFromMesh[bone] * skinFromFile);
+      }
+      return jointOfBone[bone];
+    };
+    const auto inSkin = [&](const FileWeight& w) {
+      return w.bone >= 0 && w.bone < static_cast<std::int64_t>(skin.nodes.size());
+    };
+    character.influences.reserve(character.influences.size() + mesh.weights.size());
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const std::size_t begin = character.influences.size();
+      const std::span<const FileWeight> weights =
+          std::span(mesh.weights).subspan(mesh.weightBegin[v], mesh.weightBegin[v + 1] - mesh.weightBegin[v]);
+      bool mended = false;
+      double sum = 0.0;
+      for (const FileWeight& w : weights) {
+        if (w.weight == 0.0) continue;
+        if (!inSkin(w) || !(w.weight > 0.0) || !std::isfinite(w.weight)) {
+          mended = true;
+          continue;
+        }
+        const JointIndex joint = jointOf(static_cast<std::size_t>(w.bone));
+        sum += w.weight;
+        const auto same =
+            std::find_if(character.influences.begin() + static_cast<std::ptrdiff_t>(begin), character.influences.end(),
+                         [&](const Influence& i) { return i.joint == joint; });
+        if (same != character.influences.end()) {
+          same->weight += w.weight;
+        } else {
+          character.influences.push_back({joint, w.weight});
+        }
+      }
+      if (!(sum > 1e-12) ||
+          !std::isfinite(sum)) {  // nothing is left: the first bone that it names, else the skin's first
+        character.influences.resize(begin);
+        const auto named = std::find_if(weights.begin(), weights.end(), inSkin);
+        character.influences.push_back(
+            {jointOf(named == weights.end() ? 0 : static_cast<std::size_t>(named->bone)), 1.0});
+        sum = 1.0;
+        mended = true;
+      }
+      mended = mended || std::abs(sum - 1.0) > 1e-3;
+      for (std::size_t i = begin; i < character.influences.size(); ++i) character.influences[i].weight /= sum;
+      out_.mostInfluences = std::max(out_.mostInfluences, static_cast<int>(character.influences.size() - begin));
+      out_.mendedVertices += mended ? 1 : 0;
+      character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+    }
+  }
+
+  // 6. Clips of the joints that there are.
+  void addClips() {
+    int tooLong = 0;
+    out_.clips.reserve(scene_.clips.size());
+    for (const FileClip& from : scene_.clips) {
+      Clip clip{from.name, 0.0, {}};
+      for (const FileTrack& track : from.tracks) {
+        const std::vector<JointIndex>& joints = jointsOfNode_[static_cast<std::size_t>(track.node)];
+        if (joints.empty()) continue;
+        clip.tracks.push_back({joints.front(), track.translation, track.rotation, track.scale});
+        const auto last = [&](const auto& keys) {
+          if (keys) clip.seconds = std::max(clip.seconds, keys->times.back());
+        };
+        last(track.translation);
+        last(track.rotation);
+        last(track.scale);
+      }
+      if (clip.seconds > kSecondsInADay) {
+        ++tooLong;
+      } else if (!clip.tracks.empty()) {
+        out_.clips.push_back(std::move(clip));
+      }
+    }
+    if (tooLong > 0) out_.notes.push_back(fmt::format("{} clips last longer than a day: left out", tooLong));
+  }
+
+  // 7. Humanoid bones, size, and the last look.
+  [[nodiscard]] Result<void> finish() {
+    Character& character = out_.character;
+    if (character.mesh.triangles.empty() && out_.clips.empty() && scene_.skins.empty()) {
+      return bad("no triangles, no bones and no motion, expected a character");
+    }
+    Result<Skeleton> skeleton = Skeleton::create(std::move(joints_));
+    if (!skeleton) return bad(skeleton.error().message);
+    character.skeleton = scene_.bones.empty() ? withBones(*skeleton, guessHumanoid(*skeleton)) : std::move(*skeleton);
+    if (character.mesh.vertices.empty()) return {};
+
+    const Aabb box = boundsOf(character.mesh.vertices);
+    character.height = box.max.y() - box.min.y();
+    if (std::abs(box.min.y()) > 0.01 * character.height) {
+      out_.notes.push_back(
+          fmt::format("its lowest point in the bind pose is at y = {:.3f} m, not on the floor", box.min.y()));
+    }
+    if (Result<void> sound = checkCharacter(character); !sound) return bad(sound.error().message);
+    return {};
+  }
+
+  const FileScene& scene_;
+  const std::string& fileName_;
+  BindFrames frames_;
+  CharacterFile out_;
+  Aabb box_;                  // of the bind pose, in the file's units and axes
+  std::vector<char> chosen_;  // one a node
+  std::vector<Joint> joints_;
+  std::vector<Affine3> jointFromFile_;                 // one a joint
+  std::vector<std::vector<JointIndex>> jointsOfNode_;  // the node's own first, then its copies; none where not chosen
+  int copies_ = 0;
+};
+
+}  // namespace
+
+Result<CharacterFile> makeCharacterFile(const FileScene& scene, const std::string& fileName) {
+  return CharacterBuilder(scene, fileName).build();
+}
+
+}  // namespace lorica

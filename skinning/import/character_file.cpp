@@ -1,0 +1,83 @@
+#include "skinning/import/character_file.h"
+
+#include "geometry/files.h"
+#include "skinning/import/assimp_file.h"
+#include "skinning/import/collada_check.h"
+#include "skinning/import/file_scene.h"
+#include "skinning/import/gltf_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace lorica {
+
+namespace {
+
+enum class Kind { kUnknown, kGltf, kFbx, kCollada };
+
+/// By what the bytes say: names are often wrong about .vrm and .glb.
+[[nodiscard]] Kind kindOf(std::string_view content) {
+  if (content.starts_with("glTF")) return Kind::kGltf;
+  if (content.starts_with("Kaydara FBX Binary")) return Kind::kFbx;
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) return Kind::kCollada;  // UTF-16
+  const std::string_view start = content.substr(0, 4096);
+  const std::size_t first = start.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  if (first == std::string_view::npos) return Kind::kUnknown;
+  if (start[first] == '{') return Kind::kGltf;
+  if (start[first] == '<' && start.find("<COLLADA") != std::string_view::npos) return Kind::kCollada;
+  const bool comment = start[first] == ';' && start.find("FBX") != std::string_view::npos;
+  if (comment || start.substr(first).starts_with("FBXHeaderExtension")) return Kind::kFbx;
+  return Kind::kUnknown;
+}
+
+[[nodiscard]] Result<CharacterFile> parse(std::span<const std::byte> bytes, const std::string& name,
+                                          const std::filesystem::path& folder) {
+  if (bytes.empty()) return Error{ErrorCode::kBadFormat, name + ": is empty, expected a character"};
+  Result<FileScene> scene =
+      Error{ErrorCode::kUnsupported, name + ": holds neither glTF, VRM, FBX nor COLLADA, expected one of them"};
+  switch (kindOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+    case Kind::kGltf:
+      scene = readGltfScene(bytes, name, folder);
+      break;
+    case Kind::kFbx:
+      scene = readAssimpScene(bytes, name, AssimpFormat::kFbx);
+      break;
+    case Kind::kCollada:
+      if (Result<void> sound = checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+          !sound) {
+        return sound.error();
+      }
+      scene = readAssimpScene(bytes, name, AssimpFormat::kCollada);
+      break;
+    case Kind::kUnknown:
+      break;
+  }
+  if (!scene) return scene.error();
+  return makeCharacterFile(*scene, name);
+}
+
+}  // namespace
+
+Result<CharacterFile> readCharacterFile(const std::filesystem::path& file) {
+  const Result<std::string> content = readFile(file);
+  if (!content) return content.error();
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  return parse(std::as_bytes(std::span(*content)), file.string(), folder);
+}
+
+Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name) {
+  return parse(bytes, name, {});
+}
+
+bool isCharacterFile(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  constexpr std::array<std::string_view, 5> kExtensions = {".gltf", ".glb", ".vrm", ".fbx", ".dae"};
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
+
+}  // namespace lorica

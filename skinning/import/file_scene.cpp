@@ -1,0 +1,62 @@
+#include "skinning/import/file_scene.h"
+
+#include <Eigen/SVD>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+
+void setMatrix(FileNode& node, const Affine3& parentFromNode) {
+  node.local = {};
+  node.inner.reset();
+  node.local.translation = parentFromNode.translation();
+
+  const Mat3 linear = parentFromNode.linear();
+  const Vec3 lengths = linear.colwise().norm();
+  if (lengths.minCoeff() > 1e-12 * lengths.maxCoeff()) {
+    Mat3 axes = linear * lengths.cwiseInverse().asDiagonal();
+    const double skew = std::max({std::abs(axes.col(0).dot(axes.col(1))), std::abs(axes.col(1).dot(axes.col(2))),
+                                  std::abs(axes.col(2).dot(axes.col(0)))});
+    if (skew < 1e-6) {
+      node.local.scale = lengths;
+      if (axes.determinant() < 0.0) {
+        axes.col(0) = -axes.col(0);
+        node.local.scale.x() = -lengths.x();
+      }
+      node.local.rotation = Quat(axes).normalized();
+      return;
+    }
+  }
+
+  // linear = U S V^T: a turn, a scale and a turn before it.
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 u = svd.matrixU();
+  Mat3 v = svd.matrixV();
+  node.local.scale = svd.singularValues();
+  for (Mat3* turn : {&u, &v}) {
+    if (turn->determinant() > 0.0) continue;
+    turn->col(2) = -turn->col(2);
+    node.local.scale.z() = -node.local.scale.z();
+  }
+  node.local.rotation = Quat(u).normalized();
+  node.inner = Quat(Mat3(v.transpose())).normalized();
+}
+
+std::string grouped(std::uint64_t number) {
+  const std::string digits = std::to_string(number);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text.push_back(',');
+    text.push_back(digits[i]);
+  }
+  return text;
+}
+
+std::string titled(const char* kind, std::size_t index, const std::string& name) {
+  return name.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} {} '{}'", kind, index, name);
+}
+
+}  // namespace lorica

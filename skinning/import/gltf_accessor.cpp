@@ -1,0 +1,286 @@
+#include "skinning/import/gltf_accessor.h"
+
+#include "skinning/import/file_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+namespace lorica {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "glTF is little endian; others need a swap here");
+
+using Bytes = std::span<const std::byte>;
+
+[[nodiscard]] int componentCount(int type) {
+  switch (type) {
+    case TINYGLTF_TYPE_SCALAR:
+      return 1;
+    case TINYGLTF_TYPE_VEC2:
+      return 2;
+    case TINYGLTF_TYPE_VEC3:
+      return 3;
+    case TINYGLTF_TYPE_VEC4:
+    case TINYGLTF_TYPE_MAT2:
+      return 4;
+    case TINYGLTF_TYPE_MAT3:
+      return 9;
+    default:
+      return 16;
+  }
+}
+
+/// 0 for kinds that glTF does not have.
+[[nodiscard]] std::uint64_t componentBytes(int componentType) {
+  switch (componentType) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+[[nodiscard]] bool isUnsigned(int componentType) {
+  return componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+         componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+         componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+}
+
+/// Reads `count` elements of `components` numbers, `stride` bytes apart, into rows of `out`; which row, `row` says.
+template <typename Stored, typename Number, typename Row>
+void unpack(Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t components, bool normalized,
+            std::vector<Number>& out, const Row& row) {
+  // glTF 2.0, 3.6.2.2: c / 255, c / 65535, max(c / 127, -1), max(c / 32767, -1).
+  const bool scaled = normalized && std::is_integral_v<Stored>;
+  const double most = static_cast<double>(std::numeric_limits<Stored>::max());
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::byte* element = bytes.data() + i * stride;
+    Number* to = out.data() + row(i) * components;
+    for (std::size_t c = 0; c < components; ++c) {
+      Stored value;
+      std::memcpy(&value, element + c * sizeof(Stored), sizeof(Stored));
+      if constexpr (std::is_integral_v<Number>) {
+        to[c] = static_cast<Number>(value);
+      } else {
+        to[c] = scaled ? std::max(static_cast<double>(value) / most, -1.0) : static_cast<double>(value);
+      }
+    }
+  }
+}
+
+template <typename Number, typename Row>
+void unpackKind(int componentType, Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t components,
+                bool normalized, std::vector<Number>& out, const Row& row) {
+  switch (componentType) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return unpack<std::uint8_t>(bytes, stride, count, components, normalized, out, row);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return unpack<std::uint16_t>(bytes, stride, count, components, normalized, out, row);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return unpack<std::uint32_t>(bytes, stride, count, components, normalized, out, row);
+    default:
+      break;
+  }
+  if constexpr (!std::is_integral_v<Number>) {
+    switch (componentType) {
+      case TINYGLTF_COMPONENT_TYPE_BYTE:
+        return unpack<std::int8_t>(bytes, stride, count, components, normalized, out, row);
+      case TINYGLTF_COMPONENT_TYPE_SHORT:
+        return unpack<std::int16_t>(bytes, stride, count, components, normalized, out, row);
+      case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        return unpack<float>(bytes, stride, count, components, normalized, out, row);
+      default:
+        break;
+    }
+  }
+  CHECK(false, "a component type that was let through");
+}
+
+[[nodiscard]] std::string_view typeName(int components) {
+  switch (components) {
+    case 1:
+      return "SCALAR";
+    case 3:
+      return "VEC3";
+    case 4:
+      return "VEC4";
+    default:
+      return "MAT4";
+  }
+}
+
+}  // namespace
+
+Result<void> checkIndex(const GltfDocument& document, int index, std::size_t count, const std::string& user,
+                        std::string_view kind) {
+  if (index >= 0 && static_cast<std::size_t>(index) < count) return {};
+  if (count == 0) {
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: {}: names {} {}, but the file has none", document.name, user, kind, index)};
+  }
+  return Error{ErrorCode::kBadFormat, fmt::format("{}: {}: names {} {}, expected 0 to {}", document.name, user, kind,
+                                                  index, grouped(count - 1))};
+}
+
+GltfAccessors::GltfAccessors(const GltfDocument& document)
+    : document_(document), budget_(std::max<std::uint64_t>(8 * document.fileBytes, 2'000'000)) {}
+
+Error GltfAccessors::bad(const std::string& what) const {
+  return {ErrorCode::kBadFormat, document_.name + ": " + what};
+}
+
+Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::uint64_t count,
+                                      std::uint64_t elementBytes, const std::string& who, std::uint64_t& stride) const {
+  if (Result<void> known = checkIndex(document_, viewIndex, document_.model.bufferViews.size(), who, "buffer view");
+      !known) {
+    return known.error();
+  }
+  const tinygltf::BufferView& view = document_.model.bufferViews[static_cast<std::size_t>(viewIndex)];
+  const std::string viewName = fmt::format("buffer view {}", viewIndex);
+  if (Result<void> known = checkIndex(document_, view.buffer, document_.buffers.size(), viewName, "buffer"); !known) {
+    return known.error();
+  }
+  const Bytes buffer = document_.buffers[static_cast<std::size_t>(view.buffer)];
+  if (buffer.empty()) {
+    return bad(fmt::format("{}: buffer {} has no data, neither in the file nor in another", viewName, view.buffer));
+  }
+  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
+    return bad(fmt::format("{}: {} bytes from byte {} on, buffer {} has {}", viewName, grouped(view.byteLength),
+                           grouped(view.byteOffset), view.buffer, grouped(buffer.size())));
+  }
+  stride = view.byteStride == 0 ? elementBytes : view.byteStride;
+  if (stride < elementBytes) {
+    return bad(fmt::format("{}: elements of {} bytes in steps of {}, of buffer view {}", who, elementBytes, stride,
+                           viewIndex));
+  }
+  // count is at most bytes / stride here, so that nothing below can overflow.
+  const std::uint64_t bytes = view.byteLength;
+  const bool fits = offset <= bytes && elementBytes <= bytes - offset &&
+                    (count == 0 || count - 1 <= (bytes - offset - elementBytes) / stride);
+  if (!fits) {
+    const double end = static_cast<double>(offset) + static_cast<double>(count - 1) * static_cast<double>(stride) +
+                       static_cast<double>(elementBytes);
+    const std::string endText =
+        end < 9e15 ? "byte " + grouped(static_cast<std::uint64_t>(end)) : fmt::format("byte {:.3g}", end);
+    return bad(fmt::format("{}: {} elements of {} bytes end at {}, its buffer view {} has {}", who, grouped(count),
+                           elementBytes, endText, viewIndex, grouped(bytes)));
+  }
+  return buffer.subspan(view.byteOffset + offset, (count - 1) * stride + elementBytes);
+}
+
+template <typename Number>
+Result<std::vector<Number>> GltfAccessors::read(int index, int components, const std::string& user, bool wantIntegers) {
+  if (Result<void> known = checkIndex(document_, index, document_.model.accessors.size(), user, "accessor"); !known) {
+    return known.error();
+  }
+  const tinygltf::Accessor& accessor = document_.model.accessors[static_cast<std::size_t>(index)];
+  const std::string who = fmt::format("accessor {}", index);
+
+  // 1. What it says of itself.
+  const auto wanted = static_cast<std::size_t>(components);
+  if (componentCount(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
+    return bad(fmt::format("{}: has {} numbers an element, expected {} for {}", who, componentCount(accessor.type),
+                           typeName(components), user));
+  }
+  const std::uint64_t numberBytes = componentBytes(accessor.componentType);
+  if (numberBytes == 0 || (wantIntegers && !isUnsigned(accessor.componentType))) {
+    return bad(fmt::format("{}: component type {}, expected {} for {}", who, accessor.componentType,
+                           wantIntegers ? "unsigned integers (5121, 5123 or 5125)" : "5120 to 5123, 5125 or 5126",
+                           user));
+  }
+  const std::uint64_t count = accessor.count;
+  if (count == 0) return bad(fmt::format("{}: has no elements, expected at least one for {}", who, user));
+
+  // 2. Where its numbers are, before anything is made for them.
+  const std::uint64_t elementBytes = numberBytes * wanted;
+  Bytes bytes;
+  std::uint64_t stride = 0;
+  const bool inView = accessor.bufferView != -1;
+  if (inView) {
+    const Result<Bytes> found = elements(accessor.bufferView, accessor.byteOffset, count, elementBytes, who, stride);
+    if (!found) return found.error();
+    bytes = *found;
+  }
+  if (count > budget_ / wanted) {
+    return bad(fmt::format("{}: {} elements, more than a file of {} bytes can justify", who, grouped(count),
+                           grouped(document_.fileBytes)));
+  }
+  budget_ -= count * wanted;
+
+  std::vector<Number> numbers(count * wanted, Number{});
+  if (inView) {
+    unpackKind(accessor.componentType, bytes, stride, count, wanted, accessor.normalized, numbers,
+               [](std::uint64_t i) { return i; });
+  }
+  if (!accessor.sparse.isSparse) return numbers;
+
+  // 3. Those that are replaced.
+  const auto& sparse = accessor.sparse;
+  // tinygltf has offsets signed or, from 2.9 on, unsigned, where a negative one is huge.
+  const auto indicesFrom = static_cast<std::int64_t>(sparse.indices.byteOffset);
+  const auto valuesFrom = static_cast<std::int64_t>(sparse.values.byteOffset);
+  if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || indicesFrom < 0 || valuesFrom < 0 ||
+      !isUnsigned(sparse.indices.componentType)) {
+    return bad(
+        fmt::format("{}: its sparse part has {} elements at bytes {} and {} with indices of kind {}, expected "
+                    "1 to {} elements, offsets of 0 or more and unsigned indices",
+                    who, sparse.count, indicesFrom, valuesFrom, sparse.indices.componentType, grouped(count)));
+  }
+  const auto replaced = static_cast<std::uint64_t>(sparse.count);
+  std::uint64_t indexStride = 0;
+  const Result<Bytes> indexBytes =
+      elements(sparse.indices.bufferView, static_cast<std::uint64_t>(indicesFrom), replaced,
+               componentBytes(sparse.indices.componentType), who + ", sparse indices", indexStride);
+  if (!indexBytes) return indexBytes.error();
+  std::uint64_t valueStride = 0;
+  const Result<Bytes> valueBytes = elements(sparse.values.bufferView, static_cast<std::uint64_t>(valuesFrom), replaced,
+                                            elementBytes, who + ", sparse values", valueStride);
+  if (!valueBytes) return valueBytes.error();
+
+  std::vector<std::uint32_t> rows(replaced);
+  unpackKind(sparse.indices.componentType, *indexBytes, indexStride, replaced, 1, false, rows,
+             [](std::uint64_t i) { return i; });
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i] >= count) {
+      return bad(fmt::format("{}: sparse index {} is {}, expected 0 to {}", who, i, rows[i], grouped(count - 1)));
+    }
+  }
+  unpackKind(accessor.componentType, *valueBytes, valueStride, replaced, wanted, accessor.normalized, numbers,
+             [&](std::uint64_t i) { return static_cast<std::uint64_t>(rows[i]); });
+  return numbers;
+}
+
+Result<std::vector<double>> GltfAccessors::anyNumbers(int accessor, int components, const std::string& user) {
+  return read<double>(accessor, components, user, false);
+}
+
+Result<std::vector<std::uint32_t>> GltfAccessors::integers(int accessor, int components, const std::string& user) {
+  return read<std::uint32_t>(accessor, components, user, true);
+}
+
+Result<std::vector<double>> GltfAccessors::numbers(int accessor, int components, const std::string& user) {
+  Result<std::vector<double>> all = read<double>(accessor, components, user, false);
+  if (!all) return all;
+  const auto broken = std::find_if(all->begin(), all->end(), [](double x) { return !std::isfinite(x); });
+  if (broken != all->end()) {
+    return bad(fmt::format("accessor {}: element {} has {}, expected finite numbers for {}", accessor,
+                           grouped(static_cast<std::uint64_t>((broken - all->begin()) / components)), *broken, user));
+  }
+  return all;
+}
+
+}  // namespace lorica

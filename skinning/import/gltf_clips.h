@@ -1,0 +1,11 @@
+#pragma once
+
+#include "skinning/import/file_scene.h"
+#include "skinning/import/gltf_accessor.h"
+
+namespace lorica {
+
+/// Adds the file's animations: what they move of nodes. Animated morph weights are left out, with a note.
+[[nodiscard]] Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors, FileScene& scene);
+
+}  // namespace lorica

@@ -1,0 +1,295 @@
+#include "skinning/import/gltf_document.h"
+
+#include "geometry/files.h"
+#include "skinning/import/file_scene.h"
+#include "skinning/import/uri.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <string_view>
+
+namespace lorica {
+
+namespace {
+
+using Json = nlohmann::json;
+using Bytes = std::span<const std::byte>;
+
+constexpr std::size_t kMostElements = 100'000;
+constexpr int kMostLevels = 64;
+
+/// The two parts of a GLB, or the text of a .gltf alone.
+struct Parts {
+  std::string_view json;
+  std::optional<Bytes> binary;
+};
+
+[[nodiscard]] std::uint32_t littleEndian32(Bytes bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
+  return value;
+}
+
+[[nodiscard]] std::string_view asText(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+[[nodiscard]] Result<Parts> splitGlb(Bytes bytes, const std::string& name) {
+  constexpr std::size_t kHeaderBytes = 12;
+  constexpr std::size_t kChunkHeaderBytes = 8;
+  constexpr std::uint32_t kJson = 0x4E4F534A;
+  constexpr std::uint32_t kBinary = 0x004E4942;
+  const auto bad = [&](std::string what) { return Error{ErrorCode::kBadFormat, name + ": " + std::move(what)}; };
+
+  if (bytes.size() < kHeaderBytes) {
+    return bad(
+        fmt::format("{} bytes, expected at least {} of a GLB header: it is cut short", bytes.size(), kHeaderBytes));
+  }
+  const std::uint32_t version = littleEndian32(bytes, 4);
+  if (version != 2) {
+    return Error{ErrorCode::kUnsupported, fmt::format("{}: GLB version {}, expected 2", name, version)};
+  }
+  const std::uint32_t length = littleEndian32(bytes, 8);
+  if (length > bytes.size()) {
+    return bad(fmt::format("its header says {} bytes, the file has {}: it is cut short", grouped(length),
+                           grouped(bytes.size())));
+  }
+  bytes = bytes.first(length);
+
+  Parts parts;
+  std::size_t at = kHeaderBytes;
+  for (int chunk = 0; at < bytes.size(); ++chunk) {
+    if (bytes.size() - at < kChunkHeaderBytes) {
+      if (chunk >= 1) break;  // padding that some writers leave behind
+      return bad(fmt::format("chunk {} starts at byte {} of {}, too late for its header", chunk, grouped(at),
+                             grouped(bytes.size())));
+    }
+    const std::uint32_t chunkBytes = littleEndian32(bytes, at);
+    const std::uint32_t kind = littleEndian32(bytes, at + 4);
+    at += kChunkHeaderBytes;
+    if (chunkBytes > bytes.size() - at) {
+      return bad(fmt::format("chunk {} of {} bytes starts at byte {} and ends past the file's {}", chunk,
+                             grouped(chunkBytes), grouped(at), grouped(bytes.size())));
+    }
+    const Bytes content = bytes.subspan(at, chunkBytes);
+    if (chunk == 0 && kind != kJson) return bad(fmt::format("chunk 0 is of kind {:#x}, expected JSON", kind));
+    if (chunk == 0) parts.json = asText(content);
+    if (chunk > 0 && kind == kBinary && !parts.binary) parts.binary = content;
+    at += chunkBytes;
+  }
+  if (parts.json.empty()) return bad("a GLB without its JSON chunk");
+  return parts;
+}
+
+/// How deep brackets nest, before anything is made of them.
+[[nodiscard]] int levelsOf(std::string_view text) {
+  int levels = 0;
+  int most = 0;
+  bool inString = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (inString) {
+      if (c == '\\') ++i;
+      if (c == '"') inString = false;
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '[' || c == '{') {
+      most = std::max(most, ++levels);
+    } else if (c == ']' || c == '}') {
+      --levels;
+    }
+  }
+  return most;
+}
+
+[[nodiscard]] Result<Json> parseJson(std::string_view text, const std::string& name) {
+  if (levelsOf(text) > kMostLevels) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON nests deeper than {} levels", name, kMostLevels)};
+  }
+  try {
+    Json document = Json::parse(text);
+    if (!document.is_object()) {
+      return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is no object, expected one of glTF", name)};
+    }
+    return document;
+  } catch (const std::exception& problem) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is broken: {}", name, problem.what())};
+  }
+}
+
+/// Takes extensions and extras off every element: what they say is not read, and small ones would grow large in
+/// tinygltf.
+void dropExtensions(Json& value) {
+  if (value.is_object()) {
+    value.erase("extensions");
+    value.erase("extras");
+  }
+  if (!value.is_structured()) return;
+  for (Json& child : value) dropExtensions(child);  // at most kMostLevels deep
+}
+
+/// Finds the bytes of each buffer.
+class BufferFinder {
+ public:
+  BufferFinder(GltfDocument& document, const std::filesystem::path& folder, std::optional<Bytes> binary)
+      : document_(document), folder_(folder), binary_(binary) {}
+
+  [[nodiscard]] Result<void> find(const Json& buffers) {
+    if (!buffers.is_array()) return {};
+    document_.buffers.reserve(buffers.size());
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      const Json& buffer = buffers[i];
+      const auto length = buffer.is_object() ? buffer.find("byteLength") : buffer.end();
+      if (!buffer.is_object() || length == buffer.end() || !length->is_number_unsigned()) {
+        return bad(i, "has no byteLength, expected a whole number");
+      }
+      Result<Bytes> bytes = bytesOf(buffer, i);
+      if (!bytes) return bytes.error();
+      const auto expected = length->get<std::uint64_t>();
+      // An empty one is refused where something reads from it.
+      if (!bytes->empty() && bytes->size() < expected) {
+        return bad(i,
+                   fmt::format("byteLength is {}, but there are {} bytes", grouped(expected), grouped(bytes->size())));
+      }
+      document_.buffers.push_back(bytes->first(std::min<std::uint64_t>(expected, bytes->size())));
+    }
+    return {};
+  }
+
+ private:
+  [[nodiscard]] Error bad(std::size_t buffer, const std::string& what) const {
+    return {ErrorCode::kBadFormat, fmt::format("{}: buffer {}: {}", document_.name, buffer, what)};
+  }
+
+  [[nodiscard]] Result<Bytes> bytesOf(const Json& buffer, std::size_t i) {
+    const auto uri = buffer.find("uri");
+    if (uri == buffer.end()) return i == 0 && binary_ ? *binary_ : Bytes{};
+    if (!uri->is_string()) return bad(i, "its uri is no text");
+    const std::string& text = uri->get_ref<const std::string&>();
+    if (const auto known = known_.find(text); known != known_.end()) return known->second;
+
+    Result<std::string> content = isDataUri(text) ? decodeDataUri(text) : readNeighbour(text, i);
+    if (!content) {
+      if (isDataUri(text)) return bad(i, content.error().message);
+      return content.error();
+    }
+    document_.owned.push_back(std::move(*content));
+    const std::string& kept = document_.owned.back();
+    document_.fileBytes += kept.size();
+    const Bytes bytes = std::as_bytes(std::span(kept));
+    known_.emplace(text, bytes);
+    return bytes;
+  }
+
+  [[nodiscard]] Result<std::string> readNeighbour(const std::string& uri, std::size_t i) const {
+    if (folder_.empty()) return bad(i, fmt::format("is in another file, '{}', which cannot be had here", uri));
+    const std::optional<std::filesystem::path> relative = neighbourFile(uri);
+    if (!relative) {
+      return bad(i, fmt::format("'{}' leads out of the file's folder, expected the name of a file in it", uri));
+    }
+    return readFile(folder_ / *relative);
+  }
+
+  GltfDocument& document_;
+  const std::filesystem::path& folder_;
+  std::optional<Bytes> binary_;
+  std::map<std::string, Bytes> known_;  // one copy of what many name
+};
+
+/// Those extensions whose data we cannot read at all, and what a user can do about it.
+[[nodiscard]] Result<void> refuseCompression(const Json& document, const std::string& name) {
+  const auto lists = [&](const char* list, std::string_view extension) {
+    const auto found = document.find(list);
+    return found != document.end() && found->is_array() &&
+           std::any_of(found->begin(), found->end(),
+                       [&](const Json& e) { return e.is_string() && e.get_ref<const std::string&>() == extension; });
+  };
+  for (const std::string_view extension :
+       {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+    if (!lists("extensionsRequired", extension)) continue;
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: its meshes are compressed ({}), expected plain ones: export it again without mesh "
+                             "compression, or unpack it with 'gltf-transform copy IN OUT'",
+                             name, extension)};
+  }
+  return {};
+}
+
+[[nodiscard]] std::string oneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::filesystem::path& folder) {
+  GltfDocument document;
+  document.name = name;
+  document.fileBytes = bytes.size();
+
+  // 1. JSON and binary.
+  const bool isGlb = bytes.size() >= 4 && asText(bytes.first(4)) == "glTF";
+  Parts parts;
+  if (isGlb) {
+    const Result<Parts> split = splitGlb(bytes, name);
+    if (!split) return split.error();
+    parts = *split;
+  } else {
+    parts.json = asText(bytes);
+  }
+  while (parts.json.ends_with('\0')) parts.json.remove_suffix(1);  // some writers pad with zeros
+  Result<Json> json = parseJson(parts.json, name);
+  if (!json) return json.error();
+
+  // 2. What cannot be read at all.
+  const auto asset = json->find("asset");
+  const bool hasVersion =
+      asset != json->end() && asset->is_object() && asset->contains("version") && (*asset)["version"].is_string();
+  const std::string version = hasVersion ? (*asset)["version"].get<std::string>() : std::string();
+  if (!version.starts_with("2.")) {
+    return Error{version.empty() ? ErrorCode::kBadFormat : ErrorCode::kUnsupported,
+                 fmt::format("{}: glTF version '{}', expected 2.0", name, version)};
+  }
+  if (Result<void> plain = refuseCompression(*json, name); !plain) return plain.error();
+  for (const auto& [key, value] : json->items()) {
+    if (value.is_array() && value.size() > kMostElements) {
+      return Error{ErrorCode::kUnsupported, fmt::format("{}: {} {}, at most {} are read", name, grouped(value.size()),
+                                                        key, grouped(kMostElements))};
+    }
+  }
+
+  // 3. Buffers, found by us; all else of use goes to tinygltf.
+  if (json->contains("buffers")) {
+    BufferFinder finder(document, folder, parts.binary);
+    if (Result<void> found = finder.find((*json)["buffers"]); !found) return found.error();
+    json->erase("buffers");
+  }
+  document.extensions = Json::object();
+  if (const auto extensions = json->find("extensions"); extensions != json->end() && extensions->is_object()) {
+    document.extensions = std::move(*extensions);
+  }
+  for (const char* unread : {"images", "textures", "materials", "samplers", "cameras"}) json->erase(unread);
+  dropExtensions(*json);
+
+  std::string problem;
+  std::string warning;
+  try {
+    tinygltf::TinyGLTF reader;
+    const std::string text = json->dump();
+    json->clear();
+    if (!reader.LoadASCIIFromString(&document.model, &problem, &warning, text.data(),
+                                    static_cast<unsigned int>(text.size()), "")) {
+      return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, oneLine(problem))};
+    }
+  } catch (const std::exception& exception) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, oneLine(exception.what()))};
+  }
+  return document;
+}
+
+}  // namespace lorica

@@ -1,0 +1,238 @@
+#include "skinning/import/gltf_file.h"
+
+#include "skinning/import/gltf_accessor.h"
+#include "skinning/import/gltf_clips.h"
+#include "skinning/import/gltf_document.h"
+#include "skinning/import/gltf_mesh.h"
+#include "skinning/import/vrm.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+
+namespace {
+
+/// One file on its way into a FileScene.
+class GltfSceneReader {
+ public:
+  explicit GltfSceneReader(const GltfDocument& document) : document_(document), accessors_(document) {}
+
+  [[nodiscard]] Result<FileScene> read() {
+    for (const auto step : {&GltfSceneReader::readNodes, &GltfSceneReader::linkNodes, &GltfSceneReader::readSkins,
+                            &GltfSceneReader::readMeshes}) {
+      if (Result<void> done = (this->*step)(); !done) return done.error();
+    }
+    if (Result<void> done = addGltfClips(document_, accessors_, scene_); !done) return done.error();
+    scene_.format = "glTF 2.0";
+    readVrm(document_.extensions, scene_);
+    for (const std::string& extension : document_.model.extensionsUsed) {
+      if (extension == "EXT_mesh_gpu_instancing") {
+        scene_.notes.emplace_back("EXT_mesh_gpu_instancing: of meshes with many copies one is read");
+      }
+    }
+    return std::move(scene_);
+  }
+
+ private:
+  [[nodiscard]] Error bad(const std::string& what) const {
+    return {ErrorCode::kBadFormat, document_.name + ": " + what};
+  }
+
+  /// The numbers of a node's property, where it has them.
+  [[nodiscard]] Result<void> readProperty(const std::vector<double>& from, std::size_t node, const char* property,
+                                          std::span<double> to) const {
+    if (from.empty()) return {};
+    if (from.size() != to.size()) {
+      return bad(fmt::format("node {}: {} numbers of {}, expected {}", node, from.size(), property, to.size()));
+    }
+    std::copy(from.begin(), from.end(), to.begin());
+    return {};
+  }
+
+  [[nodiscard]] Result<void> readNodes() {
+    int unturned = 0;
+    scene_.nodes.reserve(document_.model.nodes.size());
+    for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
+      const tinygltf::Node& from = document_.model.nodes[i];
+      FileNode node;
+      node.name = from.name.empty() ? fmt::format("node {}", i) : from.name;
+      Mat4 matrix = Mat4::Identity();
+      Eigen::Vector4d rotation(0.0, 0.0, 0.0, 1.0);
+      const auto numbersOf = [](auto& m) { return std::span(m.data(), static_cast<std::size_t>(m.size())); };
+      Vec3& translation = node.local.translation;
+      if (Result<void> read = readProperty(from.matrix, i, "matrix", numbersOf(matrix)); !read) return read;
+      if (Result<void> read = readProperty(from.translation, i, "translation", numbersOf(translation)); !read)
+        return read;
+      if (Result<void> read = readProperty(from.rotation, i, "rotation", numbersOf(rotation)); !read) return read;
+      if (Result<void> read = readProperty(from.scale, i, "scale", numbersOf(node.local.scale)); !read) return read;
+      const double norm = rotation.norm();
+      if (!matrix.allFinite() || !node.local.translation.allFinite() || !node.local.scale.allFinite() ||
+          !std::isfinite(norm)) {
+        return bad(fmt::format("node {} '{}': a number that is not finite", i, node.name));
+      }
+      if (std::abs(norm - 1.0) > 1e-3) ++unturned;
+      if (norm > 1e-12) node.local.rotation = Quat(Eigen::Vector4d(rotation / norm));
+      if (!from.matrix.empty()) setMatrix(node, Affine3(Eigen::Matrix<double, 3, 4>(matrix.topRows<3>())));
+      scene_.nodes.push_back(std::move(node));
+    }
+    if (unturned > 0) {
+      scene_.notes.push_back(fmt::format("{} nodes have rotations that are not of unit length: normalised", unturned));
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> linkNodes() {
+    const std::size_t count = scene_.nodes.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      for (const int child : document_.model.nodes[i].children) {
+        if (Result<void> known = checkIndex(document_, child, count, fmt::format("node {}", i), "child node"); !known) {
+          return known;
+        }
+        FileNode& node = scene_.nodes[static_cast<std::size_t>(child)];
+        if (node.parent != -1) {
+          return bad(fmt::format("node {} '{}': is a child of node {} and of node {}, expected one parent", child,
+                                 node.name, node.parent, i));
+        }
+        node.parent = static_cast<int>(i);
+      }
+    }
+    // With one parent at most, what hangs on no root hangs on itself.
+    std::vector<int> below;
+    inScene_.assign(count, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (scene_.nodes[i].parent == -1) below.push_back(static_cast<int>(i));
+    }
+    const std::vector<int> roots = below;
+    markBelow(below);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (inScene_[i] == 0) return bad(fmt::format("node {} '{}': is its own ancestor", i, scene_.nodes[i].name));
+    }
+
+    // What the default scene draws.
+    const int sceneCount = static_cast<int>(document_.model.scenes.size());
+    if (sceneCount == 0) return {};
+    const int drawn = document_.model.defaultScene == -1 ? 0 : document_.model.defaultScene;
+    if (Result<void> known = checkIndex(document_, drawn, document_.model.scenes.size(), "the file", "scene"); !known) {
+      return known;
+    }
+    const std::vector<int>& listed = document_.model.scenes[static_cast<std::size_t>(drawn)].nodes;
+    for (const int node : listed) {
+      if (Result<void> known = checkIndex(document_, node, count, fmt::format("scene {}", drawn), "node"); !known) {
+        return known;
+      }
+    }
+    inScene_.assign(count, 0);
+    markBelow(listed);
+    return {};
+  }
+
+  void markBelow(std::vector<int> stack) {
+    while (!stack.empty()) {
+      const auto node = static_cast<std::size_t>(stack.back());
+      stack.pop_back();
+      if (inScene_[node] != 0) continue;
+      inScene_[node] = 1;
+      const std::vector<int>& children = document_.model.nodes[node].children;
+      stack.insert(stack.end(), children.begin(), children.end());
+    }
+  }
+
+  [[nodiscard]] Result<void> readSkins() {
+    scene_.skins.reserve(document_.model.skins.size());
+    for (std::size_t s = 0; s < document_.model.skins.size(); ++s) {
+      const tinygltf::Skin& from = document_.model.skins[s];
+      const std::string who = titled("skin", s, from.name);
+      if (from.joints.empty()) return bad(who + ": has no joints, expected at least one");
+      for (const int joint : from.joints) {
+        if (Result<void> known = checkIndex(document_, joint, scene_.nodes.size(), who, "joint node"); !known) {
+          return known;
+        }
+      }
+      FileSkin skin{from.name, from.joints, {}};
+      skin.jointFromMesh.assign(from.joints.size(), Affine3::Identity());
+      if (from.inverseBindMatrices != -1) {
+        const Result<std::vector<double>> numbers =
+            accessors_.numbers(from.inverseBindMatrices, 16, who + ": inverse bind matrices");
+        if (!numbers) return numbers.error();
+        if (numbers->size() < 16 * from.joints.size()) {
+          return bad(
+              fmt::format("{}: {} inverse bind matrices for {} joints", who, numbers->size() / 16, from.joints.size()));
+        }
+        for (std::size_t j = 0; j < from.joints.size(); ++j) {
+          Mat4 matrix = Eigen::Map<const Mat4>(numbers->data() + 16 * j);
+          if (!matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), 1e-3)) ++projective_;
+          skin.jointFromMesh[j].matrix().topRows<3>() = matrix.topRows<3>();
+        }
+      }
+      scene_.skins.push_back(std::move(skin));
+    }
+    if (projective_ > 0) {
+      scene_.notes.push_back(
+          fmt::format("{} inverse bind matrices do not end in the row 0 0 0 1: taken as if they did", projective_));
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> readMeshes() {
+    GltfMeshTally tally;
+    int undrawn = 0;
+    for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
+      const tinygltf::Node& node = document_.model.nodes[i];
+      const std::string who = fmt::format("node {}", i);
+      if (node.skin != -1) {
+        if (Result<void> known = checkIndex(document_, node.skin, scene_.skins.size(), who, "skin"); !known) {
+          return known;
+        }
+      }
+      if (node.mesh == -1) continue;
+      if (inScene_[i] == 0) {
+        ++undrawn;
+        continue;
+      }
+      if (Result<void> added = addGltfMesh(document_, accessors_, node.mesh, static_cast<int>(i), scene_, tally);
+          !added) {
+        return added;
+      }
+    }
+    scene_.meshCount = static_cast<int>(document_.model.meshes.size());
+    for (const tinygltf::Mesh& mesh : document_.model.meshes) {
+      scene_.primitiveCount += static_cast<int>(mesh.primitives.size());
+      std::size_t targets = 0;
+      for (const tinygltf::Primitive& primitive : mesh.primitives) {
+        targets = std::max(targets, primitive.targets.size());
+      }
+      scene_.morphTargetCount += static_cast<int>(targets);
+    }
+    const auto note = [&](std::uint64_t count, const char* what) {
+      if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
+    };
+    note(static_cast<std::uint64_t>(undrawn), "nodes with a mesh are in no drawn scene: left out");
+    note(static_cast<std::uint64_t>(tally.pointsAndLines), "primitives are points or lines: left out");
+    note(static_cast<std::uint64_t>(tally.withoutPositions), "primitives have no positions: left out");
+    note(static_cast<std::uint64_t>(tally.rigidOnSkin),
+         "primitives of nodes with a skin have no joints: hung on their nodes");
+    note(tally.degenerate, "triangles name a vertex twice: left out");
+    note(tally.leftOver, "indices make no whole triangle: left out");
+    return {};
+  }
+
+  const GltfDocument& document_;
+  GltfAccessors accessors_;
+  FileScene scene_;
+  std::vector<char> inScene_;
+  int projective_ = 0;
+};
+
+}  // namespace
+
+Result<FileScene> readGltfScene(std::span<const std::byte> bytes, const std::string& name,
+                                const std::filesystem::path& folder) {
+  const Result<GltfDocument> document = parseGltf(bytes, name, folder);
+  if (!document) return document.error();
+  return GltfSceneReader(*document).read();
+}
+
+}  // namespace lorica

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "skinning/import/file_scene.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+namespace lorica {
+
+/// Reads glTF 2.0, GLB and VRM.
+/// @param folder  where other files are looked for; empty: there are none
+[[nodiscard]] Result<FileScene> readGltfScene(std::span<const std::byte> bytes, const std::string& name,
+                                              const std::filesystem::path& folder);
+
+}  // namespace lorica

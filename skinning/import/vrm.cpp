@@ -1,0 +1,89 @@
+#include "skinning/import/vrm.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+
+namespace lorica {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// An object's member, or null.
+[[nodiscard]] const Json& member(const Json& object, const char* key) {
+  static const Json kNull;
+  if (!object.is_object()) return kNull;
+  const auto found = object.find(key);
+  return found == object.end() ? kNull : *found;
+}
+
+/// VRM 1.0 renamed the bones of the thumb, and only those.
+[[nodiscard]] std::string nameIn1(const std::string& nameIn0) {
+  static const std::array<std::array<const char*, 2>, 4> kThumbs = {{{"leftThumbProximal", "leftThumbMetacarpal"},
+                                                                     {"leftThumbIntermediate", "leftThumbProximal"},
+                                                                     {"rightThumbProximal", "rightThumbMetacarpal"},
+                                                                     {"rightThumbIntermediate", "rightThumbProximal"}}};
+  for (const auto& [in0, in1] : kThumbs) {
+    if (nameIn0 == in0) return in1;
+  }
+  return nameIn0;
+}
+
+class BoneList {
+ public:
+  explicit BoneList(FileScene& scene) : scene_(scene), taken_(scene.nodes.size(), 0) {}
+
+  void add(const std::string& name, const Json& node) {
+    const std::optional<HumanBone> bone = humanBoneNamed(name);
+    if (!bone) return;  // eyes and jaw
+    const bool known = node.is_number_integer() && node.get<std::int64_t>() >= 0 &&
+                       node.get<std::int64_t>() < static_cast<std::int64_t>(scene_.nodes.size());
+    if (!known) {
+      scene_.notes.push_back(
+          fmt::format("VRM: bone {} names node {}, which the file does not have: left out", name, node.dump()));
+      return;
+    }
+    const auto index = node.get<std::size_t>();
+    bool& has = has_[static_cast<std::size_t>(*bone)];
+    if (has || taken_[index] != 0) {
+      scene_.notes.push_back(fmt::format("VRM: bone {} or its node {} is listed twice: the first counts", name, index));
+      return;
+    }
+    has = true;
+    taken_[index] = 1;
+    scene_.bones.emplace_back(*bone, static_cast<int>(index));
+  }
+
+ private:
+  FileScene& scene_;
+  std::array<bool, kHumanBoneCount> has_{};
+  std::vector<char> taken_;
+};
+
+}  // namespace
+
+void readVrm(const Json& extensions, FileScene& scene) {
+  BoneList bones(scene);
+  if (const Json& vrm = member(extensions, "VRMC_vrm"); vrm.is_object()) {
+    scene.format = "VRM 1.0";
+    const Json& list = member(member(vrm, "humanoid"), "humanBones");
+    if (!list.is_object()) return;
+    for (const auto& [name, bone] : list.items()) bones.add(name, member(bone, "node"));
+    return;
+  }
+  if (const Json& vrm = member(extensions, "VRM"); vrm.is_object()) {
+    scene.format = "VRM 0.x";
+    scene.modelFromFileAxes = Quat(0.0, 0.0, 1.0, 0.0);  // half a turn about Y
+    scene.notes.emplace_back("VRM 0.x faces -Z: turned to +Z");
+    const Json& list = member(member(vrm, "humanoid"), "humanBones");
+    if (!list.is_array()) return;
+    for (const Json& bone : list) {
+      const Json& name = member(bone, "bone");
+      if (name.is_string()) bones.add(nameIn1(name.get<std::string>()), member(bone, "node"));
+    }
+  }
+}
+
+}  // namespace lorica

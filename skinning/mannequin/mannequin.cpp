@@ -1,0 +1,216 @@
+#include "skinning/mannequin/mannequin.h"
+
+#include "skinning/mannequin/mannequin_cage.h"
+#include "skinning/mannequin/mannequin_sculpt.h"
+#include "skinning/mannequin/mannequin_skeleton.h"
+#include "skinning/mannequin/subdivision.h"
+
+#include <algorithm>
+
+namespace lorica {
+
+namespace {
+
+using DenseMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr int kMaxInfluences = 4;
+constexpr double kLeastWeight = 2e-3;
+constexpr int kInterpolationSteps = 12;
+
+/// The whole cage: the left half and its mirror image, joined in the plane x = 0.
+struct WholeCage {
+  DenseMatrix points;   ///< pointCount x 3
+  DenseMatrix weights;  ///< pointCount x kHumanBoneCount
+  PolygonFaces faces;   ///< those of the left half first
+};
+
+[[nodiscard]] WholeCage mirrorAndJoin(const HalfCage& half) {
+  const int halfCount = static_cast<int>(half.points().size());
+  std::vector<int> twin(half.points().size());
+  int count = halfCount;
+  for (std::size_t v = 0; v < twin.size(); ++v) {
+    twin[v] = half.points()[v].x() == 0.0 ? static_cast<int>(v) : count++;
+  }
+
+  WholeCage whole;
+  whole.points = DenseMatrix::Zero(count, 3);
+  whole.weights = DenseMatrix::Zero(count, kHumanBoneCount);
+  for (std::size_t v = 0; v < twin.size(); ++v) {
+    const Vec3& p = half.points()[v];
+    whole.points.row(twin[v]) << -p.x(), p.y(), p.z();
+    whole.points.row(static_cast<int>(v)) = p.transpose();
+    for (const auto& [bone, weight] : half.weights()[v]) {
+      whole.weights(static_cast<int>(v), static_cast<int>(bone)) += weight;
+      if (twin[v] != static_cast<int>(v)) whole.weights(twin[v], static_cast<int>(mirrored(bone))) += weight;
+    }
+  }
+  whole.faces = half.faces();
+  for (const std::vector<int>& face : half.faces()) {
+    std::vector<int> image;
+    for (auto v = face.rbegin(); v != face.rend(); ++v) image.push_back(twin[static_cast<std::size_t>(*v)]);
+    whole.faces.push_back(std::move(image));
+  }
+  return whole;
+}
+
+/// Moves the cage so that the refined surface passes through the given points (progressive interpolation: each step
+/// adds what the surface still lacks; stopped early, it stays fair).
+[[nodiscard]] DenseMatrix interpolatingCage(const SparseMatrix& refinedFromCage, const DenseMatrix& targets) {
+  DenseMatrix cage = targets;
+  for (int i = 0; i < kInterpolationSteps; ++i) cage += targets - refinedFromCage * cage;
+  return cage;
+}
+
+/// Whom a point of the left half follows in place of each bone: the bone itself, but for a limb of the right side
+/// the bone of the trunk that carries it.
+[[nodiscard]] std::array<int, kHumanBoneCount> leftStandIns() {
+  std::array<int, kHumanBoneCount> standIn{};
+  for (int b = 0; b < kHumanBoneCount; ++b) {
+    const auto bone = static_cast<HumanBone>(b);
+    const bool leg = bone >= HumanBone::kRightUpperLeg && bone <= HumanBone::kRightToes;
+    const HumanBone carrier = leg ? HumanBone::kHips : HumanBone::kUpperChest;
+    standIn[static_cast<std::size_t>(b)] = mannequinJoint(bone).x() < 0.0 ? static_cast<int>(carrier) : b;
+  }
+  return standIn;
+}
+
+/// The largest four, normalised, in falling order; ties by bone.
+[[nodiscard]] BoneWeights strongest(const Eigen::RowVectorXd& weights) {
+  BoneWeights kept;
+  for (int b = 0; b < kHumanBoneCount; ++b) {
+    if (weights[b] >= kLeastWeight) kept.emplace_back(static_cast<HumanBone>(b), weights[b]);
+  }
+  std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (kept.size() > kMaxInfluences) kept.resize(kMaxInfluences);
+  double sum = 0.0;
+  for (const auto& [bone, weight] : kept) sum += weight;
+  for (auto& [bone, weight] : kept) weight /= sum;
+  return kept;
+}
+
+/// The refined left half: x == 0 exactly in the plane of symmetry.
+struct HalfSurface {
+  std::vector<Vec3> points;
+  std::vector<BoneWeights> weights;
+  std::vector<std::array<int, 4>> quads;
+};
+
+[[nodiscard]] HalfSurface refinedHalf(const WholeCage& cage) {
+  const int cageCount = static_cast<int>(cage.points.rows());
+  const Refinement first = refineCatmullClark(cageCount, cage.faces);
+  const int firstCount = static_cast<int>(first.fineFromCoarse.rows());
+  const Refinement second = refineCatmullClark(firstCount, first.faces);
+  const int fineCount = static_cast<int>(second.fineFromCoarse.rows());
+
+  const SparseMatrix refinedFromCage = second.fineFromCoarse.topRows(cageCount) * first.fineFromCoarse;
+  const DenseMatrix fitted = interpolatingCage(refinedFromCage, cage.points);
+  const DenseMatrix finePoints = second.fineFromCoarse * (first.fineFromCoarse * fitted);
+  const DenseMatrix fineWeights = second.fineFromCoarse * (first.fineFromCoarse * cage.weights);
+
+  // Refined faces keep the order of the cage's faces, so the left half of them comes first. What it shares with the
+  // right half lies in the plane of symmetry.
+  const std::size_t halfFaces = second.faces.size() / 2;
+  std::vector<int> sides(static_cast<std::size_t>(fineCount), 0);
+  for (std::size_t f = 0; f < second.faces.size(); ++f) {
+    for (const int v : second.faces[f]) sides[static_cast<std::size_t>(v)] |= f < halfFaces ? 1 : 2;
+  }
+  const std::array<int, kHumanBoneCount> standIn = leftStandIns();
+  HalfSurface half;
+  std::vector<int> halfIndex(static_cast<std::size_t>(fineCount), -1);
+  for (int v = 0; v < fineCount; ++v) {
+    const int side = sides[static_cast<std::size_t>(v)];
+    if (side == 2) continue;
+    halfIndex[static_cast<std::size_t>(v)] = static_cast<int>(half.points.size());
+    Vec3 p = finePoints.row(v).transpose();
+    if (side == 3) p.x() = 0.0;
+    // Refinement spreads weights across the plane of symmetry: what came from a limb of the other side goes to the
+    // trunk, and in the plane itself no limb has a share.
+    Eigen::RowVectorXd weights = Eigen::RowVectorXd::Zero(kHumanBoneCount);
+    for (int b = 0; b < kHumanBoneCount; ++b) {
+      const int seen = side == 3 ? std::max(b, static_cast<int>(mirrored(static_cast<HumanBone>(b)))) : b;
+      weights[standIn[static_cast<std::size_t>(seen)]] += fineWeights(v, b);
+    }
+    half.points.push_back(p);
+    half.weights.push_back(strongest(weights));
+  }
+  for (std::size_t f = 0; f < halfFaces; ++f) {
+    std::array<int, 4> quad{};
+    for (std::size_t i = 0; i < 4; ++i) quad[i] = halfIndex[static_cast<std::size_t>(second.faces[f][i])];
+    half.quads.push_back(quad);
+  }
+  return half;
+}
+
+/// Mirrors the half, cuts each quad along its shorter diagonal.
+void buildMesh(const HalfSurface& half, Character& character) {
+  std::vector<Vec3>& vertices = character.mesh.vertices;
+  std::vector<BoneWeights> weights = half.weights;
+  vertices = half.points;
+  std::vector<VertexIndex> twin(half.points.size());
+  for (std::size_t v = 0; v < half.points.size(); ++v) {
+    const Vec3& p = half.points[v];
+    twin[v] = static_cast<VertexIndex>(v);
+    if (p.x() == 0.0) continue;
+    twin[v] = static_cast<VertexIndex>(vertices.size());
+    vertices.emplace_back(-p.x(), p.y(), p.z());
+    weights.push_back(half.weights[v]);
+    for (auto& [bone, weight] : weights.back()) bone = mirrored(bone);
+  }
+
+  std::vector<Triangle>& triangles = character.mesh.triangles;
+  for (const std::array<int, 4>& q : half.quads) {
+    const auto lengthSq = [&](std::size_t i, std::size_t j) {
+      return (half.points[static_cast<std::size_t>(q[i])] - half.points[static_cast<std::size_t>(q[j])]).squaredNorm();
+    };
+    if (lengthSq(0, 2) <= lengthSq(1, 3)) {
+      triangles.push_back({q[0], q[1], q[2]});
+      triangles.push_back({q[0], q[2], q[3]});
+    } else {
+      triangles.push_back({q[0], q[1], q[3]});
+      triangles.push_back({q[1], q[2], q[3]});
+    }
+  }
+  const std::size_t leftCount = triangles.size();
+  for (std::size_t t = 0; t < leftCount; ++t) {
+    const Triangle& left = triangles[t];
+    const auto image = [&](std::size_t i) { return twin[static_cast<std::size_t>(left[i])]; };
+    triangles.push_back({image(0), image(2), image(1)});
+  }
+
+  character.influenceBegin.assign(1, 0);
+  for (const BoneWeights& list : weights) {
+    for (const auto& [bone, weight] : list) character.influences.push_back({character.skeleton.jointOf(bone), weight});
+    character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+  }
+}
+
+}  // namespace
+
+Character makeMannequin() {
+  HalfCage cage;
+  const TrunkOpenings openings = addTrunkAndHead(cage);
+  addArmAndHand(cage, openings.arm);
+  addLegAndFoot(cage, openings.leg);
+
+  HalfSurface half = refinedHalf(mirrorAndJoin(cage));
+  sculptMannequin(half.points);
+
+  // Feet on the floor, whatever the subdivision did to the soles.
+  const Aabb bounds = boundsOf(half.points);
+  for (Vec3& p : half.points) p.y() -= bounds.min.y();
+
+  Character character;
+  character.name = "mannequin";
+  character.skeleton = makeMannequinSkeleton();
+  for (const Joint& joint : character.skeleton.joints()) {
+    character.jointFromModel.emplace_back(Eigen::Translation3d(-mannequinJoint(*joint.bone)));
+  }
+  buildMesh(half, character);
+  character.height = bounds.max.y() - bounds.min.y();
+
+  const Result<void> checked = checkCharacter(character);
+  CHECK(checked.ok(), "the mannequin is a sound character");
+  return character;
+}
+
+}  // namespace lorica

@@ -1,0 +1,115 @@
+#include "skinning/mannequin/subdivision.h"
+
+#include "geometry/result.h"
+
+#include <cstdint>
+#include <unordered_map>
+
+namespace lorica {
+
+namespace {
+
+using Entry = Eigen::Triplet<double>;
+
+[[nodiscard]] std::uint64_t edgeKey(int a, int b) {
+  const auto lo = static_cast<std::uint64_t>(a < b ? a : b);
+  const auto hi = static_cast<std::uint64_t>(a < b ? b : a);
+  return lo << 32 | hi;
+}
+
+struct Edge {
+  int a, b;
+  int faces[2] = {-1, -1};
+};
+
+struct Edges {
+  std::vector<Edge> all;                              ///< in order of first appearance
+  std::unordered_map<std::uint64_t, int> indexOfKey;  ///< looked up only, never walked
+};
+
+[[nodiscard]] Edges collectEdges(const PolygonFaces& faces) {
+  Edges edges;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const std::vector<int>& face = faces[f];
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const int a = face[i];
+      const int b = face[(i + 1) % face.size()];
+      const auto [found, fresh] = edges.indexOfKey.try_emplace(edgeKey(a, b), static_cast<int>(edges.all.size()));
+      if (fresh) edges.all.push_back({a, b});
+      Edge& edge = edges.all[static_cast<std::size_t>(found->second)];
+      const int side = fresh ? 0 : 1;
+      CHECK(edge.faces[side] == -1, "subdivision: an edge in three faces");
+      edge.faces[side] = static_cast<int>(f);
+    }
+  }
+  for (const Edge& edge : edges.all) CHECK(edge.faces[1] != -1, "subdivision: the mesh is not closed");
+  return edges;
+}
+
+[[nodiscard]] SparseMatrix assemble(int rows, int columns, const std::vector<Entry>& entries) {
+  SparseMatrix matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+}  // namespace
+
+Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces) {
+  const Edges edges = collectEdges(faces);
+  const int edgeCount = static_cast<int>(edges.all.size());
+  const int faceCount = static_cast<int>(faces.size());
+  const int firstEdgePoint = vertexCount;
+  const int firstFacePoint = vertexCount + edgeCount;
+
+  std::vector<Entry> entries;
+  const auto addFacePoint = [&](int row, int f, double weight) {
+    const std::vector<int>& face = faces[static_cast<std::size_t>(f)];
+    for (const int v : face) entries.emplace_back(row, v, weight / static_cast<double>(face.size()));
+  };
+
+  for (int f = 0; f < faceCount; ++f) addFacePoint(firstFacePoint + f, f, 1.0);
+
+  std::vector<int> valence(static_cast<std::size_t>(vertexCount), 0);
+  for (int e = 0; e < edgeCount; ++e) {
+    const Edge& edge = edges.all[static_cast<std::size_t>(e)];
+    entries.emplace_back(firstEdgePoint + e, edge.a, 0.25);
+    entries.emplace_back(firstEdgePoint + e, edge.b, 0.25);
+    for (const int f : edge.faces) addFacePoint(firstEdgePoint + e, f, 0.25);
+    ++valence[static_cast<std::size_t>(edge.a)];
+    ++valence[static_cast<std::size_t>(edge.b)];
+  }
+
+  // A vertex of valence n goes to (Q + 2 R + (n - 3) v) / n: Q the mean of its face points, R of its edges' middles.
+  for (int v = 0; v < vertexCount; ++v) {
+    const double n = valence[static_cast<std::size_t>(v)];
+    entries.emplace_back(v, v, (n - 3.0) / n);
+  }
+  for (const Edge& edge : edges.all) {
+    for (const int v : {edge.a, edge.b}) {
+      const double n = valence[static_cast<std::size_t>(v)];
+      entries.emplace_back(v, edge.a, 1.0 / (n * n));
+      entries.emplace_back(v, edge.b, 1.0 / (n * n));
+    }
+  }
+  for (int f = 0; f < faceCount; ++f) {
+    for (const int v : faces[static_cast<std::size_t>(f)]) {
+      const double n = valence[static_cast<std::size_t>(v)];
+      addFacePoint(v, f, 1.0 / (n * n));
+    }
+  }
+
+  Refinement refinement;
+  refinement.fineFromCoarse = assemble(vertexCount + edgeCount + faceCount, vertexCount, entries);
+  for (int f = 0; f < faceCount; ++f) {
+    const std::vector<int>& face = faces[static_cast<std::size_t>(f)];
+    const std::size_t n = face.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const int previous = edges.indexOfKey.at(edgeKey(face[(i + n - 1) % n], face[i]));
+      const int next = edges.indexOfKey.at(edgeKey(face[i], face[(i + 1) % n]));
+      refinement.faces.push_back({face[i], firstEdgePoint + next, firstFacePoint + f, firstEdgePoint + previous});
+    }
+  }
+  return refinement;
+}
+
+}  // namespace lorica

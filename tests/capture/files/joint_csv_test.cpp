@@ -1,0 +1,324 @@
+#include "capture/files/joint_csv.h"
+
+#include "geometry/files.h"
+#include "tests/capture/figures.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace lorica {
+namespace {
+
+using test::TemporaryFolder;
+
+std::string header() {
+  std::string line = "time,user";
+  for (int j = 0; j < kBodyJointCount; ++j) {
+    for (const char* field : {"x", "y", "z", "qx", "qy", "qz", "qw", "confidence"}) {
+      line += ',';
+      line += nameOf(static_cast<BodyJoint>(j));
+      line += '.';
+      line += field;
+    }
+  }
+  return line;
+}
+
+/// A row whose field `column` (from 1) is `text`; the others are fine.
+std::string row(const std::string& time, const std::string& user, int column = 0, const std::string& text = "") {
+  std::string line;
+  for (int c = 1; c <= 122; ++c) {
+    if (c > 1) line += ',';
+    const int field = (c - 3) % 8;
+    std::string value = c == 1 ? time : c == 2 ? user : field < 3 ? "0.25" : field < 7 ? "" : "1";
+    line += c == column ? text : value;
+  }
+  return line;
+}
+
+/// The sentence that a file of this content is refused with, without the folder's name.
+std::string refusal(const std::string& content) {
+  const TemporaryFolder folder;
+  const auto frames = readJointCsv(folder.write("walk.csv", content));
+  if (frames) return "accepted";
+  EXPECT_EQ(frames.error().code, ErrorCode::kBadFormat);
+  const std::string& message = frames.error().message;
+  const std::size_t name = message.find("walk.csv");
+  return name == std::string::npos ? message : message.substr(name);
+}
+
+std::string refusalOfRow(const std::string& badRow) {
+  return refusal(header() + "\n" + row("0", "1") + "\n" + badRow + "\n");
+}
+
+TEST(JointCsv, MissingFileAndFolderAreRefused) {
+  const TemporaryFolder folder;
+  const auto missing = readJointCsv(folder.path() / "nowhere.csv");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
+  EXPECT_NE(missing.error().message.find("nowhere.csv"), std::string::npos);
+  EXPECT_FALSE(readJointCsv(folder.path()));
+}
+
+TEST(JointCsv, EmptyFilesAreRefused) {
+  EXPECT_EQ(refusal(""), "walk.csv: found an empty file, expected a header line");
+  EXPECT_EQ(refusal("\xef\xbb\xbf\r\n"), "walk.csv: found an empty file, expected a header line");
+  EXPECT_EQ(refusal(header() + "\r\n\r\n"), "walk.csv: found a header and no rows, expected at least one frame");
+}
+
+TEST(JointCsv, HeaderSaysWhichColumnDiffers) {
+  std::string wrong = header();
+  wrong.replace(wrong.find("neck.y"), 6, "neck.Y");
+  EXPECT_EQ(refusal(wrong + "\n"), "walk.csv, line 1, column 12: found \"neck.Y\", expected \"neck.y\"");
+  const std::string shorter = header().substr(0, header().rfind(','));
+  EXPECT_EQ(refusal(shorter + "\n"),
+            "walk.csv, line 1: found 121 columns, expected 122; column 122, \"right_foot.confidence\", is missing");
+  EXPECT_EQ(refusal(header() + ",extra\n"),
+            "walk.csv, line 1, column 123: found \"extra\", expected the line to end after 122 columns");
+  EXPECT_EQ(refusal("time;user;head.x\n"), "walk.csv, line 1, column 1: found \"time;user;head.x\", expected \"time\"");
+  EXPECT_EQ(refusal(std::string("\x89PNG\r\n\0\1", 8)),
+            "walk.csv, line 1, column 1: found \"\\x89PNG\", expected \"time\"");
+  EXPECT_EQ(refusal(std::string(1000, 'x')),
+            "walk.csv, line 1, column 1: found \"" + std::string(40, 'x') + "...\", expected \"time\"");
+}
+
+TEST(JointCsv, RowsOfWrongLengthAreRefused) {
+  EXPECT_EQ(refusalOfRow("1,2,3"), "walk.csv, line 3: found 3 fields, expected 122 fields");
+  EXPECT_EQ(refusalOfRow(row("1", "1") + ","), "walk.csv, line 3: found 123 fields, expected 122 fields");
+  EXPECT_EQ(refusal(header() + "\n\n" + row("0", "1")), "walk.csv, line 2: found an empty line, expected 122 fields");
+}
+
+TEST(JointCsv, WhatIsNoNumberIsRefused) {
+  EXPECT_EQ(refusalOfRow(row("1", "1", 12, "abc")),
+            "walk.csv, line 3, column 12 (neck.y): found \"abc\", expected a number");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 3, "nan")),
+            "walk.csv, line 3, column 3 (head.x): found \"nan\", expected a number");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 5, "-inf")),
+            "walk.csv, line 3, column 5 (head.z): found \"-inf\", expected a number");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 5, "1e999")),
+            "walk.csv, line 3, column 5 (head.z): found \"1e999\", expected a number");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 115, "")),
+            "walk.csv, line 3, column 115 (right_foot.x): found an empty field, expected a number");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 122, "1.0x")),
+            "walk.csv, line 3, column 122 (right_foot.confidence): found \"1.0x\", expected a number");
+  EXPECT_EQ(refusalOfRow(row("late", "1")), "walk.csv, line 3, column 1 (time): found \"late\", expected a number");
+  EXPECT_EQ(refusalOfRow(row("1", "1.5")), "walk.csv, line 3, column 2 (user): found \"1.5\", expected a whole number");
+}
+
+TEST(JointCsv, NumbersOutOfRangeAreRefused) {
+  EXPECT_EQ(refusalOfRow(row("1", "1", 4, "1432.5")),
+            "walk.csv, line 3, column 4 (head.y): found \"1432.5\", expected metres within +-100");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 10, "1.5")),
+            "walk.csv, line 3, column 10 (head.confidence): found \"1.5\", expected a confidence from 0 to 1");
+  EXPECT_EQ(refusalOfRow(row("1", "1", 10, "-0.5")),
+            "walk.csv, line 3, column 10 (head.confidence): found \"-0.5\", expected a confidence from 0 to 1");
+  EXPECT_EQ(refusalOfRow(row("1e15", "1")),
+            "walk.csv, line 3, column 1 (time): found \"1e15\", expected seconds within +-1e12");
+}
+
+TEST(JointCsv, QuaternionsMustBeWholeAndUnit) {
+  EXPECT_EQ(refusalOfRow(row("1", "1", 9, "1")),
+            "walk.csv, line 3, column 6 (head.qx): found an empty field, expected all four quaternion fields or none");
+  // Column 6 becomes four fields: the three empty ones after it are cut to keep the count.
+  const auto whole = [&](const std::string& q) {
+    std::string line = row("1", "1", 6, q);
+    const std::size_t end = line.find(q) + q.size();
+    return line.erase(end, 3);
+  };
+  EXPECT_EQ(refusalOfRow(whole("0,0,0,0")),
+            "walk.csv, line 3, column 6 (head.qx): found a quaternion of length 0, expected length 1 +- 0.01");
+  EXPECT_EQ(refusalOfRow(whole("0,0,0,0.97")),
+            "walk.csv, line 3, column 6 (head.qx): found a quaternion of length 0.97, expected length 1 +- 0.01");
+  EXPECT_EQ(refusalOfRow(whole("1e300,1e300,0,0")),
+            "walk.csv, line 3, column 6 (head.qx): found a quaternion of length 1.414e+300, expected length 1 +- 0.01");
+  EXPECT_EQ(refusalOfRow(whole("0,0,w,1")), "walk.csv, line 3, column 8 (head.qz): found \"w\", expected a number");
+
+  const TemporaryFolder folder;
+  const auto near = readJointCsv(folder.write("near.csv", header() + "\n" + whole("0,0,0,0.995")));
+  ASSERT_TRUE(near) << near.error().message;
+  ASSERT_TRUE((*near)[0][BodyJoint::kHead].orientation);
+  EXPECT_DOUBLE_EQ((*near)[0][BodyJoint::kHead].orientation->w(), 1.0);
+  EXPECT_FALSE((*near)[0][BodyJoint::kNeck].orientation);
+}
+
+TEST(JointCsv, TimeMustRiseForEachUser) {
+  EXPECT_EQ(
+      refusalOfRow(row("0", "1")),
+      "walk.csv, line 3, column 1 (time): found \"0\", expected more than 0 of line 2: time must rise for user 1");
+  EXPECT_EQ(refusal(header() + "\n" + row("5", "1") + "\n" + row("1", "2") + "\n" + row("4.5", "1")),
+            "walk.csv, line 4, column 1 (time): found \"4.5\", expected more than 5 of line 2: time must rise for user "
+            "1");
+}
+
+TEST(JointCsv, TheUserWithMostFramesIsKept) {
+  const TemporaryFolder folder;
+  const auto most = readJointCsv(
+      folder.write("two.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "3") + "\n" + row("2", "3") + "\n"));
+  ASSERT_TRUE(most) << most.error().message;
+  ASSERT_EQ(most->size(), 2u);
+  EXPECT_EQ(most->front().user, 3);
+  const auto tie = readJointCsv(folder.write("tie.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "-3")));
+  ASSERT_TRUE(tie);
+  EXPECT_EQ(tie->front().user, 7);
+}
+
+TEST(JointCsv, ByteOrderMarkCarriageReturnsAndBlankEndAreAccepted) {
+  const TemporaryFolder folder;
+  const auto frames = readJointCsv(folder.write(
+      "walk.csv", "\xef\xbb\xbf" + header() + "\r\n" + row("0", "1") + "\r\n" + row("0.5", "1") + "\r\n\r\n\n"));
+  ASSERT_TRUE(frames) << frames.error().message;
+  EXPECT_EQ(frames->size(), 2u);
+  EXPECT_EQ((*frames)[1].time, 0.5);
+  EXPECT_EQ((*frames)[1][BodyJoint::kRightFoot].position, Vec3::Constant(0.25));
+}
+
+std::vector<SkeletonFrame> awkwardFrames() {
+  std::vector<SkeletonFrame> frames;
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    frames.push_back(test::makeFrame(test::randomPose(i), 0.1 * i - 0.3, i % 2 == 0));
+    frames.back().user = 4;
+    frames.back()[BodyJoint::kLeftKnee].confidence = 0.1 * i;
+  }
+  frames[0][BodyJoint::kHead].position = Vec3(5e-324, -0.0, 0.1 + 0.2);
+  frames[1][BodyJoint::kHead].position = Vec3(1.0 / 3.0, -99.99999999999999, 1e-17);
+  return frames;
+}
+
+void expectSameBits(double a, double b) {
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << a << " and " << b;
+}
+
+TEST(JointCsv, RoundTripKeepsEveryBit) {
+  const TemporaryFolder folder;
+  const std::vector<SkeletonFrame> frames = awkwardFrames();
+  const std::filesystem::path file = folder.path() / "round.csv";
+  const auto written = writeJointCsv(file, frames);
+  ASSERT_TRUE(written) << written.error().message;
+  const auto read = readJointCsv(file);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->size(), frames.size());
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    expectSameBits((*read)[f].time, frames[f].time);
+    EXPECT_EQ((*read)[f].user, 4);
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      const TrackedJoint& a = (*read)[f].joints[j];
+      const TrackedJoint& b = frames[f].joints[j];
+      for (int axis = 0; axis < 3; ++axis) expectSameBits(a.position[axis], b.position[axis]);
+      expectSameBits(a.confidence, b.confidence);
+      ASSERT_EQ(a.orientation.has_value(), b.orientation.has_value());
+      for (int i = 0; a.orientation && i < 4; ++i) {
+        expectSameBits(a.orientation->coeffs()[i], b.orientation->coeffs()[i]);
+      }
+    }
+  }
+}
+
+TEST(JointCsv, EveryTruncatedPrefixLoadsOrFailsWithASentence) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "whole.csv";
+  const std::vector<SkeletonFrame> written = awkwardFrames();
+  ASSERT_TRUE(writeJointCsv(file, std::span(written).first(2)));
+  const auto whole = readFile(file);
+  ASSERT_TRUE(whole);
+  for (std::size_t length = 0; length < whole->size(); ++length) {
+    const auto frames = parseJointCsv(std::string_view(*whole).substr(0, length), "cut.csv");
+    if (frames) {
+      EXPECT_GE(frames->size(), 1u);
+    } else {
+      EXPECT_NE(frames.error().message.find("cut.csv"), std::string::npos) << length;
+      EXPECT_NE(frames.error().message.find("expected"), std::string::npos) << length;
+    }
+  }
+}
+
+TEST(JointCsv, EveryFlippedByteLoadsOrFailsWithASentence) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "whole.csv";
+  const std::vector<SkeletonFrame> written = awkwardFrames();
+  ASSERT_TRUE(writeJointCsv(file, std::span(written).first(1)));
+  const auto whole = readFile(file);
+  ASSERT_TRUE(whole);
+  for (std::size_t at = 0; at < whole->size(); ++at) {
+    std::string damaged = *whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
+    const auto frames = parseJointCsv(damaged, "flip.csv");
+    if (!frames) {
+      EXPECT_NE(frames.error().message.find("flip.csv"), std::string::npos) << at;
+      continue;
+    }
+    for (const TrackedJoint& joint : frames->front().joints) {
+      EXPECT_TRUE(joint.position.allFinite()) << at;
+      EXPECT_NEAR(joint.orientation.value_or(Quat::Identity()).norm(), 1.0, 1e-9) << at;
+    }
+  }
+}
+
+TEST(JointCsv, WriterRefusesWhatTheReaderWould) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "bad.csv";
+  const auto refused = [&](const std::vector<SkeletonFrame>& frames) {
+    const auto result = writeJointCsv(file, frames);
+    EXPECT_FALSE(std::filesystem::exists(file));
+    if (result) return std::string("accepted");
+    return result.error().message.substr(result.error().message.find("bad.csv"));
+  };
+  EXPECT_EQ(refused({}), "bad.csv: found no frames to write, expected at least one");
+  std::vector<SkeletonFrame> frames = awkwardFrames();
+  frames[1].time = frames[0].time;
+  EXPECT_EQ(refused(frames), "bad.csv: frame 1, time: found -0.3, expected more than -0.3: time must rise for user 4");
+  frames = awkwardFrames();
+  frames[2][BodyJoint::kNeck].position.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refused(frames), "bad.csv: frame 2, neck.y: found nan, expected metres within +-100");
+  frames = awkwardFrames();
+  frames[3][BodyJoint::kTorso].confidence = 1.01;
+  EXPECT_EQ(refused(frames), "bad.csv: frame 3, torso.confidence: found 1.01, expected 0 to 1");
+  frames = awkwardFrames();
+  frames[0][BodyJoint::kTorso].orientation = Quat(0.5, 0, 0, 0);
+  EXPECT_EQ(refused(frames), "bad.csv: frame 0, torso: found a quaternion of length 0.5, expected length 1 +- 0.01");
+}
+
+TEST(JointCsv, TheExampleInTheFormatsDescriptionLoads) {
+  const auto text = readFile(test::recordingsFolder() / "FORMAT.md");
+  ASSERT_TRUE(text) << text.error().message;
+  const std::size_t begin = text->find("```csv\n") + 7;
+  const TemporaryFolder folder;
+  const auto frames = readJointCsv(folder.write("example.csv", text->substr(begin, text->find("```", begin) - begin)));
+  ASSERT_TRUE(frames) << frames.error().message;
+  ASSERT_EQ(frames->size(), 2u);
+  const SkeletonFrame& lowered = (*frames)[1];
+  EXPECT_EQ(lowered[BodyJoint::kRightHand].confidence, 0.0);
+  ASSERT_TRUE(lowered[BodyJoint::kLeftShoulder].orientation);
+  const Vec3 upperArm = lowered[BodyJoint::kLeftElbow].position - lowered[BodyJoint::kLeftShoulder].position;
+  const Vec3 said = *lowered[BodyJoint::kLeftShoulder].orientation * Vec3::UnitX();
+  EXPECT_LT(test::angleBetween(upperArm, said), 1e-6);
+}
+
+TEST(RecordedSource, GivesTheFramesThenNothing) {
+  const auto source = makeRecordedSource(awkwardFrames());
+  for (int i = 0; i < 5; ++i) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_EQ((*frame)->time, 0.1 * i - 0.3);
+  }
+  for (int i = 0; i < 2; ++i) {
+    const auto end = source->next();
+    ASSERT_TRUE(end);
+    EXPECT_FALSE(*end);
+  }
+}
+
+TEST(BodyJoint, NamesAreDistinct) {
+  EXPECT_EQ(nameOf(BodyJoint::kHead), "head");
+  EXPECT_EQ(nameOf(BodyJoint::kRightFoot), "right_foot");
+  for (int a = 0; a < kBodyJointCount; ++a) {
+    for (int b = 0; b < a; ++b) EXPECT_NE(nameOf(static_cast<BodyJoint>(a)), nameOf(static_cast<BodyJoint>(b)));
+  }
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,397 @@
+#include "capture/retarget/proxy_skeleton.h"
+
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/retarget.h"
+#include "skinning/import/character_file.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/capture/figures.h"
+#include "tests/support/allocations.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+
+namespace lorica {
+namespace {
+
+using test::angleBetween;
+using test::degrees;
+using B = HumanBone;
+
+const Character& mannequin() {
+  static const Character character = makeMannequin();
+  return character;
+}
+
+std::size_t at(JointIndex joint) {
+  return static_cast<std::size_t>(joint);
+}
+
+bool isBelowOrSame(const Skeleton& skeleton, JointIndex joint, JointIndex ancestor) {
+  while (joint != kNoJoint && joint != ancestor) joint = skeleton.joint(joint).parent;
+  return joint == ancestor;
+}
+
+JointTransform localOf(const Affine3& transform) {
+  JointTransform local;
+  local.translation = transform.translation();
+  local.rotation = Quat(Mat3(transform.linear())).normalized();
+  return local;
+}
+
+/// The mannequin without some joints: what hung on one hangs on its parent, and so do its vertices.
+Character without(const std::set<JointIndex>& removed) {
+  Character character = mannequin();
+  const Skeleton whole = character.skeleton;
+  const std::vector<Affine3> world = test::worldOf(whole, restPose(whole));
+  std::vector<JointIndex> newIndex(at(whole.jointCount()));
+  std::vector<JointIndex> oldIndex;
+  std::vector<Joint> joints;
+  std::vector<Affine3> jointFromModel;
+  for (JointIndex j = 0; j < whole.jointCount(); ++j) {
+    JointIndex parent = whole.joint(j).parent;
+    while (parent != kNoJoint && removed.count(parent) != 0) parent = whole.joint(parent).parent;
+    if (removed.count(j) != 0) {
+      newIndex[at(j)] = newIndex[at(parent)];
+      continue;
+    }
+    newIndex[at(j)] = static_cast<JointIndex>(joints.size());
+    Joint joint = whole.joint(j);
+    if (parent != joint.parent) joint.rest = localOf(world[at(parent)].inverse() * world[at(j)]);
+    joint.parent = parent == kNoJoint ? kNoJoint : newIndex[at(parent)];
+    joints.push_back(joint);
+    jointFromModel.push_back(character.jointFromModel[at(j)]);
+  }
+  for (Influence& influence : character.influences) influence.joint = newIndex[at(influence.joint)];
+  character.skeleton = *Skeleton::create(std::move(joints));
+  character.jointFromModel = std::move(jointFromModel);
+  return character;
+}
+
+std::set<JointIndex> bonesOf(std::initializer_list<B> bones) {
+  std::set<JointIndex> joints;
+  for (const B bone : bones) joints.insert(mannequin().skeleton.jointOf(bone));
+  return joints;
+}
+
+std::set<JointIndex> withAllBelow(std::initializer_list<B> bones) {
+  std::set<JointIndex> joints;
+  for (JointIndex j = 0; j < mannequin().skeleton.jointCount(); ++j) {
+    for (const B bone : bones) {
+      if (isBelowOrSame(mannequin().skeleton, j, mannequin().skeleton.jointOf(bone))) joints.insert(j);
+    }
+  }
+  return joints;
+}
+
+/// The mannequin whose feet hang on no leg, as targets of inverse kinematics do; toes and feet need not be marked.
+Character withFeetAtTheRoot(bool marked) {
+  Character character = mannequin();
+  const Skeleton& whole = mannequin().skeleton;
+  const std::vector<Affine3> world = test::worldOf(whole, restPose(whole));
+  std::vector<Joint> joints(whole.joints().begin(), whole.joints().end());
+  for (const B foot : {B::kLeftFoot, B::kRightFoot}) {
+    Joint& joint = joints[at(whole.jointOf(foot))];
+    joint.parent = 0;
+    joint.rest = localOf(world[0].inverse() * world[at(whole.jointOf(foot))]);
+  }
+  for (const B bone : {B::kLeftFoot, B::kRightFoot, B::kLeftToes, B::kRightToes}) {
+    if (!marked) joints[at(whole.jointOf(bone))].bone.reset();
+  }
+  character.skeleton = *Skeleton::create(std::move(joints));
+  return character;
+}
+
+const std::vector<SkeletonFrame>& recording(const char* name) {
+  static std::map<std::string, std::vector<SkeletonFrame>> read;
+  std::vector<SkeletonFrame>& frames = read[name];
+  if (frames.empty()) frames = *readJointCsv(test::recordingsFolder() / (std::string(name) + ".csv"));
+  return frames;
+}
+
+/// The world transforms of every joint in every frame of a recording.
+std::vector<std::vector<Affine3>> performances(const Character& character, const char* name, bool plantFeet = true) {
+  StandInSkeleton standIn = *StandInSkeleton::create(character);
+  Retargeter retargeter = *Retargeter::create(standIn.skeleton(), {.hold = {}, .plantFeet = plantFeet});
+  Pose standInPose(at(standIn.skeleton().jointCount()));
+  Pose pose(at(character.skeleton.jointCount()));
+  std::vector<std::vector<Affine3>> frames;
+  for (const SkeletonFrame& frame : recording(name)) {
+    retargeter.apply(frame, standInPose);
+    standIn.carryBack(standInPose, pose);
+    frames.push_back(test::worldOf(character.skeleton, pose));
+  }
+  return frames;
+}
+
+double turnBetween(const Affine3& a, const Affine3& b) {
+  return Quat(Mat3(a.linear())).angularDistance(Quat(Mat3(b.linear())));
+}
+
+double lowestPoint(const Character& character, std::span<const Affine3> world) {
+  std::vector<Affine3> worldFromModel(world.size());
+  std::vector<Vec3> posed(character.mesh.vertices.size());
+  computeWorldFromModel(character, world, worldFromModel);
+  skinLinearBlend(character, worldFromModel, posed);
+  double lowest = posed.front().y();
+  for (const Vec3& p : posed) lowest = std::min(lowest, p.y());
+  return lowest;
+}
+
+class StandInMotion : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(StandInMotion, FeetThatHangOnTheRootGoWithTheLegs) {
+  const auto whole = performances(mannequin(), GetParam());
+  for (const bool marked : {true, false}) {
+    const Character character = withFeetAtTheRoot(marked);
+    ASSERT_FALSE(RetargetRig::create(character.skeleton));
+    const auto frames = performances(character, GetParam());
+    double farthest = 0.0;
+    double turn = 0.0;
+    for (std::size_t f = 0; f < whole.size(); ++f) {
+      for (std::size_t j = 0; j < whole[f].size(); ++j) {
+        farthest = std::max(farthest, (frames[f][j].translation() - whole[f][j].translation()).norm());
+        turn = std::max(turn, turnBetween(frames[f][j], whole[f][j]));
+      }
+    }
+    EXPECT_LT(farthest, 0.001) << marked;
+    EXPECT_LT(turn, degrees(0.1)) << marked;
+  }
+}
+
+TEST_P(StandInMotion, AnArmOfOneJointPointsWhereTheHandWas) {
+  const Character character = without(bonesOf({B::kLeftLowerArm, B::kRightLowerArm}));
+  const auto whole = performances(mannequin(), GetParam());
+  const auto frames = performances(character, GetParam());
+  const Skeleton& from = mannequin().skeleton;
+  const Skeleton& to = character.skeleton;
+  double miss = 0.0;  // of the hand to the line that the straight arm points along [m]
+  double hands = 0.0;
+  double others = 0.0;
+  for (std::size_t f = 0; f < whole.size(); ++f) {
+    for (const std::size_t i : {0U, 1U}) {
+      const auto line = [&](const Skeleton& skeleton, const std::vector<Affine3>& world) -> Vec3 {
+        return world[at(skeleton.jointOf(limbs()[i].end))].translation() -
+               world[at(skeleton.jointOf(limbs()[i].upper))].translation();
+      };
+      const Vec3 along = line(to, frames[f]).normalized();
+      const Vec3 hand = line(from, whole[f]);
+      miss = std::max(miss, (hand - hand.dot(along) * along).norm());
+    }
+    const auto turn = [&](B bone) {
+      return turnBetween(whole[f][at(from.jointOf(bone))], frames[f][at(to.jointOf(bone))]);
+    };
+    for (const B bone : {B::kHips, B::kChest, B::kHead, B::kLeftFoot, B::kRightFoot, B::kLeftLowerLeg}) {
+      others = std::max(others, turn(bone));
+    }
+    for (const B bone : {B::kLeftHand, B::kRightHand, B::kLeftIndexProximal}) hands = std::max(hands, turn(bone));
+  }
+  RecordProperty("arm_mm", std::to_string(1000.0 * miss));
+  // The stand-in's elbow is halfway, so its hand is off by (u - f) / 2 times what tells the bones' directions apart, u
+  // and f the lengths of upper arm and forearm; 1 cm for the elbow that is not quite straight at rest.
+  const std::vector<Affine3> rest = test::worldOf(from, restPose(from));
+  const auto place = [&](B bone) -> Vec3 { return rest[at(from.jointOf(bone))].translation(); };
+  const double upperArm = (place(B::kLeftLowerArm) - place(B::kLeftUpperArm)).norm();
+  const double forearm = (place(B::kLeftHand) - place(B::kLeftLowerArm)).norm();
+  RecordProperty("bones_mm", std::to_string(1000.0 * std::abs(upperArm - forearm)));
+  EXPECT_LT(miss, std::abs(upperArm - forearm) + 0.01);
+  EXPECT_LT(others, degrees(0.1));
+  // At rest the mannequin's elbow is bent by 1.3 degrees, which nothing tells here.
+  EXPECT_LT(hands, degrees(1.5));
+}
+
+TEST_P(StandInMotion, ALegOfOneJointPointsWhereTheFootWasAboveTheFloor) {
+  const Character character = without(bonesOf({B::kLeftLowerLeg, B::kRightLowerLeg}));
+  const auto whole = performances(mannequin(), GetParam());
+  const auto frames = performances(character, GetParam());
+  const Skeleton& from = mannequin().skeleton;
+  const Skeleton& to = character.skeleton;
+  double leg = 0.0;
+  double others = 0.0;
+  double lowest = 1.0;
+  for (std::size_t f = 0; f < whole.size(); ++f) {
+    for (const std::size_t i : {2U, 3U}) {
+      const auto line = [&](const Skeleton& skeleton, const std::vector<Affine3>& world) -> Vec3 {
+        return world[at(skeleton.jointOf(limbs()[i].end))].translation() -
+               world[at(skeleton.jointOf(limbs()[i].upper))].translation();
+      };
+      leg = std::max(leg, angleBetween(line(from, whole[f]), line(to, frames[f])));
+    }
+    for (const B bone : {B::kHips, B::kChest, B::kHead, B::kLeftLowerArm, B::kRightHand}) {
+      others = std::max(others, turnBetween(whole[f][at(from.jointOf(bone))], frames[f][at(to.jointOf(bone))]));
+    }
+    if (f % 4 == 0) lowest = std::min(lowest, lowestPoint(character, frames[f]));
+  }
+  RecordProperty("leg_deg", std::to_string(leg / degrees(1.0)));
+  EXPECT_LT(leg, degrees(6.0));
+  EXPECT_LT(others, degrees(0.1));
+  EXPECT_GT(lowest, -0.01);
+}
+
+TEST_P(StandInMotion, LimbsWithoutHandsAndFeetPointAsTheWholeOnesDo) {
+  const Character character = without(withAllBelow({B::kLeftHand, B::kRightHand, B::kLeftFoot, B::kRightFoot}));
+  ASSERT_FALSE(RetargetRig::create(character.skeleton));
+  // A foot without toes is planted another way: directions are held against each other without that.
+  const auto whole = performances(mannequin(), GetParam(), false);
+  const auto frames = performances(character, GetParam(), false);
+  const Skeleton& from = mannequin().skeleton;
+  const Skeleton& to = character.skeleton;
+  const std::vector<Affine3> restFrom = test::worldOf(from, restPose(from));
+  double limb = 0.0;
+  double trunk = 0.0;
+  double lowest = 1.0;
+  for (std::size_t f = 0; f < whole.size(); ++f) {
+    for (const LimbBones& bones : limbs()) {
+      const Vec3 upper = restFrom[at(from.jointOf(bones.upper))].translation();
+      const Vec3 lower = restFrom[at(from.jointOf(bones.lower))].translation();
+      const Vec3 end = restFrom[at(from.jointOf(bones.end))].translation();
+      // The rest pose has no turns, so the same direction in the joint is the same in both.
+      const auto way = [&](const std::vector<Affine3>& world, const Skeleton& skeleton, B bone, const Vec3& along) {
+        return Vec3(world[at(skeleton.jointOf(bone))].linear() * along);
+      };
+      limb = std::max(
+          {limb,
+           angleBetween(way(whole[f], from, bones.upper, lower - upper),
+                        way(frames[f], to, bones.upper, lower - upper)),
+           angleBetween(way(whole[f], from, bones.lower, end - lower), way(frames[f], to, bones.lower, end - lower))});
+    }
+    for (const B bone : {B::kHips, B::kChest, B::kHead}) {
+      trunk = std::max(trunk, turnBetween(whole[f][at(from.jointOf(bone))], frames[f][at(to.jointOf(bone))]));
+    }
+  }
+  const auto planted = performances(character, GetParam());
+  for (std::size_t f = 0; f < planted.size(); f += 4) lowest = std::min(lowest, lowestPoint(character, planted[f]));
+  RecordProperty("limb_deg", std::to_string(limb / degrees(1.0)));
+  EXPECT_LT(limb, degrees(4.0));
+  EXPECT_LT(trunk, degrees(0.1));
+  EXPECT_GT(lowest, -0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StandInMotion, ::testing::Values("walk", "jumping_jacks", "punch_and_kick"),
+                         [](const auto& chosen) { return std::string(chosen.param); });
+
+TEST(StandInSkeleton, OfAWholeSkeletonIsThatSkeleton) {
+  StandInSkeleton standIn = *StandInSkeleton::create(mannequin());
+  EXPECT_TRUE(standIn.substitutes().empty());
+  ASSERT_EQ(standIn.skeleton().jointCount(), mannequin().skeleton.jointCount());
+  Retargeter retargeter = *Retargeter::create(mannequin().skeleton);
+  Pose pose(at(mannequin().skeleton.jointCount()));
+  Pose carried = pose;
+  retargeter.apply(recording("walk")[40], pose);
+  standIn.carryBack(pose, carried);
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    EXPECT_EQ(carried[j].translation, pose[j].translation);
+    EXPECT_EQ(carried[j].rotation.coeffs(), pose[j].rotation.coeffs());
+    EXPECT_EQ(carried[j].scale, pose[j].scale);
+  }
+}
+
+TEST(StandInSkeleton, RestsAsTheCharacterDoes) {
+  const std::vector<Character> characters = {
+      withFeetAtTheRoot(false),
+      without(bonesOf({B::kLeftLowerArm, B::kRightLowerArm, B::kLeftLowerLeg, B::kRightLowerLeg})),
+      without(withAllBelow({B::kLeftLowerArm, B::kRightLowerArm, B::kLeftLowerLeg, B::kRightLowerLeg}))};
+  for (const Character& character : characters) {
+    StandInSkeleton standIn = *StandInSkeleton::create(character);
+    EXPECT_TRUE(RetargetRig::create(standIn.skeleton()));
+    Pose pose(at(character.skeleton.jointCount()));
+    standIn.carryBack(restPose(standIn.skeleton()), pose);
+    const std::vector<Affine3> rest = test::worldOf(character.skeleton, restPose(character.skeleton));
+    const std::vector<Affine3> carried = test::worldOf(character.skeleton, pose);
+    // Up to the last hair of the sole, which is lifted to the floor.
+    const double lift = carried[0].translation().y() - rest[0].translation().y();
+    EXPECT_LT(lift, 0.005);
+    EXPECT_GE(lift, 0.0);
+    for (std::size_t j = 0; j < rest.size(); ++j) {
+      EXPECT_LT((carried[j].translation() - rest[j].translation() - Vec3(0.0, lift, 0.0)).norm(), 1e-9);
+      EXPECT_LT(turnBetween(carried[j], rest[j]), 1e-7);
+    }
+  }
+}
+
+TEST(StandInSkeleton, CarriesBackWithoutMemory) {
+  for (const Character& character :
+       {mannequin(), withFeetAtTheRoot(true), without(withAllBelow({B::kLeftLowerLeg, B::kRightLowerArm}))}) {
+    StandInSkeleton standIn = *StandInSkeleton::create(character);
+    const Pose standInPose = restPose(standIn.skeleton());
+    Pose pose(at(character.skeleton.jointCount()));
+    const test::AllocationWatch watch;
+    standIn.carryBack(standInPose, pose);
+    EXPECT_EQ(watch.largest(), 0U);
+  }
+}
+
+TEST(StandInSkeleton, RefusesWhatIsNoHumanoid) {
+  Character character = mannequin();
+  for (const B bone : {B::kHips, B::kLeftUpperArm, B::kRightUpperArm, B::kLeftUpperLeg, B::kRightUpperLeg}) {
+    std::vector<Joint> joints(mannequin().skeleton.joints().begin(), mannequin().skeleton.joints().end());
+    joints[at(mannequin().skeleton.jointOf(bone))].bone.reset();
+    character.skeleton = *Skeleton::create(std::move(joints));
+    const Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+    ASSERT_FALSE(standIn) << nameOf(bone);
+    EXPECT_NE(standIn.error().message.find(nameOf(bone)), std::string::npos) << standIn.error().message;
+    EXPECT_FALSE(canPerform(character));
+  }
+  std::vector<Joint> joints(mannequin().skeleton.joints().begin(), mannequin().skeleton.joints().end());
+  for (const B bone : {B::kSpine, B::kChest, B::kUpperChest}) {
+    if (mannequin().skeleton.jointOf(bone) != kNoJoint) joints[at(mannequin().skeleton.jointOf(bone))].bone.reset();
+  }
+  character.skeleton = *Skeleton::create(std::move(joints));
+  EXPECT_FALSE(canPerform(character));
+}
+
+TEST(StandInSkeleton, AHandWithoutAMeshIsNowhere) {
+  Character character = without(withAllBelow({B::kLeftHand}));
+  EXPECT_TRUE(canPerform(character));
+  character.mesh = {};
+  character.influences.clear();
+  character.influenceBegin = {0};
+  const Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
+  ASSERT_FALSE(standIn);
+  EXPECT_NE(standIn.error().message.find("leftHand"), std::string::npos) << standIn.error().message;
+}
+
+TEST(StandInSkeleton, TheRobotsFeetHangOnItsShins) {
+  LORICA_REQUIRE_DATASET(file, "characters/raylib_robot/robot.glb");
+  const Result<CharacterFile> robot = readCharacterFile(file);
+  ASSERT_TRUE(robot) << robot.error().message;
+  const Skeleton& own = robot->character.skeleton;
+  const StandInSkeleton standIn = *StandInSkeleton::create(robot->character);
+  ASSERT_EQ(standIn.substitutes().size(), 2U);
+  for (const std::size_t i : {0U, 1U}) {
+    const StandInSkeleton::Substitute& foot = standIn.substitutes()[i];
+    EXPECT_EQ(foot.bone, i == 0 ? B::kLeftFoot : B::kRightFoot);
+    EXPECT_EQ(own.joint(foot.joint).name, i == 0 ? "Foot.L" : "Foot.R");
+    EXPECT_EQ(own.joint(foot.on).name, i == 0 ? "LowerLeg.L" : "LowerLeg.R");
+  }
+}
+
+TEST(StandInSkeleton, TheGreenmanGetsElbowsAndKnees) {
+  LORICA_REQUIRE_DATASET(file, "characters/greenman/greenman.glb");
+  const Result<CharacterFile> greenman = readCharacterFile(file);
+  ASSERT_TRUE(greenman) << greenman.error().message;
+  const Result<StandInSkeleton> standIn = StandInSkeleton::create(greenman->character);
+  ASSERT_TRUE(standIn) << standIn.error().message;
+  std::set<B> made;
+  for (const StandInSkeleton::Substitute& substitute : standIn->substitutes()) made.insert(substitute.bone);
+  EXPECT_EQ(made, (std::set<B>{B::kLeftLowerArm, B::kRightLowerArm, B::kLeftHand, B::kRightHand, B::kLeftLowerLeg,
+                               B::kRightLowerLeg, B::kLeftFoot, B::kRightFoot}));
+}
+
+TEST(StandInSkeleton, RefusesTheFox) {
+  LORICA_REQUIRE_DATASET(file, "characters/fox/Fox.glb");
+  const Result<CharacterFile> fox = readCharacterFile(file);
+  ASSERT_TRUE(fox) << fox.error().message;
+  const Result<StandInSkeleton> standIn = StandInSkeleton::create(fox->character);
+  ASSERT_FALSE(standIn);
+  EXPECT_NE(standIn.error().message.find("leftUpperArm"), std::string::npos) << standIn.error().message;
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,373 @@
+#include "capture/sensor/openni.h"
+
+#include "capture/sensor/oni_file.h"
+#include "capture/sensor/oni_source.h"
+#include "tests/capture/sensor/openni_test_driver.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+// A program of its own, in which leaks and odd mutexes are not looked for: OpenNI2's drivers lose memory with each
+// start, and its locks are unlocked more often than locked, and in any order. Races are looked for.
+extern "C" const char* __asan_default_options() {
+  return "detect_leaks=0";
+}
+extern "C" const char* __tsan_default_options() {
+  return "report_mutex_bugs=0:detect_deadlocks=0";
+}
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// OpenNI2 with the test driver, and a folder whose files are cameras.
+class OpenNiTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_EQ(setenv("LORICA_TEST_CAMERAS", plug_.path().c_str(), 1), 0); }
+
+  void plugIn(const std::string& name, const std::string& oddity = {}) {
+    // Written beside first: the driver must not see half a file.
+    fs::rename(beside_.write(name, oddity), plug_.path() / name);
+  }
+  void unplug(const std::string& name) { fs::remove(plug_.path() / name); }
+
+  static std::shared_ptr<OpenNi> start() {
+    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
+    EXPECT_TRUE(openNi) << openNi.error().message;
+    return openNi ? std::move(*openNi) : nullptr;
+  }
+
+  /// Reads until that comes. @return whether it did within some seconds
+  static bool readUntil(DepthSource& source, DepthRead wanted, DepthFrame& frame) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      const Result<DepthRead> read = source.next(frame);
+      if (!read) ADD_FAILURE() << read.error().message;
+      if (!read) return false;
+      if (*read == wanted) return true;
+    }
+    return false;
+  }
+
+  const test::TemporaryFolder plug_;
+  const test::TemporaryFolder beside_;
+};
+
+void expectFrame(const DepthFrame& frame, int width, int height, bool turned = false) {
+  ASSERT_EQ(frame.depthMm.size(), static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  const int first = turned ? width - 1 : 0;
+  const int n = frame.depthMm[static_cast<std::size_t>(first)] - 1000;
+  for (int p = 0; p < width * height; ++p) {
+    const int seen = turned ? (p / width) * width + width - 1 - p % width : p;
+    ASSERT_EQ(frame.depthMm[static_cast<std::size_t>(p)], test::openNiTestDepth(n, seen)) << "pixel " << p;
+  }
+}
+
+TEST_F(OpenNiTest, ListsCamerasAndDrivers) {
+  plugIn("a");
+  const fs::path before = fs::current_path();
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  EXPECT_EQ(fs::current_path(), before) << "OpenNI2 changes it";
+  Result<std::vector<OpenNiCamera>> cameras = openNi->cameras();
+  ASSERT_TRUE(cameras);
+  ASSERT_EQ(cameras->size(), 1u);
+  EXPECT_EQ((*cameras)[0].uri, "test/a");
+  EXPECT_EQ((*cameras)[0].vendor, "Lorica");
+  EXPECT_EQ((*cameras)[0].name, "Test camera");
+  EXPECT_EQ((*cameras)[0].usbVendor, 0x1209);
+  EXPECT_EQ((*cameras)[0].driver, fs::path(LORICA_TEST_DRIVER).filename());
+  const std::vector<OpenNiDriver>& drivers = openNi->drivers();
+  ASSERT_FALSE(drivers.empty());
+  EXPECT_EQ(drivers.back().file, fs::canonical(LORICA_TEST_DRIVER));
+  EXPECT_FALSE(drivers.back().packaged);
+  EXPECT_TRUE(drivers.front().packaged);
+  for (const OpenNiDriver& driver : drivers) EXPECT_EQ(driver.problem, "") << driver.file;
+}
+
+TEST_F(OpenNiTest, GivesFramesOfTheWantedMode) {
+  plugIn("a");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->name(), "Lorica, Test camera (test/a)");
+  EXPECT_EQ((*source)->camera(), (DepthCamera{640, 480, 1.0, 0.75}));
+  DepthFrame frame;
+  double last = -1.0;
+  int lastNumber = -1;
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    expectFrame(frame, 640, 480);
+    EXPECT_GT(frame.time, last);
+    last = frame.time;
+    const int number = frame.depthMm[0] - 1000;
+    EXPECT_GT(number, lastNumber);
+    lastNumber = number;
+    EXPECT_NEAR(frame.time, 1.0 + 0.01 * number, 1e-9) << "the camera's own clock";
+  }
+}
+
+TEST_F(OpenNiTest, WaitsATenthOfASecond) {
+  plugIn("a", "slow");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  EXPECT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  EXPECT_TRUE(readUntil(**source, DepthRead::kWaiting, frame));
+  EXPECT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+}
+
+TEST_F(OpenNiTest, OddCamerasGiveTheSameKindOfFrames) {
+  plugIn("mirrored", "mirrored");
+  plugIn("small", "small");
+  plugIn("tenths", "tenths");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  DepthFrame frame;
+  {
+    const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/mirrored");
+    ASSERT_TRUE(source) << source.error().message;
+    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    expectFrame(frame, 640, 480, true);
+  }
+  {
+    const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/small");
+    ASSERT_TRUE(source) << source.error().message;
+    EXPECT_EQ((*source)->camera().width, 320) << "nearer to 640 than 160 is";
+    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    expectFrame(frame, 320, 240);
+  }
+  {
+    const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/tenths");
+    ASSERT_TRUE(source) << source.error().message;
+    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    const int n = (frame.depthMm[0] * 10 - 1000);
+    EXPECT_NEAR(frame.depthMm[1000], test::openNiTestDepth(n, 1000) / 10.0, 12.0);
+  }
+}
+
+TEST_F(OpenNiTest, TheFirstCameraThatGivesDepthIsTaken) {
+  plugIn("a", "no depth");
+  plugIn("b");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->name(), "Lorica, Test camera (test/b)");
+  const Result<std::unique_ptr<DepthSource>> none = openNi->open("test/a");
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("gives no depth"), std::string::npos) << none.error().message;
+}
+
+TEST_F(OpenNiTest, CamerasThatAreNotThereAreSentences) {
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> any = openNi->open();
+  ASSERT_FALSE(any);
+  EXPECT_EQ(any.error().code, ErrorCode::kNotFound);
+  const Result<std::unique_ptr<DepthSource>> named = openNi->open("test/x");
+  ASSERT_FALSE(named);
+  EXPECT_NE(named.error().message.find("test/x"), std::string::npos) << named.error().message;
+  plugIn("y", "broken");
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const Result<std::unique_ptr<DepthSource>> broken = openNi->open("test/y");
+  ASSERT_FALSE(broken);
+  EXPECT_NE(broken.error().message.find("cannot be opened"), std::string::npos) << broken.error().message;
+}
+
+TEST_F(OpenNiTest, AnUnpluggedCameraComesBack) {
+  plugIn("a");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  double last = -1.0;
+  for (const char* back : {"a", "another socket", "a"}) {
+    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    EXPECT_GT(frame.time, last);
+    last = frame.time;
+    for (const fs::directory_entry& file : fs::directory_iterator(plug_.path())) fs::remove(file);
+    ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
+    last = frame.time;
+    const Result<DepthRead> still = (*source)->next(frame);
+    ASSERT_TRUE(still);
+    EXPECT_EQ(*still, DepthRead::kUnplugged);
+    EXPECT_EQ(frame.time, last) << "untouched";
+    plugIn(back);
+    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    expectFrame(frame, 640, 480);
+    EXPECT_GT(frame.time, last + 0.09) << "the time without a camera passed too";
+    EXPECT_LT(frame.time, last + 20.0);
+    last = frame.time;
+  }
+}
+
+TEST_F(OpenNiTest, AHundredOpensAndCloses) {
+  plugIn("a", "small");
+  DepthFrame frame;
+  for (int starts = 0; starts < 4; ++starts) {
+    const std::shared_ptr<OpenNi> openNi = start();
+    ASSERT_NE(openNi, nullptr);
+    for (int i = 0; i < 25; ++i) {
+      const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+      ASSERT_TRUE(source) << source.error().message;
+      if (i % 2 == 0) {
+        ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+      }
+    }
+  }
+}
+
+TEST_F(OpenNiTest, OpenNiIsSharedAndItsDriversAreFixed) {
+  const std::shared_ptr<OpenNi> one = start();
+  EXPECT_EQ(one, start());
+  const Result<std::shared_ptr<OpenNi>> other = OpenNi::start();
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("other drivers"), std::string::npos) << other.error().message;
+}
+
+TEST_F(OpenNiTest, WithoutTheDriverItsCamerasAreNotSeen) {
+  plugIn("a");
+  for (int i = 0; i < 2; ++i) {
+    {
+      const std::shared_ptr<OpenNi> with = start();
+      ASSERT_NE(with, nullptr);
+      EXPECT_EQ(with->cameras()->size(), 1u);
+    }
+    const Result<std::shared_ptr<OpenNi>> without = OpenNi::start();
+    ASSERT_TRUE(without) << without.error().message;
+    EXPECT_EQ((*without)->cameras()->size(), 0u);
+  }
+}
+
+TEST_F(OpenNiTest, DriversThatAreNoneAreSentences) {
+  const auto problem = [](const OpenNiSettings& settings) {
+    const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start(settings);
+    return openNi ? "it started" : openNi.error().message;
+  };
+  EXPECT_NE(problem({{beside_.path() / "no.so"}, {}}).find("no such file"), std::string::npos);
+  EXPECT_NE(problem({{beside_.write("text.so", "a text")}, {}}).find("cannot be loaded"), std::string::npos);
+  EXPECT_NE(problem({{"/lib/x86_64-linux-gnu/libm.so.6"}, {}}).find("oniDriverCreate"), std::string::npos);
+  EXPECT_NE(problem({{}, beside_.write("libOpenNI2.so.0", "no library")}).find("cannot be loaded"), std::string::npos);
+  EXPECT_NE(start(), nullptr) << "and a good one works after them";
+}
+
+TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
+  plugIn("a");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  const fs::path path = beside_.path() / "body.oni";
+  {
+    Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, path);
+    ASSERT_TRUE(recorder) << recorder.error().message;
+    EXPECT_FALSE(OpenNiRecorder::start(**source, path)) << "one at a time";
+    for (int i = 0; i < 8; ++i) ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    const Result<int> finished = (*recorder)->finish();
+    ASSERT_TRUE(finished) << finished.error().message;
+    EXPECT_GE(*finished, 5);
+  }
+  EXPECT_FALSE(fs::exists(beside_.path() / "body.part.oni"));
+  Result<OniFile> file = OniFile::open(path);
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->info().end, fs::file_size(path)) << "the zeros are cut";
+  EXPECT_EQ(file->info().camera, (DepthCamera{640, 480, 1.0, 0.75}));
+  EXPECT_FALSE(file->info().mirrored);
+  int lastNumber = -1;
+  for (int i = 0; i < file->info().frameCount; ++i) {
+    ASSERT_TRUE(file->read(i, frame));
+    expectFrame(frame, 640, 480);
+    const int number = frame.depthMm[0] - 1000;
+    if (i > 0) {
+      EXPECT_EQ(number, lastNumber + 1) << "none is lost";
+    }
+    lastNumber = number;
+  }
+  // And once more, now that a recorder has been. What is read is in the file.
+  Result<std::unique_ptr<OpenNiRecorder>> again = OpenNiRecorder::start(**source, path);
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  EXPECT_TRUE((*again)->finish());
+}
+
+TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
+  plugIn("a");
+  const fs::path path = beside_.path() / "body.oni";
+  const pid_t child = fork();
+  if (child == 0) {
+    (void)setenv("TMPDIR", beside_.path().c_str(), 1);  // what it leaves behind goes with the test
+    const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
+    if (!openNi) _exit(1);
+    const Result<std::unique_ptr<DepthSource>> source = (*openNi)->open();
+    if (!source) _exit(2);
+    const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, path);
+    if (!recorder) _exit(3);
+    DepthFrame frame;
+    for (;;) (void)(*source)->next(frame);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself: " << WEXITSTATUS(status);
+  Result<OniFile> file = OniFile::open(beside_.path() / "body.part.oni");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_TRUE(file->info().cutOff);
+  EXPECT_GT(file->info().frameCount, 5);
+  DepthFrame frame;
+  for (int i = 0; i < file->info().frameCount; ++i) {
+    ASSERT_TRUE(file->read(i, frame));
+    expectFrame(frame, 640, 480);
+  }
+}
+
+TEST_F(OpenNiTest, UnpluggingWhileRecordingKeepsWhatWasRecorded) {
+  plugIn("a");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, beside_.path() / "body.oni");
+  ASSERT_TRUE(recorder) << recorder.error().message;
+  DepthFrame frame;
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  unplug("a");
+  ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
+  const Result<std::unique_ptr<OpenNiRecorder>> other = OpenNiRecorder::start(**source, beside_.path() / "b.oni");
+  EXPECT_FALSE(other);
+  const Result<int> finished = (*recorder)->finish();
+  ASSERT_TRUE(finished) << finished.error().message;
+  EXPECT_GT(*finished, 2);
+}
+
+TEST_F(OpenNiTest, OnlyCamerasCanBeRecorded) {
+  LORICA_REQUIRE_DATASET(path, "oni/3DJ_Test/test.oni");
+  const Result<std::unique_ptr<DepthSource>> source = makeOniSource(path);
+  ASSERT_TRUE(source);
+  const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, beside_.path() / "b.oni");
+  ASSERT_FALSE(recorder);
+  EXPECT_EQ(recorder.error().code, ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,163 @@
+#include "capture/tracking/body_fit.h"
+
+#include "capture/tracking/limb_pose.h"
+#include "capture/tracking/limb_search.h"
+#include "capture/virtual_sensor/virtual_sensor.h"
+#include "skinning/mannequin/mannequin.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lorica::fit {
+namespace {
+
+/// Of the hips: where people stand before the virtual camera, floor frame [m].
+const V3 kPlace(0.0F, 0.915F, -2.7F);
+
+/// The mannequin in a pose before the virtual camera, clean, with the true labels.
+class PosedScene {
+ public:
+  explicit PosedScene(const BodyPose& pose) : view(DepthCamera{}) {
+    PosedBody body;
+    poseBody(pose, Proportions(), body);
+    SkeletonFrame frame;
+    readJoints(body, frame);
+    for (TrackedJoint& joint : frame.joints) joint.confidence = 1.0;
+    std::vector<SkeletonFrame> frames(2, frame);
+    frames[1].time = 1.0;
+    std::vector<VirtualPerson> people;
+    people.push_back({VirtualPerformer::create(makeMannequin(), frames).value()});
+    // The floor frame's origin lies below the camera.
+    people[0].worldFromMotion.translation() = VirtualRoom{}.worldFromCamera.translation();
+    people[0].worldFromMotion.translation().y() = 0.0;
+    VirtualSensorSettings settings;
+    settings.noise = DepthNoiseSettings::clean();
+    VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
+    DepthFrame depth;
+    sensor.render(0, depth);
+    labels.assign(sensor.labels().begin(), sensor.labels().end());
+    view.look(depth.depthMm, labels, 1, sensor.floorFromCamera());
+    truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
+  }
+
+  [[nodiscard]] double worst(const BodyPose& pose) const {
+    PosedBody body;
+    poseBody(pose, Proportions(), body);
+    SkeletonFrame frame;
+    readJoints(body, frame);
+    double most = 0.0;
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      most = std::max(most, (frame.joints[j].position - truth.joints[j].position).norm());
+    }
+    return most;
+  }
+
+  std::vector<std::uint8_t> labels;
+  BodyView view;
+  SkeletonFrame truth;
+};
+
+constexpr std::array<FitStage, 3> kStages = {{{0.30F, 150, 6}, {0.10F, 300, 6}, {0.06F, 600, 8}}};
+
+PosePrior weakPrior(const BodyPose& pose) {
+  PosePrior prior;
+  prior.pose = pose;
+  prior.stiffness.setConstant(0.5F);
+  return prior;
+}
+
+TEST(BodyFit, FindsAPoseFromOneNearIt) {
+  const BodyPose pose = standingPose(kPlace, 0.2F, 0.5F, 0.2F, 0.6F);
+  const PosedScene scene(pose);
+  BodyPose start = standingPose(kPlace + V3(0.08F, -0.015F, -0.1F), 0.0F, 0.3F, 0.1F, 0.3F);
+  EXPECT_GT(scene.worst(start), 0.10);
+  BodyFitter fitter;
+  fitter.fit(scene.view, Proportions(), weakPrior(start), kStages, start);
+  EXPECT_LT(scene.worst(start), 0.045);
+}
+
+TEST(BodyFit, StepsNeverRaiseTheCost) {
+  const PosedScene scene(standingPose(kPlace, 0.0F, 1.2F, 0.0F, 0.2F));
+  BodyPose pose = standingPose(kPlace + V3(0.1F, -0.015F, 0.1F), 0.5F, 0.2F, 0.3F, 1.0F);
+  BodyFitter fitter;
+  const PosePrior prior = weakPrior(pose);
+  const FitStage judge = {0.1F, 300, 0};
+  const std::array<FitStage, 1> one = {{{0.1F, 300, 1}}};
+  float before = fitter.costOf(scene.view, Proportions(), prior, judge, pose).total();
+  for (int step = 0; step < 12; ++step) {
+    fitter.fit(scene.view, Proportions(), prior, one, pose);
+    const float after = fitter.costOf(scene.view, Proportions(), prior, judge, pose).total();
+    EXPECT_LE(after, before * 1.0001F);
+    before = after;
+  }
+}
+
+TEST(BodyFit, FreeSpaceKeepsLimbsOutOfTheBackground) {
+  const BodyPose pose = standingPose(kPlace, 0.0F, 0.2F, 0.0F, 0.2F);
+  const PosedScene scene(pose);
+  BodyFitter fitter;
+  const FitStage judge = {0.08F, 600, 0};
+  const BodyPose raised = standingPose(kPlace, 0.0F, 1.5F, 0.0F, 0.2F);
+  const FitCost right = fitter.costOf(scene.view, Proportions(), weakPrior(pose), judge, pose);
+  const FitCost wrong = fitter.costOf(scene.view, Proportions(), weakPrior(raised), judge, raised);
+  EXPECT_GT(wrong.freeSpace, right.freeSpace + 500.0F);
+}
+
+TEST(BodyFit, FacingTheOtherWayCostsMore) {
+  const BodyPose pose = standingPose(kPlace, 0.0F, 0.3F, 0.1F, 0.4F);
+  const PosedScene scene(pose);
+  BodyFitter fitter;
+  const FitStage judge = {0.08F, 600, 0};
+  BodyPose front = pose;
+  BodyPose back = turnedAbout(pose, Proportions());
+  fitter.fit(scene.view, Proportions(), weakPrior(front), kStages, front);
+  fitter.fit(scene.view, Proportions(), weakPrior(back), kStages, back);
+  EXPECT_LT(1.2F * fitter.costOf(scene.view, Proportions(), weakPrior(front), judge, front).plausible(),
+            fitter.costOf(scene.view, Proportions(), weakPrior(back), judge, back).plausible());
+}
+
+TEST(BodyFit, ASizeThatIsWrongIsMended) {
+  const PosedScene scene(standingPose(kPlace, 0.0F, 0.5F, 0.0F, 0.3F));
+  BodyPose pose = standingPose(kPlace, 0.0F, 0.5F, 0.0F, 0.3F);
+  Proportions proportions;
+  proportions.factor[kSize] = 1.1F;  // the mannequin itself is 1
+  BodyFitter fitter;
+  std::array<float, kProportionCount> deviation;
+  deviation.fill(0.03F);
+  for (int round = 0; round < 12; ++round) {
+    fitter.fit(scene.view, proportions, weakPrior(pose), kStages, pose);
+    fitter.refineProportions(scene.view, deviation, pose, proportions);
+  }
+  EXPECT_NEAR(proportions.factor[kSize], 1.0F, 0.04F);
+}
+
+TEST(LimbSearch, FindsAnArmThatIsElsewhere) {
+  const BodyPose pose = standingPose(kPlace, 0.0F, 1.6F, 0.0F, 0.1F);
+  const PosedScene scene(pose);
+  PosedBody body;
+  poseBody(pose, Proportions(), body);
+  BodyPose lost = pose;
+  layLimb(kLeftArm, body, -V3::UnitY(), -V3::UnitY(), lost);
+  LimbSearch search;
+  const auto found = search.search(scene.view, Proportions(), lost, kLeftArm);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT(found[0].cost, 0.5F * search.presentCost());
+  PosedBody best;
+  poseBody(found[0].pose, Proportions(), best);
+  EXPECT_LT((best.place[kLeftHand] - body.place[kLeftHand]).norm(), 0.15F);
+}
+
+TEST(LimbSearch, LeavesAnArmThatIsRight) {
+  const BodyPose pose = standingPose(kPlace, 0.0F, 1.2F, 0.3F, 0.8F);
+  const PosedScene scene(pose);
+  LimbSearch search;
+  for (const Limb limb : {kLeftArm, kRightArm, kLeftLeg, kRightLeg}) {
+    const auto found = search.search(scene.view, Proportions(), pose, limb);
+    if (found.empty()) continue;
+    EXPECT_GT(found[0].cost, search.presentCost() - 30.0F) << int{limb};
+  }
+}
+
+}  // namespace
+}  // namespace lorica::fit

@@ -1,0 +1,73 @@
+#include "capture/tracking/live_joints.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+
+namespace lorica {
+namespace {
+
+/// Images of an empty room every 5 ms, so many of them.
+class Clockwork final : public DepthSource {
+ public:
+  Clockwork(int frames, bool breaks) : frames_(frames), breaks_(breaks) { camera_.width = 320, camera_.height = 240; }
+  const DepthCamera& camera() const override { return camera_; }
+  std::string name() const override { return "clockwork"; }
+  Result<DepthRead> next(DepthFrame& frame) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (frame_ == frames_ && breaks_) return Error{ErrorCode::kUnreadable, "broken"};
+    if (frame_ == frames_) return DepthRead::kEnd;
+    frame.time = 0.005 * ++frame_;
+    frame.depthMm.assign(320 * 240, 0);
+    return DepthRead::kFrame;
+  }
+
+ private:
+  DepthCamera camera_;
+  int frames_, frame_ = 0;
+  bool breaks_;
+};
+
+DepthJoints following(int frames, bool breaks = false) {
+  auto source = std::make_unique<Clockwork>(frames, breaks);
+  Tracker tracker = Tracker::create(source->camera()).value();
+  return {std::move(source), std::move(tracker)};
+}
+
+TEST(LiveJoints, WhoeverIsSlowGetsTheLatestAndEveryImageIsFollowed) {
+  LiveJoints joints(following(60));
+  double last = 0.0;
+  int asked = 0;
+  while (true) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    const Result<std::optional<SkeletonFrame>> frame = joints.next();
+    ASSERT_TRUE(frame.ok());
+    if (!frame->has_value()) break;
+    EXPECT_GT((*frame)->time, last);
+    EXPECT_EQ((*frame)->time, joints.sight().image.time) << "what is told belongs together";
+    last = (*frame)->time;
+    ++asked;
+  }
+  EXPECT_EQ(joints.frameCount(), 60);
+  EXPECT_LT(asked, 60);
+  EXPECT_FALSE(joints.next()->has_value()) << "the end stays the end";
+}
+
+TEST(LiveJoints, ErrorsReachWhoeverAsks) {
+  LiveJoints joints(following(3, true));
+  Result<std::optional<SkeletonFrame>> frame = joints.next();
+  while (frame.ok()) frame = joints.next();
+  EXPECT_EQ(frame.error().message, "broken");
+}
+
+TEST(LiveJoints, MayBeLeftAtAnyTime) {
+  for (int ms : {0, 3, 12}) {
+    LiveJoints joints(following(1000));
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+  }
+}
+
+}  // namespace
+}  // namespace lorica

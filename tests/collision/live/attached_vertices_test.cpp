@@ -1,0 +1,213 @@
+#include "collision/live/attached_vertices.h"
+
+#include "acd/decompose.h"
+#include "acd/decomposition_file.h"
+#include "acd/transfer.h"
+#include "collision/live/choose_cover.h"
+#include "collision/live/live_body.h"
+#include "geometry/random_numbers.h"
+#include "skinning/humanoid/joint_limits.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace lorica {
+namespace {
+
+/// The mannequin with what people see about it: a shell one centimetre above every fifth vertex of its skin, and a
+/// rod of 40 cm in its left hand.
+struct Dressed {
+  Character character = makeMannequin();
+  int bodyVertices = static_cast<int>(character.mesh.vertices.size());
+  Decomposition decomposition;
+  std::vector<LiftedPoint> lifted;
+
+  Dressed() {
+    std::vector<Vec3> normals(character.mesh.vertices.size(), Vec3::Zero());
+    for (const Triangle& t : character.mesh.triangles) {
+      const Vec3& a = character.mesh.vertices[static_cast<std::size_t>(t[0])];
+      const Vec3 normal = (character.mesh.vertices[static_cast<std::size_t>(t[1])] - a)
+                              .cross(character.mesh.vertices[static_cast<std::size_t>(t[2])] - a);
+      for (const VertexIndex v : t) normals[static_cast<std::size_t>(v)] += normal;
+    }
+    for (int v = 0; v < bodyVertices; v += 5) {
+      const auto i = static_cast<std::size_t>(v);
+      addVertex(character.mesh.vertices[i] + 0.01 * normals[i].normalized(),
+                {character.influences.begin() + character.influenceBegin[i],
+                 character.influences.begin() + character.influenceBegin[i + 1]});
+    }
+    const JointIndex hand = character.skeleton.jointOf(HumanBone::kLeftHand);
+    const Vec3 grip = character.jointFromModel[static_cast<std::size_t>(hand)].inverse().translation();
+    for (int k = 0; k <= 20; ++k) addVertex(grip + Vec3(0.08, 0.0, 0.02 * k), {{hand, 1.0}});
+    decomposition = cutUp(character);
+    lifted = liftPoints(character, decomposition);
+  }
+
+  static Decomposition cutUp(const Character& character) {
+    const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
+    Result<Decomposition> made = decompose(character.mesh, bindPose, {.maxParts = 12});
+    CHECK(made.ok(), "the mannequin can be cut");
+    return std::move(*made);
+  }
+
+  [[nodiscard]] std::vector<Affine3> randomPose(RandomNumbers& random) const {
+    std::vector<Affine3> worldFromModel(static_cast<std::size_t>(character.skeleton.jointCount()));
+    computeWorldFromJoint(character.skeleton, randomPoseWithinLimits(character.skeleton, random), worldFromModel);
+    computeWorldFromModel(character, worldFromModel, worldFromModel);
+    return worldFromModel;
+  }
+
+ private:
+  void addVertex(const Vec3& at, const std::vector<Influence>& influences) {
+    character.mesh.vertices.push_back(at);
+    character.influences.insert(character.influences.end(), influences.begin(), influences.end());
+    character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+  }
+};
+
+const Dressed& dressed() {
+  static const Dressed made;
+  return made;
+}
+
+/// How far points stick out of one live part [m].
+double farthestOut(const LivePart& part, std::span<const PointIndex> points, std::span<const Vec3> world) {
+  std::vector<Vec3> own;
+  own.reserve(points.size());
+  for (const PointIndex p : points) own.push_back(part.worldFromPart.inverse() * world[static_cast<std::size_t>(p)]);
+  return largestViolation(part.shape, own);
+}
+
+TEST(Passengers, VerticesWithoutTrianglesDoNotChangeTheCuts) {
+  const Decomposition bare = Dressed::cutUp(makeMannequin());
+  const Decomposition& with = dressed().decomposition;
+  EXPECT_EQ(with.vertexCount, static_cast<int>(dressed().character.mesh.vertices.size()));
+  EXPECT_EQ(with.splitFrom, bare.splitFrom);
+  ASSERT_EQ(with.parts.size(), bare.parts.size());
+  const int shift = with.vertexCount - bare.vertexCount;
+  for (std::size_t i = 0; i < bare.parts.size(); ++i) {
+    std::vector<Triangle> renumbered = bare.parts[i].triangles;
+    for (Triangle& t : renumbered) {
+      for (PointIndex& p : t) p += p >= bare.vertexCount ? shift : 0;
+    }
+    EXPECT_EQ(with.parts[i].triangles, renumbered) << i;
+    EXPECT_EQ(with.parts[i].sourceTriangle, bare.parts[i].sourceTriangle);
+  }
+}
+
+TEST(Passengers, EachVertexThatNoPartHasIsInOnePart) {
+  const Dressed& d = dressed();
+  const std::vector<std::vector<PointIndex>> passengers = passengersOf(d.decomposition, d.lifted);
+  ASSERT_EQ(passengers.size(), d.decomposition.parts.size());
+  std::vector<PointIndex> all;
+  for (const std::vector<PointIndex>& own : passengers) {
+    EXPECT_TRUE(std::is_sorted(own.begin(), own.end()));
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  std::sort(all.begin(), all.end());
+  ASSERT_EQ(static_cast<int>(all.size()), d.decomposition.vertexCount - d.bodyVertices);
+  for (std::size_t k = 0; k < all.size(); ++k) EXPECT_EQ(all[k], d.bodyVertices + static_cast<int>(k));
+  // The rod goes where the hand is, all of it.
+  std::set<std::size_t> partsOfRod;
+  for (std::size_t i = 0; i < passengers.size(); ++i) {
+    if (!passengers[i].empty() && passengers[i].back() >= d.decomposition.vertexCount - 21) partsOfRod.insert(i);
+  }
+  EXPECT_EQ(partsOfRod.size(), 1u);
+  // A mesh whose vertices are all used has none.
+  const Character bare = makeMannequin();
+  const Decomposition whole = Dressed::cutUp(bare);
+  for (const auto& own : passengersOf(whole, liftPoints(bare, whole))) EXPECT_TRUE(own.empty());
+}
+
+TEST(Passengers, AreInTheHullsInEveryPose) {
+  const Dressed& d = dressed();
+  const std::vector<std::vector<PointIndex>> passengers = passengersOf(d.decomposition, d.lifted);
+  LiveBody body(d.decomposition, d.character);
+  CoverPromise bareCover;  // without passengers, to see that they matter and how much larger they make the hulls
+  for (const Part& part : d.decomposition.parts) {
+    std::vector<CoverPoint>& points = bareCover.points.emplace_back();
+    for (const PointIndex p : hullCandidates(d.decomposition, part, d.lifted)) points.push_back({p, Vec3::Zero()});
+  }
+  LiveBody bare(d.decomposition, d.character, bareCover);
+  RandomNumbers random(71);
+  std::vector<Vec3> points(static_cast<std::size_t>(d.decomposition.pointCount()));
+  const auto posed = std::span(points).first(d.character.mesh.vertices.size());
+  double farthest = 0.0, farthestOfBare = 0.0, volume = 0.0, volumeOfBare = 0.0;
+  for (int pose = 0; pose < 60; ++pose) {
+    const std::vector<Affine3> worldFromModel = d.randomPose(random);
+    body.update(worldFromModel);
+    bare.update(worldFromModel);
+    skinLinearBlend(d.character, worldFromModel, posed);
+    transfer(d.decomposition, posed, points);
+    for (std::size_t i = 0; i < passengers.size(); ++i) {
+      farthest = std::max(farthest, farthestOut(body.parts()[i], passengers[i], points));
+      farthest = std::max(farthest, farthestOut(body.parts()[i], d.decomposition.parts[i].points, points));
+      farthestOfBare = std::max(farthestOfBare, farthestOut(bare.parts()[i], passengers[i], points));
+      volume += body.parts()[i].shape.volume;
+      volumeOfBare += bare.parts()[i].shape.volume;
+    }
+  }
+  EXPECT_LT(farthest, 1e-6 * d.character.height);
+  EXPECT_GT(farthestOfBare, 0.2);
+  // A shell 1 cm thick, which is a fifth to a third of the volume, and a rod; far from what a wrong part would have to
+  // reach for.
+  EXPECT_GT(volume, 1.05 * volumeOfBare);
+  EXPECT_LT(volume, 1.4 * volumeOfBare);
+  std::cout << "hulls grow by " << 100.0 * (volume / volumeOfBare - 1.0) << " %\n";
+}
+
+TEST(Passengers, AreHeldByFewPointsInAllSampledPoses) {
+  const Dressed& d = dressed();
+  RandomNumbers random(72);
+  std::vector<Affine3> sampled;
+  for (int pose = 0; pose < 30; ++pose) {
+    const std::vector<Affine3> one = d.randomPose(random);
+    sampled.insert(sampled.end(), one.begin(), one.end());
+  }
+  const BonePoseView view{sampled, d.character.skeleton.jointCount()};
+  const Result<CoverPromise> cover =
+      chooseCover(d.decomposition, d.lifted, view, {}, {.tolerance = 0.01, .maxHullVertices = 200});
+  ASSERT_TRUE(cover.ok()) << cover.error().message;
+  const std::vector<std::vector<PointIndex>> passengers = passengersOf(d.decomposition, d.lifted);
+  LiveBody body(d.decomposition, d.character, *cover);
+  std::vector<Vec3> points(static_cast<std::size_t>(d.decomposition.pointCount()));
+  const auto posed = std::span(points).first(d.character.mesh.vertices.size());
+  double farthest = 0.0;
+  for (int pose = 0; pose < view.poseCount(); ++pose) {
+    body.update(view.pose(pose));
+    skinLinearBlend(d.character, view.pose(pose), posed);
+    transfer(d.decomposition, posed, points);
+    for (std::size_t i = 0; i < passengers.size(); ++i) {
+      farthest = std::max(farthest, farthestOut(body.parts()[i], passengers[i], points));
+    }
+  }
+  EXPECT_LT(farthest, 1e-6 * d.character.height);
+
+  // And the promise survives a file.
+  const test::TemporaryFolder folder;
+  DecompositionFile content;
+  content.decomposition = d.decomposition;
+  content.source = "dressed mannequin";
+  content.meshHash = topologyHash(d.character.mesh);
+  content.errorPerKeyframe = {0.0};
+  content.cover = *cover;
+  const Result<void> written = writeDecomposition(folder.path() / "dressed.lorica", content);
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  const Result<DecompositionFile> read = readDecomposition(folder.path() / "dressed.lorica");
+  ASSERT_TRUE(read.ok() && read->cover);
+  for (std::size_t i = 0; i < cover->points.size(); ++i) {
+    ASSERT_EQ(read->cover->points[i].size(), cover->points[i].size());
+    for (std::size_t k = 0; k < cover->points[i].size(); ++k) {
+      EXPECT_EQ(read->cover->points[i][k].point, cover->points[i][k].point);
+      EXPECT_EQ(read->cover->points[i][k].outward, cover->points[i][k].outward);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lorica

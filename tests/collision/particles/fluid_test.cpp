@@ -1,0 +1,176 @@
+#include "collision/particles/fluid.h"
+
+#include "tests/collision/instruction_sets.h"
+#include "tests/collision/parts.h"
+#include "tests/support/allocations.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lorica::test {
+namespace {
+
+constexpr double kFrame = 1.0 / 30.0;
+constexpr float kSpacing = 0.04f;
+
+/// A dam in one half of a trough that is `wide` * 2 particles long.
+Fluid dam(int wide, int high) {
+  FluidSettings settings;
+  settings.capacity = static_cast<std::size_t>(wide) * static_cast<std::size_t>(wide * high);
+  settings.spacing = kSpacing;
+  const double half = 0.5 * wide * kSpacing;
+  settings.walls = Aabb{Vec3(-half, 0, -2.0 * half), Vec3(half, 9, 2.0 * half)};
+  Fluid fluid(settings);
+  std::vector<Vec3f> places;
+  places.reserve(settings.capacity);
+  const auto left = static_cast<float>(-half);
+  for (int y = 0; y < high; ++y) {
+    for (int z = 0; z < wide; ++z) {
+      for (int x = 0; x < wide; ++x) {
+        places.emplace_back(left + (static_cast<float>(x) + 0.5f) * kSpacing, (static_cast<float>(y) + 0.5f) * kSpacing,
+                            2.0f * left + (static_cast<float>(z) + 0.5f) * kSpacing);
+      }
+    }
+  }
+  EXPECT_EQ(fluid.add(places), places.size());
+  return fluid;
+}
+
+double meanHeight(const Fluid& fluid) {
+  double sum = 0.0;
+  for (const Vec3f& p : fluid.places()) sum += p.y();
+  return sum / static_cast<double>(fluid.size());
+}
+
+TEST(Fluid, FallsFreelyAsTheClosedFormSays) {
+  FluidSettings settings;
+  settings.capacity = 1;
+  Fluid fluid(settings);
+  fluid.add(std::vector<Vec3f>{Vec3f(0.1f, 3.0f, 0.0f)}, Vec3(-0.5, 1.0, 0.0));
+  const int frames = 12;
+  for (int i = 0; i < frames; ++i) fluid.step({}, kFrame);
+  const double t = frames * kFrame, h = 1.0 / 120.0;
+  EXPECT_NEAR(fluid.places()[0].x(), 0.1 - 0.5 * t, 1e-4);
+  EXPECT_NEAR(fluid.places()[0].y(), 3.0 + t - 0.5 * 9.81 * t * (t + h), 1e-3);
+}
+
+TEST(Fluid, ADamBreaksSpreadsAndKeepsItsVolume) {
+  Fluid fluid = dam(10, 16);
+  for (int i = 0; i < 150; ++i) {
+    fluid.step({}, kFrame);
+    for (const Vec3f& p : fluid.places()) {
+      ASSERT_TRUE(p.allFinite());
+      ASSERT_GE(p.y(), 0.5f * kSpacing - 1e-6f);
+    }
+  }
+  // At rest it stands half as high in twice the room.
+  EXPECT_NEAR(meanHeight(fluid), 0.25 * 16 * kSpacing, 0.08 * 0.25 * 16 * kSpacing);
+  std::vector<float> along;
+  for (const Vec3f& p : fluid.places()) along.push_back(p.z());
+  std::sort(along.begin(), along.end());
+  EXPECT_NEAR(along[along.size() / 2], 0.0f, 0.06f) << "as much on either side";
+  double speed = 0.0;
+  for (const Vec3f& v : fluid.velocities()) speed += v.norm() / static_cast<double>(fluid.size());
+  EXPECT_LT(speed, 0.3);
+}
+
+TEST(Fluid, DeepWaterStaysWhereItIs) {
+  FluidSettings settings;
+  settings.capacity = 10 * 10 * 30;
+  const double half = 5.0 * settings.spacing;
+  settings.walls = Aabb{Vec3(-half, 0, -half), Vec3(half, 9, half)};
+  Fluid fluid(settings);
+  std::vector<Vec3f> places;
+  places.reserve(settings.capacity);
+  for (int i = 0; i < 3000; ++i) {
+    places.emplace_back(static_cast<float>(settings.spacing) * Vec3f(static_cast<float>(i % 10) - 4.5f,
+                                                                     static_cast<float>(i / 100) + 0.5f,
+                                                                     static_cast<float>(i / 10 % 10) - 4.5f));
+  }
+  fluid.add(places);
+  for (int i = 0; i < 60; ++i) fluid.step({}, kFrame);
+  const double height = 30 * settings.spacing;
+  EXPECT_NEAR(meanHeight(fluid), 0.5 * height, 0.25 * 0.5 * height);
+  double highest = 0.0, speed = 0.0;
+  for (const Vec3f& p : fluid.places()) highest = std::max(highest, static_cast<double>(p.y()));
+  for (const Vec3f& v : fluid.velocities()) speed += v.norm() / 3000.0;
+  EXPECT_LT(highest, 1.05 * height) << "nothing is flung up";
+  EXPECT_LT(speed, 0.4);
+}
+
+TEST(Fluid, WithoutForcesMomentumIsKept) {
+  FluidSettings settings;
+  settings.capacity = 1000;
+  settings.gravity = Vec3::Zero();
+  settings.floor = false;
+  Fluid fluid(settings);
+  std::vector<Vec3f> places;
+  for (int i = 0; i < 1000; ++i) {  // too dense: it bursts
+    places.emplace_back(0.016f * static_cast<float>(i % 10), 1.0f + 0.016f * static_cast<float>(i / 10 % 10),
+                        0.016f * static_cast<float>(i / 100));
+  }
+  fluid.add(places, Vec3(1.0, 0.0, 0.5));
+  for (int i = 0; i < 10; ++i) fluid.step({}, kFrame);
+  Vec3 mean = Vec3::Zero();
+  double spread = 0.0;
+  for (const Vec3f& v : fluid.velocities()) mean += v.cast<double>() / 1000.0;
+  for (const Vec3f& v : fluid.velocities()) spread += (v.cast<double>() - mean).norm() / 1000.0;
+  EXPECT_LT((mean - Vec3(1.0, 0.0, 0.5)).norm(), 0.01);
+  EXPECT_GT(spread, 0.02) << "it did burst";
+}
+
+TEST(Fluid, APartPushesItAndHoldsNoneInside) {
+  Fluid fluid = dam(10, 8);
+  LivePart leg = makeBoxPart(Vec3(0.06, 0.3, 0.06), at(0.0, 0.31, 0.9));
+  for (int frame = 0; frame < 30; ++frame) {
+    moveTo(leg, at(0.0, 0.31, 0.9 - 0.05 * frame));
+    fluid.step({&leg, 1}, kFrame);
+    for (const Vec3f& p : fluid.places()) {
+      const Vec3 own = (leg.worldFromPart.inverse() * p.cast<double>()).cwiseAbs();
+      const double in = std::min({0.06 - own.x(), 0.3 - own.y(), 0.06 - own.z()});
+      EXPECT_LT(in, -0.5 * kSpacing + 1e-3);
+      EXPECT_GE(p.y(), 0.5f * kSpacing - 1e-6f);
+    }
+  }
+}
+
+std::vector<Vec3f> places(int threads) {
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  Fluid fluid = dam(12, 16);
+  for (int i = 0; i < 8; ++i) fluid.step({}, kFrame);
+  return {fluid.places().begin(), fluid.places().end()};
+}
+
+TEST(Fluid, ThreadsAndInstructionSetsChangeNoBit) {
+  const std::vector<Vec3f> one = places(1);
+  EXPECT_EQ(one, places(4));
+  onEveryInstructionSet([&] { EXPECT_EQ(one, places(2)); });
+}
+
+TEST(Fluid, StepsAllocateNothingAfterTheFirst) {
+  Fluid fluid = dam(8, 8);
+  LivePart leg = makeBoxPart(Vec3(0.06, 0.3, 0.06), at(0.0, 0.31, 0.0));
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  for (int i = 0; i < 2; ++i) fluid.step({&leg, 1}, kFrame);
+  const long before = allocationCount();
+  ASSERT_GT(before, 0);
+  for (int i = 0; i < 5; ++i) fluid.step({&leg, 1}, kFrame);
+  EXPECT_EQ(allocationCount() - before, 0);
+}
+
+TEST(Fluid, DropsInOnePlacePart) {
+  FluidSettings settings;
+  settings.capacity = 40;
+  Fluid fluid(settings);
+  EXPECT_EQ(fluid.add(std::vector<Vec3f>(30, Vec3f(0.0f, 0.5f, 0.0f))), 30u);
+  EXPECT_EQ(fluid.add(std::vector<Vec3f>{Vec3f(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f)}), 0u);
+  for (int i = 0; i < 30; ++i) fluid.step({}, kFrame);
+  for (const Vec3f& p : fluid.places()) ASSERT_TRUE(p.allFinite());
+}
+
+}  // namespace
+}  // namespace lorica::test

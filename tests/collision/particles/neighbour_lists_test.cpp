@@ -1,0 +1,69 @@
+#include "collision/particles/neighbour_lists.h"
+
+#include "geometry/random_numbers.h"
+#include "tests/collision/instruction_sets.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace lorica::test {
+namespace {
+
+struct Case {
+  std::size_t count;
+  double extent, height, stray;
+};
+
+/// The lists, by the particles' own numbers.
+std::vector<std::set<std::uint32_t>> listed(const std::vector<ParticleRow>& places, float radius) {
+  ParticleGrid grid(places.size());
+  grid.sort(places, radius);
+  std::vector<float> x(paddedCount(places.size())), y(x.size()), z(x.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const ParticleRow& place = places[grid.order()[i]];
+    x[i] = place.x;
+    y[i] = place.y;
+    z[i] = place.z;
+  }
+  NeighbourLists lists(places.size(), 96);
+  lists.build(grid, x.data(), y.data(), z.data(), places.size(), radius, std::vector<std::uint8_t>(x.size()));
+  EXPECT_EQ(lists.overflows(), 0u);
+  std::vector<std::set<std::uint32_t>> result(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::size_t block = i / kParticleBlock;
+    for (int s = 0; s < lists.slotCount(block); ++s) {
+      const std::uint32_t other = lists.slots(block)[static_cast<std::size_t>(s) * kParticleBlock + i % kParticleBlock];
+      if (other == i) continue;
+      EXPECT_TRUE(result[grid.order()[i]].insert(grid.order()[other]).second) << "listed twice";
+    }
+  }
+  return result;
+}
+
+TEST(NeighbourLists, HoldWhatComparingAllPairsFinds) {
+  RandomNumbers random(9);
+  const float radius = 0.05f;
+  for (const Case& c : {Case{1, 1, 1, 0}, Case{15, 0.1, 0.1, 0}, Case{16, 0.1, 0.1, 0}, Case{17, 0.1, 0.1, 0},
+                        Case{700, 0.5, 0.4, 0}, Case{700, 0.5, 0.4, 60.0}, Case{300, 0.1, 12.0, 0}}) {
+    std::vector<ParticleRow> places;
+    for (std::size_t i = 0; i < c.count; ++i) {
+      const bool stray = i % 50 == 49;
+      const double extent = stray ? c.extent + c.stray : c.extent, height = stray ? c.height + c.stray : c.height;
+      places.push_back({static_cast<float>(random.between(-extent, extent)),
+                        static_cast<float>(random.between(0.0, height)),
+                        static_cast<float>(random.between(-extent, extent)), 0.0f});
+    }
+    std::vector<std::set<std::uint32_t>> truth(places.size());
+    for (std::uint32_t i = 0; i < places.size(); ++i) {
+      for (std::uint32_t j = 0; j < places.size(); ++j) {
+        const float dx = places[j].x - places[i].x, dy = places[j].y - places[i].y, dz = places[j].z - places[i].z;
+        if (i != j && dx * dx + dy * dy + dz * dz < radius * radius) truth[i].insert(j);
+      }
+    }
+    onEveryInstructionSet([&] { EXPECT_EQ(listed(places, radius), truth) << c.count << " particles"; });
+  }
+}
+
+}  // namespace
+}  // namespace lorica::test

@@ -1,0 +1,317 @@
+#include "collision/particles/particle_push.h"
+
+#include "collision/live/live_body.h"
+#include "tests/collision/dancer.h"
+#include "tests/collision/instruction_sets.h"
+#include "tests/collision/particles/particle_push_truth.h"
+#include "tests/collision/parts.h"
+#include "tests/support/allocations.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace lorica::test {
+namespace {
+
+constexpr double kSecond = 1.0;
+constexpr double kRounding = 3e-5;  // of floats up to 10 m from the origin, and the margin [m]
+
+std::vector<Vec3f> particlesIn(const Aabb& box, std::size_t count, std::mt19937_64& random) {
+  std::vector<Vec3f> particles(count);
+  for (Vec3f& p : particles) {
+    const Vec3 share = uniformVec3(random, 0.0, 1.0);
+    p = (box.min + share.cwiseProduct(box.max - box.min)).cast<float>();
+  }
+  return particles;
+}
+
+Aabb boundsOfParts(std::span<const LivePart> parts, double more) {
+  Aabb box;
+  for (const LivePart& part : parts) {
+    for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
+  }
+  box.min.array() -= more;
+  box.max.array() += more;
+  return box;
+}
+
+/// Random hulls of a few points each about one place, all overlapping.
+std::vector<LivePart> randomParts(std::mt19937_64& random, int count) {
+  std::vector<LivePart> parts(static_cast<std::size_t>(count));
+  for (LivePart& part : parts) {
+    std::vector<Vec3> corners(6 + random() % 60);
+    const Vec3 size = uniformVec3(random, 0.02, 0.4);
+    for (Vec3& corner : corners) corner = size.cwiseProduct(uniformVec3(random, -1.0, 1.0));
+    Isometry3 place = at(0, 0, 0);
+    place.linear() = uniformRotation(random).toRotationMatrix();
+    place.translation() = uniformVec3(random, -0.5, 0.5);
+    part.worldFromPart = place;
+    part.previousWorldFromPart = place;
+    reshape(part, corners);
+  }
+  return parts;
+}
+
+/// Pushes, and holds every particle to the truth: who was touched, what it was told, where it is now.
+/// @return how many were touched
+std::size_t expectPushed(std::span<const LivePart> parts, std::vector<Vec3f> particles, const std::string& what) {
+  SCOPED_TRACE(what);
+  const ParticleTruth truth(parts);
+  ParticlePush push;
+  push.prepare(parts, kSecond);
+  const std::vector<Vec3f> before = particles;
+  const std::span<const ParticleTouch> touches = push.push(particles);
+  std::size_t next = 0;
+  double sum = 0.0;
+  double leastSum = 0.0;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Vec3 was = before[i].cast<double>();
+    const Vec3 is = particles[i].cast<double>();
+    const double height = truth.lowest(was);
+    const bool touched = next < touches.size() && touches[next].particle == i;
+    EXPECT_TRUE(touched ? height < kRounding : height > -kRounding) << i << ": " << height;
+    EXPECT_GT(truth.lowest(is), -kRounding) << i << " is inside, and was at " << height;
+    if (!touched) {
+      EXPECT_EQ(before[i], particles[i]);
+      continue;
+    }
+    const ParticleTouch& touch = touches[next++];
+    EXPECT_NEAR(touch.depth, (is - was).norm(), kRounding);
+    EXPECT_NEAR(touch.normal.norm(), 1.0, 1e-5);
+    EXPECT_NEAR(truth.height(touch.part, is), 0.0, 4 * kRounding) << "on the surface of the part that is named";
+    EXPECT_TRUE(truth.hasFace(touch.part, is, touch.normal.cast<double>(), 2 * kRounding)) << "the normal is a face's";
+    const LivePart& part = parts[touch.part];
+    EXPECT_NEAR((touch.surfaceVelocity.cast<double>() - velocityAt(part, is, kSecond)).norm(), 0.0, 1e-4);
+    if (next % 4 != 0) continue;
+    const double way = truth.wayOut(was);
+    EXPECT_LE(touch.depth, 4.0 * way + 5e-3) << i << ": there is a much nearer way out";
+    sum += touch.depth;
+    leastSum += way;
+  }
+  EXPECT_EQ(next, touches.size()) << "touches are in order";
+  EXPECT_LE(sum, 1.5 * leastSum + 1e-3) << "on the average, the ways are near the shortest";
+  EXPECT_TRUE(push.push(particles).empty()) << "who is out stays where he is";
+  return touches.size();
+}
+
+TEST(ParticlePush, ABoxPushesThroughTheNearestFace) {
+  LivePart box = makeBoxPart({0.5, 1.0, 2.0}, at(1, 2, 3));
+  std::vector<Vec3f> particles = {{1.4F, 2.0F, 3.0F}, {1.0F, 1.1F, 3.0F}, {1.0F, 2.0F, 4.9F}, {1.6F, 2.0F, 3.0F}};
+  ParticlePush push;
+  push.prepare(std::span(&box, 1), kSecond);
+  const std::span<const ParticleTouch> touches = push.push(particles);
+  ASSERT_EQ(touches.size(), 3U);
+  EXPECT_LT((particles[0] - Vec3f(1.5F, 2.0F, 3.0F)).norm(), kRounding);
+  EXPECT_LT((particles[1] - Vec3f(1.0F, 1.0F, 3.0F)).norm(), kRounding);
+  EXPECT_LT((particles[2] - Vec3f(1.0F, 2.0F, 5.0F)).norm(), kRounding);
+  EXPECT_EQ(particles[3], Vec3f(1.6F, 2.0F, 3.0F));
+  EXPECT_LT((touches[1].normal - Vec3f(0, -1, 0)).norm(), 1e-6);
+}
+
+TEST(ParticlePush, RandomHullsPushAsAllTheirPlanesSay) {
+  std::mt19937_64 random(71);
+  std::size_t touched = 0;
+  for (int i = 0; i < 40; ++i) {
+    const std::vector<LivePart> parts = randomParts(random, 1 + i % 16);
+    touched += expectPushed(parts, particlesIn(boundsOfParts(parts, 0.05), 300, random), "case " + std::to_string(i));
+  }
+  EXPECT_GT(touched, 900U);
+}
+
+TEST(ParticlePush, ABodyInAnyPosePushesAsAllItsPlanesSay) {
+  Dancer dancer;
+  std::mt19937_64 random(72);
+  LiveBody body(dancer.decomposition, dancer.character);
+  std::size_t touched = 0;
+  for (int i = 0; i < 4; ++i) {
+    dancer.dance(random, i == 3 ? 2.5 : 0.4);  // the last one folds in on itself
+    body.update(dancer.worldFromModel);
+    if (i == 0) continue;
+    touched += expectPushed(body.parts(), particlesIn(boundsOfParts(body.parts(), 0.02), 700, random),
+                            "pose " + std::to_string(i));
+  }
+  EXPECT_GT(touched, 50U);
+}
+
+TEST(ParticlePush, ThinPlatesPushAndFlatOnesDoNot) {
+  std::mt19937_64 random(73);
+  std::vector<LivePart> parts = {makeBoxPart({0.5, 1e-4, 0.5}, at(0, 1, 0)), makeBoxPart({0.5, 1.0, 0.5}, at(3, 1, 0)),
+                                 makeBoxPart({0.5, 1.0, 0.5}, at(6, 1, 0)), LivePart()};
+  parts[2].worldFromPart.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  parts.push_back(makeBoxPart({1, 1, 1}, at(1e300, 0, 0)));
+  std::vector<Vec3f> particles(2000);
+  for (Vec3f& p : particles) {
+    p = uniformVec3(random, -0.5, 0.5).cast<float>();
+    p.y() = 1.0F + 4e-4F * p.y();
+  }
+  const auto only = std::span(parts).first(1);
+  EXPECT_GT(expectPushed(only, particles, "a plate of 0.2 mm"), 500U);
+  reshape(parts[1], std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}});
+  ASSERT_TRUE(parts[1].shape.degenerate());
+  ParticlePush push;
+  push.prepare(std::span(parts).last(4), kSecond);
+  std::vector<Vec3f> at3(1, Vec3f(3.2F, 1.0F, 0.2F));
+  EXPECT_TRUE(push.push(at3).empty());
+  push.prepare({}, kSecond);
+  EXPECT_TRUE(push.push(at3).empty());
+  push.prepare(parts, kSecond);
+  EXPECT_TRUE(push.push({}).empty());
+  const std::size_t expected = expectPushed(only, particles, "alone");
+  EXPECT_EQ(push.push(particles).size(), expected) << "beside parts that push nothing";
+}
+
+TEST(ParticlePush, PositionsThatAreNoNumbersAreLeftAlone) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  const LivePart box = makeBoxPart({1, 1, 1}, at(0, 0, 0));
+  ParticlePush push;
+  push.prepare(std::span(&box, 1), kSecond);
+  // A whole packet of each, and then some.
+  for (const Vec3f& odd : {Vec3f(nan, 0, 0), Vec3f(0, nan, 0), Vec3f(0, 0, nan), Vec3f(infinity, 0, 0),
+                           Vec3f(0, -infinity, 0), Vec3f(1e30F, 0, 0), Vec3f(nan, nan, nan)}) {
+    std::vector<Vec3f> particles(37, odd);
+    particles[20] = {0.9F, 0, 0};
+    const std::vector<Vec3f> before = particles;
+    const std::span<const ParticleTouch> touches = push.push(particles);
+    ASSERT_EQ(touches.size(), 1U);
+    EXPECT_EQ(touches[0].particle, 20U);
+    particles[20] = before[20];
+    EXPECT_EQ(std::memcmp(particles.data(), before.data(), before.size() * sizeof(Vec3f)), 0);
+  }
+}
+
+TEST(ParticlePush, GrainsAreKeptByTheirRadius) {
+  std::mt19937_64 random(74);
+  constexpr double kRadius = 0.02;
+  const LivePart box = makeBoxPart({0.1, 0.2, 0.3}, at(0, 1, 0));
+  ParticlePush push({.radius = kRadius});
+  push.prepare(std::span(&box, 1), kSecond);
+  std::vector<Vec3f> particles = particlesIn(boundsOfParts(std::span(&box, 1), 0.05), 2000, random);
+  const std::vector<Vec3f> before = particles;
+  const ParticleTruth truth(std::span(&box, 1));
+  const std::size_t count = push.push(particles).size();
+  std::size_t expected = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const bool near = truth.lowest(before[i].cast<double>()) < kRadius;
+    expected += near ? 1 : 0;
+    EXPECT_EQ(near, before[i] != particles[i]);
+    EXPECT_GT(truth.lowest(particles[i].cast<double>()), kRadius - kRounding);
+  }
+  EXPECT_EQ(count, expected);
+}
+
+TEST(ParticlePush, TellsHowFastTheSurfaceMoves) {
+  LivePart box = makeBoxPart({0.5, 0.5, 0.5}, at(1, 1, 1));
+  Isometry3 turned = at(1.1, 1.0, 0.8);
+  turned.linear() = Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  moveTo(box, turned);
+  std::mt19937_64 random(75);
+  std::vector<Vec3f> particles = particlesIn(boundsOfParts(std::span(&box, 1), 0.0), 500, random);
+  const std::vector<Vec3f> before = particles;
+  for (const double trust : {1.0, 0.25, 0.0}) {
+    box.trust = trust;
+    particles = before;
+    ParticlePush push;
+    push.prepare(std::span(&box, 1), 0.02);
+    const std::span<const ParticleTouch> touches = push.push(particles);
+    EXPECT_GT(touches.size(), 100U);
+    for (const ParticleTouch& touch : touches) {
+      const Vec3 expected = trust * velocityAt(box, particles[touch.particle].cast<double>(), 0.02);
+      EXPECT_NEAR((touch.surfaceVelocity.cast<double>() - expected).norm(), 0.0, 1e-3);
+    }
+  }
+}
+
+TEST(ParticlePush, VelocityChangesAsCoulombSays) {
+  ParticleTouch touch{};
+  touch.normal = Vec3f::UnitY();
+  touch.surfaceVelocity = Vec3f(1, 2, 0);
+  const auto after = [&](const Vec3f& v, float friction) -> Vec3f { return v + velocityChange(touch, v, friction); };
+  EXPECT_EQ(after({0, 3, 0}, 1.0F), Vec3f(0, 3, 0)) << "it leaves already";
+  EXPECT_EQ(after({0, 0, 0}, 0.0F), Vec3f(0, 2, 0)) << "without friction, along the normal only";
+  EXPECT_LT((after({0, 0, 0}, 0.25F) - Vec3f(0.5F, 2, 0)).norm(), 1e-6) << "a quarter of the push";
+  EXPECT_LT((after({0, 0, 0}, 5.0F) - Vec3f(1, 2, 0)).norm(), 1e-6) << "it sticks, and is not thrown the other way";
+  EXPECT_EQ(after({1, 1, 0}, 0.5F), Vec3f(1, 2, 0)) << "nothing slides";
+}
+
+/// What a push gave, bit by bit.
+std::vector<unsigned char> bytesOf(const std::vector<Vec3f>& particles, std::span<const ParticleTouch> touches) {
+  std::vector<unsigned char> bytes(particles.size() * sizeof(Vec3f) + touches.size_bytes());
+  std::memcpy(bytes.data(), particles.data(), particles.size() * sizeof(Vec3f));
+  if (!touches.empty()) {
+    std::memcpy(bytes.data() + particles.size() * sizeof(Vec3f), touches.data(), touches.size_bytes());
+  }
+  return bytes;
+}
+
+TEST(ParticlePush, OneThreadEqualsManyAndEveryInstructionSetTheOthers) {
+  std::mt19937_64 random(76);
+  const std::vector<LivePart> parts = randomParts(random, 16);
+  const std::vector<Vec3f> all = particlesIn(boundsOfParts(parts, 0.05), 30'000, random);
+  std::vector<unsigned char> expected;
+  std::size_t touched = 0;
+  onEveryInstructionSet([&] {
+    for (const int threads : {1, 2}) {
+      ParticlePush push({.threads = threads});
+      push.prepare(parts, kSecond);
+      std::vector<Vec3f> particles = all;
+      const std::span<const ParticleTouch> touches = push.push(particles);
+      const std::vector<unsigned char> bytes = bytesOf(particles, touches);
+      if (expected.empty()) expected = bytes;
+      EXPECT_TRUE(bytes == expected) << threads << " threads";
+      touched = touches.size();
+    }
+  });
+  EXPECT_GT(touched, 1000U);
+}
+
+TEST(ParticlePush, AnyNumberOfParticlesIsPushedAsOneByOne) {
+  std::mt19937_64 random(77);
+  const std::vector<LivePart> parts = randomParts(random, 5);
+  const std::vector<Vec3f> all = particlesIn(boundsOfParts(parts, 0.0), 8200, random);
+  ParticlePush push;
+  push.prepare(parts, kSecond);
+  std::vector<Vec3f> alone = all;
+  for (Vec3f& p : alone) (void)push.push(std::span(&p, 1));
+  onEveryInstructionSet([&] {
+    for (const std::size_t count :
+         std::initializer_list<std::size_t>{3U, 4U, 5U, 7U, 8U, 9U, 15U, 16U, 17U, 4095U, 4096U, 4097U, 8200U}) {
+      std::vector<Vec3f> particles(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+      (void)push.push(particles);
+      EXPECT_EQ(std::memcmp(particles.data(), alone.data(), count * sizeof(Vec3f)), 0) << count;
+    }
+  });
+}
+
+TEST(ParticlePush, FramesAllocateNothing) {
+  Dancer dancer;
+  std::mt19937_64 random(78);
+  LiveBody body(dancer.decomposition, dancer.character);
+  std::vector<std::vector<LivePart>> frames;
+  for (int i = 0; i < 6; ++i) {
+    dancer.dance(random, 0.4);
+    body.update(dancer.worldFromModel);
+    frames.emplace_back(body.parts().begin(), body.parts().end());
+  }
+  std::vector<Vec3f> particles = particlesIn(boundsOfParts(body.parts(), 0.1), 20'000, random);
+  ParticlePush push({.threads = 1});
+  std::size_t touched = 0;
+  const auto all = [&] {
+    for (const std::vector<LivePart>& frame : frames) {
+      push.prepare(frame, kSecond);
+      touched += push.push(particles).size();
+    }
+  };
+  all();
+  const long before = allocationCount();
+  ASSERT_GT(before, 0) << "the counter works: making all this did allocate";
+  all();
+  EXPECT_EQ(allocationCount() - before, 0);
+  EXPECT_GT(touched, 100U);
+}
+
+}  // namespace
+}  // namespace lorica::test

@@ -1,0 +1,294 @@
+#include "skinning/body/closed_body.h"
+
+#include "geometry/random_numbers.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/skinning/body/hard_characters.h"
+#include "tests/support/meshes.h"
+#include "tests/support/voxels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+std::span<const Influence> influencesOf(const Character& character, std::size_t v) {
+  return std::span(character.influences)
+      .subspan(character.influenceBegin[v], character.influenceBegin[v + 1] - character.influenceBegin[v]);
+}
+
+double volumeOf(const Character& character) {
+  return signedVolume(character.mesh.vertices, character.mesh.triangles);
+}
+
+bool hasNote(const Body& body, const std::string& part) {
+  return std::any_of(body.notes.begin(), body.notes.end(),
+                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+/// What every body promises, whatever it was made of.
+void expectSound(const Body& body) {
+  EXPECT_TRUE(checkClosedTwoManifold(body.character.mesh).ok());
+  const Result<void> checked = checkCharacter(body.character);
+  EXPECT_TRUE(checked.ok()) << checked.error().message;
+  const auto bodyVertices = static_cast<VertexIndex>(body.bodyVertices);
+  for (const Triangle& t : body.character.mesh.triangles) {
+    EXPECT_LT(std::max({t[0], t[1], t[2]}), bodyVertices);
+  }
+  std::vector<bool> used(body.character.mesh.vertices.size(), false);
+  for (const auto* triangles : {&body.character.mesh.triangles, &body.character.shown}) {
+    for (const Triangle& t : *triangles) {
+      for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = true;
+    }
+  }
+  EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "vertices that nobody sees would be covered in vain";
+  for (std::size_t v = 0; v < static_cast<std::size_t>(bodyVertices) && body.made; ++v) {
+    EXPECT_LE(influencesOf(body.character, v).size(), 8u);
+  }
+}
+
+/// A character of one joint.
+Character rigid(const TriMesh& mesh) {
+  Character character = test::bonesAt({{"root", kNoJoint, Vec3::Zero()}});
+  test::add(character, mesh, 0);
+  return test::finished(std::move(character));
+}
+
+TEST(Body, AClosedMeshStaysAsItIs) {
+  const Character mannequin = makeMannequin();
+  const Result<Body> body = makeBody(mannequin);
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  expectSound(*body);
+  EXPECT_FALSE(body->made);
+  EXPECT_EQ(body->shells, 1);
+  EXPECT_EQ(body->resolution, 0.0);
+  EXPECT_TRUE(body->notes.empty());
+  EXPECT_TRUE(body->character.shown.empty());
+  EXPECT_EQ(body->character.mesh.vertices, mannequin.mesh.vertices);
+  EXPECT_EQ(body->character.mesh.triangles, mannequin.mesh.triangles);
+  EXPECT_EQ(body->character.height, mannequin.height);
+  EXPECT_EQ(body->distances.farthestOutside, 0.0);
+}
+
+TEST(Body, ASeamIsWeldedAndKeepsItsWeights) {
+  const Character mannequin = makeMannequin();
+  const Result<Body> body = makeBody(test::unindexed(mannequin));
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  expectSound(*body);
+  EXPECT_FALSE(body->made);
+  ASSERT_EQ(body->character.mesh.vertices.size(), mannequin.mesh.vertices.size());
+  EXPECT_TRUE(hasNote(*body, "welded"));
+  EXPECT_DOUBLE_EQ(volumeOf(body->character), volumeOf(mannequin));
+  // Vertices come in another order: the first triangle's first.
+  for (std::size_t k = 0; k < mannequin.mesh.triangles.size(); k += 97) {
+    const auto was = static_cast<std::size_t>(mannequin.mesh.triangles[k][0]);
+    const auto is = static_cast<std::size_t>(body->character.mesh.triangles[k][0]);
+    EXPECT_EQ(body->character.mesh.vertices[is], mannequin.mesh.vertices[was]);
+    double sum = 0.0;
+    for (const Influence& i : influencesOf(body->character, is)) {
+      for (const Influence& j : influencesOf(mannequin, was)) {
+        if (i.joint == j.joint) sum += std::min(i.weight, j.weight);
+      }
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-9);
+  }
+}
+
+TEST(Body, WhereWeldedVerticesDifferTheMeanOfTheirWeightsIsTaken) {
+  Character box = test::bonesAt({{"a", kNoJoint, Vec3::Zero()}, {"b", 0, Vec3(0.5, 0.5, 0.5)}});
+  TriMesh left = test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  TriMesh right = left;
+  right.triangles.assign(left.triangles.begin() + 6, left.triangles.end());
+  left.triangles.resize(6);
+  test::add(box, left, 0);
+  test::add(box, right, 1);
+  const Result<Body> body = makeBody(test::finished(box));
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  expectSound(*body);
+  EXPECT_FALSE(body->made);
+  EXPECT_EQ(body->bodyVertices, 8);
+  EXPECT_TRUE(hasNote(*body, "the mean was taken"));
+  int shared = 0;
+  for (std::size_t v = 0; v < 8; ++v) {
+    const auto influences = influencesOf(body->character, v);
+    if (influences.size() == 1) continue;
+    ++shared;
+    EXPECT_DOUBLE_EQ(influences[0].weight, 0.5);
+    EXPECT_DOUBLE_EQ(influences[1].weight, 0.5);
+  }
+  EXPECT_GT(shared, 0);
+}
+
+TEST(Body, WhatIsInsideOutIsTurned) {
+  TriMesh box = test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  for (Triangle& t : box.triangles) std::swap(t[1], t[2]);
+  const Result<Body> body = makeBody(rigid(box));
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  EXPECT_FALSE(body->made);
+  EXPECT_NEAR(volumeOf(body->character), 1.0, 1e-12);
+  EXPECT_TRUE(hasNote(*body, "inside out"));
+}
+
+TEST(Body, CrowdedEdgesOfAClosedMeshAreMended) {
+  const Result<Body> body =
+      makeBody(rigid(test::makeVoxelSurface({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 1}, {1, 1, 1}})));
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  expectSound(*body);
+  EXPECT_FALSE(body->made);
+  EXPECT_NEAR(volumeOf(body->character), 5.0, 1e-12);
+}
+
+TEST(Body, ShellsThatAreApartStayAsTheyAre) {
+  const Result<Body> body = makeBody(
+      rigid(test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)), test::makeBox(Vec3(2, 0, 0), Vec3(3, 1, 1)))));
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  EXPECT_FALSE(body->made);
+  EXPECT_EQ(body->shells, 2);
+}
+
+// Volumes of these are known. The surface is smoothed, which rounds edges: 2 % of so coarse solids.
+TEST(Body, OverlappingShellsBecomeOneSurface) {
+  const TriMesh two = test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)),
+                                   test::makeBox(Vec3(0.5, 0.25, 0.25), Vec3(2, 0.75, 0.75)));
+  const Result<Body> body = makeBody(rigid(two));
+  ASSERT_TRUE(body.ok()) << body.error().message;
+  expectSound(*body);
+  EXPECT_TRUE(body->made);
+  EXPECT_NEAR(volumeOf(body->character), 1.25, 0.02);
+  EXPECT_EQ(connectedComponents(body->character.mesh.vertices.size(), body->character.mesh.triangles).count, 1);
+  EXPECT_EQ(body->shells, 2);
+  EXPECT_LT(body->distances.farthestToOriginal, body->resolution);
+  EXPECT_LT(body->distances.farthestOutside, std::sqrt(3.0) * body->resolution);  // corners are rounded
+  EXPECT_EQ(body->character.mesh.vertices.size(), static_cast<std::size_t>(body->bodyVertices) + 16);
+}
+
+TEST(Body, WhatLiesInsideCountsOnce) {
+  for (const bool insideOut : {false, true}) {
+    TriMesh eye = test::makeSphere(0.3, 12, 16);
+    if (insideOut) {
+      for (Triangle& t : eye.triangles) std::swap(t[1], t[2]);
+    }
+    const TriMesh head = test::makeSphere(1.0, 24, 32);
+    const Result<Body> body = makeBody(rigid(test::joined(head, eye)));
+    ASSERT_TRUE(body.ok()) << body.error().message;
+    expectSound(*body);
+    EXPECT_NEAR(volumeOf(body->character), signedVolume(head.vertices, head.triangles), 0.02);
+  }
+}
+
+TEST(Body, ASheetAloneEnclosesNothing) {
+  TriMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  for (const bool both : {false, true}) {
+    if (both) sheet.triangles.insert(sheet.triangles.end(), {{0, 2, 1}, {0, 3, 2}});
+    const Result<Body> body = makeBody(rigid(sheet));
+    ASSERT_FALSE(body.ok());
+    EXPECT_EQ(body.error().code, ErrorCode::kBadMesh);
+    EXPECT_NE(body.error().message.find("encloses anything"), std::string::npos) << body.error().message;
+  }
+}
+
+TEST(Body, DegenerateInputIsRefusedInWords) {
+  Character none = rigid({});
+  EXPECT_EQ(makeBody(none).error().code, ErrorCode::kBadMesh);
+  Character points = rigid({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {}});
+  EXPECT_NE(makeBody(points).error().message.find("3 vertices and 0 triangles"), std::string::npos);
+  Character needle = rigid({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)}, {{0, 1, 2}, {0, 1, 1}}});
+  EXPECT_EQ(makeBody(needle).error().code, ErrorCode::kBadMesh);
+  Character spot = rigid({{Vec3(1, 1, 1), Vec3(1, 1, 1), Vec3(1, 1, 1)}, {{0, 1, 2}}});
+  EXPECT_EQ(makeBody(spot).error().code, ErrorCode::kBadMesh);
+  Character broken = rigid(test::makeTetrahedron());
+  broken.mesh.vertices[0].x() = std::nan("");
+  EXPECT_EQ(makeBody(broken).error().code, ErrorCode::kBadMesh);
+  Character open = rigid(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)));
+  open.mesh.triangles.pop_back();
+  EXPECT_EQ(makeBody(open, {.resolution = -1.0}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(makeBody(open, {.resolution = std::nan("")}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(makeBody(open, {.threads = -1}).error().code, ErrorCode::kInvalidArgument);
+  const Result<Body> fine = makeBody(open, {.resolution = 1e-6});
+  ASSERT_FALSE(fine.ok());
+  EXPECT_EQ(fine.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(fine.error().message.find("voxels of 1e-06 m"), std::string::npos) << fine.error().message;
+  EXPECT_NE(fine.error().message.find("expected voxels of at least 0."), std::string::npos) << fine.error().message;
+  const Result<Body> coarse = makeBody(open, {.resolution = 0.13});
+  ASSERT_FALSE(coarse.ok());
+  EXPECT_EQ(coarse.error().message,
+            "a body of voxels of 0.13 m: expected at most 0.125 m, an eighth of its longest side");
+}
+
+TEST(Body, CanBeCancelledAtEveryStep) {
+  const Character boxes =
+      rigid(test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)), test::makeBox(Vec3(0.5, 0, 0), Vec3(2, 1, 1))));
+  int calls = 0;
+  int last = -1;
+  BodySettings settings{.resolution = 0.1};
+  settings.progress = [&](int done, int steps) {
+    EXPECT_GT(done, last);
+    EXPECT_LE(done, steps);
+    last = done;
+    ++calls;
+    return true;
+  };
+  ASSERT_TRUE(makeBody(boxes, settings).ok());
+  EXPECT_GE(calls, 4);
+  for (int at = 0; at + 1 < calls; ++at) {
+    int k = 0;
+    settings.progress = [&](int, int) { return k++ < at; };
+    const Result<Body> body = makeBody(boxes, settings);
+    ASSERT_FALSE(body.ok()) << at;
+    EXPECT_EQ(body.error().code, ErrorCode::kCancelled);
+  }
+}
+
+TEST(Body, DoesNotDependOnThreads) {
+  const Character torn = test::tornMannequin(40);
+  const Result<Body> one = makeBody(torn, {.resolution = 0.03, .threads = 1});
+  const Result<Body> three = makeBody(torn, {.resolution = 0.03, .threads = 3});
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_EQ(one->character.mesh.vertices, three->character.mesh.vertices);
+  EXPECT_EQ(one->character.mesh.triangles, three->character.mesh.triangles);
+  ASSERT_EQ(one->character.influences.size(), three->character.influences.size());
+  for (std::size_t i = 0; i < one->character.influences.size(); ++i) {
+    ASSERT_EQ(one->character.influences[i].joint, three->character.influences[i].joint);
+    ASSERT_EQ(one->character.influences[i].weight, three->character.influences[i].weight);
+  }
+  EXPECT_EQ(one->distances.meanOutside, three->distances.meanOutside);
+}
+
+TEST(BodyDistances, AgreeWithAClosedForm) {
+  // A body of 2 m in the middle of what people see, 2.4 m: all of that is 0.2 m outside, or more at edges and corners.
+  Body body;
+  body.made = true;
+  body.bodyVertices = 8;
+  body.character = rigid(test::makeBox(Vec3::Constant(-1.0), Vec3::Constant(1.0)));
+  const std::vector<Triangle> own = body.character.mesh.triangles;
+  test::add(body.character, test::makeBox(Vec3::Constant(-1.2), Vec3::Constant(1.2)), 0);
+  body.character.shown.assign(body.character.mesh.triangles.begin() + 12, body.character.mesh.triangles.end());
+  body.character.mesh.triangles = own;
+  Affine3 pose = Affine3::Identity();
+  for (int k = 0; k < 2; ++k) {
+    const std::vector<Affine3> worldFromModel{pose};
+    const BodyDistances d = distancesInPose(body, worldFromModel);
+    EXPECT_NEAR(d.farthestOutside, 0.2 * std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(d.meanToOriginal, 0.2, 1e-12);
+    EXPECT_NEAR(d.farthestToOriginal, 0.2, 1e-12);
+    // The mean over the large box: faces 0.2; along borders, where it grows, by integration.
+    double mean = 0.0;
+    constexpr int kCells = 600;
+    for (int i = 0; i < kCells; ++i) {
+      for (int j = 0; j < kCells; ++j) {
+        const auto beyond = [](int c) { return std::max(0.0, std::abs(-1.2 + 2.4 * (c + 0.5) / kCells) - 1.0); };
+        mean += Vec3(0.2, beyond(i), beyond(j)).norm() / (kCells * kCells);
+      }
+    }
+    EXPECT_NEAR(d.meanOutside, mean, 1e-3);
+    // The same wherever it stands.
+    pose = Eigen::Translation3d(3.0, -2.0, 1.0) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized());
+  }
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,200 @@
+// The mannequin torn, opened, turned and dressed: what comes back must be the mannequin.
+
+#include "skinning/body/closed_body.h"
+#include "skinning/body/triangle_tree.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/skinning/body/hard_characters.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+std::span<const Influence> influencesOf(const Character& character, std::size_t v) {
+  return std::span(character.influences)
+      .subspan(character.influenceBegin[v], character.influenceBegin[v + 1] - character.influenceBegin[v]);
+}
+
+double weightOf(std::span<const Influence> influences, JointIndex joint) {
+  double sum = 0.0;
+  for (const Influence& i : influences) sum += i.joint == joint ? i.weight : 0.0;
+  return sum;
+}
+
+/// What one makes of the mannequin, however it was spoilt.
+void expectMannequin(const Character& spoilt, double volumeShare) {
+  const Character truth = makeMannequin();
+  const Result<Body> made = makeBody(spoilt);
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  const Body& body = *made;
+  EXPECT_TRUE(checkClosedTwoManifold(body.character.mesh).ok());
+  EXPECT_TRUE(checkCharacter(body.character).ok());
+  EXPECT_TRUE(body.made);
+  EXPECT_GE(body.bodyVertices, 5000);
+  EXPECT_LE(body.bodyVertices, 15000);
+  EXPECT_EQ(body.character.shown.size(), spoilt.mesh.triangles.size());
+  EXPECT_EQ(connectedComponents(body.character.mesh.vertices.size(), body.character.mesh.triangles).count, 1);
+  EXPECT_NEAR(signedVolume(body.character.mesh.vertices, body.character.mesh.triangles) /
+                  signedVolume(truth.mesh.vertices, truth.mesh.triangles),
+              1.0, volumeShare);
+
+  // Against the whole mannequin, not the spoilt one: distances both ways, and weights.
+  const TriangleTree tree(truth.mesh.vertices, truth.mesh.triangles);
+  double sumDistance = 0.0;
+  double farthest = 0.0;
+  double sumDifference = 0.0;
+  const JointIndex leftThigh = truth.skeleton.jointOf(HumanBone::kLeftUpperLeg);
+  const std::array<JointIndex, 4> rightLeg{
+      truth.skeleton.jointOf(HumanBone::kRightUpperLeg), truth.skeleton.jointOf(HumanBone::kRightLowerLeg),
+      truth.skeleton.jointOf(HumanBone::kRightFoot), truth.skeleton.jointOf(HumanBone::kRightToes)};
+  double strayed = 0.0;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(body.bodyVertices); ++v) {
+    const TriangleTree::Hit hit = tree.nearest(body.character.mesh.vertices[v]);
+    sumDistance += hit.distance;
+    farthest = std::max(farthest, hit.distance);
+    const auto own = influencesOf(body.character, v);
+    const Triangle& t = truth.mesh.triangles[static_cast<std::size_t>(hit.triangle)];
+    double shared = 0.0;
+    for (const Influence& i : own) {
+      double there = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        there += hit.shares[k] *
+                 weightOf(influencesOf(truth, static_cast<std::size_t>(t[static_cast<std::size_t>(k)])), i.joint);
+      }
+      shared += std::min(i.weight, there);
+    }
+    sumDifference += 1.0 - shared;
+    if (weightOf(own, leftThigh) > 0.5) {
+      for (const JointIndex right : rightLeg) strayed = std::max(strayed, weightOf(own, right));
+    }
+  }
+  EXPECT_LT(sumDistance / body.bodyVertices, 0.15 * body.resolution);
+  EXPECT_LT(farthest, 2.0 * body.resolution);
+  EXPECT_LT(sumDifference / body.bodyVertices, 0.05);
+  EXPECT_EQ(strayed, 0.0);
+  std::cout << body.bodyVertices << " vertices, voxel " << 1e3 * body.resolution << " mm; to the mannequin mean "
+            << 1e3 * sumDistance / body.bodyVertices << " mm, farthest " << 1e3 * farthest << " mm; other weights "
+            << 100 * sumDifference / body.bodyVertices << " %; outside " << 1e3 * body.distances.farthestOutside
+            << " mm\n";
+  for (const std::string& note : body.notes) std::cout << "  " << note << "\n";
+}
+
+TEST(MannequinBody, Torn) {
+  expectMannequin(test::tornMannequin(20), 0.02);
+}
+
+TEST(MannequinBody, InOpenShells) {
+  expectMannequin(test::openMannequin(), 0.02);
+}
+
+TEST(MannequinBody, InOpenShellsEverySecondInsideOut) {
+  expectMannequin(test::openMannequinInsideOut(), 0.02);
+}
+
+TEST(MannequinBody, WithACape) {
+  Character dressed = makeMannequin();
+  const std::size_t skin = dressed.mesh.vertices.size();
+  test::addCape(dressed);
+  expectMannequin(dressed, 0.02);
+  const Result<Body> body = makeBody(dressed);
+  ASSERT_TRUE(body.ok());
+  EXPECT_EQ(body->character.mesh.vertices.size(),
+            static_cast<std::size_t>(body->bodyVertices) + dressed.mesh.vertices.size());
+  EXPECT_GT(dressed.mesh.vertices.size(), skin);
+  // The cape sticks out, and that is said.
+  EXPECT_GT(body->distances.farthestOutside, 0.1);
+}
+
+/// Two legs side by side, closed capsules of 12 cm, one joint each below the hips, and a block of hips.
+Character legs(double gap) {
+  Character character = test::bonesAt(
+      {{"hips", kNoJoint, Vec3(0, 1, 0)}, {"left", 0, Vec3(0.1, 0.9, 0)}, {"right", 0, Vec3(-0.1, 0.9, 0)}});
+  const auto leg = [&](double x) {
+    TriMesh box;
+    constexpr int kRings = 24, kAround = 24;
+    for (int r = 0; r <= kRings; ++r) {
+      for (int a = 0; a < kAround; ++a) {
+        const double angle = 2.0 * 3.14159265358979 * a / kAround;
+        box.vertices.emplace_back(x + 0.06 * std::cos(angle), 0.9 * r / kRings, 0.06 * std::sin(angle));
+      }
+    }
+    const auto low = static_cast<VertexIndex>(box.vertices.size());
+    box.vertices.emplace_back(x, 0.0, 0.0);
+    box.vertices.emplace_back(x, 0.9, 0.0);
+    for (int r = 0; r < kRings; ++r) {
+      for (int a = 0; a < kAround; ++a) {
+        const VertexIndex i = r * kAround + a, j = r * kAround + (a + 1) % kAround;
+        box.triangles.push_back({i, i + kAround, j});
+        box.triangles.push_back({j, i + kAround, j + kAround});
+      }
+    }
+    for (int a = 0; a < kAround; ++a) {
+      const VertexIndex j = (a + 1) % kAround;
+      box.triangles.push_back({low, a, j});
+      box.triangles.push_back({low + 1, kRings * kAround + j, kRings * kAround + a});
+    }
+    return box;
+  };
+  test::add(character, leg(0.06 + 0.5 * gap), 1);
+  test::add(character, leg(-0.06 - 0.5 * gap), 2);
+  TriMesh hips;
+  hips.vertices = {};
+  // A box from just above the legs' ends, so that it overlaps them.
+  const Vec3 low(-0.15, 0.8, -0.08), high(0.15, 1.1, 0.08);
+  for (int i = 0; i < 8; ++i) {
+    hips.vertices.emplace_back((i & 1) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
+                               (i & 4) != 0 ? high.z() : low.z());
+  }
+  hips.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  test::add(character, hips, 0);
+  return test::finished(std::move(character));
+}
+
+TEST(MannequinBody, LegsThatTouchStayTwo) {
+  for (const double gap : {0.02, 0.005, 0.0, -0.005}) {
+    SCOPED_TRACE(gap);
+    const Result<Body> body = makeBody(legs(gap), {.resolution = 0.012});
+    ASSERT_TRUE(body.ok()) << body.error().message;
+    // Below the hips no triangle joins the two legs.
+    int across = 0;
+    double mixed = 0.0;
+    const std::vector<Vec3>& at = body->character.mesh.vertices;
+    for (const Triangle& t : body->character.mesh.triangles) {
+      std::array<bool, 2> legs{};
+      bool below = true;
+      for (const VertexIndex v : t) {
+        const auto own = influencesOf(body->character, static_cast<std::size_t>(v));
+        below = below && at[static_cast<std::size_t>(v)].y() < 0.6;
+        legs[0] = legs[0] || weightOf(own, 1) > 0.5;
+        legs[1] = legs[1] || weightOf(own, 2) > 0.5;
+        if (at[static_cast<std::size_t>(v)].y() < 0.6) {
+          mixed = std::max(mixed, std::min(weightOf(own, 1), weightOf(own, 2)));
+        }
+      }
+      if (below && legs[0] && legs[1]) ++across;
+    }
+    EXPECT_EQ(across, 0);
+    EXPECT_EQ(mixed, 0.0);
+  }
+}
+
+TEST(MannequinBody, TheUnitOfLengthDoesNotMatter) {
+  const Character torn = test::tornMannequin(40);
+  Character large = torn;
+  for (Vec3& v : large.mesh.vertices) v *= 128.0;
+  for (Affine3& m : large.jointFromModel) m.translation() *= 128.0;
+  large.height *= 128.0;
+  const Result<Body> a = makeBody(torn);
+  const Result<Body> b = makeBody(large);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_NEAR(b->resolution / a->resolution, 128.0, 1e-6);
+  EXPECT_NEAR(static_cast<double>(b->bodyVertices) / a->bodyVertices, 1.0, 1e-2);
+}
+
+}  // namespace
+}  // namespace lorica

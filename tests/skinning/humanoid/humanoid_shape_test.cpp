@@ -1,0 +1,401 @@
+#include "skinning/humanoid/humanoid.h"
+
+#include "geometry/random_numbers.h"
+#include "skinning/mannequin/mannequin_skeleton.h"
+#include "tests/skinning/humanoid/humanoid_samples.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+using test::contradictions;
+using test::differences;
+using test::namesOf;
+using enum HumanBone;
+
+/// Where joints lie and what hangs on what: bodies are bent and changed in this form.
+struct Figure {
+  struct Part {
+    std::string name;  ///< the bone's, or one of no meaning
+    int parent = -1;
+    Vec3 position = Vec3::Zero();
+  };
+  std::vector<Part> parts;
+
+  [[nodiscard]] int find(std::string_view name) const {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].name == name) return static_cast<int>(i);
+    }
+    ADD_FAILURE() << "no part " << name;
+    return 0;
+  }
+  [[nodiscard]] bool isBelowOrSame(int part, int ancestor) const {
+    while (part != -1 && part != ancestor) part = parts[static_cast<std::size_t>(part)].parent;
+    return part == ancestor;
+  }
+  [[nodiscard]] Vec3 at(std::string_view name) const { return parts[static_cast<std::size_t>(find(name))].position; }
+
+  /// Turns a part and all below about it.
+  void bend(std::string_view name, double degrees, const Vec3& axis) {
+    const int top = find(name);
+    const Vec3 centre = at(name);
+    const Quat turn(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis.normalized()));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (isBelowOrSame(static_cast<int>(i), top)) parts[i].position = centre + turn * (parts[i].position - centre);
+    }
+  }
+  void remove(const std::function<bool(const std::string&)>& which) {
+    for (std::size_t i = parts.size(); i-- > 0;) {
+      if (!which(parts[i].name)) continue;
+      for (Part& part : parts) {
+        if (part.parent == static_cast<int>(i)) part.parent = parts[i].parent;
+        if (part.parent > static_cast<int>(i)) --part.parent;
+      }
+      parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+  void add(std::string name, std::string_view parent, const Vec3& offset) {
+    parts.push_back({std::move(name), find(parent), at(parent) + offset});
+  }
+  /// Puts a joint between a part and what it hangs on.
+  void insertAbove(std::string_view name, double fraction) {
+    const int below = find(name);
+    const int above = parts[static_cast<std::size_t>(below)].parent;
+    const Vec3 between = (1.0 - fraction) * parts[static_cast<std::size_t>(above)].position + fraction * at(name);
+    parts.push_back({"extra above " + std::string(name), above, between});
+    parts[static_cast<std::size_t>(below)].parent = static_cast<int>(parts.size()) - 1;
+  }
+};
+
+[[nodiscard]] Figure mannequin() {
+  Figure figure;
+  const Skeleton skeleton = makeMannequinSkeleton();
+  for (const Joint& joint : skeleton.joints()) {
+    figure.parts.push_back({joint.name, joint.parent, mannequinJoint(*joint.bone)});
+  }
+  return figure;
+}
+
+[[nodiscard]] bool isFinger(const std::string& name) {
+  return name.ends_with("Proximal") || name.ends_with("Intermediate") || name.ends_with("Distal") ||
+         name.ends_with("Metacarpal");
+}
+
+struct Built {
+  Skeleton skeleton;
+  std::map<HumanBone, std::string> truth;
+};
+
+/// The figure as a skeleton whose names mean nothing, in another order of siblings, with crooked joint axes.
+[[nodiscard]] Built build(const Figure& figure, const Affine3& worldFromFigure, std::uint64_t seed) {
+  RandomNumbers random(seed);
+  std::vector<int> order;
+  std::vector<int> open = {-1};
+  while (!open.empty()) {
+    const std::size_t pick = random.bits() % open.size();
+    const int part = open[pick];
+    open.erase(open.begin() + static_cast<std::ptrdiff_t>(pick));
+    if (part != -1) order.push_back(part);
+    for (std::size_t i = 0; i < figure.parts.size(); ++i) {
+      if (figure.parts[i].parent == part) open.push_back(static_cast<int>(i));
+    }
+  }
+  std::vector<Joint> joints;
+  std::vector<Affine3> worldFromJoint;
+  std::map<int, JointIndex> indexOf;
+  Built built{makeMannequinSkeleton(), {}};
+  for (const int i : order) {
+    const Figure::Part& part = figure.parts[static_cast<std::size_t>(i)];
+    Joint joint;
+    joint.name = fmt::format("q{:x}", random.bits() % 0xffffff);
+    joint.parent = part.parent == -1 ? kNoJoint : indexOf.at(part.parent);
+    const Vec3 axis(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+    Affine3 world = Affine3::Identity();
+    world.translate(worldFromFigure * part.position)
+        .rotate(Eigen::AngleAxisd(random.between(-3.0, 3.0), (axis + Vec3(0, 0, 1e-3)).normalized()));
+    const Affine3 local =
+        joint.parent == kNoJoint ? world : worldFromJoint[static_cast<std::size_t>(joint.parent)].inverse() * world;
+    joint.rest.translation = local.translation();
+    joint.rest.rotation = Quat(local.rotation()).normalized();
+    if (const std::optional<HumanBone> bone = humanBoneNamed(part.name)) built.truth[*bone] = joint.name;
+    indexOf[i] = static_cast<JointIndex>(joints.size());
+    worldFromJoint.push_back(world);
+    joints.push_back(joint);
+  }
+  built.skeleton = std::move(*Skeleton::create(std::move(joints)));
+  return built;
+}
+
+[[nodiscard]] Affine3 turned(double degrees, const Vec3& axis, double scale = 1.0) {
+  Affine3 turn = Affine3::Identity();
+  turn.rotate(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis)).scale(scale);
+  return turn;
+}
+
+void expectFound(const Figure& figure, const std::string& what, const Affine3& world = Affine3::Identity()) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Built built = build(figure, world, seed);
+    const HumanoidGuess guess = guessHumanoid(built.skeleton);
+    EXPECT_EQ(guess.by, "the skeleton's shape") << what;
+    EXPECT_EQ(differences(built.truth, namesOf(built.skeleton, guess)), "") << what << ", seed " << seed;
+    EXPECT_EQ(contradictions(built.skeleton, guess), "") << what;
+  }
+}
+
+void expectNoHuman(const Figure& figure, const std::string& what) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Built built = build(figure, Affine3::Identity(), seed);
+    const HumanoidGuess guess = guessHumanoid(built.skeleton);
+    EXPECT_EQ(guess.by, "") << what;
+    EXPECT_EQ(namesOf(built.skeleton, guess).size(), 0u) << what;
+  }
+}
+
+[[nodiscard]] Figure without(Figure figure, const std::set<std::string>& names) {
+  figure.remove([&](const std::string& name) { return names.contains(name); });
+  return figure;
+}
+
+[[nodiscard]] Figure armsAt(Figure figure, double degreesDown) {
+  figure.bend("leftUpperArm", -degreesDown, Vec3::UnitZ());
+  figure.bend("rightUpperArm", degreesDown, Vec3::UnitZ());
+  return figure;
+}
+
+TEST(HumanoidShape, TheMannequinIsFoundWithoutNames) {
+  expectFound(mannequin(), "T-pose");
+  expectFound(mannequin(), "T-pose in centimetres", turned(0.0, Vec3::UnitX(), 100.0));
+  expectFound(mannequin(), "T-pose, small", turned(0.0, Vec3::UnitX(), 0.01));
+}
+
+TEST(HumanoidShape, ArmsMayHangInAnyRestPose) {
+  for (const double degrees : {20.0, 45.0, 70.0, 85.0, -30.0}) {
+    expectFound(armsAt(mannequin(), degrees), fmt::format("arms {} degrees down", degrees));
+  }
+}
+
+// The toes tell which way it faces, wherever it lies.
+TEST(HumanoidShape, RestPosesMayBeTurned) {
+  for (const double degrees : {45.0, 90.0, 180.0, 270.0}) {
+    for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ()), Vec3(1, 1, 1)}) {
+      expectFound(armsAt(mannequin(), 40.0),
+                  fmt::format("{} degrees about {} {} {}", degrees, axis.x(), axis.y(), axis.z()),
+                  turned(degrees, axis.normalized()));
+    }
+  }
+}
+
+TEST(HumanoidShape, KneesTellTheSidesWhereThereAreNoToes) {
+  const Figure figure = without(mannequin(), {"leftToes", "rightToes"});
+  expectFound(figure, "facing +Z");
+  expectFound(figure, "facing -Z", turned(180.0, Vec3::UnitY()));
+  expectFound(figure, "facing +X", turned(90.0, Vec3::UnitY()));
+}
+
+TEST(HumanoidShape, StraightLegsWithoutToesFaceAhead) {
+  Figure figure = without(mannequin(), {"leftToes", "rightToes"});
+  for (const char* side : {"left", "right"}) {
+    const Vec3 hip = figure.at(side + std::string("UpperLeg"));
+    const Vec3 foot = figure.at(side + std::string("Foot"));
+    figure.parts[static_cast<std::size_t>(figure.find(side + std::string("LowerLeg")))].position = 0.5 * (hip + foot);
+  }
+  expectFound(figure, "straight legs");
+}
+
+// Names that mean nothing but sides: they beat what the toes say.
+TEST(HumanoidShape, SidesInNamesAreBelieved) {
+  Built built = build(mannequin(), turned(180.0, Vec3::UnitY()), 5);
+  std::vector<Joint> joints(built.skeleton.joints().begin(), built.skeleton.joints().end());
+  std::map<std::string, std::string> sided;
+  for (const auto& [bone, name] : built.truth) {
+    // Left and right exchanged: a mirrored character.
+    if (mirrored(bone) != bone) sided[name] = name + (bone < mirrored(bone) ? "_R" : "_L");
+  }
+  for (Joint& joint : joints) {
+    if (sided.contains(joint.name)) joint.name = sided.at(joint.name);
+  }
+  const Skeleton skeleton = std::move(*Skeleton::create(joints));
+  std::map<HumanBone, std::string> truth;
+  for (const auto& [bone, name] : built.truth) truth[mirrored(bone)] = sided.contains(name) ? sided.at(name) : name;
+  EXPECT_EQ(differences(truth, namesOf(skeleton, guessHumanoid(skeleton))), "");
+}
+
+TEST(HumanoidShape, FewerJointsAreEnough) {
+  Figure noFingers = mannequin();
+  noFingers.remove(isFinger);
+  expectFound(noFingers, "no fingers");
+  expectFound(without(noFingers, {"leftToes", "rightToes"}), "no fingers, no toes");
+  expectFound(without(noFingers, {"leftShoulder", "rightShoulder"}), "no collar bones");
+  expectFound(without(noFingers, {"upperChest"}), "two joints of the spine");
+  expectFound(without(noFingers, {"upperChest", "chest"}), "one joint of the spine");
+  expectFound(without(noFingers, {"neck"}), "no neck");
+  expectFound(without(mannequin(), {"leftShoulder", "rightShoulder", "neck", "upperChest"}), "fingers but little else");
+}
+
+TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
+  Figure figure = mannequin();
+  for (const char* name : {"leftLowerLeg", "rightLowerLeg", "leftFoot", "rightFoot", "leftLowerArm", "rightLowerArm",
+                           "leftHand", "rightHand"}) {
+    figure.insertAbove(name, 0.5);
+  }
+  expectFound(figure, "a twist joint in the middle of each segment");
+  expectFound(armsAt(figure, 50.0), "and arms down");
+
+  Figure ends = mannequin();
+  for (const char* side : {"left", "right"}) {
+    ends.add("end of toes", side + std::string("Toes"), {0.0, 0.0, 0.06});
+    for (const char* finger : {"ThumbDistal", "IndexDistal", "MiddleDistal", "RingDistal", "LittleDistal"}) {
+      const double x = side == std::string("left") ? 0.02 : -0.02;
+      ends.add("tip", side + std::string(finger),
+               finger == std::string("ThumbDistal") ? Vec3(0.5 * x, 0.0, 0.018) : Vec3(x, 0.0, 0.0));
+    }
+  }
+  ends.add("top of the head", "head", {0.0, 0.2, 0.0});
+  expectFound(ends, "an end joint on each leaf");
+
+  Figure root = mannequin();
+  root.parts.insert(root.parts.begin(), {"armature", -1, Vec3::Zero()});
+  for (std::size_t i = 1; i < root.parts.size(); ++i) ++root.parts[i].parent;
+  root.add("camera", "armature", {3.0, 1.0, 2.0});
+  root.add("left foot's target", "armature", {0.1, 0.1, 0.0});
+  root.add("right foot's target", "armature", {-0.1, 0.1, 0.0});
+  expectFound(root, "a root above the hips, and what hangs on it");
+}
+
+TEST(HumanoidShape, OrnamentsAreNoLimbs) {
+  Figure figure = mannequin();
+  for (const double side : {1.0, -1.0}) {
+    const std::string name = side > 0 ? "L" : "R";
+    figure.add("braid " + name, "head", {0.06 * side, 0.1, -0.08});
+    figure.add("braid end " + name, "braid " + name, {0.02 * side, -0.25, -0.02});
+    figure.add("eye " + name, "head", {0.03 * side, 0.08, 0.07});
+    figure.add("breast " + name, "upperChest", {0.08 * side, 0.0, 0.1});
+    figure.add("breast end " + name, "breast " + name, {0.0, 0.0, 0.05});
+    figure.add("skirt " + name, "hips", {0.15 * side, -0.05, 0.0});
+    figure.add("skirt end " + name, "skirt " + name, {0.05 * side, -0.3, 0.0});
+  }
+  figure.add("tail", "hips", {0.0, 0.0, -0.1});
+  figure.add("tail end", "tail", {0.0, -0.3, -0.3});
+  expectFound(figure, "braids, breasts, a skirt and a tail");
+}
+
+// People differ, and rigs are not quite symmetric.
+TEST(HumanoidShape, ProportionsMayDiffer) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    RandomNumbers random(seed);
+    Figure figure = mannequin();
+    if (seed % 2 == 0) figure.remove(isFinger);
+    const double legs = random.between(0.7, 1.2);
+    const double arms = random.between(0.75, 1.2);
+    std::vector<Vec3> offsets;
+    for (const Figure::Part& part : figure.parts) {
+      const Vec3 offset = part.parent == -1
+                              ? part.position
+                              : Vec3(part.position - figure.parts[static_cast<std::size_t>(part.parent)].position);
+      const bool leg = part.name.ends_with("LowerLeg") || part.name.ends_with("Foot");
+      const bool arm = part.name.ends_with("LowerArm") || part.name.ends_with("Hand");
+      offsets.push_back(offset * (leg ? legs : arm ? arms : 1.0) * random.between(0.95, 1.05));
+    }
+    for (std::size_t i = 0; i < figure.parts.size(); ++i) {
+      const int parent = figure.parts[i].parent;
+      figure.parts[i].position =
+          offsets[i] + (parent == -1 ? Vec3(Vec3::Zero()) : figure.parts[static_cast<std::size_t>(parent)].position);
+    }
+    figure = armsAt(figure, random.between(0.0, 75.0));
+    figure.bend("leftLowerArm", -random.between(0.0, 30.0), Vec3::UnitY());
+    figure.bend("rightLowerArm", random.between(0.0, 30.0), Vec3::UnitY());
+    const double apart = random.between(0.0, 15.0);
+    figure.bend("leftUpperLeg", apart, Vec3::UnitZ());
+    figure.bend("rightUpperLeg", -apart, Vec3::UnitZ());
+    expectFound(figure, fmt::format("proportions {}", seed), turned(random.between(0.0, 360.0), Vec3::UnitY()));
+  }
+}
+
+TEST(HumanoidShape, AnimalsAndMachinesAreNoHumans) {
+  // A mannequin on all fours has a dog's skeleton: legs and arms hang from a level trunk.
+  Figure dog = mannequin();
+  dog.bend("spine", 90.0, Vec3::UnitX());
+  dog.bend("head", -70.0, Vec3::UnitX());
+  for (const char* side : {"left", "right"}) {
+    const bool left = side == std::string("left");
+    dog.bend(side + std::string("UpperArm"), left ? -80.0 : 80.0, Vec3::UnitZ());
+  }
+  // Now the arms point down and the trunk ahead.
+  ASSERT_LT(dog.at("leftHand").y(), 0.7);
+  ASSERT_GT(dog.at("upperChest").z(), 0.2);
+  expectNoHuman(dog, "a dog");
+
+  Figure snake;
+  for (int i = 0; i < 20; ++i) snake.parts.push_back({fmt::format("s{}", i), i - 1, Vec3(0.1 * i, 0.05, 0.0)});
+  expectNoHuman(snake, "a snake");
+
+  Figure spider;
+  spider.parts.push_back({"body", -1, Vec3(0.0, 0.3, 0.0)});
+  spider.parts.push_back({"abdomen", 0, Vec3(0.0, 0.35, -0.3)});
+  for (int leg = 0; leg < 8; ++leg) {
+    const double angle = (leg % 4 - 1.5) * 0.5;
+    const double side = leg < 4 ? 1.0 : -1.0;
+    const Vec3 out(side * std::cos(angle), 0.0, std::sin(angle));
+    spider.parts.push_back({fmt::format("a{}", leg), 0, Vec3(0.0, 0.3, 0.0) + 0.1 * out});
+    spider.parts.push_back(
+        {fmt::format("b{}", leg), static_cast<int>(spider.parts.size()) - 1, Vec3(0.0, 0.5, 0.0) + 0.4 * out});
+    spider.parts.push_back(
+        {fmt::format("c{}", leg), static_cast<int>(spider.parts.size()) - 1, Vec3(0.0, 0.0, 0.0) + 0.8 * out});
+  }
+  expectNoHuman(spider, "a spider");
+
+  Figure crane;
+  crane.parts = {{"base", -1, Vec3::Zero()},        {"turret", 0, Vec3(0, 1, 0)},
+                 {"boom", 1, Vec3(1, 2, 0)},        {"stick", 2, Vec3(2, 1.5, 0)},
+                 {"bucket", 3, Vec3(2, 1, 0)},      {"piston", 1, Vec3(0.5, 1.2, 0.1)},
+                 {"wheel front", 0, Vec3(1, 0, 0)}, {"wheel back", 0, Vec3(-1, 0, 0)}};
+  expectNoHuman(crane, "a crane");
+}
+
+// A dog whose joints have a person's names stays a dog.
+TEST(HumanoidShape, AnimalsWithHumanNamesAreNoHumans) {
+  Figure dog = mannequin();
+  dog.bend("spine", 90.0, Vec3::UnitX());
+  dog.bend("leftUpperArm", -80.0, Vec3::UnitZ());
+  dog.bend("rightUpperArm", 80.0, Vec3::UnitZ());
+  std::vector<Joint> joints;
+  for (const Figure::Part& part : dog.parts) {
+    Joint joint;
+    joint.name = part.name;
+    joint.parent = part.parent;
+    joint.rest.translation = part.parent == -1
+                                 ? part.position
+                                 : Vec3(part.position - dog.parts[static_cast<std::size_t>(part.parent)].position);
+    joints.push_back(joint);
+  }
+  EXPECT_EQ(guessHumanoid(*Skeleton::create(joints)).by, "");
+}
+
+// Names for the limbs alone: the shape tells the rest.
+TEST(HumanoidShape, ShapeFillsWhatNamesLack) {
+  Figure figure = mannequin();
+  std::map<HumanBone, std::string> names;
+  int number = 0;
+  for (const Figure::Part& part : figure.parts) {
+    const HumanBone bone = *humanBoneNamed(part.name);
+    const bool named = bone == kHips || part.name.ends_with("Leg") || part.name.ends_with("Arm");
+    names[bone] = named ? part.name : fmt::format("q{}", number++);
+  }
+  const Skeleton skeleton = test::renamedMannequin(names);
+  const HumanoidGuess guess = guessHumanoid(skeleton);
+  EXPECT_TRUE(guess.by.starts_with("names (")) << guess.by;
+  EXPECT_EQ(differences(names, namesOf(skeleton, guess)), "");
+}
+
+}  // namespace
+}  // namespace lorica

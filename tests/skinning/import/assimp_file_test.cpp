@@ -1,0 +1,290 @@
+#include "geometry/files.h"
+#include "tests/skinning/import/agreement.h"
+#include "tests/skinning/import/assimp_truth.h"
+#include "tests/support/datasets.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <gtest/gtest.h>
+
+#include <assimp/Importer.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace lorica {
+namespace {
+
+/// A file read by us, and by assimp for a second look.
+struct Both {
+  Both(const std::filesystem::path& path, bool fbx) : file(readCharacterFile(path)) {
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, !fbx);
+    scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
+  }
+  Result<CharacterFile> file;
+  Assimp::Importer importer;
+  const aiScene* scene = nullptr;
+};
+
+/// How far joints lie from assimp's nodes of the same name, at most [m].
+double farthestJoint(const CharacterFile& file, const aiScene& scene, int clip, double time) {
+  const Skeleton& skeleton = file.character.skeleton;
+  Pose pose = restPose(skeleton);
+  if (clip >= 0) sampleClip(file.clips[static_cast<std::size_t>(clip)], time, pose);
+  std::vector<Affine3> worldFromJoint(pose.size());
+  computeWorldFromJoint(skeleton, pose, worldFromJoint);
+  const std::map<std::string, Mat4> nodes = test::assimpNodes(scene, clip, time);
+  double farthest = 0.0;
+  int found = 0;
+  for (int j = 0; j < skeleton.jointCount(); ++j) {
+    const auto node = nodes.find(skeleton.joint(j).name);
+    if (node == nodes.end()) continue;
+    ++found;
+    const Vec3 expected = file.metresPerUnit * node->second.block<3, 1>(0, 3);
+    farthest = std::max(farthest, (worldFromJoint[static_cast<std::size_t>(j)].translation() - expected).norm());
+  }
+  EXPECT_GT(found, 5);
+  return farthest;
+}
+
+double farthestCorner(const CharacterFile& file, const aiScene& scene, int clip, double time) {
+  const std::vector<Vec3> posed = test::posedVertices(file, clip, time);
+  const std::vector<Vec3> expected = test::assimpCorners(scene, clip, time);
+  EXPECT_EQ(3 * file.character.mesh.triangles.size(), expected.size());
+  double farthest = 0.0;
+  std::size_t corner = 0;
+  for (const Triangle& triangle : file.character.mesh.triangles) {
+    for (const VertexIndex v : triangle) {
+      farthest =
+          std::max(farthest, (posed[static_cast<std::size_t>(v)] - file.metresPerUnit * expected[corner]).norm());
+      ++corner;
+    }
+  }
+  return farthest;
+}
+
+TEST(FbxFile, ACharacterInCentimetresStandsInMetres) {
+  LORICA_REQUIRE_DATASET(path, "characters/arnaud/arnaud.fbx");
+  const Both both(path, true);
+  ASSERT_TRUE(both.file.ok()) << both.file.error().message;
+  ASSERT_NE(both.scene, nullptr);
+  const CharacterFile& file = *both.file;
+  EXPECT_EQ(file.format, "FBX");
+  EXPECT_EQ(file.metresPerUnit, 0.01);
+  EXPECT_NEAR(file.character.height, 1.83, 0.01);
+  EXPECT_EQ(file.character.mesh.triangles.size(), 6670u);
+  EXPECT_EQ(file.mendedVertices, 0);
+  EXPECT_LE(farthestCorner(file, *both.scene, -1, 0.0), 1e-5 * file.character.height);
+  // Once welded it is the closed surface that its source says it is.
+  TriMesh welded = file.character.mesh;
+  weldEqualVertices(welded);
+  EXPECT_EQ(welded.vertices.size(), 3337u);
+  EXPECT_TRUE(checkClosedTwoManifold(welded).ok());
+}
+
+TEST(FbxFile, ClipFilesMoveTheSameJoints) {
+  LORICA_REQUIRE_DATASET(character, "characters/arnaud/arnaud.fbx");
+  const Result<CharacterFile> body = readCharacterFile(character);
+  ASSERT_TRUE(body.ok());
+  for (const std::string name : {"run", "walk", "crossarms", "atlas"}) {
+    SCOPED_TRACE(name);
+    const Both both(test::dataset("characters/arnaud/" + name + ".fbx"), true);
+    ASSERT_TRUE(both.file.ok()) << both.file.error().message;
+    ASSERT_NE(both.scene, nullptr);
+    const CharacterFile& clipFile = *both.file;
+    EXPECT_TRUE(clipFile.character.mesh.vertices.empty());
+    ASSERT_EQ(clipFile.clips.size(), 1u);
+    const Clip& clip = clipFile.clips[0];
+    EXPECT_GT(clip.seconds, 0.5);
+    for (const double part : {0.0, 0.31, 0.77, 1.0}) {
+      EXPECT_LE(farthestJoint(clipFile, *both.scene, 0, part * clip.seconds), 1.8e-5);
+    }
+    // All 53 bones of the body are there by name.
+    int shared = 0;
+    for (const Joint& joint : body->character.skeleton.joints()) {
+      const auto joints = clipFile.character.skeleton.joints();
+      shared += std::any_of(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == joint.name; }) ? 1 : 0;
+    }
+    EXPECT_GE(shared, 53);
+  }
+}
+
+TEST(FbxFile, SkinsAndClipsInOneFileAgreeWithAssimpsOwnMeaning) {
+  int seen = 0;
+  for (const char* name : {"huesitos.fbx", "animation_with_skeleton.fbx"}) {
+    const std::filesystem::path path = std::filesystem::path("/usr/share/assimp/models/FBX") / name;
+    if (!std::filesystem::exists(path)) continue;
+    ++seen;
+    const Both both(path, true);
+    ASSERT_TRUE(both.file.ok()) << both.file.error().message;
+    ASSERT_NE(both.scene, nullptr);
+    for (const double time : {0.0, 0.25, 0.61, 2.0}) {
+      EXPECT_LE(farthestCorner(*both.file, *both.scene, 0, time), 1e-5 * both.file->character.height) << name;
+    }
+  }
+  if (seen == 0) GTEST_SKIP() << "the Debian package assimp-testmodels is absent";
+}
+
+/// A tetrahedron 0, x, y, z in an FBX file of text.
+std::string fbxText(const std::string& settings) {
+  return "; FBX 7.3.0 project file\n"
+         "FBXHeaderExtension:  {\n FBXHeaderVersion: 1003\n FBXVersion: 7300\n}\n"
+         "GlobalSettings:  {\n Version: 1000\n Properties70:  {\n" +
+         settings +
+         " }\n}\n"
+         "Objects:  {\n"
+         " Geometry: 100, \"Geometry::\", \"Mesh\" {\n"
+         "  Vertices: *12 {\n   a: 0,0,0,100,0,0,0,100,0,0,0,100\n  }\n"
+         "  PolygonVertexIndex: *12 {\n   a: 0,2,-2,0,1,-4,0,3,-3,1,2,-4\n  }\n"
+         " }\n"
+         " Model: 200, \"Model::Tetra\", \"Mesh\" {\n  Version: 232\n }\n"
+         "}\n"
+         "Connections:  {\n C: \"OO\",200,0\n C: \"OO\",100,200\n}\n";
+}
+
+std::string property(const std::string& name, int value) {
+  return "  P: \"" + name + "\", \"int\", \"Integer\", \"\"," + std::to_string(value) + "\n";
+}
+
+Result<CharacterFile> parsedText(const std::string& text, const std::string& name) {
+  return parseCharacterFile(std::as_bytes(std::span(text)), name);
+}
+
+TEST(FbxFile, ItsUnitAndAxesAreFollowed) {
+  // Z up, -Y to the front, as 3ds Max has it; the unit is 2 cm.
+  const std::string settings = property("UpAxis", 2) + property("UpAxisSign", 1) + property("FrontAxis", 1) +
+                               property("FrontAxisSign", -1) + property("CoordAxis", 0) + property("CoordAxisSign", 1) +
+                               "  P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",2\n";
+  const Result<CharacterFile> file = parsedText(fbxText(settings), "t.fbx");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_NEAR(file->metresPerUnit, 0.02, 1e-12);
+  const Aabb box = boundsOf(file->character.mesh.vertices);
+  EXPECT_NEAR((box.min - Vec3(0.0, 0.0, -2.0)).norm(), 0.0, 1e-6) << box.min;
+  EXPECT_NEAR((box.max - Vec3(2.0, 2.0, 0.0)).norm(), 0.0, 1e-6) << box.max;
+  EXPECT_NEAR(signedVolume(file->character.mesh.vertices, file->character.mesh.triangles), 8.0 / 6.0, 1e-6);
+
+  const Result<CharacterFile> plain = parsedText(fbxText(""), "t.fbx");
+  ASSERT_TRUE(plain.ok()) << plain.error().message;
+  EXPECT_EQ(plain->metresPerUnit, 0.01);
+  EXPECT_NEAR((boundsOf(plain->character.mesh.vertices).max - Vec3::Ones()).norm(), 0.0, 1e-6);
+}
+
+/// A tetrahedron whose corner at z hangs on the bone "tip", the others on "root"; "tip" is 60 cm above "root".
+std::string colladaText(const std::string& upAxis) {
+  return R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="centimeter" meter="0.01"/><up_axis>)" +
+         upAxis + R"(</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+ <source id="p"><float_array id="pa" count="12">0 0 0 100 0 0 0 100 0 0 0 100</float_array>
+  <technique_common><accessor source="#pa" count="4" stride="3">
+   <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+ </source>
+ <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+ <triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/>
+  <p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>
+</mesh></geometry></library_geometries>
+<library_controllers><controller id="c"><skin source="#g">
+ <bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix>
+ <source id="j"><Name_array id="ja" count="2">root tip</Name_array>
+  <technique_common><accessor source="#ja" count="2" stride="1"><param name="JOINT" type="name"/></accessor></technique_common>
+ </source>
+ <source id="b"><float_array id="ba" count="32">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1
+  1 0 0 0 0 1 0 0 0 0 1 -60 0 0 0 1</float_array>
+  <technique_common><accessor source="#ba" count="2" stride="16"><param name="TRANSFORM" type="float4x4"/></accessor></technique_common>
+ </source>
+ <source id="w"><float_array id="wa" count="1">1</float_array>
+  <technique_common><accessor source="#wa" count="1" stride="1"><param name="WEIGHT" type="float"/></accessor></technique_common>
+ </source>
+ <joints><input semantic="JOINT" source="#j"/><input semantic="INV_BIND_MATRIX" source="#b"/></joints>
+ <vertex_weights count="4"><input semantic="JOINT" source="#j" offset="0"/><input semantic="WEIGHT" source="#w" offset="1"/>
+  <vcount>1 1 1 1</vcount><v>0 0 0 0 0 0 1 0</v></vertex_weights>
+</skin></controller></library_controllers>
+<library_visual_scenes><visual_scene id="s">
+ <node id="root" sid="root" name="root" type="JOINT">
+  <node id="tip" sid="tip" name="tip" type="JOINT"><translate>0 0 60</translate></node></node>
+ <node id="n" name="body"><instance_controller url="#c"><skeleton>#root</skeleton></instance_controller></node>
+</visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene>
+</COLLADA>)";
+}
+
+TEST(ColladaFile, ItsUnitAxesAndSkinAreFollowed) {
+  for (const bool zUp : {false, true}) {
+    const Result<CharacterFile> file = parsedText(colladaText(zUp ? "Z_UP" : "Y_UP"), "t.dae");
+    ASSERT_TRUE(file.ok()) << file.error().message;
+    EXPECT_EQ(file->format, "COLLADA");
+    EXPECT_EQ(file->skins, 1);
+    EXPECT_EQ(file->mendedVertices, 0);
+    EXPECT_NEAR(file->character.height, 1.0, 1e-6);
+    EXPECT_NEAR(signedVolume(file->character.mesh.vertices, file->character.mesh.triangles), 1.0 / 6.0, 1e-6);
+    // Where the bone's tip is, seen from Y up.
+    const Skeleton& skeleton = file->character.skeleton;
+    Pose pose = restPose(skeleton);
+    std::vector<Affine3> worldFromJoint(pose.size());
+    computeWorldFromJoint(skeleton, pose, worldFromJoint);
+    bool found = false;
+    for (int j = 0; j < skeleton.jointCount(); ++j) {
+      if (skeleton.joint(j).name != "tip") continue;
+      found = true;
+      const Vec3 expected = zUp ? Vec3(0.0, 0.6, 0.0) : Vec3(0.0, 0.0, 0.6);
+      EXPECT_NEAR((worldFromJoint[static_cast<std::size_t>(j)].translation() - expected).norm(), 0.0, 1e-6);
+    }
+    EXPECT_TRUE(found);
+    // At rest the skin is as it was bound.
+    const std::vector<Vec3> rest = test::posedVertices(*file, -1, 0.0);
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+      EXPECT_NEAR((rest[v] - file->character.mesh.vertices[v]).norm(), 0.0, 1e-6);
+    }
+  }
+}
+
+TEST(AssimpFile, BrokenFilesAreRefusedInASentence) {
+  const std::string fbx = fbxText("");
+  for (const std::size_t length : {30u, 120u, 400u}) {
+    const Result<CharacterFile> file = parsedText(fbx.substr(0, length), "t.fbx");
+    ASSERT_FALSE(file.ok()) << length;
+    EXPECT_EQ(file.error().message.substr(0, 7), "t.fbx: ") << file.error().message;
+  }
+  const std::string collada = colladaText("Y_UP");
+  for (std::size_t length = 100; length < collada.size() - 12; length += 500) {
+    const Result<CharacterFile> file = parsedText(collada.substr(0, length), "t.dae");
+    ASSERT_FALSE(file.ok()) << length;
+    EXPECT_EQ(file.error().message.substr(0, 23), "t.dae: broken COLLADA: ") << file.error().message;
+  }
+}
+
+TEST(ColladaFile, WhatAssimpDoesNotBearIsRefusedBefore) {
+  const auto complaint = [](const std::string& from, const std::string& to) {
+    std::string text = colladaText("Y_UP");
+    text.replace(text.find(from), from.size(), to);
+    const Result<CharacterFile> file = parsedText(text, "t.dae");
+    return file.ok() ? std::string() : file.error().message;
+  };
+  EXPECT_EQ(complaint("<p>0 2 1", "<p>0 x 1"), "t.dae: line 11: <p> holds byte 120, expected whole numbers");
+  EXPECT_EQ(complaint("<v>0 0", "<v>0 \x9e"), "t.dae: line 27: <v> holds byte 158, expected whole numbers");
+  EXPECT_EQ(complaint("count=\"32\"", "count=\"-2\""),
+            "t.dae: line 18: <float_array> has no count, expected a whole number");
+  EXPECT_EQ(complaint("count=\"32\"", "count=\"4000000000\""),
+            "t.dae: line 18: <float_array> says 4,000,000,000 values in 67 bytes");
+  EXPECT_EQ(complaint("count=\"2\" stride=\"16\"", "count=\"3\" stride=\"16\""),
+            "t.dae: line 20: <accessor> reads 48 values of 'ba', which has 32");
+  EXPECT_EQ(complaint("source=\"#pa\"", "source=\"#pb\""),
+            "t.dae: line 6: <accessor> reads from 'pb', which is not there");
+  EXPECT_EQ(complaint("<library_geometries>", "<!-- <p>x</p> --><library_geometries>"), "");
+}
+
+TEST(AssimpFile, EveryShortenedBinaryFbxFailsCleanlyOrReadsWhatIsThere) {
+  LORICA_REQUIRE_DATASET(path, "characters/arnaud/run.fbx");
+  const Result<std::string> whole = readFile(path);
+  ASSERT_TRUE(whole.ok());
+  int refused = 0;
+  for (std::size_t length = 23; length < whole->size(); length += length < 200 ? 13 : 33331) {
+    const Result<CharacterFile> file = parsedText(whole->substr(0, length), "t.fbx");
+    if (!file.ok()) ++refused;
+  }
+  EXPECT_GT(refused, 10);
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,43 @@
+#include "skinning/import/character_file.h"
+
+#include "tests/skinning/import/small_character.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica {
+namespace {
+
+TEST(CharacterFile, IsKnownByTheEndOfItsName) {
+  for (const char* name : {"a.gltf", "a.glb", "b.VRM", "x/y.Fbx", "z.tar.dae"})
+    EXPECT_TRUE(isCharacterFile(name)) << name;
+  for (const char* name : {"a.bvh", "glb", ".glb.txt", "a.obj", "", "a."}) EXPECT_FALSE(isCharacterFile(name)) << name;
+}
+
+TEST(CharacterFile, IsReadByWhatIsInIt) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path misnamed = folder.write("hero.fbx", test::smallCharacter().glb());
+  const Result<CharacterFile> file = readCharacterFile(misnamed);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->format, "glTF 2.0");
+  EXPECT_EQ(file->character.name, "hero");
+}
+
+TEST(CharacterFile, WhatIsNoneIsRefusedInASentence) {
+  const test::TemporaryFolder folder;
+  const auto complaint = [](const std::filesystem::path& path) {
+    const Result<CharacterFile> file = readCharacterFile(path);
+    return file.ok() ? std::string() : file.error().message;
+  };
+  const std::filesystem::path text = folder.write("a.glb", "once upon a time");
+  EXPECT_EQ(complaint(text), text.string() + ": holds neither glTF, VRM, FBX nor COLLADA, expected one of them");
+  const std::filesystem::path blank = folder.write("b.glb", "  \n ");
+  EXPECT_EQ(complaint(blank), blank.string() + ": holds neither glTF, VRM, FBX nor COLLADA, expected one of them");
+  const std::filesystem::path empty = folder.write("c.vrm", "");
+  EXPECT_EQ(complaint(empty), empty.string() + ": is empty, expected a character");
+  EXPECT_NE(complaint(folder.path() / "absent.glb"), "");
+  EXPECT_NE(complaint(folder.path()), "");
+}
+
+}  // namespace
+}  // namespace lorica

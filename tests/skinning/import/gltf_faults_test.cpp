@@ -1,0 +1,270 @@
+#include "tests/skinning/import/small_character.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+namespace lorica {
+namespace {
+
+using nlohmann::json;
+using test::GlbWriter;
+using test::parsed;
+using test::smallCharacter;
+
+struct Fault {
+  const char* name;
+  std::function<void(GlbWriter&)> make;
+  const char* sentence;  ///< the whole of it
+  ErrorCode code = ErrorCode::kBadFormat;
+};
+
+std::ostream& operator<<(std::ostream& out, const Fault& fault) {
+  return out << fault.name;
+}
+
+class GltfFaults : public testing::TestWithParam<Fault> {};
+
+TEST_P(GltfFaults, AreToldInOneSentence) {
+  GlbWriter writer = smallCharacter();
+  GetParam().make(writer);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_FALSE(file.ok());
+  EXPECT_EQ(file.error().message, GetParam().sentence);
+  EXPECT_EQ(file.error().code, GetParam().code);
+}
+
+std::vector<Fault> allFaults() {
+  const auto accessor = [](int i, const char* key, json value) {
+    return [=](GlbWriter& w) { w.document["accessors"][static_cast<std::size_t>(i)][key] = value; };
+  };
+  const auto view = [](int i, const char* key, json value) {
+    return [=](GlbWriter& w) { w.document["bufferViews"][static_cast<std::size_t>(i)][key] = value; };
+  };
+  const auto node = [](int i, const char* key, json value) {
+    return [=](GlbWriter& w) { w.document["nodes"][static_cast<std::size_t>(i)][key] = value; };
+  };
+  const auto set = [](const char* pointer, json value) {
+    return [=](GlbWriter& w) { w.document[json::json_pointer(pointer)] = value; };
+  };
+  const auto floatAt = [](std::size_t byte, float value) {
+    return [=](GlbWriter& w) { std::memcpy(w.binary.data() + byte, &value, 4); };
+  };
+  const float infinity = std::numeric_limits<float>::infinity();
+  return {
+      {"accessor too long", accessor(0, "count", 4000),
+       "hero.glb: accessor 0: 4,000 elements of 12 bytes end at byte 48,000, its buffer view 0 has 96"},
+      {"accessor starts late", accessor(0, "byteOffset", 4),
+       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 100, its buffer view 0 has 96"},
+      {"huge count", accessor(0, "count", 4611686018427387904u),
+       "hero.glb: accessor 0: 4,611,686,018,427,387,904 elements of 12 bytes end at byte 5.53e+19, its buffer view 0 "
+       "has 96"},
+      {"huge offset", accessor(0, "byteOffset", 18446744073709551615u),
+       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 1.84e+19, its buffer view 0 has 96"},
+      {"no elements", accessor(0, "count", 0),
+       "hero.glb: accessor 0: has no elements, expected at least one for mesh 0 'Body', primitive 0: POSITION"},
+      {"huge count of zeros",
+       [](GlbWriter& w) {
+         w.document["accessors"][0].erase("bufferView");
+         w.document["accessors"][0]["count"] = 1000000000;
+       },
+       "hero.glb: accessor 0: 1,000,000,000 elements, more than a file of 1,808 bytes can justify"},
+      {"wrong shape", accessor(0, "type", "VEC4"),
+       "hero.glb: accessor 0: has 4 numbers an element, expected VEC3 for mesh 0 'Body', primitive 0: POSITION"},
+      {"unknown number", accessor(0, "componentType", 5124),
+       "hero.glb: accessor 0: component type 5124, expected 5120 to 5123, 5125 or 5126 for mesh 0 'Body', primitive 0: "
+       "POSITION"},
+      {"joints in floats", accessor(2, "componentType", 5126),
+       "hero.glb: accessor 2: component type 5126, expected unsigned integers (5121, 5123 or 5125) for mesh 0 'Body', "
+       "primitive 0: JOINTS_0"},
+      {"view not there", accessor(0, "bufferView", 99), "hero.glb: accessor 0: names buffer view 99, expected 0 to 6"},
+      {"negative view", accessor(0, "bufferView", -7), "hero.glb: accessor 0: names buffer view -7, expected 0 to 6"},
+      {"buffer not there", view(0, "buffer", 3), "hero.glb: buffer view 0: names buffer 3, expected 0 to 0"},
+      {"view too long", view(0, "byteLength", 1000000),
+       "hero.glb: buffer view 0: 1,000,000 bytes from byte 0 on, buffer 0 has 496"},
+      {"view starts late", view(0, "byteOffset", 18446744073709551615u),
+       "hero.glb: buffer view 0: 96 bytes from byte 18,446,744,073,709,551,615 on, buffer 0 has 496"},
+      {"steps too small", view(0, "byteStride", 4),
+       "hero.glb: accessor 0: elements of 12 bytes in steps of 4, of buffer view 0"},
+      {"accessor not there", set("/meshes/0/primitives/0/attributes/POSITION", 77),
+       "hero.glb: mesh 0 'Body', primitive 0: POSITION: names accessor 77, expected 0 to 6"},
+      {"index out of range", [](GlbWriter& w) { w.binary[96 + 4] = 8; },
+       "hero.glb: mesh 0 'Body', primitive 0: index 2 names vertex 8, it has 8"},
+      {"mode", set("/meshes/0/primitives/0/mode", 9), "hero.glb: mesh 0 'Body', primitive 0: mode 9, expected 0 to 6"},
+      {"fewer joints than positions", accessor(2, "count", 7),
+       "hero.glb: mesh 0 'Body', primitive 0: JOINTS_0 has 7 elements, expected 8, one for each position"},
+      {"fewer weights than positions", accessor(3, "count", 2),
+       "hero.glb: mesh 0 'Body', primitive 0: WEIGHTS_0 has 2 elements, expected 8, one for each position"},
+      {"position no number", floatAt(16, std::numeric_limits<float>::quiet_NaN()),
+       "hero.glb: accessor 0: element 1 has nan, expected finite numbers for mesh 0 'Body', primitive 0: POSITION"},
+      {"infinite inverse bind matrix", floatAt(96 + 72 + 32 + 128 + 64, -infinity),
+       "hero.glb: accessor 4: element 1 has -inf, expected finite numbers for skin 0: inverse bind matrices"},
+      {"infinite time", floatAt(496 - 32 - 4, infinity),
+       "hero.glb: accessor 5: element 1 has inf, expected finite numbers for animation 0 'bend', channel 0: times"},
+      {"fewer matrices than joints", accessor(4, "count", 1), "hero.glb: skin 0: 1 inverse bind matrices for 2 joints"},
+      {"skin without joints", set("/skins/0/joints", json::array()),
+       "hero.glb: skin 0: has no joints, expected at least one"},
+      {"joint not there", set("/skins/0/joints/1", 5), "hero.glb: skin 0: names joint node 5, expected 0 to 2"},
+      {"skin not there", node(2, "skin", 1), "hero.glb: node 2: names skin 1, expected 0 to 0"},
+      {"mesh not there", node(2, "mesh", 1), "hero.glb: node 2: names mesh 1, expected 0 to 0"},
+      {"child not there", node(0, "children", {1, 44}), "hero.glb: node 0: names child node 44, expected 0 to 2"},
+      {"two parents", node(2, "children", {1}),
+       "hero.glb: node 1 'upper': is a child of node 0 and of node 2, expected one parent"},
+      {"own ancestor", node(1, "children", {0}), "hero.glb: node 0 'lower': is its own ancestor"},
+      {"own child", node(2, "children", {2}), "hero.glb: node 2 'box': is its own ancestor"},
+      {"three numbers of rotation", node(1, "rotation", {0, 0, 1}),
+       "hero.glb: node 1: 3 numbers of rotation, expected 4"},
+      {"fifteen numbers of matrix", node(1, "matrix", std::vector<int>(15, 1)),
+       "hero.glb: node 1: 15 numbers of matrix, expected 16"},
+      {"scene not there", set("/scene", 2), "hero.glb: the file: names scene 2, expected 0 to 0"},
+      {"scene's node not there", set("/scenes/0/nodes/0", 9), "hero.glb: scene 0: names node 9, expected 0 to 2"},
+      {"animated node not there", set("/animations/0/channels/0/target/node", 9),
+       "hero.glb: animation 0 'bend', channel 0: names node 9, expected 0 to 2"},
+      {"sampler not there", set("/animations/0/channels/0/sampler", 1),
+       "hero.glb: animation 0 'bend', channel 0: names sampler 1, expected 0 to 0"},
+      {"interpolation", set("/animations/0/samplers/0/interpolation", "QUINTIC"),
+       "hero.glb: animation 0 'bend', channel 0: interpolation 'QUINTIC', expected STEP, LINEAR or CUBICSPLINE"},
+      {"keys without values", accessor(6, "count", 1),
+       "hero.glb: animation 0 'bend', channel 0: 1 values for 2 keys, expected 2"},
+      {"spline without tangents", set("/animations/0/samplers/0/interpolation", "CUBICSPLINE"),
+       "hero.glb: animation 0 'bend', channel 0: 2 values for 2 keys, expected 6"},
+      {"sparse beyond the end",
+       [](GlbWriter& w) {
+         const int rows = w.view(std::vector<std::uint8_t>{2, 8});
+         const int values = w.view(std::vector<float>(6, 0.0F));
+         w.document["accessors"][0]["sparse"] = {{"count", 2},
+                                                 {"indices", {{"bufferView", rows}, {"componentType", 5121}}},
+                                                 {"values", {{"bufferView", values}}}};
+       },
+       "hero.glb: accessor 0: sparse index 1 is 8, expected 0 to 7"},
+      {"more sparse than all",
+       set("/accessors/0/sparse",
+           {{"count", 9}, {"indices", {{"bufferView", 0}, {"componentType", 5121}}}, {"values", {{"bufferView", 0}}}}),
+       "hero.glb: accessor 0: its sparse part has 9 elements at bytes 0 and 0 with indices of kind 5121, expected 1 to "
+       "8 elements, offsets of 0 or more and unsigned indices"},
+      {"sparse values too short",
+       set("/accessors/0/sparse",
+           {{"count", 4}, {"indices", {{"bufferView", 1}, {"componentType", 5121}}}, {"values", {{"bufferView", 2}}}}),
+       "hero.glb: accessor 0, sparse values: 4 elements of 12 bytes end at byte 48, its buffer view 2 has 32"},
+      {"buffer longer than the binary", set("/buffers", json::array({{{"byteLength", 5000}}})),
+       "hero.glb: buffer 0: byteLength is 5,000, but there are 496 bytes"},
+      {"no byteLength", set("/buffers", json::array({{{"uri", "x.bin"}}})),
+       "hero.glb: buffer 0: has no byteLength, expected a whole number"},
+      {"other file", set("/buffers", json::array({{{"byteLength", 5}, {"uri", "x.bin"}}})),
+       "hero.glb: buffer 0: is in another file, 'x.bin', which cannot be had here"},
+      {"data not in base64",
+       set("/buffers", json::array({{{"byteLength", 5}, {"uri", "data:application/octet-stream;base64,AA!A"}}})),
+       "hero.glb: buffer 0: its data URI has byte 33 at 2, expected base64"},
+      {"buffer nowhere",
+       [](GlbWriter& w) {
+         w.document["buffers"] = {{{"byteLength", 496}}, {{"byteLength", 96}}};
+         w.document["bufferViews"][0]["buffer"] = 1;
+       },
+       "hero.glb: buffer view 0: buffer 1 has no data, neither in the file nor in another"},
+      {"version", set("/asset/version", "1.0"), "hero.glb: glTF version '1.0', expected 2.0", ErrorCode::kUnsupported},
+      {"no asset", [](GlbWriter& w) { w.document.erase("asset"); }, "hero.glb: glTF version '', expected 2.0"},
+      {"draco", set("/extensionsRequired", {"KHR_draco_mesh_compression"}),
+       "hero.glb: its meshes are compressed (KHR_draco_mesh_compression), expected plain ones: export it again without "
+       "mesh compression, or unpack it with 'gltf-transform copy IN OUT'",
+       ErrorCode::kUnsupported},
+      {"meshopt", set("/extensionsRequired", {"EXT_meshopt_compression"}),
+       "hero.glb: its meshes are compressed (EXT_meshopt_compression), expected plain ones: export it again without "
+       "mesh compression, or unpack it with 'gltf-transform copy IN OUT'",
+       ErrorCode::kUnsupported},
+      {"too many nodes", [](GlbWriter& w) { w.document["nodes"] = std::vector<json>(100001, json::object()); },
+       "hero.glb: 100,001 nodes, at most 100,000 are read", ErrorCode::kUnsupported},
+      {"nothing",
+       [](GlbWriter& w) {
+         w.document = {{"asset", {{"version", "2.0"}}}};
+       },
+       "hero.glb: no triangles, no bones and no motion, expected a character"},
+      {"numbers that overflow", node(0, "scale", {1e300, 1e300, 1e300}),
+       "hero.glb: joint 1 'lower': its inverse bind matrix is not finite"},
+  };
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GltfFaults, testing::ValuesIn(allFaults()));
+
+[[nodiscard]] std::string complaint(const std::string& bytes) {
+  const Result<CharacterFile> file = parseCharacterFile(std::as_bytes(std::span(bytes)), "hero.glb");
+  return file.ok() ? "" : file.error().message;
+}
+
+TEST(GltfFile, ContainersAreCheckedBeforeTheirContent) {
+  const std::string sound = smallCharacter().glb();
+  const auto changed = [&](std::size_t at, char byte) {
+    std::string bytes = sound;
+    bytes[at] = byte;
+    return complaint(bytes);
+  };
+  EXPECT_EQ(complaint(""), "hero.glb: is empty, expected a character");
+  EXPECT_EQ(complaint("glTF"), "hero.glb: 4 bytes, expected at least 12 of a GLB header: it is cut short");
+  EXPECT_EQ(changed(4, 1), "hero.glb: GLB version 1, expected 2");
+  EXPECT_EQ(changed(0, 'h'), "hero.glb: holds neither glTF, VRM, FBX nor COLLADA, expected one of them");
+  EXPECT_EQ(changed(16, 'X'), "hero.glb: chunk 0 is of kind 0x4e4f5358, expected JSON");
+  EXPECT_EQ(changed(15, 1).substr(0, 25), "hero.glb: chunk 0 of 16,7");
+  EXPECT_EQ(complaint(sound.substr(0, 100)),
+            "hero.glb: its header says 1,812 bytes, the file has 100: it is cut short");
+  EXPECT_EQ(complaint(test::glbOf("[]", "")), "hero.glb: its JSON is no object, expected one of glTF");
+  EXPECT_EQ(complaint(test::glbOf("{\"asset\":", "")).substr(0, 29), "hero.glb: its JSON is broken:");
+}
+
+TEST(GltfFile, DeepJsonIsRefusedNotFollowed) {
+  for (const char* key : {"extras", "extensions", "nodes"}) {
+    std::string text = std::string("{\"asset\":{\"version\":\"2.0\"},\"") + key + "\":";
+    text += std::string(200000, '[') + std::string(200000, ']') + "}";
+    EXPECT_EQ(complaint(test::glbOf(text, "")), "hero.glb: its JSON nests deeper than 64 levels") << key;
+  }
+}
+
+TEST(GltfFile, TheSameBytesUnderManyNamesAreReadOnlySoOften) {
+  GlbWriter writer = smallCharacter();
+  const int many = writer.accessor(std::vector<float>(30000, 0.5F), "VEC3");
+  nlohmann::json primitive = {{"attributes", {{"POSITION", many}}}};
+  writer.document["meshes"][0]["primitives"] = std::vector<nlohmann::json>(2000, primitive);
+  writer.document["nodes"][2].erase("skin");
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_FALSE(file.ok());
+  EXPECT_NE(file.error().message.find("more than a file of"), std::string::npos) << file.error().message;
+}
+
+TEST(GltfFile, BuffersBesideTheFileAndInDataUrisAreRead) {
+  const test::TemporaryFolder folder;
+  const GlbWriter writer = smallCharacter();
+  std::filesystem::create_directory(folder.path() / "sub");
+  folder.write("sub/the body.bin", writer.binary);
+  const auto read = [&](const std::string& uri) {
+    return readCharacterFile(folder.write("hero.gltf", writer.gltf(uri)));
+  };
+  for (const std::string& uri :
+       {std::string("sub/the%20body.bin"), std::string("./sub/the body.bin"), std::string("sub\\the body.bin"),
+        "data:application/octet-stream;base64," + test::base64(writer.binary),
+        "data:;base64," + test::base64(writer.binary)}) {
+    const Result<CharacterFile> file = read(uri);
+    ASSERT_TRUE(file.ok()) << uri << ": " << file.error().message;
+    EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
+  }
+  const Result<CharacterFile> missing = read("nowhere.bin");
+  ASSERT_FALSE(missing.ok());
+  EXPECT_NE(missing.error().message.find("nowhere.bin"), std::string::npos);
+}
+
+TEST(GltfFile, NothingOutsideTheFolderIsRead) {
+  const test::TemporaryFolder folder;
+  const GlbWriter writer = smallCharacter();
+  std::filesystem::create_directory(folder.path() / "inside");
+  const std::filesystem::path outside = folder.write("secret.bin", writer.binary);
+  for (const std::string& uri :
+       {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), std::string("..\\secret.bin"),
+        std::string("x/../../secret.bin"), outside.string(), "file://" + outside.string(), std::string("~/secret.bin"),
+        std::string("C:/secret.bin")}) {
+    const Result<CharacterFile> file = readCharacterFile(folder.write("inside/hero.gltf", writer.gltf(uri)));
+    ASSERT_FALSE(file.ok()) << uri;
+    EXPECT_NE(file.error().message.find("leads out of the file's folder"), std::string::npos) << file.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,453 @@
+#include "tests/skinning/import/agreement.h"
+#include "tests/skinning/import/small_character.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lorica {
+namespace {
+
+using test::GlbWriter;
+using test::parsed;
+using test::smallCharacter;
+
+[[nodiscard]] bool hasNote(const CharacterFile& file, const std::string& part) {
+  return std::any_of(file.notes.begin(), file.notes.end(),
+                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+[[nodiscard]] JointIndex jointNamed(const CharacterFile& file, const std::string& name) {
+  const std::span<const Joint> joints = file.character.skeleton.joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].name == name) return static_cast<JointIndex>(j);
+  }
+  return kNoJoint;
+}
+
+[[nodiscard]] std::vector<Influence> influencesOf(const CharacterFile& file, std::size_t vertex) {
+  const Character& c = file.character;
+  return {c.influences.begin() + c.influenceBegin[vertex], c.influences.begin() + c.influenceBegin[vertex + 1]};
+}
+
+TEST(GltfFeatures, ASmallCharacterIsReadWhole) {
+  const Result<CharacterFile> file = parsed(smallCharacter());
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->format, "glTF 2.0");
+  EXPECT_EQ(file->character.name, "hero");
+  EXPECT_EQ(file->character.skeleton.jointCount(), 3);  // the file's own, lower, upper
+  EXPECT_EQ(file->character.mesh.vertices.size(), 8u);
+  EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
+  EXPECT_NEAR(file->character.height, 2.0, 1e-6);
+  EXPECT_EQ(file->metresPerUnit, 1.0);
+  EXPECT_EQ(file->meshes, 1);
+  EXPECT_EQ(file->primitives, 1);
+  EXPECT_EQ(file->skins, 1);
+  EXPECT_EQ(file->mostInfluences, 1);
+  EXPECT_EQ(file->mendedVertices, 0);
+  EXPECT_TRUE(file->notes.empty());
+  ASSERT_EQ(file->clips.size(), 1u);
+  EXPECT_EQ(file->clips[0].name, "bend");
+  EXPECT_EQ(file->clips[0].seconds, 2.0);
+  // A quarter turn about Z at 1 m takes the corner (0.2, 2) to (-1, 1.2).
+  const std::vector<Vec3> bent = test::posedVertices(*file, 0, 2.0);
+  for (std::size_t v = 0; v < bent.size(); ++v) {
+    const Vec3& p = file->character.mesh.vertices[v];
+    const Vec3 expected = p.y() > 1.0 ? Vec3(1.0 - p.y(), 1.0 + p.x(), p.z()) : p;
+    EXPECT_NEAR((bent[v] - expected).norm(), 0.0, 1e-6);
+  }
+}
+
+TEST(GltfFeatures, BrokenImagesDoNotMatter) {
+  GlbWriter writer = smallCharacter();
+  writer.document["images"] = {{{"uri", "../../etc/passwd"}},
+                               {{"bufferView", 4711}, {"mimeType", "image/png"}},
+                               {{"uri", "data:image/png;base64,!!"}},
+                               nullptr};
+  writer.document["textures"] = {{{"source", 99}}};
+  writer.document["materials"] = "none";
+  writer.document["extras"] = {{"deep", {1, 2, 3}}};
+  const Result<CharacterFile> file = parsed(writer);
+  EXPECT_TRUE(file.ok()) << file.error().message;
+}
+
+TEST(GltfFeatures, NormalisedWeightsAreSharesOfTheirWhole) {
+  GlbWriter writer = smallCharacter();
+  std::vector<std::uint8_t> joints;
+  std::vector<std::uint8_t> weights;
+  for (int v = 0; v < 8; ++v) {
+    joints.insert(joints.end(), {0, 1, 0, 0});
+    weights.insert(weights.end(), {204, 51, 0, 0});
+  }
+  auto& attributes = writer.document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = writer.accessor(joints, "VEC4");
+  attributes["WEIGHTS_0"] = writer.accessor(weights, "VEC4", true);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->mendedVertices, 0);
+  EXPECT_EQ(file->mostInfluences, 2);
+  const std::vector<Influence> influences = influencesOf(*file, 3);
+  ASSERT_EQ(influences.size(), 2u);
+  EXPECT_EQ(influences[0].joint, jointNamed(*file, "lower"));
+  EXPECT_NEAR(influences[0].weight, 0.8, 1e-12);
+  EXPECT_NEAR(influences[1].weight, 0.2, 1e-12);
+}
+
+TEST(GltfFeatures, WeightsAreMendedAndCounted) {
+  GlbWriter writer = smallCharacter();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<std::uint8_t> joints = {0, 1,  0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0,  1, 0, 0,
+                                            1, 77, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 99, 0, 0, 0};
+  const std::vector<float> weights = {0.5F, 0.5F, 0, 0, 1, 3, 0, 0, 0.5F,  -0.5F, 0,    0, nan, 0.25F, 0, 0,
+                                      0.5F, 0.5F, 0, 0, 0, 0, 0, 0, 0.25F, 0.25F, 0.5F, 0, 1,   0,     0, 0};
+  auto& attributes = writer.document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = writer.accessor(joints, "VEC4");
+  attributes["WEIGHTS_0"] = writer.accessor(weights, "VEC4");
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->mendedVertices, 6);
+  EXPECT_TRUE(hasNote(*file, "6 vertices had weights"));
+  const JointIndex lower = jointNamed(*file, "lower");
+  const JointIndex upper = jointNamed(*file, "upper");
+  const std::vector<std::vector<Influence>> expected = {{{lower, 0.5}, {upper, 0.5}},
+                                                        {{lower, 0.25}, {upper, 0.75}},  // summed to 4
+                                                        {{lower, 1.0}},                  // one was negative
+                                                        {{upper, 1.0}},                  // one was no number
+                                                        {{upper, 1.0}},   // one named a bone that is not there
+                                                        {{upper, 1.0}},   // all were zero: the first that it names
+                                                        {{upper, 1.0}},   // three times the same
+                                                        {{lower, 1.0}}};  // none named a bone that is there
+  for (std::size_t v = 0; v < 8; ++v) {
+    const std::vector<Influence> got = influencesOf(*file, v);
+    ASSERT_EQ(got.size(), expected[v].size()) << v;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      EXPECT_EQ(got[i].joint, expected[v][i].joint) << v;
+      EXPECT_NEAR(got[i].weight, expected[v][i].weight, 1e-12) << v;
+    }
+  }
+}
+
+TEST(GltfFeatures, ASparseAccessorReplacesOnlyWhatItNames) {
+  GlbWriter writer = smallCharacter();
+  const int rows = writer.view(std::vector<std::uint8_t>{2, 5});
+  const int values = writer.view(std::vector<float>{9, 8, 7, -1, -2, -3});
+  writer.document["accessors"][0]["sparse"] = {
+      {"count", 2}, {"indices", {{"bufferView", rows}, {"componentType", 5121}}}, {"values", {{"bufferView", values}}}};
+  const Result<CharacterFile> plain = parsed(smallCharacter());
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  for (std::size_t v = 0; v < 8; ++v) {
+    const Vec3 expected = v == 2 ? Vec3(9, 8, 7) : v == 5 ? Vec3(-1, -2, -3) : plain->character.mesh.vertices[v];
+    EXPECT_EQ(file->character.mesh.vertices[v], expected) << v;
+  }
+}
+
+TEST(GltfFeatures, OneBoneBoundInTwoWaysIsTwoJoints) {
+  GlbWriter writer = smallCharacter();
+  // A second skin over the same bones, whose upper one was bound turned by 90 degrees and half a metre lower.
+  const Affine3 turned = Eigen::Translation3d(0.0, 0.5, 0.0) *
+                         Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()) *
+                         Eigen::Translation3d(0.0, -1.0, 0.0);
+  const std::vector<Affine3> inverseBinds = {Affine3::Identity(), turned};
+  const int accessor = writer.matrices(inverseBinds);
+  writer.add("skins", {{"joints", {0, 1}}, {"inverseBindMatrices", accessor}});
+  writer.add("nodes", {{"mesh", 0}, {"skin", 1}});
+  writer.document["scenes"][0]["nodes"].push_back(3);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  ASSERT_EQ(file->character.skeleton.jointCount(), 4);
+  const Joint& copy = file->character.skeleton.joint(3);
+  EXPECT_EQ(copy.name, "upper (bind 2)");
+  EXPECT_EQ(copy.parent, jointNamed(*file, "upper"));
+  EXPECT_TRUE(copy.rest.matrix().isApprox(Affine3::Identity()));
+  EXPECT_TRUE(hasNote(*file, "1 joints more"));
+  const test::GltfTruth truth(writer.glb());
+  EXPECT_LE(test::farthestFromTruth(*file, truth, -1, 0.0), 2e-6);
+  EXPECT_LE(test::farthestFromTruth(*file, truth, 0, 1.3), 2e-6);
+}
+
+TEST(GltfFeatures, SkinsThatDifferOnlyInTheSpaceOfTheirVerticesShareJoints) {
+  GlbWriter writer = smallCharacter();
+  // The same box in centimetres, lying down: its inverse bind matrices stand it up.
+  const Affine3 metresFromOther(
+      Mat3(0.01 * Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3::UnitX()).toRotationMatrix()));
+  std::vector<Vec3> points;
+  for (const Vec3& p : test::makeBox(Vec3(-0.2, 0.0, -0.2), Vec3(0.2, 2.0, 0.2)).vertices) {
+    points.emplace_back(metresFromOther.inverse() * p);
+  }
+  const std::vector<Affine3> inverseBinds = {metresFromOther,
+                                             Affine3(Eigen::Translation3d(0.0, -1.0, 0.0) * metresFromOther)};
+  const int accessor = writer.matrices(inverseBinds);
+  writer.add("skins", {{"joints", {0, 1}}, {"inverseBindMatrices", accessor}});
+  nlohmann::json mesh = writer.document["meshes"][0];
+  mesh["primitives"][0]["attributes"]["POSITION"] = writer.positions(points);
+  writer.add("meshes", mesh);
+  writer.add("nodes", {{"mesh", 1}, {"skin", 1}});
+  writer.document["scenes"][0]["nodes"].push_back(3);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->character.skeleton.jointCount(), 3);
+  EXPECT_EQ(file->metresPerUnit, 1.0);
+  for (std::size_t v = 0; v < 8; ++v) {
+    EXPECT_NEAR((file->character.mesh.vertices[v] - file->character.mesh.vertices[v + 8]).norm(), 0.0, 1e-6);
+  }
+}
+
+TEST(GltfFeatures, TheBindPoseStaysAsItWasWhereTheRestPoseIsAnother) {
+  GlbWriter writer = smallCharacter();
+  const double half = std::sqrt(0.5);
+  writer.document["nodes"][1]["rotation"] = {0.0, 0.0, half, half};  // bent at rest
+  const Result<CharacterFile> file = parsed(writer);
+  const Result<CharacterFile> straight = parsed(smallCharacter());
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_NEAR(file->character.height, 2.0, 1e-6);
+  for (std::size_t v = 0; v < 8; ++v) {
+    EXPECT_NEAR((file->character.mesh.vertices[v] - straight->character.mesh.vertices[v]).norm(), 0.0, 1e-6);
+  }
+  EXPECT_LE(test::farthestFromTruth(*file, test::GltfTruth(writer.glb()), -1, 0.0), 2e-6);
+}
+
+TEST(GltfFeatures, ARigidMeshHangsOnItsNode) {
+  GlbWriter writer = smallCharacter();
+  const TriMesh hat = test::makeTetrahedron();
+  const int positions = writer.positions(hat.vertices);
+  const int indices = writer.triangles(hat.triangles);
+  writer.add("meshes", {{"primitives", {{{"indices", indices}, {"attributes", {{"POSITION", positions}}}}}}});
+  writer.add("nodes", {{"name", "hat"}, {"mesh", 1}, {"translation", {0.0, 1.0, 0.0}}});
+  writer.document["nodes"][1]["children"] = {3};
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  const JointIndex joint = jointNamed(*file, "hat");
+  ASSERT_NE(joint, kNoJoint);
+  EXPECT_EQ(file->character.skeleton.joint(joint).parent, jointNamed(*file, "upper"));
+  for (std::size_t v = 8; v < 12; ++v) {
+    const std::vector<Influence> influences = influencesOf(*file, v);
+    ASSERT_EQ(influences.size(), 1u);
+    EXPECT_EQ(influences[0].joint, joint);
+    EXPECT_EQ(influences[0].weight, 1.0);
+  }
+  EXPECT_NEAR(boundsOf(file->character.mesh.vertices).max.y(), 3.0, 1e-6);
+  EXPECT_LE(test::farthestFromTruth(*file, test::GltfTruth(writer.glb()), 0, 1.1), 2e-6);
+}
+
+TEST(GltfFeatures, AMeshWithoutASkinIsAStaticShape) {
+  GlbWriter writer = smallCharacter();
+  for (const char* key : {"skins", "animations"}) writer.document.erase(key);
+  writer.document["nodes"][2].erase("skin");
+  writer.document["nodes"][2]["scale"] = {-1.0, 2.0, 1.0};  // mirrored
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(hasNote(*file, "") || file->notes.empty());
+  EXPECT_NEAR(file->character.height, 4.0, 1e-6);
+  EXPECT_NEAR(signedVolume(file->character.mesh.vertices, file->character.mesh.triangles), 0.64, 1e-6);
+  EXPECT_TRUE(file->clips.empty());
+}
+
+TEST(GltfFeatures, AFlatNodeOpensWhereAClipScalesIt) {
+  GlbWriter writer = smallCharacter();
+  writer.document["nodes"][2].erase("skin");
+  writer.document["nodes"][2]["scale"] = {0.0, 0.0, 0.0};
+  const int times = writer.accessor(std::vector<float>{0.0F, 1.0F}, "SCALAR");
+  const int scales = writer.accessor(std::vector<float>{0, 0, 0, 1, 1, 1}, "VEC3");
+  writer.add("animations", {{"samplers", {{{"input", times}, {"output", scales}}}},
+                            {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "scale"}}}}}}});
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_NEAR(file->character.height, 2.0, 1e-6);
+  const test::GltfTruth truth(writer.glb());
+  EXPECT_LE(test::farthestFromTruth(*file, truth, 1, 0.0), 1e-6);
+  EXPECT_LE(test::farthestFromTruth(*file, truth, 1, 0.25), 1e-6);
+  EXPECT_EQ(file->clips[1].name, "clip 1");
+}
+
+TEST(GltfFeatures, StripsAndFansCoverWhatTheirTrianglesDo) {
+  // The unit square as a strip, a fan, and two triangles, with and without indices.
+  const std::vector<float> strip = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+  const std::vector<float> fan = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  const std::vector<float> list = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0};
+  for (const auto& [mode, points] : {std::pair(5, strip), std::pair(6, fan), std::pair(4, list)}) {
+    GlbWriter writer;
+    const int positions = writer.accessor(points, "VEC3");
+    writer.add("meshes", {{"primitives", {{{"mode", mode}, {"attributes", {{"POSITION", positions}}}}}}});
+    writer.add("nodes", {{"mesh", 0}});
+    const Result<CharacterFile> file = parsed(writer);
+    ASSERT_TRUE(file.ok()) << file.error().message;
+    const TriMesh& mesh = file->character.mesh;
+    ASSERT_EQ(mesh.triangles.size(), 2u) << mode;
+    EXPECT_NEAR(surfaceArea(mesh.vertices, mesh.triangles), 1.0, 1e-12);
+    for (const Triangle& t : mesh.triangles) {  // all face +Z
+      const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])];
+      const Vec3 b = mesh.vertices[static_cast<std::size_t>(t[1])];
+      const Vec3 c = mesh.vertices[static_cast<std::size_t>(t[2])];
+      EXPECT_GT((b - a).cross(c - a).z(), 0.5) << mode;
+    }
+  }
+}
+
+TEST(GltfFeatures, PointsAndLinesAndEmptyTrianglesAreLeftOutWithANote) {
+  GlbWriter writer = smallCharacter();
+  nlohmann::json& primitives = writer.document["meshes"][0]["primitives"];
+  nlohmann::json points = primitives[0];
+  points["mode"] = 0;
+  nlohmann::json lines = primitives[0];
+  lines["mode"] = 3;
+  nlohmann::json empty = primitives[0];
+  empty["indices"] = writer.accessor(std::vector<std::uint16_t>{0, 1, 2, 3, 3, 4, 5, 6, 5, 0, 1}, "SCALAR");
+  primitives.push_back(points);
+  primitives.push_back(lines);
+  primitives.push_back(empty);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->character.mesh.triangles.size(), 13u);
+  EXPECT_EQ(file->character.mesh.vertices.size(), 11u);  // three of the second list are used
+  EXPECT_TRUE(hasNote(*file, "2 primitives are points or lines"));
+  EXPECT_TRUE(hasNote(*file, "2 triangles name a vertex twice"));
+  EXPECT_TRUE(hasNote(*file, "2 indices make no whole triangle"));
+}
+
+TEST(GltfFeatures, MorphTargetsShapeTheRestByTheWeightsOfTheNodeElseOfTheMesh) {
+  GlbWriter writer = smallCharacter();
+  std::vector<float> up(24, 0.0F);
+  for (std::size_t v = 0; v < 8; ++v) up[3 * v + 1] = 1.0F;
+  const int offsets = writer.accessor(up, "VEC3");
+  nlohmann::json& mesh = writer.document["meshes"][0];
+  mesh["primitives"][0]["targets"] = {{{"POSITION", offsets}}, {{"NORMAL", 12345}}};
+  const auto lowest = [&] {
+    const Result<CharacterFile> file = parsed(writer);
+    EXPECT_TRUE(file.ok()) << file.error().message;
+    EXPECT_EQ(file->morphTargets, 2);
+    return boundsOf(file->character.mesh.vertices).min.y();
+  };
+  EXPECT_NEAR(lowest(), 0.0, 1e-6);
+  mesh["weights"] = {0.25, 1.0};
+  EXPECT_NEAR(lowest(), 0.25, 1e-6);
+  writer.document["nodes"][2]["weights"] = {0.5};
+  EXPECT_NEAR(lowest(), 0.5, 1e-6);
+}
+
+TEST(GltfFeatures, MissingInverseBindMatricesAreIdentities) {
+  GlbWriter writer = smallCharacter();
+  writer.document["skins"][0].erase("inverseBindMatrices");
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_LE(test::farthestFromTruth(*file, test::GltfTruth(writer.glb()), 0, 0.7), 2e-6);
+}
+
+TEST(GltfFeatures, OnlyWhatTheDefaultSceneDrawsIsRead) {
+  GlbWriter writer = smallCharacter();
+  writer.add("nodes", {{"mesh", 0}});
+  writer.add("scenes", {{"nodes", {3}}});
+  Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
+  EXPECT_EQ(file->mostInfluences, 1);
+  EXPECT_TRUE(hasNote(*file, "1 nodes with a mesh are in no drawn scene"));
+  writer.document.erase("scenes");
+  file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->character.mesh.triangles.size(), 24u);
+}
+
+TEST(GltfFeatures, LateKeysAndOddChannelsAreLeftOutWithANote) {
+  GlbWriter writer = smallCharacter();
+  const int times = writer.accessor(std::vector<float>{0.0F, 1.0F, 1.0F, 0.5F, 3.0F}, "SCALAR");
+  const int values = writer.accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4, 0, 0}, "VEC3");
+  nlohmann::json& animation = writer.document["animations"][0];
+  animation["samplers"].push_back({{"input", times}, {"output", values}});
+  const auto add = [&](nlohmann::json target) {
+    animation["channels"].push_back({{"sampler", 1}, {"target", target}});
+  };
+  add({{"node", 1}, {"path", "translation"}});
+  add({{"node", 1}, {"path", "translation"}});
+  add({{"node", 2}, {"path", "weights"}});
+  add({{"node", 1}, {"path", "pointer"}});
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  ASSERT_EQ(file->clips.size(), 1u);
+  ASSERT_EQ(file->clips[0].tracks.size(), 1u);
+  const KeyTrack<Vec3>& track = *file->clips[0].tracks[0].translation;
+  EXPECT_EQ(track.times, (std::vector<double>{0.0, 1.0, 3.0}));
+  EXPECT_EQ(track.values[2], Vec3(4.0, 0.0, 0.0));
+  EXPECT_TRUE(hasNote(*file, "2 animation keys do not come after"));
+  EXPECT_TRUE(hasNote(*file, "1 animation channels move morph weights"));
+  EXPECT_TRUE(hasNote(*file, "1 animation channels move something else"));
+  EXPECT_TRUE(hasNote(*file, "1 animation channels move what another moves"));
+}
+
+TEST(GltfFeatures, VrmListsNameTheBones) {
+  GlbWriter writer = smallCharacter();
+  writer.document["extensions"]["VRMC_vrm"] = {{"specVersion", "1.0"},
+                                               {"humanoid",
+                                                {{"humanBones",
+                                                  {{"hips", {{"node", 0}}},
+                                                   {"leftThumbProximal", {{"node", 1}}},
+                                                   {"jaw", {{"node", 1}}},
+                                                   {"head", {{"node", 4711}}},
+                                                   {"spine", {{"node", 1}}},
+                                                   {"neck", "none"}}}}}};
+  Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->format, "VRM 1.0");
+  EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kHips), jointNamed(*file, "lower"));
+  EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kLeftThumbProximal), jointNamed(*file, "upper"));
+  EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kHead), kNoJoint);
+  EXPECT_TRUE(hasNote(*file, "bone head names node 4711"));
+  EXPECT_TRUE(hasNote(*file, "bone neck names node null"));
+  EXPECT_TRUE(hasNote(*file, "bone spine or its node 1 is listed twice"));
+  EXPECT_NEAR(boundsOf(file->character.mesh.vertices).max.y(), 2.0, 1e-6);
+
+  // In 0.x it is a list, the thumb's bones have other names, and the front is -Z.
+  writer.document["extensions"] = {{"VRM",
+                                    {{"humanoid",
+                                      {{"humanBones",
+                                        {{{"bone", "hips"}, {"node", 0}},
+                                         {{"bone", "leftThumbIntermediate"}, {"node", 1}},
+                                         {{"bone", 7}},
+                                         "none"}}}}}}};
+  file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->format, "VRM 0.x");
+  EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kLeftThumbProximal), jointNamed(*file, "upper"));
+  EXPECT_LE(test::farthestFromTruth(*file, test::GltfTruth(writer.glb()), 0, 1.9), 2e-6);
+}
+
+TEST(GltfFeatures, ManyHundredUnitsAreCentimetresAndTinyOnesHundredsOfMetres) {
+  for (const auto& [size, expected] : {std::pair(1.0, 1.0), {4.0, 1.0}, {75.0, 0.01}, {900.0, 0.001}, {0.008, 100.0}}) {
+    GlbWriter writer = smallCharacter();
+    writer.add("nodes", {{"scale", {size, size, size}}, {"children", {0, 2}}});
+    writer.document["scenes"][0]["nodes"] = {3};
+    const Result<CharacterFile> file = parsed(writer);
+    ASSERT_TRUE(file.ok()) << file.error().message;
+    EXPECT_EQ(file->metresPerUnit, expected) << size;
+    EXPECT_NEAR(file->character.height, 2.0 * size * expected, 1e-5 * file->character.height);
+    EXPECT_EQ(hasNote(*file, "a unit is taken to be"), expected != 1.0);
+    EXPECT_LE(test::farthestFromTruth(*file, test::GltfTruth(writer.glb()), 0, 1.2), 1e-5 * file->character.height);
+  }
+}
+
+TEST(GltfFeatures, AFileOfMotionAloneHasEveryNodeAndNoMesh) {
+  GlbWriter writer = smallCharacter();
+  for (const char* key : {"skins", "meshes"}) writer.document.erase(key);
+  writer.document["nodes"][2] = {{"name", "tip"}};
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->character.skeleton.jointCount(), 4);
+  EXPECT_TRUE(file->character.mesh.vertices.empty());
+  EXPECT_EQ(file->character.height, 0.0);
+  ASSERT_EQ(file->clips.size(), 1u);
+}
+
+TEST(GltfFeatures, AFileThatFloatsIsToldAbout) {
+  GlbWriter writer = smallCharacter();
+  writer.document["nodes"][0]["translation"] = {0.0, 0.5, 0.0};
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(hasNote(*file, "lowest point in the bind pose is at y = 0.500 m"));
+}
+
+}  // namespace
+}  // namespace lorica
