@@ -19,7 +19,7 @@ double orientation(const Vec2& a, const Vec2& b, const Vec2& c) {
   return cross(b - a, c - a);
 }
 
-/// Corners of a ring sorted into the cells of a grid, so that those in a small box are found without asking all.
+/// Corners of a ring in the cells of a grid, to find the corners in a small box without testing all.
 class CornerGrid {
  public:
   explicit CornerGrid(std::span<const Vec2> corners) : cellOf_(corners.size()) {
@@ -41,13 +41,13 @@ class CornerGrid {
   }
 
   void remove(int corner) {
-    std::size_t& end = end_[cellOf_[static_cast<std::size_t>(corner)]];
-    const auto first =
-        corners_.begin() + static_cast<std::ptrdiff_t>(begin_[cellOf_[static_cast<std::size_t>(corner)]]);
+    std::size_t& end = end_[cellOf_[corner]];
+    const auto first = corners_.begin() + static_cast<std::ptrdiff_t>(begin_[cellOf_[corner]]);
     std::iter_swap(std::find(first, corners_.end(), corner), corners_.begin() + static_cast<std::ptrdiff_t>(--end));
   }
 
-  /// Whether the predicate holds for any of a few corners among which are all in the box.
+  /// Whether the predicate holds for any corner in the cells that overlap the box. Tests all corners in the box, and
+  /// some near it.
   template <typename Predicate>
   [[nodiscard]] bool anyNear(const Vec2& low, const Vec2& high, Predicate&& holds) const {
     const int right = cell(high, 0);
@@ -73,8 +73,8 @@ class CornerGrid {
   Vec2 low_, high_;
   int side_ = 1;
   std::vector<std::size_t> cellOf_;  // of each corner
-  std::vector<std::size_t> begin_;   // in corners_, of each cell
-  std::vector<std::size_t> end_;     // behind the last one that is still there
+  std::vector<std::size_t> begin_;   // start of each cell in corners_
+  std::vector<std::size_t> end_;     // end of each cell's remaining corners
   std::vector<int> corners_;
 };
 
@@ -85,7 +85,7 @@ class CapTriangulator {
   }
 
   std::vector<Triangle> run() {
-    // Loops that run counter-clockwise bound a region, clockwise ones are holes in the smallest region around them.
+    // Counter-clockwise loops bound a region; clockwise loops are holes in the smallest region that contains them.
     std::vector<double> area(loops_.size());
     for (std::size_t i = 0; i < loops_.size(); ++i) area[i] = signedArea(loops_[i]);
     std::vector<std::vector<std::size_t>> holesOf(loops_.size());
@@ -97,14 +97,14 @@ class CapTriangulator {
         if (area[o] <= -area[h] || !contains(loops_[o], loops_[h])) continue;
         if (best == loops_.size() || area[o] < area[best]) best = o;
       }
-      if (best == loops_.size()) continue;  // a clockwise loop in no region (crossing loops): closed by itself
+      if (best == loops_.size()) continue;  // clockwise loop in no region (crossing loops): filled
       isHole[h] = true;
       holesOf[best].push_back(h);
     }
     for (std::size_t o = 0; o < loops_.size(); ++o) {
       if (isHole[o]) continue;
       if (area[o] < 0.0) {
-        // Clip it the other way round and turn the triangles back.
+        // Clip the reversed loop, then flip the triangles.
         const std::size_t first = triangles_.size();
         clipEars(Loop(loops_[o].rbegin(), loops_[o].rend()));
         for (std::size_t t = first; t < triangles_.size(); ++t) std::swap(triangles_[t][1], triangles_[t][2]);
@@ -116,11 +116,11 @@ class CapTriangulator {
   }
 
  private:
-  [[nodiscard]] const Vec2& at(int v) const { return vertices_[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] const Vec2& at(int v) const { return vertices_[v]; }
 
-  // Where several edges leave a vertex, the first one clockwise from where we came keeps the region on the left:
-  // regions that touch in a vertex come apart there, and a hole that touches the border of its region is walked along
-  // with it.
+  // If several edges leave a vertex, take the first one clockwise from the incoming edge, which keeps the region on the
+  // left: regions that touch at a vertex are separated there, and a hole that touches the border of its region becomes
+  // part of the same loop.
   void traceLoops(std::span<const CapEdge> edges) {
     std::vector<int> order(edges.size());
     std::iota(order.begin(), order.end(), 0);
@@ -167,7 +167,7 @@ class CapTriangulator {
     return 0.5 * sum;
   }
 
-  // Whether the inner loop lies inside: judged by its first vertex that is not on the outer loop's vertices.
+  // Whether the inner loop is inside the outer one: tests the first inner vertex that is not an outer vertex.
   [[nodiscard]] bool contains(const Loop& outer, const Loop& inner) const {
     for (int v : inner) {
       if (std::find(outer.begin(), outer.end(), v) != outer.end()) continue;
@@ -185,7 +185,7 @@ class CapTriangulator {
     return true;
   }
 
-  // Joins holes to their region by bridges walked both ways, those with the rightmost vertex first (Held 2001).
+  // Joins holes to their region by bridges traversed in both directions, in order of decreasing maximum x (Held 2001).
   Loop withHoles(Loop ring, const std::vector<std::size_t>& holes) const {
     struct Hole {
       const Loop* loop;
@@ -215,8 +215,8 @@ class CapTriangulator {
     return ring;
   }
 
-  // The ring vertex to bridge to from p: walk right from p to the nearest ring edge; its right end sees p unless reflex
-  // vertices lie between, and then the one closest in angle does.
+  // Finds the ring vertex for a bridge from p: follow the ray from p to the right to the nearest ring edge. The right
+  // end of that edge is visible from p unless reflex vertices are in between; then the one closest in angle is visible.
   [[nodiscard]] std::size_t visibleFrom(const Loop& ring, const Vec2& p) const {
     double nearestX = std::numeric_limits<double>::infinity();
     std::size_t candidate = ring.size();
@@ -248,7 +248,7 @@ class CapTriangulator {
     return facing(ring, best, p);
   }
 
-  // Bridges walk through a vertex more than once: the occurrence whose corner opens towards p takes the next one.
+  // Bridges make a vertex occur more than once in a ring: returns the occurrence whose corner faces p.
   [[nodiscard]] std::size_t facing(const Loop& ring, std::size_t chosen, const Vec2& p) const {
     const Vec2& here = at(ring[chosen]);
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -275,7 +275,7 @@ class CapTriangulator {
     return (d0 >= 0.0 && d1 >= 0.0 && d2 >= 0.0) || (d0 <= 0.0 && d1 <= 0.0 && d2 <= 0.0);
   }
 
-  // Ear clipping. Should no true ear be left (crossing or degenerate loops), any convex corner goes, then any corner.
+  // Ear clipping. If no true ear is left (crossing or degenerate loops), clips any convex corner, then any corner.
   void clipEars(const Loop& ring) {
     const int count = static_cast<int>(ring.size());
     if (count < 3) return;
@@ -332,12 +332,12 @@ class CapTriangulator {
       --remaining;
       sinceLastEar = 0;
       leniency = 0;
-      current = next[after];  // skipping one spreads the ears instead of fanning from one corner
+      current = next[after];  // skip one corner, to avoid a fan around a single corner
     }
     emit(ring[previous[current]], ring[current], ring[next[current]]);
   }
 
-  // Both ends of a bridge are twice in a ring; a triangle over them alone has no area and its sides cancel.
+  // Both ends of a bridge occur twice in a ring; a triangle with a repeated corner has no area and its sides cancel.
   void emit(int a, int b, int c) {
     if (a != b && b != c && c != a) triangles_.push_back({a, b, c});
   }

@@ -11,9 +11,9 @@ namespace lorica {
 namespace {
 
 constexpr double kFlatAngle = 1e-6;  // edges closer to flat than this are not concave [rad]
-constexpr int kMaxComponents = 24;   // pairs grow with the square; the largest components come first
+constexpr int kMaxComponents = 24;   // the number of pairs is quadratic; keep the largest components
 
-/// The edge that two mesh triangles share, as the left one runs along it; empty when they share none.
+/// Finds the edge that two mesh triangles share, in the direction of the left one. @return false if there is none
 bool sharedEdge(const Triangle& left, const Triangle& right, VertexIndex& from, VertexIndex& to) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -27,14 +27,14 @@ bool sharedEdge(const Triangle& left, const Triangle& right, VertexIndex& from, 
   return false;
 }
 
-/// The unit vector that divides the angle from `a` to `b` in the ratio t : 1 - t. By halving the angle only, since
-/// sines differ in the last bit between mathematical libraries and no result may.
+/// Returns the unit vector that divides the angle from `a` to `b` in the ratio t : 1 - t. Only bisects angles: sines
+/// differ in the last bit between math libraries, and results must be identical on all machines.
 Vec3 between(Vec3 a, Vec3 b, double t) {
   if (t <= 0.0) return a;
   if (t >= 1.0) return b;
   for (int i = 0; i < 40; ++i) {
     const Vec3 sum = a + b;
-    if (sum.squaredNorm() <= 1e-18) return a;  // they point away from each other
+    if (sum.squaredNorm() <= 1e-18) return a;  // opposite directions
     const Vec3 middle = sum.normalized();
     t *= 2.0;
     if (t == 1.0) return middle;
@@ -60,9 +60,10 @@ double supportValue(std::span<const Vec3> points, const Vec3& direction, Vec3& w
   return best;
 }
 
-/// Gilbert's iteration towards the nearest points of two convex hulls; stops as soon as a plane separates them well.
+/// Finds a separating plane by Gilbert's iteration towards the nearest points of two convex hulls; stops as soon as the
+/// gap is at least half of the best possible.
 bool separatingPlane(std::span<const Vec3> a, std::span<const Vec3> b, Plane& plane) {
-  Vec3 towards = a.front() - b.front();  // a point of the difference set b -> a, walked towards the origin
+  Vec3 towards = a.front() - b.front();  // a point of the difference set b -> a, moved towards the origin
   for (int step = 0; step < 200; ++step) {
     const double length = towards.norm();
     if (length == 0.0) return false;
@@ -71,7 +72,7 @@ bool separatingPlane(std::span<const Vec3> a, std::span<const Vec3> b, Plane& pl
     Vec3 nearestB = b.front();
     const double lowA = -supportValue(a, -normal, nearestA);
     const double highB = supportValue(b, normal, nearestB);
-    // A gap of half of the best possible one is as good a place to cut as any.
+    // A gap of half of the best possible one is good enough for a cut.
     if (lowA - highB > 0.5 * length || (step == 199 && lowA > highB)) {
       plane = {normal, 0.5 * (lowA + highB)};
       return true;
@@ -99,7 +100,7 @@ std::vector<Crease> creasesOf(const Part& part) {
       return source < o.source;
     }
   };
-  // Half-edges by their lower end, counted first: a sort of them all would take most of the time.
+  // Counting sort of half-edges by their lower end: sorting all of them would take most of the time.
   std::vector<std::uint32_t> end(part.points.empty() ? 1 : static_cast<std::size_t>(part.points.back()) + 2, 0);
   for (const Triangle& t : part.triangles) {
     for (int e = 0; e < 3; ++e) ++end[static_cast<std::size_t>(std::min(t[e], t[(e + 1) % 3])) + 1];
@@ -110,14 +111,14 @@ std::vector<Crease> creasesOf(const Part& part) {
     const Triangle& t = part.triangles[i];
     for (int e = 0; e < 3; ++e) {
       const auto [low, high] = std::minmax(t[e], t[(e + 1) % 3]);
-      edges[end[static_cast<std::size_t>(low)]++] = {high, part.sourceTriangle[i], t[e] == low};
+      edges[end[low]++] = {high, part.sourceTriangle[i], t[e] == low};
     }
   }
   std::vector<Crease> creases;
   creases.reserve(edges.size() / 2);
   std::uint32_t first = 0;
   for (const PointIndex low : part.points) {
-    const std::uint32_t last = end[static_cast<std::size_t>(low)];
+    const std::uint32_t last = end[low];
     std::sort(edges.begin() + first, edges.begin() + last);
     for (std::uint32_t i = first; i + 1 < last; ++i) {
       const HalfEdge& up = edges[i];
@@ -135,8 +136,8 @@ std::vector<Vec3> unitNormals(std::span<const Triangle> triangles, std::span<con
   std::vector<Vec3> normals;
   normals.reserve(triangles.size());
   for (const Triangle& t : triangles) {
-    const Vec3& a = points[static_cast<std::size_t>(t[0])];
-    const Vec3 normal = (points[static_cast<std::size_t>(t[1])] - a).cross(points[static_cast<std::size_t>(t[2])] - a);
+    const Vec3& a = points[t[0]];
+    const Vec3 normal = (points[t[1]] - a).cross(points[t[2]] - a);
     const double length = normal.norm();
     normals.push_back(length > 0.0 ? Vec3(normal / length) : Vec3(Vec3::Zero()));
   }
@@ -146,7 +147,7 @@ std::vector<Vec3> unitNormals(std::span<const Triangle> triangles, std::span<con
 std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, std::span<const Triangle> mesh,
                                              std::span<const Vec3> normals, std::span<const Vec3> points,
                                              const ConvexHull& hull, int count, double spacing) {
-  // The hull's planes, large faces first: they stand above the deep places.
+  // The hull's planes, large faces first: these cover the deep concavities.
   struct FacePlane {
     Vec3 normal;
     double offset;
@@ -156,13 +157,13 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
   planes.reserve(hull.triangles.size());
   const double diagonal = boundsOf(hull.vertices).diagonal();
   for (const Triangle& t : hull.triangles) {
-    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3 ab = hull.vertices[static_cast<std::size_t>(t[1])] - a;
-    const Vec3 ac = hull.vertices[static_cast<std::size_t>(t[2])] - a;
+    const Vec3& a = hull.vertices[t[0]];
+    const Vec3 ab = hull.vertices[t[1]] - a;
+    const Vec3 ac = hull.vertices[t[2]] - a;
     const Vec3 normal = ab.cross(ac);
     const double area = normal.norm();
     const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
-    if (area <= 1e-7 * diagonal * longest) continue;  // slivers have no plane worth the name
+    if (area <= 1e-7 * diagonal * longest) continue;  // a sliver has no reliable plane
     planes.push_back({normal / area, normal.dot(a) / area, area});
   }
   std::stable_sort(planes.begin(), planes.end(),
@@ -184,17 +185,15 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
   };
   constexpr std::size_t kBlock = 2048;
   constexpr std::size_t kFewPlanes = 24;
-  const double flatTangent = kFlatAngle;  // the tangent of so small an angle
+  const double flatTangent = kFlatAngle;  // tangent of a small angle
   std::vector<std::vector<Found>> blocks((creases.size() + kBlock - 1) / kBlock);
-  const auto middleOf = [&](const Crease& c) -> Vec3 {
-    return 0.5 * (points[static_cast<std::size_t>(c.from)] + points[static_cast<std::size_t>(c.to)]);
-  };
+  const auto middleOf = [&](const Crease& c) -> Vec3 { return 0.5 * (points[c.from] + points[c.to]); };
   const auto directionOf = [&](const Crease& c, Vec3& direction) {
     VertexIndex from = 0, to = 0;
-    if (!sharedEdge(mesh[static_cast<std::size_t>(c.left)], mesh[static_cast<std::size_t>(c.right)], from, to)) {
+    if (!sharedEdge(mesh[c.left], mesh[c.right], from, to)) {
       return false;
     }
-    direction = points[static_cast<std::size_t>(to)] - points[static_cast<std::size_t>(from)];
+    direction = points[to] - points[from];
     const double length = direction.norm();
     direction /= length;
     return length > 0.0;
@@ -202,8 +201,8 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
     for (std::size_t c = block * kBlock; c < std::min(creases.size(), (block + 1) * kBlock); ++c) {
       const Crease& crease = creases[c];
-      const Vec3& left = normals[static_cast<std::size_t>(crease.left)];
-      const Vec3& right = normals[static_cast<std::size_t>(crease.right)];
+      const Vec3& left = normals[crease.left];
+      const Vec3& right = normals[crease.right];
       Vec3 direction;
       if (left.isZero(0.0) || right.isZero(0.0) || !directionOf(crease, direction)) continue;
       const double sine = -left.cross(right).dot(direction);
@@ -216,7 +215,8 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
   for (const std::vector<Found>& block : blocks) heap.insert(heap.end(), block.begin(), block.end());
   std::make_heap(heap.begin(), heap.end());
 
-  // Deepest first; pieces of one mesh edge give the same planes, so the deepest stands for all. Few need their depth.
+  // Deepest first. Sections of one mesh edge give the same planes, so only the deepest is kept. Exact depths are
+  // computed only for the few edges that reach the top of the heap.
   std::vector<ConcaveEdge> deepest;
   std::set<std::pair<std::int32_t, std::int32_t>> taken;
   while (!heap.empty() && static_cast<int>(deepest.size()) < count) {
@@ -225,10 +225,10 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
     heap.pop_back();
     const Crease& crease = creases[found.crease];
     const Vec3 middle = middleOf(crease);
-    const bool crowded = std::any_of(deepest.begin(), deepest.end(), [&](const ConcaveEdge& e) {
+    const bool tooClose = std::any_of(deepest.begin(), deepest.end(), [&](const ConcaveEdge& e) {
       return (e.point - middle).squaredNorm() < spacing * spacing;
     });
-    if (crowded || taken.contains(std::minmax(crease.left, crease.right))) continue;
+    if (tooClose || taken.contains(std::minmax(crease.left, crease.right))) continue;
     if (!found.exact) {
       found.depth = depthBelow(middle, planes.size());
       found.exact = true;
@@ -239,21 +239,19 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
     taken.insert(std::minmax(crease.left, crease.right));
     Vec3 direction = Vec3::Zero();
     directionOf(crease, direction);
-    deepest.push_back({middle, direction, normals[static_cast<std::size_t>(crease.left)],
-                       normals[static_cast<std::size_t>(crease.right)], found.depth});
+    deepest.push_back({middle, direction, normals[crease.left], normals[crease.right], found.depth});
   }
   return deepest;
 }
 
 std::vector<Plane> planesThrough(const ConcaveEdge& edge, int count) {
-  //      left face \   / right face        the solid is below; seen along the edge
+  //      left face \   / right face        seen along the edge e; the solid is below
   //                 \ /
-  //                / e \                    e to the lower right continues the left face, to the lower left the right
-  //                one;
+  //                / e \                    the left extension continues the left face, the right one the right face;
   //     right ext.       left ext.          every half-plane between them leaves both sides convex
   const Vec3 leftExtension = -(edge.leftNormal.cross(edge.direction));
   const Vec3 rightExtension = edge.rightNormal.cross(edge.direction);
-  // They coincide when the faces fold onto each other: one plane is all there is.
+  // If the faces are folded onto each other, the extensions coincide and there is only one plane.
   if (leftExtension.cross(rightExtension).norm() <= 1e-9) count = 1;
   std::vector<Plane> planes;
   for (int i = 0; i < count; ++i) {
@@ -271,12 +269,12 @@ std::vector<Plane> componentPlanes(const Part& part, std::span<const Vec3> point
   if (components.count < 2) return planes;
   std::vector<std::vector<Triangle>> trianglesOf(static_cast<std::size_t>(components.count));
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
-    trianglesOf[static_cast<std::size_t>(components.componentOfTriangle[i])].push_back(part.triangles[i]);
+    trianglesOf[components.componentOfTriangle[i]].push_back(part.triangles[i]);
   }
   std::vector<ConvexHull> hulls;
   for (const auto& triangles : trianglesOf) {
     std::vector<Vec3> own;
-    for (PointIndex p : pointsUsedBy(triangles)) own.push_back(points[static_cast<std::size_t>(p)]);
+    for (PointIndex p : pointsUsedBy(triangles)) own.push_back(points[p]);
     hulls.push_back(convexHull(own));
   }
   std::stable_sort(hulls.begin(), hulls.end(),

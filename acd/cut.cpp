@@ -13,7 +13,7 @@ std::uint64_t edgeKey(PointIndex a, PointIndex b) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
 }
 
-/// Gives one half its triangles; polygons of three or four corners come from clipped triangles.
+/// Collects the triangles of one half. Clipped triangles are added as polygons of three or four corners.
 class Half {
  public:
   void add(const Triangle& t, std::int32_t source) {
@@ -62,9 +62,9 @@ int PlaneSides::sideOf(const Triangle& t, std::span<const Vec3> points, const Pl
   for (PointIndex p : t) {
     if (sideOf(p) != 0) return sideOf(p);
   }
-  const Vec3& a = points[static_cast<std::size_t>(t[0])];
-  const Vec3& b = points[static_cast<std::size_t>(t[1])];
-  const Vec3& c = points[static_cast<std::size_t>(t[2])];
+  const Vec3& a = points[t[0]];
+  const Vec3& b = points[t[1]];
+  const Vec3& c = points[t[2]];
   return (b - a).cross(c - a).dot(plane.normal) > 0.0 ? -1 : 1;
 }
 
@@ -81,7 +81,7 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
     return entry->second;
   };
 
-  // Every triangle goes to one half or is clipped into a piece for each.
+  // Assign each triangle to a half, or clip it into a piece for each half.
   Half above, below;
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     const Triangle& t = part.triangles[i];
@@ -103,11 +103,11 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
     below.addPolygon({lower.data(), lowerCount}, source);
   }
 
-  // What is left open of the upper half, all of it on the plane, bounds the cap.
+  // The open edges of the upper half, all on the plane, bound the cap.
   const auto onPlane = [&](PointIndex p) { return p >= firstNewPoint || sides.sideOf(p) == 0; };
   std::vector<std::array<PointIndex, 2>> open;
   {
-    std::unordered_map<std::uint64_t, int> balance;  // runs ascending minus runs descending
+    std::unordered_map<std::uint64_t, int> balance;  // ascending minus descending edges
     std::vector<std::array<PointIndex, 2>> seen;
     for (const Triangle& t : above.triangles()) {
       for (int e = 0; e < 3; ++e) {
@@ -127,17 +127,17 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
     }
   }
 
-  // Plane coordinates with the normal towards the reader: the upper half's border runs counter-clockwise round the cap.
+  // Plane coordinates with the normal towards the viewer: the upper half's border runs counter-clockwise around the
+  // cap.
   const Vec3 u = plane.normal.unitOrthogonal();
   const Vec3 v = plane.normal.cross(u);
   std::unordered_map<PointIndex, int> capVertexOf;
   std::vector<PointIndex> pointOf;
   std::vector<Vec2> flat;
   const auto positionOf = [&](PointIndex p) -> Vec3 {
-    if (p < firstNewPoint) return points[static_cast<std::size_t>(p)];
-    const CutPoint& c = result.newPoints[static_cast<std::size_t>(p - firstNewPoint)];
-    return c.lambda * points[static_cast<std::size_t>(c.first)] +
-           (1.0 - c.lambda) * points[static_cast<std::size_t>(c.second)];
+    if (p < firstNewPoint) return points[p];
+    const CutPoint& c = result.newPoints[p - firstNewPoint];
+    return c.lambda * points[c.first] + (1.0 - c.lambda) * points[c.second];
   };
   std::vector<CapEdge> edges;
   for (const auto& edge : open) {
@@ -154,9 +154,9 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
     edges.push_back(local);
   }
   for (const Triangle& t : triangulateCap(flat, edges)) {
-    const PointIndex a = pointOf[static_cast<std::size_t>(t[0])];
-    const PointIndex b = pointOf[static_cast<std::size_t>(t[1])];
-    const PointIndex c = pointOf[static_cast<std::size_t>(t[2])];
+    const PointIndex a = pointOf[t[0]];
+    const PointIndex b = pointOf[t[1]];
+    const PointIndex c = pointOf[t[2]];
     below.add({a, b, c}, -1);
     above.add({a, c, b}, -1);
   }
@@ -170,12 +170,12 @@ std::vector<PointIndex> pointsUsedBy(std::span<const Triangle> triangles) {
   for (const Triangle& t : triangles) largest = std::max({largest, t[0], t[1], t[2]});
   std::vector<bool> used(static_cast<std::size_t>(largest + 1), false);
   for (const Triangle& t : triangles) {
-    for (const PointIndex p : t) used[static_cast<std::size_t>(p)] = true;
+    for (const PointIndex p : t) used[p] = true;
   }
   std::vector<PointIndex> points;
   points.reserve(std::min(triangles.size() * 3, used.size()));
   for (PointIndex p = 0; p <= largest; ++p) {
-    if (used[static_cast<std::size_t>(p)]) points.push_back(p);
+    if (used[p]) points.push_back(p);
   }
   return points;
 }

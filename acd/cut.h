@@ -8,28 +8,28 @@
 
 namespace lorica {
 
-/// normal . x = offset; `above` is where normal . x > offset.
+/// The plane normal . x = offset; a point is above it if normal . x > offset.
 struct Plane {
   Vec3 normal;
   double offset = 0.0;
 };
 
-/// Where the points of a part lie with respect to a plane: -1 below, 0 on it, 1 above. Candidate planes always contain
-/// vertices of the mesh, so "on" is a state of its own and such vertices belong to both sides' caps.
+/// Sides of a plane on which the points of a part are: -1 below, 0 on it, 1 above. Candidate planes always contain
+/// vertices of the mesh, so "on the plane" is a separate state; such vertices belong to the caps of both sides.
 class PlaneSides {
  public:
-  /// @param points     all points in the keyframe where the plane is, indexed by PointIndex
-  /// @param tolerance  distance up to which a point counts as on the plane [m]
+  /// @param points     all points in the keyframe of the plane, indexed by PointIndex
+  /// @param tolerance  points up to this distance count as on the plane [m]
   void classify(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance);
 
-  /// The same for one point; returns its side.
+  /// Classifies one point and returns its side.
   int classify(PointIndex p, std::span<const Vec3> points, const Plane& plane, double tolerance);
 
-  [[nodiscard]] int sideOf(PointIndex p) const { return side_[static_cast<std::size_t>(p)]; }
-  [[nodiscard]] double distanceOf(PointIndex p) const { return distance_[static_cast<std::size_t>(p)]; }
-  /// The point where the edge between two points on opposite sides meets the plane (Eq. 10).
+  [[nodiscard]] int sideOf(PointIndex p) const { return side_[p]; }
+  [[nodiscard]] double distanceOf(PointIndex p) const { return distance_[p]; }
+  /// The intersection of the plane and the edge between two points on opposite sides (Eq. 10).
   [[nodiscard]] CutPoint crossing(PointIndex a, PointIndex b) const;
-  /// The side of a triangle that does not cross the plane; one lying in it belongs to where the solid is.
+  /// The side of a triangle that does not cross the plane. A triangle in the plane belongs to the side of the solid.
   [[nodiscard]] int sideOf(const Triangle& triangle, std::span<const Vec3> points, const Plane& plane) const;
 
  private:
@@ -41,15 +41,15 @@ class PlaneSides {
 struct CutResult {
   Part above;
   Part below;
-  std::vector<CutPoint> newPoints;  ///< numbered from `firstNewPoint` on
+  std::vector<CutPoint> newPoints;  ///< numbered from `firstNewPoint`
 };
 
-/// Cuts a part and closes both halves with one cap, reversed on one of them.
+/// Cuts a part and closes both halves with the same cap, reversed for one of them.
 /// @param firstNewPoint  PointIndex of the first new point
 [[nodiscard]] CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance,
                                 PointIndex firstNewPoint);
 
-/// The points that a part's triangles use, ascending, for Part::points.
+/// Returns the points that the triangles use, ascending, for Part::points.
 [[nodiscard]] std::vector<PointIndex> pointsUsedBy(std::span<const Triangle> triangles);
 
 }  // namespace lorica

@@ -22,19 +22,19 @@
 namespace lorica {
 namespace {
 
-// A part whose hull exceeds it by less than this share of the mesh's volume is convex: there is nothing to gain.
+// A part whose hull volume exceeds its own by less than this fraction of the mesh's volume counts as convex.
 constexpr double kConvex = 1e-9;
-// A limit that no reasonable number of parts can keep is given up.
-constexpr std::size_t kMostParts = 4096;
+// Stop here if the limits cannot be met with a reasonable number of parts.
+constexpr std::size_t kMaxParts = 4096;
 
-/// What a preset stands for.
+/// The parameters of a preset.
 struct Plan {
   SplitEffort effort;
-  double overCut = 1.0;     // cut into this many times the parts, then merge the cheapest pairs
-  bool byGain = false;      // cut the part that gains most, not the one with the largest error
-  SplitEffort trialEffort;  // of the first round of improve()
-  int trials = 0;           // unsuccessful trials that end it; 0 = no improvement after merging
-  int lastTrials = 0;       // the same for a second round with all effort
+  double overCut = 1.0;     // first cut into this multiple of the part count, then merge the cheapest pairs
+  bool byGain = false;      // cut the part with the largest gain, not the one with the largest error
+  SplitEffort trialEffort;  // for the first round of improve()
+  int trials = 0;           // that round stops after this many failed trials; 0 = do not call improve()
+  int lastTrials = 0;       // the same for a second round with full effort
 };
 
 Plan planFor(const DecomposeSettings& settings) {
@@ -74,25 +74,25 @@ Plan planFor(const DecomposeSettings& settings) {
   }
   if (settings.candidateEdges > 0) plan.effort.candidateEdges = settings.candidateEdges;
   if (settings.planesPerEdge > 0) plan.effort.planesPerEdge = settings.planesPerEdge;
-  // With neither part count nor limit the parts end up convex: there is nothing to merge. One part needs no cut.
+  // Without part count and limits, cutting goes on until all parts are convex: nothing to merge. One part needs no cut.
   const bool toTheEnd = settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0;
   if (toTheEnd || settings.maxParts == 1) plan.overCut = 1.0;
-  // And planes that pass by the concave edges would shave off crumb after crumb.
+  // Planes that do not pass through concave edges would then cut off endlessly many small pieces.
   if (toTheEnd) plan.effort.axisPlanes = plan.effort.refinedPlanes = 0;
   return plan;
 }
 
-/// Drops cut points that no part needs any more, and numbers the rest anew.
+/// Removes cut points that no part needs any more, and renumbers the rest.
 void dropUnusedCutPoints(Decomposition& decomposition) {
   const auto vertexCount = static_cast<std::size_t>(decomposition.vertexCount);
   std::vector<bool> used(static_cast<std::size_t>(decomposition.pointCount()), false);
   for (const Part& part : decomposition.parts) {
-    for (const PointIndex p : part.points) used[static_cast<std::size_t>(p)] = true;
+    for (const PointIndex p : part.points) used[p] = true;
   }
   for (std::size_t c = decomposition.cutPoints.size(); c-- > 0;) {
     if (!used[vertexCount + c]) continue;
-    used[static_cast<std::size_t>(decomposition.cutPoints[c].first)] = true;
-    used[static_cast<std::size_t>(decomposition.cutPoints[c].second)] = true;
+    used[decomposition.cutPoints[c].first] = true;
+    used[decomposition.cutPoints[c].second] = true;
   }
   std::vector<PointIndex> numberOf(used.size());
   std::iota(numberOf.begin(), numberOf.begin() + decomposition.vertexCount, 0);
@@ -102,12 +102,12 @@ void dropUnusedCutPoints(Decomposition& decomposition) {
     if (!used[vertexCount + c]) continue;
     numberOf[vertexCount + c] = decomposition.vertexCount + static_cast<PointIndex>(kept.size());
     CutPoint point = decomposition.cutPoints[c];
-    point.first = numberOf[static_cast<std::size_t>(point.first)];
-    point.second = numberOf[static_cast<std::size_t>(point.second)];
+    point.first = numberOf[point.first];
+    point.second = numberOf[point.second];
     kept.push_back(point);
   }
   decomposition.cutPoints = std::move(kept);
-  const auto renumber = [&](PointIndex& p) { p = numberOf[static_cast<std::size_t>(p)]; };
+  const auto renumber = [&](PointIndex& p) { p = numberOf[p]; };
   for (Part& part : decomposition.parts) {
     for (Triangle& t : part.triangles) std::for_each(t.begin(), t.end(), renumber);
     std::for_each(part.points.begin(), part.points.end(), renumber);
@@ -116,8 +116,8 @@ void dropUnusedCutPoints(Decomposition& decomposition) {
 
 /// A piece with the best split found for it so far.
 struct Leaf {
-  Workpiece piece;
-  std::vector<bool> exhausted;  // keyframes in which no plane divides it
+  Piece piece;
+  std::vector<bool> exhausted;  // keyframes in which no plane divides the piece
   bool searched = false;
   std::optional<Split> split;
   double gain = 0.0;
@@ -127,23 +127,23 @@ struct Leaf {
 class Decomposer {
  public:
   Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings)
-      : settings_(settings), plan_(planFor(settings)), shop_(mesh, keyframes) {}
+      : settings_(settings), plan_(planFor(settings)), context_(mesh, keyframes) {}
 
   // Algorithm 3; with one keyframe Algorithm 2.
   Result<Decomposition> run() {
     Part whole;
-    whole.triangles = shop_.mesh.triangles;
+    whole.triangles = context_.mesh.triangles;
     whole.sourceTriangle.reserve(whole.triangles.size());
     for (std::size_t i = 0; i < whole.triangles.size(); ++i)
       whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
     whole.points = pointsUsedBy(whole.triangles);
     leaves_.push_back(leafOf(std::move(whole)));
-    std::size_t limit = limited() ? kMostParts : std::numeric_limits<std::size_t>::max();
+    std::size_t limit = limited() ? kMaxParts : std::numeric_limits<std::size_t>::max();
     if (settings_.maxParts > 0) limit = static_cast<std::size_t>(std::ceil(settings_.maxParts * plan_.overCut));
     while (leaves_.size() < limit) {
       if (!goOn(leaves_.size(), limit)) return cancelled();
       if (met_ == 0 && limitsMet(leaves_)) {
-        // Cut some more, so that merging has a choice; it stops where the limits still hold.
+        // Cut further, so that merging has alternatives; merging stops while the limits are still met.
         met_ = leaves_.size();
         for (const Leaf& leaf : leaves_) atLimit_.push_back(leaf.piece);
         limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * plan_.overCut)));
@@ -155,7 +155,7 @@ class Decomposer {
     }
     if (settings_.maxParts == 0 && !limited()) separateComponents();
     Result<Decomposition> result = finish();
-    (void)goOn(leaves_.size(), leaves_.size());  // the result is there: whoever cancels now is too late
+    (void)goOn(leaves_.size(), leaves_.size());  // the result is complete: it is too late to cancel
     return result;
   }
 
@@ -163,7 +163,7 @@ class Decomposer {
   static Error cancelled() { return {ErrorCode::kCancelled, "decomposition cancelled"}; }
   [[nodiscard]] bool limited() const { return settings_.maxError > 0.0 || settings_.maxDistance > 0.0; }
 
-  /// Tells how far the work is, in parts asked for though more pieces may be cut. False to cancel.
+  /// Reports progress, scaled to the requested number of parts if more pieces are cut. Returns false to cancel.
   [[nodiscard]] bool goOn(std::size_t pieces, std::size_t limit) const {
     if (!settings_.progress) return true;
     const std::size_t done =
@@ -171,26 +171,26 @@ class Decomposer {
     return settings_.progress(static_cast<int>(done), settings_.maxParts);
   }
 
-  /// Whether the hulls of all pieces exceed the mesh by no more than asked for in any keyframe; false when no such
-  /// limit was asked for.
+  /// Whether the hull volume of all pieces meets maxError in every keyframe; false if maxError is not set.
   [[nodiscard]] bool errorMet(const auto& pieces, const auto& pieceOf) const {
     if (settings_.maxError <= 0.0) return false;
-    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
-      double volume = -shop_.meshVolume[k];
+    for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
+      double volume = -context_.meshVolume[k];
       for (const auto& p : pieces) volume += pieceOf(p).hullVolume[k];
-      if (volume > settings_.maxError * std::abs(shop_.meshVolume[k])) return false;
+      if (volume > settings_.maxError * std::abs(context_.meshVolume[k])) return false;
     }
     return true;
   }
 
-  /// Largest distance from the hull of a piece to its surface in any keyframe; at most maxDistance where it is less.
-  [[nodiscard]] double distanceOf(const Workpiece& piece) const {
-    std::vector<double> distances(shop_.keyframeCount());
+  /// Largest distance from the hull of a piece to its surface in any keyframe. Distances below maxDistance may be
+  /// reported as up to maxDistance.
+  [[nodiscard]] double distanceOf(const Piece& piece) const {
+    std::vector<double> distances(context_.keyframeCount());
     tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
       std::vector<Vec3> corners;
       corners.reserve(piece.hullPoints[k].size());
-      for (const PointIndex p : piece.hullPoints[k]) corners.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
-      distances[k] = hullDistance(convexHull(corners), shop_.points[k], piece.part.triangles, settings_.maxDistance);
+      for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);
+      distances[k] = hullDistance(convexHull(corners), context_.points[k], piece.part.triangles, settings_.maxDistance);
     });
     return *std::max_element(distances.begin(), distances.end());
   }
@@ -200,46 +200,46 @@ class Decomposer {
     return *leaf.distance > settings_.maxDistance;
   }
 
-  /// Whether a limit that was asked for is kept.
+  /// Whether one of the limits is met.
   [[nodiscard]] bool limitsMet(std::vector<Leaf>& leaves) const {
-    if (errorMet(leaves, [](const Leaf& l) -> const Workpiece& { return l.piece; })) return true;
+    if (errorMet(leaves, [](const Leaf& l) -> const Piece& { return l.piece; })) return true;
     return settings_.maxDistance > 0.0 &&
            std::none_of(leaves.begin(), leaves.end(), [&](Leaf& l) { return tooFar(l); });
   }
-  [[nodiscard]] bool limitsMet(const std::vector<Workpiece>& pieces) const {
-    if (errorMet(pieces, [](const Workpiece& p) -> const Workpiece& { return p; })) return true;
-    return settings_.maxDistance > 0.0 && std::all_of(pieces.begin(), pieces.end(), [&](const Workpiece& p) {
+  [[nodiscard]] bool limitsMet(const std::vector<Piece>& pieces) const {
+    if (errorMet(pieces, [](const Piece& p) -> const Piece& { return p; })) return true;
+    return settings_.maxDistance > 0.0 && std::all_of(pieces.begin(), pieces.end(), [&](const Piece& p) {
              return distanceOf(p) <= settings_.maxDistance;
            });
   }
 
-  /// Whether cutting a leaf brings the limits closer: where only distance is wanting, those that keep it are left
-  /// alone.
+  /// Whether cutting a leaf helps to meet the limits: if there is only a distance limit, leaves that meet it are not
+  /// cut.
   [[nodiscard]] bool worthCutting(Leaf& leaf) const {
     return settings_.maxDistance <= 0.0 || met_ > 0 || settings_.maxError > 0.0 || tooFar(leaf);
   }
 
   [[nodiscard]] Leaf leafOf(Part part) const {
     Leaf leaf;
-    leaf.piece = measure(std::move(part), shop_);
-    leaf.exhausted.resize(shop_.keyframeCount(), false);
+    leaf.piece = measure(std::move(part), context_);
+    leaf.exhausted.resize(context_.keyframeCount(), false);
     return leaf;
   }
 
-  /// r*: the keyframe with the largest error of those that are not exhausted; none when the part is convex.
+  /// r*: the keyframe with the largest error among those not exhausted; none if the part is convex.
   std::optional<std::size_t> worstKeyframe(const Leaf& leaf) const {
     std::optional<std::size_t> worst;
     double largest = 0.0;
-    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+    for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
       const double error = leaf.piece.error(k);
-      if (leaf.exhausted[k] || error <= kConvex * std::abs(shop_.meshVolume[k]) || error <= largest) continue;
+      if (leaf.exhausted[k] || error <= kConvex * std::abs(context_.meshVolume[k]) || error <= largest) continue;
       largest = error;
       worst = k;
     }
     return worst;
   }
 
-  /// Finds a leaf's best split in its worst keyframe, or in the next worst where no plane divides it.
+  /// Finds a leaf's best split in its worst keyframe, or in the next worst if no plane divides it there.
   bool search(Leaf& leaf) {
     while (!leaf.searched) {
       const auto keyframe = worstKeyframe(leaf);
@@ -247,7 +247,7 @@ class Decomposer {
         leaf.searched = true;
         break;
       }
-      leaf.split = bestSplit(leaf.piece, *keyframe, shop_, plan_.effort);
+      leaf.split = bestSplit(leaf.piece, *keyframe, context_, plan_.effort);
       if (leaf.split) {
         leaf.searched = true;
         leaf.gain = leaf.piece.totalHullVolume() - leaf.split->hullVolume;
@@ -274,14 +274,14 @@ class Decomposer {
     }
   }
 
-  /// The part whose best split saves most. A part's error bounds what it can save, so few need to be searched.
+  /// The part whose best split has the largest gain. A part's error bounds its gain, so few parts must be searched.
   std::optional<std::size_t> mostGaining() {
     std::vector<std::size_t> order(leaves_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return leaves_[a].piece.totalError() > leaves_[b].piece.totalError();
     });
-    // The two with the largest errors side by side; most often both have to be searched.
+    // Search the two parts with the largest errors in parallel; usually both are needed.
     tbb::parallel_for(std::size_t{0}, std::min(order.size(), std::size_t{2}), [&](std::size_t i) {
       if (worthCutting(leaves_[order[i]])) search(leaves_[order[i]]);
     });
@@ -296,21 +296,22 @@ class Decomposer {
 
   void carryOut(std::size_t index) {
     const Split split = *leaves_[index].split;
-    CutResult cut = cutPart(leaves_[index].piece.part, shop_.points[split.keyframe], split.plane,
-                            shop_.onPlane[split.keyframe], shop_.pointCount());
-    shop_.addCutPoints(cut.newPoints);
+    CutResult cut = cutPart(leaves_[index].piece.part, context_.points[split.keyframe], split.plane,
+                            context_.onPlane[split.keyframe], context_.pointCount());
+    context_.addCutPoints(cut.newPoints);
     splitFrom_.push_back(static_cast<PartIndex>(index));
     leaves_.emplace_back();
     tbb::parallel_invoke([&] { leaves_[index] = leafOf(std::move(cut.above)); },
                          [&] { leaves_.back() = leafOf(std::move(cut.below)); });
   }
 
-  /// Algorithm 1, last line: components that no plane could separate become parts of their own. Shells inside out (the
-  /// wall of a cavity) stay with the part that they hollow.
+  /// Algorithm 1, last line: components that no plane could separate become separate parts. Inside-out shells (the wall
+  /// of a cavity) stay in the part that contains the cavity.
   void separateComponents() {
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
       const Part& part = leaves_[i].piece.part;
-      const Components components = connectedComponents(static_cast<std::size_t>(shop_.pointCount()), part.triangles);
+      const Components components =
+          connectedComponents(static_cast<std::size_t>(context_.pointCount()), part.triangles);
       if (components.count < 2) continue;
       Part first, rest;
       for (std::size_t t = 0; t < part.triangles.size(); ++t) {
@@ -318,94 +319,95 @@ class Decomposer {
         side.triangles.push_back(part.triangles[t]);
         side.sourceTriangle.push_back(part.sourceTriangle[t]);
       }
-      if (signedVolume(shop_.points[0], first.triangles) <= 0.0 ||
-          signedVolume(shop_.points[0], rest.triangles) <= 0.0) {
+      if (signedVolume(context_.points[0], first.triangles) <= 0.0 ||
+          signedVolume(context_.points[0], rest.triangles) <= 0.0) {
         continue;
       }
       first.points = pointsUsedBy(first.triangles);
       rest.points = pointsUsedBy(rest.triangles);
       splitFrom_.push_back(static_cast<PartIndex>(i));
-      leaves_[i].piece = measure(std::move(first), shop_);
+      leaves_[i].piece = measure(std::move(first), context_);
       leaves_.push_back(leafOf(std::move(rest)));
     }
   }
 
-  /// Merges what was cut too fine, improves it where the plan says so, and brings the parts in their order of detail.
+  /// Merges pieces down to the requested parts, improves these if the plan requires it, and sorts them by level of
+  /// detail.
   Result<Decomposition> finish() {
     Decomposition result;
-    result.vertexCount = static_cast<int>(shop_.mesh.vertices.size());
-    result.triangleCount = static_cast<int>(shop_.mesh.triangles.size());
+    result.vertexCount = static_cast<int>(context_.mesh.vertices.size());
+    result.triangleCount = static_cast<int>(context_.mesh.triangles.size());
     if (plan_.overCut <= 1.0) {
       result.splitFrom = std::move(splitFrom_);
       result.parts.reserve(leaves_.size());
       for (Leaf& leaf : leaves_) result.parts.push_back(std::move(leaf.piece.part));
     } else {
-      std::vector<Workpiece> pieces;
+      std::vector<Piece> pieces;
       pieces.reserve(leaves_.size());
       for (Leaf& leaf : leaves_) pieces.push_back(std::move(leaf.piece));
       const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : pieces.size();
       pieces = met_ > 0 ? mergedWithinLimits(pieces, wanted) : merged(pieces, wanted);
       if (plan_.trials > 0) {
         const std::size_t count = pieces.size();
-        std::vector<Workpiece> better = pieces;
+        std::vector<Piece> better = pieces;
         const auto tell = [&] { return goOn(count - 1, count); };
-        if (!improve(better, shop_, plan_.trialEffort, plan_.trials, tell) ||
-            !improve(better, shop_, plan_.effort, plan_.lastTrials, tell)) {
+        if (!improve(better, context_, plan_.trialEffort, plan_.trials, tell) ||
+            !improve(better, context_, plan_.effort, plan_.lastTrials, tell)) {
           return cancelled();
         }
         if (met_ == 0 || limitsMet(better)) pieces = std::move(better);
       }
-      Merged order = mergePieces(pieces, shop_, static_cast<int>(pieces.size()), plan_.effort.coarse);
+      Merged order = mergePieces(pieces, context_, static_cast<int>(pieces.size()), plan_.effort.coarse);
       result.splitFrom = std::move(order.splitFrom);
       result.parts.reserve(pieces.size());
       for (const std::vector<std::size_t>& group : order.groups) {
         result.parts.push_back(std::move(pieces[group[0]].part));
       }
     }
-    result.cutPoints = std::move(shop_.cutPoints);
+    result.cutPoints = std::move(context_.cutPoints);
     dropUnusedCutPoints(result);
     return result;
   }
 
-  [[nodiscard]] std::vector<Workpiece> merged(const std::vector<Workpiece>& pieces, std::size_t count) const {
-    std::vector<Workpiece> parts;
+  [[nodiscard]] std::vector<Piece> merged(const std::vector<Piece>& pieces, std::size_t count) const {
+    std::vector<Piece> parts;
     parts.reserve(count);
-    for (const auto& group : mergePieces(pieces, shop_, static_cast<int>(count), plan_.effort.coarse).groups) {
+    for (const auto& group : mergePieces(pieces, context_, static_cast<int>(count), plan_.effort.coarse).groups) {
       std::vector<const Part*> members;
       members.reserve(group.size());
       for (const std::size_t i : group) members.push_back(&pieces[i].part);
-      parts.push_back(members.size() == 1 ? pieces[group[0]] : measure(unite(members), shop_));
+      parts.push_back(members.size() == 1 ? pieces[group[0]] : measure(unite(members), context_));
     }
     return parts;
   }
 
-  /// The fewest parts that still keep the limits, as far as fewer parts are worse; at most `most` where that is kept.
-  [[nodiscard]] std::vector<Workpiece> mergedWithinLimits(const std::vector<Workpiece>& pieces,
-                                                          std::size_t most) const {
+  /// Binary search for the fewest parts that meet the limits, assuming that fewer parts are worse; never more than
+  /// `max`.
+  [[nodiscard]] std::vector<Piece> mergedWithinLimits(const std::vector<Piece>& pieces, std::size_t max) const {
     std::size_t kept = atLimit_.size(), broken = 0;
-    std::vector<Workpiece> best = atLimit_;
+    std::vector<Piece> best = atLimit_;
     while (broken + 1 < kept) {
-      const std::size_t count = std::min((broken + kept) / 2, most);
-      std::vector<Workpiece> tried = merged(pieces, count);
+      const std::size_t count = std::min((broken + kept) / 2, max);
+      std::vector<Piece> tried = merged(pieces, count);
       if (limitsMet(tried)) {
         kept = count;
         best = std::move(tried);
-      } else if (count >= most) {
-        return merged(pieces, most);
+      } else if (count >= max) {
+        return merged(pieces, max);
       } else {
         broken = count;
       }
     }
-    return best.size() > most ? merged(pieces, most) : best;
+    return best.size() > max ? merged(pieces, max) : best;
   }
 
   const DecomposeSettings& settings_;
   Plan plan_;
-  Workshop shop_;
+  CutContext context_;
   std::vector<Leaf> leaves_;
   std::vector<PartIndex> splitFrom_;
-  std::size_t met_ = 0;             // pieces when the limits were first met; 0 = not yet
-  std::vector<Workpiece> atLimit_;  // those pieces: cutting on can take a hull farther from what is left of its surface
+  std::size_t met_ = 0;         // pieces when the limits were first met; 0 = not yet
+  std::vector<Piece> atLimit_;  // those pieces: further cuts can increase a hull's distance to its remaining surface
 };
 
 }  // namespace
@@ -423,7 +425,7 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
   if (static_cast<std::size_t>(keyframes.vertexCount) != mesh.vertices.size() || keyframes.keyframeCount() < 1 ||
       keyframes.positions.size() % mesh.vertices.size() != 0) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} keyframe positions for a mesh of {} vertices: expected one full set or more",
+                 fmt::format("{} keyframe positions for a mesh of {} vertices: expected a positive multiple",
                              keyframes.positions.size(), mesh.vertices.size())};
   }
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
@@ -437,7 +439,7 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     }
   }
   Decomposer decomposer(mesh, keyframes, settings);
-  // More threads than cores are allowed, so that tests can show that the result does not depend on them.
+  // Allow more threads than cores, so that tests can verify that the result does not depend on the number.
   const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
                                     std::max(known, static_cast<std::size_t>(settings.threads)));

@@ -7,13 +7,13 @@ namespace lorica {
 
 namespace {
 
-/// Content as bytes in one fixed order, field by field: structs have padding, and machines differ in byte order.
+/// Serializes the content field by field: structs have padding, and machines differ in byte order.
 class HashedBytes {
  public:
   explicit HashedBytes(std::size_t expected) { bytes_.reserve(expected); }
   void add(std::int32_t value) { appendLittleEndian(value, bytes_); }
   void add(double value) { appendLittleEndian(value, bytes_); }
-  /// A length in front of each list keeps equal bytes from meaning different lists.
+  /// A length before each list, so that different lists cannot give the same bytes.
   void addLength(std::size_t length) { appendLittleEndian(static_cast<std::uint64_t>(length), bytes_); }
   [[nodiscard]] std::uint64_t hash() const { return contentHash(bytes_); }
 

@@ -11,7 +11,7 @@ namespace lorica {
 using PointIndex = std::int32_t;  ///< a mesh vertex (< vertexCount) or a cut point (>= vertexCount)
 using PartIndex = std::int32_t;
 
-/// Positions of one mesh in several keyframes, borrowed: keyframeCount x vertexCount, keyframe-major [m].
+/// Positions of one mesh in several keyframes (not owned): keyframeCount x vertexCount, keyframe-major [m].
 struct PoseView {
   std::span<const Vec3> positions;
   int vertexCount = 0;
@@ -25,7 +25,7 @@ struct PoseView {
 };
 
 /// A vertex made by a cut: position = lambda * p[first] + (1 - lambda) * p[second] in every pose (Eq. 10).
-/// Both ends are older points, so walking cut points in order reconstructs all of them.
+/// Both ends have smaller indices, so processing cut points in order computes all of them.
 struct CutPoint {
   PointIndex first = 0;
   PointIndex second = 0;
@@ -34,26 +34,26 @@ struct CutPoint {
 
 /// A closed submesh of the decomposed mesh.
 struct Part {
-  std::vector<Triangle> triangles;           ///< over PointIndex: surface pieces and caps
+  std::vector<Triangle> triangles;           ///< indices are PointIndex; surface and caps
   std::vector<std::int32_t> sourceTriangle;  ///< for each triangle, the mesh triangle it came from; -1 on caps
-  std::vector<PointIndex> points;            ///< every point that its triangles use, ascending
+  std::vector<PointIndex> points;            ///< all points that the triangles use, ascending
 };
 
-/// An approximate convex decomposition that carries to any pose of its mesh. Immutable once made.
+/// An approximate convex decomposition, valid in any pose of its mesh. Immutable once made.
 ///
-/// Parts come in an order of detail: part i + 1 was split from part splitFrom[i]. With every part from n on joined
-/// again to the one that it came from, the first n parts are a decomposition too.
+/// Parts are ordered by level of detail: part i + 1 was split from part splitFrom[i]. If every part from n on is merged
+/// into the part that it was split from, the first n parts are again a decomposition.
 struct Decomposition {
   int vertexCount = 0;  ///< of the mesh it was made from
   int triangleCount = 0;
-  std::vector<CutPoint> cutPoints;   ///< PointIndex = vertexCount + position in this list
-  std::vector<PartIndex> splitFrom;  ///< one entry for each part but the first, splitFrom[i] <= i
+  std::vector<CutPoint> cutPoints;   ///< PointIndex = vertexCount + index in this list
+  std::vector<PartIndex> splitFrom;  ///< one entry for each part except the first, splitFrom[i] <= i
   std::vector<Part> parts;
 
   [[nodiscard]] int pointCount() const { return vertexCount + static_cast<int>(cutPoints.size()); }
 };
 
-/// 64-bit hash over everything in the decomposition, bit for bit; equal results have equal hashes on every machine.
+/// 64-bit hash of the whole decomposition, bit for bit; equal decompositions have equal hashes on every machine.
 [[nodiscard]] std::uint64_t hashOf(const Decomposition& decomposition);
 
 }  // namespace lorica

@@ -1,9 +1,8 @@
 #include "acd/decomposition_file.h"
 
-#include "acd/byte_reader.h"
-#include "acd/decomposition_file_version1.h"
-#include "acd/decomposition_file_version3.h"
+#include "acd/decomposition_file_cover.h"
 #include "acd/packed_numbers.h"
+#include "geometry/byte_reader.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -16,13 +15,13 @@ namespace lorica {
 
 namespace {
 
-// docs/LORICA_FILE.md describes the layout. A change of it raises kVersion, and older versions stay readable.
+// docs/LORICA_FILE.md describes the layout. Any change of it raises kVersion.
 constexpr std::string_view kMagic = "LORICA\r\n";  // the line end betrays a transfer in text mode
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 
-// The least that an entry takes: a packed number is a byte and a quarter of a control byte.
+// The smallest size of an entry: a packed number is a byte and a quarter of a control byte.
 constexpr std::size_t kCutPointBytes = 8 + 2;
 constexpr std::size_t kTriangleBytes = 4 + 1;
 constexpr std::size_t kDetailLevelBytes = 8 + 8 + 4;
@@ -106,9 +105,9 @@ class Writer {
     putPacked(values);
   }
 
-  void putLadder(std::span<const DetailLevel> ladder) {
-    putCount(ladder.size());
-    for (const DetailLevel& level : ladder) {
+  void putDetailLevels(std::span<const DetailLevel> detailLevels) {
+    putCount(detailLevels.size());
+    for (const DetailLevel& level : detailLevels) {
       put(level.meanError);
       put(level.worstError);
       put(static_cast<std::int32_t>(level.hullVertices));
@@ -134,15 +133,14 @@ class Writer {
     }
   }
 
-  void putVersion3(const DecompositionFile& content) { appendVersion3(content, payload_); }
+  void putTrainingAndCover(const DecompositionFile& content) { appendTrainingAndCover(content, payload_); }
 
-  /// @param version  the oldest that can say all of the content, so that older readers understand as much as they can
-  [[nodiscard]] std::string file(std::uint32_t version) const {
+  [[nodiscard]] std::string file() const {
     std::string bytes(kMagic);
     bytes.reserve(kHeaderBytes + payload_.size());
-    appendLittleEndian(version, bytes);
+    appendLittleEndian(kVersion, bytes);
     appendLittleEndian(static_cast<std::uint64_t>(payload_.size()), bytes);
-    appendLittleEndian(contentHash(payload_, version), bytes);
+    appendLittleEndian(contentHash(payload_, kVersion), bytes);
     return bytes + payload_;
   }
 
@@ -165,16 +163,29 @@ std::string encode(const DecompositionFile& content) {
   for (const PartIndex from : decomposition.splitFrom) writer.put(from);
   writer.putCount(decomposition.parts.size());
   for (const Part& part : decomposition.parts) writer.putPart(part);
-  writer.putLadder(content.ladder);
+  writer.putDetailLevels(content.detailLevels);
   writer.putBones(content.bonesOfPart);
-  writer.putVersion3(content);
-  return writer.file(needsVersion4(content) ? 4 : 3);
+  writer.putTrainingAndCover(content);
+  return writer.file();
 }
 
 // ---- Reading ----
 
 /// Memory for what is unpacked before it is made into parts.
 using Scratch = std::vector<std::uint32_t>;
+
+void takeDescription(ByteReader& reader, DecompositionFile& content) {
+  content.source = reader.takeText(reader.takeCount("the length of the source's name", 1));
+  content.meshHash = reader.take<std::uint64_t>("the mesh's hash");
+  content.meanError = reader.takeFinite("the mean error");
+  const std::size_t keyframeCount = reader.takeCount("the number of keyframe errors", 8);
+  content.errorPerKeyframe.reserve(keyframeCount);
+  for (std::size_t k = 0; k < keyframeCount && reader.ok(); ++k) {
+    content.errorPerKeyframe.push_back(reader.takeFinite("a keyframe's error"));
+  }
+  content.decomposition.vertexCount = reader.takeIndex("the mesh's vertex count", 0, kLargestIndex + 1);
+  content.decomposition.triangleCount = reader.takeIndex("the mesh's triangle count", 0, kLargestIndex + 1);
+}
 
 void takeCutPoints(ByteReader& reader, Decomposition& decomposition, Scratch& ends) {
   const std::size_t count = reader.takeCount("the number of cut points", kCutPointBytes);
@@ -185,7 +196,7 @@ void takeCutPoints(ByteReader& reader, Decomposition& decomposition, Scratch& en
   }
   const std::size_t begin = reader.offset();
   ends.resize(2 * count);
-  reader.takePacked("the ends of the cut points", ends);
+  takePacked(reader, "the ends of the cut points", ends);
   decomposition.cutPoints.resize(reader.ok() ? count : 0);
   std::uint32_t before = 0;
   for (std::size_t i = 0; i < decomposition.cutPoints.size(); ++i) {
@@ -222,7 +233,7 @@ void takeSplits(ByteReader& reader, Decomposition& decomposition) {
 void takePoints(ByteReader& reader, std::size_t index, int pointCount, Scratch& values, Part& part) {
   const std::size_t begin = reader.offset();
   values.resize(part.points.size());
-  reader.takePacked("the points of a part", values);
+  takePacked(reader, "the points of a part", values);
   std::uint64_t next = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint64_t p = next + values[i];
@@ -239,7 +250,7 @@ void takePoints(ByteReader& reader, std::size_t index, int pointCount, Scratch& 
 void takeTriangles(ByteReader& reader, std::size_t index, Scratch& values, Part& part) {
   const std::size_t begin = reader.offset();
   values.resize(3 * part.triangles.size());
-  reader.takePacked("the corners of a part", values);
+  takePacked(reader, "the corners of a part", values);
   if (!reader.ok()) return;
   std::vector<std::uint8_t> usedPoints(part.points.size(), 0);
   // Where each begins, once: a byte that is stored may be part of anything, and all would be looked up again.
@@ -264,14 +275,14 @@ void takeTriangles(ByteReader& reader, std::size_t index, Scratch& values, Part&
   const auto unused = std::find(used.begin(), used.end(), 0);
   if (unused != used.end()) {
     reader.fail(begin, fmt::format("part {} lists point {}, which none of its triangles uses", index,
-                                   part.points[static_cast<std::size_t>(unused - used.begin())]));
+                                   part.points[unused - used.begin()]));
   }
 }
 
 void takeSources(ByteReader& reader, std::size_t index, int triangleCount, Scratch& values, Part& part) {
   const std::size_t begin = reader.offset();
   values.resize(part.sourceTriangle.size());
-  reader.takePacked("the source triangles of a part", values);
+  takePacked(reader, "the source triangles of a part", values);
   std::uint32_t source = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     source += unzigzag(values[i]);
@@ -307,20 +318,20 @@ void takeParts(ByteReader& reader, Decomposition& decomposition, Scratch& values
   }
 }
 
-void takeLadder(ByteReader& reader, DecompositionFile& content) {
+void takeDetailLevels(ByteReader& reader, DecompositionFile& content) {
   const std::size_t count = reader.takeCount("the number of levels of detail", kDetailLevelBytes);
   const std::size_t parts = content.decomposition.parts.size();
   if (reader.ok() && count != 0 && count != parts) {
     reader.fail(reader.offset() - 4,
                 fmt::format("{} levels of detail of {} parts, expected 0 or {}", count, parts, parts));
   }
-  content.ladder.reserve(reader.ok() ? count : 0);
+  content.detailLevels.reserve(reader.ok() ? count : 0);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
     DetailLevel level;
     level.meanError = reader.takeFinite("the mean error of a level of detail");
     level.worstError = reader.takeFinite("the worst error of a level of detail");
     level.hullVertices = reader.takeIndex("the number of hull vertices of a level of detail", 0, kLargestIndex + 1);
-    content.ladder.push_back(level);
+    content.detailLevels.push_back(level);
   }
 }
 
@@ -345,23 +356,22 @@ void takeBones(ByteReader& reader, DecompositionFile& content) {
                     fmt::format("a bone's share is {}, expected above 0 and at most {}", share, largest));
       }
       if (!reader.ok()) return;
-      bones.push_back({names[static_cast<std::size_t>(bone)], share});
+      bones.push_back({names[bone], share});
       largest = share;
     }
   }
 }
 
-/// Takes versions 2 to 4, of which the newer ones have more at the end.
-DecompositionFile takeVersion2To4(ByteReader& reader, std::uint32_t version) {
+DecompositionFile takeContent(ByteReader& reader) {
   DecompositionFile content;
   Scratch scratch;
   takeDescription(reader, content);
   takeCutPoints(reader, content.decomposition, scratch);
   takeSplits(reader, content.decomposition);
   takeParts(reader, content.decomposition, scratch);
-  takeLadder(reader, content);
+  takeDetailLevels(reader, content);
   takeBones(reader, content);
-  if (version >= 3) takeVersion3Or4(reader, version, content);
+  takeTrainingAndCover(reader, content);
   return content;
 }
 
@@ -377,12 +387,10 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
                    fmt::format("ends at byte {} within the header of {} bytes", bytes.size(), kHeaderBytes));
   }
   const auto version = loadLittleEndian<std::uint32_t>(bytes.data() + 8);
-  if (version > kVersion) {
+  if (version != kVersion) {
     return refused(ErrorCode::kUnsupported,
-                   fmt::format("has format version {}; this Lorica reads versions 1 to {}, a newer one wrote the file",
-                               version, kVersion));
+                   fmt::format("byte 8: found format version {}, expected {}", version, kVersion));
   }
-  if (version == 0) return refused(ErrorCode::kBadFormat, "byte 8: format version 0, expected 1 or more");
   const auto payloadBytes = loadLittleEndian<std::uint64_t>(bytes.data() + 12);
   const std::string_view payload = bytes.substr(kHeaderBytes);
   if (payload.size() != payloadBytes) {
@@ -390,14 +398,14 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
                                                       payloadBytes, payload.size()));
   }
   const auto expected = loadLittleEndian<std::uint64_t>(bytes.data() + 20);
-  const std::uint64_t found = contentHash(payload, version);
+  const std::uint64_t found = contentHash(payload, kVersion);
   if (found != expected) {
     return refused(ErrorCode::kBadFormat, fmt::format("damaged: the checksum is {}, expected {} (byte 20)",
                                                       hexDigits(found), hexDigits(expected)));
   }
 
   ByteReader reader(bytes, kHeaderBytes, fileName);
-  DecompositionFile content = version == 1 ? takeVersion1(reader) : takeVersion2To4(reader, version);
+  DecompositionFile content = takeContent(reader);
   if (reader.ok() && reader.left() > 0) {
     reader.fail(reader.offset(), fmt::format("{} bytes are left after the end", reader.left()));
   }

@@ -13,34 +13,34 @@
 
 namespace lorica {
 
-/// What share of a part a bone moves. Names only: this folder knows no skeletons.
+/// Share of a part that a bone moves. Bones are names here: this folder knows no skeletons.
 struct BoneShare {
   std::string bone;
   double share = 0.0;  ///< above 0, at most 1
 };
 
-/// A decomposition and what is known of it, as a .lorica file holds them.
+/// The content of a .lorica file: a decomposition and what is known about it.
 struct DecompositionFile {
   Decomposition decomposition;
-  std::string source;          ///< what was decomposed: a file name or "mannequin"
-  std::uint64_t meshHash = 0;  ///< of the mesh's triangles and vertex count: a file fits one mesh only
-  double meanError = 0.0;      ///< relative volume error, mean over the training keyframes
+  std::string source;  ///< what was decomposed: a file name or "mannequin"
+  std::uint64_t meshHash =
+      0;  ///< of the mesh's triangles and vertex count: identifies the mesh that the file was made from
+  double meanError = 0.0;  ///< relative volume error, mean over the training keyframes
   std::vector<double> errorPerKeyframe;
-  std::vector<DetailLevel> ladder;                       ///< entry n - 1 is of the first n parts; empty where not known
-  std::vector<std::vector<BoneShare>> bonesOfPart;       ///< for each part, largest share first; empty where not known
-  std::optional<TrainingRange> training = std::nullopt;  ///< what poses it was made for
-  std::optional<CoverPromise> cover = std::nullopt;      ///< what a live body made of its points promises
+  std::vector<DetailLevel> detailLevels;                 ///< entry n - 1 is of the first n parts; empty if unknown
+  std::vector<std::vector<BoneShare>> bonesOfPart;       ///< for each part, largest share first; empty if unknown
+  std::optional<TrainingRange> training = std::nullopt;  ///< the poses that it was made for
+  std::optional<HullCover> cover = std::nullopt;         ///< what hulls of its points contain
 };
 
 /// Hash of what must agree between a mesh and a decomposition made from it: vertex count and triangles.
 [[nodiscard]] std::uint64_t topologyHash(const TriMesh& mesh);
 
-/// Little-endian binary with version and checksum, described in docs/LORICA_FILE.md; written whole or not at all. The
-/// version is 3, or 4 where the cover holds vertices that no part has.
-/// @return success; kInvalidArgument where the content does not hold together, kUnwritable
+/// Little-endian binary with version and checksum, described in docs/LORICA_FILE.md. Nothing is written on failure.
+/// @return success; kInvalidArgument if the content is inconsistent, kUnwritable
 [[nodiscard]] Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content);
 
-/// @return the content, or a sentence: not a .lorica file, newer version, damaged at byte n, checksum wrong
+/// @return the content, or a sentence: not a .lorica file, other version, damaged at byte n, wrong checksum
 [[nodiscard]] Result<DecompositionFile> readDecomposition(const std::filesystem::path& file);
 
 }  // namespace lorica

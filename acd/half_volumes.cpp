@@ -15,7 +15,7 @@ HalfVolumes::HalfVolumes(const PartTree& tree, bool reduce) : tree_(tree) {
   const std::span<const PartTree::Node> nodes = tree.nodes();
   const std::size_t frameCount = tree.keyframeCount();
   hullPoints_.resize(nodes.size() * frameCount);
-  // From the leaves upwards: the hull of a node comes from the hull points of its children.
+  // Bottom-up: the hull of a node is computed from the hull points of its children.
   std::vector<int> depth(nodes.size(), 0);
   std::vector<std::vector<std::size_t>> level(1);
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -23,7 +23,7 @@ HalfVolumes::HalfVolumes(const PartTree& tree, bool reduce) : tree_(tree) {
     if (level.size() <= own) level.resize(own + 1);
     level[own].push_back(n);
     if (nodes[n].second < 0) continue;
-    depth[n + 1] = depth[static_cast<std::size_t>(nodes[n].second)] = depth[n] + 1;
+    depth[n + 1] = depth[nodes[n].second] = depth[n] + 1;
   }
   for (auto here = level.rbegin(); here != level.rend(); ++here) {
     tbb::parallel_for(std::size_t{0}, here->size() * frameCount, [&](std::size_t job) {
@@ -43,9 +43,9 @@ HalfVolumes::HalfVolumes(const PartTree& tree, bool reduce) : tree_(tree) {
         candidates.insert(candidates.end(), own.begin(), own.end());
       }
       positions.clear();
-      for (const std::int32_t p : candidates) positions.push_back(tree.points(k)[static_cast<std::size_t>(p)]);
+      for (const std::int32_t p : candidates) positions.push_back(tree.points(k)[p]);
       for (const VertexIndex v : convexHullOutline(positions).points) {
-        result.push_back(candidates[static_cast<std::size_t>(v)]);
+        result.push_back(candidates[v]);
       }
     });
   }
@@ -65,7 +65,7 @@ double HalfVolumes::volume(const PartTree::Half& half, const std::vector<CutPoin
   own.clear();
   const std::span<const Vec3> all = tree_.points(keyframe);
   const auto add = [&](std::span<const std::int32_t> points) {
-    for (const std::int32_t p : points) own.push_back(all[static_cast<std::size_t>(p)]);
+    for (const std::int32_t p : points) own.push_back(all[p]);
   };
   for (const std::int32_t node : half.nodes) {
     add(hullPoints_.empty() ? tree_.pointsOf(node)
@@ -73,8 +73,7 @@ double HalfVolumes::volume(const PartTree::Half& half, const std::vector<CutPoin
   }
   add(half.points);
   for (const CutPoint& c : crossings) {
-    own.push_back(c.lambda * all[static_cast<std::size_t>(c.first)] +
-                  (1.0 - c.lambda) * all[static_cast<std::size_t>(c.second)]);
+    own.push_back(c.lambda * all[c.first] + (1.0 - c.lambda) * all[c.second]);
   }
   return convexHullVolume(own, tolerance);
 }
@@ -91,7 +90,7 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
     Mat3 covariance = Mat3::Zero();
     for (const Vec3& p : points) covariance += (p - mean) * (p - mean).transpose();
     const SymmetricAxes solver = symmetricAxes(covariance);
-    // Extents along the principal axes; a flat part is left flat rather than blown up.
+    // Extents along the principal axes, limited so that a flat part is not scaled excessively.
     const Vec3 extent = solver.values.cwiseMax(1e-6 * solver.values[2]).cwiseSqrt();
     const Mat3 round = extent.cwiseInverse().asDiagonal() * solver.vectors.transpose();
     scale_[k] = extent.prod();

@@ -8,11 +8,11 @@
 
 namespace lorica {
 
-/// Hull volumes of the halves into which planes would cut a part. Halves are named by a sketch of the part's tree.
+/// Hull volumes of the halves into which planes would cut a part. Halves are given by a sketch of the part's tree.
 class HalfVolumes {
  public:
-  /// @param reduce  keep of every node's points only those on its hull, no other can lie on a half's: costs about as
-  ///                much as scoring ten planes and makes each several times faster, without loss
+  /// @param reduce  keep only the points on the hull of each node; no others can be on the hull of a half. Costs about
+  ///                as much as scoring ten planes and makes scoring several times faster, with identical results
   HalfVolumes(const PartTree& tree, bool reduce);
 
   /// Volume of one half's hull in a keyframe [m^3].
@@ -25,11 +25,11 @@ class HalfVolumes {
                               double tolerance) const;
 
   const PartTree& tree_;
-  std::vector<std::vector<std::int32_t>> hullPoints_;  // node x keyframe; empty where not reduced
+  std::vector<std::vector<std::int32_t>> hullPoints_;  // node x keyframe; empty if not reduced
 };
 
-/// The same, estimated from extreme points: ten times faster and some percent small, by much the same share for all
-/// planes across one part. Good for telling which planes are worth a closer look.
+/// The same volumes, estimated from extreme points: ten times faster and a few percent too small, by about the same
+/// fraction for all planes through one part. Used to select the planes to score exactly.
 class HalfEstimates {
  public:
   explicit HalfEstimates(const PartTree& tree);
@@ -39,8 +39,8 @@ class HalfEstimates {
 
  private:
   const PartTree& tree_;
-  std::vector<FloatPoints> points_;  // for each keyframe, moved and stretched so that the part is about round
-  std::vector<double> scale_;        // by which a volume there shrank
+  std::vector<FloatPoints> points_;  // for each keyframe, centred and scaled so that the part is roughly isotropic
+  std::vector<double> scale_;        // factor from volumes there to actual volumes
   std::vector<Support> supports_;    // node x keyframe
 };
 

@@ -12,16 +12,16 @@ namespace lorica {
 
 namespace {
 
-constexpr int kStartFactor = 6;      // the shell starts with so many vertices for each one of the budget ...
-constexpr int kStartAtLeast = 1000;  // ... and with no fewer than this
-constexpr double kStage = 0.5;     // share of the vertices left after one round of merging, before all are moved again
-constexpr int kRoundsBetween = 2;  // of moving vertices, between two rounds of merging
+constexpr int kStartFactor = 6;      // the shell starts with at most this multiple of the vertex budget ...
+constexpr int kStartAtLeast = 1000;  // ... or this number of vertices, whichever is larger
+constexpr double kStage = 0.5;       // fraction of vertices left after a round of merging, before all are moved again
+constexpr int kRoundsBetween = 2;    // rounds of moving vertices between two rounds of merging
 constexpr int kRoundsLast = 40;
-constexpr double kRoundGain = 1e-4;  // of the volume, for another round to be worth it
-constexpr double kTight = 1e-14;     // of the diagonal: what still counts as inside
-constexpr double kLost = 1e-3;  // a shell that must grow by more than this to hold its body has lost it to rounding
+constexpr double kRoundGain = 1e-4;  // minimum gain of a round, as a fraction of the volume, to continue
+constexpr double kTight = 1e-14;     // fraction of the diagonal up to which a point counts as inside
+constexpr double kLost = 1e-3;       // a shell that needs more enlarging than this to enclose its body is invalid
 
-/// Coordinates in which a body is as wide in all directions. Ratios of volumes are the same in them.
+/// Coordinates in which a body has equal extents in all directions. They preserve volume ratios.
 struct OwnAxes {
   Mat3 bodyFromOwn = Mat3::Identity();
   Mat3 ownFromBody = Mat3::Identity();
@@ -31,7 +31,7 @@ struct OwnAxes {
   [[nodiscard]] Vec3 from(const Vec3& p) const { return origin + bodyFromOwn * p; }
 };
 
-/// The solid's covariance about its centroid, by tetrahedra from the mean of the vertices.
+/// Centroid and covariance of the solid, from tetrahedra that start at the coordinate origin.
 void momentsOf(const ConvexHull& hull, std::span<const Vec3> vertices, Vec3& centroid, Mat3& moments) {
   double volume = 0.0;
   centroid.setZero();
@@ -56,7 +56,7 @@ OwnAxes ownAxesOf(const ConvexHull& hull) {
   const double size = boundsOf(hull.vertices).diagonal();
   axes.bodyFromOwn *= size;
   axes.ownFromBody /= size;
-  // Of a very flat body the first round finds the plane only roughly; the next ones see it magnified.
+  // For a very flat body the first round finds the plane only roughly; later rounds refine it in scaled coordinates.
   std::vector<Vec3> own(hull.vertices.size());
   for (int round = 0; round < 4; ++round) {
     std::transform(hull.vertices.begin(), hull.vertices.end(), own.begin(), [&](const Vec3& p) { return axes.to(p); });
@@ -77,7 +77,8 @@ OwnAxes ownAxesOf(const ConvexHull& hull) {
   return axes;
 }
 
-/// How much a hull must grow about the origin to hold all points; below 1 when it is too large.
+/// Factor by which a hull must be scaled about the origin to just enclose all points; below 1 if it is larger than
+/// necessary.
 double scaleToHold(const ConvexHull& hull, std::span<const Vec3> points) {
   double scale = 0.0;
   for (const Triangle& t : hull.triangles) {
@@ -86,7 +87,7 @@ double scaleToHold(const ConvexHull& hull, std::span<const Vec3> points) {
     const Vec3 ac = hull.vertices[t[2]] - a;
     const Vec3 normal = ab.cross(ac);
     const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
-    if (normal.norm() <= 1e-7 * longest) continue;  // a sliver's plane is noise: its neighbours bound the same place
+    if (normal.norm() <= 1e-7 * longest) continue;  // a sliver's plane is unreliable; its neighbours suffice
     double farthest = 0.0;
     for (const Vec3& p : points) farthest = std::max(farthest, normal.dot(p));
     scale = std::max(scale, farthest / normal.dot(a));
@@ -99,7 +100,7 @@ std::vector<Vec3> scaled(std::vector<Vec3> points, double factor) {
   return points;
 }
 
-/// A hull of some of the points, widened until it holds them all.
+/// A hull of some of the points, enlarged until it encloses all of them.
 ConvexHull coarseHull(std::span<const Vec3> points, std::size_t atMost) {
   std::vector<Vec3> chosen(points.begin(), points.end());
   for (double tolerance = 1e-5; chosen.size() > atMost && tolerance < 0.1; tolerance *= 1.5) {
@@ -111,7 +112,7 @@ ConvexHull coarseHull(std::span<const Vec3> points, std::size_t atMost) {
   return convexHull(scaled(hull.vertices, std::max(1.0, scaleToHold(hull, points))));
 }
 
-/// Leaves out a vertex and widens the rest until it holds all points: the vertex for which that adds least volume.
+/// Removes the vertex whose removal adds the least volume; the rest is enlarged until it encloses all points.
 ConvexHull withoutOneVertex(const ConvexHull& hull, std::span<const Vec3> points) {
   ConvexHull best;
   for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
@@ -128,7 +129,7 @@ ConvexHull withoutOneVertex(const ConvexHull& hull, std::span<const Vec3> points
   return best;
 }
 
-/// The shell with at most `maxVertices` vertices; degenerate when it could not be had.
+/// Returns the shell with at most `maxVertices` vertices; degenerate if none was found.
 ConvexHull shrunkShell(std::span<const Vec3> body, int maxVertices) {
   const auto budget = static_cast<std::size_t>(maxVertices);
   ConvexHull around = coarseHull(body, std::max(kStartFactor * budget, std::size_t{kStartAtLeast}));
@@ -137,7 +138,7 @@ ConvexHull shrunkShell(std::span<const Vec3> body, int maxVertices) {
     OuterShell shell(around, body, Vec3::Zero());
     shell.relax(kRoundsBetween, kRoundGain);
     shell.collapseTo(std::max(maxVertices, static_cast<int>(kStage * count)));
-    // The hull of its vertices is the shell again, with faces that have become coplanar laid out anew.
+    // Rebuild the shell as the hull of its vertices, which re-triangulates faces that have become coplanar.
     around = shell.vertexCount() < count ? convexHull(shell.vertices()) : withoutOneVertex(around, body);
   }
   if (around.degenerate()) return {};
@@ -164,7 +165,7 @@ ConvexHull boxAround(std::span<const Vec3> body) {
   return convexHull(corners);
 }
 
-/// A shell in the body's coordinates, where rounding decides what is inside: widened until all of the hull is.
+/// Converts a shell to the body's coordinates and enlarges it until it encloses the hull despite rounding errors.
 std::optional<BudgetedHull> fitted(const ConvexHull& shell, const OwnAxes& axes, const ConvexHull& hull,
                                    std::span<const Vec3> body) {
   const double diagonal = boundsOf(hull.vertices).diagonal();
@@ -189,7 +190,7 @@ BudgetedHull rectangleAround(const ConvexHull& flat) {
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : flat.vertices) spread += (p - mean) * (p - mean).transpose();
   const SymmetricAxes solver = symmetricAxes(spread);
-  const Mat3& directions = solver.vectors;  // the flat one first
+  const Mat3& directions = solver.vectors;  // the normal of the plane first
   Aabb box;
   for (const Vec3& p : flat.vertices) box.extend(directions.transpose() * (p - mean));
   BudgetedHull around;
@@ -203,7 +204,7 @@ BudgetedHull rectangleAround(const ConvexHull& flat) {
 }  // namespace
 
 BudgetedHull simplifyHull(const ConvexHull& hull, int maxVertices) {
-  CHECK(maxVertices >= 4, "a hull with volume has at least four vertices");
+  LORICA_CHECK(maxVertices >= 4, "a hull with volume has at least four vertices");
   if (hull.vertices.size() <= static_cast<std::size_t>(maxVertices)) {
     return {{hull.vertices, hull.triangles}, hull.volume, 1.0};
   }
@@ -214,7 +215,7 @@ BudgetedHull simplifyHull(const ConvexHull& hull, int maxVertices) {
   body.reserve(hull.vertices.size());
   for (const Vec3& p : hull.vertices) body.push_back(axes.to(p));
 
-  // The shell, and the simplest shapes around: when all else fails there is always a tetrahedron.
+  // The shell, and simple shapes as fallbacks: a tetrahedron always exists.
   std::vector<ConvexHull> found;
   found.push_back(tetrahedronAround(body));
   if (maxVertices >= 8) found.push_back(boxAround(body));

@@ -4,25 +4,25 @@
 
 namespace lorica {
 
-/// A convex hull with few vertices around another one.
+/// A convex hull with a limited number of vertices that encloses another hull.
 struct BudgetedHull {
-  TriMesh mesh;         ///< convex, counter-clockwise from outside; no triangles around a flat hull
+  TriMesh mesh;         ///< convex, counter-clockwise from outside; no triangles for a flat hull
   double volume = 0.0;  ///< [m^3]
-  double growth = 1.0;  ///< volume / volume of the hull inside, at least 1; 1 for a flat hull
+  double growth = 1.0;  ///< volume / volume of the enclosed hull, at least 1; 1 for a flat hull
 };
 
-/// Encloses a hull in one of at most `maxVertices` vertices (engines take 32, 64 or 255), with little more volume. All
-/// of the hull is inside, to within 1e-14 of its diagonal. One that has few enough vertices is left as it is, and so is
-/// one so thin (1e-9 of its length) that rounding leaves no way to hold it.
+/// Encloses a hull in a hull with at most `maxVertices` vertices (engines accept 32, 64 or 255) and little added
+/// volume. The input is inside to within 1e-14 of its diagonal. A hull that already has few enough vertices is returned
+/// unchanged, as is a hull so thin (1e-9 of its length) that rounding prevents enclosing it.
 ///
-/// Progressive hulls (Sander, Gu, Gortler, Hoppe, Snyder 2000), made for convex bodies: an edge shrinks to the point
-/// outside the body that adds least volume, always the cheapest edge, until the count is right; then every vertex moves
-/// to where the volume is least, in turns. Where the new point may be is an intersection of half-spaces, since a plane
-/// through an edge of the link must have the body, the whole original one, on one side. Volume ratios do not change
-/// under affine maps: all is done in the body's own axes, scaled to be alike, so flat and tiny hulls are nothing
-/// special.
+/// Progressive hulls (Sander, Gu, Gortler, Hoppe, Snyder 2000), for convex bodies: repeatedly collapse the cheapest
+/// edge to the point outside the body that adds the least volume, until the vertex count is reached; then move the
+/// vertices in turn to minimize the volume. The allowed positions of a new point are an intersection of half-spaces,
+/// since the plane through the point and an edge of the link must have the whole original body on one side. Affine maps
+/// preserve volume ratios, so everything is computed in the body's principal axes, scaled to equal extents: flat and
+/// tiny hulls need no special treatment.
 ///
-/// @param maxVertices  at least 4; a flat hull becomes a rectangle around it
+/// @param maxVertices  at least 4; a flat hull is enclosed in a rectangle
 [[nodiscard]] BudgetedHull simplifyHull(const ConvexHull& hull, int maxVertices);
 
 }  // namespace lorica

@@ -1,6 +1,6 @@
 #include "acd/hull_distance.h"
 
-#include "acd/nearest_triangle.h"
+#include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -13,21 +13,21 @@ namespace lorica {
 namespace {
 
 constexpr double kRelativeTolerance = 0.01;
-constexpr double kFinest = 1e-3;  // of the hull's diagonal
+constexpr double kFinest = 1e-3;  // fraction of the hull's diagonal
 
-/// A triangle of the hull, or a piece of one.
+/// A triangle of the hull, or a part of one.
 struct Piece {
   std::array<Vec3, 3> corners;
-  double bound = 0.0;       // no point of the piece is farther away
-  std::int64_t number = 0;  // order of creation: decides between equal bounds
+  double bound = 0.0;       // upper bound of the distance of all its points
+  std::int64_t number = 0;  // order of creation, breaks ties between equal bounds
 };
 
-/// The highest bound is at the front of the heap.
+/// Heap order: the highest bound is at the front.
 bool comesLater(const Piece& a, const Piece& b) {
   return a.bound != b.bound ? a.bound < b.bound : a.number > b.number;
 }
 
-/// Two halves across the middle of the longest side.
+/// Splits a triangle at the midpoint of its longest side.
 std::array<std::array<Vec3, 3>, 2> halved(const std::array<Vec3, 3>& t) {
   int longest = 0;
   double longestSq = 0.0;
@@ -50,13 +50,13 @@ class Search {
 
   void add(const std::array<Vec3, 3>& corners, double parentBound) {
     const Vec3 center = (corners[0] + corners[1] + corners[2]) / 3.0;
-    const NearestTriangle::Hit hit = nearest_.nearest(center);
+    const TriangleTree::Hit hit = nearest_.nearest(center);
     reached_ = std::max(reached_, hit.distance);
     double radiusSq = 0.0;
     double toOneSq = 0.0;
     for (const Vec3& corner : corners) {
       radiusSq = std::max(radiusSq, (corner - center).squaredNorm());
-      toOneSq = std::max(toOneSq, distanceSqToTriangle(corner, nearest_.corners(hit.index)));
+      toOneSq = std::max(toOneSq, nearestOnTriangle(corner, nearest_.corners(hit)).first);
     }
     const double bound = std::min({parentBound, hit.distance + std::sqrt(radiusSq), std::sqrt(toOneSq)});
     if (bound <= reached_) return;
@@ -78,9 +78,9 @@ class Search {
   }
 
  private:
-  NearestTriangle nearest_;
+  TriangleTree nearest_;
   std::vector<Piece> pieces_;  // a heap
-  double reached_ = 0.0;       // largest distance of a point that was looked at
+  double reached_ = 0.0;       // largest distance of an evaluated point: a lower bound
   std::int64_t created_ = 0;
 };
 
@@ -92,8 +92,7 @@ double hullDistance(const ConvexHull& hull, std::span<const Vec3> points, std::s
   std::vector<std::array<Vec3, 3>> surface;
   surface.reserve(triangles.size());
   const auto cornersOf = [](const auto& vertices, const Triangle& t) {
-    return std::array<Vec3, 3>{vertices[static_cast<std::size_t>(t[0])], vertices[static_cast<std::size_t>(t[1])],
-                               vertices[static_cast<std::size_t>(t[2])]};
+    return std::array<Vec3, 3>{vertices[t[0]], vertices[t[1]], vertices[t[2]]};
   };
   for (const Triangle& t : triangles) surface.push_back(cornersOf(points, t));
   Search search(std::move(surface));

@@ -13,10 +13,10 @@
 namespace lorica {
 namespace {
 
-// A move that saves less than this share of the mesh's volume is not worth making.
+// Moves that save less than this fraction of the mesh's volume are not made.
 constexpr double kWorthwhile = 2e-4;
 
-std::size_t worstKeyframe(const Workpiece& piece) {
+std::size_t worstKeyframe(const Piece& piece) {
   std::size_t worst = 0;
   for (std::size_t k = 1; k < piece.volume.size(); ++k) {
     if (piece.error(k) > piece.error(worst)) worst = k;
@@ -26,31 +26,31 @@ std::size_t worstKeyframe(const Workpiece& piece) {
 
 class Improver {
  public:
-  Improver(std::vector<Workpiece>& parts, Workshop& shop, const SplitEffort& effort, int patience)
-      : parts_(parts), shop_(shop), effort_(effort), patience_(patience) {
-    for (const Workpiece& part : parts) boxes_.push_back(boxesOf(part));
-    for (const double v : shop.meshVolume) worthwhile_ += kWorthwhile * std::abs(v);
+  Improver(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience)
+      : parts_(parts), context_(context), effort_(effort), patience_(patience) {
+    for (const Piece& part : parts) boxes_.push_back(boxesOf(part));
+    for (const double v : context.meshVolume) worthwhile_ += kWorthwhile * std::abs(v);
   }
 
-  /// Makes a move that saves something; false when none is left to try.
+  /// Makes one move that saves volume. Returns false if there is none.
   bool step() { return exchange() || recut(); }
 
  private:
   /// Two parts that touch.
   struct Pair {
     std::size_t a = 0, b = 0;
-    double cost = 0.0;    // hull volume, over all keyframes, that the union has more than both
-    double excess = 0.0;  // hull volume that both have more than their own volume: cutting anew saves at most that
-    bool tried = false;   // whether the union was cut anew without success
+    double cost = 0.0;    // hull volume of the union minus that of both parts, over all keyframes
+    double excess = 0.0;  // hull volume minus volume of both parts: upper bound of the gain of a new cut
+    bool tried = false;   // whether cutting the union again has failed
   };
-  /// A part's own best split.
+  /// The best split of a part.
   struct Own {
     std::optional<Split> split;
     double gain = 0.0;
     bool known = false;
   };
 
-  /// Joins the pair that costs least and cuts the part that gains most, if that saves.
+  /// Merges the cheapest pair and cuts the part with the largest gain, if that saves volume.
   bool exchange() {
     refresh();
     std::vector<std::size_t> byGain;
@@ -81,12 +81,12 @@ class Improver {
     return true;
   }
 
-  /// Cuts unions anew, those with most to save first, until that helps or patience ends. Two at a time, whatever the
-  /// number of threads; when the first one helps, the second counts as not tried.
+  /// Cuts unions again, in order of decreasing excess, until a cut saves volume or `patience_` is used up. Tries two at
+  /// a time for any number of threads; if the first one succeeds, the second counts as not tried.
   bool recut() {
     struct Trial {
       Pair* pair;
-      Workpiece joined;
+      Piece joined;
       std::optional<Split> split;
     };
     while (failures_ < patience_) {
@@ -104,7 +104,7 @@ class Improver {
       tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
         Trial& trial = trials[i];
         trial.joined = join(trial.pair->a, trial.pair->b);
-        trial.split = bestSplit(trial.joined, worstKeyframe(trial.joined), shop_, effort_);
+        trial.split = bestSplit(trial.joined, worstKeyframe(trial.joined), context_, effort_);
       });
       for (Trial& trial : trials) {
         ++failures_;
@@ -120,19 +120,19 @@ class Improver {
     return false;
   }
 
-  [[nodiscard]] std::vector<Aabb> boxesOf(const Workpiece& part) const {
-    std::vector<Aabb> boxes(shop_.keyframeCount());
+  [[nodiscard]] std::vector<Aabb> boxesOf(const Piece& part) const {
+    std::vector<Aabb> boxes(context_.keyframeCount());
     for (std::size_t k = 0; k < boxes.size(); ++k) {
-      for (const PointIndex p : part.hullPoints[k]) boxes[k].extend(shop_.points[k][static_cast<std::size_t>(p)]);
+      for (const PointIndex p : part.hullPoints[k]) boxes[k].extend(context_.points[k][p]);
     }
     return boxes;
   }
 
   [[nodiscard]] bool touch(std::size_t a, std::size_t b) const {
-    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+    for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
       const Aabb& one = boxes_[a][k];
       const Aabb& other = boxes_[b][k];
-      const double margin = shop_.onPlane[k];
+      const double margin = context_.onPlane[k];
       if (((one.min.array() - margin) <= other.max.array()).all() &&
           ((other.min.array() - margin) <= one.max.array()).all()) {
         return true;
@@ -141,12 +141,12 @@ class Improver {
     return false;
   }
 
-  [[nodiscard]] Workpiece join(std::size_t a, std::size_t b) const {
+  [[nodiscard]] Piece join(std::size_t a, std::size_t b) const {
     const std::array<const Part*, 2> both = {&parts_[a].part, &parts_[b].part};
-    return measure(unite(both), shop_);
+    return measure(unite(both), context_);
   }
 
-  /// Looks at what changed since the last move.
+  /// Updates pairs and splits of the parts changed by the last move.
   void refresh() {
     own_.resize(parts_.size());
     const std::size_t first = pairs_.size();
@@ -162,7 +162,7 @@ class Improver {
       if (own.known) return;
       own.known = true;
       if (parts_[i].totalError() <= worthwhile_) return;
-      own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), shop_, effort_);
+      own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), context_, effort_);
       if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
     });
   }
@@ -170,11 +170,10 @@ class Improver {
   [[nodiscard]] double costOf(const Pair& pair) const {
     thread_local std::vector<Vec3> points;
     double volume = 0.0;
-    for (std::size_t k = 0; k < shop_.keyframeCount(); ++k) {
+    for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
       points.clear();
       for (const std::size_t i : {pair.a, pair.b}) {
-        for (const PointIndex p : parts_[i].hullPoints[k])
-          points.push_back(shop_.points[k][static_cast<std::size_t>(p)]);
+        for (const PointIndex p : parts_[i].hullPoints[k]) points.push_back(context_.points[k][p]);
       }
       volume += convexHullVolume(points);
     }
@@ -182,25 +181,25 @@ class Improver {
   }
 
   void divide(const Part& part, const Split& split, std::size_t a, std::size_t b) {
-    CutResult cut =
-        cutPart(part, shop_.points[split.keyframe], split.plane, shop_.onPlane[split.keyframe], shop_.pointCount());
-    shop_.addCutPoints(cut.newPoints);
-    Workpiece above, below;
-    tbb::parallel_invoke([&] { above = measure(std::move(cut.above), shop_); },
-                         [&] { below = measure(std::move(cut.below), shop_); });
+    CutResult cut = cutPart(part, context_.points[split.keyframe], split.plane, context_.onPlane[split.keyframe],
+                            context_.pointCount());
+    context_.addCutPoints(cut.newPoints);
+    Piece above, below;
+    tbb::parallel_invoke([&] { above = measure(std::move(cut.above), context_); },
+                         [&] { below = measure(std::move(cut.below), context_); });
     replace(a, std::move(above));
     replace(b, std::move(below));
   }
 
-  void replace(std::size_t i, Workpiece piece) {
+  void replace(std::size_t i, Piece piece) {
     parts_[i] = std::move(piece);
     boxes_[i] = boxesOf(parts_[i]);
     own_[i] = {};
     std::erase_if(pairs_, [i](const Pair& p) { return p.a == i || p.b == i; });
   }
 
-  std::vector<Workpiece>& parts_;
-  Workshop& shop_;
+  std::vector<Piece>& parts_;
+  CutContext& context_;
   const SplitEffort& effort_;
   std::vector<std::vector<Aabb>> boxes_;  // part, keyframe
   std::vector<Own> own_;
@@ -212,10 +211,10 @@ class Improver {
 
 }  // namespace
 
-bool improve(std::vector<Workpiece>& parts, Workshop& shop, const SplitEffort& effort, int patience,
+bool improve(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience,
              const std::function<bool()>& goOn) {
-  Improver improver(parts, shop, effort, patience);
-  // Every move saves a share of the mesh, so this ends.
+  Improver improver(parts, context, effort, patience);
+  // Terminates: every move saves a minimum volume.
   do {
     if (!goOn()) return false;
   } while (improver.step());

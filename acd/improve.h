@@ -7,12 +7,12 @@
 
 namespace lorica {
 
-/// Improves a finished decomposition without changing the number of its parts: joins two parts and cuts the union anew,
-/// or joins two and cuts a third one, whatever saves most hull volume, until nothing saves much.
-/// @param patience  unions that are cut anew without success before it stops
-/// @param goOn      asked before each move; false cancels
-/// @return false when cancelled
-[[nodiscard]] bool improve(std::vector<Workpiece>& parts, Workshop& shop, const SplitEffort& effort, int patience,
+/// Improves a finished decomposition without changing the number of its parts: merges two parts and cuts a third one,
+/// or merges two parts and cuts the union again, as long as that saves hull volume.
+/// @param patience  stops after this many consecutive unions were cut again without success
+/// @param goOn      called before each move; return false to cancel
+/// @return false if cancelled
+[[nodiscard]] bool improve(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience,
                            const std::function<bool()>& goOn);
 
 }  // namespace lorica

@@ -10,7 +10,7 @@
 namespace lorica {
 namespace {
 
-/// What is known of all levels in one keyframe; entry n - 1 is of n parts.
+/// Values of all levels in one keyframe; entry n - 1 is for n parts.
 struct LevelsInPose {
   std::vector<double> error;
   std::vector<int> hullVertices;
@@ -24,8 +24,8 @@ LevelsInPose judge(const Decomposition& decomposition, const TriMesh& mesh, std:
   tbb::parallel_for(std::size_t{0}, hulls.size(),
                     [&](std::size_t i) { hulls[i] = partHull(decomposition.parts[i], points); });
 
-  // From the finest level to the coarsest: the last part goes back to the one that it was split from. The hull of
-  // both is that of their hulls' vertices.
+  // From the finest level to the coarsest: merge the last part into the part that it was split from. The hull of both
+  // is the hull of their hulls' vertices.
   LevelsInPose levels{std::vector<double>(hulls.size()), std::vector<int>(hulls.size())};
   while (!hulls.empty()) {
     const std::size_t n = hulls.size();
@@ -36,7 +36,7 @@ LevelsInPose judge(const Decomposition& decomposition, const TriMesh& mesh, std:
     }
     levels.error[n - 1] = (volume - meshVolume) / meshVolume;
     if (n > 1) {
-      ConvexHull& parent = hulls[static_cast<std::size_t>(decomposition.splitFrom[n - 2])];
+      ConvexHull& parent = hulls[decomposition.splitFrom[n - 2]];
       std::vector<Vec3> both = std::move(parent.vertices);
       both.insert(both.end(), hulls.back().vertices.begin(), hulls.back().vertices.end());
       parent = convexHull(both);
@@ -50,12 +50,12 @@ LevelsInPose judge(const Decomposition& decomposition, const TriMesh& mesh, std:
 
 Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
   const auto wanted = static_cast<std::size_t>(partCount);
-  CHECK(partCount >= 1 && wanted <= decomposition.parts.size(), "a level of detail has 1 to all of the parts");
-  // Which of the first parts each one belongs to. A part is split from an earlier one, whose answer is known.
+  LORICA_CHECK(partCount >= 1 && wanted <= decomposition.parts.size(), "partCount must be 1 to the number of parts");
+  // Find the part of the level that each part belongs to. A part is split from an earlier part, so one pass is enough.
   std::vector<std::vector<const Part*>> members(wanted);
   std::vector<std::size_t> levelPartOf(decomposition.parts.size());
   for (std::size_t i = 0; i < decomposition.parts.size(); ++i) {
-    levelPartOf[i] = i < wanted ? i : levelPartOf[static_cast<std::size_t>(decomposition.splitFrom[i - 1])];
+    levelPartOf[i] = i < wanted ? i : levelPartOf[decomposition.splitFrom[i - 1]];
     members[levelPartOf[i]].push_back(&decomposition.parts[i]);
   }
   Decomposition level;
@@ -70,23 +70,22 @@ Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
   return level;
 }
 
-std::vector<DetailLevel> detailLadder(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes) {
-  CHECK(keyframes.keyframeCount() > 0, "a ladder is judged in one keyframe or more");
+std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes) {
+  LORICA_CHECK(keyframes.keyframeCount() > 0, "detailLevels() needs at least one keyframe");
   std::vector<LevelsInPose> poses(static_cast<std::size_t>(keyframes.keyframeCount()));
-  tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
-    poses[static_cast<std::size_t>(k)] = judge(decomposition, mesh, keyframes.keyframe(k));
-  });
-  std::vector<DetailLevel> ladder(decomposition.parts.size());
+  tbb::parallel_for(0, keyframes.keyframeCount(),
+                    [&](int k) { poses[k] = judge(decomposition, mesh, keyframes.keyframe(k)); });
+  std::vector<DetailLevel> detailLevels(decomposition.parts.size());
   const double share = 1.0 / keyframes.keyframeCount();
-  for (std::size_t n = 0; n < ladder.size(); ++n) {
-    ladder[n].worstError = poses[0].error[n];
+  for (std::size_t n = 0; n < detailLevels.size(); ++n) {
+    detailLevels[n].worstError = poses[0].error[n];
     for (const LevelsInPose& pose : poses) {
-      ladder[n].meanError += share * pose.error[n];
-      ladder[n].worstError = std::max(ladder[n].worstError, pose.error[n]);
-      ladder[n].hullVertices = std::max(ladder[n].hullVertices, pose.hullVertices[n]);
+      detailLevels[n].meanError += share * pose.error[n];
+      detailLevels[n].worstError = std::max(detailLevels[n].worstError, pose.error[n]);
+      detailLevels[n].hullVertices = std::max(detailLevels[n].hullVertices, pose.hullVertices[n]);
     }
   }
-  return ladder;
+  return detailLevels;
 }
 
 }  // namespace lorica

@@ -6,22 +6,22 @@
 
 namespace lorica {
 
-/// How close the first n parts of a decomposition are to the mesh, with the others joined to them.
+/// How closely the first n parts of a decomposition, with the other parts merged into them, fit the mesh.
 struct DetailLevel {
   double meanError = 0.0;   ///< (hull volume - mesh volume) / mesh volume, mean over the keyframes
-  double worstError = 0.0;  ///< that in the keyframe where it is largest
-  int hullVertices = 0;     ///< of all hulls together, in the keyframe where they are most
+  double worstError = 0.0;  ///< maximum over the keyframes
+  int hullVertices = 0;     ///< sum over all hulls, maximum over the keyframes
 };
 
-/// The decomposition into fewer parts that a decomposition holds: its first parts, each with all those that were split
-/// from it. Cut points keep their numbers, and a part loses the caps that two of its members shared. Where one member
-/// was cut again across such a cap, its halves stay inside: they add no volume, and nothing to the hull.
+/// Returns the decomposition at a coarser level of detail: the first `partCount` parts, each merged with all parts that
+/// were split from it. Cut points keep their indices. Caps shared by two merged parts are removed, unless a part was
+/// cut again across the cap: then caps stay inside the merged part. They add no volume and do not change the hull.
 /// @param partCount  1 to parts.size()
 [[nodiscard]] Decomposition levelOfDetail(const Decomposition& decomposition, int partCount);
 
-/// All levels of detail judged, without joining their triangles: entry n - 1 is of n parts, the last one of all.
+/// Evaluates all levels of detail, without merging triangles: entry n - 1 is for n parts, the last one for all parts.
 /// @param keyframes  positions [m], keyframeCount x vertexCount, keyframe-major, at least one
-[[nodiscard]] std::vector<DetailLevel> detailLadder(const Decomposition& decomposition, const TriMesh& mesh,
+[[nodiscard]] std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const TriMesh& mesh,
                                                     PoseView keyframes);
 
 }  // namespace lorica

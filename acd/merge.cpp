@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-/// A part in the making: the points of its hull, its boxes and hull volumes in every keyframe.
+/// A group of pieces: hull points and boxes in every keyframe, and the sum of its hull volumes.
 struct Group {
   std::vector<std::size_t> pieces;
   std::vector<std::vector<Vec3>> hullPoints;
@@ -30,7 +30,7 @@ Group joined(const Group& a, const Group& b, double coarse) {
     points.insert(points.end(), b.hullPoints[k].begin(), b.hullPoints[k].end());
     std::vector<Vec3> outer;
     const HullOutline outline = convexHullOutline(points, coarse);
-    for (VertexIndex i : outline.points) outer.push_back(points[static_cast<std::size_t>(i)]);
+    for (VertexIndex i : outline.points) outer.push_back(points[i]);
     g.hullVolume += outline.volume;
     g.box.push_back(boundsOf(outer));
     g.hullPoints.push_back(std::move(outer));
@@ -50,7 +50,7 @@ double joinedVolume(const Group& a, const Group& b, double coarse, double giveUp
   return sum;
 }
 
-/// Whether the boxes meet, a little enlarged, in some keyframe: only then is a merge likely to be cheap.
+/// Whether the slightly enlarged boxes overlap in some keyframe: only then is a merge likely to be cheap.
 bool near(const Group& a, const Group& b) {
   for (std::size_t k = 0; k < a.box.size(); ++k) {
     const double margin = 0.02 * std::min(a.box[k].diagonal(), b.box[k].diagonal());
@@ -64,23 +64,23 @@ bool near(const Group& a, const Group& b) {
 
 }  // namespace
 
-Merged mergePieces(std::span<const Workpiece> pieces, const Workshop& shop, int partCount, double coarse) {
+Merged mergePieces(std::span<const Piece> pieces, const CutContext& context, int partCount, double coarse) {
   std::vector<Group> groups(pieces.size());
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
     Group& g = groups[i];
     g.pieces = {i};
-    for (std::size_t k = 0; k < shop.keyframeCount(); ++k) {
+    for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
       std::vector<Vec3> own, outer;
-      for (PointIndex p : pieces[i].hullPoints[k]) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
+      for (PointIndex p : pieces[i].hullPoints[k]) own.push_back(context.points[k][p]);
       const HullOutline outline = convexHullOutline(own, coarse);
-      for (VertexIndex v : outline.points) outer.push_back(own[static_cast<std::size_t>(v)]);
+      for (VertexIndex v : outline.points) outer.push_back(own[v]);
       g.hullVolume += outline.volume;
       g.box.push_back(boundsOf(outer));
       g.hullPoints.push_back(std::move(outer));
     }
   });
 
-  // Costs of all pairs that are near each other; far pairs are looked at only when no near one is left.
+  // Costs of all pairs that are near each other; distant pairs are considered only if no near pair is left.
   struct Pair {
     std::size_t a, b;
     double cost;
@@ -145,7 +145,7 @@ Merged mergePieces(std::span<const Workpiece> pieces, const Workshop& shop, int 
     }
   }
 
-  // Undo the last merges first: that is the order in which levels of detail add parts.
+  // Undo the last merges first: this is the order in which levels of detail add parts.
   std::vector<std::vector<std::size_t>> ordered;
   std::vector<std::size_t> groupOf;  // of part
   groupOf.push_back(steps.empty() ? atPartCount[0] : steps.back().kept);
@@ -156,7 +156,7 @@ Merged mergePieces(std::span<const Workpiece> pieces, const Workshop& shop, int 
   }
   for (std::size_t g : groupOf) {
     const auto at = std::find(atPartCount.begin(), atPartCount.end(), g) - atPartCount.begin();
-    ordered.push_back(result.groups[static_cast<std::size_t>(at)]);
+    ordered.push_back(result.groups[at]);
   }
   result.groups = std::move(ordered);
   return result;

@@ -7,12 +7,12 @@ namespace lorica {
 
 namespace {
 
-constexpr double kReach = 100.0;    // a vertex never goes farther than this from the origin
-constexpr double kOnEdge = 1e-8;    // body points closer to an edge than this say nothing about planes through it
-constexpr double kSlack = 1e-7;     // how concave an edge may get: coplanar faces are common, and not exactly coplanar
-constexpr double kSliver = 1e-6;    // height of a triangle whose plane is noise
-constexpr int kSliverDepth = 3;     // how many slivers in a row are looked behind
-constexpr double kSameCost = 1e-9;  // of candidates that were looked at again
+constexpr double kReach = 100.0;    // limit of each coordinate of a vertex
+constexpr double kOnEdge = 1e-8;    // body points closer to an edge than this do not constrain planes through it
+constexpr double kSlack = 1e-7;     // allowed concavity of an edge: coplanar faces are common, but not exactly coplanar
+constexpr double kSliver = 1e-6;    // height below which a triangle's plane is unreliable
+constexpr int kSliverDepth = 3;     // how many consecutive slivers are skipped
+constexpr double kSameCost = 1e-9;  // cost tolerance of candidates that are evaluated again
 
 bool costsMore(const auto& x, const auto& y) {
   if (x.cost != y.cost) return x.cost > y.cost;
@@ -28,7 +28,7 @@ OuterShell::OuterShell(const ConvexHull& start, std::span<const Vec3> body, cons
       ring_(at_.size()),
       changes_(at_.size()),
       count_(static_cast<int>(at_.size())) {
-  // Around a vertex the triangle (v, p, q) says that q follows p.
+  // In the ring of v, a triangle (v, p, q) means that q follows p.
   std::vector<std::vector<std::array<Vertex, 2>>> follows(at_.size());
   for (const Triangle& t : start.triangles) {
     for (int i = 0; i < 3; ++i) follows[t[i]].push_back({t[(i + 1) % 3], t[(i + 2) % 3]});
@@ -46,7 +46,7 @@ std::size_t OuterShell::slot(Vertex from, Vertex to) const {
   const std::vector<Spoke>& ring = ring_[from];
   std::size_t i = 0;
   while (i < ring.size() && ring[i].to != to) ++i;
-  CHECK(i < ring.size(), "neighbours of a shell's vertices are mutual");
+  LORICA_CHECK(i < ring.size(), "neighbourhood of shell vertices must be symmetric");
   return i;
 }
 
@@ -58,8 +58,8 @@ const HalfSpace& OuterShell::tangent(Vertex from, Vertex to) {
   Spoke& spoke = ring_[from][slot(from, to)];
   if (spoke.known) return spoke.beyond;
   spoke.known = true;
-  // Seen along the edge, the body is an angle of less than half a turn, with the center in it. The plane that touches
-  // the body on its left side has the largest angle from the center.
+  // Seen along the edge, the body spans an angle of less than 180 degrees that contains the center. The plane that
+  // touches the body on its left side has the largest angle from the center.
   const Vec3& a = at_[from];
   const Vec3 along = (at_[to] - a).normalized();
   const Vec3 inward = (center_ - a - along * along.dot(center_ - a)).normalized();
@@ -100,7 +100,7 @@ bool OuterShell::restrict(const Vec3& p, const Vec3& q, const Vec3& r) {
 bool OuterShell::keepBelowFace(Vertex a, Vertex b, int depth) {
   const Vertex c = next(a, b);
   if (restrict(at_[b], at_[a], at_[c])) return true;
-  // The plane of a sliver is noise: the faces behind it bound the same place.
+  // The plane of a sliver is unreliable: the faces behind it bound the same region.
   return depth > 0 && keepBelowFace(c, b, depth - 1) && keepBelowFace(a, c, depth - 1);
 }
 
@@ -114,14 +114,14 @@ std::optional<Vec3> OuterShell::bestApex(std::span<const Vertex> link) {
     const Vertex c = link[(i + 2) % n];
     if ((at_[b] - at_[a]).squaredNorm() <= kSliver * kSliver) return {};
     area += (at_[a] - center_).cross(at_[b] - center_);
-    // The new face leaves the body inside; the edge of the link stays convex; so is the new edge to b.
+    // The new face must keep the body inside; the edge of the link and the new edge to b must be convex.
     halfSpaces_.push_back(tangent(a, b));
     if (!keepBelowFace(b, a, kSliverDepth)) return {};
     restrict(at_[a], at_[b], at_[c]);
   }
   const std::optional<Vec3> apex = minimizeLinear(area, halfSpaces_, kReach);
   if (!apex) return {};
-  // Every face stays on its side of the center, whatever rounding did.
+  // Reject the apex if, due to rounding, a face is on the wrong side of the center.
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3& p = at_[link[i]];
     const Vec3& q = at_[link[(i + 1) % n]];
@@ -144,7 +144,7 @@ std::vector<OuterShell::Vertex> OuterShell::linkOfEdge(Vertex a, Vertex b) const
   const std::size_t ia = slot(a, b);
   const std::size_t ib = slot(b, a);
   link.reserve(ra.size() + rb.size() - 4);
-  // a's neighbours but b; then b's but a and the two that both share.
+  // a's neighbours without b; then b's without a and the two common ones.
   for (std::size_t i = 1; i < ra.size(); ++i) link.push_back(ra[(ia + i) % ra.size()].to);
   for (std::size_t i = 2; i + 1 < rb.size(); ++i) link.push_back(rb[(ib + i) % rb.size()].to);
   return link;
@@ -152,14 +152,14 @@ std::vector<OuterShell::Vertex> OuterShell::linkOfEdge(Vertex a, Vertex b) const
 
 std::optional<OuterShell::Placement> OuterShell::placementFor(Vertex a, Vertex b) {
   const std::vector<Vertex> link = linkOfEdge(a, b);
-  // More than two common neighbours: the surface would be pinched.
+  // With more than two common neighbours the surface would become non-manifold.
   for (std::size_t i = 0; i < link.size(); ++i) {
     if (std::find(link.begin() + static_cast<std::ptrdiff_t>(i) + 1, link.end(), link[i]) != link.end()) return {};
   }
   if (link.size() < 3) return {};
   const std::optional<Vec3> apex = bestApex(link);
   if (!apex) return {};
-  // What both stars hold now: that of a, and that of b without the two triangles which they share.
+  // Current volume of both stars: that of a, and that of b without the two shared triangles.
   const double before = fanVolume(linkOfVertex(a), at_[a]) + fanVolume(linkOfVertex(b), at_[b]);
   const Vertex c = next(a, b);
   const Vertex d = next(b, a);
@@ -217,8 +217,8 @@ bool OuterShell::collapseTo(int maxVertices) {
     const Candidate cheapest = candidates_.back();
     candidates_.pop_back();
     const auto [cost, a, b, changeA, changeB] = cheapest;
-    if (changes_[a] != changeA || changes_[b] != changeB) continue;  // proposed again since
-    // Something farther off may have changed: a face beyond the link.
+    if (changes_[a] != changeA || changes_[b] != changeB) continue;  // outdated: proposed again since
+    // A face beyond the link may have changed: evaluate again.
     const std::optional<Placement> now = placementFor(a, b);
     if (!now) continue;
     if (now->volume > cost + kSameCost) {

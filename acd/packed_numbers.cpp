@@ -7,9 +7,9 @@
 namespace lorica {
 namespace {
 
-constexpr std::array<std::uint32_t, 4> kMask = {0xFF, 0xFFFF, 0xFFFFFF, 0xFFFFFFFF};  // by bytes less 1
+constexpr std::array<std::uint32_t, 4> kMask = {0xFF, 0xFFFF, 0xFFFFFF, 0xFFFFFFFF};  // by number of bytes - 1
 
-/// Where the four numbers of a control byte begin, what is theirs of four bytes there, and where the next four begin.
+/// For one control byte: start and bit mask of each of its four numbers, and the total number of bytes.
 struct Group {
   std::array<std::uint32_t, 4> mask{};
   std::array<std::uint8_t, 4> begin{};
@@ -54,7 +54,7 @@ void appendPacked(std::span<const std::uint32_t> values, std::string& bytes) {
 }
 
 std::optional<std::size_t> unpack(std::string_view bytes, std::span<std::uint32_t> values) {
-  // One check for all: the control bytes tell how long the numbers are.
+  // One size check for all numbers: the control bytes give their lengths.
   const std::size_t groupCount = values.size() / 4 + (values.size() % 4 > 0 ? 1 : 0);
   if (bytes.size() < groupCount) return std::nullopt;
   const auto controlOf = [&bytes](std::size_t group) { return static_cast<unsigned char>(bytes[group]); };
@@ -66,7 +66,7 @@ std::optional<std::size_t> unpack(std::string_view bytes, std::span<std::uint32_
   }
   if (bytes.size() < end) return std::nullopt;
 
-  // Each number is loaded as four bytes, of which some belong to the next ones: only where four are there.
+  // Each number is loaded as four bytes, some of which belong to the next numbers: only while four bytes are available.
   std::size_t at = groupCount;
   std::size_t i = 0;
   for (; i + 4 <= values.size() && at + 16 <= bytes.size(); i += 4) {
@@ -84,6 +84,19 @@ std::optional<std::size_t> unpack(std::string_view bytes, std::span<std::uint32_
     }
   }
   return at;
+}
+
+void takePacked(ByteReader& reader, const char* what, std::span<std::uint32_t> values) {
+  if (reader.ok()) {
+    if (const std::optional<std::size_t> taken = unpack(reader.rest(), values)) {
+      reader.skip(*taken);
+      return;
+    }
+    reader.fail(reader.offset(),
+                fmt::format("expected {}: {} packed numbers, which do not fit the {} bytes that are left", what,
+                            values.size(), reader.left()));
+  }
+  std::fill(values.begin(), values.end(), 0u);
 }
 
 }  // namespace lorica

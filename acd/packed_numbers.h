@@ -1,5 +1,7 @@
 #pragma once
 
+#include "geometry/byte_reader.h"
+
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -8,22 +10,25 @@
 
 namespace lorica {
 
-// Whole numbers in as few bytes as each needs, and without a branch for each to decode. Internal: not installed.
+// Variable-length encoding of integers, decoded without a branch per number. Internal: not installed.
 //
-//   control bytes, one for every four numbers      the numbers themselves, 1 to 4 bytes each, little-endian
+//   control bytes, one for every four numbers      the numbers, 1 to 4 bytes each, little-endian
 //   | 3 2 1 0 | 7 6 5 4 | ...                      | 0 | 1 | 2 | ...
 //
-// Two bits of a control byte, lowest first, are the number of bytes less 1. Bits without a number are 0.
+// Each two bits of a control byte, lowest first, are the number of bytes minus 1. Unused bits are 0.
 
-/// Appends the numbers, packed.
+/// Packs the numbers and appends them to `bytes`.
 void appendPacked(std::span<const std::uint32_t> values, std::string& bytes);
 
 /// Unpacks values.size() numbers from the start of the bytes.
-/// @return how many bytes that took; nothing when they end too soon or set bits that no number owns
+/// @return the number of bytes read; nothing if the bytes are truncated or unused bits are set
 [[nodiscard]] std::optional<std::size_t> unpack(std::string_view bytes, std::span<std::uint32_t> values);
 
-/// Differences of either sign as small numbers: 0, -1, 1, -2, 2 ... become 0, 1, 2, 3, 4 ... Modulo 2^32, so that any
-/// two numbers have a difference.
+/// Reads packed numbers; zeros after a failure. @param what  their meaning, for messages
+void takePacked(ByteReader& reader, const char* what, std::span<std::uint32_t> values);
+
+/// Maps small signed differences to small unsigned numbers: 0, -1, 1, -2, 2 ... become 0, 1, 2, 3, 4 ... Modulo 2^32,
+/// so the difference of any two numbers can be encoded.
 [[nodiscard]] constexpr std::uint32_t zigzag(std::uint32_t difference) {
   return (difference << 1) ^ (0 - (difference >> 31));
 }

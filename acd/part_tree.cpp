@@ -10,9 +10,9 @@ namespace lorica {
 namespace {
 
 constexpr std::size_t kLeafTriangles = 32;
-constexpr std::size_t kParallel = 4096;  // triangles below which a node is built by one thread
+constexpr std::size_t kParallel = 4096;  // nodes with at most this many triangles are built by one thread
 
-/// Nodes in the hierarchy over so many triangles.
+/// Number of nodes in the hierarchy over the given number of triangles.
 std::int32_t nodeCount(std::size_t triangles) {
   if (triangles <= kLeafTriangles) return 1;
   return 1 + nodeCount(triangles / 2) + nodeCount(triangles - triangles / 2);
@@ -24,17 +24,17 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
     : keyframe_(keyframe) {
   const std::vector<Vec3>& all = keyframes[keyframe];
   const std::size_t count = part.triangles.size();
-  const Vec3 origin = count == 0 ? Vec3(0, 0, 0) : all[static_cast<std::size_t>(part.triangles[0][0])];
+  const Vec3 origin = count == 0 ? Vec3(0, 0, 0) : all[part.triangles[0][0]];
   std::vector<Item> items(count);
   for (std::size_t i = 0; i < count; ++i) {
     Vec3 sum = -3.0 * origin;
-    for (PointIndex p : part.triangles[i]) sum += all[static_cast<std::size_t>(p)];
+    for (PointIndex p : part.triangles[i]) sum += all[p];
     items[i] = {sum.cast<float>(), static_cast<std::int32_t>(i)};
   }
   nodes_.resize(static_cast<std::size_t>(nodeCount(count)));
   build(items, 0, 0);
 
-  // Numbers in the order of the leaves: what a leaf needs lies side by side in memory.
+  // Number points in leaf order, so that the data of a leaf is contiguous in memory.
   triangles_.reserve(count);
   leafPoints_.reserve(count);
   std::vector<std::int32_t> numberOf(all.size(), -1);
@@ -46,16 +46,16 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
     if (node.second >= 0) continue;
     node.firstPoint = static_cast<std::int32_t>(leafPoints_.size());
     for (std::int32_t i = node.first; i < node.last; ++i) {
-      Triangle t = part.triangles[static_cast<std::size_t>(items[static_cast<std::size_t>(i)].triangle)];
+      Triangle t = part.triangles[items[static_cast<std::size_t>(i)].triangle];
       for (PointIndex& p : t) {
-        node.box.extend(all[static_cast<std::size_t>(p)]);
-        std::int32_t& number = numberOf[static_cast<std::size_t>(p)];
+        node.box.extend(all[p]);
+        std::int32_t& number = numberOf[p];
         if (number < 0) {
           number = static_cast<std::int32_t>(pointOf.size());
           pointOf.push_back(p);
         }
-        if (seenBy[static_cast<std::size_t>(number)] != static_cast<std::int32_t>(n)) {
-          seenBy[static_cast<std::size_t>(number)] = static_cast<std::int32_t>(n);
+        if (seenBy[number] != static_cast<std::int32_t>(n)) {
+          seenBy[number] = static_cast<std::int32_t>(n);
           leafPoints_.push_back(number);
         }
         p = number;
@@ -68,7 +68,7 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
     Node& node = nodes_[n];
     if (node.second < 0) continue;
     const Node& a = nodes_[n + 1];
-    const Node& b = nodes_[static_cast<std::size_t>(node.second)];
+    const Node& b = nodes_[node.second];
     node.firstPoint = a.firstPoint;
     node.lastPoint = b.lastPoint;
     node.box = a.box;
@@ -78,12 +78,12 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
   points_.resize(keyframes.size());
   tbb::parallel_for(std::size_t{0}, keyframes.size(), [&](std::size_t k) {
     points_[k].reserve(pointOf.size());
-    for (PointIndex p : pointOf) points_[k].push_back(keyframes[k][static_cast<std::size_t>(p)]);
+    for (PointIndex p : pointOf) points_[k].push_back(keyframes[k][p]);
   });
 }
 
 void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t first) {
-  Node& here = nodes_[static_cast<std::size_t>(node)];
+  Node& here = nodes_[node];
   here.first = first;
   here.last = first + static_cast<std::int32_t>(items.size());
   if (items.size() <= kLeafTriangles) return;
@@ -113,14 +113,14 @@ void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t firs
 }
 
 std::span<const std::int32_t> PartTree::pointsOf(std::int32_t node) const {
-  const Node& n = nodes_[static_cast<std::size_t>(node)];
+  const Node& n = nodes_[node];
   return std::span(leafPoints_)
       .subspan(static_cast<std::size_t>(n.firstPoint), static_cast<std::size_t>(n.lastPoint - n.firstPoint));
 }
 
 bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
   thread_local PlaneSides sides;
-  // Which points are in a list of this sketch already: bit 0 above, bit 1 below.
+  // Points already in a list of this sketch: bit 0 above, bit 1 below.
   thread_local std::vector<std::uint8_t> listed;
   const std::span<const Vec3> points = points_[keyframe_];
   listed.assign(points.size(), 0);
@@ -137,7 +137,7 @@ bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
   stack[height++] = 0;
   while (height > 0) {
     const std::int32_t index = stack[--height];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Node& node = nodes_[index];
     const double middle = plane.normal.dot(node.box.center()) - plane.offset;
     const double reach = 0.5 * absolute.dot(node.box.max - node.box.min) + tolerance;
     if (middle > reach) {
@@ -157,7 +157,7 @@ bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
     }
     for (std::int32_t p : pointsOf(index)) sides.classify(p, points, plane, tolerance);
     for (std::int32_t i = node.first; i < node.last; ++i) {
-      const Triangle& t = triangles_[static_cast<std::size_t>(i)];
+      const Triangle& t = triangles_[i];
       const std::array<int, 3> s = {sides.sideOf(t[0]), sides.sideOf(t[1]), sides.sideOf(t[2])};
       const int low = std::min({s[0], s[1], s[2]});
       const int high = std::max({s[0], s[1], s[2]});
@@ -165,7 +165,7 @@ bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
       anyAbove |= high > 0;
       anyBelow |= low < 0;
       for (int c = 0; c < 3; ++c) {
-        std::uint8_t& known = listed[static_cast<std::size_t>(t[c])];
+        std::uint8_t& known = listed[t[c]];
         if (s[c] >= 0 && (high > 0 || flatSide > 0) && (known & 1U) == 0) {
           known |= 1U;
           out.above.points.push_back(t[c]);
@@ -174,7 +174,7 @@ bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
           known |= 2U;
           out.below.points.push_back(t[c]);
         }
-        // Each edge runs once each way in a closed part: take it where it ascends.
+        // In a closed part each edge occurs once in each direction: use the ascending one.
         const int d = (c + 1) % 3;
         if (s[c] * s[d] < 0 && t[c] < t[d]) out.crossings.push_back(sides.crossing(t[c], t[d]));
       }

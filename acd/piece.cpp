@@ -12,9 +12,9 @@
 namespace lorica {
 namespace {
 
-// Points closer to a plane than this lie on it, relative to the diagonal of the mesh in that keyframe.
+// Points closer to a plane than this are on it, relative to the diagonal of the mesh in that keyframe.
 constexpr double kOnPlane = 1e-9;
-// And what a distance from a plane is wrong by, relative to the largest coordinate: counts far from the origin.
+// Rounding error of a distance from a plane, relative to the largest coordinate: matters far from the origin.
 constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
 
 /// The same triangle with its smallest index first.
@@ -25,7 +25,7 @@ Triangle canonical(Triangle t) {
 
 }  // namespace
 
-Workshop::Workshop(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedMesh) {
+CutContext::CutContext(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedMesh) {
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     const std::span<const Vec3> frame = keyframes.keyframe(k);
     points.emplace_back(frame.begin(), frame.end());
@@ -37,51 +37,50 @@ Workshop::Workshop(const TriMesh& closedMesh, PoseView keyframes) : mesh(closedM
   }
 }
 
-void Workshop::addCutPoints(std::span<const CutPoint> added) {
+void CutContext::addCutPoints(std::span<const CutPoint> added) {
   for (std::vector<Vec3>& frame : points) {
     for (const CutPoint& c : added) {
-      frame.push_back(c.lambda * frame[static_cast<std::size_t>(c.first)] +
-                      (1.0 - c.lambda) * frame[static_cast<std::size_t>(c.second)]);
+      frame.push_back(c.lambda * frame[c.first] + (1.0 - c.lambda) * frame[c.second]);
     }
   }
   cutPoints.insert(cutPoints.end(), added.begin(), added.end());
 }
 
-double Workpiece::totalError() const {
+double Piece::totalError() const {
   double sum = 0.0;
   for (std::size_t k = 0; k < volume.size(); ++k) sum += error(k);
   return sum;
 }
 
-double Workpiece::totalHullVolume() const {
+double Piece::totalHullVolume() const {
   return std::accumulate(hullVolume.begin(), hullVolume.end(), 0.0);
 }
 
-Workpiece measure(Part part, const Workshop& shop) {
-  Workpiece w;
+Piece measure(Part part, const CutContext& context) {
+  Piece w;
   w.part = std::move(part);
-  w.volume.resize(shop.keyframeCount());
-  w.hullVolume.resize(shop.keyframeCount());
-  w.hullPoints.resize(shop.keyframeCount());
-  tbb::parallel_for(std::size_t{0}, shop.keyframeCount() + 1, [&](std::size_t k) {
-    if (k == shop.keyframeCount()) {
+  w.volume.resize(context.keyframeCount());
+  w.hullVolume.resize(context.keyframeCount());
+  w.hullPoints.resize(context.keyframeCount());
+  tbb::parallel_for(std::size_t{0}, context.keyframeCount() + 1, [&](std::size_t k) {
+    if (k == context.keyframeCount()) {
       w.creases = creasesOf(w.part);
       return;
     }
     thread_local std::vector<Vec3> own;
     own.clear();
-    for (PointIndex p : w.part.points) own.push_back(shop.points[k][static_cast<std::size_t>(p)]);
+    for (PointIndex p : w.part.points) own.push_back(context.points[k][p]);
     const HullOutline outline = convexHullOutline(own);
     w.hullVolume[k] = outline.volume;
     w.hullPoints[k].reserve(outline.points.size());
-    for (VertexIndex v : outline.points) w.hullPoints[k].push_back(w.part.points[static_cast<std::size_t>(v)]);
-    w.volume[k] = signedVolume(shop.points[k], w.part.triangles);
+    for (VertexIndex v : outline.points) w.hullPoints[k].push_back(w.part.points[v]);
+    w.volume[k] = signedVolume(context.points[k], w.part.triangles);
   });
   return w;
 }
 
 Part unite(std::span<const Part* const> parts) {
-  // A cap triangle and its reverse take each other out, one for one: a part may hold one of them twice.
+  // A cap triangle and its reverse cancel one for one: a part may contain one of them twice.
   std::vector<Triangle> caps;
   for (const Part* part : parts) {
     for (std::size_t i = 0; i < part->triangles.size(); ++i) {
@@ -89,7 +88,7 @@ Part unite(std::span<const Part* const> parts) {
     }
   }
   std::sort(caps.begin(), caps.end());
-  std::vector<std::int32_t> takenOut(caps.size(), 0);  // counted at the first of equal triangles
+  std::vector<std::int32_t> takenOut(caps.size(), 0);  // counted at the first of several equal triangles
   Part whole;
   for (const Part* part : parts) {
     for (std::size_t i = 0; i < part->triangles.size(); ++i) {
@@ -97,7 +96,7 @@ Part unite(std::span<const Part* const> parts) {
       if (part->sourceTriangle[i] < 0) {
         const auto [own, ownEnd] = std::equal_range(caps.begin(), caps.end(), canonical(t));
         const auto [other, otherEnd] = std::equal_range(caps.begin(), caps.end(), canonical({t[0], t[2], t[1]}));
-        std::int32_t& count = takenOut[static_cast<std::size_t>(own - caps.begin())];
+        std::int32_t& count = takenOut[own - caps.begin()];
         if (count < std::min(ownEnd - own, otherEnd - other)) {
           ++count;
           continue;

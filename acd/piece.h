@@ -8,40 +8,40 @@
 
 namespace lorica {
 
-/// The mesh being cut, in all keyframes: its vertices, then the cut points in the order of their creation.
-struct Workshop {
+/// The mesh being cut, in all keyframes: its vertices, then the cut points in order of creation.
+struct CutContext {
   const TriMesh& mesh;
   std::vector<std::vector<Vec3>> points;  ///< keyframe, PointIndex
   std::vector<CutPoint> cutPoints;
-  std::vector<std::vector<Vec3>> normals;  ///< keyframe, mesh triangle: unit, zero for those without area
-  std::vector<double> onPlane;             ///< distance up to which a point lies on a plane, for each keyframe [m]
+  std::vector<std::vector<Vec3>> normals;  ///< keyframe, mesh triangle: unit; zero for triangles without area
+  std::vector<double> onPlane;             ///< for each keyframe, points up to this distance are on a plane [m]
   std::vector<double> meshVolume;          ///< [m^3]
 
-  Workshop(const TriMesh& closedMesh, PoseView keyframes);
+  CutContext(const TriMesh& closedMesh, PoseView keyframes);
   [[nodiscard]] std::size_t keyframeCount() const { return points.size(); }
   [[nodiscard]] PointIndex pointCount() const { return static_cast<PointIndex>(points[0].size()); }
-  /// Carries new cut points to every keyframe (Eq. 12).
+  /// Adds new cut points and computes their positions in every keyframe (Eq. 12).
   void addCutPoints(std::span<const CutPoint> added);
 };
 
-/// A part with what the search needs of it.
-struct Workpiece {
+/// A part with the measurements that the search needs.
+struct Piece {
   Part part;
   std::vector<Crease> creases;
   std::vector<double> volume;  ///< of the part in each keyframe [m^3]
   std::vector<double> hullVolume;
-  std::vector<std::vector<PointIndex>> hullPoints;  ///< corners of its hull in each keyframe, ascending
+  std::vector<std::vector<PointIndex>> hullPoints;  ///< vertices of its hull in each keyframe, ascending
 
-  /// Eq. 3 in one keyframe [m^3].
+  /// The error (Eq. 3) in one keyframe [m^3].
   [[nodiscard]] double error(std::size_t k) const { return hullVolume[k] - volume[k]; }
   [[nodiscard]] double totalError() const;
   [[nodiscard]] double totalHullVolume() const;
 };
 
 /// Measures a part in every keyframe, keyframes in parallel.
-[[nodiscard]] Workpiece measure(Part part, const Workshop& shop);
+[[nodiscard]] Piece measure(Part part, const CutContext& context);
 
-/// All triangles of several parts as one, without the caps that two of them share.
+/// Merges the triangles of several parts, without the caps that two of them share.
 [[nodiscard]] Part unite(std::span<const Part* const> parts);
 
 }  // namespace lorica

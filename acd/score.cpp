@@ -1,9 +1,9 @@
 #include "acd/score.h"
 
-#include "acd/nearest_triangle.h"
-#include "acd/random_bits.h"
 #include "acd/volume_coverage.h"
 #include "geometry/convex_hull.h"
+#include "geometry/random_numbers.h"
+#include "geometry/triangle_tree.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ Error invalid(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message)};
 }
 
-/// What distances are taken to: the hull's faces; of a flat part its own triangles, or else its points.
+/// Appends the surface for distances: the hull's faces; for a flat part its triangles, or its points if it has none.
 void appendSurface(const TriMesh& part, const ConvexHull& hull, std::vector<std::array<Vec3, 3>>& surface) {
   for (const Triangle& t : hull.triangles) {
     surface.push_back({hull.vertices[t[0]], hull.vertices[t[1]], hull.vertices[t[2]]});
@@ -32,8 +32,8 @@ void appendSurface(const TriMesh& part, const ConvexHull& hull, std::vector<std:
   for (const Vec3& p : part.vertices) surface.push_back({p, p, p});
 }
 
-/// Mean distance from the mesh's surface: its area laid out as one strip, cut into equal pieces, a point in each.
-double meanDistance(const TriMesh& mesh, const NearestTriangle& surface, int samples, std::uint64_t seed) {
+/// Mean distance from the mesh's surface to `surface`. Stratified sampling: one point in each of `samples` equal areas.
+double meanDistance(const TriMesh& mesh, const TriangleTree& surface, int samples, std::uint64_t seed) {
   std::vector<double> areaUpTo;
   areaUpTo.reserve(mesh.triangles.size());
   double area = 0.0;
@@ -42,7 +42,7 @@ double meanDistance(const TriMesh& mesh, const NearestTriangle& surface, int sam
     area += 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
     areaUpTo.push_back(area);
   }
-  // Within a triangle an additive recurrence (with powers of the plastic number) spreads consecutive points evenly.
+  // Within a triangle an additive recurrence (with powers of the plastic number) distributes consecutive points evenly.
   const double offsetR = randomUnit(seed, 0);
   const double offsetU = randomUnit(seed, 1);
   const auto fraction = [](double x) { return x - std::floor(x); };
@@ -52,7 +52,7 @@ double meanDistance(const TriMesh& mesh, const NearestTriangle& surface, int sam
     const double at = (i + randomUnit(seed, 2 + static_cast<std::uint64_t>(i))) * area / samples;
     while (k + 1 < areaUpTo.size() && areaUpTo[k] <= at) ++k;
     const Triangle& t = mesh.triangles[k];
-    // The square root turns a uniform number into the distance from a corner under which equal areas lie.
+    // The square root makes points uniform by area: it maps a uniform number to the distance from a corner.
     const double r = std::sqrt(fraction(offsetR + i * 0.7548776662466927));
     const double u = r * fraction(offsetU + i * 0.5698402909980532);
     sum += surface.distance((1.0 - r) * mesh.vertices[t[0]] + (r - u) * mesh.vertices[t[1]] + u * mesh.vertices[t[2]]);
@@ -105,14 +105,14 @@ Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const S
   const double meshVolume = signedVolume(mesh.vertices, mesh.triangles);
   result.score17 = meshVolume / hullVolume;
 
-  // Eq. 16 with f the covered fraction: f V / ((1 - f) V + H), and its slope for the error.
+  // Eq. 16 with the covered fraction f: f V / ((1 - f) V + H), and its derivative for the standard error.
   const Coverage coverage = estimateCoverage(mesh, hulls, settings.volumeSamples, settings.seed);
   const double below = (1.0 - coverage.fraction) * meshVolume + hullVolume;
   result.score16 = coverage.fraction * meshVolume / below;
   result.score16StandardError = coverage.standardError * meshVolume * (meshVolume + hullVolume) / (below * below);
   result.uncoveredFraction = 1.0 - coverage.fraction;
 
-  const NearestTriangle nearest(std::move(surface));
+  const TriangleTree nearest(std::move(surface));
   result.distance = meanDistance(mesh, nearest, settings.surfaceSamples, randomBits(settings.seed, 1u << 20));
   result.distancePercentDiagonal = 100.0 * result.distance / surfaceBounds(mesh).diagonal();
   return result;

@@ -14,13 +14,13 @@ using Vec2 = Eigen::Vector2d;
 constexpr double kTolerance = 1e-11;
 constexpr double kParallel = 1e-12;
 
-/// normal . y >= offset in the plane; the normal is not unit.
+/// The half-plane normal . y >= offset; the normal is not a unit vector.
 struct HalfPlane {
   Vec2 normal;
   double offset;
 };
 
-/// On the line base + t * direction: the best t that all half-planes share.
+/// Minimizes on the line base + t * direction, within all half-planes.
 std::optional<Vec2> minimizeOnLine(const Vec2& objective, std::span<const HalfPlane> halfPlanes, const Vec2& base,
                                    const Vec2& direction, double reach) {
   double low = -reach;
@@ -72,7 +72,7 @@ std::optional<Vec3> minimizeLinear(const Vec3& objective, std::span<const HalfSp
   for (std::size_t i = 0; i < halfSpaces.size(); ++i) {
     const HalfSpace& h = halfSpaces[i];
     if (h.normal.dot(best) >= h.offset - kTolerance) continue;
-    // The best point so far is cut off: the new one lies on the plane that did it.
+    // The half-space excludes the best point so far: the new one is on its plane.
     const Vec3 base = h.normal * h.offset;
     const Vec3 u = h.normal.unitOrthogonal();
     const Vec3 v = h.normal.cross(u);

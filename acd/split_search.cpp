@@ -16,23 +16,22 @@ namespace lorica {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A half whose hull is smaller than this share of the mesh is no solid.
-constexpr double kExact = 1e-10;  // tolerance of a hull, see convexHullVolume
-constexpr double kSolid = 1e-9;
+constexpr double kExact = 1e-10;  // tolerance of a hull, see convexHullVolume()
+constexpr double kSolid = 1e-9;   // minimum hull volume of a half, as a fraction of the mesh's volume
 
 class SplitSearch {
  public:
-  SplitSearch(const Workpiece& piece, std::size_t keyframe, const Workshop& shop, const SplitEffort& effort)
-      : piece_(piece), keyframe_(keyframe), shop_(shop), effort_(effort) {
-    for (PointIndex p : piece.hullPoints[keyframe]) hullPoints_.push_back(points()[static_cast<std::size_t>(p)]);
+  SplitSearch(const Piece& piece, std::size_t keyframe, const CutContext& context, const SplitEffort& effort)
+      : piece_(piece), keyframe_(keyframe), context_(context), effort_(effort) {
+    for (PointIndex p : piece.hullPoints[keyframe]) hullPoints_.push_back(points()[p]);
   }
 
   std::optional<Split> run() {
-    // What planes to try does not depend on what they are tried with.
+    // The candidate planes are independent of the data structures that score them: build both in parallel.
     std::vector<Plane> planes;
     tbb::parallel_invoke([&] { planes = candidates(); },
                          [&] {
-                           tree_.emplace(piece_.part, shop_.points, keyframe_);
+                           tree_.emplace(piece_.part, context_.points, keyframe_);
                            volumes_.emplace(*tree_, effort_.shortlist == 0);
                            if (effort_.shortlist > 0) estimates_.emplace(*tree_);
                          });
@@ -41,31 +40,32 @@ class SplitSearch {
       planes = ranked(planes);
       few = static_cast<std::size_t>(effort_.shortlist + effort_.refinedPlanes);
     }
-    // Where none of the few leaves solid on both sides, the next ones are looked at.
+    // If none of the first planes leaves volume on both sides, try the next ones.
     for (std::size_t first = 0; first < planes.size(); first += few) {
       const std::span<const Plane> here = std::span(planes).subspan(first, std::min(few, planes.size() - first));
       const std::vector<double> scores = scoreAll(here);
       const auto best = std::min_element(scores.begin(), scores.end());
       if (std::isinf(*best)) continue;
-      const Plane& plane = here[static_cast<std::size_t>(best - scores.begin())];
+      const Plane& plane = here[best - scores.begin()];
       return Split{plane, keyframe_, score(plane, kInfinity, 0.0, kExact)};
     }
     return std::nullopt;
   }
 
  private:
-  [[nodiscard]] const std::vector<Vec3>& points() const { return shop_.points[keyframe_]; }
+  [[nodiscard]] const std::vector<Vec3>& points() const { return context_.points[keyframe_]; }
 
   [[nodiscard]] std::vector<Plane> candidates() const {
     std::vector<Vec3> outer;
     for (VertexIndex v : convexHullOutline(hullPoints_, effort_.coarse).points) {
-      outer.push_back(hullPoints_[static_cast<std::size_t>(v)]);
+      outer.push_back(hullPoints_[v]);
     }
     const ConvexHull hull = convexHull(outer);
     const double spacing = effort_.edgeSpacing * boundsOf(hullPoints_).diagonal();
     std::vector<Plane> planes;
-    for (const ConcaveEdge& edge : deepestConcaveEdges(piece_.creases, shop_.mesh.triangles, shop_.normals[keyframe_],
-                                                       points(), hull, effort_.candidateEdges, spacing)) {
+    for (const ConcaveEdge& edge :
+         deepestConcaveEdges(piece_.creases, context_.mesh.triangles, context_.normals[keyframe_], points(), hull,
+                             effort_.candidateEdges, spacing)) {
       for (const Plane& plane : planesThrough(edge, effort_.planesPerEdge)) planes.push_back(plane);
     }
     for (const Plane& plane : componentPlanes(piece_.part, points())) planes.push_back(plane);
@@ -73,7 +73,7 @@ class SplitSearch {
     return planes;
   }
 
-  /// Evenly spaced planes across the coordinate axes and across the principal axes of the part's hull points.
+  /// Adds evenly spaced planes perpendicular to the coordinate axes and to the principal axes of the hull points.
   void addAxisPlanes(std::vector<Plane>& planes) const {
     const std::vector<Vec3>& hullPoints = hullPoints_;
     Vec3 mean = Vec3::Zero();
@@ -97,7 +97,7 @@ class SplitSearch {
     }
   }
 
-  /// The planes that divide the part: the best ones refined, then all, best estimate first.
+  /// Returns the planes that divide the part: the best ones refined, then all, ordered by estimate.
   [[nodiscard]] std::vector<Plane> ranked(const std::vector<Plane>& planes) const {
     std::vector<double> estimates(planes.size());
     tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) { estimates[i] = estimate(planes[i]); });
@@ -107,7 +107,7 @@ class SplitSearch {
     }
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return estimates[a] < estimates[b]; });
-    // Refining starts from the best planes that differ; the results compete with all others.
+    // Refine the best planes that differ from each other; the results compete with all others.
     std::vector<Plane> starts;
     for (std::size_t i : order) {
       if (static_cast<int>(starts.size()) == effort_.refinedPlanes) break;
@@ -121,17 +121,18 @@ class SplitSearch {
     return result;
   }
 
-  /// About the sum of both halves' hull volumes over all keyframes; infinity when the plane does not divide the part.
+  /// Estimated sum of both halves' hull volumes over all keyframes, plus the balance term; infinity if the plane does
+  /// not divide the part.
   [[nodiscard]] double estimate(const Plane& plane) const {
     thread_local PartTree::Sketch sketch;
-    if (!tree_->sketch(plane, shop_.onPlane[keyframe_], sketch)) return kInfinity;
+    if (!tree_->sketch(plane, context_.onPlane[keyframe_], sketch)) return kInfinity;
     const auto [above, below] = estimates_->volumes(sketch);
     return above + below + effort_.balance * piece_.totalError() * std::abs(above - below) / (above + below);
   }
 
-  /// Scores planes in parallel. A plane that is unlikely to be the best one any more is given up and scores infinity.
-  /// What is best so far changes only after a batch of planes, so that the choice does not depend on which thread
-  /// finishes first.
+  /// Scores planes in parallel. A plane that can no longer be the best is abandoned and scores infinity. The best score
+  /// so far is updated only after each batch of planes, so that the choice does not depend on which thread finishes
+  /// first.
   [[nodiscard]] std::vector<double> scoreAll(std::span<const Plane> planes) const {
     constexpr std::size_t kBatch = 8;
     std::vector<double> scores(planes.size());
@@ -145,17 +146,17 @@ class SplitSearch {
     return scores;
   }
 
-  /// Sum of both halves' hull volumes over all keyframes; infinity when the plane leaves no solid on a side, or once
-  /// the sum must exceed `toBeat`, since hulls hold at least the part itself.
+  /// Sum of both halves' hull volumes over all keyframes, plus the balance term. Infinity if the plane leaves no volume
+  /// on one side, or once the sum is certain to exceed `toBeat`, since hulls are at least as large as the part.
   [[nodiscard]] double score(const Plane& plane, double toBeat, double balance, double tolerance) const {
     thread_local PartTree::Sketch sketch;
-    if (!tree_->sketch(plane, shop_.onPlane[keyframe_], sketch)) return kInfinity;
-    const double smallest = kSolid * std::abs(shop_.meshVolume[keyframe_]);
+    if (!tree_->sketch(plane, context_.onPlane[keyframe_], sketch)) return kInfinity;
+    const double smallest = kSolid * std::abs(context_.meshVolume[keyframe_]);
     double rest = std::accumulate(piece_.volume.begin(), piece_.volume.end(), 0.0);
     double total = 0.0, sumAbove = 0.0;
-    const std::size_t frameCount = shop_.keyframeCount();
+    const std::size_t frameCount = context_.keyframeCount();
     for (std::size_t i = 0; i < frameCount; ++i) {
-      const std::size_t k = (keyframe_ + i) % frameCount;  // the plane's own keyframe first: it refuses flat halves
+      const std::size_t k = (keyframe_ + i) % frameCount;  // the plane's keyframe first: it rejects flat halves
       rest -= piece_.volume[k];
       const double above = volumes_->above(sketch, k, tolerance);
       const double below = volumes_->below(sketch, k, tolerance);
@@ -173,7 +174,8 @@ class SplitSearch {
     return std::abs(cosine) > 0.995 && std::abs(a.offset - side * b.offset) < 0.01 * boundsOf(hullPoints_).diagonal();
   }
 
-  /// Pattern search about a plane by estimates: turns about two axes in it and shifts, the step halved when none helps.
+  /// Pattern search around a plane by estimates: rotations about two axes in the plane and shifts; the step is halved
+  /// if none improves the estimate.
   [[nodiscard]] Plane refine(const Plane& start) const {
     Vec3 pivot = Vec3::Zero();
     for (const Vec3& p : hullPoints_) pivot += p / static_cast<double>(hullPoints_.size());
@@ -182,7 +184,7 @@ class SplitSearch {
     pivot -= (start.normal.dot(pivot) - start.offset) * start.normal;
     Plane best = start;
     double bestScore = estimate(start);
-    double turn = 0.2, shift = 0.1 * extent;  // the turn as a tangent
+    double turn = 0.2, shift = 0.1 * extent;  // `turn` is a tangent
     for (int step = 0; step < effort_.refineSteps; ++step) {
       const Vec3 u = best.normal.unitOrthogonal();
       const Vec3 v = best.normal.cross(u);
@@ -199,7 +201,7 @@ class SplitSearch {
       const auto winner = std::min_element(scores.begin(), scores.end());
       if (*winner < bestScore) {
         bestScore = *winner;
-        best = around[static_cast<std::size_t>(winner - scores.begin())];
+        best = around[winner - scores.begin()];
         pivot -= (best.normal.dot(pivot) - best.offset) * best.normal;
       } else {
         turn *= 0.5;
@@ -209,9 +211,9 @@ class SplitSearch {
     return best;
   }
 
-  const Workpiece& piece_;
+  const Piece& piece_;
   std::size_t keyframe_;
-  const Workshop& shop_;
+  const CutContext& context_;
   const SplitEffort& effort_;
   std::optional<PartTree> tree_;
   std::optional<HalfVolumes> volumes_;
@@ -221,9 +223,9 @@ class SplitSearch {
 
 }  // namespace
 
-std::optional<Split> bestSplit(const Workpiece& piece, std::size_t keyframe, const Workshop& shop,
+std::optional<Split> bestSplit(const Piece& piece, std::size_t keyframe, const CutContext& context,
                                const SplitEffort& effort) {
-  return SplitSearch(piece, keyframe, shop, effort).run();
+  return SplitSearch(piece, keyframe, context, effort).run();
 }
 
 }  // namespace lorica

@@ -2,7 +2,7 @@
 
 #include "geometry/math.h"
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "acd/support.cpp"
 #include <hwy/foreach_target.h>
@@ -24,7 +24,7 @@ HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, 16>;  // 16 lanes divide the pairs, and so does any smaller power of two
+using Floats = hn::CappedTag<float, 16>;  // 16 and all smaller powers of two divide the number of pairs
 using Ints = hn::RebindToSigned<Floats>;
 
 void includeSupport(Support& into, const Support& other) {
@@ -66,7 +66,7 @@ void includePoints(Support& into, const SupportDirections& directions, const Flo
     const auto z = hn::Load(f, directions.z.data() + i);
     for (const std::int32_t id : ids) {
       const auto p = static_cast<std::size_t>(id);
-      // Not fused, so that every instruction set rounds alike.
+      // No fused multiply-add, so that every instruction set rounds the same way.
       const auto value = hn::Add(hn::Add(hn::Mul(x, hn::Set(f, points.x[p])), hn::Mul(y, hn::Set(f, points.y[p]))),
                                  hn::Mul(z, hn::Set(f, points.z[p])));
       const auto name = hn::Set(n, first + id);
@@ -98,8 +98,8 @@ namespace {
 HWY_EXPORT(includeSupport);
 HWY_EXPORT(includePoints);
 
-/// The vertices of an icosahedron whose edges are cut in three, pushed out to the sphere: the directions, and the
-/// triangles between them as slots (i: pair i upwards; kPairs + i: downwards).
+/// An icosahedron with its edges divided in three, projected to the sphere: the directions, and the triangles between
+/// them as slots (i: positive direction of pair i; kPairs + i: negative direction).
 struct Sphere {
   SupportDirections directions;
   std::vector<std::array<std::uint8_t, 3>> triangles;
@@ -118,7 +118,7 @@ Sphere makeSphere() {
   std::map<std::array<int, 3>, std::uint8_t> slotOf;
   std::uint8_t pairs = 0;
   const auto slot = [&](const Vec3& direction) {
-    // Points of the grid are far apart; so many digits tell them from each other and not from themselves.
+    // Three digits distinguish the grid points, and are insensitive to rounding errors.
     const auto key = [](const Vec3& d) {
       return std::array<int, 3>{static_cast<int>(std::lround(d.x() * 1000)),
                                 static_cast<int>(std::lround(d.y() * 1000)),
@@ -136,7 +136,7 @@ Sphere makeSphere() {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     for (std::size_t j = i + 1; j < corners.size(); ++j) {
       for (std::size_t k = j + 1; k < corners.size(); ++k) {
-        // Corners at the distance of an edge, 2, from each other.
+        // Corners of a face are one edge length, 2, apart.
         const auto edge = [&](std::size_t m, std::size_t n) { return (corners[m] - corners[n]).norm() < 2.1; };
         if (!edge(i, j) || !edge(j, k) || !edge(k, i)) continue;
         const bool outward = corners[i].dot(corners[j].cross(corners[k])) > 0.0;

@@ -13,7 +13,7 @@ namespace lorica {
 namespace {
 
 constexpr std::size_t kProbesOfAPart = 4;
-constexpr std::size_t kLeastProbes = 32;
+constexpr std::size_t kMinProbes = 32;
 constexpr double kKnownShare = 0.3;
 
 /// Moves points so that their centroid is the origin.
@@ -24,29 +24,29 @@ void center(std::span<Vec3> points) {
   for (Vec3& p : points) p -= centroid;
 }
 
-/// Points of one part, farthest first (Gonzalez 1985); of several as far, the first.
-class Spread {
+/// Farthest-point sampling of one part (Gonzalez 1985); in a tie the first point wins.
+class FarthestFirst {
  public:
-  Spread(const Part& part, std::span<const Vec3> positions)
+  FarthestFirst(const Part& part, std::span<const Vec3> positions)
       : points_(part.points), positions_(positions), distanceSq_(part.points.size()) {
     Aabb box;
     for (const PointIndex p : points_) box.extend(at(p));
     for (std::size_t i = 0; i < points_.size(); ++i) distanceSq_[i] = (at(points_[i]) - box.center()).squaredNorm();
   }
 
-  /// @param taken  one entry for each point of the decomposition: whether it is a probe already, of whichever part
-  /// @return the next one, or -1 after the last
+  /// @param taken  for each point of the decomposition, whether it is already a probe, of any part
+  /// @return the next point, or -1 after the last
   PointIndex next(std::span<const char> taken) {
     std::size_t farthest = points_.size();
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (taken[static_cast<std::size_t>(points_[i])] != 0) continue;
+      if (taken[points_[i]] != 0) continue;
       if (farthest == points_.size() || distanceSq_[i] > distanceSq_[farthest]) farthest = i;
     }
     if (farthest == points_.size()) return -1;
     const Vec3& chosen = at(points_[farthest]);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const double distanceSq = (at(points_[i]) - chosen).squaredNorm();
-      // The first one is far from the middle, from where nothing else is measured.
+      // The first point is the farthest from the box centre; after it, only distances to chosen points count.
       distanceSq_[i] = started_ ? std::min(distanceSq_[i], distanceSq) : distanceSq;
     }
     started_ = true;
@@ -54,7 +54,7 @@ class Spread {
   }
 
  private:
-  [[nodiscard]] const Vec3& at(PointIndex p) const { return positions_[static_cast<std::size_t>(p)]; }
+  [[nodiscard]] const Vec3& at(PointIndex p) const { return positions_[p]; }
 
   std::span<const PointIndex> points_;
   std::span<const Vec3> positions_;
@@ -63,12 +63,12 @@ class Spread {
 };
 
 std::vector<PointIndex> chooseProbes(const Decomposition& decomposition, std::span<const Vec3> positions) {
-  std::vector<Spread> spreads;
+  std::vector<FarthestFirst> spreads;
   spreads.reserve(decomposition.parts.size());
   for (const Part& part : decomposition.parts) spreads.emplace_back(part, positions);
 
-  // Round by round, so that what is left over at the end is shared among the first parts, the coarse ones.
-  const std::size_t wanted = std::clamp(kProbesOfAPart * decomposition.parts.size(), kLeastProbes, kMaxProbes);
+  // In rounds over all parts, so that an incomplete last round favours the first, coarsest parts.
+  const std::size_t wanted = std::clamp(kProbesOfAPart * decomposition.parts.size(), kMinProbes, kMaxProbes);
   std::vector<char> taken(positions.size(), 0);
   std::vector<PointIndex> probes;
   probes.reserve(wanted);
@@ -78,7 +78,7 @@ std::vector<PointIndex> chooseProbes(const Decomposition& decomposition, std::sp
     for (std::size_t i = 0; i < spreads.size() && probes.size() < wanted; ++i) {
       const PointIndex probe = spreads[i].next(taken);
       if (probe < 0) continue;
-      taken[static_cast<std::size_t>(probe)] = 1;
+      taken[probe] = 1;
       probes.push_back(probe);
     }
   } while (probes.size() < wanted && probes.size() > before);
@@ -88,13 +88,13 @@ std::vector<PointIndex> chooseProbes(const Decomposition& decomposition, std::sp
 }  // namespace
 
 TrainingRange trainingRange(const Decomposition& decomposition, PoseView keyframes) {
-  CHECK(keyframes.keyframeCount() > 0, "a decomposition was trained on a keyframe or more");
+  LORICA_CHECK(keyframes.keyframeCount() > 0, "trainingRange() needs at least one keyframe");
   std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
   transfer(decomposition, keyframes.keyframe(0), points);
 
   TrainingRange range;
   range.probes = chooseProbes(decomposition, points);
-  CHECK(!range.probes.empty(), "a part has points");
+  LORICA_CHECK(!range.probes.empty(), "trainingRange() needs a part with points");
   range.keyframeCount = keyframes.keyframeCount();
   range.positions.resize(static_cast<std::size_t>(range.keyframeCount) * range.probes.size());
   for (int k = 0; k < range.keyframeCount; ++k) {
@@ -112,8 +112,8 @@ TrainingRange trainingRange(const Decomposition& decomposition, PoseView keyfram
 }
 
 double trainingDistance(const TrainingRange& range, std::span<const Vec3> probePositions) {
-  CHECK(probePositions.size() == range.probes.size() && range.probes.size() <= kMaxProbes,
-        "trainingDistance() takes a position for each probe");
+  LORICA_CHECK(probePositions.size() == range.probes.size() && range.probes.size() <= kMaxProbes,
+               "trainingDistance() needs one position for each probe");
   std::array<Vec3, kMaxProbes> memory;
   const std::span<Vec3> pose = std::span(memory).first(probePositions.size());
   std::copy(probePositions.begin(), probePositions.end(), pose.begin());
@@ -128,7 +128,7 @@ double trainingDistance(const TrainingRange& range, std::span<const Vec3> probeP
 
 void gatherProbes(const TrainingRange& range, std::span<const Vec3> points, std::span<Vec3> probePositions) {
   for (std::size_t i = 0; i < range.probes.size(); ++i) {
-    probePositions[i] = points[static_cast<std::size_t>(range.probes[i])];
+    probePositions[i] = points[range.probes[i]];
   }
 }
 

@@ -5,20 +5,21 @@
 namespace lorica {
 
 void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, std::span<Vec3> points) {
-  CHECK(posed.size() == static_cast<std::size_t>(decomposition.vertexCount), "posed holds one position a mesh vertex");
-  CHECK(points.size() == static_cast<std::size_t>(decomposition.pointCount()), "points holds vertices and cut points");
+  LORICA_CHECK(posed.size() == static_cast<std::size_t>(decomposition.vertexCount),
+               "posed must have one position for each mesh vertex");
+  LORICA_CHECK(points.size() == static_cast<std::size_t>(decomposition.pointCount()),
+               "points must have room for vertices and cut points");
   if (posed.data() != points.data()) std::copy(posed.begin(), posed.end(), points.begin());
   Vec3* next = points.data() + posed.size();
   for (const CutPoint& c : decomposition.cutPoints) {
-    *next++ = c.lambda * points[static_cast<std::size_t>(c.first)] +
-              (1.0 - c.lambda) * points[static_cast<std::size_t>(c.second)];
+    *next++ = c.lambda * points[c.first] + (1.0 - c.lambda) * points[c.second];
   }
 }
 
 std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const Part& part) {
-  // A point is held when the hull of the part's points holds it, whatever the pose.
+  // A point is `held` if it is in the hull of the part's points in every pose.
   std::vector<bool> held(static_cast<std::size_t>(decomposition.pointCount()));
-  for (const PointIndex p : part.points) held[static_cast<std::size_t>(p)] = true;
+  for (const PointIndex p : part.points) held[p] = true;
   std::vector<PointIndex> spanning;
   spanning.reserve(part.points.size());
   for (const PointIndex p : part.points) {
@@ -26,7 +27,7 @@ std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const
   }
   PointIndex point = decomposition.vertexCount;
   for (const CutPoint& cut : decomposition.cutPoints) {
-    const bool blend = held[static_cast<std::size_t>(cut.first)] && held[static_cast<std::size_t>(cut.second)];
+    const bool blend = held[cut.first] && held[cut.second];
     const auto own = static_cast<std::size_t>(point);
     if (held[own] && !blend) spanning.push_back(point);
     held[own] = held[own] || blend;
@@ -38,7 +39,7 @@ std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const
 ConvexHull partHull(const Part& part, std::span<const Vec3> points) {
   std::vector<Vec3> own;
   own.reserve(part.points.size());
-  for (PointIndex p : part.points) own.push_back(points[static_cast<std::size_t>(p)]);
+  for (PointIndex p : part.points) own.push_back(points[p]);
   return convexHull(own);
 }
 
@@ -57,7 +58,7 @@ PoseError errorInPose(const Decomposition& decomposition, const TriMesh& mesh, s
   std::vector<Vec3> own;
   for (const Part& part : decomposition.parts) {
     own.clear();
-    for (PointIndex p : part.points) own.push_back(points[static_cast<std::size_t>(p)]);
+    for (PointIndex p : part.points) own.push_back(points[p]);
     error.hullVolume += convexHullVolume(own);
   }
   return error;

@@ -8,22 +8,24 @@
 
 namespace lorica {
 
-/// Carries the cut points to a pose (Eq. 10 to 12), in the order of their creation.
+/// Computes the cut points in a pose (Eq. 10 to 12), in order of creation.
 /// @param posed   vertexCount positions of the mesh in this pose [m]
-/// @param points  pointCount positions; the first vertexCount are copied from `posed`, unless it is the same memory
+/// @param points  output, pointCount positions; the first vertexCount are copied from `posed`, unless it is the same
+///                memory
 void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, std::span<Vec3> points);
 
-/// The points of a part that are not blends of others of its points, ascending: their hull is the part's in every pose.
-/// Blends arise where parts were cut and joined again.
+/// Returns the points of a part that are not blends of other points of the part, ascending: their hull equals the
+/// part's hull in every pose. Blends occur where parts were cut and merged again.
 [[nodiscard]] std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const Part& part);
 
-/// Hull of one part in the pose held by `points` (pointCount positions).
+/// Hull of one part in the pose given by `points` (pointCount positions).
 [[nodiscard]] ConvexHull partHull(const Part& part, std::span<const Vec3> points);
 
 /// Hulls of all parts, in part order.
 [[nodiscard]] std::vector<ConvexHull> partHulls(const Decomposition& decomposition, std::span<const Vec3> points);
 
-/// Sum of the parts' hull volumes over the mesh volume, less 1: (hullVolume - meshVolume) / meshVolume.
+/// Volume of the mesh and sum of the parts' hull volumes in one pose.
+/// relative() = (hullVolume - meshVolume) / meshVolume.
 struct PoseError {
   double meshVolume = 0.0;  ///< [m^3]
   double hullVolume = 0.0;  ///< [m^3]

@@ -1,6 +1,6 @@
 #include "acd/volume_coverage.h"
 
-#include "acd/random_bits.h"
+#include "geometry/random_numbers.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kReplicates = 16;
 
-/// Where a line enters or leaves a surface, going up along z.
+/// A point where a line in +z direction enters or leaves a surface.
 struct Crossing {
   std::int32_t line;
   std::int16_t meshStep;  ///< +1 into the mesh, -1 out of it, 0 for a hull
@@ -37,8 +37,8 @@ class LineGrid {
     }
   }
 
-  /// Appends a crossing for each line that meets a triangle. Which side of an edge a line is on is decided from the
-  /// edge's ends in a fixed order, so triangles that share an edge agree: no line slips through between them.
+  /// Appends a crossing for each line that intersects a triangle. The side of an edge that a line is on is computed
+  /// from the edge's ends in a fixed order, so that triangles that share an edge agree: no line passes between them.
   void cross(std::span<const Vec3> vertices, std::span<const Triangle> triangles, int meshStep, int hullStep,
              std::vector<Crossing>& crossings) const {
     for (const Triangle& t : triangles) {
@@ -54,7 +54,7 @@ class LineGrid {
                                               sideOf(vertices, t[0], t[1], line)};
           const int left = (side[0] > 0.0) + (side[1] > 0.0) + (side[2] > 0.0);
           if (left != 0 && left != 3) continue;
-          // Counter-clockwise from above is an upper surface: the line leaves there.
+          // Counter-clockwise seen from above: an upper surface, where the line leaves.
           const int step = left == 3 ? -1 : 1;
           const double z = (side[0] * a.z() + side[1] * b.z() + side[2] * c.z()) / (side[0] + side[1] + side[2]);
           const auto [low, high] = std::minmax({a.z(), b.z(), c.z()});
@@ -66,7 +66,7 @@ class LineGrid {
   }
 
  private:
-  /// Twice the signed area of edge and line, never 0: a line on the edge is on the left of the ascending direction.
+  /// Twice the signed area of edge and line, never 0: a line on the edge counts as left of the ascending direction.
   [[nodiscard]] double sideOf(std::span<const Vec3> vertices, VertexIndex from, VertexIndex to,
                               std::int32_t line) const {
     const bool ascending = from < to;
@@ -80,7 +80,7 @@ class LineGrid {
 
   [[nodiscard]] std::pair<int, int> cellRange(double a, double b, double c, int axis) const {
     const auto [low, high] = std::minmax({a, b, c});
-    // A little more on either side: rounding here must not undo the agreement along edges.
+    // Add a margin on either side: rounding here must not break the consistency along edges.
     const double first = std::floor((low - origin_[axis]) / cell_[axis] - 1e-6);
     const double last = std::floor((high - origin_[axis]) / cell_[axis] + 1e-6);
     return {static_cast<int>(std::clamp(first, 0.0, static_cast<double>(cells_))),
@@ -98,8 +98,8 @@ struct Lengths {
   double covered = 0.0;
 };
 
-/// Sums lengths over all lines. A line whose steps do not add up to 0 (it met a corner just where rounding left a gap)
-/// is passed over; none was ever seen to.
+/// Sums lengths over all lines. A line whose steps do not add up to 0 (rounding at a corner) is skipped; this has never
+/// been observed.
 Lengths sumLengths(std::vector<Crossing>& crossings) {
   std::sort(crossings.begin(), crossings.end(),
             [](const Crossing& a, const Crossing& b) { return a.line != b.line ? a.line < b.line : a.z < b.z; });
@@ -144,9 +144,9 @@ Coverage estimateCoverage(const TriMesh& mesh, std::span<const ConvexHull> hulls
     total.inside += replicates[k].inside;
     total.covered += replicates[k].covered;
   }
-  if (total.inside <= 0.0) return {0.0, 1.0};  // so thin that no line met it: nothing is known
+  if (total.inside <= 0.0) return {0.0, 1.0};  // so thin that no line hit it: unknown
 
-  // Standard error of a ratio of means, linearised (the delta method).
+  // Standard error of a ratio of means, linearized (delta method).
   Coverage coverage;
   coverage.fraction = total.covered / total.inside;
   double squares = 0.0;

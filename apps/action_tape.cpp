@@ -5,7 +5,7 @@ namespace lorica {
 void ActionTape::act(Session& session, const WorldAction& action) {
   if (goesOn()) {
     done_.resize(next_);
-    // What was to let go is forgotten too.
+    // The recorded release has been dropped, too.
     if (session.world().held() && action.kind != WorldAction::Kind::kRelease) act(session, WorldAction::release());
   }
   session.act(action);

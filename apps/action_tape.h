@@ -7,27 +7,27 @@
 
 namespace lorica {
 
-/// What was done by hand in a recording, frame by frame, so that a run from the start does it again.
+/// Records the user's actions per frame, so that a run from the start repeats them.
 class ActionTape {
  public:
-  /// Does something by hand now. What was done in frames still to come, before a rewind(), is forgotten then.
+  /// Performs an action now and records it. Recorded actions of later frames, left from before a rewind(), are dropped.
   void act(Session& session, const WorldAction& action);
-  /// Before each step: does again what was done in this frame.
+  /// Repeats the actions recorded for the current frame. Call before each step.
   void redo(Session& session);
-  /// The session begins anew.
+  /// The session restarts.
   void rewind() { next_ = 0; }
   void clear() { done_.clear(), next_ = 0; }
 
-  /// Whether there is something that redo() has not done yet.
+  /// Whether redo() still has actions to repeat.
   [[nodiscard]] bool goesOn() const { return next_ < done_.size(); }
 
  private:
   struct Done {
-    int frame = 0;  // before which it was done
+    int frame = 0;  // the action precedes this frame
     WorldAction action;
   };
   std::vector<Done> done_;
-  std::size_t next_ = 0;  // what comes before has been done in this run
+  std::size_t next_ = 0;  // earlier entries have been performed in this run
 };
 
 }  // namespace lorica

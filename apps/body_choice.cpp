@@ -1,7 +1,10 @@
 #include "apps/body_choice.h"
 
-#include "apps/decomposition_cache.h"
+#include "apps/interrupt.h"
 #include "apps/options.h"
+#include "apps/progress_bar.h"
+#include "apps/report.h"
+#include "apps/training.h"
 
 #include <fmt/format.h>
 
@@ -10,11 +13,11 @@
 namespace lorica {
 namespace {
 
-/// The decomposition that was asked for, checked against the character, or the default one.
+/// The requested decomposition, checked against the character, or the default one.
 Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const Subject& subject, int threads) {
   const Character& character = *subject.character;
   if (options.decomposition.empty()) {
-    Result<DefaultDecomposition> made = defaultDecomposition(subject, threads);
+    Result<CachedDecomposition> made = defaultDecomposition(subject, threads);
     if (!made) return made.error();
     return std::move(made->file);
   }
@@ -22,23 +25,54 @@ Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const 
   if (!read) return read.error();
   if (read->meshHash != topologyHash(character.mesh)) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: made from {} with {} vertices, expected one made from {} with {}",
+                 fmt::format("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)",
                              options.decomposition, read->source, grouped(read->decomposition.vertexCount),
                              character.name, grouped(std::ssize(character.mesh.vertices)))};
   }
   return read;
 }
 
+/// A cover of the body: from the user's cache, or chosen in poses of the character's default training.
+Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body, const CoverRequest& request,
+                          int threads) {
+  const Character& character = *subject.character;
+  const Result<Training> training = trainingMotions(subject, {});
+  if (!training) return training.error();
+  const Result<CoverPoses> poses = coverPoses(character, training->motions);
+  if (!poses) return poses.error();
+  const auto choose = [&] { return chooseCoverWithProgress(character, body.decomposition, *poses, request, threads); };
+  return cachedCover(character, body, *poses, request, choose, userCache());
+}
+
 }  // namespace
 
+DecompositionCache userCache() {
+  return {userCacheFolder(), [](const std::string& sentence) { warn(sentence); }};
+}
+
+Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads) {
+  const Result<Training> training = trainingMotions(subject, {});
+  if (!training) return training.error();
+  const NothingToCleanUp nothing;  // files are written later
+  ProgressBar bar("Decomposing " + subject.character->name, "parts");
+  DecomposeSettings settings;
+  settings.threads = threads;
+  settings.progress = progressOf(bar);
+  Result<CachedDecomposition> made = defaultDecomposition(*subject.character, *training, settings, userCache());
+  // The last cut may have finished before the progress callback was called.
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  return made;
+}
+
 void addBodyOptions(CommandLine& app, BodyOptions& options) {
-  app.addOption("--decomposition", options.decomposition, "What `lorica decompose -o` wrote")->typeName("FILE.lorica");
+  app.addOption("--decomposition", options.decomposition, "Decomposition written by `lorica decompose -o`")
+      ->typeName("FILE.lorica");
   addCover(
       app, options.cover.tolerance,
-      "What the hulls hold: `exact`, the surface in every pose; a length: it may stick out so far before the hulls "
-      "of few points are grown [default: as decomposed, else exact]");
+      "Hull cover: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer points, so that the "
+      "surface protrudes by at most this length before the hulls are enlarged [default: as decomposed, else exact]");
   addCount(app, "--hull-vertices", options.cover.hullVertices, 4,
-           "At most so many vertices a hull in every frame, grown to hold the body");
+           "Limit each hull to N vertices in every frame; hulls are enlarged to contain the body");
 }
 
 Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads) {
@@ -46,7 +80,7 @@ Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& 
   if (!body || !options.cover.given()) return body;
   body->cover.reset();
   if (options.cover.exact()) return body;
-  Result<CoverPromise> cover = cachedCover(subject, *body, options.cover, threads);
+  Result<HullCover> cover = coverOf(subject, *body, options.cover, threads);
   if (!cover) return cover.error();
   body->cover = std::move(*cover);
   return body;

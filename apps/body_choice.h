@@ -4,23 +4,30 @@
 #include "apps/command_line.h"
 #include "apps/cover_options.h"
 #include "apps/inputs.h"
+#include "session/prepare/decomposition_cache.h"
 
 #include <string>
 
 namespace lorica {
 
-/// Which body a character plays with.
+/// Options that select the body of a character.
 struct BodyOptions {
-  std::string decomposition;  ///< file; empty = the default one, see defaultDecomposition()
-  CoverRequest cover;         ///< not given = as the file has it
+  std::string decomposition;  ///< file; empty = defaultDecomposition()
+  CoverRequest cover;         ///< not given = the cover in the file
 };
+
+/// The user's cache; it prints warnings to standard error.
+[[nodiscard]] DecompositionCache userCache();
+
+/// defaultDecomposition() with the character's default training, the user's cache and a progress bar; Ctrl-C cancels.
+[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads);
 
 /// --decomposition, --cover, --hull-vertices.
 void addBodyOptions(CommandLine& app, BodyOptions& options);
 
-/// The decomposition with the cover that was asked for; without a request its own, exact where it has none.
+/// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
 /// @param subject  a character
-/// @return the body; or that the file was made from another mesh or cannot be read
+/// @return the body, or an error if the file was made from another mesh or cannot be read
 [[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads);
 
 }  // namespace lorica

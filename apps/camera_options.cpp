@@ -17,27 +17,27 @@ constexpr double kFollowSeconds = 0.6;  // time constant of the camera
 constexpr double kDistance = 2.29;      // in heights of the character
 constexpr double kTargetHeight = 0.54;  // of the character's height: the middle of a standing body
 constexpr double kWideEnough = 1.0;     // width / height of a picture below which the camera steps back
-constexpr double kFarthest = 1e4;       // of a place from the origin [m]
+constexpr double kFarthest = 1e4;       // maximum distance of a position from the origin [m]
 
-/// "1.5,1,-3" as a place; nothing for any other text.
-std::optional<Vec3> placeOf(std::string_view text) {
-  Vec3 place;
+/// Parses a position such as "1.5,1,-3"; none for any other text.
+std::optional<Vec3> positionOf(std::string_view text) {
+  Vec3 position;
   const char* at = text.data();
   const char* end = at + text.size();
   for (int i = 0; i < 3; ++i) {
     if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
-    const auto [stopped, error] = std::from_chars(at, end, place[i]);
-    if (error != std::errc() || !(std::abs(place[i]) <= kFarthest)) return std::nullopt;
+    const auto [stopped, error] = std::from_chars(at, end, position[i]);
+    if (error != std::errc() || !(std::abs(position[i]) <= kFarthest)) return std::nullopt;
     at = stopped;
   }
   if (at != end) return std::nullopt;
-  return place;
+  return position;
 }
 
-TextCheck isPlace() {
+TextCheck isPosition() {
   return [](std::string& text) -> std::string {
-    if (placeOf(text)) return "";
-    return fmt::format("found `{}`, expected a place in metres, such as 1.5,1,-3", text);
+    if (positionOf(text)) return "";
+    return fmt::format("found `{}`, expected a position in metres, such as 1.5,1,-3", text);
   };
 }
 
@@ -54,16 +54,18 @@ Vec3 directionOf(const std::string& preset) {
 void addCameraOptions(CommandLine& app, CameraOptions& options) {
   Option* camera =
       app.addOption("--camera", options.preset,
-                    "Look from the front, the side, the top or three-quarter; the camera follows the body [default: "
+                    "View from the front, the side, the top or three-quarter; the camera follows the body [default: "
                     "three-quarter]")
           ->typeName("VIEW")
           ->check(oneOf({"front", "side", "top", "three-quarter"}));
-  Option* eye = app.addOption("--eye", options.eye, "Look from this place instead, in metres: 2,1.5,3")
+  Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3")
                     ->typeName("X,Y,Z")
-                    ->check(isPlace())
+                    ->check(isPosition())
                     ->excludes(camera);
-  Option* target =
-      app.addOption("--target", options.target, "And at this one")->typeName("X,Y,Z")->check(isPlace())->needs(eye);
+  Option* target = app.addOption("--target", options.target, "Point that the fixed camera looks at, in metres")
+                       ->typeName("X,Y,Z")
+                       ->check(isPosition())
+                       ->needs(eye);
   eye->needs(target);
 }
 
@@ -72,12 +74,12 @@ Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int widt
     const double aspect = static_cast<double>(width) / height;
     return FollowCamera(kDistance * std::max(1.0, kWideEnough / aspect), directionOf(options.preset));
   }
-  const std::optional<Vec3> eye = placeOf(options.eye);
-  const std::optional<Vec3> target = placeOf(options.target);
+  const std::optional<Vec3> eye = positionOf(options.eye);
+  const std::optional<Vec3> target = positionOf(options.target);
   if (!eye || !target || (*eye - *target).norm() < 1e-3) {
     return Error{
         ErrorCode::kInvalidArgument,
-        fmt::format("--eye {} --target {}: expected two places at least 1 mm apart", options.eye, options.target)};
+        fmt::format("--eye {} --target {}: expected two positions at least 1 mm apart", options.eye, options.target)};
   }
   Camera camera;
   camera.eye = *eye;

@@ -10,33 +10,32 @@
 
 namespace lorica {
 
-/// --camera, --eye and --target: where pictures are taken from.
+/// --camera, --eye and --target: the camera of pictures.
 struct CameraOptions {
-  std::string preset;  ///< front, side, top or three-quarter, following the body; empty = three-quarter
-  std::string eye;     ///< "x,y,z" in the world [m]; with `target` instead of a preset
+  std::string preset;  ///< front, side, top or three-quarter; follows the body; empty = three-quarter
+  std::string eye;     ///< "x,y,z" in the world [m]; used with `target`, instead of a preset
   std::string target;
 };
 
 void addCameraOptions(CommandLine& app, CameraOptions& options);
 
-/// From the body to the camera: its right side and a little from the front and above, so that a kick shows. Unit.
+/// Unit vector from the body to the camera: on the right, slightly in front and above, so that a kick is visible.
 inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();
 
-/// A camera that stays where it was put, or that keeps a moving body in the picture: then it follows the middle of its
-/// parts, calmly, and stays level.
+/// A fixed camera, or one that follows a moving body: it tracks the centre of the parts smoothly, at constant height.
 class FollowCamera {
  public:
-  /// @param heights    how far from the body, in heights of the character
+  /// @param heights    distance from the body, in heights of the character
   /// @param direction  from the body to the camera, unit
   explicit FollowCamera(double heights, const Vec3& direction = kViewDirection)
       : heights_(heights), direction_(direction) {}
   explicit FollowCamera(const Camera& fixed) : fixed_(fixed) {}
 
-  /// The camera that was asked for; far enough from the body for a picture of these proportions.
-  /// @return the camera, or what of the options is not understood
+  /// The requested camera, at a distance that suits the aspect ratio of the picture.
+  /// @return the camera, or an error about the options
   static Result<FollowCamera> create(const CameraOptions& options, int width, int height);
 
-  /// @param seconds  since the last frame [s]
+  /// @param seconds  since the previous frame [s]
   void update(const Session& session, double seconds);
   [[nodiscard]] Camera camera() const;
 

@@ -9,6 +9,25 @@ namespace lorica {
 namespace {
 
 constexpr std::size_t kColumnWidth = 30;  // of the options' names in the help
+constexpr std::size_t kGap = 2;           // minimum between a name and its description
+
+/// CLI11's layout, but a name that leaves less than kGap before the description is followed by a line break.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(kColumnWidth); }
+
+  std::string make_option(const CLI::Option* option, bool positional) const override {
+    std::string text = "  " + make_option_name(option, positional) + make_option_opts(option);
+    const std::string description = make_option_desc(option);
+    if (description.empty()) return text + "\n";
+    if (text.size() + kGap > kColumnWidth) {
+      text += "\n" + std::string(kColumnWidth, ' ');
+    } else {
+      text.resize(kColumnWidth, ' ');
+    }
+    return text + description + "\n";
+  }
+};
 
 CLI::Validator validatorOf(TextCheck check) {
   CLI::Validator validator("");
@@ -29,7 +48,7 @@ Option* Option::required() {
 }
 
 Option* Option::check(TextCheck check) {
-  // Of CLI11's two kinds, the one that may change the text.
+  // Unlike check(), transform() may change the text.
   option_->transform(validatorOf(std::move(check)));
   return this;
 }
@@ -58,7 +77,7 @@ CommandLine::CommandLine(const std::string& name, const std::string& description
     : root_(std::make_unique<CLI::App>(description, name)), app_(root_.get()) {
   app_->set_help_flag("-h,--help", "Show this help");
   app_->set_version_flag("--version", name + " " + version);
-  app_->get_formatter()->column_width(kColumnWidth);
+  app_->formatter(std::make_shared<HelpFormatter>());
   app_->require_subcommand(0, 1);
 }
 
@@ -117,7 +136,7 @@ std::string CommandLine::subcommandNames() const {
   return names;
 }
 
-/// The command that the arguments were meant for, to point at its help.
+/// The help command for the chosen subcommand, for error messages.
 std::string CommandLine::helpCommand() const {
   for (const auto& command : subcommands_) {
     if (command->parsed()) return app_->get_name() + " " + command->app_->get_name() + " --help";
@@ -131,10 +150,10 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     app_->parse(argc, argv);
   } catch (const CLI::ExtrasError&) {
     const std::vector<std::string> extras = app_->remaining(true);
-    fmt::print(
-        stderr, "{}: {}: {}\nTry `{}`.\n", name, extras.empty() ? "?" : extras.front(),
-        app_->get_subcommands().empty() ? "no such command, expected one of " + subcommandNames() : "not expected here",
-        helpCommand());
+    fmt::print(stderr, "{}: {}: {}\nTry `{}`.\n", name, extras.empty() ? "?" : extras.front(),
+               app_->get_subcommands().empty() ? "unknown command, expected one of " + subcommandNames()
+                                               : "unexpected argument",
+               helpCommand());
     return kBadInputStatus;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_->exit(error);  // --help and --version

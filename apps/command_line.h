@@ -14,35 +14,35 @@ class Option;
 
 namespace lorica {
 
-/// Exit status where arguments or files were refused.
+/// Exit status for rejected arguments or files.
 inline constexpr int kBadInputStatus = 2;
 
-/// Looks at the text that an option was given, and may change it.
-/// @return empty when it is fine, else what was found and what was expected
+/// Checks the text of an option's value and may change it.
+/// @return empty if it is valid, else what was found and what was expected
 using TextCheck = std::function<std::string(std::string&)>;
 
-/// One option, flag or positional argument. A thin cover of CLI11's, whose headers take longer to compile than a whole
-/// subcommand: one source file includes them.
+/// One option, flag or positional argument. A thin wrapper of CLI11, whose headers take longer to compile than a whole
+/// subcommand: only one source file includes them.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
 
-  /// What stands for the value in the help; empty for a positional argument, whose name says it.
+  /// The placeholder of the value in the help; empty for a positional argument, whose name is enough.
   Option* typeName(const std::string& name);
   Option* required();
   Option* check(TextCheck check);
   Option* excludes(Option* other);
   Option* needs(Option* other);
-  /// Several values in one word, told apart by a sign: 1,2,3.
+  /// Several values in one word, separated by a character: 1,2,3.
   Option* separatedBy(char sign);
-  /// One value each time that the option is given, and all of them count.
+  /// The option may be given several times; all values are kept.
   Option* repeatable();
 
  private:
   CLI::Option* option_;
 };
 
-/// The options of the whole command or of one subcommand. Values are written where the references say, by parse().
+/// The options of the whole command or of one subcommand. parse() writes the values to the given references.
 class CommandLine {
  public:
   CommandLine(const std::string& name, const std::string& description, const std::string& version);
@@ -54,7 +54,7 @@ class CommandLine {
   CommandLine* addSubcommand(const std::string& name, const std::string& description, const std::string& footer);
   void footer(const std::string& text);
 
-  /// @param name  "--long", "-s,--long", or a bare word for a positional argument
+  /// @param name  "--long", "-s,--long", or a word without dashes for a positional argument
   Option* addOption(const std::string& name, std::string& value, const std::string& description);
   Option* addOption(const std::string& name, int& value, const std::string& description);
   Option* addOption(const std::string& name, double& value, const std::string& description);
@@ -64,11 +64,11 @@ class CommandLine {
   Option* addOption(const std::string& name, std::vector<int>& values, const std::string& description);
   Option* addFlag(const std::string& name, bool& value, const std::string& description);
 
-  /// Of the whole command: reads the arguments.
-  /// @return the exit status where there is nothing more to do: help was shown, or a sentence said what is wrong
+  /// Parses the arguments; for the whole command only.
+  /// @return the exit status if there is nothing more to do: help was shown, or an error was printed
   [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
-  /// Whether this subcommand was asked for, and whether this option of it was given.
+  /// Whether this subcommand was chosen, and whether one of its options was given.
   [[nodiscard]] bool parsed() const;
   [[nodiscard]] bool given(const std::string& option) const;
 

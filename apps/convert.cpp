@@ -26,7 +26,7 @@ struct Joints {
   std::optional<double> delay;  ///< of smoothing [s]
 };
 
-/// The motion as joints, smoothed and mirrored as asked for.
+/// The motion as joints, smoothed and mirrored if requested.
 Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
   std::vector<SkeletonFrame> frames = motion.joints;
   if (motion.bones) {
@@ -46,8 +46,8 @@ Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
   return joints;
 }
 
-/// Writes OUT. A skeleton that nothing is done to keeps its joints.
-/// @return the delay of smoothing [s]; none where nothing is smoothed
+/// Writes OUT. An unprocessed skeleton keeps its joints.
+/// @return the delay of smoothing [s]; none without smoothing
 Result<std::optional<double>> write(const Options& options, const Motion& motion, bool asBvh) {
   if (asBvh && motion.bones && !options.motion.mirror) {
     if (Result<void> written = writeBvh(options.output, *motion.bones); !written) return written.error();
@@ -85,9 +85,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
   Report report(
       fmt::format("{}: {}, {:.2f} s", motion->name, counted(motion->frameCount(), "frame"), motion->seconds()));
-  report.line("read as", motion->format);
+  report.line("input format", motion->format);
   if (*delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * **delay));
-  report.line("written", options.output);
+  report.line("output", options.output);
   for (const std::string& note : motion->notes) report.note(note);
   nlohmann::ordered_json json;
   json["input"] = options.input;
@@ -104,18 +104,18 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 Command addConvert(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(parent, common, "convert", "Write any motion as Lorica's joints (.csv) or as BVH.",
+  CommandLine* app = addSubcommand(parent, common, "convert", "Convert a motion to Lorica's joint CSV or to BVH.",
                                    "  lorica convert kinect.csv joints.csv\n"
-                                   "      what a sensor wrote, in metres, Y up, on the floor\n"
+                                   "      convert a sensor's joints to metres, Y up, standing on the floor\n"
                                    "  lorica convert kinect.csv motion.bvh --person 2\n"
-                                   "      the second person, for an animation program\n"
+                                   "      the second person, for use in an animation program\n"
                                    "  lorica convert hero.glb joints.csv --clip Run\n"
                                    "      a character's clip as joints");
   app->addOption("IN", options->input,
                  "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
       ->required()
       ->typeName("");
-  app->addOption("OUT", options->output, "What to write: .csv or .bvh")->required()->typeName("");
+  app->addOption("OUT", options->output, "Output file: .csv or .bvh")->required()->typeName("");
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};

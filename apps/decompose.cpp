@@ -5,10 +5,10 @@
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
-#include "apps/quality.h"
 #include "apps/training.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
+#include "session/prepare/quality.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -34,21 +34,21 @@ struct Options {
   std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
   int orientations = 0;  // 0 = the preset's
-  CoverRequest cover;    // of a mesh, only the bound on the vertices
+  CoverRequest cover;    // for a mesh, only the vertex limit is used
   std::string output;
   std::string obj;
 };
 
-/// Refuses what would only be found out after the work: options that do not fit the input, outputs without a folder.
+/// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
 Result<void> check(const Options& options, const CommonOptions& common, const Subject& subject) {
   if (!subject.character && (options.keyframes != 0 || !options.motions.empty())) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} is for characters, and {} is a mesh that does not move",
+                 fmt::format("{} is for characters, but {} is a static mesh",
                              options.keyframes != 0 ? "--keyframes" : "--motion", subject.name)};
   }
   if (!subject.character && options.cover.tolerance) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--cover is for characters, and {} is a mesh that does not move", subject.name)};
+                 fmt::format("--cover is for characters, but {} is a static mesh", subject.name)};
   }
   if (subject.character) {
     if (Result<void> fine = checkCover(options.cover, *subject.character); !fine) return fine;
@@ -69,21 +69,21 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
   return checkJsonOutput(common, others);
 }
 
-/// Which of the limits ended the cutting, and how far the hulls stand off the surface where that was limited.
+/// Which limit stopped the decomposition, and the distance of the hulls from the surface if it was limited.
 struct Ending {
   const char* by = "parts";  // or "error", "distance", "convex"
   std::optional<double> distance;
 };
 
-/// All that came of it.
+/// All results.
 struct Outcome {
   TimedDecomposition made;
   Quality quality;
   Keyframes keyframes;
   Ending ending;
-  HullExport hulls;                   // where they are exported or, of a mesh, bounded
-  std::optional<CoverPromise> cover;  // of a character, unless it is exact
-  double coverVolume = 0.0;           // how much more volume its hulls hold: volumeGrowth()
+  HullExport hulls;                // if they are exported or, for a mesh, limited
+  std::optional<HullCover> cover;  // for a character, unless it is exact
+  double coverVolume = 0.0;        // of its hulls, relative to exact ones: volumeGrowth()
   int threads = 0;
 };
 
@@ -92,7 +92,7 @@ Ending findEnding(const Options& options, int maxParts, const Decomposition& mad
   Ending ending;
   if (options.maxDistance > 0.0) {
     ending.distance = measureDistance(made, poses, 0.1 * options.maxDistance);
-    // Both are upper bounds; the second one is the tighter one about the limit itself.
+    // Both are upper bounds; the second is tighter near the limit.
     if (*ending.distance > options.maxDistance) {
       ending.distance = std::min(*ending.distance, measureDistance(made, poses, options.maxDistance));
     }
@@ -107,33 +107,35 @@ Ending findEnding(const Options& options, int maxParts, const Decomposition& mad
   return ending;
 }
 
-/// "the 8 parts asked for, before an error of 5.0 % was reached"
+/// "the limit of 8 parts was reached; an error of 5.0 % was not"
 std::string sentence(const Options& options, const Ending& ending, int partCount) {
   const std::string by = ending.by;
   std::vector<std::string> limits;
   if (options.maxError > 0.0) limits.push_back("an error of " + percent(options.maxError));
   if (options.maxDistance > 0.0) limits.push_back(fmt::format("a distance of {:g}", options.maxDistance));
-  const std::string unmet = fmt::format(", before {} was reached", fmt::join(limits, " or "));
-  if (by == "error") return limits.front() + ", which was reached";
-  if (by == "distance") return limits.back() + ", which was reached";
-  if (by == "parts") return fmt::format("the {} asked for", counted(partCount, "part")) + unmet;
-  return "no cut that gains anything is left" + unmet;
+  const std::string unmet = fmt::format("{}", fmt::join(limits, " or "));
+  if (by == "error") return limits.front() + " was reached";
+  if (by == "distance") return limits.back() + " was reached";
+  if (by == "parts") {
+    return fmt::format("the limit of {} was reached; {} was not", counted(partCount, "part"), unmet);
+  }
+  return fmt::format("no useful cut is left; {} was not reached", unmet);
 }
 
-/// "at most 32 of 2,023, for 2.5 % more volume, 4.4 % in part 7"
+/// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
 std::string sentence(const HullExport& hulls) {
-  if (hulls.mostVertices == hulls.mostVerticesBefore) {
-    return fmt::format("at most {}: nothing to leave out", grouped(static_cast<long long>(hulls.mostVertices)));
+  if (hulls.maxVertices == hulls.maxVerticesBefore) {
+    return fmt::format("at most {}, unchanged", grouped(static_cast<long long>(hulls.maxVertices)));
   }
   const auto worst = std::max_element(hulls.growth.begin(), hulls.growth.end());
-  return fmt::format("at most {} of {}, for {} more volume, {} in part {}",
-                     grouped(static_cast<long long>(hulls.mostVertices)),
-                     grouped(static_cast<long long>(hulls.mostVerticesBefore)), percent(hulls.totalGrowth - 1.0),
+  return fmt::format("at most {}, before {}; volume +{}, at most +{} (part {})",
+                     grouped(static_cast<long long>(hulls.maxVertices)),
+                     grouped(static_cast<long long>(hulls.maxVerticesBefore)), percent(hulls.totalGrowth - 1.0),
                      percent(*worst - 1.0), worst - hulls.growth.begin());
 }
 
-/// Whether hulls in one pose are made larger, to have few vertices: those of a mesh, and the bind pose's where they are
-/// exported. A character's in motion are another matter, see CoverPromise.
+/// Whether hulls in a single pose are simplified: those of a mesh, and those of the exported bind pose. For a character
+/// in motion see HullCover.
 bool boundsHulls(const Options& options, const Subject& subject) {
   return options.cover.hullVertices > 0 && (!subject.character || !options.obj.empty());
 }
@@ -154,7 +156,7 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
   json["seconds"] = made.seconds;
   json["threads"] = threads;
   json["vertices"] = subject.mesh.vertices.size();
-  if (!subject.mended.empty()) json["mended"] = subject.mended;
+  if (!subject.repaired.empty()) json["repaired"] = subject.repaired;
   json["hash"] = hexDigits(hashOf(made.decomposition));
   if (subject.character) {
     json["keyframes"] = quality.errorPerKeyframe.size();
@@ -181,33 +183,33 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
                                   grouped(std::ssize(subject.mesh.triangles))));
-  if (!subject.mended.empty()) report.line("mended", subject.mended);
+  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
   const std::string mean = subject.character ? ", mean over the keyframes" : "";
-  report.line("volume", fmt::format("{:.6g}, of the hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
-  report.line("error", fmt::format("{} more volume than the mesh{}", percent(quality.error), mean));
+  report.line("volume", fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
+  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
   if (subject.character) {
     const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
     report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
                                          percent(*worst)));
   }
   if (ending.distance) {
-    report.line("distance", fmt::format("{:.4g} at most, from the hulls to the surface of their parts{}",
+    report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}",
                                         *ending.distance, subject.character ? ", in the worst keyframe" : ""));
   }
   if (options.maxError > 0.0 || options.maxDistance > 0.0) {
-    report.line("ended by", sentence(options, ending, static_cast<int>(made.decomposition.parts.size())));
+    report.line("stopped because", sentence(options, ending, static_cast<int>(made.decomposition.parts.size())));
   }
   report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
   report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
   report.line("hash", hexDigits(hashOf(made.decomposition)));
   if (subject.character) addCoverTo(report, cover);
-  if (cover) report.line("cover volume", percent(coverVolume) + " more than that of exact hulls");
+  if (cover) report.line("cover volume", percent(coverVolume) + " more than exact hulls");
   if (boundsHulls(options, subject)) {
     report.line(subject.character ? "exported hulls" : "hull vertices",
                 sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
   }
-  if (!options.output.empty()) report.line("written", options.output);
-  if (!options.obj.empty()) report.line("hulls written", options.obj);
+  if (!options.output.empty()) report.line("output", options.output);
+  if (!options.obj.empty()) report.line("hulls", options.obj);
   if (!keyframes.chosen.empty()) {
     Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};
     for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
@@ -217,20 +219,20 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
     }
     report.table(std::move(table));
     report.note(
-        fmt::format("These keyframes were chosen: every other frame is within {:.2f} m of one (root mean square "
-                    "over the body).",
+        fmt::format("These keyframes were chosen: every frame is within {:.2f} m of one of them (root mean square over "
+                    "the body).",
                     keyframes.farthest));
   }
   return report;
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  // The input, and whether all that is asked of it makes sense.
+  // Read the input and check the options.
   const Result<Subject> subject = readSubject(options.input, options.character);
   if (!subject) return subject.error();
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
 
-  // The poses to fit: a mesh has one, a character those of a motion. And those to choose a cover in.
+  // The poses to fit: one for a mesh, keyframes of motions for a character. Then the poses for choosing a cover.
   Outcome outcome;
   outcome.keyframes = Keyframes{subject->mesh.vertices, 1, {}, 0.0};
   outcome.threads = common.threadCount();
@@ -252,7 +254,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   }
   const PoseView poses{outcome.keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
 
-  // The work.
+  // Decompose and measure.
   DecomposeSettings settings;
   const bool limited = options.maxError > 0.0 || options.maxDistance > 0.0;
   settings.maxParts = options.parts > 0 ? options.parts : subject->character && !limited ? kCharacterParts : 0;
@@ -269,7 +271,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   outcome.made = std::move(*made);
   const Decomposition& decomposition = outcome.made.decomposition;
   if (posesToCover) {
-    Result<CoverPromise> cover =
+    Result<HullCover> cover =
         chooseCoverWithProgress(*subject->character, decomposition, *posesToCover, options.cover, outcome.threads);
     if (!cover) return cover.error();
     outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *cover);
@@ -282,7 +284,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   }
   if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
 
-  // The outputs, each written whole or not at all.
+  // Write the outputs, each completely or not at all.
   if (!options.output.empty()) {
     DecompositionFile content =
         fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr,
@@ -301,76 +303,77 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addDecompose(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app = addSubcommand(
-      parent, common, "decompose", "Cut a closed mesh, or a character in motion, into parts that are almost convex.",
+      parent, common, "decompose", "Decompose a closed mesh or a moving character into nearly convex parts.",
       "  lorica decompose bunny.off --parts 16\n"
-      "      16 parts; how close their hulls are to the mesh\n"
+      "      16 parts, and how closely their hulls fit the mesh\n"
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
-      "      also one object (o part_0, ...) for each part's hull, to use elsewhere\n"
+      "      also write each part's hull as an object (o part_0, ...) for other programs\n"
       "  lorica decompose bunny.off --parts 16 --hull-vertices 32 --export-obj hulls.obj\n"
-      "      hulls that an engine takes: larger ones with no more than 32 vertices each\n"
+      "      hulls limited to your engine's vertex count: at most 32 vertices each, slightly larger\n"
       "  lorica decompose bunny.off --parts 16 --preset quality\n"
-      "      tighter parts for some seconds more\n"
+      "      tighter parts in a few more seconds\n"
       "  lorica decompose bunny.off --max-error 5% --parts 64\n"
-      "      until the hulls have 5 % more volume than the mesh, but at most 64 parts\n"
+      "      stop when the hulls have at most 5 % more volume than the mesh, or at 64 parts\n"
       "  lorica decompose bracket.stl\n"
-      "      go on until no concave edge remains (Ctrl-C cancels)\n"
+      "      continue until no concave edge remains (Ctrl-C cancels)\n"
       "  lorica decompose mannequin -o body.lorica\n"
       "      16 parts that stay tight in 12 poses of the shipped recordings\n"
       "  lorica decompose hero.glb -o hero.lorica\n"
-      "      a character of your own, trained on its own clips\n"
+      "      your own character, trained on its own clips\n"
       "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
-      "      trained on a motion of your own\n"
+      "      trained on your own motion\n"
       "  lorica decompose mannequin --keyframes auto --motion walk --motion dance.csv\n"
-      "      trained on poses of both that differ most\n"
+      "      trained on the most different poses of both motions\n"
       "  lorica decompose mannequin --hull-vertices 64 -o body.lorica\n"
-      "      hulls of at most 64 vertices in every frame, grown to hold the body\n"
+      "      hulls of at most 64 vertices in every frame, enlarged to contain the body\n"
       "  lorica decompose mannequin --cover 0.002 -o body.lorica\n"
-      "      as few points as keep the body inside to 2 mm, then grown by what is missing\n"
+      "      the fewest points that let the surface protrude by at most 2 mm; then the hulls are enlarged\n"
       "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
-      "\nFor a character, --export-obj writes its bind pose, with --hull-vertices in larger "
-      "hulls that hold all of\nit, and volumes, score and error are means over the keyframes. "
-      "Points to cover it are chosen in 128 poses,\nhalf of them from the motions and half at "
-      "random within joint limits, and measured in 128 others.");
+      "\nFor a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"
+      "contain it. Volumes, score and error are means over the keyframes. The points of the hull cover are chosen\n"
+      "in 128 poses, half of them from the motions and half random within joint limits, and measured in 128 other\n"
+      "poses.");
   app->addOption("INPUT", options->input,
                  "Closed mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae) or `mannequin`")
       ->required()
       ->typeName("");
   addCount(
       *app, "--parts", options->parts, 1,
-      "Stop at so many parts [default: with a limit below none; else a character 16, a mesh when it has no concave "
-      "edge left]");
+      "Maximum number of parts [default: 16 for a character without --max-error and --max-distance; else no limit, "
+      "until no concave edge is left]");
   addShare(*app, "--max-error", options->maxError,
-           "Stop when the hulls have at most so much more volume than the mesh: 0.05 or 5%");
+           "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
   addLength(*app, "--max-distance", options->maxDistance,
-            "Stop when no point of the hulls is farther from the surface, in any keyframe. The unit is the mesh's");
-  app->addOption("--preset", options->preset,
-                 "paper: the algorithm as published; fast: better parts in like time; quality: better still, slower "
-                 "[default: fast]")
+            "Stop when no point of the hulls is farther from the surface in any keyframe, in units of the mesh");
+  app->addOption(
+         "--preset", options->preset,
+         "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "
+         "[default: fast]")
       ->typeName("NAME")
       ->check(oneOf({"paper", "fast", "quality"}));
-  addCountOrAuto(
-      *app, "--keyframes", options->keyframes, 1,
-      "Poses that a character is trained on, evenly over the motions; `auto`: up to 12 that differ most, and "
-      "says which [default: 12]");
+  addCountOrAuto(*app, "--keyframes", options->keyframes, 1,
+                 "Number of poses that a character is trained on, evenly over the motions; `auto` chooses and lists up "
+                 "to 12 very different ones [default: 12, or auto for the character's own clips]");
   app->addOption(
          "--motion", options->motions,
-         "Take the keyframes from this motion; may be given again [default: the character's own clips, else the "
-         "recordings that ship]")
+         "Take keyframes from this motion; may be repeated [default: the character's own clips, else the shipped "
+         "recordings]")
       ->typeName("FILE")
       ->repeatable();
   addCharacterOptions(*app, options->character);
-  addCount(*app, "--candidates", options->candidates, 1, "Concave edges tried for each cut [default: the preset's, 8]");
+  addCount(*app, "--candidates", options->candidates, 1,
+           "Concave edges to try for each cut [default: from the preset, 8]");
   addCount(*app, "--orientations", options->orientations, 1,
-           "Planes tried at each of them [default: the preset's, 5 or, fast, 3]");
-  addCover(
-      *app, options->cover.tolerance,
-      "Of a character, what `lorica play` keeps inside the hulls: `exact`, the surface in every pose; a length: it "
-      "may stick out so far before the hulls of few points are grown [default: exact]");
-  addCount(
-      *app, "--hull-vertices", options->cover.hullVertices, 4,
-      "Enclose each hull in a larger one of at most so many vertices and say by how much it grows; of a character, "
-      "in every frame");
-  app->addOption("-o,--output", options->output, "Write the decomposition, for `lorica play`")->typeName("FILE.lorica");
+           "Planes to try at each of these edges [default: from the preset, 3 for fast, else 5]");
+  addCover(*app, options->cover.tolerance,
+           "Hull cover of a character: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer "
+           "points, "
+           "so that the surface protrudes by at most this length before the hulls are enlarged [default: exact]");
+  addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
+           "Replace each hull by a larger one of at most N vertices, and report the growth; for a character, in every "
+           "frame");
+  app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
+      ->typeName("FILE.lorica");
   app->addOption("--export-obj", options->obj, "Write the parts' hulls")->typeName("FILE.obj");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

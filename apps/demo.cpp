@@ -1,4 +1,4 @@
-#include "apps/decomposition_cache.h"
+#include "apps/body_choice.h"
 #include "apps/demo_pictures.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
@@ -28,33 +28,33 @@ struct Options {
   double seconds = 0.0;  // 0 = not given
 };
 
-/// What the demo shows and what came of it.
+/// The content of the demo and its results.
 struct Show {
   Character character;
   Motion performance;
-  DefaultDecomposition body;
-  Tally tally;
-  double seconds = 0.0;  // of the performance that were played
+  CachedDecomposition body;
+  RunStatistics statistics;
+  double seconds = 0.0;  // played
   std::uint64_t hash = 0;
   std::optional<DemoFiles> files;
 };
 
-/// Plays over and over until the window is closed or the time is over.
+/// Plays repeatedly until the window is closed or the time limit is reached.
 Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
   if (!session) return session.error();
   WindowSubject subject{*session, show.performance.name};
   subject.duration = show.performance.seconds();
-  subject.sourceAnew = [&] { return poseSourceOf(show.character, show.performance); };
+  subject.sourceAgain = [&] { return poseSourceOf(show.character, show.performance, SourceTreatment{}); };
   subject.atEnd = WindowSubject::AtEnd::kRepeat;
-  double before = 0.0, seconds = 0.0;  // of earlier turns, and of this one
+  double before = 0.0, seconds = 0.0;  // of earlier repetitions, and of the current one
   subject.stepped = [&] {
-    show.tally.add(*session);
+    show.statistics.add(*session);
     seconds = session->time() - show.performance.firstTime();
     show.seconds = before + seconds;
   };
   subject.restarted = [&] {
-    show.tally.restart();
+    show.statistics.restart();
     before += seconds;
   };
   subject.enough = [&] { return options.seconds > 0.0 && show.seconds >= options.seconds; };
@@ -65,12 +65,12 @@ Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   return {};
 }
 
-/// Plays once, drawing every frame where a renderer can be had.
+/// Plays once and draws every frame if a renderer is available.
 Result<void> playForFiles(const Options& options, Show& show) {
   Result<DemoPictures> pictures = DemoPictures::create(options.out);
-  // Without a renderer everything but the pictures still works. Its sentence names the package that helps.
+  // Without a renderer everything except the pictures still works. The error names the missing package.
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
-  if (!pictures) warn(pictures.error().message + "; the demo runs without pictures");
+  if (!pictures) warn(pictures.error().message + "; running the demo without pictures");
 
   Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
   if (!session) return session.error();
@@ -85,7 +85,7 @@ Result<void> playForFiles(const Options& options, Show& show) {
     const Result<bool> more = session->step();
     if (!more) return more.error();
     if (!*more) break;
-    show.tally.add(*session);
+    show.statistics.add(*session);
     show.seconds = session->time() - first;
     if (pictures) {
       const std::string caption = captionOf(show.performance.name, *session, show.seconds);
@@ -111,7 +111,7 @@ nlohmann::ordered_json toJson(const Show& show) {
   json["keyframes"] = show.body.file.errorPerKeyframe.size();
   json["fromCache"] = show.body.fromCache;
   json["decompositionSeconds"] = show.body.seconds;
-  show.tally.addTo(json);
+  show.statistics.addTo(json);
   json["hash"] = hexDigits(show.hash);
   json["renderer"] = show.files ? nlohmann::ordered_json(show.files->renderer) : nlohmann::ordered_json();
   json["video"] =
@@ -128,49 +128,50 @@ nlohmann::ordered_json toJson(const Show& show) {
 Report toReport(const Show& show) {
   const DecompositionFile& body = show.body.file;
   Report report(fmt::format("The {} performed {}: {:.1f} s, {}", show.character.name, show.performance.name,
-                            show.seconds, counted(show.tally.frames(), "frame")));
+                            show.seconds, counted(show.statistics.frames(), "frame")));
   const std::string origin =
-      show.body.fromCache ? "from the cache" : fmt::format("computed in {:.1f} s, now cached", show.body.seconds);
-  report.line("body", fmt::format("{} made from {}, {}", counted(std::ssize(body.decomposition.parts), "convex part"),
+      show.body.fromCache ? "from the cache" : fmt::format("computed in {:.1f} s and cached", show.body.seconds);
+  report.line("body", fmt::format("{} trained on {}, {}", counted(std::ssize(body.decomposition.parts), "convex part"),
                                   counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
-  report.line("error", fmt::format("the hulls hold {} more volume than the body", percent(body.meanError)));
-  show.tally.addTrainingTo(report);
+  report.line("error", fmt::format("the hulls have {} more volume than the body", percent(body.meanError)));
+  show.statistics.addTrainingTo(report);
   report.line("contacts",
-              fmt::format("{} on {} of {} boxes and balls", counted(show.tally.touches(), "touch", "touches"),
-                          show.tally.propsTouched(), show.tally.propCount()));
+              fmt::format("{} with {} of {} boxes and balls", counted(show.statistics.touches(), "touch", "touches"),
+                          show.statistics.propsTouched(), show.statistics.propCount()));
   report.gap();
-  report.line("one frame", "  median");
-  show.tally.addTo(report);
+  report.line("frame time", "  median");
+  show.statistics.addTo(report);
   if (show.files) {
     report.gap();
     if (show.files->video) report.line("video", show.files->video->string());
     const std::filesystem::path folder = show.files->contactSheet.parent_path();
-    report.line("pictures", fmt::format("{} and its twin hulls_1.png, ... ({} in all)",
+    report.line("pictures", fmt::format("{}, its counterpart hulls_1.png, ... ({} in total)",
                                         (folder / "snapshot_1.png").string(), show.files->snapshots.size()));
-    report.line("at a glance", show.files->contactSheet.string());
+    report.line("contact sheet", show.files->contactSheet.string());
   }
   return report;
 }
 
-/// The window that was asked for, or that a display invites; nothing when the demo is to be drawn to files.
+/// The window, if it was requested or a display is available; none if the demo is drawn to files.
 /// @param height  of the character [m]
 Result<std::optional<Window>> chooseWindow(const Options& options, double height) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
-    fmt::print(stderr, "No display, so no window: drawing a video and pictures to {} instead.\n", options.out);
+    fmt::print(stderr, "No display: drawing a video and pictures to {} instead.\n", options.out);
     return std::optional<Window>();
   }
   Result<Window> window = openWindow("", height);
   if (window) return std::optional<Window>(std::move(*window));
   if (options.window) return window.error();
-  warn(fmt::format("{}; the demo is drawn to {} instead", window.error().message, options.out));
+  warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
   return std::optional<Window>();
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  // What would fail late is tried early.
+  // Fail early.
   if (Result<void> fine = checkJsonOutput(common, {}); !fine) return fine;
-  if (Result<void> fine = checkWindow(options.window, "run `lorica demo --headless` for a video"); !fine) return fine;
+  if (Result<void> fine = checkWindow(options.window, "`lorica demo --headless` draws a video instead"); !fine)
+    return fine;
   if (options.headless || !displayAvailable()) {
     if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
   }
@@ -178,7 +179,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!performance) return performance.error();
   Result<Subject> mannequin = readCharacter("mannequin");
   if (!mannequin) return mannequin.error();
-  Result<DefaultDecomposition> body = defaultDecomposition(*mannequin, common.threadCount());
+  Result<CachedDecomposition> body = defaultDecomposition(*mannequin, common.threadCount());
   if (!body) return body.error();
 
   Show show{std::move(*mannequin->character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
@@ -194,20 +195,22 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addDemo(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app = addSubcommand(
-      parent, common, "demo", "See it: the built-in character performs, and knocks boxes and balls about.",
+      parent, common, "demo", "Show the built-in character kicking and walking among boxes and balls.",
       "  lorica demo\n"
-      "      a window where there is a display, else a video in lorica-demo/\n"
+      "      a window if there is a display, else a video in lorica-demo/\n"
       "  lorica demo --headless --out /tmp/pictures\n"
       "      a video (8 s), snapshots and a contact sheet\n"
       "  lorica demo --headless --seconds 2 --json -\n"
-      "      a short one, its figures as JSON\n"
-      "\nThe body is 16 convex parts from 12 keyframes: computed the first time, then cached in\n"
+      "      a short demo, with its figures as JSON\n"
+      "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run and cached in\n"
       "$XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
   app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
       ->typeName("DIR");
-  Option* window = app->addFlag("--window", options->window, "In a window, over and over until it is closed");
-  app->addFlag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
-  addSeconds(*app, "--seconds", options->seconds, "Stop after so many seconds [default: video 8, window never]");
+  Option* window = app->addFlag("--window", options->window,
+                                "Open a window and repeat until it is closed; fail if there is no display");
+  app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
+  addSeconds(*app, "--seconds", options->seconds,
+             "Stop after S seconds [default: 8 for a video, no limit in a window]");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

@@ -41,7 +41,7 @@ Image halved(const Image& image) {
   return half;
 }
 
-/// A frame is worth a snapshot when body and props meet hard in it.
+/// Score of a frame as a snapshot: the number and the impulses of its contacts.
 double eventsIn(const Session& session) {
   double events = 0.0;
   for (const Contact& contact : session.world().contacts()) events += 0.1 + contact.impulse;
@@ -66,7 +66,7 @@ Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
   Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, kFramesPerSecond);
   if (!video) {
     if (video.error().code != ErrorCode::kUnsupported) return video.error();
-    warn(video.error().message + "; there will be pictures only");  // what writes videos need not be installed
+    warn(video.error().message + "; drawing pictures only");  // the video module is optional
     return DemoPictures(folder, std::move(*camera), std::nullopt);
   }
   return DemoPictures(folder, std::move(*camera), std::move(*video));
@@ -84,8 +84,8 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
     if (Result<void> added = video_->add(image); !added) return added;
   }
 
-  // The time is divided evenly among the snapshots; each keeps the moment of its share in which most happens.
-  Moment& moment = moments_[static_cast<std::size_t>(static_cast<long long>(frame) * kMoments / frames)];
+  // The time is divided evenly among the snapshots; each keeps the most eventful frame of its interval.
+  Moment& moment = moments_[static_cast<long long>(frame) * kMoments / frames];
   const double events = eventsIn(session);
   if (events <= moment.events) return {};
   show.skin = false;
@@ -102,7 +102,7 @@ Result<DemoFiles> DemoPictures::finish() {
   }
   std::erase_if(moments_, [](const Moment& moment) { return moment.body.rgba.empty(); });  // fewer frames than moments
 
-  // Upper row: the body. Lower row: the same moments as physics meets them.
+  // Upper row: the body. Lower row: the hulls at the same moments.
   std::vector<Image> thumbnails;
   std::vector<std::string> labels;
   for (const bool hullsOnly : {false, true}) {
@@ -112,7 +112,7 @@ Result<DemoFiles> DemoPictures::finish() {
       files.snapshots.push_back(folder_ / fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", i + 1));
       if (Result<void> written = writePng(files.snapshots.back(), image); !written) return written.error();
       thumbnails.push_back(halved(image));
-      labels.push_back(moment.label + (hullsOnly ? ", what physics touches" : ""));
+      labels.push_back(moment.label + (hullsOnly ? ", collision hulls" : ""));
     }
   }
   const Image sheet = contactSheet(thumbnails, labels, static_cast<int>(moments_.size()));

@@ -11,36 +11,36 @@
 
 namespace lorica {
 
-/// Where the demo's pictures are.
+/// The files that the demo wrote.
 struct DemoFiles {
   std::string renderer;                          ///< "OSMesa 22.3.6"
-  std::optional<std::filesystem::path> video;    ///< nothing where what writes videos is not installed
-  std::vector<std::filesystem::path> snapshots;  ///< the body, then as many of the same moments with hulls only
+  std::optional<std::filesystem::path> video;    ///< none if the video module is not installed
+  std::vector<std::filesystem::path> snapshots;  ///< the body, then the same moments with only the hulls
   std::filesystem::path contactSheet;
 };
 
-/// The demo drawn to files: a video of every frame, the most eventful moments as snapshots, each also with the hulls
-/// alone, and a sheet of them.
+/// Draws the demo to files: a video of all frames, snapshots of the most eventful moments, each with the body and with
+/// only the hulls, and a contact sheet of them.
 class DemoPictures {
  public:
-  /// @return kNoDisplay with the package that helps where nothing can draw; kUnwritable for the folder or the video
+  /// @return kNoDisplay and the missing package if there is no renderer; kUnwritable for the folder or the video
   static Result<DemoPictures> create(const std::filesystem::path& folder);
 
   /// Draws the session's last frame.
   /// @param seconds        since the start
-  /// @param frame, frames  which of how many
+  /// @param frame, frames  index of the frame, and number of frames
   [[nodiscard]] Result<void> add(const Session& session, const std::string& caption, double seconds, int frame,
                                  int frames);
 
-  /// Completes the video and writes the pictures; before, nothing has appeared under its name.
+  /// Completes the video and writes the pictures. No file has its final name before this.
   [[nodiscard]] Result<DemoFiles> finish();
 
  private:
   struct Moment {
     Image body;
-    Image hulls;  // the same without the skin: what physics touches
+    Image hulls;  // without the skin
     std::string label;
-    double events = -1.0;  // how much goes on in it
+    double events = -1.0;  // score of the moment
   };
   DemoPictures(std::filesystem::path folder, SnapshotCamera camera, std::optional<VideoWriter> video);
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVirtualUri = "lorica://virtual";
 
-/// Lorica's own driver, beside the program as in a build, or as installed; empty where it was not built.
+/// Lorica's driver, in the build tree or installed; empty if it was not built.
 fs::path virtualDriver() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
@@ -31,7 +31,7 @@ fs::path virtualDriver() {
   return {};
 }
 
-/// What the virtual camera is told: --motion, its shipped recordings by their files, or else what the environment says.
+/// The script of the virtual camera: --motion with shipped names replaced by their files, or the environment variable.
 Result<std::string> virtualText(const DepthOptions& options) {
   if (options.motion.empty()) return environment(kVirtualScriptVariable);
   std::string text = "motion=";
@@ -41,16 +41,16 @@ Result<std::string> virtualText(const DepthOptions& options) {
     const fs::path shipped = isBareName(name) ? shippedRecording(name) : fs::path();
     const std::string motion = shipped.extension() == ".csv" ? shipped.string() : name;
     if (motion.find_first_of(" \t\n") != std::string::npos) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("--motion: {}: found a blank, which the virtual camera takes for the end of the name", motion)};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--motion: {}: found white space, which ends a name in the script of the virtual camera",
+                               motion)};
     }
     text += motion;
   }
   return text;
 }
 
-/// The same, understood.
+/// The parsed script.
 Result<VirtualScript> virtualScript(const DepthOptions& options, const std::string& text) {
   Result<VirtualScript> script = parseVirtualScript(text);
   if (!script) {
@@ -60,7 +60,7 @@ Result<VirtualScript> virtualScript(const DepthOptions& options, const std::stri
   return script;
 }
 
-/// OpenNI2 with the drivers that are asked for, told what the virtual camera shows.
+/// Starts OpenNI2 with the requested drivers, and passes the script to the virtual camera.
 Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
   OpenNiSettings settings;
   if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
@@ -72,10 +72,10 @@ Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
     if (settings.drivers.back().empty()) {
       return Error{
           ErrorCode::kNotFound,
-          "--virtual: Lorica's driver libLoricaSensor.so.0 is not beside the program nor in ../lib: it is built "
-          "where libopenni2-dev is installed"};
+          "--virtual: Lorica's driver libLoricaSensor.so.0 was not found next to the program or in ../lib; it is "
+          "built only if libopenni2-dev is installed"};
     }
-    // The driver reads it when OpenNI2 loads it, in this process.
+    // OpenNI2 loads the driver into this process, which then reads the variable.
     if (!options.motion.empty()) setenv(kVirtualScriptVariable, text->c_str(), 1);
   }
   return OpenNi::start(settings);
@@ -87,25 +87,22 @@ std::string uriOf(const DepthOptions& options) {
 
 Error withAdvice(const Error& error, const DepthOptions& options) {
   if (options.virtualCamera || error.code != ErrorCode::kNotFound) return error;
-  return {error.code,
-          error.message + "; `lorica info --devices` says what is seen and why, and --virtual needs no camera"};
+  return {error.code, error.message + "; `lorica info --devices` lists cameras and drivers; --virtual needs no camera"};
 }
 
 }  // namespace
 
 void addDepthOptions(CommandLine& app, DepthOptions& options) {
-  Option* device = app.addOption("--device", options.device,
-                                 "URI of the camera, as `lorica info --devices` names it [default: the first]")
-                       ->typeName("URI");
-  Option* driver =
-      app.addOption("--driver", options.driver, "An OpenNI2 driver that the system lacks: lib*.so")->typeName("FILE");
-  Option* virtualCamera =
-      app.addFlag("--virtual", options.virtualCamera, "No camera: a virtual one before a virtual person");
+  Option* device =
+      app.addOption("--device", options.device, "URI of the camera, see `lorica info --devices` [default: the first]")
+          ->typeName("URI");
+  Option* driver = app.addOption("--driver", options.driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE");
+  Option* virtualCamera = app.addFlag("--virtual", options.virtualCamera, "Use a virtual camera with a virtual person");
   virtualCamera->excludes(device)->excludes(driver);
-  app.addOption(
-         "--motion", options.motion,
-         "What the virtual person performs, over and over: a shipped recording, joints in .csv, or two of these, "
-         "parted by a comma, for two people [default: as $LORICA_VIRTUAL says, else wave]")
+  app.addOption("--motion", options.motion,
+                "Motion of the virtual person, repeated: a shipped recording or a joint CSV; two of them, separated by "
+                "a comma, "
+                "for two people [default: from $LORICA_VIRTUAL, else wave]")
       ->typeName("MOTION")
       ->needs(virtualCamera);
 }

@@ -10,26 +10,26 @@
 
 namespace lorica {
 
-/// Which live depth source the command line means.
+/// The live depth source that the command line selects.
 struct DepthOptions {
-  std::string device;          ///< URI; empty = the first
-  std::string driver;          ///< file of an OpenNI2 driver to add; empty = none
-  bool virtualCamera = false;  ///< Lorica's own driver, see docs/VIRTUAL_SENSOR.md
-  std::string motion;          ///< what virtual people perform; empty = as $LORICA_VIRTUAL says
+  std::string device;          ///< URI; empty = the first camera
+  std::string driver;          ///< an additional OpenNI2 driver; empty = none
+  bool virtualCamera = false;  ///< Lorica's driver, see docs/VIRTUAL_SENSOR.md
+  std::string motion;          ///< motion of the virtual people; empty = as in $LORICA_VIRTUAL
 };
 
 /// --device, --driver, --virtual, --motion.
 void addDepthOptions(CommandLine& app, DepthOptions& options);
 
-/// Opens a camera through OpenNI2, be it a virtual one.
-/// @return the source; or why there is none and what helps
+/// Opens a real or virtual camera through OpenNI2.
+/// @return the source, or an error that says why there is none and what to do
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options);
 
-/// The skeletons that NiTE 2 makes of such a camera, see makeNiteSource().
+/// The skeletons that NiTE 2 tracks with such a camera, see makeNiteSource().
 /// @param library  libNiTE2.so
 [[nodiscard]] Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library);
 
-/// As openCamera(), but a virtual camera needs no OpenNI2.
+/// Like openCamera(), but a virtual camera does not need OpenNI2.
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options);
 
 }  // namespace lorica

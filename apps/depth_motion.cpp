@@ -17,10 +17,10 @@
 namespace lorica {
 namespace {
 
-std::string whoWasSeen(int followed, int frames, int mostPeople) {
-  if (followed == 0) return fmt::format("nobody is seen in any of {}", counted(frames, "depth frame"));
-  const std::string others = mostPeople > 1 ? fmt::format("; {} people at once, see --person", mostPeople) : "";
-  return fmt::format("a person is followed in {} of {}{}", grouped(followed), counted(frames, "depth frame"), others);
+std::string whoWasSeen(int followed, int frames, int maxPeople) {
+  if (followed == 0) return fmt::format("no person found in {}", counted(frames, "depth frame"));
+  const std::string others = maxPeople > 1 ? fmt::format("; up to {} people at once, see --person", maxPeople) : "";
+  return fmt::format("a person is tracked in {} of {}{}", grouped(followed), counted(frames, "depth frame"), others);
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ std::string whoWasSeen(int followed, int frames, int mostPeople) {
 bool isDepthRecording(const std::filesystem::path& file) {
   if (lowerCase(file.extension().string()) == ".oni") return true;
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // what is read of a pipe is gone
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // reading from a pipe would consume its data
   std::ifstream stream(file, std::ios::binary);
   std::array<char, 4> begin{};
   return stream.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == "NI10";
@@ -45,10 +45,10 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   Motion motion;
   motion.name = file.stem().string();
   motion.format = "OpenNI depth recording";
-  motion.joints.reserve(static_cast<std::size_t>(frames));
-  ProgressBar bar("Following " + motion.name, "frames");
+  motion.joints.reserve(frames);
+  ProgressBar bar("Tracking " + motion.name, "frames");
   int followed = 0;
-  int mostPeople = 0;
+  int maxPeople = 0;
   while (true) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
     const Result<std::optional<SkeletonFrame>> joints = people.next();
@@ -56,14 +56,14 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
     if (!joints->has_value()) break;
     motion.joints.push_back(**joints);
     followed += people.sight().followed ? 1 : 0;
-    mostPeople = std::max(mostPeople, people.sight().people);
+    maxPeople = std::max(maxPeople, people.sight().people);
     bar.update(static_cast<int>(motion.joints.size()), frames);
   }
-  motion.notes.push_back(whoWasSeen(followed, frames, mostPeople));
-  if (options.person > 0 && followed == 0 && mostPeople > 0) {
+  motion.notes.push_back(whoWasSeen(followed, frames, maxPeople));
+  if (options.person > 0 && followed == 0 && maxPeople > 0) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: --person {}: nobody of that number comes, expected 1 to {}", file.string(),
-                             options.person, mostPeople)};
+                 fmt::format("{}: person {} not found: {}", file.string(), options.person,
+                             maxPeople == 1 ? "1 person appears" : fmt::format("{} people appear", maxPeople))};
   }
   return motion;
 }

@@ -6,12 +6,12 @@
 
 namespace lorica {
 
-/// By its name, or by how it begins.
+/// Decides by the file extension or by the first bytes.
 [[nodiscard]] bool isDepthRecording(const std::filesystem::path& file);
 
-/// Follows whoever is in a depth recording (.oni), with a progress bar: every frame once, in order, the same joints
-/// each time. Frames in which nobody is seen hold unknown joints.
-/// @return the motion, or what is wrong with the file, or kCancelled
+/// Tracks a person in a depth recording (.oni) and shows a progress bar. Every frame is used once, in order; the result
+/// is deterministic. All joints are unknown in frames without a person.
+/// @return the motion, an error about the file, or kCancelled
 [[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options);
 
 }  // namespace lorica

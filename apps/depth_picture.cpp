@@ -8,7 +8,7 @@
 namespace lorica {
 namespace {
 
-constexpr double kNear = 500.0, kFar = 5000.0;  // shown light and dark [mm]
+constexpr double kNear = 500.0, kFar = 5000.0;  // depths of the lightest and the darkest grey [mm]
 constexpr int kDot = 3;                         // radius [pixels of the picture]
 
 using Color = std::array<std::uint8_t, 3>;
@@ -44,10 +44,10 @@ void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image&
   }
   for (const TrackedJoint& joint : sight.joints.joints) {
     if (joint.confidence <= 0.0) continue;
-    const Vec3 place = sight.cameraFromWorld * joint.position;
-    if (place.z() > -0.1) continue;
-    const double column = 0.5 * camera.width - camera.focalX() * place.x() / place.z();
-    const double row = 0.5 * camera.height + camera.focalY() * place.y() / place.z();
+    const Vec3 position = sight.cameraFromWorld * joint.position;
+    if (position.z() > -0.1) continue;
+    const double column = 0.5 * camera.width - camera.focalX() * position.x() / position.z();
+    const double row = 0.5 * camera.height + camera.focalY() * position.y() / position.z();
     const int cx = static_cast<int>(std::lround(0.5 * column)), cy = static_cast<int>(std::lround(0.5 * row));
     for (int dy = -kDot; dy <= kDot; ++dy) {
       for (int dx = -kDot; dx <= kDot; ++dx) {

@@ -5,9 +5,9 @@
 
 namespace lorica {
 
-/// What the camera sees, for people: near is light, what was not measured black; over it the joints that are followed,
-/// green where they are seen and orange where they are guessed. Half as wide and high as the depth image; empty before
-/// the first one.
+/// Draws the depth image: near is light, unmeasured pixels are black. The tracked joints are green if they are seen and
+/// orange if they are guessed. The picture has half the width and height of the depth image; it stays empty before the
+/// first one.
 void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image& picture);
 
 }  // namespace lorica

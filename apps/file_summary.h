@@ -7,21 +7,21 @@
 
 namespace lorica {
 
-/// What `lorica info` says about a file, for people and for programs.
-struct Facts {
+/// The output of `lorica info` for a file, as text and as JSON.
+struct FileSummary {
   Report report;
   nlohmann::ordered_json json;
 };
 
-[[nodiscard]] Facts describeMesh(const Subject& subject);
-[[nodiscard]] Facts describeCharacter(const Subject& subject);
+[[nodiscard]] FileSummary describeMesh(const Subject& subject);
+[[nodiscard]] FileSummary describeCharacter(const Subject& subject);
 /// @param file  a .lorica file
-[[nodiscard]] Result<Facts> describeDecomposition(const std::filesystem::path& file);
-[[nodiscard]] Facts describeMotion(const Motion& motion);
+[[nodiscard]] Result<FileSummary> describeDecomposition(const std::filesystem::path& file);
+[[nodiscard]] FileSummary describeMotion(const Motion& motion);
 /// @param file  an .oni file
-[[nodiscard]] Result<Facts> describeDepthRecording(const std::filesystem::path& file);
-/// The depth cameras that OpenNI2 sees, through which drivers; where there are none, why.
-/// @param driver  file of a driver to add; empty = none
-[[nodiscard]] Result<Facts> describeDevices(const std::string& driver);
+[[nodiscard]] Result<FileSummary> describeDepthRecording(const std::filesystem::path& file);
+/// The depth cameras that OpenNI2 finds and their drivers; if there are none, the reasons.
+/// @param driver  file of an additional driver; empty = none
+[[nodiscard]] Result<FileSummary> describeDevices(const std::string& driver);
 
 }  // namespace lorica

@@ -35,8 +35,8 @@ HullExport exportHulls(const Decomposition& decomposition, std::span<const Vec3>
     before += hulls[i].volume;
     after += exported[i].volume;
     result.growth.push_back(exported[i].growth);
-    result.mostVertices = std::max(result.mostVertices, exported[i].mesh.vertices.size());
-    result.mostVerticesBefore = std::max(result.mostVerticesBefore, hulls[i].vertices.size());
+    result.maxVertices = std::max(result.maxVertices, exported[i].mesh.vertices.size());
+    result.maxVerticesBefore = std::max(result.maxVerticesBefore, hulls[i].vertices.size());
     result.objects.push_back({fmt::format("part_{}", i), std::move(exported[i].mesh)});
   }
   if (before > 0.0) result.totalGrowth = after / before;

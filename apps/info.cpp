@@ -35,16 +35,16 @@ Error nothingNamed(const std::string& name) {
   const Result<fs::path> folder = recordingsFolder();
   if (!folder) return folder.error();
   return {ErrorCode::kNotFound,
-          fmt::format("{}: no such file and nothing of that name ships, expected a mesh (.off, .obj, .ply, .stl), a "
-                      "character (.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a decomposition "
-                      "(.lorica), mannequin, or one of {}, {}",
+          fmt::format("{}: no such file and no shipped recording with that name, expected a mesh (.off, .obj, .ply, "
+                      ".stl), a character (.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a "
+                      "decomposition (.lorica), mannequin, or one of {}, {}",
                       name, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
 }
 
-Result<Facts> describe(const Options& options) {
+Result<FileSummary> describe(const Options& options) {
   if (options.devices) return describeDevices(options.driver);
   if (options.input.empty()) {
-    return Error{ErrorCode::kInvalidArgument, "no file given, expected one, or --devices"};
+    return Error{ErrorCode::kInvalidArgument, "expected a file or --devices"};
   }
   const fs::path file(options.input);
   if (file.extension() == ".lorica") return describeDecomposition(file);
@@ -59,7 +59,7 @@ Result<Facts> describe(const Options& options) {
   }
   if (!shape) return nothingNamed(options.input);
   const Result<Subject> subject = readSubject(options.input, options.character);
-  // A file of motion alone is worth a word too.
+  // A character file without a surface may still hold a motion.
   if (!subject && isCharacterFile(file) && subject.error().code == ErrorCode::kBadMesh) {
     const Result<Motion> motion = readMotion(options.input, options.motion);
     if (motion) return describeMotion(*motion);
@@ -71,7 +71,7 @@ Result<Facts> describe(const Options& options) {
 Result<void> writeMap(const Options& options) {
   if (!isCharacterFile(options.input)) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--write-map is for character files, and {} is none", options.input)};
+                 fmt::format("--write-map is for character files, but {} is not one", options.input)};
   }
   if (Result<void> fine = checkOutput("--write-map", options.writeMap, ".json"); !fine) return fine;
   const Result<CharacterFile> file = readCharacterFile(options.input);
@@ -85,13 +85,13 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!options.writeMap.empty()) {
     if (Result<void> written = writeMap(options); !written) return written;
   }
-  Result<Facts> facts = describe(options);
-  if (!facts) return facts.error();
+  Result<FileSummary> summary = describe(options);
+  if (!summary) return summary.error();
   if (!options.writeMap.empty()) {
-    facts->report.line("map written", options.writeMap + ": edit it and give it back with --map");
-    facts->json["map"] = options.writeMap;
+    summary->report.line("bone map", options.writeMap + ": edit it and pass it with --map");
+    summary->json["map"] = options.writeMap;
   }
-  return publish(common, facts->report, facts->json);
+  return publish(common, summary->report, summary->json);
 }
 
 }  // namespace
@@ -99,15 +99,15 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addInfo(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app = addSubcommand(
-      parent, common, "info", "Say what a mesh, character, motion or decomposition holds.",
-      "  lorica info hero.glb           # joints and bones, clips, what is open or torn, what is done about it\n"
+      parent, common, "info", "Describe a mesh, character, motion or decomposition.",
+      "  lorica info hero.glb           # joints and bones, clips, holes in the surface, the body made from it\n"
       "  lorica info hero.glb --write-map hero.json\n"
-      "                                 # which joint is which bone, to be put right and given back with --map\n"
-      "  lorica info bunny.off          # is it closed? how convex is it?\n"
+      "                                 # write the bone map, to correct it and pass it with --map\n"
+      "  lorica info bunny.off          # a mesh: closed or not, convexity\n"
       "  lorica info body.lorica        # parts, error, levels of detail, bones of each part\n"
       "  lorica info dance.bvh          # a motion; recorded joints too\n"
       "  lorica info body.oni           # a depth recording\n"
-      "  lorica info --devices          # which depth cameras are seen, through which drivers\n"
+      "  lorica info --devices          # connected depth cameras and their drivers\n"
       "  lorica info walk               # a shipped recording\n"
       "  lorica info mannequin          # the built-in character");
   Option* file =
@@ -115,12 +115,11 @@ Command addInfo(CommandLine& parent, CommonOptions& common) {
                      "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
                      "joints), depth (.oni), decomposition (.lorica), or a shipped name")
           ->typeName("");
-  Option* devices = app->addFlag("--devices", options->devices, "Depth cameras instead of a file")->excludes(file);
-  app->addOption("--driver", options->driver, "An OpenNI2 driver that the system lacks: lib*.so")
-      ->typeName("FILE")
-      ->needs(devices);
+  Option* devices =
+      app->addFlag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
+  app->addOption("--driver", options->driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE")->needs(devices);
   addCharacterOptions(*app, options->character);
-  app->addOption("--write-map", options->writeMap, "Write which joint of a character is which humanoid bone")
+  app->addOption("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone")
       ->typeName("FILE.json");
   addReadingOptions(*app, options->motion);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};

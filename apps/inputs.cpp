@@ -19,22 +19,19 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 
-/// makeBody() with a progress bar; Ctrl-C cancels it.
-Result<Body> makeBodyWithProgress(const Character& character, const CharacterOptions& options) {
+/// makeBody() with a progress bar; Ctrl-C cancels.
+Result<ClosedBody> makeBodyWithProgress(const Character& character, const CharacterOptions& options) {
   const NothingToCleanUp nothing;
-  ProgressBar bar("Making a body of " + character.name, "steps");
+  ProgressBar bar("Making a closed body for " + character.name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;
-  settings.progress = [&bar](int done, int steps) {
-    bar.update(done, steps);
-    return !interrupted();
-  };
-  Result<Body> body = makeBody(character, settings);
+  settings.progress = progressOf(bar);
+  Result<ClosedBody> body = makeBody(character, settings);
   if (!body) return Error{body.error().code, character.name + ": " + body.error().message};
   return body;
 }
 
-/// An option that says nothing about this input would be passed over in silence.
+/// Rejects options that would have no effect on this input.
 Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
   for (const auto& [given, option] :
        {std::pair(!options.map.empty(), "--map"), std::pair(options.bodyResolution > 0.0, "--body-resolution")}) {
@@ -59,7 +56,7 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
     if (!mapped) return mapped.error();
     read->character.skeleton = std::move(*mapped);
   }
-  Result<Body> body = makeBodyWithProgress(read->character, options);
+  Result<ClosedBody> body = makeBodyWithProgress(read->character, options);
   if (!body) return body.error();
   Subject subject{read->character.name, body->character.mesh, std::nullopt, "", std::move(*read), std::move(*body)};
   if (subject.file->skins > 0 || !subject.file->clips.empty()) subject.character = subject.body->character;
@@ -69,12 +66,13 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
 }  // namespace
 
 void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
-  app.addOption("--map", options.map,
-                "Which joint is which humanoid bone, where names and shape do not tell; `lorica info --write-map` "
-                "starts one")
+  app.addOption(
+         "--map", options.map,
+         "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
+         "creates one")
       ->typeName("FILE.json");
   addLength(app, "--body-resolution", options.bodyResolution,
-            "Edge of the voxels, where the character's surface is open and one has to be made [default: from its "
+            "Voxel size for the closed body that is made if the character's surface is open [default: from its "
             "thickness]");
 }
 
@@ -87,7 +85,7 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
   }
   if (isBareName(input)) {
     return Error{ErrorCode::kNotFound,
-                 fmt::format("{}: no such file and no character of that name, expected a mesh (.off, .obj, .ply, "
+                 fmt::format("{}: no such file and no character with that name, expected a mesh (.off, .obj, .ply, "
                              ".stl), a character (.glb, .gltf, .vrm, .fbx, .dae) or {}",
                              input, kMannequin)};
   }
@@ -97,7 +95,7 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
   if (!mesh) return mesh.error();
   Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, "", std::nullopt, std::nullopt};
   if (Result<MeshRepair> repair = repairClosedMesh(subject.mesh); repair && repair->changed()) {
-    subject.mended = repair->summary();
+    subject.repaired = repair->summary();
     subject.mesh = std::move(repair->mesh);
   }
   return subject;
@@ -105,15 +103,14 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options) {
   if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: no character of that name, expected {} or a character file "
+    return Error{ErrorCode::kNotFound, fmt::format("{}: no character with that name, expected {} or a character file "
                                                    "(.glb, .gltf, .vrm, .fbx, .dae)",
                                                    nameOrFile, kMannequin)};
   }
   Result<Subject> subject = readSubject(nameOrFile, options);
   if (subject && !subject->character) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: a shape without skin and clips, which nothing can move; expected a character", nameOrFile)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found a mesh without skin and clips, expected a character", nameOrFile)};
   }
   return subject;
 }

@@ -13,7 +13,7 @@ volatile std::sig_atomic_t gInterrupted = 0;
 volatile std::sig_atomic_t gNothingToCleanUp = 0;
 volatile std::sig_atomic_t gTerminal = 0;
 
-// Both handlers may only do what is safe in one: no allocation, no streams.
+// Both handlers must be async-signal-safe: no allocation, no streams.
 void onInterrupt(int) {
   gInterrupted = 1;
   if (gNothingToCleanUp != 0) alarm(kGraceSeconds);
@@ -21,7 +21,7 @@ void onInterrupt(int) {
 
 void onGraceOver(int) {
   if (gNothingToCleanUp == 0) return;
-  // A progress bar may stand in the line.
+  // Overwrite a progress bar on the current line.
   const std::string_view words = gTerminal != 0 ? "\r\x1b[Klorica: cancelled\n" : "lorica: cancelled\n";
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, words.data(), words.size());
   _exit(kInterruptedStatus);
@@ -32,7 +32,7 @@ void onGraceOver(int) {
 void watchInterrupt() {
   struct sigaction action = {};
   action.sa_handler = onInterrupt;
-  // The second Ctrl-C meets the default handler; a blocked write is restarted, so that no output is torn.
+  // The second Ctrl-C reaches the default handler; a blocked write is restarted, so that output stays complete.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
@@ -48,7 +48,7 @@ bool interrupted() {
 NothingToCleanUp::NothingToCleanUp() {
   gTerminal = isatty(STDERR_FILENO);
   gNothingToCleanUp = 1;
-  if (interrupted()) alarm(kGraceSeconds);  // Ctrl-C came just before
+  if (interrupted()) alarm(kGraceSeconds);  // Ctrl-C was pressed just before
 }
 
 NothingToCleanUp::~NothingToCleanUp() {

@@ -2,14 +2,14 @@
 
 namespace lorica {
 
-/// From now on Ctrl-C asks for a clean stop instead of ending the program; a second Ctrl-C ends it at once.
+/// After this call, Ctrl-C requests a clean stop instead of ending the program; a second Ctrl-C ends it immediately.
 void watchInterrupt();
 
 /// Whether Ctrl-C was pressed since watchInterrupt().
 [[nodiscard]] bool interrupted();
 
-/// While one of these lives, there is nothing to clean up: whoever was asked to stop and does not within a second,
-/// because one step takes so long, is ended then, with the words and exit status of a clean stop. One at a time.
+/// While an object of this class exists, there is nothing to clean up: if the program does not stop within one second
+/// of Ctrl-C, because a step takes long, it is ended with the message and exit status of a clean stop. One at a time.
 class NothingToCleanUp {
  public:
   NothingToCleanUp();
@@ -18,7 +18,7 @@ class NothingToCleanUp {
   NothingToCleanUp& operator=(const NothingToCleanUp&) = delete;
 };
 
-/// Exit status of a program that Ctrl-C ended, as shells report it.
+/// Exit status of a program ended by Ctrl-C, as shells report it.
 inline constexpr int kInterruptedStatus = 130;
 
 }  // namespace lorica

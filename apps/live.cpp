@@ -38,27 +38,27 @@ struct Options {
   bool headless = false;
 };
 
-/// What runs, and what came of it.
+/// The running session and its results.
 struct Live {
   Session session;
-  const LiveJoints* joints;  // the session's own; null where NiTE 2 tracks
+  const LiveJoints* joints;  // owned by the session; null if NiTE 2 tracks
   std::string name;
   LiveLog log;
-  Tally tally;
+  RunStatistics statistics;
   DrawnFiles drawn;
-  Image picture;  // of what the camera sees
+  Image picture;  // of the depth image
 };
 
-/// Takes the session's last frame into account. @return seconds since the first one
+/// Adds the session's last frame to the statistics. @return seconds since the first frame
 double note(Live& live, double& firstTime) {
   if (live.session.frameCount() == 1) firstTime = live.session.time();
   const double seconds = live.session.time() - firstTime;
   if (live.joints != nullptr) live.log.add(*live.joints, seconds);
-  live.tally.add(live.session);
+  live.statistics.add(live.session);
   return seconds;
 }
 
-/// One frame. @return false at the end
+/// Runs one frame. @return false at the end
 Result<bool> step(const Options& options, Live& live, double& firstTime) {
   const Result<bool> more = live.session.step();
   if (!more || !*more) return more;
@@ -117,7 +117,7 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
   json["character"] = live.session.character().name;
   json["parts"] = body.decomposition.parts.size();
   if (live.joints != nullptr) live.log.addTo(json);
-  live.tally.addTo(json);
+  live.statistics.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
   live.drawn.addTo(options.pictures, json);
@@ -127,35 +127,35 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
 
 Report toReport(const Options& options, const Live& live) {
   Report report(fmt::format("{} followed {}: {}", live.session.character().name, live.name,
-                            counted(live.tally.frames(), "frame")));
+                            counted(live.statistics.frames(), "frame")));
   if (live.joints != nullptr) live.log.addTo(report);
   if (const std::optional<double> delay = live.session.source().smoothingDelay()) {
-    report.line("smoothing", fmt::format("joints lag by {:.0f} ms more", 1e3 * *delay));
+    report.line("smoothing", fmt::format("joints lag by another {:.0f} ms", 1e3 * *delay));
   }
-  live.tally.addTrainingTo(report);
-  report.line("contacts", fmt::format("{}, on {}", counted(live.tally.touches(), "touch", "touches"),
-                                      counted(live.tally.propsTouched(), "prop")));
+  live.statistics.addTrainingTo(report);
+  report.line("contacts", fmt::format("{} with {}", counted(live.statistics.touches(), "touch", "touches"),
+                                      counted(live.statistics.propsTouched(), "prop")));
   live.drawn.addTo(options.pictures, report);
   report.gap();
-  report.line("time a frame", "median");
-  live.tally.addTo(report);
+  report.line("frame time", "median");
+  live.statistics.addTo(report);
   return report;
 }
 
-/// A window where one was asked for or can be had and nothing else was asked for.
+/// Whether to open a window: if requested, or if a display is available and no other output was requested.
 Result<bool> chooseWindow(const Options& options) {
   if (options.headless || options.pictures.any()) return false;
-  if (Result<void> fine = checkWindow(options.window, "--headless, --snapshots DIR and --video FILE need none");
+  if (Result<void> fine = checkWindow(options.window, "--headless, --snapshots DIR and --video FILE do not need one");
       !fine) {
     return fine.error();
   }
   return displayAvailable();
 }
 
-/// Whoever finds the joints.
+/// The tracker.
 struct Joints {
   std::unique_ptr<SkeletonSource> source;
-  const LiveJoints* tracked;  // the source; null where NiTE 2 tracks
+  const LiveJoints* tracked;  // the source; null if NiTE 2 tracks
   std::string name;
 };
 
@@ -189,7 +189,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
 
-  // The source is opened last: a live one runs on while others are made ready.
+  // The source is opened last, because it runs while the rest is prepared.
   Result<Joints> joints = openJoints(options);
   if (!joints) return joints.error();
   const RecordedAs as{joints->name,       false,        options.character, options.reading,
@@ -207,10 +207,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   session->watch(*recorder);
 
   Live live{std::move(*session), joints->tracked, joints->name, {}, {}, {}, {}};
-  if (!*inWindow) fmt::print(stderr, "Following {}; Ctrl-C ends.\n", live.name);
+  if (!*inWindow) fmt::print(stderr, "Tracking with {}; press Ctrl-C to stop.\n", live.name);
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
   if (!ran) {
-    if (*recorder) (void)(*recorder)->finish();  // what was recorded stays, whatever ended it
+    if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
     return ran;
   }
   Report report = toReport(options, live);
@@ -223,26 +223,26 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 Command addLive(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
-      parent, common, "live", "Follow whoever stands before a depth camera: the character moves as they do.",
-      "  lorica live\n"
-      "      the first OpenNI2 depth camera; a window where there is a display\n"
-      "  lorica live --virtual\n"
-      "      without a camera: a virtual one before a virtual person\n"
-      "  lorica live --virtual --motion jumping_jacks --character hero.glb\n"
-      "  lorica live --virtual --seconds 4 --snapshots pictures\n"
-      "      pictures/frame_0000.png, ...; needs no display\n"
-      "  lorica live --driver libfreenect-openni2/libFreenectDriver.so.0\n"
-      "      a Kinect, by a driver of your own\n"
-      "\nCtrl-C ends it, and a summary follows. Which camera needs which driver: docs/SENSORS.md.");
+  CommandLine* app =
+      addSubcommand(parent, common, "live", "Follow a person before a depth camera: the character copies their motion.",
+                    "  lorica live\n"
+                    "      the first OpenNI2 depth camera; a window if there is a display\n"
+                    "  lorica live --virtual\n"
+                    "      no camera needed: a virtual camera with a virtual person\n"
+                    "  lorica live --virtual --motion jumping_jacks --character hero.glb\n"
+                    "  lorica live --virtual --seconds 4 --snapshots pictures\n"
+                    "      pictures/frame_0000.png, ...; needs no display\n"
+                    "  lorica live --driver libfreenect-openni2/libFreenectDriver.so.0\n"
+                    "      a Kinect with an additional driver\n"
+                    "\nCtrl-C stops it and prints a summary. Drivers for each camera: docs/SENSORS.md.");
   addDepthOptions(*app, options->depth);
-  Option* person =
-      addCount(*app, "--person", options->person, 1, "Whom to follow, by the order of coming [default: the nearest]");
-  app->addOption("--nite", options->nite, "Have NiTE 2 find the joints, where you have it: libNiTE2.so")
+  Option* person = addCount(*app, "--person", options->person, 1,
+                            "Person to follow, numbered by order of appearance [default: the nearest]");
+  app->addOption("--nite", options->nite, "Track with NiTE 2, if you have it: libNiTE2.so")
       ->typeName("FILE")
       ->excludes(person);
   app->addOption("--character", options->character,
-                 "Who performs: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+                 "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
       ->typeName("FILE");
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);
@@ -250,11 +250,11 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   addSceneOption(*app, options->scene);
   addFaultOption(*app, options->performing);
   addRecordOption(*app, options->record);
-  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
-  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
-  Option* window = app->addFlag("--window", options->window, "In a window, and an error where none can be had");
+  addCount(*app, "--frames", options->limit.frames, 1, "Stop after N frames");
+  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after S seconds");
+  Option* window = app->addFlag("--window", options->window, "Open a window; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
-  app->addFlag("--headless", options->headless, "No window, even where there is a display")->excludes(window);
+  app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

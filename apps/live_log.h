@@ -11,14 +11,14 @@
 
 namespace lorica {
 
-/// What is told of a live performance as it runs and after it.
+/// Messages and statistics of a live performance.
 class LiveLog {
  public:
-  /// Takes a frame into account whose hulls are posed by now; says on standard error what changed before the camera.
+  /// Adds a frame whose hulls have been posed; prints changes before the camera to standard error.
   /// @param seconds  since the first frame [s]
   void add(const LiveJoints& joints, double seconds);
 
-  /// For the caption: "nobody is seen", "the sensor is unplugged", or empty.
+  /// For the caption: "no person is visible", "the sensor is unplugged", or empty.
   [[nodiscard]] std::string state() const;
 
   /// "depthFrames", "framesWithPerson", ..., "tracking" and "latency" in microseconds.
@@ -26,10 +26,10 @@ class LiveLog {
   void addTo(Report& report) const;
 
  private:
-  std::vector<double> track_, latency_;  // [us], of the images whose joints were shown
-  int frames_ = 0;                       // images that were followed
-  int followed_ = 0;                     // those in which there was a person
-  int mostPeople_ = 0;
+  std::vector<double> track_, latency_;  // [us], of the images whose joints were used
+  int frames_ = 0;                       // tracked images
+  int followed_ = 0;                     // images with a person
+  int maxPeople_ = 0;
   int unplugs_ = 0;
   std::optional<double> firstPose_;  // since the first frame [s]
   bool unplugged_ = false;

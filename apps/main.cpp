@@ -23,13 +23,13 @@ int run(int argc, char** argv) {
   lorica::CommandLine app("lorica", "Lorica: a live motion-capture avatar that collides.", LORICA_VERSION);
   app.footer(
       "Examples:\n"
-      "  lorica demo                              # see it: a character knocks boxes and balls about\n"
+      "  lorica demo                              # a character kicks boxes and balls\n"
       "  lorica decompose mannequin -o body.lorica\n"
       "  lorica play walk --decomposition body.lorica\n"
       "  lorica live --virtual                    # follow a person before a depth camera, here a virtual one\n"
-      "  lorica info hero.glb                     # your own character: what is in it\n"
+      "  lorica info hero.glb                     # describe your own character\n"
       "  lorica play walk --character hero.glb --window\n"
-      "\n`lorica COMMAND --help` says more about each command.");
+      "\n`lorica COMMAND --help` describes each command.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {
       lorica::addDemo(app, common),     lorica::addDecompose(app, common), lorica::addScore(app, common),
@@ -53,7 +53,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // No exception of ours reaches this; memory that runs out, or a library's own, still deserves a sentence.
+  // Lorica's code throws no exceptions; this reports std::bad_alloc and exceptions of libraries.
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

@@ -1,5 +1,4 @@
-// Writes the recordings that ship with Lorica: every synthetic motion, and two of them as a depth sensor would see
-// them.
+// Writes the recordings that ship with Lorica: all synthetic motions, two of them also with simulated sensor noise.
 
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
@@ -18,9 +17,9 @@ constexpr int kTrouble = 2;
 constexpr std::string_view kUsage =
     "Usage: lorica-make-recordings OUTDIR\n"
     "Writes the recordings that ship with Lorica into OUTDIR as joint CSV (recordings/FORMAT.md).\n"
-    "The same bytes each time.\n";
+    "The output is the same on each run.\n";
 
-/// To 0.01 mm, 0.00001 of a quaternion and a microsecond: finer than any tracker, and small files.
+/// Rounds to 0.01 mm, 0.00001 of a quaternion component and 1 us: finer than any tracker, and keeps files small.
 void roundForFile(std::vector<lorica::SkeletonFrame>& frames) {
   // Adding zero turns -0 into 0.
   const auto rounded = [](double value, double perUnit) { return std::round(value * perUnit) / perUnit + 0.0; };
@@ -54,7 +53,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argv[1];
   std::error_code trouble;
   std::filesystem::create_directories(folder, trouble);
-  if (trouble) return fail(fmt::format("cannot make folder {}: {}", folder.string(), trouble.message()));
+  if (trouble) return fail(fmt::format("cannot create folder {}: {}", folder.string(), trouble.message()));
 
   for (int i = 0; i < lorica::kSyntheticMotionCount; ++i) {
     const auto motion = static_cast<SyntheticMotion>(i);

@@ -6,8 +6,6 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
-#include "capture/retarget/proxy_skeleton.h"
-#include "capture/retarget/skeletal_retarget.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "skinning/import/character_file.h"
 
@@ -20,17 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kClipRate = 60.0;  // [1/s]
-
 bool isBvh(const fs::path& file) {
   return lowerCase(file.extension().string()) == ".bvh";
 }
 
-/// An option that says nothing about this kind of file would be passed over in silence.
+/// Rejects an option that would have no effect on this kind of file.
 Result<void> refuse(bool given, const std::string& option, const std::string& file, const char* what) {
   if (!given) return {};
   return Error{ErrorCode::kInvalidArgument,
-               fmt::format("{}: {} is for {}, which this file does not hold", file, option, what)};
+               fmt::format("{}: {} is for {}, which this file does not contain", file, option, what)};
 }
 
 Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
@@ -55,7 +51,7 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
        {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
         refuse(options.person > 0, "--person", file.string(), "recorded joints"),
         refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"),
-        refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files, with several clips")}) {
+        refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
     if (!fine) return fine.error();
   }
   Motion motion;
@@ -84,7 +80,7 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
   if (isDepthRecording(file)) {
     for (const Result<void>& fine :
          {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
-          refuse(!options.clip.empty(), "--clip", file.string(), "character files, with several clips")}) {
+          refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
       if (!fine) return fine.error();
     }
     return readDepthMotion(file, options);
@@ -92,7 +88,7 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
   return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
 }
 
-/// Its file; empty where there is none of that name.
+/// The file of a shipped recording; empty if there is none.
 fs::path shippedRecording(const fs::path& folder, const std::string& name) {
   std::error_code ignored;
   for (const char* extension : {".csv", ".oni"}) {
@@ -100,10 +96,6 @@ fs::path shippedRecording(const fs::path& folder, const std::string& name) {
     if (fs::exists(file, ignored)) return file;
   }
   return {};
-}
-
-Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
-  return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
 }
 
 }  // namespace
@@ -117,7 +109,7 @@ JointSettings MotionOptions::joints() const {
 
 FaultSettings MotionOptions::faults() const {
   const Result<FaultSettings> faults = inject.empty() ? FaultSettings() : parseFaults(inject);
-  CHECK(faults.ok(), "the option was checked when it was read");
+  LORICA_CHECK(faults.ok(), "the option was checked when it was read");
   return *faults;
 }
 
@@ -127,27 +119,29 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
   for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
   const std::string names = fmt::format("{}", fmt::join(formats, ", "));
   app.addOption("--format", options.format,
-                fmt::format("Layout of recorded joints, where the content does not tell: {}", names))
+                fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
       ->typeName("NAME")
       ->check(oneOf(std::move(formats)));
-  addCount(app, "--person", options.person, 1,
-           "Of several in a stream of joints, or before a depth camera by the order of coming [default: the one that "
-           "moves most; before a camera the nearest]");
-  app.addOption("--clip", options.clip, "Of a file with several clips [default: the first]")->typeName("NAME");
+  addCount(
+      app, "--person", options.person, 1,
+      "Person to use, by number in a stream of joints, or by order of appearance before a depth camera [default: the "
+      "one with the most motion; before a camera the nearest]");
+  app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
 }
 
 void addPlayingOptions(CommandLine& app, MotionOptions& options) {
-  app.addFlag("--mirror", options.mirror, "Left becomes right");
+  app.addFlag("--mirror", options.mirror, "Mirror the motion: swap left and right");
   app.addOption("--smooth", options.smooth,
-                "Smooth joints as they come: off or one-euro; the delay is measured and printed [default: off]")
+                "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
       ->typeName("NAME")
       ->check(oneOf({"off", "one-euro"}));
-  addPositive(app, "--min-cutoff", options.oneEuro.minCutoff,
-              fmt::format("One-euro's cutoff at rest [Hz]; lower is calmer [default: {:g}]", options.oneEuro.minCutoff),
-              "HZ");
+  addPositive(
+      app, "--min-cutoff", options.oneEuro.minCutoff,
+      fmt::format("Cutoff of one-euro at rest [Hz]; lower is smoother [default: {:g}]", options.oneEuro.minCutoff),
+      "HZ");
   addPositive(
       app, "--beta", options.oneEuro.beta,
-      fmt::format("How much the cutoff rises with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
+      fmt::format("Increase of the cutoff with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
       "NUMBER");
 }
 
@@ -157,9 +151,9 @@ void addFaultOption(CommandLine& app, MotionOptions& options) {
     return faults ? "" : faults.error().message;
   };
   app.addOption("--inject", options.inject,
-                "Make faults in the joints as they come, each in a dose or its default: dropout=0.1 (share of joints "
-                "lost), jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (shares of frames); seed=1. A motion "
-                "of bones knows late and freeze")
+                "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
+                "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
+                "freeze apply to a motion of bones")
       ->typeName("FAULTS")
       ->check(check);
 }
@@ -179,7 +173,7 @@ Result<fs::path> recordingsFolder() {
   std::error_code error;
   if (const std::string chosen = environment("LORICA_RECORDINGS"); !chosen.empty()) {
     if (fs::is_directory(chosen, error)) return fs::path(chosen);
-    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: there is no such folder", chosen)};
+    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: no such folder", chosen)};
   }
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
   // build/lorica, build/PRESET/lorica, and PREFIX/bin/lorica.
@@ -188,7 +182,7 @@ Result<fs::path> recordingsFolder() {
     if (fs::is_directory(folder, error)) return folder;
   }
   return Error{ErrorCode::kNotFound,
-               fmt::format("the shipped recordings are not beside {} nor in ../share/lorica/recordings: set "
+               fmt::format("the shipped recordings were not found next to {} or in ../share/lorica/recordings: set "
                            "LORICA_RECORDINGS to their folder",
                            program.string())};
 }
@@ -209,10 +203,11 @@ Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& op
   if (!folder) return folder.error();
   const fs::path file = shippedRecording(*folder, pathOrName);
   if (file.empty()) {
-    return Error{ErrorCode::kNotFound,
-                 fmt::format("{}: no such file and no shipped recording of that name, expected a motion (joints, .bvh, "
-                             ".oni, .glb, .vrm, .fbx, .dae) or one of {}, {}",
-                             pathOrName, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, "
+                    ".oni, .glb, .vrm, .fbx, .dae) or one of {}, {}",
+                    pathOrName, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
   }
   return readMotionFile(file, options);
 }
@@ -233,7 +228,7 @@ Result<std::vector<Motion>> readShippedRecordings() {
 
 Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name, const std::string& source) {
   if (clips.empty()) {
-    return Error{ErrorCode::kNotFound, source + ": no animation in it, expected at least one clip"};
+    return Error{ErrorCode::kNotFound, source + ": found no animation, expected at least one clip"};
   }
   if (name.empty()) return &clips.front();
   std::vector<std::string> names;
@@ -246,44 +241,13 @@ Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& nam
                fmt::format("{}: no clip named {}, expected one of {}", source, name, fmt::join(names, ", "))};
 }
 
-SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip) {
-  return sampleWhole(skeleton, clip, kClipRate);
-}
-
-Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion, const MotionOptions& options) {
-  const auto named = [&](Result<SkeletalMotion> performed) -> Result<SkeletalMotion> {
-    if (!performed) return onCharacter(motion, character, performed.error());
-    performed->name = motion.name;
-    return performed;
-  };
-  if (!motion.bones) return named(perform(character, motion.joints, options.joints()));
-  if (motion.fromCharacterFile && !options.mirror) {
-    Result<SkeletalMotion> renamed = renameMotion(*motion.bones, character.skeleton);
-    if (renamed) return named(std::move(renamed));
-  }
-  MotionRetargetSettings settings;
-  settings.mirror = options.mirror;
-  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-  if (!standIn) return named(standIn.error());
-  Result<SkeletalMotion> performed = retargetMotion(*motion.bones, standIn->skeleton(), settings);
-  if (!performed) return named(std::move(performed));
-  return named(standIn->carryBack(std::move(*performed)));
-}
-
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const MotionOptions& options, std::shared_ptr<SourceLog> log) {
-  const SourceTreatment treatment{std::move(log), options.faults(), options.joints()};
-  if (!motion.bones) {
-    Result<std::unique_ptr<PoseSource>> source =
-        makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
-    if (!source) return onCharacter(motion, character, source.error());
-    return source;
-  }
-  Result<SkeletalMotion> performed = performedBy(character, motion, options);
-  if (!performed) return performed.error();
   Result<std::unique_ptr<PoseSource>> source =
-      makeTreatedSource(makeMotionPoseSource(std::move(*performed)), treatment);
-  if (!source) return Error{source.error().code, "--inject: " + source.error().message};
+      poseSourceOf(character, motion, {std::move(log), options.faults(), options.joints()});
+  if (!source && motion.bones && !options.inject.empty()) {
+    return Error{source.error().code, "--inject: " + source.error().message};
+  }
   return source;
 }
 

@@ -10,14 +10,14 @@
 namespace lorica {
 namespace {
 
-constexpr double kGifRate = 16.0;  // at most so many frames a second
+constexpr double kGifRate = 16.0;  // maximum frames per second
 
 }  // namespace
 
 Result<void> Movie::check(const std::string& option, const std::filesystem::path& file) {
   if (file.extension() != ".mp4" && file.extension() != ".gif") {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} {}: a video's name must end in .mp4 or .gif", option, file.string())};
+                 fmt::format("{} {}: expected a name that ends in .mp4 or .gif", option, file.string())};
   }
   return checkOutput(option, file);
 }

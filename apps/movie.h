@@ -9,16 +9,16 @@
 
 namespace lorica {
 
-/// A video (.mp4) of all frames of a motion, or an animation (.gif) of so many that there are at most 16 a second. The
-/// file appears when finish() succeeds.
+/// A video (.mp4) of all frames of a motion, or an animation (.gif) of at most 16 frames per second. The file appears
+/// when finish() succeeds.
 class Movie {
  public:
-  /// Fails early where the file's name or folder will not do.
+  /// Fails early if the file name or the folder is not usable.
   [[nodiscard]] static Result<void> check(const std::string& option, const std::filesystem::path& file);
   /// @param framesPerSecond  of the motion
   static Result<Movie> create(const std::filesystem::path& file, int width, int height, double framesPerSecond);
 
-  /// Whether this frame of the motion is in the movie.
+  /// Whether this frame of the motion is part of the movie.
   [[nodiscard]] bool takes(int frame) const { return frame % every_ == 0; }
   [[nodiscard]] Result<void> add(const Image& image);
   [[nodiscard]] Result<void> finish();

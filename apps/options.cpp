@@ -9,10 +9,10 @@
 namespace lorica {
 namespace {
 
-constexpr int kMostThreads = 1024;
-constexpr int kMostOfAnything = 1000000;
+constexpr int kMaxThreads = 1024;
+constexpr int kMaxOfAnything = 1000000;
 
-/// The whole text as a number, or nothing.
+/// Parses the whole text as a number. @return false if it is not one
 template <typename Number>
 bool parseWhole(const std::string& text, Number& number) {
   const char* end = text.data() + text.size();
@@ -20,11 +20,11 @@ bool parseWhole(const std::string& text, Number& number) {
   return error == std::errc() && stopped == end;
 }
 
-TextCheck countBetween(int least, int most) {
-  return [least, most](std::string& text) -> std::string {
+TextCheck countBetween(int min, int max) {
+  return [min, max](std::string& text) -> std::string {
     int number = 0;
-    if (parseWhole(text, number) && number >= least && number <= most) return "";
-    return fmt::format("found `{}`, expected a whole number from {} to {}", text, least, most);
+    if (parseWhole(text, number) && number >= min && number <= max) return "";
+    return fmt::format("found `{}`, expected a whole number from {} to {}", text, min, max);
   };
 }
 
@@ -41,26 +41,26 @@ TextCheck numberAboveZero(const char* what) {
 CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std::string& name,
                            const std::string& description, const std::string& examples) {
   CommandLine* app = parent.addSubcommand(name, description, "Examples:\n" + examples);
-  app->addOption("--json", common.json, "Write the report as JSON; `-` = standard output and nothing else there")
+  app->addOption("--json", common.json, "Write the report as JSON; `-` = to standard output, instead of the text")
       ->typeName("FILE");
-  app->addOption("--threads", common.threads, "Use so many threads; the result is the same [default: all cores]")
+  app->addOption("--threads", common.threads,
+                 "Number of threads; the result does not depend on it [default: all cores]")
       ->typeName("N")
-      ->check(countBetween(1, kMostThreads));
+      ->check(countBetween(1, kMaxThreads));
   return app;
 }
 
-Option* addCount(CommandLine& app, const std::string& name, int& value, int least, const std::string& description) {
-  return app.addOption(name, value, description)->typeName("N")->check(countBetween(least, kMostOfAnything));
+Option* addCount(CommandLine& app, const std::string& name, int& value, int min, const std::string& description) {
+  return app.addOption(name, value, description)->typeName("N")->check(countBetween(min, kMaxOfAnything));
 }
 
-Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, int least,
-                       const std::string& description) {
-  const TextCheck check = [least](std::string& text) -> std::string {
+Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, int min, const std::string& description) {
+  const TextCheck check = [min](std::string& text) -> std::string {
     int number = 0;
     if (text == "auto") {
       text = std::to_string(kAuto);
-    } else if (!parseWhole(text, number) || number < least || number > kMostOfAnything) {
-      return fmt::format("found `{}`, expected a whole number from {} to {}, or auto", text, least, kMostOfAnything);
+    } else if (!parseWhole(text, number) || number < min || number > kMaxOfAnything) {
+      return fmt::format("found `{}`, expected a whole number from {} to {}, or auto", text, min, kMaxOfAnything);
     }
     return "";
   };
@@ -93,7 +93,7 @@ Option* addShare(CommandLine& app, const std::string& name, double& value, const
     double number = 0.0;
     if (!parseWhole(isPercent ? text.substr(0, text.size() - 1) : text, number) || !(number > 0.0) ||
         !std::isfinite(number)) {
-      return fmt::format("found `{}`, expected a share above 0, such as 0.05 or 5%", text);
+      return fmt::format("found `{}`, expected a fraction above 0, such as 0.05 or 5%", text);
     }
     if (isPercent) text = fmt::format("{}", number / 100.0);
     return "";

@@ -7,14 +7,14 @@
 
 namespace lorica {
 
-/// What is told of many measurements.
-struct Spread {
+/// Percentiles of a series of measurements.
+struct Percentiles {
   double median = 0.0;
   double p95 = 0.0;
 };
 
-/// By nearest rank, so that every figure was measured; zeros of nothing.
-[[nodiscard]] inline Spread spreadOf(std::vector<double> values) {
+/// By the nearest-rank method, so that each figure is a measured value. Zeros if there are no values.
+[[nodiscard]] inline Percentiles percentilesOf(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const auto quantile = [&](double share) {

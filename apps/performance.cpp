@@ -6,7 +6,7 @@
 namespace lorica {
 namespace {
 
-constexpr double kRate = 30.0;  // [1/s]: that of the shipped recordings
+constexpr double kRate = 30.0;  // of the shipped recordings [1/s]
 constexpr double kFadeSeconds = 0.4;
 
 struct Piece {
@@ -15,13 +15,13 @@ struct Piece {
   double to;
 };
 
-/// A kick that takes the top off the tower in front while things rain down, and a walk through what is left of it.
+/// A kick that knocks over the tower in front while objects fall, then a walk through the rubble.
 constexpr Piece kPieces[] = {
     {"punch_and_kick", 5.6, 7.5},
     {"walk", 0.9, 10.6},
 };
 
-/// The middle between the feet, on the floor.
+/// The midpoint between the feet, on the floor.
 Vec3 footing(const SkeletonFrame& frame) {
   Vec3 middle = 0.5 * (frame[BodyJoint::kLeftFoot].position + frame[BodyJoint::kRightFoot].position);
   middle.y() = 0.0;
@@ -34,12 +34,12 @@ void moveBy(const Vec3& offset, std::vector<SkeletonFrame>& frames) {
   }
 }
 
-/// The frame that is `share` of the way from a to b.
+/// Interpolates from a to b; `share` is between 0 and 1.
 SkeletonFrame blend(const SkeletonFrame& a, const SkeletonFrame& b, double share) {
   SkeletonFrame mixed = a;
   for (int j = 0; j < kBodyJointCount; ++j) {
-    TrackedJoint& joint = mixed.joints[static_cast<std::size_t>(j)];
-    const TrackedJoint& other = b.joints[static_cast<std::size_t>(j)];
+    TrackedJoint& joint = mixed.joints[j];
+    const TrackedJoint& other = b.joints[j];
     joint.position += share * (other.position - joint.position);
     joint.confidence = std::min(joint.confidence, other.confidence);
     if (joint.orientation && other.orientation) {
@@ -51,7 +51,7 @@ SkeletonFrame blend(const SkeletonFrame& a, const SkeletonFrame& b, double share
   return mixed;
 }
 
-/// Appends a piece; the last frames so far and its first ones overlap and fade into each other.
+/// Appends a piece; its first frames are cross-faded with the last existing frames.
 void append(std::vector<SkeletonFrame>& frames, std::vector<SkeletonFrame> piece) {
   std::size_t overlap = 0;
   if (!frames.empty()) {

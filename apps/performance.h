@@ -4,9 +4,9 @@
 
 namespace lorica {
 
-/// What the demo's character does: pieces of shipped recordings one after the other, cross-faded, each starting where
-/// the feet of the one before stand. Frames at 30 Hz from time 0.
-/// @return joints named "kick and walk", or which shipped recording could not be read
+/// The motion of the demo: excerpts of shipped recordings, concatenated and cross-faded. Each starts at the position of
+/// the feet at the end of the previous one. Frames at 30 Hz from time 0.
+/// @return joints named "kick and walk", or an error if a shipped recording cannot be read
 [[nodiscard]] Result<Motion> makePerformance();
 
 }  // namespace lorica

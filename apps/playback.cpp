@@ -23,7 +23,7 @@ Result<Session> startSession(const Character& character, const DecompositionFile
 }
 
 Result<Session> startDemoSession(const Character& character, const DecompositionFile& body, const Motion& motion) {
-  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion);
+  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, SourceTreatment{});
   if (!source) return source.error();
   return startSession(character, body, std::move(*source), makeDemoWorld(kDemoSeed));
 }
@@ -34,7 +34,7 @@ std::string captionOf(const std::string& name, const Session& session, double se
   std::string caption =
       fmt::format("{}   {:.1f} s   {}", name, seconds, counted(std::ssize(session.body().parts()), "convex part"));
   if (!touched.empty()) caption += fmt::format("   touching {}", counted(std::ssize(touched), "prop"));
-  if (session.outsideKnownRange()) caption += "   beyond training";
+  if (session.outsideKnownRange()) caption += "   outside training range";
   return caption;
 }
 

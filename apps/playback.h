@@ -10,28 +10,28 @@
 
 namespace lorica {
 
-/// A session of one character.
+/// Creates a session of one character.
 /// @param body    the decomposition, its cover (none = exact) and its training
 /// @param source  moves the character
 [[nodiscard]] Result<Session> startSession(const Character& character, const DecompositionFile& body,
                                            std::unique_ptr<PoseSource> source, World world);
 
-/// The same: the character performs one motion among the demo's boxes and balls.
+/// Creates a session of one character and one motion, with the boxes and balls of the demo.
 [[nodiscard]] Result<Session> startDemoSession(const Character& character, const DecompositionFile& body,
                                                const Motion& motion);
 
-/// How a recording is played.
+/// Options for playing a recording.
 struct PlaybackOptions {
-  int frames = 0;        ///< stop after so many; 0 = no limit
-  double seconds = 0.0;  ///< of the recording [s]; 0 = no limit
-  bool hurry = false;    ///< does not wait for the recording's pace
+  int frames = 0;        ///< maximum number; 0 = no limit
+  double seconds = 0.0;  ///< maximum duration [s]; 0 = no limit
+  bool hurry = false;    ///< as fast as possible instead of in real time
 };
 
-/// Where a window looks from at first: the whole of a shipped recording stays in the picture.
+/// The initial camera of a window: it keeps the whole of a shipped recording in view.
 /// @param height  of the character [m]
 [[nodiscard]] Camera windowCamera(double height);
 
-/// One line under a picture: what plays, when, what touches, and whether the pose is one that training did not know.
+/// The caption of a picture: name, time, contacts, and whether the pose is outside the training range.
 [[nodiscard]] std::string captionOf(const std::string& name, const Session& session, double seconds);
 
 }  // namespace lorica

@@ -12,31 +12,31 @@
 namespace lorica {
 namespace {
 
-constexpr std::size_t kMostClipsNamed = 6;
+constexpr std::size_t kMaxClipsNamed = 6;
 
-/// The character's own clips, for a sentence: "Survey, Walk and Run".
+/// The names of the character's own clips: "Survey, Walk, Run".
 std::string clipsOf(const CharacterFile& file) {
   std::vector<std::string> names;
   names.reserve(file.clips.size());
   for (const Clip& clip : file.clips) {
     if (!clip.name.empty()) names.push_back(clip.name);
   }
-  const std::size_t more = names.size() - std::min(names.size(), kMostClipsNamed);
+  const std::size_t more = names.size() - std::min(names.size(), kMaxClipsNamed);
   names.resize(names.size() - more);
   std::string text = fmt::format("{}", fmt::join(names, ", "));
   return more == 0 ? text : fmt::format("{} and {} more", text, more);
 }
 
-/// Refuses a human's motion for a character that is none but has clips of its own, and names these.
+/// Rejects a human motion for a character that is not a humanoid but has its own clips; the error lists them.
 Result<void> checkPerformer(const Motion& motion, const Subject& subject, const std::string& asGiven) {
   if (!subject.file || subject.file->clips.empty() || canPerform(*subject.character)) return {};
-  if (motion.fromCharacterFile && renameMotion(*motion.bones, subject.character->skeleton)) return {};
+  if (motion.fromCharacterFile && retargetByJointNames(*motion.bones, subject.character->skeleton)) return {};
   const std::string clips = clipsOf(*subject.file);
   return Error{
       ErrorCode::kInvalidArgument,
-      fmt::format("{} on {}: found a motion of {}, expected a clip of its own{}, since its {} joints are not "
-                  "known for a human's: lorica play {}{}. If it is one, lorica info {} --write-map FILE starts "
-                  "a file that says which joint is which",
+      fmt::format("{} on {}: found a motion of {}, expected one of the character's own clips{}, because its {} joints "
+                  "were not recognised as a humanoid: lorica play {}{}. If it is a humanoid, write a bone map with "
+                  "`lorica info {} --write-map FILE`, edit it and pass it with --map",
                   motion.name, subject.name, motion.fromCharacterFile ? "another character" : "a human",
                   clips.empty() ? "" : ", " + clips, subject.character->skeleton.jointCount(), asGiven,
                   clips.empty() ? "" : " --clip " + subject.file->clips.front().name, asGiven)};
@@ -44,25 +44,26 @@ Result<void> checkPerformer(const Motion& motion, const Subject& subject, const 
 
 }  // namespace
 
-void addCastOptions(CommandLine& app, CastOptions& options) {
+void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options) {
   app.addOption("MOTION", options.motion,
                 "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
                 "recording [default: a clip of --character]")
       ->typeName("");
   app.addOption("--character", options.character,
-                "Who performs it: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+                "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
       ->typeName("FILE");
   addReadingOptions(app, options.performing);
   addPlayingOptions(app, options.performing);
   addCharacterOptions(app, options.reading);
 }
 
-Result<Cast> readCast(const CastOptions& options) {
+Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   const std::string& own = options.motion.empty() ? options.character : options.motion;
   if (own.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "no motion given, expected one, such as `lorica play walk`, or a character with clips: --character "
-                 "hero.glb --clip Run"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "expected a motion, such as `lorica play walk`, or a character with clips: --character hero.glb --clip "
+        "Run"};
   }
   if (isCharacterFile(own) &&
       (options.character.empty() || options.motion.empty() || options.motion == options.character)) {
@@ -76,9 +77,9 @@ Result<Cast> readCast(const CastOptions& options) {
       motion.fromCharacterFile = true;
       motion.format = subject->file->format;
       motion.notes = subject->file->notes;
-      return Cast{std::move(*subject), std::move(motion)};
+      return PlaybackInput{std::move(*subject), std::move(motion)};
     }
-    // A file of motion alone is performed by another character.
+    // A file without a surface holds a motion for another character.
     if (!subject && (options.motion.empty() || subject.error().code != ErrorCode::kBadMesh)) return subject.error();
   }
   Result<Motion> motion = readMotion(own, options.performing);
@@ -89,7 +90,7 @@ Result<Cast> readCast(const CastOptions& options) {
   if (subject->file) {
     motion->notes.insert(motion->notes.end(), subject->file->notes.begin(), subject->file->notes.end());
   }
-  return Cast{std::move(*subject), std::move(*motion)};
+  return PlaybackInput{std::move(*subject), std::move(*motion)};
 }
 
 }  // namespace lorica

@@ -8,24 +8,24 @@
 
 namespace lorica {
 
-/// What the command line says of who plays what.
-struct CastOptions {
+/// Options that select a motion and a character.
+struct PlaybackInputOptions {
   std::string motion;     ///< empty = the character's own clip
-  std::string character;  ///< empty = the mannequin, or the motion's file where that is a character with a surface
+  std::string character;  ///< empty = the mannequin, or the motion's file if it is a character with a surface
   CharacterOptions reading;
   MotionOptions performing;
 };
 
-/// MOTION, --character, and how both are read and played.
-void addCastOptions(CommandLine& app, CastOptions& options);
+/// MOTION, --character, and the options for reading and processing both.
+void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options);
 
-/// Who plays what.
-struct Cast {
+/// A character and the motion that it performs.
+struct PlaybackInput {
   Subject subject;  ///< with a character
   Motion motion;
 };
 
-/// A character that is the motion's file performs its own clip. Without a motion so does the one named.
-[[nodiscard]] Result<Cast> readCast(const CastOptions& options);
+/// If the motion file is a character, or only a character is given, it performs its own clip.
+[[nodiscard]] Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options);
 
 }  // namespace lorica

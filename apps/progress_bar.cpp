@@ -1,5 +1,7 @@
 #include "apps/progress_bar.h"
 
+#include "apps/interrupt.h"
+
 #include "apps/report.h"
 
 #include <fmt/format.h>
@@ -16,7 +18,7 @@ constexpr double kRedrawSeconds = 0.05;
 constexpr double kLineSeconds = 10.0;
 constexpr int kWidestBar = 40;
 
-/// "12 of 240 frames", or "12 parts" when nobody knows how many there will be.
+/// "12 of 240 frames", or "12 parts" if the total is unknown.
 std::string countText(int done, int total, const std::string& unit) {
   return total > 0 ? fmt::format("{} of {} {}", done, total, unit) : fmt::format("{} {}", done, unit);
 }
@@ -29,7 +31,7 @@ ProgressBar::ProgressBar(std::string label, std::string unit)
       terminal_(isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
       lastShown_(start_) {
-  // A screen reader, a log or a dumb terminal cannot go back to the start of a line.
+  // A dumb terminal cannot return to the start of a line.
   if (terminal_ && environment("TERM") == "dumb") terminal_ = false;
 }
 
@@ -66,9 +68,16 @@ void ProgressBar::draw(int done, int total, double seconds) const {
     line += fmt::format("[{:<{}}]", std::string(static_cast<std::size_t>(filled), '='), width);
   }
   line += tail;
-  // A line longer than the terminal would wrap and leave a trail.
+  // A line longer than the terminal would wrap and could not be erased.
   line.resize(std::min<std::size_t>(line.size(), static_cast<std::size_t>(std::max(terminalWidth(stderr) - 1, 1))));
   fmt::print(stderr, "\r\x1b[K{}", line);
+}
+
+std::function<bool(int, int)> progressOf(ProgressBar& bar) {
+  return [&bar](int done, int total) {
+    bar.update(done, total);
+    return !interrupted();
+  };
 }
 
 }  // namespace lorica

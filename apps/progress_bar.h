@@ -1,23 +1,23 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace lorica {
 
-/// How far long work is, on standard error: a bar that redraws itself in a terminal, a line every ten seconds
-/// elsewhere.
+/// Progress of long work on standard error: a bar in a terminal, else a line every ten seconds.
 class ProgressBar {
  public:
-  /// @param label  what is being done: "Decomposing mannequin"
-  /// @param unit   what is counted: "parts"
+  /// @param label  the task: "Decomposing mannequin"
+  /// @param unit   the counted items: "parts"
   ProgressBar(std::string label, std::string unit);
   /// Removes the bar from the terminal.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// @param total  0 or less when nobody knows
+  /// @param total  0 or less if unknown
   void update(int done, int total);
 
  private:
@@ -31,5 +31,8 @@ class ProgressBar {
   Clock::time_point lastShown_;
   bool shown_ = false;
 };
+
+/// A progress callback that updates the bar; Ctrl-C cancels. @param bar  outlives the callback
+[[nodiscard]] std::function<bool(int done, int total)> progressOf(ProgressBar& bar);
 
 }  // namespace lorica

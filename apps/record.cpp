@@ -21,23 +21,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Options = SessionRecording;  // of a depth recording only the file, the camera and the limit
+using Options = SessionRecording;  // a depth recording uses only the file, the camera and the limit
 
 constexpr const char* kSessionEnding = ".lsession";
 
 struct Recording {
-  int frames = 0;  // of depth, in the file
-  int rows = 0;    // of joints
+  int frames = 0;  // depth frames in the file
+  int rows = 0;    // of the joint CSV
   double seconds = 0.0;
-  bool unplugged = false;  // at some time
+  bool unplugged = false;  // at any time
 };
 
-/// The joints' file beside the depths'.
+/// The joint CSV next to the depth recording.
 fs::path jointsBeside(const std::string& out) {
   return fs::path(out).replace_extension(".csv");
 }
 
-/// Reads until the limit or Ctrl-C, while OpenNI2 writes what is read.
+/// Reads until the limit or Ctrl-C; OpenNI2 records the frames that are read.
 Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tracker, OpenNiRecorder& recorder,
                          JointCsvWriter& joints) {
   Recording recording;
@@ -69,15 +69,16 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
   return recording;
 }
 
-/// A depth recording holds what the camera saw; who performs it, and how, is said when it is played.
+/// Rejects options about the performance: a depth recording holds only the depth images; these options apply when it is
+/// played.
 Result<void> refuseSessionOptions(const CommandLine& app, const Options& options) {
   for (const char* name :
        {"MOTION", "--character", "--map", "--body-resolution", "--decomposition", "--cover", "--hull-vertices",
         "--scene", "--inject", "--mirror", "--smooth", "--min-cutoff", "--beta", "--clip", "--format", "--person"}) {
     if (!app.given(name)) continue;
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: {} is for sessions ({}), which a depth recording (.oni) is not", options.out, name,
-                             kSessionEnding)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: {} is for sessions ({}), not for depth recordings (.oni)", options.out, name, kSessionEnding)};
   }
   return {};
 }
@@ -85,12 +86,12 @@ Result<void> refuseSessionOptions(const CommandLine& app, const Options& options
 Result<void> recordDepth(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.out, jointsBeside(options.out)}); !fine) return fine;
   if (Result<void> fine = checkOutput("OUT", options.out, ".oni"); !fine) return fine;
-  // An older recording of both may be replaced; joints that came from elsewhere may not.
+  // An older recording of both files may be replaced; a joint CSV of another origin may not.
   if (std::error_code ignored; !fs::exists(options.out, ignored) && fs::exists(jointsBeside(options.out), ignored)) {
     return Error{
         ErrorCode::kInvalidArgument,
-        fmt::format("{} is there already, and not beside a recording of that name: choose another name for OUT",
-                    jointsBeside(options.out).string())};
+        fmt::format("{} exists, but {} does not, so it was not written by this command: choose another name for OUT",
+                    jointsBeside(options.out).string(), options.out)};
   }
   Result<std::unique_ptr<DepthSource>> depth = openCamera(options.depth);
   if (!depth) return depth.error();
@@ -101,17 +102,17 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
   Result<JointCsvWriter> joints = JointCsvWriter::create(jointsBeside(options.out));
   if (!joints) return joints.error();
 
-  fmt::print(stderr, "Recording {}; Ctrl-C ends.\n", (*depth)->name());
+  fmt::print(stderr, "Recording {}; press Ctrl-C to stop.\n", (*depth)->name());
   const Result<Recording> made = record(options, **depth, *tracker, **recorder, *joints);
   if (!made) return made.error();
 
   Report report(fmt::format("Recorded {} of {} ({:.1f} s)", counted(made->frames, "depth frame"), (*depth)->name(),
                             made->seconds));
   report.line("depth", options.out);
-  report.line("joints", made->rows == 0 ? "nobody was seen"
+  report.line("joints", made->rows == 0 ? "no person found"
                                         : fmt::format("{}, {}", jointsBeside(options.out).string(),
                                                       counted(made->rows, "skeleton")));
-  if (made->unplugged) report.note("The sensor was unplugged for a while.");
+  if (made->unplugged) report.note("The sensor was unplugged during the recording.");
   nlohmann::ordered_json json;
   json["source"] = (*depth)->name();
   json["depth"] = options.out;
@@ -128,7 +129,7 @@ Result<void> run(const CommandLine& app, const Options& options, const CommonOpt
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
     if (Result<void> fine = checkJsonOutput(
-            common, {options.out, options.cast.motion, options.cast.character, options.body.decomposition});
+            common, {options.out, options.input.motion, options.input.character, options.body.decomposition});
         !fine) {
       return fine;
     }
@@ -148,33 +149,31 @@ Result<void> run(const CommandLine& app, const Options& options, const CommonOpt
 
 Command addRecord(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
-      parent, common, "record",
-      "Record a depth camera to .oni, with the joints of whoever is seen beside it as .csv; or a session to .lsession.",
-      "  lorica record body.oni\n"
-      "      body.oni and body.csv, until Ctrl-C\n"
-      "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
-      "  lorica record body.oni --virtual --seconds 3\n"
-      "      without a camera: a virtual one before a virtual person\n"
-      "  lorica play body.oni\n"
-      "      play what was recorded\n"
-      "  lorica record kick.lsession punch_and_kick --scene bowling\n"
-      "      a session: joints, character, settings, scene, and what came of each step\n"
-      "  lorica record me.lsession --seconds 20 --inject dropout=0.1,seed=7\n"
-      "      of whoever stands before the camera, with faults\n"
-      "  lorica replay kick.lsession\n"
-      "      run it again, and say whether it comes out the same\n"
-      "\nWhile it runs the files are named body.part.oni, body.part.csv and kick.part.lsession; all can be read even "
-      "if "
-      "it is\nkilled.");
+  CommandLine* app =
+      addSubcommand(parent, common, "record", "Record a depth camera and the tracked joints, or a session.",
+                    "  lorica record body.oni\n"
+                    "      depth images to body.oni and tracked joints to body.csv, until Ctrl-C\n"
+                    "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
+                    "  lorica record body.oni --virtual --seconds 3\n"
+                    "      no camera needed: a virtual camera with a virtual person\n"
+                    "  lorica play body.oni\n"
+                    "      play the recording\n"
+                    "  lorica record kick.lsession punch_and_kick --scene bowling\n"
+                    "      a session: joints, character, settings, scene, and a hash of the result of each step\n"
+                    "  lorica record me.lsession --seconds 20 --inject dropout=0.1,seed=7\n"
+                    "      of the person before the camera, with simulated tracking faults\n"
+                    "  lorica replay kick.lsession\n"
+                    "      run it again and compare the results\n"
+                    "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
+                    "They are readable even if the program is killed.");
   app->addOption("OUT", options->out, "The recording to write: .oni or .lsession")->required()->typeName("");
-  addCastOptions(*app, options->cast);
-  addFaultOption(*app, options->cast.performing);
+  addPlaybackInputOptions(*app, options->input);
+  addFaultOption(*app, options->input.performing);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
   addDepthOptions(*app, options->depth);
-  addCount(*app, "--frames", options->limit.frames, 1, "Stop after so many frames");
-  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after so many seconds");
+  addCount(*app, "--frames", options->limit.frames, 1, "Stop after N frames");
+  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after S seconds");
   return {app, [app, options](const CommonOptions& given) { return run(*app, *options, given); }};
 }
 

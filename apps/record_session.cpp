@@ -16,39 +16,39 @@
 namespace lorica {
 namespace {
 
-/// Who moves, and how the joints or bones come.
+/// The character and the source of its motion.
 struct Performer {
   Subject subject;
-  std::string name;                        ///< of the character, as it was given
-  std::optional<Motion> motion;            ///< none = live
-  std::unique_ptr<SkeletonSource> joints;  ///< live ones
+  std::string name;                        ///< of the character, as given by the user
+  std::optional<Motion> motion;            ///< none = live camera
+  std::unique_ptr<SkeletonSource> joints;  ///< of the live camera
   std::string source;
 };
 
 Result<Performer> openMotion(const SessionRecording& options) {
-  Result<Cast> cast = readCast(options.cast);
-  if (!cast) return cast.error();
-  const bool ownFile = options.cast.character.empty() && cast->subject.file.has_value();
-  std::string source = cast->motion.name;
-  return Performer{std::move(cast->subject), ownFile ? options.cast.motion : options.cast.character,
-                   std::move(cast->motion), nullptr, std::move(source)};
+  Result<PlaybackInput> input = readPlaybackInput(options.input);
+  if (!input) return input.error();
+  const bool ownFile = options.input.character.empty() && input->subject.file.has_value();
+  std::string source = input->motion.name;
+  return Performer{std::move(input->subject), ownFile ? options.input.motion : options.input.character,
+                   std::move(input->motion), nullptr, std::move(source)};
 }
 
 Result<Performer> openCharacter(const SessionRecording& options) {
-  const std::string name = options.cast.character.empty() ? "mannequin" : options.cast.character;
-  Result<Subject> subject = readCharacter(name, options.cast.reading);
+  const std::string name = options.input.character.empty() ? "mannequin" : options.input.character;
+  Result<Subject> subject = readCharacter(name, options.input.reading);
   if (!subject) return subject.error();
   return Performer{std::move(*subject), name, std::nullopt, nullptr, ""};
 }
 
-/// The camera is opened last: it runs on while others are made ready.
+/// Opens the camera. Call it last, because the camera runs while the rest is prepared.
 Result<void> openCameraFor(const SessionRecording& options, Performer& performer) {
   Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
   if (!depth) return depth.error();
   Result<Tracker> tracker = Tracker::create((*depth)->camera());
   if (!tracker) return tracker.error();
-  auto joints =
-      std::make_unique<LiveJoints>(DepthJoints(std::move(*depth), std::move(*tracker), options.cast.performing.person));
+  auto joints = std::make_unique<LiveJoints>(
+      DepthJoints(std::move(*depth), std::move(*tracker), options.input.performing.person));
   performer.source = joints->source().name();
   performer.joints = std::move(joints);
   return {};
@@ -71,11 +71,11 @@ Result<double> runAll(const SessionRecording& options, Session& session) {
 }  // namespace
 
 Result<void> recordSession(const SessionRecording& options, const CommonOptions& common) {
-  const bool live = options.cast.motion.empty() && options.cast.performing.clip.empty();
+  const bool live = options.input.motion.empty() && options.input.performing.clip.empty();
   if (!live && (options.depth.virtualCamera || !options.depth.device.empty() || !options.depth.driver.empty())) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("a motion, {}, and a camera too, expected one of them",
-                             options.cast.motion.empty() ? options.cast.character : options.cast.motion)};
+                 fmt::format("found a motion, {}, and a camera, expected only one of them",
+                             options.input.motion.empty() ? options.input.character : options.input.motion)};
   }
   Result<Performer> performer = live ? openCharacter(options) : openMotion(options);
   if (!performer) return performer.error();
@@ -88,9 +88,9 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   if (live) {
     if (Result<void> opened = openCameraFor(options, *performer); !opened) return opened;
   }
-  const MotionOptions& performing = options.cast.performing;
+  const MotionOptions& performing = options.input.performing;
   const bool poses = performer->motion && performer->motion->bones;
-  const RecordedAs as{performer->source, poses,        performer->name, options.cast.reading,
+  const RecordedAs as{performer->source, poses,        performer->name, options.input.reading,
                       performing,        options.body, options.scene};
   const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options.out, as, character, *body, *world);
   if (!recorder) return recorder.error();
@@ -106,7 +106,7 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   if (!session) return session.error();
   session->watch(*recorder);
 
-  if (live) fmt::print(stderr, "Recording {}; Ctrl-C ends.\n", performer->source);
+  if (live) fmt::print(stderr, "Recording {}; press Ctrl-C to stop.\n", performer->source);
   const Result<double> seconds = runAll(options, *session);
   Report report(fmt::format("Recorded a session of {}: {} ({:.1f} s)", performer->source,
                             counted(session->frameCount(), "step"), seconds ? *seconds : 0.0));

@@ -10,17 +10,17 @@
 
 namespace lorica {
 
-/// What `lorica record FILE.lsession` was asked for.
+/// The options of `lorica record FILE.lsession`.
 struct SessionRecording {
   std::string out;
-  CastOptions cast;  ///< no motion = a live camera
+  PlaybackInputOptions input;  ///< no motion = a live camera
   DepthOptions depth;
   BodyOptions body;
   std::string scene;
   PlaybackOptions limit;
 };
 
-/// Plays a motion, or follows whoever stands before a camera, and records the session; no window.
+/// Plays a motion, or follows the person before a camera, and records the session without a window.
 [[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common);
 
 }  // namespace lorica

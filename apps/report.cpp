@@ -16,7 +16,7 @@ namespace lorica {
 
 namespace {
 
-/// Letters that a terminal shows: bytes of UTF-8 that begin one.
+/// Number of characters in UTF-8 text: the bytes that are not continuation bytes.
 std::size_t widthOf(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -67,7 +67,7 @@ void Report::print() const {
 }
 
 Result<void> publish(const CommonOptions& options, const Report& report, const nlohmann::ordered_json& json) {
-  // A name from a file system may be no UTF-8; JSON must be.
+  // File names may not be valid UTF-8; JSON must be.
   const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   if (options.json == "-") {
     const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
@@ -90,12 +90,12 @@ Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std
   for (const std::filesystem::path& other : others) {
     if (other.empty() || std::filesystem::weakly_canonical(other, ignored) != meant) continue;
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--json: {} is named twice and would be overwritten", json.string())};
+                 fmt::format("--json: {} is also an input or another output and would be overwritten", json.string())};
   }
   if (std::filesystem::exists(json, ignored) && !std::filesystem::is_directory(json, ignored) &&
       !std::filesystem::is_regular_file(json, ignored)) {
     return Error{ErrorCode::kUnwritable,
-                 fmt::format("--json: {} is no ordinary file; `--json -` writes to standard output", json.string())};
+                 fmt::format("--json: {} is not a regular file; `--json -` writes to standard output", json.string())};
   }
   return checkOutput("--json", json);
 }
@@ -112,7 +112,7 @@ Result<void> checkOutput(const std::string& option, const std::filesystem::path&
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder, ignored)) {
     return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: {}: there is no folder {}", option, file.string(), folder.string())};
+                 fmt::format("{}: {}: no such folder: {}", option, file.string(), folder.string())};
   }
   if (access(folder.c_str(), W_OK) != 0) {
     return Error{ErrorCode::kUnwritable,
@@ -122,7 +122,7 @@ Result<void> checkOutput(const std::string& option, const std::filesystem::path&
 }
 
 Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder) {
-  // The nearest ancestor that is there decides.
+  // Check the nearest existing ancestor.
   std::error_code ignored;
   std::filesystem::path nearest = std::filesystem::absolute(folder, ignored).lexically_normal();
   while (!std::filesystem::exists(nearest, ignored) && nearest.has_relative_path()) nearest = nearest.parent_path();

@@ -12,24 +12,23 @@
 
 namespace lorica {
 
-/// Options that every subcommand has.
+/// Options of every subcommand.
 struct CommonOptions {
-  std::string json;  ///< file for the report as JSON; "-" = standard output and nothing else there; empty = none
-  int threads = 0;   ///< 0 = as many as the machine has
+  std::string json;  ///< file for the report as JSON; "-" = standard output instead of the text; empty = none
+  int threads = 0;   ///< 0 = all that the machine has
 
-  /// What --threads comes to on this machine.
+  /// The number of threads to use on this machine.
   [[nodiscard]] int threadCount() const;
 };
 
-/// Rows of words under headings. Columns are as wide as they need to be; numbers stand to the right.
+/// A table of text cells. Columns fit their content; numbers are right-aligned.
 struct Table {
   std::vector<std::string> headings;
-  std::vector<std::vector<std::string>> rows;  ///< as many words as there are headings
-  std::size_t textFrom = std::string::npos;    ///< columns from this one on hold text, which stands to the left
+  std::vector<std::vector<std::string>> rows;  ///< one cell per heading
+  std::size_t textFrom = std::string::npos;    ///< columns from this one on hold text and are left-aligned
 };
 
-/// What a person reads at the end: a headline, then lines of label and value in aligned columns, then tables, then
-/// notes.
+/// The text output of a command: a headline, then lines of label and value in aligned columns, then tables, then notes.
 class Report {
  public:
   explicit Report(std::string headline) : headline_(std::move(headline)) {}
@@ -37,9 +36,9 @@ class Report {
   void line(std::string label, std::string value) { lines_.emplace_back(std::move(label), std::move(value)); }
   void gap() { lines_.emplace_back(); }
   void table(Table table) { tables_.push_back(std::move(table)); }
-  /// A sentence after everything else.
+  /// A sentence at the end of the report.
   void note(std::string sentence) { notes_.push_back(std::move(sentence)); }
-  /// To standard output; headline in bold in a terminal unless NO_COLOR is set.
+  /// Prints to standard output; the headline is bold in a terminal unless NO_COLOR is set.
   void print() const;
 
  private:
@@ -49,34 +48,34 @@ class Report {
   std::vector<std::string> notes_;
 };
 
-/// Prints the report and writes the JSON, as the options say.
+/// Prints the report and writes the JSON, according to the options.
 [[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
                                    const nlohmann::ordered_json& json);
 
-/// Refuses, before any work is done, a --json that cannot be written or that names one of the other files.
-/// @param others  inputs and further outputs of the command; empty ones do not count
+/// Rejects, before any work, a --json file that cannot be written or that is one of the other files.
+/// @param others  inputs and other outputs of the command; empty ones are ignored
 [[nodiscard]] Result<void> checkJsonOutput(const CommonOptions& options,
                                            const std::vector<std::filesystem::path>& others);
 
-/// Fails early, before minutes of work: the output's folder must be there, and the output must not be a folder.
-/// @param option     named in the sentence: "--export-obj"
-/// @param extension  that the name must have; empty = any
+/// Rejects an output file before any work: its folder must exist, and it must not be a folder itself.
+/// @param option     for the error message: "--export-obj"
+/// @param extension  required extension; empty = any
 [[nodiscard]] Result<void> checkOutput(const std::string& option, const std::filesystem::path& file,
                                        const std::string& extension = "");
 
-/// The same for a folder that will be made where it is not there yet.
+/// The same for a folder, which is created later if it does not exist.
 [[nodiscard]] Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder);
 
-/// A remark on standard error, one line: "lorica: warning: ...".
+/// Prints a warning to standard error, one line: "lorica: warning: ...".
 void warn(const std::string& sentence);
 
-/// An environment variable; empty when it is not set.
+/// The value of an environment variable; empty if it is not set.
 [[nodiscard]] std::string environment(const char* name);
 
-/// Columns of the terminal behind a stream; 80 where there is none.
+/// Width of a stream's terminal in columns; 80 if it is not a terminal.
 [[nodiscard]] int terminalWidth(std::FILE* stream);
 
-/// A to Z as a to z.
+/// Converts A-Z to a-z.
 [[nodiscard]] std::string lowerCase(std::string text);
 
 /// 12345 as "12,345".

@@ -9,30 +9,30 @@
 
 namespace lorica {
 
-/// Refuses --window where there is no display.
-/// @param instead  what to do then, for the sentence
+/// Rejects --window if there is no display.
+/// @param instead  alternatives, for the error message
 [[nodiscard]] Result<void> checkWindow(bool wanted, const std::string& instead);
 
-/// The window that a session is shown in.
-/// @param name    of what plays; empty = none
+/// Opens the window for a session.
+/// @param name    of the motion; empty = none
 /// @param height  of the character [m]
 [[nodiscard]] Result<Window> openWindow(const std::string& name, double height);
 
-/// Runs a session in a window of its own until that is closed or all is over.
-/// @return success; or that it was interrupted, or what went wrong
+/// Runs a session in its own window until the window is closed or the session ends.
+/// @return success, kCancelled, or another error
 [[nodiscard]] Result<void> runInOwnWindow(WindowSubject& subject, const PlaybackOptions& options);
 
 /// A session without a window.
 struct HeadlessRun {
-  std::string doing;  ///< for the progress bar: "Playing"
-  std::string name;   ///< of what plays
+  std::string doing;  ///< label of the progress bar: "Playing"
+  std::string name;   ///< of the motion
   std::string unit = "frames";
-  int frames = 0;                      ///< at most
-  std::function<void()> stepped = {};  ///< after each
+  int frames = 0;                      ///< maximum
+  std::function<void()> stepped = {};  ///< called after each frame
 };
 
-/// Runs all frames, with the pictures that are wanted.
-/// @return what was drawn; or that it was interrupted, or what went wrong
+/// Runs all frames and draws the requested pictures.
+/// @return the written files, kCancelled, or another error
 [[nodiscard]] Result<DrawnFiles> runHeadless(const HeadlessRun& run, const SnapshotOptions& pictures, Session& session);
 
 }  // namespace lorica

@@ -25,19 +25,19 @@ constexpr Stage kStages[] = {
     {"hulls", "candidates to hulls", [](const StageTimes& t) { return t.hulls; }},
     {"physics", "props", [](const StageTimes& t) { return t.physics; }},
     {"particles", "sand or water", [](const StageTimes& t) { return t.particles; }},
-    {"total", "everything but the picture", [](const StageTimes& t) { return t.total(); }},
+    {"total", "everything except drawing", [](const StageTimes& t) { return t.total(); }},
 };
 
-Spread spreadOfStage(const std::vector<StageTimes>& frames, const Stage& stage) {
+Percentiles spreadOfStage(const std::vector<StageTimes>& frames, const Stage& stage) {
   std::vector<double> times;
   times.reserve(frames.size());
   for (const StageTimes& frame : frames) times.push_back(stage.of(frame));
-  return spreadOf(std::move(times));
+  return percentilesOf(std::move(times));
 }
 
 }  // namespace
 
-void Tally::add(const Session& session, bool selfContacts) {
+void RunStatistics::add(const Session& session, bool selfContacts) {
   stages_.push_back(session.times());
   if (!start_) start_ = session.time();
   touched_.resize(session.world().props().size(), 0);
@@ -45,9 +45,9 @@ void Tally::add(const Session& session, bool selfContacts) {
   for (const Contact& contact : session.world().contacts()) {
     ++contacts_;
     now_.emplace_back(contact.part, contact.prop);
-    touched_[static_cast<std::size_t>(contact.prop)] = 1;
+    touched_[contact.prop] = 1;
   }
-  // A pair has up to four contact points: it counts once.
+  // A pair has up to four contact points but is counted once.
   std::sort(now_.begin(), now_.end());
   now_.erase(std::unique(now_.begin(), now_.end()), now_.end());
   for (const auto& pair : now_) {
@@ -67,7 +67,7 @@ void Tally::add(const Session& session, bool selfContacts) {
   training_->firstTime = session.time() - *start_;
 }
 
-void Tally::addSelfContacts(const Session& session) {
+void RunStatistics::addSelfContacts(const Session& session) {
   if (!selfContacts_) selfContacts_ = SelfContacts{{}, 0, {}, 0.0};
   const std::span<const SelfContact> found = session.selfContacts();
   selfContacts_->frames += found.empty() ? 0 : 1;
@@ -82,11 +82,11 @@ void Tally::addSelfContacts(const Session& session) {
   }
 }
 
-int Tally::propsTouched() const {
+int RunStatistics::propsTouched() const {
   return static_cast<int>(std::count(touched_.begin(), touched_.end(), 1));
 }
 
-void Tally::addTo(nlohmann::ordered_json& json) const {
+void RunStatistics::addTo(nlohmann::ordered_json& json) const {
   json["frames"] = frames();
   json["contacts"] = contacts_;
   json["touches"] = touches_;
@@ -111,41 +111,40 @@ void Tally::addTo(nlohmann::ordered_json& json) const {
     }
   }
   for (const Stage& stage : kStages) {
-    const Spread spread = spreadOfStage(stages_, stage);
+    const Percentiles spread = spreadOfStage(stages_, stage);
     json["stages"][stage.name] = {{"median", spread.median}, {"p95", spread.p95}};
   }
 }
 
-void Tally::addSelfContactsTo(Report& report) const {
+void RunStatistics::addSelfContactsTo(Report& report) const {
   if (!selfContacts_) return;
   const SelfContacts& s = *selfContacts_;
   report.line("self-contacts",
-              s.frames == 0 ? "none: only neighbours overlap"
-                            : fmt::format("{} of parts in {}; deepest {:.1f} cm, parts {} and {} at {:.2f} s",
+              s.frames == 0 ? "none, except between neighbours"
+                            : fmt::format("{} of parts in {}; deepest overlap {:.1f} cm, parts {} and {} at {:.2f} s",
                                           counted(std::ssize(s.pairs), "pair"), counted(s.frames, "frame"),
                                           100.0 * s.deepest.depth, s.deepest.first, s.deepest.second, s.deepestTime));
 }
 
-void Tally::addTrainingTo(Report& report) const {
+void RunStatistics::addTrainingTo(Report& report) const {
   if (!training_) {
-    report.line("training", "not in the decomposition, which an older Lorica made: nobody knows which poses are known");
+    report.line("training", "unknown: the decomposition does not store its training range");
     return;
   }
-  const std::string reach = fmt::format("at most {:.2f} m from the nearest training keyframe, up to {:.2f} m is known",
-                                        training_->largest, training_->knownDistance);
+  const std::string range = fmt::format("({:.2f} m of {:.2f} m)", training_->largest, training_->knownDistance);
   if (training_->framesOutside == 0) {
-    report.line("training", "every pose is known: " + reach);
+    report.line("training", "all poses are within the training range " + range);
     return;
   }
-  report.line("training", fmt::format("{} of {} outside the known range, the first at {:.2f} s (frame {})",
+  report.line("training", fmt::format("{} of {} outside the training range, first at {:.2f} s (frame {})",
                                       grouped(training_->framesOutside), counted(frames(), "frame"),
                                       training_->firstTime, training_->firstOutside));
-  report.line("", reach);
+  report.line("", "largest distance from a training keyframe " + range);
 }
 
-void Tally::addTo(Report& report) const {
+void RunStatistics::addTo(Report& report) const {
   for (const Stage& stage : kStages) {
-    const Spread spread = spreadOfStage(stages_, stage);
+    const Percentiles spread = spreadOfStage(stages_, stage);
     if (std::string_view(stage.name) == "particles" && spread.p95 == 0.0) continue;  // there are none
     report.line(stage.name, fmt::format("{:>8}  (95 % below {:>8})  {}", duration(spread.median), duration(spread.p95),
                                         stage.what));

@@ -13,13 +13,13 @@
 
 namespace lorica {
 
-/// What is counted and timed while a session runs.
-class Tally {
+/// Counts and times of a running session.
+class RunStatistics {
  public:
-  /// Takes the session's last frame into account.
-  /// @param selfContacts  also ask the body which of its parts overlap, which takes some 50 us
+  /// Adds the session's last frame to the statistics.
+  /// @param selfContacts  also compute which parts of the body overlap, which takes about 50 us
   void add(const Session& session, bool selfContacts = false);
-  /// A new session of the same recording follows: its contacts start afresh.
+  /// Call before the recording restarts: contacts are counted from scratch.
   void restart() {
     touching_.clear();
     start_.reset();
@@ -28,41 +28,41 @@ class Tally {
   [[nodiscard]] int frames() const { return static_cast<int>(stages_.size()); }
   /// Contact points between body and props, summed over the frames.
   [[nodiscard]] long long contacts() const { return contacts_; }
-  /// How often a part and a prop came together that were apart in the frame before.
+  /// Number of contacts between a part and a prop that started, i.e. were not present in the previous frame.
   [[nodiscard]] long long touches() const { return touches_; }
   [[nodiscard]] int propCount() const { return static_cast<int>(touched_.size()); }
-  /// How many different props were touched.
+  /// Number of different props touched.
   [[nodiscard]] int propsTouched() const;
 
-  /// How far the body was from the poses that trained its decomposition.
+  /// Distance of the poses from the training keyframes of the decomposition.
   struct Training {
-    double knownDistance = 0.0;  ///< farther is outside the known range [m]
+    double knownDistance = 0.0;  ///< greater distances are outside the training range [m]
     double largest = 0.0;        ///< [m]
     int framesOutside = 0;
     int firstOutside = -1;   ///< frame, from 0; -1 = none
-    double firstTime = 0.0;  ///< of that frame, since the first [s]
+    double firstTime = 0.0;  ///< of that frame, relative to the first [s]
   };
-  /// None where the training is not known, or nothing was played.
+  /// None if the training range is unknown, or nothing was played.
   [[nodiscard]] const std::optional<Training>& training() const { return training_; }
 
-  /// Parts of the body that overlapped though they are not neighbours.
+  /// Overlapping parts of the body that are not neighbours.
   struct SelfContacts {
     std::vector<std::pair<PartIndex, PartIndex>> pairs;  ///< ascending
-    int frames = 0;                                      ///< with one or more
+    int frames = 0;                                      ///< frames with at least one pair
     SelfContact deepest;
-    double deepestTime = 0.0;  ///< since the first frame [s]
+    double deepestTime = 0.0;  ///< relative to the first frame [s]
   };
-  /// None where nobody asked.
+  /// None if not requested.
   [[nodiscard]] const std::optional<SelfContacts>& selfContacts() const { return selfContacts_; }
 
-  /// "frames", "contacts", "touches", "propsTouched", "selfContacts", "training" and "stages": each stage's median and
-  /// p95 [us].
+  /// Adds "frames", "contacts", "touches", "propsTouched", "selfContacts", "training" and "stages": the median and p95
+  /// of each stage [us].
   void addTo(nlohmann::ordered_json& json) const;
-  /// One line a stage.
+  /// Adds one line per stage.
   void addTo(Report& report) const;
-  /// One line on self-contacts, where asked for.
+  /// Adds one line on self-contacts, if requested.
   void addSelfContactsTo(Report& report) const;
-  /// One line on how far from training the body was; two where it left the known range.
+  /// Adds one line on the training range; two if poses were outside it.
   void addTrainingTo(Report& report) const;
 
  private:
@@ -71,7 +71,7 @@ class Tally {
   std::vector<StageTimes> stages_;
   std::vector<std::pair<PartIndex, int>> touching_;  // sorted pairs of the last frame
   std::vector<std::pair<PartIndex, int>> now_;
-  std::vector<std::uint8_t> touched_;  // one flag a prop
+  std::vector<std::uint8_t> touched_;  // one flag per prop
   long long contacts_ = 0;
   long long touches_ = 0;
   std::optional<Training> training_;

@@ -1,7 +1,9 @@
 #include "apps/scenes.h"
 
-#include "apps/decomposition_cache.h"
+#include "apps/body_choice.h"
+#include "apps/interrupt.h"
 #include "apps/motions.h"
+#include "apps/progress_bar.h"
 #include "geometry/files.h"
 #include "session/demo_scene.h"
 #include "session/scene_file.h"
@@ -11,11 +13,27 @@
 #include <filesystem>
 
 namespace lorica {
+namespace {
+
+/// The decomposition of a prop's mesh: from the user's cache, or computed with a progress bar. Ctrl-C cancels.
+Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surface, int parts) {
+  const NothingToCleanUp nothing;
+  ProgressBar bar("Decomposing " + name, "parts");
+  DecomposeSettings settings;
+  settings.maxParts = parts;
+  settings.progress = progressOf(bar);
+  Result<CachedDecomposition> made = meshDecomposition(name, surface, settings, userCache());
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (!made) return made.error();
+  return std::move(made->file.decomposition);
+}
+
+}  // namespace
 
 void addSceneOption(CommandLine& app, std::string& scene) {
   app.addOption(
          "--scene", scene,
-         "What stands around: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls]")
+         "Scene: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls of the demo]")
       ->typeName("SCENE");
 }
 
@@ -23,14 +41,14 @@ Result<SceneText> readSceneText(const std::string& scene) {
   if (scene.empty()) return SceneText();
   std::filesystem::path file = scene;
   if (isBareName(scene)) {
-    // Scenes lie beside the recordings, in the source tree and as installed.
+    // The folder of scenes is next to that of recordings, in the source tree and when installed.
     const Result<std::filesystem::path> folder = recordingsFolder();
     if (!folder) return folder.error();
     file = folder->parent_path() / "scenes" / (scene + ".json");
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
       return Error{ErrorCode::kNotFound,
-                   fmt::format("--scene: {}: no such file and no shipped scene of that name, expected a scene file "
+                   fmt::format("--scene: {}: no such file and no shipped scene with that name, expected a scene file "
                                "(.json) or one of {}",
                                scene, shippedNames(file.parent_path(), ".json"))};
     }
@@ -44,9 +62,7 @@ Result<World> worldOf(const SceneText& scene, const std::string& name) {
   if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
   SceneReading reading;
   reading.folder = scene.folder;
-  reading.decomposer = [](const std::string& mesh, const TriMesh& surface, int parts) {
-    return cachedMeshDecomposition(mesh, surface, parts);
-  };
+  reading.decomposer = decomposeProp;
   const Result<SceneFile> read = parseScene(scene.text, name, reading);
   if (!read) return read.error();
   return makeWorld(*read);

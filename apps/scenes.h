@@ -12,20 +12,20 @@ namespace lorica {
 /// --scene.
 void addSceneOption(CommandLine& app, std::string& scene);
 
-/// What an avatar plays among: a scene file, or one of those that ship by its name. Empty = the demo's boxes and balls.
-/// @return the world, or what is wrong with the file
+/// The world of a scene file or of a shipped scene, given by its name. Empty = the boxes and balls of the demo.
+/// @return the world, or an error about the file
 [[nodiscard]] Result<World> openScene(const std::string& scene);
 
-/// A scene as its file has it.
+/// The text of a scene file.
 struct SceneText {
-  std::string text;              ///< empty = the demo's boxes and balls
-  std::filesystem::path folder;  ///< that its meshes are relative to
+  std::string text;              ///< empty = the boxes and balls of the demo
+  std::filesystem::path folder;  ///< base of relative mesh paths
 };
 
-/// What openScene() reads.
+/// The text that openScene() reads.
 [[nodiscard]] Result<SceneText> readSceneText(const std::string& scene);
 
-/// The world of a scene whose text is at hand. @param name  for sentences
+/// The world of a scene text. @param name  for error messages
 [[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name);
 
 }  // namespace lorica

@@ -15,8 +15,8 @@
 namespace lorica {
 namespace {
 
-// Parts are doubted when their bounding box is off by more than this share of the mesh's diagonal, or when they leave
-// out more than that share of its volume.
+// Parts are suspicious if their bounding box differs by more than this fraction of the mesh's diagonal, or if they
+// leave more than this fraction of its volume uncovered.
 constexpr double kBoxesApart = 0.2;
 constexpr double kUncovered = 0.5;
 
@@ -27,7 +27,7 @@ struct Options {
 
 nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, const Score& score) {
   nlohmann::ordered_json json;
-  if (!subject.mended.empty()) json["mended"] = subject.mended;
+  if (!subject.repaired.empty()) json["repaired"] = subject.repaired;
   json["parts"] = partCount;
   json["score16"] = score.score16;
   json["score16StandardError"] = score.score16StandardError;
@@ -40,24 +40,25 @@ nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, con
 
 Report toReport(const Options& options, const Subject& subject, std::size_t partCount, const Score& score) {
   Report report(fmt::format("{} in {}", options.mesh, counted(static_cast<long long>(partCount), "part")));
-  if (!subject.mended.empty()) report.line("mended", subject.mended);
-  report.line("score, Eq. 16", fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted again)",
+  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
+  report.line("score, Eq. 16", fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly)",
                                            score.score16, score.score16StandardError));
   report.line("score, Eq. 17", fmt::format("{:.4f} (mesh volume / sum of hull volumes)", score.score17));
   report.line("distance, Eq. 18", fmt::format("{:.6g}, {:.3f} % of the diagonal (surface to the nearest hull)",
                                               score.distance, score.distancePercentDiagonal));
-  report.line("uncovered", fmt::format("{:.2f} % of the mesh's volume lies in no hull", 100 * score.uncoveredFraction));
+  report.line("uncovered",
+              fmt::format("{:.2f} % of the mesh's volume is outside all hulls", 100 * score.uncoveredFraction));
   return report;
 }
 
-/// Half the mesh left out, or hulls that reach where the mesh does not: what to think of it. Empty where all is well.
+/// A warning if the hulls cover less than half the mesh or extend beyond it; else empty.
 std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, const Score& score) {
   const Aabb meshBox = surfaceBounds(mesh);
   Aabb partsBox;
   for (const TriMesh& part : parts) {
     for (const Vec3& p : part.vertices) partsBox.extend(p);
   }
-  // Hulls that cover a mesh end where it ends, give or take how closely they follow it.
+  // Hulls that cover a mesh have nearly the same bounds.
   const double apart =
       std::max((meshBox.min - partsBox.min).cwiseAbs().maxCoeff(), (meshBox.max - partsBox.max).cwiseAbs().maxCoeff());
   if (apart <= kBoxesApart * meshBox.diagonal() && score.uncoveredFraction <= kUncovered) return "";
@@ -66,8 +67,8 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
                        box.max.x(), box.max.y(), box.max.z());
   };
   return fmt::format(
-      "these may be parts of another mesh, in another place, unit or pose: they reach from {}, the mesh from {}, and "
-      "{} of it lies in none of them",
+      "these may be parts of another mesh, or have another position, unit or pose: their bounds are {}, those of the "
+      "mesh {}; {} of the mesh is outside all parts",
       text(partsBox), text(meshBox), percent(score.uncoveredFraction));
 }
 
@@ -79,8 +80,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
     return Error{ErrorCode::kInvalidArgument,
                  options.parts +
-                     ": a decomposition, expected its hulls, as `lorica decompose --export-obj FILE.obj` "
-                     "writes them"};
+                     ": found a decomposition, expected its hulls, written by `lorica decompose --export-obj "
+                     "FILE.obj`"};
   }
   Result<std::vector<NamedMesh>> objects = readObjObjects(options.parts);
   if (!objects) return objects.error();
@@ -89,7 +90,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
   const Result<Score> judged = score(mesh, parts, ScoreSettings());
   if (!judged) {
-    // The mesh was refused, or else the parts were: name the file that is meant.
+    // Either the mesh or the parts were rejected: name that file.
     const std::string& file = checkClosedTwoManifold(mesh) ? options.parts : options.mesh;
     return Error{judged.error().code, file + ": " + judged.error().message};
   }
@@ -107,18 +108,18 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addScore(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app = addSubcommand(
-      parent, common, "score", "Judge convex parts, ours or a rival's, against the mesh they stand for.",
+      parent, common, "score", "Score convex parts of any program against the original mesh.",
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
       "  lorica score bunny.off hulls.obj\n"
-      "      judge our own hulls\n"
-      "  lorica score bunny.off coacd.obj --json rival.json\n"
-      "      judge another program's parts: one `o` or `g` a part\n"
-      "\nThe hull of each part's vertices is judged: Eq. 16 by sampling, with its standard error, Eq. 17\n"
+      "      score Lorica's hulls\n"
+      "  lorica score bunny.off coacd.obj --json coacd.json\n"
+      "      score another program's parts: one `o` or `g` per part\n"
+      "\nThe convex hull of each part's vertices is scored by Eq. 16 (sampled, with its standard error), Eq. 17\n"
       "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect.");
-  app->addOption("MESH", options->mesh, "The closed mesh (.off, .obj, .ply, .stl), or `mannequin` in its bind pose")
+  app->addOption("MESH", options->mesh, "Closed mesh (.off, .obj, .ply, .stl), or `mannequin` in its bind pose")
       ->required()
       ->typeName("");
-  app->addOption("PARTS.obj", options->parts, "The parts, one object each")->required()->typeName("");
+  app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required()->typeName("");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

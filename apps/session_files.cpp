@@ -35,7 +35,7 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   header.hullVertices = as.body.cover.hullVertices;
   header.coverHash = hashOf(body.cover);
   header.trainingHash = hashOf(body.training);
-  // A motion of bones is recorded as the character performs it: mirrored already, and never smoothed.
+  // A motion of bones is recorded after retargeting: it is already mirrored, and never smoothed.
   if (!as.poses) header.joints = as.performing.joints();
   header.faults = as.performing.faults();
   header.scene = as.scene;
@@ -50,9 +50,9 @@ Result<void> finishRecorder(const std::shared_ptr<SessionRecorder>& recorder, co
   if (!recorder) return {};
   const Result<int> steps = recorder->finish();
   if (!steps) return steps.error();
-  report.line("recorded", *steps == 0 ? "nothing" : fmt::format("{} in {}", counted(*steps, "step"), file));
+  report.line("recorded", *steps == 0 ? "no steps" : fmt::format("{} in {}", counted(*steps, "step"), file));
   if (recorder->cutShort()) {
-    report.note("The recording ends where the session began anew, or went on with another body or scene.");
+    report.note("The recording ends at the restart of the session, or at the change of its scene or number of parts.");
   }
   json["recorded"] = *steps;
   return {};

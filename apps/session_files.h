@@ -17,28 +17,28 @@ namespace lorica {
 /// --record FILE.lsession.
 void addRecordOption(CommandLine& app, std::string& file);
 
-/// Refuses a file that cannot be, before any work.
+/// Rejects an unusable file name before any work.
 [[nodiscard]] Result<void> checkRecord(const std::string& option, const std::string& file);
 
-/// What a command is about to run, as a recorded session names it.
+/// Description of a session for its recording.
 struct RecordedAs {
-  std::string source;     ///< what moves the character
-  bool poses = false;     ///< its bones, or joints that a sensor gave
-  std::string character;  ///< as it was given
+  std::string source;     ///< name of the source of motion
+  bool poses = false;     ///< true = poses of bones, false = joints
+  std::string character;  ///< as given by the user
   const CharacterOptions& reading;
   const MotionOptions& performing;
   const BodyOptions& body;
-  std::string scene;  ///< as it was given
+  std::string scene;  ///< as given by the user
 };
 
-/// Begins a recording. @param file  empty = none
-/// @return the recorder, which has to watch the session and whose log the source needs; null where none was asked for
+/// Starts a recording. @param file  empty = none
+/// @return the recorder, which must watch the session and whose log the source needs; null if none was requested
 [[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const RecordedAs& as,
                                                                      const Character& character,
                                                                      const DecompositionFile& body, const World& world);
 
-/// Ends it. Nothing happens without a recorder.
-/// @param report,json  told what was recorded
+/// Finishes the recording. Does nothing without a recorder.
+/// @param report,json  receive the number of recorded steps
 [[nodiscard]] Result<void> finishRecorder(const std::shared_ptr<SessionRecorder>& recorder, const std::string& file,
                                           Report& report, nlohmann::ordered_json& json);
 

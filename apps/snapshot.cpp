@@ -30,7 +30,7 @@ constexpr int kLargest = 4096;
 constexpr double kSameTime = 1e-6;  // [s]
 
 struct Options {
-  CastOptions cast;
+  PlaybackInputOptions input;
   BodyOptions body;
   std::string scene;
   CameraOptions camera;
@@ -85,13 +85,13 @@ SceneOptions shownBy(const std::vector<std::string>& words) {
   return show;
 }
 
-/// One picture that is wanted.
+/// A requested picture.
 struct Wanted {
-  double seconds = 0.0;  // since the first frame; where frame is below 0
+  double seconds = 0.0;  // since the first frame; used if frame is negative
   int frame = -1;
 };
 
-/// The pictures in the order in which they come up.
+/// The requested pictures in chronological order.
 Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion) {
   std::vector<Wanted> wanted;
   wanted.reserve(options.at.size() + options.frames.size() + 1);
@@ -117,16 +117,16 @@ Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion&
   return wanted;
 }
 
-/// What came of it.
+/// Results.
 struct Outcome {
   std::vector<fs::path> files;
   std::string renderer;
-  int frames = 0;  // that ran
+  int frames = 0;  // played
   int videoFrames = 0;
   std::uint64_t hash = 0;
 };
 
-/// Runs the session as far as it is needed and draws what is wanted of it.
+/// Runs the session as far as needed and draws the requested pictures.
 Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera,
                       const Motion& motion, Session& session) {
   const Size size = *sizeOf(options.size);
@@ -153,10 +153,10 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const double until = std::accumulate(wanted.begin(), wanted.end(), movie ? end : 0.0,
                                        [](double sum, const Wanted& one) { return std::max(sum, one.seconds); });
   const double share = motion.seconds() > 0.0 ? std::min(until / motion.seconds(), 1.0) : 1.0;
-  int frames = 1 + static_cast<int>(std::ceil(share * (motion.frameCount() - 1)));  // about so many will run
+  int frames = 1 + static_cast<int>(std::ceil(share * (motion.frameCount() - 1)));  // estimate
   for (const Wanted& one : wanted) frames = std::max(frames, one.frame + 1);
   double firstTime = 0.0, previousTime = 0.0;
-  ProgressBar bar((movie ? "Filming " : "Playing ") + motion.name, "frames");
+  ProgressBar bar((movie ? "Rendering video of " : "Playing ") + motion.name, "frames");
   Outcome outcome;
   for (int frame = 0; frame < motion.frameCount(); ++frame) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
@@ -215,7 +215,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
 }
 
 Result<void> check(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.cast.motion, options.cast.character,
+  if (Result<void> fine = checkJsonOutput(common, {options.input.motion, options.input.character,
                                                    options.body.decomposition, options.out, options.video});
       !fine) {
     return fine;
@@ -228,21 +228,22 @@ Result<void> check(const Options& options, const CommonOptions& common) {
     const Size size = *sizeOf(options.size);
     const bool mp4 = fs::path(options.video).extension() == ".mp4";
     if (mp4 && (size.width % 2 != 0 || size.height % 2 != 0)) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("--size {}: a video's sides must be even", options.size)};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--size {}: width and height of an .mp4 video must be even", options.size)};
     }
   }
   if (options.to > 0.0 && options.to < options.from) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("--to {}: comes before --from {}", options.to, options.from)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("--to {} is before --from {}", options.to, options.from)};
   }
   return {};
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = check(options, common); !fine) return fine;
-  const Result<Cast> cast = readCast(options.cast);
-  if (!cast) return cast.error();
-  const Subject& subject = cast->subject;
-  const Motion& motion = cast->motion;
+  const Result<PlaybackInput> input = readPlaybackInput(options.input);
+  if (!input) return input.error();
+  const Subject& subject = input->subject;
+  const Motion& motion = input->motion;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
   const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
   if (!wanted) return wanted.error();
@@ -253,7 +254,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
-  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.cast.performing);
+  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.input.performing);
   if (!source) return source.error();
   Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
   if (!session) return session.error();
@@ -276,7 +277,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!options.video.empty()) {
     report.line("video", fmt::format("{}, {}", options.video, counted(outcome->videoFrames, "frame")));
   }
-  report.line("drawn by", outcome->renderer);
+  report.line("renderer", outcome->renderer);
   report.line("hash", hexDigits(outcome->hash));
   for (const std::string& note : motion.notes) report.note(note);
   return publish(common, report, json);
@@ -287,39 +288,41 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addSnapshot(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app =
-      addSubcommand(parent, common, "snapshot", "Take pictures or a video of a motion, without a display.",
+      addSubcommand(parent, common, "snapshot", "Render pictures or a video of a motion, without a display.",
                     "  lorica snapshot walk --at 1.5 -o walk.png\n"
-                    "      the moment 1.5 s after the start\n"
+                    "      the pose 1.5 s after the start\n"
                     "  lorica snapshot punch_and_kick --at 1,2,3,4 --strip -o kick.png\n"
                     "      four moments side by side; without --strip kick_1.png, kick_2.png, ...\n"
                     "  lorica snapshot walk --frame 45 --camera front --show hulls,bones,ground --size 640x480\n"
-                    "      what physics touches, and the bones\n"
+                    "      the collision hulls and the bones\n"
                     "  lorica snapshot punch_and_kick --scene bowling --video kick.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
-                    "      all of it, from one place; kick.gif makes an animation for web pages\n"
-                    "\nThe hulls are those of `lorica play`, frame by frame: the hash says so.");
-  addCastOptions(*app, options->cast);
-  app->addOption("-o,--out", options->out, "The picture, or what several are named after [default: MOTION.png]")
+                    "      the whole motion from a fixed camera; kick.gif would make an animation for web pages\n"
+                    "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes.");
+  addPlaybackInputOptions(*app, options->input);
+  app->addOption("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
       ->typeName("FILE");
-  app->addOption("--at", options->at, "When, in seconds since the first frame; several with commas [default: halfway]")
+  app->addOption("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]")
       ->separatedBy(',')
       ->typeName("S");
-  app->addOption("--frame", options->frames, "Which frames, counted from 0")->separatedBy(',')->typeName("N");
+  app->addOption("--frame", options->frames, "Frames, counted from 0, separated by commas")
+      ->separatedBy(',')
+      ->typeName("N");
   Option* video = app->addOption("--video", options->video,
-                                 "Film it at the recording's pace, in .mp4 (all frames) or .gif (at most 16 a "
-                                 "second)")
+                                 "Write a real-time video, as .mp4 (all frames) or .gif (at most 16 frames per second)")
                       ->typeName("FILE");
-  addSeconds(*app, "--from", options->from, "Film from here on")->needs(video);
-  addSeconds(*app, "--to", options->to, "Film up to here [default: the end]")->needs(video);
+  addSeconds(*app, "--from", options->from, "Start of the video")->needs(video);
+  addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
   app->addOption("--size", options->size, "Width and height in pixels [default: 1280x720]")
       ->typeName("WxH")
       ->check(isSize());
-  app->addOption("--show", options->show,
-                 "What is drawn: skin, parts (the skin in their colours), hulls, bones, props, particles, contacts, "
-                 "ground, caption [default: all but bones]")
+  app->addOption(
+         "--show", options->show,
+         "Draw only these: skin, parts (skin coloured by part), hulls, bones, props, particles, contacts, ground, "
+         "caption [default: all except bones]")
       ->separatedBy(',')
       ->typeName("WHAT")
       ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
-  app->addFlag("--strip", options->strip, "Several pictures side by side in one file");
+  app->addFlag("--strip", options->strip, "Combine several pictures side by side in one file");
   addCameraOptions(*app, options->camera);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);

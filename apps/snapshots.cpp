@@ -18,8 +18,8 @@ namespace {
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr double kFilmRate = 30.0;      // [1/s]
-constexpr double kFilmEarly = 0.5;      // of a frame: times of recordings jitter around their rate
-constexpr double kLongestStill = 10.0;  // a gap in a recording is not filmed to its end [s]
+constexpr double kFilmEarly = 0.5;      // tolerance in frames: frame times of recordings jitter
+constexpr double kLongestStill = 10.0;  // longer gaps in a recording are shortened [s]
 
 }  // namespace
 
@@ -28,19 +28,19 @@ SessionScene::SessionScene(const Session& session) {
   if (const Character& character = session.character(); !character.shown.empty()) {
     triangles_ = character.shown;
     std::vector<PartIndex> partOfVertex(character.mesh.vertices.size(), 0);
-    const std::vector<std::vector<PointIndex>> passengers =
-        passengersOf(decomposition, liftPoints(character, decomposition));
-    for (std::size_t p = 0; p < passengers.size(); ++p) {
-      for (const PointIndex v : passengers[p]) partOfVertex[static_cast<std::size_t>(v)] = static_cast<PartIndex>(p);
+    const std::vector<std::vector<PointIndex>> attached =
+        attachedVerticesOf(decomposition, liftPoints(character, decomposition));
+    for (std::size_t p = 0; p < attached.size(); ++p) {
+      for (const PointIndex v : attached[p]) partOfVertex[v] = static_cast<PartIndex>(p);
     }
     partOfTriangle_.reserve(triangles_.size());
-    for (const Triangle& t : triangles_) partOfTriangle_.push_back(partOfVertex[static_cast<std::size_t>(t[0])]);
+    for (const Triangle& t : triangles_) partOfTriangle_.push_back(partOfVertex[t[0]]);
     return;
   }
   for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
     const Part& part = decomposition.parts[p];
     for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-      if (part.sourceTriangle[t] < 0) continue;  // a cap lies inside the body
+      if (part.sourceTriangle[t] < 0) continue;  // a cap is inside the body
       triangles_.push_back(part.triangles[t]);
       partOfTriangle_.push_back(static_cast<PartIndex>(p));
     }
@@ -56,7 +56,7 @@ Scene SessionScene::of(const Session& session) const {
   scene.props = session.world().props();
   scene.contacts = session.world().contacts();
   if (const Particles* particles = session.world().particles()) {
-    scene.particles = particles->places();
+    scene.particles = particles->positions();
     scene.particleRadius = static_cast<float>(particles->settings().radius);
     scene.particleColor = particles->settings().color;
   }
@@ -87,16 +87,17 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
 
 void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
   Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
-  addCount(app, "--every", options.every, 1, "A picture every so many frames [default: 30]")->needs(snapshots);
-  Option* video =
-      app.addOption("--video", options.video, "Film it, in .mp4 (30 frames a second) or .gif (15)")->typeName("FILE");
+  addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
+  Option* video = app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second) or .gif (15)")
+                      ->typeName("FILE");
   for (Option* option : {snapshots, video}) option->excludes(window);
   addCameraOptions(app, options.camera);
 }
 
 Result<void> checkSnapshots(const SnapshotOptions& options) {
   if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
-    return Error{ErrorCode::kInvalidArgument, "--camera, --eye: there is no picture, expected --snapshots or --video"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "--camera and --eye have no effect without pictures: expected --snapshots or --video"};
   }
   if (!options.folder.empty()) {
     if (Result<void> fine = checkOutputFolder("--snapshots", options.folder); !fine) return fine;
@@ -149,12 +150,12 @@ bool SnapshotSeries::snapshotDue(const Session& session) const {
   return !options_.folder.empty() && (session.frameCount() - 1) % options_.every == 0;
 }
 
-/// Of the video, up to the session's present frame: its own time counts, so that the video has its pace.
+/// Duration of the video up to the session's current frame. It follows the session's time, so the video is real-time.
 double SnapshotSeries::filmSeconds(const Session& session) const {
   return filmSeconds_ + std::clamp(session.time() - previousTime_.value_or(session.time()), 0.0, kLongestStill);
 }
 
-/// So many frames of the video show the session's present one.
+/// Number of video frames that show the session's current frame.
 int SnapshotSeries::filmFrames(const Session& session) const {
   if (!movie_) return 0;
   return 1 + static_cast<int>(std::floor(filmSeconds(session) * kFilmRate + kFilmEarly)) - filmed_;

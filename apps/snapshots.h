@@ -17,9 +17,8 @@
 
 namespace lorica {
 
-/// What a picture shows of a session: the skin, coloured by part, and what surrounds it. A body is cut where the parts
-/// meet; a surface that is shown instead of the body has whole triangles, each of the part that covers its first
-/// corner.
+/// The drawable content of a session: the skin, coloured by part, and the scene. A body is cut at the part boundaries.
+/// A surface shown instead of the body keeps whole triangles, each coloured by the part that covers its first vertex.
 class SessionScene {
  public:
   explicit SessionScene(const Session& session);
@@ -28,14 +27,14 @@ class SessionScene {
   [[nodiscard]] Scene of(const Session& session) const;
 
  private:
-  std::vector<Triangle> triangles_;  // what is shown, or the surface of all parts, without caps, over their points
+  std::vector<Triangle> triangles_;  // the shown surface, or the surface of all parts without caps, over their points
   std::vector<PartIndex> partOfTriangle_;
 };
 
 /// Draws sessions without a window.
 class SnapshotCamera {
  public:
-  /// @return the camera, or kNoDisplay with what was tried and which package helps
+  /// @return the camera, or kNoDisplay with what was tried and the missing package
   static Result<SnapshotCamera> create(int width, int height);
 
   [[nodiscard]] Image draw(const Scene& scene, const SceneOptions& options, const Camera& camera);
@@ -60,13 +59,13 @@ struct SnapshotOptions {
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
 };
 
-/// @param window  --window, which draws by itself
+/// @param window  the option --window, which these exclude
 void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
 
-/// Fails early where the folder or the video cannot be, or a camera has nothing to look at.
+/// Fails early if the folder or the video cannot be written, or if a camera was given without pictures.
 [[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
 
-/// What was drawn of a session.
+/// Number of snapshots and video frames drawn.
 struct DrawnFiles {
   int snapshots = 0;
   int videoFrames = 0;
@@ -75,20 +74,20 @@ struct DrawnFiles {
   void addTo(const SnapshotOptions& options, Report& report) const;
 };
 
-/// Pictures of a session as it runs, frame_0000.png and so on, and a video of it, from a camera that follows.
+/// Pictures of a running session (frame_0000.png, ...) and a video, by default from a camera that follows the body.
 class SnapshotSeries {
  public:
   /// @param session  outlives the series
-  /// @return nothing where no pictures are wanted; the series; or why there can be none
+  /// @return none if no pictures were requested; the series; or an error
   static Result<std::optional<SnapshotSeries>> create(const SnapshotOptions& options, const Session& session);
 
-  /// Once a frame; draws those that are due.
-  /// @param name   of what plays, for the caption
+  /// Call once per frame; draws the pictures that are due.
+  /// @param name   of the motion, for the caption
   /// @param inset  see Scene; null = none
   [[nodiscard]] Result<void> add(const Session& session, const std::string& name, const Image* inset = nullptr);
-  /// Whether add() will draw the session's present frame.
+  /// Whether add() will draw the session's current frame.
   [[nodiscard]] bool due(const Session& session) const { return snapshotDue(session) || filmFrames(session) > 0; }
-  /// Ends the video. @return what was drawn
+  /// Finishes the video. @return the number of pictures drawn
   [[nodiscard]] Result<DrawnFiles> finish();
 
  private:
@@ -102,8 +101,8 @@ class SnapshotSeries {
   SessionScene scene_;
   FollowCamera follow_;
   std::optional<Movie> movie_;
-  double filmSeconds_ = 0.0;  // of the video, up to the frame that was added last [s]
-  int filmed_ = 0;            // frames of it
+  double filmSeconds_ = 0.0;  // duration of the video up to the last added frame [s]
+  int filmed_ = 0;            // number of its frames
   std::optional<double> firstTime_, previousTime_;
   DrawnFiles drawn_;
 };

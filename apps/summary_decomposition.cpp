@@ -16,16 +16,16 @@ using Json = nlohmann::ordered_json;
 constexpr int kRowsInFull = 32;
 constexpr std::size_t kBonesShown = 3;
 
-/// Levels of detail: all of the first 32, then in steps of an eighth, and the last. --json has every one.
-Table ladderTable(const std::vector<DetailLevel>& ladder, bool animated) {
+/// Levels of detail: the first 32, then in steps of one eighth, and the last. --json has all of them.
+Table levelTable(const std::vector<DetailLevel>& detailLevels, bool animated) {
   Table table{{"parts", "error", "hull vertices"}, {}};
   if (animated) table.headings.insert(table.headings.begin() + 2, "worst keyframe");
   int next = 1;
-  const int all = static_cast<int>(ladder.size());
+  const int all = static_cast<int>(detailLevels.size());
   for (int n = 1; n <= all; ++n) {
     if (n < next && n != all) continue;
     next = n < kRowsInFull ? n + 1 : n + n / 8;
-    const DetailLevel& level = ladder[static_cast<std::size_t>(n) - 1];
+    const DetailLevel& level = detailLevels[static_cast<std::size_t>(n) - 1];
     std::vector<std::string> row = {grouped(n), percent(level.meanError), grouped(level.hullVertices)};
     if (animated) row.insert(row.begin() + 2, percent(level.worstError));
     table.rows.push_back(std::move(row));
@@ -33,7 +33,7 @@ Table ladderTable(const std::vector<DetailLevel>& ladder, bool animated) {
   return table;
 }
 
-/// The mesh triangles that a part came from, ascending: a triangle that was cut has several pieces in it.
+/// The mesh triangles that a part came from, ascending and unique: a part may hold several pieces of a cut triangle.
 std::vector<std::int32_t> sourceTriangles(const Part& part) {
   std::vector<std::int32_t> sources = part.sourceTriangle;
   std::sort(sources.begin(), sources.end());
@@ -51,7 +51,7 @@ std::string bonesText(const std::vector<BoneShare>& bones) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-/// Where each part came from. Of many parts the first; --json has every one.
+/// The origin of each of the first parts; --json has all of them.
 Table originTable(const DecompositionFile& content) {
   const std::vector<Part>& parts = content.decomposition.parts;
   Table table{{"part", "source triangles", "triangles"}, {}, 3};
@@ -83,27 +83,27 @@ Json partsToJson(const DecompositionFile& content) {
   return parts;
 }
 
-/// What a live body made of it promises, and in which poses it was trained: of what moves.
-void addPromise(const DecompositionFile& content, Facts& facts) {
-  addCoverTo(facts.report, content.cover);
-  addCoverTo(facts.json, content.cover);
-  facts.json["training"] = nullptr;
+/// Adds the hull cover and the training range of an animated decomposition.
+void addCoverAndTraining(const DecompositionFile& content, FileSummary& summary) {
+  addCoverTo(summary.report, content.cover);
+  addCoverTo(summary.json, content.cover);
+  summary.json["training"] = nullptr;
   if (!content.training) {
-    facts.report.line("training", "not in the file, which an older Lorica wrote");
+    summary.report.line("training", "not in the file");
     return;
   }
   const TrainingRange& training = *content.training;
-  facts.report.line("training", fmt::format("{} in {}; poses up to {:.2f} m from one of these are known",
-                                            counted(std::ssize(training.probes), "probe"),
-                                            counted(training.keyframeCount, "keyframe"), training.knownDistance));
-  facts.json["training"] = {{"probes", training.probes.size()},
-                            {"keyframes", training.keyframeCount},
-                            {"knownDistance", training.knownDistance}};
+  summary.report.line("training", fmt::format("{}, {}; training range {:.2f} m around each keyframe",
+                                              counted(std::ssize(training.probes), "probe"),
+                                              counted(training.keyframeCount, "keyframe"), training.knownDistance));
+  summary.json["training"] = {{"probes", training.probes.size()},
+                              {"keyframes", training.keyframeCount},
+                              {"knownDistance", training.knownDistance}};
 }
 
 }  // namespace
 
-Result<Facts> describeDecomposition(const fs::path& file) {
+Result<FileSummary> describeDecomposition(const fs::path& file) {
   const Result<DecompositionFile> content = readDecomposition(file);
   if (!content) return content.error();
   const Decomposition& made = content->decomposition;
@@ -111,26 +111,26 @@ Result<Facts> describeDecomposition(const fs::path& file) {
   const std::uintmax_t bytes = fs::file_size(file, ignored);
   const bool animated = content->errorPerKeyframe.size() > 1;
 
-  Facts facts{Report(file.filename().string() + ": a decomposition"), {}};
-  Report& report = facts.report;
-  report.line("made from", fmt::format("{}: {} vertices, {} triangles", content->source, grouped(made.vertexCount),
-                                       grouped(made.triangleCount)));
+  FileSummary summary{Report(file.filename().string() + ": a decomposition"), {}};
+  Report& report = summary.report;
+  report.line("source mesh", fmt::format("{}: {} vertices, {} triangles", content->source, grouped(made.vertexCount),
+                                         grouped(made.triangleCount)));
   report.line("parts", grouped(std::ssize(made.parts)));
   report.line("cut points", grouped(std::ssize(made.cutPoints)));
   report.line("keyframes", grouped(std::ssize(content->errorPerKeyframe)));
-  report.line("error", fmt::format("{} more volume than the mesh{}", percent(content->meanError),
+  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(content->meanError),
                                    animated ? ", mean over the keyframes" : ""));
   report.line("hash", hexDigits(hashOf(made)));
   report.line("file", fmt::format("{} bytes", grouped(static_cast<long long>(bytes))));
-  if (content->ladder.empty()) {
-    report.line("ladder", "not in the file, which an older Lorica wrote");
+  if (content->detailLevels.empty()) {
+    report.line("levels of detail", "not in the file");
   } else {
-    report.table(ladderTable(content->ladder, animated));
+    report.table(levelTable(content->detailLevels, animated));
   }
   report.table(originTable(*content));
-  if (made.parts.size() > kRowsInFull) report.note("The tables leave rows out; --json has all of them.");
+  if (made.parts.size() > kRowsInFull) report.note("The tables do not show all rows; --json does.");
 
-  Json& json = facts.json;
+  Json& json = summary.json;
   json["kind"] = "decomposition";
   json["name"] = file.filename().string();
   json["source"] = content->source;
@@ -141,19 +141,20 @@ Result<Facts> describeDecomposition(const fs::path& file) {
   json["cutPoints"] = made.cutPoints.size();
   json["error"] = content->meanError;
   json["errorPerKeyframe"] = content->errorPerKeyframe;
-  if (animated || content->training || content->cover || !content->bonesOfPart.empty()) addPromise(*content, facts);
+  if (animated || content->training || content->cover || !content->bonesOfPart.empty())
+    addCoverAndTraining(*content, summary);
   json["hash"] = hexDigits(hashOf(made));
   json["bytes"] = bytes;
-  json["ladder"] = Json::array();
-  for (std::size_t i = 0; i < content->ladder.size(); ++i) {
-    const DetailLevel& level = content->ladder[i];
-    json["ladder"].push_back({{"parts", i + 1},
-                              {"error", level.meanError},
-                              {"worstError", level.worstError},
-                              {"hullVertices", level.hullVertices}});
+  json["detailLevels"] = Json::array();
+  for (std::size_t i = 0; i < content->detailLevels.size(); ++i) {
+    const DetailLevel& level = content->detailLevels[i];
+    json["detailLevels"].push_back({{"parts", i + 1},
+                                    {"error", level.meanError},
+                                    {"worstError", level.worstError},
+                                    {"hullVertices", level.hullVertices}});
   }
   json["partOrigins"] = partsToJson(*content);
-  return facts;
+  return summary;
 }
 
 }  // namespace lorica

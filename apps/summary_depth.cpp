@@ -17,30 +17,30 @@ constexpr double kDegrees = 57.29577951308232;
 std::string describe(const OpenNiCamera& camera) {
   std::string text = camera.vendor + " " + camera.name;
   if (camera.usbVendor != 0) text += fmt::format(" (USB {:04x}:{:04x})", camera.usbVendor, camera.usbProduct);
-  if (!camera.driver.empty()) text += ", by " + camera.driver;
+  if (!camera.driver.empty()) text += ", driver " + camera.driver;
   return text;
 }
 
 }  // namespace
 
-Result<Facts> describeDepthRecording(const std::filesystem::path& file) {
+Result<FileSummary> describeDepthRecording(const std::filesystem::path& file) {
   const Result<OniFile> read = OniFile::open(file);
   if (!read) return read.error();
   const OniInfo& info = read->info();
   const double rate = info.duration > 0.0 ? (info.frameCount - 1) / info.duration : 0.0;
-  Facts facts{Report(file.filename().string() + ": a depth recording"), {}};
-  Report& report = facts.report;
-  report.line("format",
-              fmt::format("OpenNI {}{}", info.version, info.cutOff ? ", cut off: its whole frames are there" : ""));
+  FileSummary summary{Report(file.filename().string() + ": a depth recording"), {}};
+  Report& report = summary.report;
+  report.line("format", fmt::format("OpenNI {}{}", info.version,
+                                    info.cutOff ? ", truncated: its complete frames are readable" : ""));
   if (!info.device.empty()) report.line("device", info.device);
   report.line("length", fmt::format("{:.2f} s", info.duration));
-  report.line("depth frames", fmt::format("{} at {:.1f} a second", grouped(info.frameCount), rate));
+  report.line("depth frames", fmt::format("{} at {:.1f} per second", grouped(info.frameCount), rate));
   report.line("image", fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees{}", info.camera.width, info.camera.height,
                                    kDegrees * info.camera.horizontalFov, kDegrees * info.camera.verticalFov,
-                                   info.mirrored ? "; mirrored in the file, turned back when read" : ""));
-  if (info.colorFrameCount > 0) report.line("colour", counted(info.colorFrameCount, "frame") + ", not read");
-  if (info.infraredFrameCount > 0) report.line("infrared", counted(info.infraredFrameCount, "frame") + ", not read");
-  Json& json = facts.json;
+                                   info.mirrored ? "; stored mirrored, unmirrored when read" : ""));
+  if (info.colorFrameCount > 0) report.line("colour", counted(info.colorFrameCount, "frame") + ", ignored");
+  if (info.infraredFrameCount > 0) report.line("infrared", counted(info.infraredFrameCount, "frame") + ", ignored");
+  Json& json = summary.json;
   json["kind"] = "depth recording";
   json["name"] = file.filename().string();
   json["version"] = info.version;
@@ -52,10 +52,10 @@ Result<Facts> describeDepthRecording(const std::filesystem::path& file) {
   json["height"] = info.camera.height;
   json["mirrored"] = info.mirrored;
   json["cutOff"] = info.cutOff;
-  return facts;
+  return summary;
 }
 
-Result<Facts> describeDevices(const std::string& driver) {
+Result<FileSummary> describeDevices(const std::string& driver) {
   OpenNiSettings settings;
   if (!driver.empty()) settings.drivers.emplace_back(driver);
   const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start(settings);
@@ -63,24 +63,25 @@ Result<Facts> describeDevices(const std::string& driver) {
   const Result<std::vector<OpenNiCamera>> cameras = (*openNi)->cameras();
   if (!cameras) return cameras.error();
 
-  Facts facts{Report(cameras->empty() ? "No depth camera is seen" : counted(std::ssize(*cameras), "depth camera")), {}};
-  Json& json = facts.json;
+  FileSummary summary{
+      Report(cameras->empty() ? "No depth camera found" : counted(std::ssize(*cameras), "depth camera")), {}};
+  Json& json = summary.json;
   json["kind"] = "devices";
   json["cameras"] = Json::array();
   for (const OpenNiCamera& camera : *cameras) {
-    facts.report.line(camera.uri, describe(camera));
+    summary.report.line(camera.uri, describe(camera));
     json["cameras"].push_back({{"uri", camera.uri},
                                {"vendor", camera.vendor},
                                {"name", camera.name},
                                {"usb", fmt::format("{:04x}:{:04x}", camera.usbVendor, camera.usbProduct)},
                                {"driver", camera.driver}});
   }
-  if (!cameras->empty()) facts.report.gap();
+  if (!cameras->empty()) summary.report.gap();
   json["drivers"] = Json::array();
   for (const OpenNiDriver& known : (*openNi)->drivers()) {
-    const std::string origin = known.packaged ? "comes with OpenNI2" : "added";
-    facts.report.line(known.file.filename().string(),
-                      known.problem.empty() ? origin : origin + ", cannot be used: " + known.problem);
+    const std::string origin = known.packaged ? "part of OpenNI2" : "added";
+    summary.report.line(known.file.filename().string(),
+                        known.problem.empty() ? origin : origin + ", not usable: " + known.problem);
     json["drivers"].push_back({{"file", known.file.string()},
                                {"packaged", known.packaged},
                                {"problem", known.problem.empty() ? Json() : Json(known.problem)}});
@@ -88,12 +89,12 @@ Result<Facts> describeDevices(const std::string& driver) {
   json["why"] = Json::array();
   if (cameras->empty()) {
     for (const std::string& sentence : whyNoCamera(usbDepthCameras(), !driver.empty())) {
-      facts.report.note(sentence);
+      summary.report.note(sentence);
       json["why"].push_back(sentence);
     }
-    facts.report.note("Which camera needs which driver: docs/SENSORS.md. Without any, try `lorica live --virtual`.");
+    summary.report.note("Drivers for each camera: docs/SENSORS.md. Without a camera, try `lorica live --virtual`.");
   }
-  return facts;
+  return summary;
 }
 
 }  // namespace lorica

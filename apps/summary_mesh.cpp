@@ -14,7 +14,7 @@ std::string point(const Vec3& p) {
 
 }  // namespace
 
-Facts describeMesh(const Subject& subject) {
+FileSummary describeMesh(const Subject& subject) {
   const TriMesh& mesh = subject.mesh;
   const Aabb box = boundsOf(mesh.vertices);
   const double volume = signedVolume(mesh.vertices, mesh.triangles);
@@ -22,12 +22,12 @@ Facts describeMesh(const Subject& subject) {
   const int components = connectedComponents(mesh.vertices.size(), mesh.triangles).count;
   const Result<void> closed = checkClosedTwoManifold(mesh);
 
-  Facts facts{Report(subject.name + (subject.character ? ": a character" : ": a mesh")), {}};
-  Report& report = facts.report;
+  FileSummary summary{Report(subject.name + (subject.character ? ": a character" : ": a mesh")), {}};
+  Report& report = summary.report;
   report.line("vertices", grouped(std::ssize(mesh.vertices)));
   report.line("triangles", grouped(std::ssize(mesh.triangles)));
   report.line("components", grouped(components));
-  if (!subject.mended.empty()) report.line("mended", subject.mended);
+  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
   report.line("closed", closed ? "yes, it can be decomposed" : "no: " + closed.error().message);
   report.line("volume", fmt::format("{:.6g}", volume));
   report.line("hull volume", fmt::format("{:.6g}", hullVolume));
@@ -38,21 +38,21 @@ Facts describeMesh(const Subject& subject) {
     report.line("diagonal", fmt::format("{:.6g}", box.diagonal()));
   }
 
-  Json& json = facts.json;
+  Json& json = summary.json;
   json["kind"] = subject.character ? "character" : "mesh";
   json["name"] = subject.name;
   json["vertices"] = mesh.vertices.size();
   json["triangles"] = mesh.triangles.size();
   json["components"] = components;
   json["closed"] = closed.ok();
-  json["mended"] = subject.mended.empty() ? Json() : Json(subject.mended);
+  json["repaired"] = subject.repaired.empty() ? Json() : Json(subject.repaired);
   json["problem"] = closed ? Json() : Json(closed.error().message);
   json["volume"] = volume;
   json["hullVolume"] = hullVolume;
   json["convexity"] = closed && hullVolume > 0.0 ? Json(convexity) : Json();
   json["boundingBox"] =
       box.empty() ? Json() : Json{{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}};
-  return facts;
+  return summary;
 }
 
 }  // namespace lorica

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void addJoints(const Motion& motion, Facts& facts) {
+void addJoints(const Motion& motion, FileSummary& summary) {
   std::size_t seen = 0, guessed = 0, unknown = 0;
   for (const SkeletonFrame& frame : motion.joints) {
     for (const TrackedJoint& joint : frame.joints) {
@@ -18,49 +18,49 @@ void addJoints(const Motion& motion, Facts& facts) {
     }
   }
   const double all = static_cast<double>(motion.joints.size()) * kBodyJointCount;
-  facts.report.line("user", std::to_string(motion.joints.front().user));
-  facts.report.line(
+  summary.report.line("user", std::to_string(motion.joints.front().user));
+  summary.report.line(
       "joints",
       fmt::format("{}: {} seen, {} guessed, {} unknown", kBodyJointCount, percent(static_cast<double>(seen) / all),
                   percent(static_cast<double>(guessed) / all), percent(static_cast<double>(unknown) / all)));
-  facts.json["user"] = motion.joints.front().user;
-  facts.json["jointsSeen"] = static_cast<double>(seen) / all;
-  facts.json["jointsGuessed"] = static_cast<double>(guessed) / all;
-  facts.json["jointsUnknown"] = static_cast<double>(unknown) / all;
+  summary.json["user"] = motion.joints.front().user;
+  summary.json["jointsSeen"] = static_cast<double>(seen) / all;
+  summary.json["jointsGuessed"] = static_cast<double>(guessed) / all;
+  summary.json["jointsUnknown"] = static_cast<double>(unknown) / all;
 }
 
-void addBones(const Skeleton& skeleton, Facts& facts) {
+void addBones(const Skeleton& skeleton, FileSummary& summary) {
   const auto bones = std::count_if(skeleton.joints().begin(), skeleton.joints().end(),
                                    [](const Joint& joint) { return joint.bone.has_value(); });
-  facts.report.line("joints", fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones));
+  summary.report.line("joints", fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones));
   const Result<std::vector<HumanBone>> atRest = bonesLeftAtRest(skeleton);
   std::string retargeting = "any humanoid can perform it";
   if (!atRest) {
-    retargeting = "only characters with the same joints: " + atRest.error().message;
+    retargeting = "only for characters with the same joints: " + atRest.error().message;
   } else if (!atRest->empty()) {
     std::vector<std::string_view> names;
     names.reserve(atRest->size());
     for (const HumanBone bone : *atRest) names.push_back(nameOf(bone));
-    retargeting += fmt::format("; it lacks {}, which stay at rest", fmt::join(names, ", "));
+    retargeting += fmt::format("; missing bones stay at rest: {}", fmt::join(names, ", "));
   }
-  facts.report.line("retargeting", retargeting);
-  facts.json["joints"] = skeleton.jointCount();
-  facts.json["humanoidBones"] = bones;
-  facts.json["retargetable"] = atRest.ok();
+  summary.report.line("retargeting", retargeting);
+  summary.json["joints"] = skeleton.jointCount();
+  summary.json["humanoidBones"] = bones;
+  summary.json["retargetable"] = atRest.ok();
 }
 
 }  // namespace
 
-Facts describeMotion(const Motion& motion) {
+FileSummary describeMotion(const Motion& motion) {
   const double seconds = motion.seconds();
   const double rate = seconds > 0.0 ? (motion.frameCount() - 1) / seconds : 0.0;
-  Facts facts{
+  FileSummary summary{
       Report(fmt::format("{}: {}", motion.name, motion.bones ? "a motion of a skeleton" : "a recording of joints")),
       {}};
-  facts.report.line("format", motion.format);
-  facts.report.line("length", fmt::format("{:.2f} s", seconds));
-  facts.report.line("frames", fmt::format("{} at {:.1f} a second", grouped(motion.frameCount()), rate));
-  Json& json = facts.json;
+  summary.report.line("format", motion.format);
+  summary.report.line("length", fmt::format("{:.2f} s", seconds));
+  summary.report.line("frames", fmt::format("{} at {:.1f} per second", grouped(motion.frameCount()), rate));
+  Json& json = summary.json;
   json["kind"] = motion.bones ? "motion" : "recording";
   json["name"] = motion.name;
   json["format"] = motion.format;
@@ -68,13 +68,13 @@ Facts describeMotion(const Motion& motion) {
   json["frames"] = motion.frameCount();
   json["framesPerSecond"] = rate;
   if (motion.bones) {
-    addBones(motion.bones->skeleton, facts);
+    addBones(motion.bones->skeleton, summary);
   } else {
-    addJoints(motion, facts);
+    addJoints(motion, summary);
   }
-  for (const std::string& note : motion.notes) facts.report.note(note);
+  for (const std::string& note : motion.notes) summary.report.note(note);
   json["notes"] = motion.notes;
-  return facts;
+  return summary;
 }
 
 }  // namespace lorica

@@ -8,22 +8,22 @@ namespace {
 
 constexpr double kBallRadius = 0.11;    // of a football [m]
 constexpr double kBallSpeed = 11.0;     // towards the target [m/s]
-constexpr double kBallAhead = 0.4;      // of the eye, where it would fill the picture [m]
+constexpr double kBallAhead = 0.4;      // distance from the eye, where it would fill the picture [m]
 constexpr double kGravity = 9.81;       // [m/s^2]
-constexpr double kLowestHand = 0.02;    // what is held is not drawn through the floor [m]
-constexpr double kFarthestHand = 50.0;  // from the origin [m]: the mouse may point at the horizon
+constexpr double kLowestHand = 0.02;    // minimum height of a held prop, so that it stays above the floor [m]
+constexpr double kFarthestHand = 50.0;  // maximum distance from the origin, as the mouse may point at the horizon [m]
 
-/// Along the view, and so much upward that it falls through what the camera looks at.
+/// Throws along the view direction, and upward enough to pass through the camera's target.
 WorldAction ballFrom(const Camera& camera) {
   const Vec3 view = camera.target - camera.eye;
   const double distance = std::max(view.norm(), 1e-6);
-  Vec3 place = camera.eye + std::min(kBallAhead, 0.5 * distance) / distance * view;
-  place.y() = std::max(place.y(), kBallRadius);
-  const double seconds = (camera.target - place).norm() / kBallSpeed;
+  Vec3 position = camera.eye + std::min(kBallAhead, 0.5 * distance) / distance * view;
+  position.y() = std::max(position.y(), kBallRadius);
+  const double seconds = (camera.target - position).norm() / kBallSpeed;
   Vec3 velocity = kBallSpeed / distance * view;
   velocity.y() += 0.5 * kGravity * seconds;
   if (velocity.norm() > kFastestBall) velocity *= kFastestBall / velocity.norm();
-  return WorldAction::throwBall(place, velocity, kBallRadius);
+  return WorldAction::throwBall(position, velocity, kBallRadius);
 }
 
 Vec3 forwardOf(const Camera& camera) {
@@ -43,10 +43,10 @@ void WindowHands::act(Session& session, const WorldAction& action) {
 void WindowHands::take(const WindowRequests& requests, const Window& window, Session& session) {
   if (requests.pressed) {
     const std::optional<PropPick> pick = session.world().pick(*requests.pressed);
-    if (pick && session.world().props()[static_cast<std::size_t>(pick->prop)].mass > 0.0) {
-      act(session, WorldAction::grab(pick->prop, pick->place));
+    if (pick && session.world().props()[pick->prop].mass > 0.0) {
+      act(session, WorldAction::grab(pick->prop, pick->position));
       const Camera camera = window.camera();
-      depth_ = (pick->place - camera.eye).dot(forwardOf(camera));
+      depth_ = (pick->position - camera.eye).dot(forwardOf(camera));
       holds_ = true;
     }
   }
@@ -60,13 +60,13 @@ void WindowHands::take(const WindowRequests& requests, const Window& window, Ses
 void WindowHands::beforeStep(const Window& window, Session& session) {
   tape_.redo(session);
   if (!holds_) return;
-  // In the plane that faces the camera and holds the place where it was taken.
+  // In the plane that faces the camera and contains the grabbed point.
   const Ray ray = window.pointer();
   const double along = ray.direction.normalized().dot(forwardOf(window.camera()));
-  Vec3 place = ray.origin + depth_ / std::max(along, 0.1) * ray.direction.normalized();
-  place.y() = std::max(place.y(), kLowestHand);
-  if (place.norm() > kFarthestHand) place *= kFarthestHand / place.norm();
-  act(session, WorldAction::moveGrab(place));
+  Vec3 position = ray.origin + depth_ / std::max(along, 0.1) * ray.direction.normalized();
+  position.y() = std::max(position.y(), kLowestHand);
+  if (position.norm() > kFarthestHand) position *= kFarthestHand / position.norm();
+  act(session, WorldAction::moveGrab(position));
 }
 
 void WindowHands::rewind(Session& session) {

@@ -6,19 +6,19 @@
 
 namespace lorica {
 
-/// What a person does to the world with the mouse and the ball key, as actions of the session.
+/// Turns the mouse and the ball key into actions of the session.
 class WindowHands {
  public:
-  /// @param again  whether the session may begin anew, so that what was done has to be kept
+  /// @param again  whether the session can restart, so that actions have to be recorded
   explicit WindowHands(bool again) : again_(again) {}
 
-  /// Takes hold of the prop under the mouse, or lets go, or throws.
+  /// Grabs the prop under the mouse, releases it, or throws a ball.
   void take(const WindowRequests& requests, const Window& window, Session& session);
-  /// Before each frame of the session: does what was done in it before, and draws what is held to where the mouse is.
+  /// Call before each frame of the session: repeats its recorded actions and moves a held prop to the mouse position.
   void beforeStep(const Window& window, Session& session);
-  /// Before the session begins anew: lets go. What was done will be done again.
+  /// Call before the session restarts: releases a held prop. Recorded actions will be repeated.
   void rewind(Session& session);
-  /// Forgets all that was done; lets go without an action. The world is another one.
+  /// Forgets all recorded actions and the held prop. Call when the world was replaced.
   void forget();
 
   [[nodiscard]] bool holds() const { return holds_; }
@@ -29,7 +29,7 @@ class WindowHands {
   bool again_;
   ActionTape tape_;
   bool holds_ = false;
-  double depth_ = 0.0;  // of the held place along the view [m]
+  double depth_ = 0.0;  // of the grabbed point along the view direction [m]
 };
 
 }  // namespace lorica

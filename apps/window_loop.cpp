@@ -1,6 +1,5 @@
 #include "apps/window_loop.h"
 
-#include "apps/detail_levels.h"
 #include "apps/interrupt.h"
 #include "apps/motions.h"
 #include "apps/report.h"
@@ -8,6 +7,7 @@
 #include "apps/snapshots.h"
 #include "apps/window_hands.h"
 #include "apps/window_warnings.h"
+#include "session/prepare/detail_levels.h"
 
 #include <fmt/format.h>
 
@@ -19,17 +19,17 @@
 namespace lorica {
 namespace {
 
-constexpr int kMostStepsAPicture = 6;
-constexpr double kLongestPause = 0.25;  // [s]: a gap in a recording, or a dragged window, is not waited out
-constexpr double kSeekSlice = 0.04;     // of running to a time, between pictures [s]
-constexpr double kSoon = 0.25;          // a run that takes longer is told of [s]
+constexpr int kMaxStepsAPicture = 6;
+constexpr double kLongestPause = 0.25;  // longer gaps in a recording, or while the window is dragged, are skipped [s]
+constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures [s]
+constexpr double kSoon = 0.25;          // longer seeks are reported [s]
 constexpr const char* kDemoScene = "boxes and balls";
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// What a scene's list shows: the demo's, those that ship, and one of the user's own.
+/// The list of scenes: that of the demo, the shipped ones, and the user's own.
 struct SceneList {
   std::vector<std::string> names{kDemoScene}, arguments{""};
   int present = 0;
@@ -64,27 +64,27 @@ class WindowLoop {
         subject_(subject),
         session_(subject.session),
         options_(options),
-        scenes_(subject.worldAnew ? SceneList{{}, {}} : scenesBeside(subject.scene)),
+        scenes_(subject.worldAgain ? SceneList{{}, {}} : scenesBeside(subject.scene)),
         scene_(session_),
         levels_(session_.body().plan(), session_.character()),
-        hands_(subject.sourceAnew != nullptr),
+        hands_(subject.sourceAgain != nullptr),
         due_(now()) {}
 
   Result<WindowEnd> run();
 
  private:
-  /// Where a recording is run to without pictures.
+  /// A seek: the recording runs to a time without pictures.
   struct Seek {
     double to = 0.0;     // [s]
     double begun = 0.0;  // [s]
     int frames = 0;
-    bool anew = false;  // from the start
+    bool again = false;  // from the start
   };
 
-  [[nodiscard]] bool onlyWatched() const { return subject_.worldAnew != nullptr; }
+  [[nodiscard]] bool onlyWatched() const { return subject_.worldAgain != nullptr; }
   [[nodiscard]] double seconds() const { return started_ ? session_.time() - firstTime_ : 0.0; }
   Result<void> answer(WindowRequests requests);
-  [[nodiscard]] Result<World> worldAnew() const;
+  [[nodiscard]] Result<World> worldAgain() const;
   Result<void> beginSeek(double to);
   Result<void> runSeek();
   Result<void> advance();
@@ -108,17 +108,17 @@ class WindowLoop {
   std::optional<Seek> seek_;
   double due_;  // of the next frame [s]
   double firstTime_ = 0.0;
-  double frameBegin_ = 0.0;  // time of the frame before this one, since the first [s]
+  double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
   bool started_ = false, ended_ = false;
   std::string status_;
   std::vector<int> touched_;
 };
 
-// The first step takes seconds where sand settles in it: the window says so before, with a picture.
+// If there are particles, the first step takes seconds because they settle: announce it in a picture first.
 void WindowLoop::saySettling() {
   const Particles* particles = session_.world().particles();
   if (particles == nullptr || particles->settings().settleSeconds <= 0.0) return;
-  window_.notice("sand and water settle first");
+  window_.notice("waiting for sand or water to settle");
   for (int picture = 0; picture < 2; ++picture) show();
 }
 
@@ -137,7 +137,7 @@ Result<WindowEnd> WindowLoop::run() {
       }
     }
     show();
-    // Where the display does not hold us back, this does.
+    // Limits the frame rate without vertical synchronisation.
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return WindowEnd::kClosed;
@@ -145,7 +145,7 @@ Result<WindowEnd> WindowLoop::run() {
 
 Result<void> WindowLoop::answer(WindowRequests requests) {
   if (requests.throwBall && (onlyWatched() || ended_)) {
-    window_.notice(onlyWatched() ? "a recorded session is only watched" : "it is over: home begins anew");
+    window_.notice(onlyWatched() ? "a recorded session cannot be changed" : "end of recording; press Home to restart");
   }
   if (onlyWatched() || ended_) {
     requests.throwBall = false;
@@ -163,34 +163,34 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
     scene_ = SessionScene(session_);
     describe();
   }
-  if (requests.seekTo && subject_.sourceAnew) return beginSeek(*requests.seekTo);
+  if (requests.seekTo && subject_.sourceAgain) return beginSeek(*requests.seekTo);
   return {};
 }
 
 Result<void> WindowLoop::changeScene(int scene) {
-  Result<World> world = openScene(scenes_.arguments[static_cast<std::size_t>(scene)]);
+  Result<World> world = openScene(scenes_.arguments[scene]);
   if (!world) {
     window_.notice(world.error().message);
     return {};
   }
   scenes_.present = scene;
   hands_.forget();
-  if (subject_.sourceAnew) return restart();
+  if (subject_.sourceAgain) return restart();
   session_.setWorld(std::move(*world));
   saySettling();
   return {};
 }
 
-/// The session's own, or of the scene that was chosen last.
-Result<World> WindowLoop::worldAnew() const {
-  if (onlyWatched()) return subject_.worldAnew();
-  return openScene(scenes_.arguments[static_cast<std::size_t>(scenes_.present)]);
+/// The world of the session, or of the scene chosen last.
+Result<World> WindowLoop::worldAgain() const {
+  if (onlyWatched()) return subject_.worldAgain();
+  return openScene(scenes_.arguments[scenes_.present]);
 }
 
 Result<void> WindowLoop::restart() {
-  Result<World> world = worldAnew();
+  Result<World> world = worldAgain();
   if (!world) return world.error();
-  Result<std::unique_ptr<PoseSource>> source = subject_.sourceAnew();
+  Result<std::unique_ptr<PoseSource>> source = subject_.sourceAgain();
   if (!source) return source.error();
   hands_.rewind(session_);
   session_.restart(std::move(*source), std::move(*world));
@@ -204,14 +204,14 @@ Result<void> WindowLoop::restart() {
 }
 
 Result<void> WindowLoop::beginSeek(double to) {
-  // A slider that is held asks again and again, and this frame may be the one.
+  // A held slider repeats its request, and the current frame may already be the requested one.
   if (seek_ && seek_->to == to) return {};
   if (started_ && to <= seconds() && (to > frameBegin_ || session_.frameCount() == 1)) return {};
   if (ended_ && to > seconds()) return {};
   if (!seek_) seek_ = Seek{to, now(), 0, false};
   seek_->to = to;
   if (!started_ || to > seconds()) return {};
-  seek_->anew = true;
+  seek_->again = true;
   return restart();
 }
 
@@ -222,13 +222,14 @@ Result<void> WindowLoop::runSeek() {
     ++seek_->frames;
   }
   if (!ended_ && seconds() < seek_->to) {
-    status_ = fmt::format("running {} to {:.1f} s: {:.1f} s", seek_->anew ? "anew" : "on", seek_->to, seconds());
+    status_ =
+        fmt::format("seeking {}to {:.1f} s: {:.1f} s", seek_->again ? "from the start " : "", seek_->to, seconds());
     return {};
   }
   const double took = now() - seek_->begun;
   if (took > kSoon) {
     window_.notice(fmt::format("ran {}{} to {:.1f} s in {:.1f} s", counted(seek_->frames, "frame"),
-                               seek_->anew ? " anew from the start" : "", seconds(), took));
+                               seek_->again ? " from the start" : "", seconds(), took));
   }
   seek_.reset();
   due_ = now();
@@ -236,13 +237,13 @@ Result<void> WindowLoop::runSeek() {
   return {};
 }
 
-/// The frames that are due. A picture may take longer than a frame: what is due is computed, up to a limit that keeps
-/// the window alive.
+/// Runs the frames that are due. Drawing may take longer than a frame, so several may be due; their number is limited
+/// to keep the window responsive.
 Result<void> WindowLoop::advance() {
-  for (int steps = 0; steps < kMostStepsAPicture && !ended_; ++steps) {
+  for (int steps = 0; steps < kMaxStepsAPicture && !ended_; ++steps) {
     if (subject_.ready && !subject_.ready()) break;
     const bool live = subject_.duration <= 0.0;
-    // A single step is not a matter of pace.
+    // Single steps are not timed.
     if (!live && !options_.hurry && !window_.paused() && now() < due_) break;
     if (!window_.wantsStep()) {
       due_ = now();
@@ -254,10 +255,10 @@ Result<void> WindowLoop::advance() {
     if (ended_) break;
     describe();
     noteTimes();
-    if (live) break;  // there is only the latest
+    if (live) break;  // only the latest frame counts
     const double length = first ? 0.0 : std::min(session_.time() - before, kLongestPause);
     due_ += length / window_.speed();
-    // Late frames are caught up, but a long stop (a pause, a dragged window) is not.
+    // Catch up with late frames, but not after a long stop such as a pause or a dragged window.
     if (now() - due_ > kLongestPause) due_ = now();
   }
   return {};
@@ -304,8 +305,8 @@ void WindowLoop::describe() {
   for (const Contact& contact : session_.world().contacts()) touched_.push_back(contact.prop);
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  if (!touched_.empty()) status_ += ", touching " + counted(std::ssize(touched_), "thing");
-  if (ended_) status_ += ", the end";
+  if (!touched_.empty()) status_ += ", touching " + counted(std::ssize(touched_), "prop");
+  if (ended_) status_ += ", end of recording";
 }
 
 void WindowLoop::show() {
@@ -320,7 +321,7 @@ void WindowLoop::show() {
   values.duration = subject_.duration;
   values.ended = ended_;
   values.parts = levels_.asked().value_or(static_cast<int>(session_.body().parts().size()));
-  values.mostParts = onlyWatched() ? 0 : levels_.mostParts();
+  values.maxParts = onlyWatched() ? 0 : levels_.maxParts();
   values.preparingParts = levels_.asked().has_value();
   values.scenes = scenes_.names;
   values.scene = scenes_.present;

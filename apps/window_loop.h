@@ -12,39 +12,39 @@
 
 namespace lorica {
 
-/// A session as a window shows it, and what is needed to do what people ask for there.
+/// A session shown in a window, and the callbacks that the window's controls need.
 struct WindowSubject {
   Session& session;
   std::string name = {};
-  double duration = 0.0;  ///< of a recording, from its first frame to its last [s]; 0 = live
-  /// The recording from its start; null for a live source, which has no past to go back to.
-  std::function<Result<std::unique_ptr<PoseSource>>()> sourceAnew = {};
-  std::string scene = {};  ///< that the session's world is, as openScene() takes it
-  /// The world of a recorded session, from its start. Where it is given the session is only watched: nothing is thrown
-  /// or moved in it, and neither its scene nor its parts are exchanged.
-  std::function<Result<World>()> worldAnew = {};
-  std::function<bool()> ready = {};              ///< whether a step would not wait for joints; null = always
-  std::function<void()> stepped = {};            ///< after each frame; null = nothing
-  std::function<void()> restarted = {};          ///< before a first frame comes again; null = nothing
-  std::function<std::string()> trouble = {};     ///< what is wrong with the source, in words; null or empty = nothing
-  std::function<double()> trackingSeconds = {};  ///< what finding the joints took [s]; null = not timed
-  std::function<bool()> enough = {};             ///< whether to stop after this frame; null = never
+  double duration = 0.0;  ///< of a recording, from its first to its last frame [s]; 0 = live
+  /// Reopens the recording at its start; null for a live source.
+  std::function<Result<std::unique_ptr<PoseSource>>()> sourceAgain = {};
+  std::string scene = {};  ///< of the session's world, as passed to openScene()
+  /// Recreates the world of a recorded session at its start. If set, the session is view-only: the user cannot throw or
+  /// move anything, nor change the scene or the number of parts.
+  std::function<Result<World>()> worldAgain = {};
+  std::function<bool()> ready = {};              ///< whether joints are available for a step; null = always
+  std::function<void()> stepped = {};            ///< called after each frame; may be null
+  std::function<void()> restarted = {};          ///< called before the first frame is repeated; may be null
+  std::function<std::string()> trouble = {};     ///< problem with the source; null or empty = none
+  std::function<double()> trackingSeconds = {};  ///< time for tracking the joints [s]; null = not measured
+  std::function<bool()> enough = {};             ///< whether to stop after the current frame; null = never
   const Image* inset = nullptr;                  ///< see Scene
 
-  /// What happens at the end of the recording or of its limit.
+  /// Behaviour at the end of the recording or at its limit.
   enum class AtEnd : std::uint8_t { kReturn, kHold, kRepeat };
   AtEnd atEnd = AtEnd::kHold;
 };
 
-/// Why the loop ended.
+/// Reason for the end of the loop.
 enum class WindowEnd : std::uint8_t { kClosed, kInterrupted, kOver };
 
-/// Runs the session in the window and does what is asked for there, until the window is closed, Ctrl-C, or the end.
+/// Runs the session in the window and handles the window's controls, until the window is closed, Ctrl-C, or the end.
 ///
-/// The session runs at the recording's pace, and no frame of it is left out: where pictures take long there are fewer
-/// of them. Going back in time means to begin anew and run to the wanted frame without pictures; what was thrown and
-/// moved by hand is done again in its frames, until something else is done.
-/// @return why it ended, or what is wrong with the source's data
+/// The session runs in real time and skips no frame: if drawing is slow, fewer pictures are drawn. Going back in time
+/// restarts the session and runs it to the requested frame without pictures; recorded user actions are repeated in
+/// their frames until the user does something else.
+/// @return why it ended, or an error about the source's data
 [[nodiscard]] Result<WindowEnd> runInWindow(Window& window, WindowSubject& subject, const PlaybackOptions& options);
 
 }  // namespace lorica

@@ -8,9 +8,9 @@ namespace lorica {
 namespace {
 
 constexpr double kBelieved = 0.5;
-constexpr int kMostNames = 3;
+constexpr int kMaxNames = 3;
 
-/// "leftUpperArm" as words.
+/// Converts leftUpperArm to "left upper arm".
 std::string wordsOf(std::string_view name) {
   std::string words;
   for (const char c : name) {
@@ -27,16 +27,16 @@ std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust) {
   int lost = 0, bones = 0;
   for (std::size_t j = 0; j < trust.size(); ++j) {
     const std::optional<HumanBone> bone = skeleton.joints()[j].bone;
-    if (!bone || *bone > HumanBone::kRightHand) continue;  // a hand's fingers are lost with it
+    if (!bone || *bone > HumanBone::kRightHand) continue;  // the fingers follow their hand
     ++bones;
     if (trust[j] >= kBelieved) continue;
-    if (++lost > kMostNames) continue;
+    if (++lost > kMaxNames) continue;
     if (!names.empty()) names += ", ";
     names += wordsOf(nameOf(*bone));
   }
   if (lost == 0) return {};
   if (lost == bones) return "the whole body is lost";
-  if (lost > kMostNames) return fmt::format("{} and {} more lost", names, lost - kMostNames);
+  if (lost > kMaxNames) return fmt::format("{} and {} more lost", names, lost - kMaxNames);
   return names + " lost";
 }
 
@@ -48,7 +48,7 @@ void raiseWarnings(const Session& session, std::string_view trouble, double now,
     board.raise("limbs", lost, now);
   }
   if (session.outsideKnownRange()) {
-    board.raise("training", "a pose unlike those in training: hulls may stand off the body", now);
+    board.raise("training", "pose outside the training range: hulls may be loose", now);
   }
 }
 

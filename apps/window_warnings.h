@@ -8,15 +8,14 @@
 
 namespace lorica {
 
-/// What is wrong with a frame, for people: limbs that are not believed, a pose that training did not know, and what is
-/// wrong with the source.
-/// @param trouble  with the source; empty = none
-/// @param now      a clock that never goes back [s]
+/// Raises warnings about a frame: lost limbs, a pose outside the training range, and problems with the source.
+/// @param trouble  problem with the source; empty = none
+/// @param now      monotonic time [s]
 void raiseWarnings(const Session& session, std::string_view trouble, double now, WarningBoard& board);
 
-/// Names of the limbs that are not believed: "left hand, left lower arm lost"; of more than three the first and how
-/// many more; empty where there are none.
-/// @param trust  one a joint, see PoseSource::trust(); empty = all are believed
+/// Names of the limbs with low trust: "left hand, left lower arm lost". If there are more than three, the first three
+/// and the number of the others; empty if there are none.
+/// @param trust  one value per joint, see PoseSource::trust(); empty = all are trusted
 [[nodiscard]] std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust);
 
 }  // namespace lorica

@@ -1,5 +1,5 @@
-// Figures 3, 8 and 9 of Thul et al. 2018 on the built-in character and motions, as pictures; the numbers go to standard
-// output as CSV. Further, what choosing keyframes is worth.
+// Figures 3, 8 and 9 of Thul et al. 2018 on the built-in character and motions, as pictures, with the numbers as CSV on
+// standard output. Also measures the benefit of choosing keyframes.
 
 #include "acd/transfer.h"
 #include "bench/measure.h"
@@ -34,7 +34,7 @@ struct Options {
 
 using Motions = std::vector<SkeletalMotion>;
 
-/// The character, its motions and the settings: what every figure needs.
+/// The character, its motions and the settings for all figures.
 class Studio {
  public:
   explicit Studio(const Options& options) : options_(options), character_(makeMannequin()) {
@@ -51,16 +51,16 @@ class Studio {
 
   [[nodiscard]] std::vector<Vec3> uniformFrames(const Motions& motions, int count) const {
     Result<std::vector<Vec3>> frames = sampleKeyframes(character_, motions, count);
-    CHECK(frames.ok(), "the motions have more frames than any figure asks for");
+    LORICA_CHECK(frames.ok(), "the motions must have enough frames for each figure");
     return std::move(*frames);
   }
 
-  /// Decomposes into the parts asked for; the character is a good mesh, so it cannot fail.
+  /// Decomposes into the requested number of parts; cannot fail because the character's mesh is valid.
   [[nodiscard]] Timed cut(std::span<const Vec3> keyframes, DecomposeSettings settings) const {
     settings.maxParts = options_.parts;
     settings.threads = options_.threads;
     Result<Timed> made = timeDecompose(character_.mesh, {keyframes, static_cast<int>(vertexCount())}, settings, 1);
-    CHECK(made.ok(), "the built-in character can be decomposed");
+    LORICA_CHECK(made.ok(), "the built-in character can be decomposed");
     return std::move(*made);
   }
 
@@ -70,7 +70,7 @@ class Studio {
     return settings;
   }
 
-  /// Relative volume error in each of some poses.
+  /// Relative volume error in each pose.
   [[nodiscard]] std::vector<double> errors(const Decomposition& parts, std::span<const Vec3> poses) const {
     const PoseView view{poses, static_cast<int>(vertexCount())};
     std::vector<double> found;
@@ -99,20 +99,20 @@ std::vector<double> counted(std::size_t count) {
   return numbers;
 }
 
-/// Fig. 3: how many of the deepest concave edges are tried for a cut, against the error. Planes of other kinds, which
-/// the presets add, would hide it: this is the paper's algorithm.
+/// Fig. 3: the error as a function of the number of deepest concave edges that are tried for each cut. Uses the paper's
+/// algorithm, because the other kinds of planes that the presets add would hide the effect.
 Result<void> figure3(const Studio& studio) {
   fmt::print("figure,keyframes,candidate_edges,error,seconds\n");
   std::vector<double> candidates = {1, 2, 4, 8, 16, 32, 64};
   if (studio.options().quick) candidates = {1, 4, 16};
-  Chart error{"Fig. 3: candidate edges against error, the paper's algorithm, " +
-                  std::to_string(studio.options().parts) + " parts",
-              "candidate edges (C)",
-              "relative volume error",
-              {},
-              true,
-              false};
-  Chart seconds{"Time for the same", "candidate edges (C)", "seconds", {}, true, false};
+  Chart error{
+      "Fig. 3: error by candidate edges, the paper's algorithm, " + std::to_string(studio.options().parts) + " parts",
+      "candidate edges (C)",
+      "relative volume error",
+      {},
+      true,
+      false};
+  Chart seconds{"Time by candidate edges", "candidate edges (C)", "seconds", {}, true, false};
   const std::vector<Vec3> bind = studio.character().mesh.vertices;
   const std::vector<Vec3> moving = studio.uniformFrames(studio.motions(), studio.options().keyframes);
   for (const auto& [name, frames] : {std::pair{std::string("bind pose"), &bind},
@@ -135,7 +135,7 @@ Result<void> figure3(const Studio& studio) {
   return writeCharts(fs::path(studio.options().folder) / "fig3_candidates.png", {error, seconds});
 }
 
-/// Fig. 8: the error in each keyframe of the parts that were made for it alone, and of those made for all of them.
+/// Fig. 8: the error in each keyframe of parts trained on this keyframe only, and of parts trained on all keyframes.
 Result<void> figure8(const Studio& studio) {
   fmt::print("figure,keyframe,alone,together\n");
   const std::vector<Vec3> frames = studio.uniformFrames(studio.motions(), studio.options().keyframes);
@@ -151,7 +151,7 @@ Result<void> figure8(const Studio& studio) {
   }
   fmt::print("# figure 8: mean error alone {:.4f}, together {:.4f}, ratio {:.3f}\n", meanOf(alone), meanOf(together),
              meanOf(together) / meanOf(alone));
-  Chart chart{fmt::format("Fig. 8: parts made for one frame, or for all ({} parts, {})", studio.options().parts,
+  Chart chart{fmt::format("Fig. 8: parts trained on one frame or on all ({} parts, {})", studio.options().parts,
                           studio.options().preset),
               "keyframe",
               "relative volume error",
@@ -164,7 +164,7 @@ Result<void> figure8(const Studio& studio) {
   return writeCharts(fs::path(studio.options().folder) / "fig8_alone_together.png", {chart});
 }
 
-/// Fig. 9: parts made for the first frame, and for keyframes of the whole, followed over many frames.
+/// Fig. 9: the error over many frames of parts trained on the first frame, and of parts trained on several keyframes.
 Result<void> figure9(const Studio& studio) {
   fmt::print("figure,frame,first,all\n");
   const int count = studio.options().quick ? 40 : studio.options().frames;
@@ -179,8 +179,8 @@ Result<void> figure9(const Studio& studio) {
   fmt::print("# figure 9: mean error from the first frame {:.4f}, from {} keyframes {:.4f}; largest {:.4f}, {:.4f}\n",
              meanOf(first), studio.options().keyframes, meanOf(all), worst(first), worst(all));
   const std::vector<Series> both = {
-      {"made for the first frame", counted(first.size()), first, false},
-      {fmt::format("made for {} keyframes", studio.options().keyframes), counted(all.size()), all, false}};
+      {"trained on the first frame", counted(first.size()), first, false},
+      {fmt::format("trained on {} keyframes", studio.options().keyframes), counted(all.size()), all, false}};
   const Chart curve{fmt::format("Fig. 9: error over {} frames of six motions ({} parts, {})", count,
                                 studio.options().parts, studio.options().preset),
                     "frame",
@@ -189,13 +189,13 @@ Result<void> figure9(const Studio& studio) {
                     false,
                     false};
   Chart bars = histogram(both, 24);
-  bars.title = "How often which error";
+  bars.title = "Distribution of the error";
   bars.xName = "relative volume error";
   bars.yName = "share of frames";
   return writeCharts(fs::path(studio.options().folder) / "fig9_first_all.png", {curve, bars});
 }
 
-/// Not in the paper: each motion kept back in turn, the others give keyframes evenly or chosen.
+/// Not in the paper: each motion in turn is held out, the others provide keyframes at even intervals or chosen ones.
 Result<void> unseenMotion(const Studio& studio) {
   fmt::print("figure,unseen,uniform,chosen,first\n");
   std::vector<double> uniform, chosen, first;
@@ -220,10 +220,9 @@ Result<void> unseenMotion(const Studio& studio) {
     first.push_back(error(std::span(evenly).first(studio.vertexCount())));
     fmt::print("unseen,{},{:.5f},{:.5f},{:.5f}\n", name, uniform.back(), chosen.back(), first.back());
   }
-  fmt::print("# unseen motion, mean error: {} keyframes evenly {:.4f}, chosen {:.4f}, first frame {:.4f}\n",
+  fmt::print("# unseen motion, mean error: {} uniform keyframes {:.4f}, chosen {:.4f}, first frame {:.4f}\n",
              studio.options().keyframes, meanOf(uniform), meanOf(chosen), meanOf(first));
-  Chart chart{fmt::format("Error on a motion that was kept back ({} parts, {})", studio.options().parts,
-                          studio.options().preset),
+  Chart chart{fmt::format("Error on an unseen motion ({} parts, {})", studio.options().parts, studio.options().preset),
               "motion",
               "relative volume error",
               {},
@@ -232,8 +231,8 @@ Result<void> unseenMotion(const Studio& studio) {
   chart.ticks = names;
   chart.series = {
       {"first frame", counted(first.size()), first, false},
-      {fmt::format("{} keyframes, evenly", studio.options().keyframes), counted(uniform.size()), uniform, false},
-      {fmt::format("{} keyframes, chosen", studio.options().keyframes), counted(chosen.size()), chosen, false}};
+      {fmt::format("{} uniform keyframes", studio.options().keyframes), counted(uniform.size()), uniform, false},
+      {fmt::format("{} chosen keyframes", studio.options().keyframes), counted(chosen.size()), chosen, false}};
   return writeCharts(fs::path(studio.options().folder) / "unseen_motion.png", {chart});
 }
 
@@ -261,8 +260,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Draws Fig. 3, 8 and 9 of Thul et al. 2018 on the built-in character into a folder; numbers as CSV on "
       "standard output, progress on standard error.");
-  app.add_option("FOLDER", options.folder, "Where the pictures go")->required();
-  app.add_option("--figures", options.figures, "3, 8, 9; 0 = keyframes evenly or chosen [default: all]")
+  app.add_option("FOLDER", options.folder, "Output folder of the pictures")->required();
+  app.add_option("--figures", options.figures, "3, 8, 9; 0 = uniform or chosen keyframes [default: all]")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({0, 3, 8, 9}));
@@ -270,9 +269,9 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"paper", "fast", "quality"}));
   app.add_option("--parts", options.parts, "[default: 16]")->check(CLI::Range(1, 1000));
   app.add_option("--keyframes", options.keyframes, "[default: 12]")->check(CLI::Range(1, 200));
-  app.add_option("--frames", options.frames, "Of the curve in Fig. 9 [default: 200]")->check(CLI::Range(2, 2000));
+  app.add_option("--frames", options.frames, "Number of frames in Fig. 9 [default: 200]")->check(CLI::Range(2, 2000));
   app.add_option("--threads", options.threads, "[default: 2]")->check(CLI::Range(1, 1024));
-  app.add_flag("--quick", options.quick, "Fewer points, to see that it works");
+  app.add_flag("--quick", options.quick, "Fewer points, for a quick test");
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

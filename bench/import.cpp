@@ -1,5 +1,5 @@
-// What it costs to read what users bring: a character of 60,000 triangles, its body, a BVH file of 10,000 frames. CSV
-// on standard output; each beside a reference that does the least of the same work, in the same run.
+// Cost of importing user files: a character of 60,000 triangles, its body, a BVH file of 10,000 frames. CSV on standard
+// output, each row with a reference from the same run that does the minimum of the same work.
 
 #include "bench/measure.h"
 #include "capture/files/bvh_file.h"
@@ -36,9 +36,9 @@ struct Options {
 };
 
 struct Times {
-  double leastMs = 0.0;
+  double minMs = 0.0;
   double medianMs = 0.0;
-  double cpuMs = 0.0;  ///< least, over all threads
+  double cpuMs = 0.0;  ///< minimum, over all threads
 };
 
 Times timed(int repeats, const std::function<void()>& work) {
@@ -63,7 +63,7 @@ std::uint64_t hashOf(const Character& character) {
   std::uint64_t hash = hashOf(character.mesh.vertices, 0);
   hash = hashOf(character.mesh.triangles, hash);
   hash = hashOf(character.influenceBegin, hash);
-  for (const Influence& i : character.influences) {  // field by field: between them are bytes that nobody sets
+  for (const Influence& i : character.influences) {  // field by field, because padding bytes are undefined
     hash = contentHash({reinterpret_cast<const char*>(&i.weight), sizeof(i.weight)},
                        hash + static_cast<std::uint64_t>(i.joint));
   }
@@ -81,15 +81,15 @@ std::uint64_t hashOf(const SkeletalMotion& motion) {
   return hash;
 }
 
-/// The mean of some vertices, with the mean of their weights.
+/// Appends the mean of some vertices, with the mean of their weights.
 void addMean(Character& character, std::span<const VertexIndex> of) {
   Vec3 sum = Vec3::Zero();
   std::map<JointIndex, double> weights;
   const double share = 1.0 / static_cast<double>(of.size());
   for (const VertexIndex v : of) {
-    sum += character.mesh.vertices[static_cast<std::size_t>(v)];
-    for (std::uint32_t i = character.influenceBegin[static_cast<std::size_t>(v)];
-         i < character.influenceBegin[static_cast<std::size_t>(v) + 1]; ++i) {
+    sum += character.mesh.vertices[v];
+    for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[static_cast<std::size_t>(v) + 1];
+         ++i) {
       weights[character.influences[i].joint] += share * character.influences[i].weight;
     }
   }
@@ -98,8 +98,8 @@ void addMean(Character& character, std::span<const VertexIndex> of) {
   character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
 }
 
-/// The mannequin with each triangle cut into four, as often as that stays below a number, then as many into three as it
-/// takes to reach it.
+/// The mannequin, subdivided to a number of triangles: all triangles are split into four as long as the number is not
+/// exceeded, then single triangles into three.
 Character largeMannequin(std::size_t triangleCount) {
   Character character = makeMannequin();
   std::vector<Triangle>& triangles = character.mesh.triangles;
@@ -137,7 +137,7 @@ Character largeMannequin(std::size_t triangleCount) {
   return character;
 }
 
-/// @param torn  without six of each thousand triangles, so that a surface has to be made
+/// @param torn  omit six of each thousand triangles, so that a closed surface has to be made
 std::string glbOf(const Character& character, bool torn) {
   test::GlbWriter writer;
   const Skeleton& skeleton = character.skeleton;
@@ -187,7 +187,7 @@ std::string glbOf(const Character& character, bool torn) {
   return writer.glb();
 }
 
-/// The shipped walk on the mannequin, again and again.
+/// The shipped walk on the mannequin, repeated.
 Result<SkeletalMotion> longMotion(int frames) {
   const Result<SkeletalMotion> walk = skeletalMotionOf(synthesizeMotion(SyntheticMotion::kWalk));
   if (!walk) return walk.error();
@@ -195,7 +195,7 @@ Result<SkeletalMotion> longMotion(int frames) {
   if (!motion) return motion.error();
   const int length = motion->frameCount();
   SkeletalMotion out{"long", motion->skeleton, {}, {}};
-  out.times.reserve(static_cast<std::size_t>(frames));
+  out.times.reserve(frames);
   out.poses.reserve(static_cast<std::size_t>(frames) * motion->poses.size() / static_cast<std::size_t>(length));
   for (int f = 0; f < frames; ++f) {
     const std::span<const JointTransform> pose = motion->pose(f % length);
@@ -205,10 +205,10 @@ Result<SkeletalMotion> longMotion(int frames) {
   return out;
 }
 
-void print(const char* task, std::size_t size, const Times& times, const char* reference, const Times& least,
+void print(const char* task, std::size_t size, const Times& times, const char* reference, const Times& min,
            double targetMs, std::uint64_t hash) {
-  fmt::print("{},{},{:.2f},{:.2f},{:.2f},{},{:.2f},{:.2f},{:.0f},{:016x}\n", task, size, times.leastMs, times.medianMs,
-             times.cpuMs, reference, least.cpuMs, times.cpuMs / least.cpuMs, targetMs, hash);
+  fmt::print("{},{},{:.2f},{:.2f},{:.2f},{},{:.2f},{:.2f},{:.0f},{:016x}\n", task, size, times.minMs, times.medianMs,
+             times.cpuMs, reference, min.cpuMs, times.cpuMs / min.cpuMs, targetMs, hash);
   std::fflush(stdout);
 }
 
@@ -220,9 +220,10 @@ int measureCharacter(const Character& character, bool torn, const Options& optio
     tinygltf::TinyGLTF reader;
     std::string error;
     std::string warning;
-    CHECK(reader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
-                                      static_cast<unsigned int>(glb.size())),
-          "tinygltf reads what this program wrote");
+    LORICA_CHECK(
+        reader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
+                                    static_cast<unsigned int>(glb.size())),
+        "tinygltf must read the output of this program");
   });
   Result<CharacterFile> file = parseCharacterFile(bytes, "bench.glb");
   if (!file) return fail(file.error());
@@ -231,10 +232,10 @@ int measureCharacter(const Character& character, bool torn, const Options& optio
   print(torn ? "load torn" : "load", triangleCount, load, "tinygltf alone", bare, 300.0, hashOf(file->character));
 
   const BodySettings settings{.resolution = 0.0, .threads = options.threads};
-  Result<Body> body = makeBody(file->character, settings);
+  Result<ClosedBody> body = makeBody(file->character, settings);
   if (!body) return fail(body.error());
   const Times made = timed(options.repeats, [&] { body = makeBody(file->character, settings); });
-  if (body->made != torn) return fail({ErrorCode::kInvalidArgument, "the body did not come about as it should"});
+  if (body->made != torn) return fail({ErrorCode::kInvalidArgument, "the body was not made in the expected way"});
   print(torn ? "body made" : "body kept", triangleCount, made, "load", load, 3000.0, hashOf(body->character));
   return 0;
 }
@@ -259,13 +260,13 @@ int measureBvh(const Options& options) {
       if (end == at) break;
       values.push_back(value);
     }
-    CHECK(values.size() >= static_cast<std::size_t>(options.frames), "every frame has numbers");
+    LORICA_CHECK(values.size() >= static_cast<std::size_t>(options.frames), "every frame must have numbers");
   });
   Result<BvhFile> file = parseBvh(*text, "bench.bvh");
   if (!file) return fail(file.error());
   const Times read = timed(options.repeats, [&] { file = parseBvh(*text, "bench.bvh"); });
   if (file->motion.frameCount() != options.frames) {
-    return fail({ErrorCode::kInvalidArgument, fmt::format("{} frames came back", file->motion.frameCount())});
+    return fail({ErrorCode::kInvalidArgument, fmt::format("read {} frames, not all", file->motion.frameCount())});
   }
   print("bvh", file->motion.poses.size(), read, "strtod of its numbers", numbers, 200.0, hashOf(file->motion));
   return 0;
@@ -285,12 +286,13 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   lorica::bench::Options options;
-  CLI::App app("Times the reading of a large character, the making of its body, and the reading of a long BVH file.");
-  app.add_option("--triangles", options.triangles, "Of the character [default: 60,000]")
+  CLI::App app("Measures the time to read a large character, to make its body, and to read a long BVH file.");
+  app.add_option("--triangles", options.triangles, "Triangles of the character [default: 60,000]")
       ->check(CLI::Range(20'000, 4'000'000));
-  app.add_option("--frames", options.frames, "Of the BVH file [default: 10,000]")->check(CLI::Range(2, 1'000'000));
-  app.add_option("--repeats", options.repeats, "Of each measurement [default: 7]")->check(CLI::Range(1, 1000));
-  app.add_option("--threads", options.threads, "For the body [default: all]")->check(CLI::Range(0, 256));
+  app.add_option("--frames", options.frames, "Frames of the BVH file [default: 10,000]")
+      ->check(CLI::Range(2, 1'000'000));
+  app.add_option("--repeats", options.repeats, "Repeats of each measurement [default: 7]")->check(CLI::Range(1, 1000));
+  app.add_option("--threads", options.threads, "Threads for the body [default: all]")->check(CLI::Range(0, 256));
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

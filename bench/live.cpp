@@ -1,4 +1,5 @@
-// What a frame of a live body costs, stage by stage, beside the obvious way in the same run: CSV on standard output.
+// Cost of a frame of a live body by stage, compared with the straightforward method in the same run: CSV on standard
+// output.
 
 #include "acd/level_of_detail.h"
 #include "acd/transfer.h"
@@ -31,7 +32,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kReferenceStride = 40;  // of the slow way, so many frames are skipped
+constexpr std::size_t kReferenceStride = 40;  // the slow reference is timed on every n-th frame only
 
 struct Options {
   int parts = 16;
@@ -39,17 +40,17 @@ struct Options {
   bool growth = false;
 };
 
-/// Bone matrices of a character, frame after frame.
+/// Bone matrices of a character in each frame.
 struct Motion {
   std::string name;
   std::vector<std::vector<Affine3>> worldFromModel;
 };
 
-/// A recording at 60 Hz: its frames, and halfway between two of them poses halfway.
+/// A recording at 60 Hz: its frames, and interpolated poses halfway between them.
 Motion poseAt60Hz(const Character& character, SyntheticMotion which) {
   const std::vector<SkeletonFrame> frames = synthesizeMotion(which);
   Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
-  CHECK(retargeter.ok(), "the mannequin is humanoid");
+  LORICA_CHECK(retargeter.ok(), "the mannequin is humanoid");
   Motion motion{std::string(nameOf(which)), {}};
   const auto add = [&](const Pose& pose) {
     std::vector<Affine3>& matrices = motion.worldFromModel.emplace_back(pose.size());
@@ -74,21 +75,21 @@ Motion poseAt60Hz(const Character& character, SyntheticMotion which) {
   return motion;
 }
 
-/// Times of the frames of all motions [us]. Of the repeats of a frame the quickest counts: the rest is what else the
-/// machine did.
+/// Times of the frames of all motions [us]. The minimum of the repeats of each frame counts, to exclude other load of
+/// the machine.
 struct FrameTimes {
   std::vector<double> us;
-  std::uint64_t hash = 0;  ///< of what the frames gave
+  std::uint64_t hash = 0;  ///< of the results of the frames
 
   [[nodiscard]] double median() const { return medianOf(us); }
   [[nodiscard]] double worst() const { return *std::max_element(us.begin(), us.end()); }
 };
 
-/// @param stride  every so many frames are timed
-/// @param start  called before each pass over a motion
-/// @param frame  does the work of one frame; its time counts
-/// @param hash   of the frame's outcome
-/// @param before  makes ready what the frame needs; its time does not count
+/// @param stride  every n-th frame is timed
+/// @param start   called before each pass over a motion
+/// @param frame   does the work of one frame; timed
+/// @param hash    of the frame's result
+/// @param before  prepares the frame; not timed
 FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t stride,
                       const std::function<void()>& start, const std::function<void(std::span<const Affine3>)>& frame,
                       const std::function<std::uint64_t(std::uint64_t)>& hash,
@@ -107,8 +108,8 @@ FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t 
         const Clock::time_point begin = Clock::now();
         frame(motion.worldFromModel[f]);
         const double us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
-        double& least = times.us[first + f / stride];
-        least = std::min(least, us);
+        double& min = times.us[first + f / stride];
+        min = std::min(min, us);
         if (repeat == 0) times.hash = hash(times.hash);
       }
     }
@@ -136,7 +137,7 @@ double volumeOf(const LiveBody& body) {
   return sum;
 }
 
-/// Poses of all motions in turn, each far from the one before.
+/// Poses of all motions in turn, each distant from the previous one.
 Motion jumpsBetween(std::span<const Motion> motions) {
   Motion jumps{"jumps", {}};
   for (std::size_t i = 0; i < 400; ++i) {
@@ -146,7 +147,7 @@ Motion jumpsBetween(std::span<const Motion> motions) {
   return jumps;
 }
 
-/// Prints what bodies of a plan hold, and how much of that they touch over a motion, as the system counts it.
+/// Prints the memory that bodies of a plan allocate, and how much of it is resident after a motion.
 void printMemory(const std::shared_ptr<const BodyPlan>& plan, const Motion& motion) {
   constexpr std::size_t kBodies = 32;
   const double before = residentBytes();
@@ -157,7 +158,7 @@ void printMemory(const std::shared_ptr<const BodyPlan>& plan, const Motion& moti
     for (std::size_t f = 0; f < motion.worldFromModel.size(); f += 10) bodies.back().update(motion.worldFromModel[f]);
   }
   const double touched = (residentBytes() - before) / kBodies;
-  fmt::print("# a body has room of {:.3f} MB and touches {:.3f} MB of it; all share {:.3f} MB beside the file\n",
+  fmt::print("# a body allocates {:.3f} MB and uses {:.3f} MB of it; all share {:.3f} MB in addition to the file\n",
              1e-6 * static_cast<double>(bodies.front().memory()), 1e-6 * touched,
              1e-6 * static_cast<double>(plan->memory()));
 }
@@ -182,35 +183,35 @@ void measureStages(const Character& character, const Decomposition& decompositio
   std::size_t candidateCount = 0;
   for (const Part& part : decomposition.parts) {
     std::vector<LiftedPoint> own;
-    for (const PointIndex p : hullCandidates(decomposition, part, all)) own.push_back(all[static_cast<std::size_t>(p)]);
+    for (const PointIndex p : hullCandidates(decomposition, part, all)) own.push_back(all[p]);
     candidateCount += own.size();
     lifted.emplace_back(own);
     taken.push_back(lifted.back().noPose());
     rows.emplace_back(lifted.back().rowCount());
   }
-  std::vector<Isometry3> places(lifted.size(), Isometry3::Identity());
+  std::vector<Isometry3> positions(lifted.size(), Isometry3::Identity());
   std::vector<Mat3> covariances(lifted.size());
   std::vector<Mat3> rotations(lifted.size(), Mat3::Identity());
-  const auto place = [&](std::span<const Affine3> matrices) {
+  const auto position = [&](std::span<const Affine3> matrices) {
     for (std::size_t i = 0; i < lifted.size(); ++i) {
       const LiftedPart::Moments moments = lifted[i].momentsOf(matrices);
-      places[i].translation() = moments.mean;
+      positions[i].translation() = moments.mean;
       covariances[i] = moments.covariance;
     }
     fitRotations(covariances, rotations);
-    for (std::size_t i = 0; i < lifted.size(); ++i) places[i].linear() = rotations[i];
+    for (std::size_t i = 0; i < lifted.size(); ++i) positions[i].linear() = rotations[i];
   };
-  row("rigid motions of all parts", timeFrames(motions, repeats, 1, none, place, noHash), skinning,
+  row("rigid motions of all parts", timeFrames(motions, repeats, 1, none, position, noHash), skinning,
       "skinning the mesh and its cut points");
-  std::map<const Affine3*, std::vector<Isometry3>> placesOf;
+  std::map<const Affine3*, std::vector<Isometry3>> positionsOf;
   for (const Motion& motion : motions) {
     for (const std::vector<Affine3>& matrices : motion.worldFromModel) {
-      place(matrices);
-      placesOf[matrices.data()] = places;
+      position(matrices);
+      positionsOf[matrices.data()] = positions;
     }
   }
   const auto evaluate = [&](std::span<const Affine3> matrices) {
-    const std::vector<Isometry3>& now = placesOf.at(matrices.data());
+    const std::vector<Isometry3>& now = positionsOf.at(matrices.data());
     for (std::size_t i = 0; i < lifted.size(); ++i) {
       lifted[i].take(matrices, now[i], 0x1p-22, taken[i]);
       (void)lifted[i].evaluate(taken[i], rows[i]);
@@ -225,7 +226,7 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const FrameTimes candidates = timeFrames(motions, repeats, 1, none, evaluate, hashRows);
   row(fmt::format("all {} candidates", candidateCount), candidates, skinning, "skinning the mesh and its cut points");
 
-  const auto plan = std::make_shared<const BodyPlan>(decomposition, character);
+  const auto plan = BodyPlan::create(decomposition, character).value();
   std::optional<LiveBody> body;
   const auto startBody = [&] { body.emplace(plan); };
   const auto hashBody = [&](std::uint64_t h) { return hashOf(*body, h); };
@@ -262,7 +263,7 @@ void measureStages(const Character& character, const Decomposition& decompositio
              character.skeleton.jointCount(), decomposition.parts.size(), skinning.us.size());
   printMemory(plan, motions.front());
 
-  // Few points a part, chosen in poses of the motions and in random ones.
+  // Few points per part, chosen in poses of the motions.
   std::vector<Affine3> sampled;
   for (const Motion& motion : motions) {
     for (std::size_t f = 0; f < motion.worldFromModel.size(); f += 40) {
@@ -272,13 +273,13 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const BonePoseView poses{sampled, character.skeleton.jointCount()};
   for (const int vertices : {64, 32, 16}) {
     const Clock::time_point begin = Clock::now();
-    const Result<CoverPromise> cover = chooseCover(decomposition, all, poses, {}, {.maxHullVertices = vertices});
-    CHECK(cover.ok(), "so many points can hold a part");
+    const Result<HullCover> cover = chooseCover(decomposition, all, poses, {}, {.maxHullVertices = vertices});
+    LORICA_CHECK(cover.ok(), "a cover with this number of points must exist");
     fmt::print(
-        "# cover of {} points a part, from {} poses in {:.1f} s: {:.1f} mm stuck out, pushed by up to {:.1f} mm\n",
+        "# cover of {} points per part, from {} poses in {:.1f} s: {:.1f} mm protruded, enlarged by up to {:.1f} mm\n",
         vertices, poses.poseCount(), std::chrono::duration<double>(Clock::now() - begin).count(),
         1e3 * cover->sampledShortfall, 1e3 * cover->growth);
-    const auto fewer = std::make_shared<const BodyPlan>(decomposition, character, *cover);
+    const auto fewer = BodyPlan::create(decomposition, character, *cover).value();
     const auto startCovered = [&] { body.emplace(fewer); };
     LiveBody covered(fewer);
     LiveBody exact(plan);
@@ -289,18 +290,18 @@ void measureStages(const Character& character, const Decomposition& decompositio
       volume += volumeOf(covered) / volumeOf(exact) / poses.poseCount();
     }
     fmt::print("# its hulls are {:.3f} times as large as the exact ones\n", volume);
-    row(fmt::format("hulls with faces of {} points, covering", vertices),
+    row(fmt::format("hulls with faces of {} points, with cover", vertices),
         timeFrames(motions, repeats, 1, startCovered, update, hashBody), bullet, "btConvexHullComputer on all points");
     if (vertices != 64) continue;
     printMemory(fewer, motions.front());
     const auto startPoints = [&] { body.emplace(fewer, LiveDetail::kSupport); };
-    row("support only of 64 points, covering", timeFrames(motions, repeats, 1, startPoints, update, noHash), bullet,
+    row("support only of 64 points, with cover", timeFrames(motions, repeats, 1, startPoints, update, noHash), bullet,
         "btConvexHullComputer on all points");
     std::vector<LiveBody> crowd(100, LiveBody(fewer));
     const auto updateCrowd = [&](std::span<const Affine3> matrices) {
       for (LiveBody& one : crowd) one.update(matrices);
     };
-    row("a hundred characters of 64 points a hull", timeFrames(motions.first(1), 1, 1, none, updateCrowd, noHash),
+    row("a hundred characters of 64 points per hull", timeFrames(motions.first(1), 1, 1, none, updateCrowd, noHash),
         bullet, "btConvexHullComputer on all points of one");
   }
 }
@@ -319,7 +320,7 @@ void growthRow(const std::string& of, double count, double us) {
   std::fflush(stdout);
 }
 
-/// The character with bones at the ends of limbs joined to their parents until so many are left that move something.
+/// The character with bones at the ends of limbs merged into their parents until only `bones` move vertices.
 Character withFewerBones(Character character, int bones) {
   const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
   std::vector<JointIndex> standsFor(jointCount);
@@ -332,12 +333,12 @@ Character withFewerBones(Character character, int bones) {
     }
   }
   for (Influence& influence : character.influences) {
-    influence.joint = standsFor[static_cast<std::size_t>(influence.joint)];
+    influence.joint = standsFor[influence.joint];
   }
   return character;
 }
 
-/// How the time of a frame grows with parts, with points a part and with bones.
+/// Measures how the time of a frame scales with parts, points per part and bones.
 int measureGrowth(const Character& character, std::span<const Motion> motions) {
   fmt::print("grows_with,count,median_us\n");
   const Result<Decomposition> finest = decomposeMannequin(character, 128);
@@ -350,20 +351,20 @@ int measureGrowth(const Character& character, std::span<const Motion> motions) {
     times.push_back(us);
   };
   const auto fit = [&](const std::string& of) {
-    fmt::print("# grows with {} to the power of {:.2f}\n", of, fittedExponent(counts, times));
+    fmt::print("# scales with {} to the power of {:.2f}\n", of, fittedExponent(counts, times));
     counts.clear();
     times.clear();
   };
   for (int parts = 1; parts <= 128; parts *= 2) {
     const Decomposition level = levelOfDetail(*finest, parts);
-    note("parts", parts, medianFrame(LiveBody(level, character), motions));
+    note("parts", parts, medianFrame(LiveBody::create(level, character).value(), motions));
   }
   fit("parts, exact");
   const Decomposition sixteen = levelOfDetail(*finest, 16);
   const std::vector<LiftedPoint> lifted = liftPoints(character, sixteen);
-  const CoverPromise exact = coverExactly(sixteen, lifted);
+  const HullCover exact = coverExactly(sixteen, lifted);
   for (int share = 32; share >= 1; share /= 2) {
-    CoverPromise some = exact;
+    HullCover some = exact;
     double count = 0.0;
     for (std::vector<CoverPoint>& points : some.points) {
       std::size_t kept = 0;
@@ -371,11 +372,11 @@ int measureGrowth(const Character& character, std::span<const Motion> motions) {
       points.resize(kept);
       count += static_cast<double>(kept);
     }
-    note("points", count, medianFrame(LiveBody(sixteen, character, some), motions));
+    note("points", count, medianFrame(LiveBody::create(sixteen, character, some).value(), motions));
   }
   fit("points");
   for (const int bones : {8, 13, 20, 32, 52}) {
-    note("bones", bones, medianFrame(LiveBody(sixteen, withFewerBones(character, bones)), motions));
+    note("bones", bones, medianFrame(LiveBody::create(sixteen, withFewerBones(character, bones)).value(), motions));
   }
   fit("bones");
   return 0;
@@ -401,11 +402,11 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   lorica::bench::Options options;
-  CLI::App app("What a frame of a live body costs, on one core, beside the obvious way in the same run.");
+  CLI::App app("Cost of a frame of a live body on one core, compared with the straightforward method in the same run.");
   app.add_option("--parts", options.parts, "Parts of the mannequin")->check(CLI::PositiveNumber);
-  app.add_option("--repeats", options.repeats, "Passes over each motion; of each frame the quickest counts")
+  app.add_option("--repeats", options.repeats, "Passes over each motion; the minimum time of each frame counts")
       ->check(CLI::PositiveNumber);
-  app.add_flag("--growth", options.growth, "How the time grows with parts, points and bones instead");
+  app.add_flag("--growth", options.growth, "Measure how the time scales with parts, points and bones instead");
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

@@ -24,7 +24,7 @@ void writeAll(int file, const std::string& text) {
   while (done < text.size()) {
     const ssize_t count = ::write(file, text.data() + done, text.size() - done);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return;  // the parent sees that the answer is short
+    if (count <= 0) return;  // the parent detects the incomplete answer
     done += static_cast<std::size_t>(count);
   }
 }
@@ -50,7 +50,7 @@ double cpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A number that /proc tells of this process; 0 where it does not.
+/// A value of this process from /proc; 0 if it is missing.
 double kibibytesOf(const std::string& name) {
   std::ifstream status("/proc/self/status");
   std::string word;
@@ -66,14 +66,14 @@ double kibibytesOf(const std::string& name) {
 Result<std::string> inOwnProcess(const std::function<Result<std::string>()>& work) {
   int ends[2];
   if (::pipe(ends) != 0) {
-    return Error{ErrorCode::kUnsupported, fmt::format("no pipe could be had: {}", std::strerror(errno))};
+    return Error{ErrorCode::kUnsupported, fmt::format("cannot create a pipe: {}", std::strerror(errno))};
   }
-  std::fflush(nullptr);  // or the child would write what is buffered once more
+  std::fflush(nullptr);  // otherwise the child would write buffered output a second time
   const pid_t child = ::fork();
   if (child < 0) {
     ::close(ends[0]);
     ::close(ends[1]);
-    return Error{ErrorCode::kUnsupported, fmt::format("no process could be started: {}", std::strerror(errno))};
+    return Error{ErrorCode::kUnsupported, fmt::format("cannot start a process: {}", std::strerror(errno))};
   }
   if (child == 0) {
     ::close(ends[0]);
@@ -88,7 +88,7 @@ Result<std::string> inOwnProcess(const std::function<Result<std::string>()>& wor
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (WIFSIGNALED(status)) {
-    return Error{ErrorCode::kUnsupported, fmt::format("the process was ended by signal {} ({})", WTERMSIG(status),
+    return Error{ErrorCode::kUnsupported, fmt::format("the process was terminated by signal {} ({})", WTERMSIG(status),
                                                       ::strsignal(WTERMSIG(status)))};
   }
   if (answer.empty()) return Error{ErrorCode::kUnsupported, "the process ended without an answer"};
@@ -101,7 +101,7 @@ double peakMemoryMiB() {
 }
 
 double residentBytes() {
-  ::malloc_trim(0);  // what was freed is not held
+  ::malloc_trim(0);  // return freed memory to the system
   return kibibytesOf("VmRSS:") * 1024.0;
 }
 
@@ -119,7 +119,7 @@ Result<Timed> timeDecompose(const TriMesh& mesh, PoseView keyframes, const Decom
     timed.decomposition = std::move(*made);
   }
   timed.seconds = medianOf(wall);
-  timed.leastSeconds = *std::min_element(wall.begin(), wall.end());
+  timed.minSeconds = *std::min_element(wall.begin(), wall.end());
   timed.cpuSeconds = medianOf(cpu);
   return timed;
 }
@@ -129,7 +129,7 @@ double meanOf(std::span<const double> values) {
 }
 
 double medianOf(std::vector<double> values) {
-  CHECK(!values.empty(), "a median is of something");
+  LORICA_CHECK(!values.empty(), "a median needs at least one value");
   std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);

@@ -1,5 +1,5 @@
-// What it costs to follow the hulls of a body's parts by mending last frame's faces, beside building them anew from the
-// same points in the same run: CSV on standard output. Times are CPU microseconds for all parts in one frame.
+// Cost of updating the hulls of a body's parts by repairing the faces of the last frame, compared with building them
+// from the same points in the same run: CSV on standard output. Times are CPU microseconds for all parts in one frame.
 
 #include "collision/live/moving_hull.h"
 #include "acd/decompose.h"
@@ -41,9 +41,9 @@ double cpuMicroseconds() {
 }
 
 using Rows = std::vector<PointRow>;
-using Frame = std::vector<Rows>;  // one entry a part
+using Frame = std::vector<Rows>;  // one entry per part
 
-/// The points of each part in each frame, about their mean, in ticks.
+/// The points of each part in each frame, relative to their mean, in ticks.
 std::vector<Frame> ticksOf(const Decomposition& decomposition, std::span<const std::vector<PointIndex>> chosen,
                            std::span<const std::vector<Vec3>> poses, double ticksPerMetre) {
   std::vector<Frame> frames;
@@ -55,13 +55,13 @@ std::vector<Frame> ticksOf(const Decomposition& decomposition, std::span<const s
     frame.reserve(chosen.size());
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       Vec3 mean = Vec3::Zero();
-      for (const PointIndex p : chosen[i]) mean += points[static_cast<std::size_t>(p)];
+      for (const PointIndex p : chosen[i]) mean += points[p];
       mean /= static_cast<double>(chosen[i].size());
       Rows& rows = frame.emplace_back();
       rows.reserve(chosen[i].size());
       for (const PointIndex p : chosen[i]) {
-        const Vec3 q = (points[static_cast<std::size_t>(p)] - mean) * ticksPerMetre;
-        const Vec3f f = q.array().round().min(kMostTicks).max(-kMostTicks).matrix().cast<float>();
+        const Vec3 q = (points[p] - mean) * ticksPerMetre;
+        const Vec3f f = q.array().round().min(kMaxTicks).max(-kMaxTicks).matrix().cast<float>();
         rows.push_back({f.x(), f.y(), f.z(), 0.0F});
       }
     }
@@ -69,7 +69,7 @@ std::vector<Frame> ticksOf(const Decomposition& decomposition, std::span<const s
   return frames;
 }
 
-/// Every frame of a motion at 30 Hz, and between two of them the pose halfway.
+/// All frames of a motion at 30 Hz, and interpolated poses halfway between them.
 std::vector<std::vector<Vec3>> posesAt60Hz(const Character& character, const SkeletalMotion& motion) {
   const std::vector<Vec3> all = poseAllFrames(character, motion);
   const std::size_t vertexCount = character.mesh.vertices.size();
@@ -88,19 +88,19 @@ std::vector<std::vector<Vec3>> posesAt60Hz(const Character& character, const Ske
   return poses;
 }
 
-/// The points of each part that can be on its hull, or evenly so many of them.
+/// The points of each part that can be on its hull, or a number of them at even intervals.
 std::vector<std::vector<PointIndex>> choosePoints(const Character& character, const Decomposition& decomposition,
-                                                  int most) {
+                                                  int max) {
   const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition);
   std::vector<std::vector<PointIndex>> chosen;
   chosen.reserve(decomposition.parts.size());
   for (const Part& part : decomposition.parts) {
     std::vector<PointIndex>& own = chosen.emplace_back(hullCandidates(decomposition, part, lifted));
-    if (most <= 0 || own.size() <= static_cast<std::size_t>(most)) continue;
-    for (int i = 0; i < most; ++i) {
-      own[static_cast<std::size_t>(i)] = own[static_cast<std::size_t>(i) * own.size() / static_cast<std::size_t>(most)];
+    if (max <= 0 || own.size() <= static_cast<std::size_t>(max)) continue;
+    for (int i = 0; i < max; ++i) {
+      own[i] = own[static_cast<std::size_t>(i) * own.size() / static_cast<std::size_t>(max)];
     }
-    own.resize(static_cast<std::size_t>(most));
+    own.resize(max);
   }
   return chosen;
 }
@@ -124,7 +124,7 @@ Summary follow(std::span<const Frame> frames, int repeats) {
     }
     Frame now = frames.front();
     for (std::size_t f = 1; f < frames.size(); ++f) {
-      now = frames[f];  // as new points would lie in the cache that have just been posed
+      now = frames[f];  // brings the points into the cache, as if they had just been posed
       const double begin = cpuMicroseconds();
       for (std::size_t i = 0; i < hulls.size(); ++i) hulls[i].update(now[i]);
       double& us = summary.us[f - 1];
@@ -145,7 +145,7 @@ Summary follow(std::span<const Frame> frames, int repeats) {
   return summary;
 }
 
-/// Median time to build the hulls of a frame from nothing, over every tenth frame.
+/// Median time to build the hulls of a frame from scratch, over every tenth frame.
 template <class Build>
 double medianFromScratch(std::span<const Frame> frames, const Build& build) {
   std::vector<double> us;
@@ -165,7 +165,7 @@ double timeConvexHull(const Rows& rows) {
   const double begin = cpuMicroseconds();
   const ConvexHull hull = convexHull(points);
   const double us = cpuMicroseconds() - begin;
-  CHECK(!hull.degenerate(), "a limb is not flat");
+  LORICA_CHECK(!hull.degenerate(), "a limb is not flat");
   return us;
 }
 
@@ -174,13 +174,13 @@ double timeBullet(const Rows& rows) {
   btConvexHullComputer computer;
   computer.compute(&rows.front().x, sizeof(PointRow), static_cast<int>(rows.size()), 0.0F, 0.0F);
   const double us = cpuMicroseconds() - begin;
-  CHECK(computer.faces.size() > 3, "a limb is not flat");
+  LORICA_CHECK(computer.faces.size() > 3, "a limb is not flat");
   return us;
 }
 
 double timeNewBuild(const Rows& rows) {
   MovingHull hull(static_cast<int>(rows.size()));
-  hull.update(Rows(rows.size()));  // all points in one place: flat, but the memory has been touched
+  hull.update(Rows(rows.size()));  // all points equal: flat, but touches the memory
   const double begin = cpuMicroseconds();
   hull.update(rows);
   return cpuMicroseconds() - begin;
@@ -208,8 +208,8 @@ int run(const Options& options) {
       "insertions,failed_certificates,rebuilds,hash\n");
   for (int m = 0; m < kSyntheticMotionCount; ++m) {
     if (options.onlyMotion >= 0 && m != options.onlyMotion) continue;
-    const std::vector<Frame> frames = ticksOf(
-        *decomposition, chosen, posesAt60Hz(character, motions[static_cast<std::size_t>(m)]), options.ticksPerMetre);
+    const std::vector<Frame> frames =
+        ticksOf(*decomposition, chosen, posesAt60Hz(character, motions[m]), options.ticksPerMetre);
     std::array<double, 3> scratch{};
     if (options.references) {
       scratch = {medianFromScratch(frames, timeConvexHull), medianFromScratch(frames, timeBullet),
@@ -238,18 +238,18 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   lorica::bench::Options options;
-  CLI::App app("Times hulls of moving points on the built-in character and motions; counts are means a frame.");
+  CLI::App app("Measures hulls of moving points on the built-in character and motions; counts are means per frame.");
   app.add_option("--parts", options.parts, "Parts of the decomposition [default: 16]")->check(CLI::Range(1, 128));
-  app.add_option("--points", options.pointsPerPart, "At most so many points a part [default: all]")
+  app.add_option("--points", options.pointsPerPart, "Maximum number of points per part [default: all]")
       ->check(CLI::Range(4, 100000));
-  app.add_option("--motion", options.onlyMotion, "Only this one of the motions, by number [default: all]")
+  app.add_option("--motion", options.onlyMotion, "Number of the only motion to measure [default: all]")
       ->check(CLI::Range(0, lorica::kSyntheticMotionCount - 1));
-  app.add_option("--repeats", options.repeats, "The least time of so many counts for each frame [default: 3]")
+  app.add_option("--repeats", options.repeats, "Repeats; the minimum time of each frame counts [default: 3]")
       ->check(CLI::Range(1, 1000));
-  app.add_flag("!--no-references", options.references, "Leave out building from nothing");
-  app.add_option("--ticks", options.ticksPerMetre, "Steps of the grid in a metre [default: 1,000,000]")
+  app.add_flag("!--no-references", options.references, "Do not measure building from scratch");
+  app.add_option("--ticks", options.ticksPerMetre, "Grid steps per metre [default: 1,000,000]")
       ->check(CLI::Range(1e3, 1e7));
-  app.add_option("--every", options.every, "Take every so manieth frame of 60 a second [default: 1,2,4,20]")
+  app.add_option("--every", options.every, "Use every n-th frame of 60 per second [default: 1,2,4,20]")
       ->delimiter(',')
       ->check(CLI::Range(1, 60));
   CLI11_PARSE(app, argc, argv);

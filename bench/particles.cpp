@@ -1,4 +1,4 @@
-// What it costs to push millions of particles out of a live body, beside a plain loop in the same run: CSV on standard
+// Cost of pushing millions of particles out of a live body, compared with a plain loop in the same run: CSV on standard
 // output.
 
 #include "bench/measure.h"
@@ -30,7 +30,7 @@ struct Options {
   int repeats = 7;
 };
 
-/// Time of one call: wall clock, and of all threads together [ms].
+/// Time of one call: wall clock, and CPU time of all threads [ms].
 struct Cost {
   double wall = std::numeric_limits<double>::infinity();
   double cpu = std::numeric_limits<double>::infinity();
@@ -42,23 +42,23 @@ double cpuMilliseconds() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-/// The least of several: what is more is what else the machine did.
+/// Minimum of several runs, to exclude other load of the machine.
 template <class Before, class Work>
-Cost leastOf(int repeats, const Before& before, const Work& work) {
-  Cost least;
+Cost minOf(int repeats, const Before& before, const Work& work) {
+  Cost min;
   for (int i = 0; i < repeats; ++i) {
     before();
     const double cpu = cpuMilliseconds();
     const auto begin = std::chrono::steady_clock::now();
     work();
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
-    least.wall = std::min(least.wall, wall.count());
-    least.cpu = std::min(least.cpu, cpuMilliseconds() - cpu);
+    min.wall = std::min(min.wall, wall.count());
+    min.cpu = std::min(min.cpu, cpuMilliseconds() - cpu);
   }
-  return least;
+  return min;
 }
 
-/// The same the obvious way: particle by particle, hull by hull, plane by plane.
+/// The straightforward reference: particle by particle, hull by hull, plane by plane.
 class PlainPush {
  public:
   explicit PlainPush(std::span<const LivePart> parts) {
@@ -70,16 +70,14 @@ class PlainPush {
         hull.max = hull.max.cwiseMax(v.cast<float>());
       }
       for (const auto& [a, b, c] : world.triangles) {
-        const Vec3& corner = world.vertices[static_cast<std::size_t>(a)];
-        const Vec3 normal = (world.vertices[static_cast<std::size_t>(b)] - corner)
-                                .cross(world.vertices[static_cast<std::size_t>(c)] - corner)
-                                .normalized();
+        const Vec3& corner = world.vertices[a];
+        const Vec3 normal = (world.vertices[b] - corner).cross(world.vertices[c] - corner).normalized();
         hull.planes.push_back({normal.cast<float>(), static_cast<float>(normal.dot(corner))});
       }
     }
   }
 
-  /// @return how many were moved
+  /// @return number of moved particles
   std::size_t push(std::span<Vec3f> positions) const {
     std::size_t moved = 0;
     for (Vec3f& p : positions) {
@@ -101,7 +99,7 @@ class PlainPush {
     Vec3f max = Vec3f::Constant(-std::numeric_limits<float>::infinity());
   };
 
-  /// Moves a particle out of the first hull that it is inside of.
+  /// Moves a particle out of the first hull that contains it.
   bool leaveOne(Vec3f& p) const {
     for (const Hull& hull : hulls_) {
       if (p.x() < hull.min.x() || p.y() < hull.min.y() || p.z() < hull.min.z() || p.x() > hull.max.x() ||
@@ -130,7 +128,7 @@ class PlainPush {
   std::vector<Hull> hulls_;
 };
 
-/// Evenly in a box.
+/// Particles distributed uniformly in a box.
 std::vector<Vec3f> sandbox(const Vec3& center, const Vec3& size, std::size_t count) {
   RandomNumbers random(1);
   std::vector<Vec3f> particles(count);
@@ -143,7 +141,7 @@ std::vector<Vec3f> sandbox(const Vec3& center, const Vec3& size, std::size_t cou
   return particles;
 }
 
-/// Closely about the body: each within 5 cm of a box about a part.
+/// Particles close to the body: each within 5 cm of the bounding box of a part.
 std::vector<Vec3f> cloud(std::span<const LivePart> parts, std::size_t count) {
   std::vector<Aabb> boxes;
   for (const LivePart& part : parts) {
@@ -163,7 +161,7 @@ std::vector<Vec3f> cloud(std::span<const LivePart> parts, std::size_t count) {
   return particles;
 }
 
-/// By cells of 4 cm, layer by layer.
+/// Sorts by cells of 4 cm, layer by layer.
 void sortByCell(std::vector<Vec3f>& particles) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(particles.size());
   for (std::size_t i = 0; i < particles.size(); ++i) {
@@ -184,7 +182,7 @@ std::uint64_t hashOf(std::span<const Vec3f> positions, std::span<const ParticleT
   return XXH3_64bits_withSeed(touches.data(), touches.size_bytes(), hash);
 }
 
-/// How many are inside a hull by more than so much [m], the slow way.
+/// Number of particles inside a hull by more than a depth [m], by brute force.
 std::size_t deeperThan(std::span<const LivePart> parts, std::span<const Vec3f> positions, double depth) {
   std::vector<ConvexHull> hulls;
   std::vector<Aabb> boxes;
@@ -199,10 +197,8 @@ std::size_t deeperThan(std::span<const LivePart> parts, std::span<const Vec3f> p
       if ((p.array() < boxes[h].min.array()).any() || (p.array() > boxes[h].max.array()).any()) continue;
       double highest = -std::numeric_limits<double>::infinity();
       for (const auto& [a, b, c] : hulls[h].triangles) {
-        const Vec3& corner = hulls[h].vertices[static_cast<std::size_t>(a)];
-        const Vec3 normal = (hulls[h].vertices[static_cast<std::size_t>(b)] - corner)
-                                .cross(hulls[h].vertices[static_cast<std::size_t>(c)] - corner)
-                                .normalized();
+        const Vec3& corner = hulls[h].vertices[a];
+        const Vec3 normal = (hulls[h].vertices[b] - corner).cross(hulls[h].vertices[c] - corner).normalized();
         highest = std::max(highest, normal.dot(p - corner));
         if (highest > -depth) break;
       }
@@ -219,12 +215,12 @@ void measure(const std::string& name, std::span<const LivePart> parts, const std
   std::vector<Vec3f> moved;
   const auto restore = [&] { moved = particles; };
   const PlainPush plain(parts);
-  const Cost reference = leastOf(std::min(repeats, 3), restore, [&] { (void)plain.push(moved); });
+  const Cost reference = minOf(std::min(repeats, 3), restore, [&] { (void)plain.push(moved); });
   const std::size_t leftByReference = deeperThan(parts, moved, 1e-3);
   for (const int threads : {1, 2}) {
     ParticlePush push({.threads = threads});
     std::span<const ParticleTouch> touches;
-    const Cost cost = leastOf(repeats, restore, [&] {
+    const Cost cost = minOf(repeats, restore, [&] {
       push.prepare(parts, kSecondsOfFrame);
       touches = push.push(moved);
     });
@@ -251,7 +247,7 @@ int run(const Options& options) {
     faces += part.shape.triangles.size();
     for (const Vec3& v : part.shape.vertices) box.extend(part.worldFromPart * v);
   }
-  fmt::print("# {} parts, {} faces; a frame is preparing and pushing\n", body.parts().size(), faces);
+  fmt::print("# {} parts, {} faces; a frame consists of preparing and pushing\n", body.parts().size(), faces);
   fmt::print(
       "task,particles,threads,inside_percent,wall_ms,cpu_ms,reference_cpu_ms,ratio,reference_deeper_than_1mm,deeper_"
       "than_1mm,hash\n");
@@ -273,11 +269,11 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   lorica::bench::Options options;
-  CLI::App app("Times pushing particles out of a live body");
-  app.add_option("--particles", options.particles, "how many")->check(CLI::Range(1000, 100'000'000));
+  CLI::App app("Measures pushing particles out of a live body");
+  app.add_option("--particles", options.particles, "number of particles")->check(CLI::Range(1000, 100'000'000));
   app.add_option("--parts", options.parts, "parts of the body")->check(CLI::Range(1, 64));
-  app.add_option("--hull-vertices", options.hullVertices, "of a part, at most")->check(CLI::Range(8, 10'000));
-  app.add_option("--repeats", options.repeats, "of everything that is timed")->check(CLI::Range(1, 100));
+  app.add_option("--hull-vertices", options.hullVertices, "maximum per part")->check(CLI::Range(8, 10'000));
+  app.add_option("--repeats", options.repeats, "repeats of each measurement")->check(CLI::Range(1, 100));
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

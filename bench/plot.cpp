@@ -22,7 +22,7 @@ constexpr double kTextSize = 0.48;
 const cv::Scalar kInk(40, 40, 40);
 const cv::Scalar kGrid(225, 225, 225);
 
-/// Told apart by people who do not see all colours too (Okabe and Ito); blue, green, red order.
+/// Palette for colour-blind readers too (Okabe and Ito), in the order blue, green, red.
 cv::Scalar colorOf(std::size_t series) {
   static const std::array<cv::Scalar, 5> colors = {cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),
                                                    cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
@@ -39,7 +39,7 @@ void write(cv::Mat& picture, const std::string& text, cv::Point at) {
   cv::putText(picture, text, at, kFont, kTextSize, kInk, 1, cv::LINE_AA);
 }
 
-/// A step of 1, 2 or 5 times a power of ten that divides a range into about `wanted` pieces.
+/// A step of 1, 2 or 5 times a power of ten that divides a range into about `wanted` intervals.
 double niceStep(double range, int wanted) {
   const double rough = range / wanted;
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
@@ -76,7 +76,7 @@ class Axes {
   }
 
  private:
-  /// Between neighbouring bars.
+  /// Distance between neighbouring bars.
   [[nodiscard]] double spacing() const {
     const std::vector<double>& x = chart_.series.front().x;
     return x.size() > 1 ? x[1] - x[0] : 1.0;
@@ -115,7 +115,7 @@ class Axes {
     }
     write(picture_, chart_.title, {kLeft, 28});
     write(picture_, chart_.xName, {(kWidth + kLeft - kRight - sizeOf(chart_.xName).width) / 2, kHeight - 16});
-    // The name of the y axis, turned.
+    // The name of the y axis, rotated.
     const cv::Size size = sizeOf(chart_.yName);
     cv::Mat label(size.height + 10, size.width + 4, CV_8UC3, cv::Scalar::all(255));
     write(label, chart_.yName, {2, size.height + 2});
@@ -144,7 +144,7 @@ class Axes {
     }
   }
 
-  /// In a row under the title, where it hides nothing.
+  /// In a row below the title, where it covers nothing.
   void drawLegend() {
     int left = kLeft;
     for (std::size_t i = 0; i < chart_.series.size(); ++i) {
@@ -180,9 +180,9 @@ Chart histogram(const std::vector<Series>& values, int bins) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const Series& s : values) {
-    const auto [least, most] = std::minmax_element(s.y.begin(), s.y.end());
-    low = std::min(low, *least);
-    high = std::max(high, *most);
+    const auto [min, max] = std::minmax_element(s.y.begin(), s.y.end());
+    low = std::min(low, *min);
+    high = std::max(high, *max);
   }
   const double width = high > low ? (high - low) / bins : 1.0;
   Chart chart;

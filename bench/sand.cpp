@@ -1,5 +1,5 @@
-// What a frame of simulated sand or water costs while the mannequin walks through it, beside plain scalar code for the
-// same contacts in the same run: CSV on standard output.
+// Cost of a frame of simulated sand or water while the mannequin walks through it, compared with plain scalar code for
+// the same contacts in the same run: CSV on standard output.
 
 #include "bench/measure.h"
 #include "bench/walker.h"
@@ -53,15 +53,16 @@ struct Times {
   }
 };
 
-std::uint64_t hashOf(std::span<const Vec3f> places) {
-  return XXH3_64bits(places.data(), places.size_bytes());
+std::uint64_t hashOf(std::span<const Vec3f> positions) {
+  return XXH3_64bits(positions.data(), positions.size_bytes());
 }
 
-/// The same contacts without grid order, lists that last, vectors, threads or sleep: one grain after the other.
+/// The same contacts without grid order, persistent lists, SIMD, threads or sleeping: one grain after the other.
 class PlainSand {
  public:
-  PlainSand(std::span<const Vec3f> places, float radius) : diameter_(2.0f * radius) {
-    for (const Vec3f& place : places) grains_.push_back({place, Vec3f::Zero(), Vec3f::Zero(), Vec3f::Zero(), {}});
+  PlainSand(std::span<const Vec3f> positions, float radius) : diameter_(2.0f * radius) {
+    for (const Vec3f& position : positions)
+      grains_.push_back({position, Vec3f::Zero(), Vec3f::Zero(), Vec3f::Zero(), {}});
   }
 
   void step(int substeps) {
@@ -71,22 +72,22 @@ class PlainSand {
       if (substep % 4 == 0) findNeighbours();
       for (Grain& g : grains_) collide(g, fall, seconds);
       for (Grain& g : grains_) {
-        g.place = g.nextPlace;
+        g.position = g.nextPosition;
         g.way = g.nextWay;
       }
     }
   }
 
-  [[nodiscard]] std::vector<Vec3f> places() const {
+  [[nodiscard]] std::vector<Vec3f> positions() const {
     std::vector<Vec3f> result;
     result.reserve(grains_.size());
-    for (const Grain& g : grains_) result.push_back(g.place);
+    for (const Grain& g : grains_) result.push_back(g.position);
     return result;
   }
 
  private:
   struct Grain {
-    Vec3f place, way, nextPlace, nextWay;
+    Vec3f position, way, nextPosition, nextWay;
     std::vector<std::uint32_t> near;
   };
 
@@ -97,7 +98,7 @@ class PlainSand {
     keys.reserve(grains_.size());
     const auto cell = [&](float v) { return static_cast<int>(std::floor(v / reach)); };
     for (std::uint32_t i = 0; i < grains_.size(); ++i) {
-      const Vec3f& p = grains_[i].place;
+      const Vec3f& p = grains_[i].position;
       keys.emplace_back(cell(p.z()), cell(p.x()), cell(p.y()), i);
     }
     std::sort(keys.begin(), keys.end());
@@ -106,11 +107,11 @@ class PlainSand {
       g.near.clear();
       for (int dz = -1; dz <= 1; ++dz) {
         for (int dx = -1; dx <= 1; ++dx) {
-          const int z = cell(g.place.z()) + dz, x = cell(g.place.x()) + dx, y = cell(g.place.y());
+          const int z = cell(g.position.z()) + dz, x = cell(g.position.x()) + dx, y = cell(g.position.y());
           auto key = std::lower_bound(keys.begin(), keys.end(), Key(z, x, y - 1, 0));
           for (; key != keys.end() && *key < Key(z, x, y + 2, 0); ++key) {
             const std::uint32_t j = std::get<3>(*key);
-            if (j != i && (grains_[j].place - g.place).squaredNorm() < reach * reach) g.near.push_back(j);
+            if (j != i && (grains_[j].position - g.position).squaredNorm() < reach * reach) g.near.push_back(j);
           }
         }
       }
@@ -119,12 +120,12 @@ class PlainSand {
 
   void collide(Grain& g, const Vec3f& fall, float seconds) const {
     const Vec3f way = g.way + fall;
-    const Vec3f at = g.place + way;
+    const Vec3f at = g.position + way;
     Vec3f sum = Vec3f::Zero();
     float touches = 0.0f;
     for (const std::uint32_t j : g.near) {
       const Vec3f otherWay = grains_[j].way + fall;
-      const Vec3f between = at - (grains_[j].place + otherWay);
+      const Vec3f between = at - (grains_[j].position + otherWay);
       const float distance = between.norm();
       if (!(distance < diameter_) || distance < 1e-7f) continue;
       const Vec3f normal = between / distance;
@@ -138,7 +139,7 @@ class PlainSand {
       touches += 1.0f;
     }
     g.nextWay = way + std::min(1.0f, 2.0f / std::max(touches, 1.0f)) * sum;
-    const float below = std::max(0.0f, 0.5f * diameter_ - (g.place.y() + g.nextWay.y()));
+    const float below = std::max(0.0f, 0.5f * diameter_ - (g.position.y() + g.nextWay.y()));
     g.nextWay.y() += below;
     const float slide = std::hypot(g.nextWay.x(), g.nextWay.z());
     const float held = std::min(1.0f, 0.4f * below / std::max(slide, 1e-7f));
@@ -147,7 +148,7 @@ class PlainSand {
     const float length = g.nextWay.norm();
     if (length < 0.7f * fall.norm()) g.nextWay.setZero();
     if (length > diameter_) g.nextWay *= diameter_ / length;
-    g.nextPlace = g.place + g.nextWay;
+    g.nextPosition = g.position + g.nextWay;
   }
 
   std::vector<Grain> grains_;
@@ -157,7 +158,7 @@ class PlainSand {
 ParticleSettings settingsOf(ParticleSettings::Kind kind, int count) {
   ParticleSettings settings;
   settings.kind = kind;
-  // A bed that the walker goes through the length of, 30 cm deep.
+  // A bed, 30 cm deep, along the walker's path.
   const double step = 2.0 * settings.radius * 1.02;
   const double area = count * step * step * step / 0.3;
   const double width = std::sqrt(area / 2.0);
@@ -180,25 +181,25 @@ int run(const Options& options) {
     for (int f = 0; f < options.settle; ++f) {
       falling.add([&] { particles.step(walker->body->parts(), kFrame); });
     }
-    falling.print(sand ? "sand settles" : "water settles", particles.places().size(), hashOf(particles.places()));
+    falling.print(sand ? "sand settles" : "water settles", particles.positions().size(), hashOf(particles.positions()));
     for (int f = 1; f <= options.frames; ++f) {
       const std::size_t pose = std::min(static_cast<std::size_t>(f), walker->worldFromModel.size() - 1);
       walker->body->update(walker->worldFromModel[pose]);
       walking.add([&] { particles.step(walker->body->parts(), kFrame); });
     }
-    walking.print(sand ? "sand is walked through" : "water is walked through", particles.places().size(),
-                  hashOf(particles.places()));
+    walking.print(sand ? "walk through sand" : "walk through water", particles.positions().size(),
+                  hashOf(particles.positions()));
   }
   ParticleSettings few = settingsOf(ParticleSettings::Kind::kSand, options.plain);
   few.walls.reset();
-  PlainSand plain(Particles(few).places(), static_cast<float>(few.radius));
+  PlainSand plain(Particles(few).positions(), static_cast<float>(few.radius));
   Times times;
   for (int f = 0; f < 5; ++f) times.add([&] { plain.step(8); });
-  times.print("plain scalar sand without a body", static_cast<std::size_t>(options.plain), hashOf(plain.places()));
+  times.print("plain scalar sand without a body", static_cast<std::size_t>(options.plain), hashOf(plain.positions()));
   Particles same(few);
   Times own;
   for (int f = 0; f < 5; ++f) own.add([&] { same.step({}, kFrame); });
-  own.print("the same sand", static_cast<std::size_t>(options.plain), hashOf(same.places()));
+  own.print("the same sand", static_cast<std::size_t>(options.plain), hashOf(same.positions()));
   return 0;
 }
 
@@ -207,7 +208,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   lorica::bench::Options options;
-  CLI::App app("What a frame of simulated sand or water costs");
+  CLI::App app("Cost of a frame of simulated sand or water");
   app.add_option("--grains", options.grains)->check(CLI::Range(1, 300'000));
   app.add_option("--drops", options.drops)->check(CLI::Range(1, 300'000));
   app.add_option("--plain", options.plain)->check(CLI::Range(1, 300'000));

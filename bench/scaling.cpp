@@ -1,5 +1,5 @@
-// How the time of a decomposition grows with vertices, parts, keyframes and threads: CSV on standard output, with the
-// fitted exponents as lines that start with #.
+// Scaling of the decomposition time with vertices, parts, keyframes and threads: CSV on standard output, with the
+// fitted exponents on lines that start with #.
 
 #include "bench/measure.h"
 #include "capture/synthetic/synthetic_motion.h"
@@ -30,7 +30,7 @@ struct Options {
   bool full = false;
 };
 
-/// A torus with bumps, the same shape whatever the number of vertices.
+/// A torus with bumps; the shape does not depend on the number of vertices.
 TriMesh bumpyTorus(int vertexCount) {
   const int minor = std::max(8, static_cast<int>(std::lround(std::sqrt(vertexCount / 2.5))));
   const int major = std::max(12, vertexCount / minor);
@@ -54,7 +54,7 @@ TriMesh bumpyTorus(int vertexCount) {
   return mesh;
 }
 
-/// 1, 2, 5, 10, ... or 1, 2, 4, 8, ... from `first` to `last`, which is always one of them.
+/// 1, 2, 5, 10, ... or 1, 2, 4, 8, ... from `first` to `last`, which is always included.
 std::vector<int> steps(int first, int last, bool decimal) {
   std::vector<int> values;
   for (int v = first, turn = 0; v < last; ++turn) {
@@ -65,11 +65,11 @@ std::vector<int> steps(int first, int last, bool decimal) {
   return values;
 }
 
-/// What one point of a sweep is measured with.
+/// Parameters of one point of a sweep.
 struct Point {
   int vertices = 20000;
   int parts = 16;
-  int keyframes = 0;  ///< 0 = the torus, else the character in so many poses
+  int keyframes = 0;  ///< 0 = the torus, otherwise the character in this number of poses
   int threads = 2;
 };
 
@@ -98,12 +98,12 @@ Result<std::string> measure(const Point& point, const Options& options) {
   const Result<Timed> made =
       timeDecompose(mesh, {positions, static_cast<int>(mesh.vertices.size())}, settings, options.repeats);
   if (!made) return made.error();
-  return fmt::format("{:.4f},{:.4f},{:.4f},{},{},{:.1f},{}", made->leastSeconds, made->seconds, made->cpuSeconds,
+  return fmt::format("{:.4f},{:.4f},{:.4f},{},{},{:.1f},{}", made->minSeconds, made->seconds, made->cpuSeconds,
                      mesh.vertices.size(), made->decomposition.parts.size(), peakMemoryMiB(),
                      hexDigits(hashOf(made->decomposition)));
 }
 
-/// Measures a point for each value and fits the exponent over those that ended.
+/// Measures a point for each value and fits the exponent to those that succeeded.
 void sweep(const std::string& name, const std::vector<int>& values, int Point::*member, const Options& options) {
   std::vector<double> x, y, cpu;
   for (const int value : values) {
@@ -120,17 +120,17 @@ void sweep(const std::string& name, const std::vector<int>& values, int Point::*
     fmt::print("{},{},{}\n", name, value, *measured);
     std::fflush(stdout);
     std::istringstream fields(*measured);
-    std::string least, median, processor;
-    std::getline(fields, least, ',');
+    std::string min, median, processor;
+    std::getline(fields, min, ',');
     std::getline(fields, median, ',');
     std::getline(fields, processor, ',');
-    if (member == &Point::parts && value == 1) continue;  // no cut at all
+    if (member == &Point::parts && value == 1) continue;  // no cuts
     x.push_back(value);
-    y.push_back(std::stod(least));
+    y.push_back(std::stod(min));
     cpu.push_back(std::stod(processor));
   }
   if (x.size() < 2) return;
-  fmt::print("# {}: seconds grow with the power {:.2f}, CPU seconds {:.2f}\n", name, fittedExponent(x, y),
+  fmt::print("# {}: seconds scale with the power {:.2f}, CPU seconds {:.2f}\n", name, fittedExponent(x, y),
              fittedExponent(x, cpu));
 }
 
@@ -141,7 +141,7 @@ int run(Options options) {
     options.maxKeyframes = 100;
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  fmt::print("sweep,value,least_seconds,seconds,cpu_seconds,vertices,parts,peak_mib,hash\n");
+  fmt::print("sweep,value,min_seconds,seconds,cpu_seconds,vertices,parts,peak_mib,hash\n");
   sweep("vertices", steps(1000, options.maxVertices, true), &Point::vertices, options);
   sweep("parts", steps(1, options.maxParts, false), &Point::parts, options);
   sweep("keyframes", steps(1, options.maxKeyframes, true), &Point::keyframes, options);
@@ -154,7 +154,7 @@ int run(Options options) {
 
 int main(int argc, char** argv) {
   lorica::bench::Options options;
-  CLI::App app("Times decompositions of growing size; a quick run by default.");
+  CLI::App app("Measures decompositions of increasing size; a quick run by default.");
   app.add_option("--preset", options.preset, "paper, fast or quality [default: fast]")
       ->check(CLI::IsMember({"paper", "fast", "quality"}));
   app.add_option("--max-vertices", options.maxVertices, "From 1,000 to this [default: 30,000]")
@@ -163,10 +163,10 @@ int main(int argc, char** argv) {
   app.add_option("--max-keyframes", options.maxKeyframes, "From 1 to this [default: 10]")->check(CLI::Range(1, 1000));
   app.add_option("--max-threads", options.maxThreads, "From 1 to this [default: as many as the machine has]")
       ->check(CLI::Range(1, 1024));
-  app.add_option("--threads", options.threads, "Of the other sweeps [default: 2]")->check(CLI::Range(1, 1024));
-  app.add_option("--repeats", options.repeats, "Times for each point; the least counts [default: 1]")
+  app.add_option("--threads", options.threads, "Threads of the other sweeps [default: 2]")->check(CLI::Range(1, 1024));
+  app.add_option("--repeats", options.repeats, "Repeats of each point; the minimum counts [default: 1]")
       ->check(CLI::Range(1, 1000));
-  app.add_flag("--full", options.full, "To 1,000,000 vertices, 256 parts and 100 keyframes: hours");
+  app.add_flag("--full", options.full, "Up to 1,000,000 vertices, 256 parts and 100 keyframes: takes hours");
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

@@ -1,5 +1,5 @@
-// An hour of simulated time with faults, thrown balls and changing scenes: what it cost, and whether anything broke.
-// CSV on standard output; exits with 1 where something did.
+// An hour of simulated time with faults, thrown balls and changing scenes: costs and violations. CSV on standard
+// output; exits with 1 if there are violations.
 
 #include "bench/measure.h"
 #include "bench/soak_run.h"
@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kViolated = 1;
 
-/// A bed that reaches to the shins: few, so that an hour of it takes minutes.
+/// A bed of particles up to the shins: few enough that an hour takes minutes.
 World makeBed(ParticleSettings::Kind kind) {
   ParticleSettings settings;
   settings.kind = kind;
@@ -33,7 +33,7 @@ World makeBed(ParticleSettings::Kind kind) {
   return world;
 }
 
-/// The demo's world of any seed, beds of sand and water, and the scenes of a folder that hold props only.
+/// The demo's world with any seed, beds of sand and water, and the scenes of a folder that have only props.
 Result<std::vector<SoakScene>> scenesIn(const std::filesystem::path& folder) {
   std::vector<SoakScene> scenes = {{"demo", makeDemoWorld}};
   for (const char* name : {"boxes", "bowling", "curtain"}) {
@@ -56,12 +56,12 @@ Result<Decomposition> sixteenParts() {
                    settings);
 }
 
-/// The value that a share of all values does not exceed [ms].
+/// Percentile of values [ms].
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return 1e3 * values[static_cast<std::size_t>(rank)];
+  return 1e3 * values[rank];
 }
 
 void print(const SoakResult& result, const SoakSettings& settings) {
@@ -71,16 +71,16 @@ void print(const SoakResult& result, const SoakSettings& settings) {
     cpu += std::accumulate(row.frameSeconds.begin(), row.frameSeconds.end(), 0.0);
     fmt::print("{},{},{:.2f},{:.2f},{:.2f},{},{},{:.3f},{:.1f}\n", row.scene, row.frameSeconds.size(),
                quantile(row.frameSeconds, 0.5), quantile(row.frameSeconds, 0.99), quantile(row.frameSeconds, 1.0),
-               row.mostProps, row.contacts, row.lowest, row.fastest);
+               row.maxProps, row.contacts, row.lowest, row.fastest);
   }
   fmt::print("# {:.0f} s simulated in {:.0f} s of CPU time: {} frames, {} with faults, {} balls, {} grabs, {} scenes\n",
              result.seconds, cpu, result.frames, result.faultyFrames, result.balls, result.grabs, result.worlds);
-  fmt::print("# memory {:.1f} MiB in the first third after {:.0f} s, {:.1f} MiB in the last, at most {:.1f} MiB\n",
-             result.firstMemory, settings.warmUp, result.lastMemory, result.mostMemory);
-  fmt::print("# budget {:.1f} ms of CPU time a frame, none may take longer than {:g} times that\n",
-             1e3 * settings.budget, settings.factor);
+  fmt::print("# memory {:.1f} MiB in the first third after {:.0f} s, {:.1f} MiB in the last third, peak {:.1f} MiB\n",
+             result.firstMemory, settings.warmUp, result.lastMemory, result.maxMemory);
+  fmt::print("# budget {:.1f} ms of CPU time per frame, maximum {:g} times that\n", 1e3 * settings.budget,
+             settings.factor);
   for (const std::string& violation : result.violations) fmt::print("# violated: {}\n", violation);
-  if (result.violations.empty()) fmt::print("# nothing was violated\n");
+  if (result.violations.empty()) fmt::print("# no violations\n");
 }
 
 }  // namespace
@@ -88,12 +88,12 @@ void print(const SoakResult& result, const SoakSettings& settings) {
 
 int main(int argc, char** argv) {
   namespace bench = lorica::bench;
-  CLI::App app("Soak: an hour of faults, thrown balls and changing scenes.", "soak");
+  CLI::App app("Soak test: an hour of faults, thrown balls and changing scenes.", "soak");
   bench::SoakSettings settings;
   std::string folder = "scenes";
   app.add_option("--seconds", settings.seconds, "Simulated time [s]")->check(CLI::PositiveNumber);
-  app.add_option("--seed", settings.seed, "Of faults, balls and scenes");
-  app.add_option("--factor", settings.factor, "No frame takes longer than this times 1/60 s")
+  app.add_option("--seed", settings.seed, "Random seed of faults, balls and scenes");
+  app.add_option("--factor", settings.factor, "Maximum CPU time of a frame as a multiple of 1/60 s")
       ->check(CLI::PositiveNumber);
   app.add_option("--scenes", folder, "Folder of the shipped scenes");
   CLI11_PARSE(app, argc, argv);

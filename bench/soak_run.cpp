@@ -21,7 +21,7 @@
 namespace lorica::bench {
 namespace {
 
-constexpr std::size_t kMostViolations = 20;
+constexpr std::size_t kMaxViolations = 20;
 constexpr double kMemoryEvery = 20.0;  ///< simulated [s]
 constexpr std::array<const char*, 8> kFaults = {"",
                                                 "dropout=0.1",
@@ -38,7 +38,7 @@ double cpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// What this process holds and has touched [MiB].
+/// Resident memory of this process [MiB].
 double residentMebibytes() {
   std::ifstream statm("/proc/self/statm");
   double size = 0.0, resident = 0.0;
@@ -53,7 +53,7 @@ class Soak {
     for (const SoakScene& scene : scenes) {
       SoakRow& row = result_.rows.emplace_back();
       row.scene = scene.name;
-      // What is kept of each frame would look like a leak otherwise.
+      // Allocate the memory of the per-frame results first; otherwise its growth would look like a leak.
       row.frameSeconds.reserve(static_cast<std::size_t>(2.0 * 60.0 * settings.seconds) / scenes.size() + 4096);
       std::fill_n(std::back_inserter(row.frameSeconds), row.frameSeconds.capacity(), 0.0);
       row.frameSeconds.clear();
@@ -73,12 +73,12 @@ class Soak {
  private:
   static Session firstSession(const Decomposition& parts) {
     Result<Session> session = Session::create(makeMannequin(), parts, makeMotionPoseSource({}), World());
-    CHECK(session.ok(), "the parts are the mannequin's");
+    LORICA_CHECK(session.ok(), "the parts must be the mannequin's");
     return std::move(session).value();
   }
 
   void violation(std::string what) {
-    if (result_.violations.size() < kMostViolations) {
+    if (result_.violations.size() < kMaxViolations) {
       result_.violations.push_back(
           fmt::format("{:.2f} s, scene {}: {}", result_.seconds, result_.rows[scene_].scene, what));
     }
@@ -119,7 +119,7 @@ class Soak {
     }
   }
 
-  /// Now and then a ball is thrown at the avatar, or a prop is taken and dragged about for a second.
+  /// Sometimes throws a ball at the avatar, or grabs a prop and drags it around for a second.
   void disturb() {
     const Vec3 middle =
         session_.frameCount() == 0 ? Vec3(0.0, 1.0, 0.0) : session_.body().parts().front().worldFromPart.translation();
@@ -156,7 +156,7 @@ class Soak {
       if (!finite) violation("a part of the avatar is not finite");
     }
     const std::span<const Prop> props = session_.world().props();
-    row.mostProps = std::max(row.mostProps, props.size());
+    row.maxProps = std::max(row.maxProps, props.size());
     row.contacts += std::ssize(session_.world().contacts());
     for (std::size_t p = 0; p < props.size(); ++p) {
       const Prop& prop = props[p];
@@ -168,23 +168,24 @@ class Soak {
       const double height = prop.worldFromProp.translation().y();
       row.lowest = std::min(row.lowest, height);
       row.fastest = std::max(row.fastest, prop.velocity.norm());
-      // Half of a thing that is below the floor will not come up again.
+      // A prop that is half below the floor does not come up again.
       if (height < 0.0) violation(fmt::format("prop {} went through the floor, to {:.3f} m", p, height));
     }
     watchParticles();
     if (result_.seconds < nextMemory_) return;
     nextMemory_ += kMemoryEvery;
     const double mebibytes = residentMebibytes();
-    result_.mostMemory = std::max(result_.mostMemory, mebibytes);
+    result_.maxMemory = std::max(result_.maxMemory, mebibytes);
     if (result_.seconds >= settings_.warmUp) memory_.push_back(mebibytes);
   }
 
   void watchParticles() {
     const Particles* particles = session_.world().particles();
     if (particles == nullptr) return;
-    for (const Vec3f& place : particles->places()) {
-      if (!place.allFinite()) return violation("a particle is not finite");
-      if (place.y() < 0.0f) return violation(fmt::format("a particle went through the floor, to {:.3f} m", place.y()));
+    for (const Vec3f& position : particles->positions()) {
+      if (!position.allFinite()) return violation("a particle is not finite");
+      if (position.y() < 0.0f)
+        return violation(fmt::format("a particle went through the floor, to {:.3f} m", position.y()));
     }
   }
 
@@ -219,7 +220,7 @@ class Soak {
 }  // namespace
 
 SoakResult soak(const Decomposition& parts, const std::vector<SoakScene>& scenes, const SoakSettings& settings) {
-  CHECK(!scenes.empty(), "a soak is played somewhere");
+  LORICA_CHECK(!scenes.empty(), "a soak test needs scenes");
   return Soak(parts, scenes, settings).run();
 }
 

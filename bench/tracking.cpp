@@ -1,5 +1,5 @@
-// How well and how fast Tracker follows rendered people: rows by motion and body as CSV on standard output, then the
-// table of targets on lines that begin with '#'; a chart of error over time for each motion.
+// Accuracy and speed of Tracker on rendered people: rows by motion and body as CSV on standard output, then the table
+// of targets on lines that start with '#'; optionally a chart of error over time for each motion.
 
 #include "bench/measure.h"
 #include "bench/plot.h"
@@ -34,11 +34,11 @@ struct Options {
   bool quick = false;
 };
 
-/// One motion by one body, once.
+/// One run of one motion by one body.
 struct Run {
-  std::vector<std::vector<JointErrors>> people;  ///< frames of each
-  std::vector<double> ms;                        ///< of each frame, CPU time of all threads
-  std::uint64_t hash = 0;                        ///< of all joints that came out
+  std::vector<std::vector<JointErrors>> people;  ///< frames of each person
+  std::vector<double> ms;                        ///< CPU time of each frame, all threads
+  std::uint64_t hash = 0;                        ///< of all tracked joints
 };
 
 double processSeconds() {
@@ -51,20 +51,20 @@ bool named(const std::vector<std::string>& names, const std::string& name) {
   return names.empty() || std::ranges::find(names, name) != names.end();
 }
 
-/// Each tracked person is the one whose torso is nearest, the nearest pair first.
+/// Matches tracked people to true people by the distance of the torsos, the nearest pair first.
 std::vector<std::optional<SkeletonFrame>> matched(std::span<const VirtualTruth> truth,
                                                   std::vector<SkeletonFrame> tracked) {
   std::vector<std::optional<SkeletonFrame>> result(truth.size());
   for (;;) {
-    double least = 1.0;
+    double min = 1.0;
     std::size_t bestTruth = truth.size(), bestTracked = tracked.size();
     for (std::size_t i = 0; i < truth.size(); ++i) {
       if (result[i] || !truth[i].present) continue;
       for (std::size_t k = 0; k < tracked.size(); ++k) {
         const double apart =
             (truth[i].joints[BodyJoint::kTorso].position - tracked[k][BodyJoint::kTorso].position).norm();
-        if (apart >= least) continue;
-        least = apart;
+        if (apart >= min) continue;
+        min = apart;
         bestTruth = i;
         bestTracked = k;
       }
@@ -75,17 +75,16 @@ std::vector<std::optional<SkeletonFrame>> matched(std::span<const VirtualTruth> 
   }
 }
 
-Result<Run> track(const TrackedBody& body, const TrackedMotion& motion, const DepthNoiseSettings& noise,
-                  int mostFrames) {
+Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const DepthNoiseSettings& noise, int maxFrames) {
   Result<VirtualSensor> sensor = sensorBefore(body, motion, noise);
   if (!sensor) return sensor.error();
   Result<Tracker> tracker = Tracker::create(sensor->camera());
   if (!tracker) return tracker.error();
   int frames = static_cast<int>(motion.seconds * 30.0);
-  if (mostFrames > 0) frames = std::min(frames, mostFrames);
+  if (maxFrames > 0) frames = std::min(frames, maxFrames);
   Run run;
   run.people.resize(sensor->truth().size());
-  run.ms.reserve(static_cast<std::size_t>(frames));
+  run.ms.reserve(frames);
   DepthFrame depth;
   for (int f = 0; f < frames; ++f) {
     Result<DepthRead> read = sensor->next(depth);
@@ -116,10 +115,10 @@ Result<Run> track(const TrackedBody& body, const TrackedMotion& motion, const De
   return run;
 }
 
-/// When the person comes, or comes back: what recovery is counted from [s].
+/// Time at which the person enters or reappears, from which recovery is measured [s].
 double awaitedFrom(const TrackedMotion& motion, std::span<const JointErrors> frames) {
   if (!motion.screens.empty()) return motion.screens.front().when.to;
-  // Someone who walks in counts from when most of the body is in the image for good.
+  // A person who walks in counts from when most of the body stays in the image.
   for (std::size_t i = frames.size(); i > 0; --i) {
     if (!frames[i - 1].visible) return i < frames.size() ? frames[i].time : frames[i - 1].time;
   }
@@ -129,18 +128,18 @@ double awaitedFrom(const TrackedMotion& motion, std::span<const JointErrors> fra
 /// The runs of one motion by one body.
 struct Row {
   const TrackedMotion* motion = nullptr;
-  const TrackedBody* body = nullptr;
+  const TestPerson* body = nullptr;
   std::string noise;
   std::vector<std::vector<JointErrors>> people;
   std::vector<double> ms;
-  std::vector<double> awaited;  ///< until the person was followed, one a run [s]; 1e9 = never
+  std::vector<double> awaited;  ///< time until the person was followed, one per run [s]; 1e9 = never
   std::uint64_t hash = 0;
 };
 
 double atRank(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  return values[share * static_cast<double>(values.size() - 1)];
 }
 
 std::string seconds(double value) {
@@ -156,7 +155,7 @@ void print(const Row& row, double from) {
   std::fflush(stdout);
 }
 
-/// Rows of the same noise that a line of the table is about, together.
+/// Combined rows of the same noise for one line of the table.
 struct Group {
   std::vector<std::vector<JointErrors>> people;
   std::vector<double> ms, awaited;
@@ -205,27 +204,27 @@ void printTable(const std::vector<Row>& rows, double from) {
   line("ordinary: frames with a limb joint > 150 mm [%]", "4", of(MotionKind::kOrdinary), limbs);
   line("boxing: the same [%]", "10", of(MotionKind::kBoxing), limbs);
   line("crossed arms: the same [%]", "25", of(MotionKind::kCrossedArms), limbs);
-  line("odd body, ordinary: mean [mm], limb joint [%]", "60, 15", of(MotionKind::kOrdinary, true), meanAndLimbs);
-  line("confidence >= 0.5 and off by > 150 mm [%]", "2", human, [&](const Group& g) {
+  line("unusual body, ordinary: mean [mm], limbs [%]", "60, 15", of(MotionKind::kOrdinary, true), meanAndLimbs);
+  line("confidence >= 0.5 and error > 150 mm [%]", "2", human, [&](const Group& g) {
     const ErrorSummary s = summaryOf(g.people, from);
     return fmt::format("{:.2f} of {:.0f}", s.sureWrongPercent, s.surePercent);
   });
-  line("back after occlusion: median / most [s]", "0.5", of(MotionKind::kOcclusion), awaited);
-  line("turn on the spot: left is right [%], after 2 s", "0", of(MotionKind::kTurn), swapped);
-  line("starting back turned: the same", "0", of(MotionKind::kBackTurned), swapped);
+  line("recovery after occlusion: median / max [s]", "0.5", of(MotionKind::kOcclusion), awaited);
+  line("turn on the spot: sides swapped [%], after 2 s", "0", of(MotionKind::kTurn), swapped);
+  line("starting with the back to the camera: the same", "0", of(MotionKind::kBackTurned), swapped);
   line("sitting on a chair: mean [mm], limb joint [%]", "tracked", of(MotionKind::kSitting), meanAndLimbs);
   line("walking up to 6 m away: mean [mm], limb joint [%]", "-", of(MotionKind::kFar), meanAndLimbs);
   line("two people: mean [mm], limb joint [%]", "both", of(MotionKind::kTwo), meanAndLimbs);
   line(
-      "one person: CPU ms a frame, mean / p99", "12 / 25",
+      "one person: CPU ms per frame, mean / p99", "12 / 25",
       [](const Row& row) { return row.motion->kind != MotionKind::kTwo; },
       [&](const Group& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
-  line("two people: CPU ms a frame, mean / p99", "30 Hz, 2 cores", of(MotionKind::kTwo),
+  line("two people: CPU ms per frame, mean / p99", "30 Hz, 2 cores", of(MotionKind::kTwo),
        [&](const Group& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
-  line("followed after entering: median / most [s]", "1", of(MotionKind::kEntering), awaited);
+  line("followed after entering: median / max [s]", "1", of(MotionKind::kEntering), awaited);
 }
 
-/// Error over time, a line for each body, of the first noisy run or else the clean one.
+/// Error over time, one line per body, of the first noisy run, or of the clean run if there is none.
 Result<void> plot(const std::filesystem::path& folder, const TrackedMotion& motion, const std::vector<Row>& rows) {
   Chart chart;
   chart.title = motion.name + ": mean error of the joints";
@@ -254,16 +253,16 @@ Result<void> measure(const Options& options) {
   Result<std::vector<TrackedMotion>> more = dataMotions(options.data);
   if (!more) return more.error();
   for (TrackedMotion& one : *more) motions.push_back(std::move(one));
-  Result<std::vector<TrackedBody>> bodies = trackedBodies(options.data);
+  Result<std::vector<TestPerson>> bodies = trackedBodies(options.data);
   if (!bodies) return bodies.error();
   for (const std::string& name : options.motions) {
     if (std::ranges::none_of(motions, [&](const TrackedMotion& one) { return one.name == name; })) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("--motion {}: there is none of that name", name)};
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--motion {}: no motion has this name", name)};
     }
   }
   for (const std::string& name : options.bodies) {
-    if (std::ranges::none_of(*bodies, [&](const TrackedBody& one) { return one.name == name; })) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("--body {}: there is none of that name", name)};
+    if (std::ranges::none_of(*bodies, [&](const TestPerson& one) { return one.name == name; })) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--body {}: no body has this name", name)};
     }
   }
 
@@ -273,7 +272,7 @@ Result<void> measure(const Options& options) {
   std::vector<Row> rows;
   for (const TrackedMotion& motion : motions) {
     if (!named(options.motions, motion.name)) continue;
-    for (const TrackedBody& body : *bodies) {
+    for (const TestPerson& body : *bodies) {
       if (!named(options.bodies, body.name)) continue;
       Row clean{&motion, &body, "clean", {}, {}, {}, 0}, noisy{&motion, &body, "noise", {}, {}, {}, 0};
       for (int seed = options.clean ? 0 : 1; seed <= options.seeds; ++seed) {
@@ -309,14 +308,14 @@ Result<void> measure(const Options& options) {
 int main(int argc, char** argv) {
   using namespace lorica::bench;
   Options options;
-  CLI::App app{"Follows rendered people and compares with the truth."};
+  CLI::App app{"Tracks rendered people and compares with the ground truth."};
   app.add_option("data", options.data, "folder of third-party data: more bodies and motions");
-  app.add_option("--motion", options.motions, "these only")->delimiter(',');
-  app.add_option("--body", options.bodies, "these only")->delimiter(',');
+  app.add_option("--motion", options.motions, "only these motions")->delimiter(',');
+  app.add_option("--body", options.bodies, "only these bodies")->delimiter(',');
   app.add_option("--seeds", options.seeds, "noisy runs of each motion and body")->check(CLI::Range(0, 100));
   app.add_flag("!--no-clean", options.clean, "leave out depth without noise");
-  app.add_option("--frames", options.frames, "at most so many of each motion")->check(CLI::Range(1, 100'000));
-  app.add_option("--from", options.from, "errors count from this time on [s]");
+  app.add_option("--frames", options.frames, "maximum number of frames of each motion")->check(CLI::Range(1, 100'000));
+  app.add_option("--from", options.from, "time from which errors are evaluated [s]");
   app.add_option("--plots", options.plots, "folder for a chart of each motion");
   app.add_flag("--quick", options.quick, "one seed, 120 frames, two bodies, no clean depth");
   CLI11_PARSE(app, argc, argv);

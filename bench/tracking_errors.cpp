@@ -34,8 +34,7 @@ double JointErrors::mean() const {
 }
 
 bool JointErrors::limbWrong() const {
-  return !tracked ||
-         std::ranges::any_of(kLimbs, [&](J joint) { return distance[static_cast<std::size_t>(joint)] > kWrong; });
+  return !tracked || std::ranges::any_of(kLimbs, [&](J joint) { return distance[joint] > kWrong; });
 }
 
 JointErrors errorsOf(const SkeletonFrame& truth, bool visible, const std::optional<SkeletonFrame>& tracked) {
@@ -89,7 +88,7 @@ ErrorSummary summaryOf(std::span<const std::vector<JointErrors>> runs, double fr
   result.medianMm = medianOf(distances);
   const auto p95 = static_cast<std::ptrdiff_t>(std::floor(0.95 * static_cast<double>(distances.size() - 1)));
   std::nth_element(distances.begin(), distances.begin() + p95, distances.end());
-  result.p95Mm = distances[static_cast<std::size_t>(p95)];
+  result.p95Mm = distances[p95];
   return result;
 }
 

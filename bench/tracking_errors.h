@@ -10,32 +10,32 @@
 
 namespace lorica::bench {
 
-/// Off by more than this a joint counts as wrong [m].
+/// A joint with a larger error counts as wrong [m].
 inline constexpr double kWrong = 0.15;
 
-/// One person in one frame.
+/// Errors of one person in one frame.
 struct JointErrors {
   double time = 0.0;     ///< [s]
-  bool visible = false;  ///< the truth has the person in the image
+  bool visible = false;  ///< according to the ground truth, the person is in the image
   bool tracked = false;
-  std::array<double, kBodyJointCount> distance{};  ///< of each joint from the truth [m]; where tracked
+  std::array<double, kBodyJointCount> distance{};  ///< of each joint from the ground truth [m]; if tracked
   std::array<bool, kBodyJointCount> sure{};        ///< confidence 0.5 or more
-  bool sidesSwapped = false;                       ///< would fit better with left and right exchanged
+  bool sidesSwapped = false;                       ///< fits better with left and right swapped
 
   [[nodiscard]] double mean() const;
-  /// Whether an elbow, hand, knee or foot is wrong; true where nobody is tracked.
+  /// Whether an elbow, hand, knee or foot is wrong; true if the person is not tracked.
   [[nodiscard]] bool limbWrong() const;
 };
 
-/// @param tracked  same frame as the truth; nothing where nobody is tracked
+/// @param tracked  same frame as the truth; nothing if the person is not tracked
 [[nodiscard]] JointErrors errorsOf(const SkeletonFrame& truth, bool visible,
                                    const std::optional<SkeletonFrame>& tracked);
 
-/// What came of a run, or of several.
+/// Errors of one run or of several.
 struct ErrorSummary {
-  int frames = 0;  ///< that count
+  int frames = 0;  ///< number of frames evaluated
   double trackedPercent = 0.0;
-  double meanMm = 0.0, medianMm = 0.0, p95Mm = 0.0;  ///< of all joints in tracked frames
+  double meanMm = 0.0, medianMm = 0.0, p95Mm = 0.0;  ///< over all joints in tracked frames
   double limbWrongPercent = 0.0;                     ///< of frames
   double sureWrongPercent = 0.0;                     ///< of joints reported with confidence 0.5 or more
   double surePercent = 0.0;                          ///< of joints
@@ -43,11 +43,11 @@ struct ErrorSummary {
 };
 
 /// @param runs  frames of each run, in order
-/// @param from  frames count from this time on in each run [s]
+/// @param from  time from which frames are evaluated in each run [s]
 [[nodiscard]] ErrorSummary summaryOf(std::span<const std::vector<JointErrors>> runs, double from);
 
-/// From a time on: how long until no limb joint is wrong, for a sixth of a second at least.
-/// @return [s]; nothing where that never is
+/// Time from `from` until no limb joint is wrong for at least a sixth of a second.
+/// @return [s]; nothing if that never happens
 [[nodiscard]] std::optional<double> secondsToFollow(std::span<const JointErrors> frames, double from);
 
 }  // namespace lorica::bench

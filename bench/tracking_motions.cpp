@@ -22,22 +22,22 @@ using motion::FigurePose;
 using motion::minimumJerk;
 
 constexpr double kFramesPerSecond = 30.0;
-constexpr double kRoom = 2.15;  ///< of the way that someone has where such a camera sees the whole body well [m]
+constexpr double kRoom = 2.15;  ///< length of the path along which such a camera sees the whole body well [m]
 constexpr double kPi = std::numbers::pi;
 
 std::vector<SkeletonFrame> figureMotion(double seconds, const std::function<void(double, FigurePose&)>& pose) {
   const int count = static_cast<int>(std::lround(seconds * kFramesPerSecond)) + 1;
   std::vector<SkeletonFrame> frames;
-  frames.reserve(static_cast<std::size_t>(count));
+  frames.reserve(count);
   for (int i = 0; i < count; ++i) {
     const double time = i / kFramesPerSecond;
     FigurePose figure;
     for (const motion::Side side : {motion::kLeft, motion::kRight}) {
       const double mirror = side == motion::kLeft ? 1.0 : -1.0;
-      motion::FootPose& foot = figure.feet[static_cast<std::size_t>(side)];
+      motion::FootPose& foot = figure.feet[side];
       foot.ankle = Vec3(0.1 * mirror, motion::kAnkle, 0.0);
       foot.rotation = motion::turned(0.15 * mirror, 0.0, 0.0);
-      figure.arms[static_cast<std::size_t>(side)] = motion::reach(motion::kHang, motion::kHangPole);
+      figure.arms[side] = motion::reach(motion::kHang, motion::kHangPole);
     }
     figure.pelvis.y() = 0.917;
     pose(time, figure);
@@ -46,7 +46,7 @@ std::vector<SkeletonFrame> figureMotion(double seconds, const std::function<void
   return frames;
 }
 
-/// Arms fold over the chest, stay there, open, and fold again the other way round.
+/// Folds the arms over the chest, holds them there, opens them, and folds them again with the other arm on top.
 std::vector<SkeletonFrame> crossedArms() {
   const Vec3 over(-0.27, -0.24, 0.25), under(-0.25, -0.27, 0.19), pole(0.5, -1.0, 0.3);
   const auto arm = [&](const Vec3& first, const Vec3& second) {
@@ -66,7 +66,7 @@ std::vector<SkeletonFrame> crossedArms() {
   });
 }
 
-/// Once around on the spot, forearms held forward, and half back.
+/// Turns once around on the spot with forearms held forward, then half a turn back.
 std::vector<SkeletonFrame> turnOnTheSpot() {
   return figureMotion(9.0, [](double t, FigurePose& figure) {
     const double yaw = 2.0 * kPi * minimumJerk((t - 1.2) / 4.5) - kPi * minimumJerk((t - 6.5) / 2.2);
@@ -85,7 +85,7 @@ std::vector<SkeletonFrame> turnOnTheSpot() {
   });
 }
 
-/// Sits down on a chair, lays the hands on the knees, lifts one arm after the other, and gets up.
+/// Sits down on a chair, puts the hands on the knees, lifts one arm after the other, and stands up.
 std::vector<SkeletonFrame> sitOnChair() {
   return figureMotion(9.0, [](double t, FigurePose& figure) {
     const double down = minimumJerk((t - 0.8) / 1.4) * (1.0 - minimumJerk((t - 7.2) / 1.4));
@@ -102,20 +102,20 @@ std::vector<SkeletonFrame> sitOnChair() {
   });
 }
 
-/// The middle between the hips.
+/// The midpoint of the hips.
 Vec3 middleOf(const SkeletonFrame& frame) {
   return 0.5 * (frame[BodyJoint::kLeftHip].position + frame[BodyJoint::kRightHip].position);
 }
 
-/// The same motion over a shorter way: body and limbs move as before, so that feet slide.
-/// @param most  length of the way along Z [m]
-std::vector<SkeletonFrame> shortened(std::vector<SkeletonFrame> frames, double most) {
-  double least = 1e9, largest = -1e9;
+/// The same motion over a shorter path: body and limbs move as before, so the feet slide.
+/// @param max  maximum length of the path along Z [m]
+std::vector<SkeletonFrame> shortened(std::vector<SkeletonFrame> frames, double max) {
+  double min = 1e9, largest = -1e9;
   for (const SkeletonFrame& frame : frames) {
-    least = std::min(least, middleOf(frame).z());
+    min = std::min(min, middleOf(frame).z());
     largest = std::max(largest, middleOf(frame).z());
   }
-  const double away = 1.0 - std::min(1.0, most / std::max(largest - least, 1e-6));
+  const double away = 1.0 - std::min(1.0, max / std::max(largest - min, 1e-6));
   for (SkeletonFrame& frame : frames) {
     const Vec3 middle = middleOf(frame);
     const Vec3 back(away * middle.x(), 0.0, away * middle.z());
@@ -133,12 +133,11 @@ TrackedMotion made(std::string name, MotionKind kind, std::vector<SkeletonFrame>
   return result;
 }
 
-/// From `start` to `end`, back, and so on, until it is long enough.
+/// Plays from `start` to `end` and back repeatedly until the motion is long enough.
 SkeletalMotion backAndForth(const SkeletalMotion& motion, double start, double end, double seconds) {
   const auto frameAt = [&](double time) {
     int frame = 0;
-    while (frame + 1 < motion.frameCount() &&
-           motion.times[static_cast<std::size_t>(frame)] < motion.times.front() + time) {
+    while (frame + 1 < motion.frameCount() && motion.times[frame] < motion.times.front() + time) {
       ++frame;
     }
     return frame;
@@ -151,8 +150,7 @@ SkeletalMotion backAndForth(const SkeletalMotion& motion, double start, double e
     result.times.push_back(time);
     result.poses.insert(result.poses.end(), pose.begin(), pose.end());
     if (frame + step < first || frame + step >= count) step = -step;
-    time +=
-        std::abs(motion.times[static_cast<std::size_t>(frame + step)] - motion.times[static_cast<std::size_t>(frame)]);
+    time += std::abs(motion.times[frame + step] - motion.times[frame]);
   }
   return result;
 }
@@ -166,10 +164,10 @@ Result<TrackedMotion> fromBvh(const std::filesystem::path& file, const std::stri
   return result;
 }
 
-Isometry3 placed(const Vec3& place, double turn) {
+Isometry3 placed(const Vec3& position, double turn) {
   Isometry3 result = Isometry3::Identity();
   result.linear() = Eigen::AngleAxisd(turn, Vec3::UnitY()).toRotationMatrix();
-  result.translation() = place;
+  result.translation() = position;
   return result;
 }
 
@@ -213,7 +211,7 @@ Result<std::vector<TrackedMotion>> dataMotions(const std::filesystem::path& fold
   struct File {
     const char* path;
     const char* name;
-    double start, end;  // of what is shown [s]
+    double start, end;  // of the used section [s]
   };
   std::vector<TrackedMotion> all;
   all.reserve(4);
@@ -240,13 +238,13 @@ Result<std::vector<TrackedMotion>> dataMotions(const std::filesystem::path& fold
   return all;
 }
 
-Result<std::vector<TrackedBody>> trackedBodies(const std::filesystem::path& folder) {
+Result<std::vector<TestPerson>> trackedBodies(const std::filesystem::path& folder) {
   struct File {
     const char* path;
     const char* name;
     bool odd;
   };
-  std::vector<TrackedBody> all;
+  std::vector<TestPerson> all;
   all.reserve(8);
   const Character mannequin = makeMannequin();
   all.push_back({"mannequin", mannequin, true, false});
@@ -264,29 +262,29 @@ Result<std::vector<TrackedBody>> trackedBodies(const std::filesystem::path& fold
   return all;
 }
 
-Result<VirtualSensor> sensorBefore(const TrackedBody& body, const TrackedMotion& motion,
+Result<VirtualSensor> sensorBefore(const TestPerson& body, const TrackedMotion& motion,
                                    const DepthNoiseSettings& noise) {
   Result<VirtualPerformer> performer = motion.skeletal ? VirtualPerformer::create(body.character, *motion.skeletal)
                                                        : VirtualPerformer::create(body.character, motion.joints);
   if (!performer) return performer.error();
 
-  // Where the motion goes, and which way it first looks.
-  Vec3 least = Vec3::Constant(1e9), most = Vec3::Constant(-1e9);
+  // Extent of the motion, and the direction that the person initially faces.
+  Vec3 min = Vec3::Constant(1e9), max = Vec3::Constant(-1e9);
   double facing = 0.0;
   for (int i = 0; i <= 20; ++i) {
     performer->pose(motion.seconds * i / 20.0, Isometry3::Identity());
     const SkeletonFrame& joints = performer->joints();
     const Vec3 left = joints[BodyJoint::kLeftHip].position, right = joints[BodyJoint::kRightHip].position;
-    least = least.cwiseMin(0.5 * (left + right));
-    most = most.cwiseMax(0.5 * (left + right));
+    min = min.cwiseMin(0.5 * (left + right));
+    max = max.cwiseMax(0.5 * (left + right));
     const Vec3 ahead = (left - right).cross(Vec3::UnitY());
     if (i == 0) facing = std::atan2(ahead.x(), ahead.z());
   }
-  // Motions made for the room keep their place, if they stay there. Who goes far is watched from further away.
-  const Vec3 way = most - least;
+  // Motions made for this room keep their position, unless their path is long; then the camera is farther away.
+  const Vec3 way = max - min;
   const bool foreign = motion.skeletal.has_value(), far = std::hypot(way.x(), way.z()) > 0.8;
   const double turn = motion.turn - (foreign ? facing : 0.0);
-  Vec3 middle = foreign || far ? Vec3(0.5 * (least + most)) : Vec3::Zero();
+  Vec3 middle = foreign || far ? Vec3(0.5 * (min + max)) : Vec3::Zero();
   middle.y() = 0.0;
 
   VirtualSensorSettings settings;

@@ -11,7 +11,7 @@
 
 namespace lorica::bench {
 
-/// Which row of the table a motion counts for.
+/// The row of the table that a motion belongs to.
 enum class MotionKind {
   kOrdinary,
   kBoxing,
@@ -22,48 +22,48 @@ enum class MotionKind {
   kOcclusion,
   kEntering,
   kTwo,
-  kFar,  ///< beyond what such a camera is made for
+  kFar,  ///< beyond the range of such a camera
 };
 
-/// Someone's motion before the virtual sensor, whoever performs it.
+/// A motion in front of the virtual sensor, independent of the body.
 struct TrackedMotion {
   std::string name;
   MotionKind kind = MotionKind::kOrdinary;
-  std::vector<SkeletonFrame> joints;       ///< by joints; or
+  std::vector<SkeletonFrame> joints;       ///< motion given by joints, or
   std::optional<SkeletalMotion> skeletal;  ///< by a skeleton
-  double seconds = 8.0;                    ///< of it that is shown
-  double turn = 0.0;                       ///< of the person about the vertical [rad]
+  double seconds = 8.0;                    ///< duration that is used
+  double turn = 0.0;                       ///< rotation of the person about the vertical axis [rad]
   std::vector<TimeSpan> absent;            ///< when the person is away, leaving at 1.5 m/s
-  std::vector<VirtualScreen> screens;      ///< that hide the person
-  std::vector<Aabb> furniture;             ///< that stands there always
+  std::vector<VirtualScreen> screens;      ///< screens that hide the person
+  std::vector<Aabb> furniture;             ///< furniture that is always present
   std::vector<SkeletonFrame> companion;    ///< a second person's joints, performed by the mannequin
 };
 
-/// Those made by formula; the shipped recordings among them. The walk's way is shortened so that the person stays
-/// between 2.3 and 4.5 m from the camera; `walk_far` has all of it, 2.4 to 6.2 m.
+/// Procedural motions, including the shipped recordings. The path of the walk is shortened so that the person stays
+/// between 2.3 and 4.5 m from the camera; `walk_far` has the full path, 2.4 to 6.2 m.
 [[nodiscard]] std::vector<TrackedMotion> formulaMotions();
 
-/// Those of third-party data: BVH files and a clip of crossed arms.
-/// @param folder  of the data; what is absent there is left out
-/// @return the motions, or which file could not be read
+/// Motions of third-party data: BVH files and a clip of crossed arms.
+/// @param folder  of the data; missing files are skipped
+/// @return the motions, or an error with the file that could not be read
 [[nodiscard]] Result<std::vector<TrackedMotion>> dataMotions(const std::filesystem::path& folder);
 
-/// Someone to be tracked.
-struct TrackedBody {
+/// A person to be tracked.
+struct TestPerson {
   std::string name;
   Character character;
-  bool own = false;  ///< the one that the tracker's body is made from
-  bool odd = false;  ///< of proportions that no human has
+  bool own = false;  ///< the mannequin, from which the tracker's body is made
+  bool odd = false;  ///< has non-human proportions
 };
 
-/// The mannequin and the bodies made of it, and those of third-party data that are there.
-/// @return the bodies, or which file could not be read
-[[nodiscard]] Result<std::vector<TrackedBody>> trackedBodies(const std::filesystem::path& folder);
+/// The mannequin, bodies derived from it, and the available bodies of third-party data.
+/// @return the bodies, or an error with the file that could not be read
+[[nodiscard]] Result<std::vector<TestPerson>> trackedBodies(const std::filesystem::path& folder);
 
-/// Puts the person at the origin before a camera 1.1 m up and 2.7 m away; further away where the motion goes far, the
-/// middle of its way then at the origin.
+/// Places the person at the origin in front of a camera at a height of 1.1 m and a distance of 2.7 m. If the motion
+/// covers a long path, the camera is farther away and the centre of the path is at the origin.
 /// @return the sensor, or why the body cannot perform the motion
-[[nodiscard]] Result<VirtualSensor> sensorBefore(const TrackedBody& body, const TrackedMotion& motion,
+[[nodiscard]] Result<VirtualSensor> sensorBefore(const TestPerson& body, const TrackedMotion& motion,
                                                  const DepthNoiseSettings& noise);
 
 }  // namespace lorica::bench

@@ -1,5 +1,5 @@
-// The V-HACD benchmark: a folder of meshes and a table of part counts in, one CSV row for each mesh, count, preset and
-// number of threads out, then medians and means as lines that start with #.
+// The V-HACD benchmark. Input: a folder of meshes and a table of part counts. Output: one CSV row for each mesh, count,
+// preset and number of threads, then medians and means on lines that start with #.
 
 #include "acd/score.h"
 #include "acd/transfer.h"
@@ -31,7 +31,7 @@ struct Options {
   int repeats = 1;
 };
 
-/// A mesh of the table and how many parts to cut it into.
+/// A mesh of the table and its number of parts.
 struct Wanted {
   std::string mesh;
   std::vector<int> counts;
@@ -61,7 +61,7 @@ Result<std::vector<Wanted>> readTable(const fs::path& file) {
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.ends_with('\r')) line.pop_back();
     if (line.empty() || line[0] == '#') continue;
-    if (!std::exchange(headed, true)) continue;  // names of the columns
+    if (!std::exchange(headed, true)) continue;  // column names
     std::istringstream fields(line);
     Wanted wanted;
     std::getline(fields, wanted.mesh, ',');
@@ -69,7 +69,7 @@ Result<std::vector<Wanted>> readTable(const fs::path& file) {
       int count = 0;
       const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), count);
       if (error != std::errc() || end != field.data() + field.size() || count < 1) {
-        return Error{ErrorCode::kBadFormat, fmt::format("{}: line {}: found `{}`, expected a number of parts from 1 up",
+        return Error{ErrorCode::kBadFormat, fmt::format("{}: line {}: found `{}`, expected a part count of at least 1",
                                                         file.string(), number, field)};
       }
       wanted.counts.push_back(count);
@@ -83,7 +83,7 @@ Result<std::vector<Wanted>> readTable(const fs::path& file) {
   return table;
 }
 
-/// The mesh's file in the folder, whatever its format; empty when there is none.
+/// The mesh's file in the folder, in any format; empty if there is none.
 fs::path fileOf(const fs::path& folder, const std::string& mesh) {
   for (const char* extension : {".off", ".obj", ".ply", ".stl"}) {
     std::error_code ignored;
@@ -92,14 +92,14 @@ fs::path fileOf(const fs::path& folder, const std::string& mesh) {
   return {};
 }
 
-/// All work for one row. Returns the measured columns as CSV.
+/// Does all work for one row. @return the measured columns as CSV
 Result<std::string> measure(const fs::path& file, int parts, DecomposePreset preset, int threads, int repeats) {
   Result<TriMesh> read = readMesh(file);
   if (!read) return read.error();
   TriMesh mesh = std::move(*read);
-  std::string mended;
+  std::string repaired;
   if (Result<MeshRepair> repair = repairClosedMesh(mesh); repair && repair->changed()) {
-    mended = repair->summary();
+    repaired = repair->summary();
     mesh = std::move(repair->mesh);
   }
   DecomposeSettings settings;
@@ -109,7 +109,7 @@ Result<std::string> measure(const fs::path& file, int parts, DecomposePreset pre
   const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
   const Result<Timed> made = timeDecompose(mesh, pose, settings, repeats);
   if (!made) return made.error();
-  const double peak = peakMemoryMiB();  // before the judging, which is no part of it
+  const double peak = peakMemoryMiB();  // before scoring, which is not measured
 
   std::vector<Vec3> points(static_cast<std::size_t>(made->decomposition.pointCount()));
   transfer(made->decomposition, mesh.vertices, points);
@@ -122,11 +122,11 @@ Result<std::string> measure(const fs::path& file, int parts, DecomposePreset pre
   return fmt::format("{},{:.5f},{:.5f},{:.5f},{:.5f},{:.6f},{:.4f},{:.4f},{:.4f},{:.1f},{},{},{}",
                      made->decomposition.parts.size(), judged->score16, judged->score16StandardError, judged->score17,
                      judged->distancePercentDiagonal, std::max(0.0, judged->uncoveredFraction), made->seconds,
-                     made->leastSeconds, made->cpuSeconds, peak, hexDigits(hashOf(made->decomposition)),
-                     mesh.vertices.size(), csvField(mended));
+                     made->minSeconds, made->cpuSeconds, peak, hexDigits(hashOf(made->decomposition)),
+                     mesh.vertices.size(), csvField(repaired));
 }
 
-/// Means and medians for each preset and number of threads, in all and for each column of the table.
+/// Prints means and medians for each preset and number of threads, in total and for each column of the table.
 void summarize(const std::vector<Row>& rows) {
   std::map<std::pair<std::string, int>, std::vector<Row>> groups;
   for (const Row& row : rows) groups[{row.preset, row.threads}].push_back(row);
@@ -152,7 +152,7 @@ void summarize(const std::vector<Row>& rows) {
     std::map<std::size_t, std::vector<Row>> columns;
     for (const Row& row : group) columns[row.column].push_back(row);
     for (const auto& [column, some] : columns) print(fmt::format("{}, count {}", name, column + 1), some);
-    // Row by row against the paper's algorithm, where rounding in the last digits is a tie; and against one thread.
+    // Compare each row with the paper's algorithm (differences in the last digits are ties) and with one thread.
     const auto pairWith = [&rows = group](const std::vector<Row>& others, const auto& use) {
       for (const Row& row : rows) {
         for (const Row& other : others) {
@@ -191,7 +191,7 @@ int run(const Options& options) {
 
   fmt::print(
       "mesh,wanted,preset,threads,parts,score16,score16_se,score17,distance_percent,uncovered,seconds,"
-      "least_seconds,cpu_seconds,peak_mib,hash,vertices,mended,error\n");
+      "min_seconds,cpu_seconds,peak_mib,hash,vertices,repaired,error\n");
   std::vector<Row> rows;
   int failed = 0;
   for (const Wanted& wanted : *table) {
@@ -251,7 +251,7 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   lorica::bench::Options options;
   CLI::App app(
-      "Decomposes the meshes of a folder and judges the parts: CSV on standard output, progress on standard "
+      "Decomposes the meshes of a folder and scores the parts: CSV on standard output, progress on standard "
       "error.");
   app.add_option("FOLDER", options.folder, "Meshes (.off, .obj, .ply, .stl)")
       ->required()
@@ -267,10 +267,10 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::Range(1, 1024));
-  app.add_option("--only", options.only, "These meshes of the table only, with commas between")
+  app.add_option("--only", options.only, "Only these meshes of the table, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false);
-  app.add_option("--repeats", options.repeats, "Decompose so many times and take medians")->check(CLI::Range(1, 1000));
+  app.add_option("--repeats", options.repeats, "Number of decompositions for median times")->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

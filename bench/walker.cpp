@@ -37,10 +37,11 @@ Result<Walker> makeWalker(int parts, int hullVertices) {
   const Result<CoverPoses> coverIn = coverPoses(character, syntheticMotions(character));
   if (!coverIn) return coverIn.error();
   const std::vector<LiftedPoint> points = liftPoints(character, *decomposition);
-  Result<CoverPromise> cover =
+  Result<HullCover> cover =
       chooseCover(*decomposition, points, coverIn->sampledView(), {}, {.maxHullVertices = hullVertices});
   if (!cover) return cover.error();
-  walker.body = std::make_unique<LiveBody>(std::move(*decomposition), character, std::move(*cover));
+  walker.body =
+      std::make_unique<LiveBody>(LiveBody::create(std::move(*decomposition), character, std::move(*cover)).value());
   Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
   if (!retargeter) return retargeter.error();
   Pose pose = restPose(character.skeleton);

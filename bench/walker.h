@@ -12,19 +12,19 @@
 
 namespace lorica::bench {
 
-/// All that ship, on a character's bones.
+/// All shipped motions, retargeted to a character.
 [[nodiscard]] std::vector<SkeletalMotion> syntheticMotions(const Character& character);
 
-/// The mannequin in parts, trained on 12 keyframes of them.
+/// Decomposes the mannequin, trained on 12 keyframes of these motions.
 [[nodiscard]] Result<Decomposition> decomposeMannequin(const Character& character, int parts);
 
-/// The mannequin's body as a session has it, and where the bones are in the frames of the shipped walk.
+/// The mannequin's body as in a session, and the bone transforms in the frames of the shipped walk.
 struct Walker {
   std::unique_ptr<LiveBody> body;
   std::vector<std::vector<Affine3>> worldFromModel;
 };
 
-/// @param hullVertices  most of a hull, see CoverSettings::maxHullVertices
+/// @param hullVertices  maximum per hull, see CoverSettings::maxHullVertices
 [[nodiscard]] Result<Walker> makeWalker(int parts, int hullVertices);
 
 }  // namespace lorica::bench

@@ -6,9 +6,9 @@
 namespace lorica {
 namespace {
 
-/// A stream that paused must not turn a blend into a jump.
+/// Limits the step so that a pause in the stream does not turn a blend into a jump.
 constexpr double kLongestStep = 0.1;
-/// Sums of frame times reach 1 but for rounding.
+/// Sums of frame times reach 1 only up to rounding.
 constexpr double kWholeTrust = 1.0 - 1e-6;
 
 double smoothStep(double t) {
@@ -21,20 +21,20 @@ double smoothStep(double t) {
 ConfidenceHold::ConfidenceHold(const Skeleton& skeleton, const ConfidenceHoldSettings& settings)
     : settings_(settings), joints_(static_cast<std::size_t>(skeleton.jointCount())) {
   for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
-    JointState& state = joints_[static_cast<std::size_t>(j)];
+    JointState& state = joints_[j];
     state.rest = state.shown = state.held = skeleton.joint(j).rest.rotation;
   }
 }
 
 void ConfidenceHold::beginFrame(double time) {
   const double passed = frameCount_ == 0 ? 0.0 : time - lastTime_;
-  step_ = passed > 0.0 ? std::min(passed, kLongestStep) : 0.0;  // false for NaN as well
+  step_ = passed > 0.0 ? std::min(passed, kLongestStep) : 0.0;  // also false for NaN
   if (std::isfinite(time)) lastTime_ = time;
   ++frameCount_;
 }
 
 Quat ConfidenceHold::rotation(JointIndex joint, bool known, const Quat& local) {
-  JointState& state = joints_[static_cast<std::size_t>(joint)];
+  JointState& state = joints_[joint];
   if (known) {
     const double distance = state.shown.angularDistance(local);
     const double share = shareTowardsLive(state.trust, distance, settings_.returnTurn);
@@ -50,22 +50,22 @@ Quat ConfidenceHold::rotation(JointIndex joint, bool known, const Quat& local) {
   return state.shown;
 }
 
-Vec3 ConfidenceHold::rootPlace(bool known, const Vec3& place, const Vec3& fallback) {
+Vec3 ConfidenceHold::rootPosition(bool known, const Vec3& position, const Vec3& fallback) {
   if (!known) {
     lose(rootTrust_);
     if (!rootTrust_.everKnown) shownRoot_ = fallback;
     return shownRoot_;
   }
   if (!rootTrust_.everKnown && !inFirstFrame()) shownRoot_ = fallback;
-  const double distance = (place - shownRoot_).norm();
+  const double distance = (position - shownRoot_).norm();
   const double share = shareTowardsLive(rootTrust_, distance, settings_.returnSpeed);
-  shownRoot_ = share >= 1.0 ? place : Vec3(shownRoot_ + share * (place - shownRoot_));
+  shownRoot_ = share >= 1.0 ? position : Vec3(shownRoot_ + share * (position - shownRoot_));
   return shownRoot_;
 }
 
-/// The share of the way from the shown to the live value to go in this frame. Steps of a smooth-step, each taken from
-/// where the value stands now rather than from where the blend began: a live value that passes the far side of the
-/// sphere cannot flip the blend's direction.
+/// Returns the fraction of the way from the shown to the live value for this frame. These are smooth-step increments,
+/// each measured from the current value instead of the start of the blend: a live value that crosses the far side of
+/// the sphere then cannot flip the blend direction.
 double ConfidenceHold::shareTowardsLive(Trust& trust, double distance, double largestSpeed) const {
   trust.lostSeconds = 0.0;
   if (inFirstFrame() || trust.value >= kWholeTrust) {
@@ -83,7 +83,7 @@ double ConfidenceHold::shareTowardsLive(Trust& trust, double distance, double la
   return share;
 }
 
-/// A joint that flickers for a frame keeps most of its trust and so hardly lags.
+/// A joint that is lost for a single frame keeps most of its trust and hardly lags.
 void ConfidenceHold::lose(Trust& trust) const {
   trust.lostSeconds += std::max(step_, 1e-12);
   trust.value = std::max(0.0, trust.value - step_ / std::max(settings_.holdSeconds, 1e-9));

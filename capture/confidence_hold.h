@@ -7,40 +7,41 @@
 namespace lorica {
 
 struct ConfidenceHoldSettings {
-  double holdSeconds = 0.5;    ///< keep the last pose this long
-  double easeSeconds = 1.0;    ///< then take this long to reach the rest rotation
-  double returnSeconds = 0.2;  ///< blend back over this long when seen again after a whole hold
-  double returnTurn = 12.0;    ///< and never faster than this [rad/s]
-  double returnSpeed = 4.0;    ///< nor, for the root's place, than this [m/s]
+  double holdSeconds = 0.5;    ///< how long to keep the last pose
+  double easeSeconds = 1.0;    ///< duration of the following ease to the rest rotation
+  double returnSeconds = 0.2;  ///< blend duration when the joint is seen again after a full hold
+  double returnTurn = 12.0;    ///< max angular speed of that blend [rad/s]
+  double returnSpeed = 4.0;    ///< max speed of that blend for the root's position [m/s]
 };
 
-/// Keeps a limb calm while its joints are unknown: it holds its last pose, then eases to rest, and eases back
-/// when it is seen again. The root's place is held and never eased. Never jumps: what is shown moves by itself only
-/// as fast as the settings say. One instance a person. Allocates nothing after construction.
+/// Steadies a limb while its joints are unknown: holds the last pose, eases to rest, and eases back when the joints are
+/// seen again. The root's position is held and never eased. Output never jumps: its own motion is limited to the speeds
+/// in the settings. Use one instance per person. Allocates nothing after construction.
 ///
-/// Each frame: beginFrame, then every joint once, parents first. A joint at a time, because the local rotation that
-/// a seen joint needs depends on what its unseen parent shows.
+/// Each frame: call beginFrame, then rotation() once for every joint, parents first. Joints are processed one at a time
+/// because the local rotation of a seen joint depends on the output of its unseen parent.
 class ConfidenceHold {
  public:
   ConfidenceHold(const Skeleton& skeleton, const ConfidenceHoldSettings& settings);
 
-  /// @param time  [s]; a step backwards counts as none, a long one as 0.1 s
+  /// @param time  [s]; a step backwards counts as 0, a long step as 0.1 s
   void beginFrame(double time);
 
-  /// What to show for a joint. In the first frame a known joint is shown as it is; a joint never known shows rest.
-  /// @param known  whether this frame determined `local`; without it `local` is not read
+  /// Returns the rotation to show for a joint. In the first frame a known joint is passed through; a joint that was
+  /// never known gets the rest rotation.
+  /// @param known  whether this frame determined `local`; if false, `local` is not read
   /// @param local  parentFromJoint rotation as retargeted
   [[nodiscard]] Quat rotation(JointIndex joint, bool known, const Quat& local);
 
-  /// Where to show the root; `fallback` before the first sighting [m].
-  [[nodiscard]] Vec3 rootPlace(bool known, const Vec3& place, const Vec3& fallback);
+  /// Returns the root position to show; `fallback` until the root is first seen [m].
+  [[nodiscard]] Vec3 rootPosition(bool known, const Vec3& position, const Vec3& fallback);
 
-  /// Time that passed since the frame before, as counted here [s]; 0 in the first frame.
+  /// Time since the previous frame after the limits of beginFrame() [s]; 0 in the first frame.
   [[nodiscard]] double step() const { return step_; }
   [[nodiscard]] bool inFirstFrame() const { return frameCount_ == 1; }
 
  private:
-  /// How far the shown value is trusted to be the live one: 1 follows it, below 1 blends towards it.
+  /// Blend state: 1 follows the live value, below 1 blends towards it.
   struct Trust {
     double value = 0.0;
     double lostSeconds = 0.0;
@@ -49,7 +50,7 @@ class ConfidenceHold {
   struct JointState {
     Trust trust;
     Quat shown = Quat::Identity();
-    Quat held = Quat::Identity();  ///< where easing to rest starts
+    Quat held = Quat::Identity();  ///< start of the ease to rest
     Quat rest = Quat::Identity();
   };
 

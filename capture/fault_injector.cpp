@@ -13,27 +13,28 @@ namespace lorica {
 namespace {
 
 constexpr double kDropoutFrames = 5.0, kSwapFrames = 10.0, kFreezeFrames = 15.0;
-constexpr double kLeastLate = 0.03, kMostLate = 0.15;  ///< [s]
+constexpr double kMinLate = 0.03, kMaxLate = 0.15;  ///< [s]
 
-/// Each fault has numbers of its own, so that one more fault leaves the others as they are.
+/// Each fault has its own random stream, so adding a fault leaves the others unchanged.
 enum Stream : std::uint64_t { kLateStream, kFreezeStream, kSwapStream, kJitterStream, kDropoutStream };
 
 std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream) {
   return RandomNumbers(RandomNumbers(seed).bits() + stream).bits();
 }
 
-/// A fault as the text names it.
+/// A fault as named in the text.
 struct Named {
   std::string_view name;
   double FaultSettings::*dose;
   double byDefault;
   const char* unit;
 };
-constexpr std::array<Named, 5> kFaults = {{{"dropout", &FaultSettings::dropout, 0.1, "a share of joints from 0 to 1"},
-                                           {"jitter", &FaultSettings::jitter, 0.02, "metres from 0 to 1"},
-                                           {"swap", &FaultSettings::swap, 0.02, "a share of frames from 0 to 1"},
-                                           {"late", &FaultSettings::late, 0.05, "a share of frames from 0 to 1"},
-                                           {"freeze", &FaultSettings::freeze, 0.05, "a share of frames from 0 to 1"}}};
+constexpr std::array<Named, 5> kFaults = {
+    {{"dropout", &FaultSettings::dropout, 0.1, "a fraction of joints from 0 to 1"},
+     {"jitter", &FaultSettings::jitter, 0.02, "metres from 0 to 1"},
+     {"swap", &FaultSettings::swap, 0.02, "a fraction of frames from 0 to 1"},
+     {"late", &FaultSettings::late, 0.05, "a fraction of frames from 0 to 1"},
+     {"freeze", &FaultSettings::freeze, 0.05, "a fraction of frames from 0 to 1"}}};
 
 template <typename Number>
 bool parseWhole(std::string_view text, Number& number) {
@@ -46,34 +47,35 @@ Error unexpected(std::string_view found, std::string_view expected) {
   return {ErrorCode::kInvalidArgument, fmt::format("found `{}`, expected {}", found, expected)};
 }
 
-/// One word between commas.
+/// Parses one comma-separated entry.
 Result<void> takeFault(std::string_view word, FaultSettings& settings, std::vector<std::string_view>& seen) {
   const std::size_t equals = word.find('=');
   const std::string_view name = word.substr(0, equals);
   const bool hasValue = equals != std::string_view::npos;
   const std::string_view value = hasValue ? word.substr(equals + 1) : std::string_view();
   if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
-    return unexpected(word, fmt::format("{} once", name));
+    return unexpected(word, fmt::format("{} only once", name));
   }
   seen.push_back(name);
   if (name == "seed") {
     if (hasValue && parseWhole(value, settings.seed)) return {};
-    return unexpected(word, "a whole number from 0 up, as in seed=7");
+    return unexpected(word, "a whole number of at least 0, for example seed=7");
   }
   const auto* const fault =
       std::find_if(kFaults.begin(), kFaults.end(), [&](const Named& f) { return f.name == name; });
   if (fault == kFaults.end()) {
-    return unexpected(word, "dropout, jitter, swap, late, freeze or seed, as in dropout=0.1,swap,seed=7");
+    return unexpected(word, "dropout, jitter, swap, late, freeze or seed, for example dropout=0.1,swap,seed=7");
   }
   double dose = fault->byDefault;
   if (hasValue && !(parseWhole(value, dose) && dose >= 0.0 && dose <= 1.0)) {
-    return unexpected(word, fmt::format("{}, as in {}={:g}", fault->unit, name, fault->byDefault));
+    return unexpected(word, fmt::format("{}, for example {}={:g}", fault->unit, name, fault->byDefault));
   }
   settings.*(fault->dose) = dose;
   return {};
 }
 
-/// Normal enough, and without functions whose last bit differs between machines: deviation 1, mean 0, within 6.
+/// Approximately normal, without functions whose last bit differs between platforms: mean 0, standard deviation 1,
+/// within +-6.
 double normalFrom(RandomNumbers& random) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += random.unit();
@@ -128,7 +130,7 @@ class FaultInjector final : public SkeletonSource {
     const double lateness = frames_.lateness();
     if (lateness == 0.0) return;
     frame.time += lateness;
-    for (int i = 0; i < kMostOvertaken; ++i) {
+    for (int i = 0; i < kMaxOvertaken; ++i) {
       ahead_ = take();
       if (!*ahead_ || !(*ahead_)->has_value() || (**ahead_)->time > frame.time) return;
       ahead_.reset();
@@ -173,9 +175,9 @@ class FaultInjector final : public SkeletonSource {
   FrameFaults frames_;
   FaultRuns swap_;
   RandomNumbers jitter_;
-  std::vector<FaultRuns> dropout_;  ///< one a joint
+  std::vector<FaultRuns> dropout_;  ///< one per joint
   std::optional<Result<std::optional<SkeletonFrame>>> ahead_;
-  std::optional<SkeletonFrame> shown_;  ///< the last that was not frozen
+  std::optional<SkeletonFrame> shown_;  ///< the last frame that was not frozen
   bool swapping_ = false;
   int which_ = 0;
 };
@@ -206,7 +208,7 @@ std::string textOf(const FaultSettings& settings) {
 
 FaultRuns::FaultRuns(double share, double length, std::uint64_t seed) : random_(seed), share_(share) {
   if (share <= 0.0) return;
-  // In balance share * end = (1 - share) * begin.
+  // At equilibrium share * end = (1 - share) * begin.
   end_ = std::min(1.0 / length, (1.0 - share) / share);
   begin_ = share < 1.0 ? std::min(1.0, end_ * share / (1.0 - share)) : 1.0;
 }
@@ -226,13 +228,13 @@ FrameFaults::FrameFaults(const FaultSettings& settings)
 
 double FrameFaults::lateness() {
   const bool late = random_.unit() < late_;
-  const double lateness = random_.between(kLeastLate, kMostLate);
+  const double lateness = random_.between(kMinLate, kMaxLate);
   return late ? lateness : 0.0;
 }
 
 std::unique_ptr<SkeletonSource> makeFaultInjector(std::unique_ptr<SkeletonSource> source,
                                                   const FaultSettings& settings) {
-  CHECK(source != nullptr, "faults are made in joints that come from somewhere");
+  LORICA_CHECK(source != nullptr, "a fault injector needs a joint source");
   return std::make_unique<FaultInjector>(std::move(source), settings);
 }
 

@@ -11,7 +11,7 @@
 
 namespace lorica {
 
-/// The 15 joints of NiTE 2 in its own order. Left and right are the person's own.
+/// The 15 joints of NiTE 2 in its order. Left and right are the person's own.
 enum class BodyJoint : std::uint8_t {
   kHead,
   kNeck,
@@ -34,17 +34,17 @@ inline constexpr int kBodyJointCount = 15;
 /// Lower snake case: "left_shoulder".
 [[nodiscard]] std::string_view nameOf(BodyJoint joint);
 
-/// A joint as a tracker reports it.
+/// A joint as reported by a tracker.
 struct TrackedJoint {
   Vec3 position = Vec3::Zero();  ///< world [m]: Y up, floor at y = 0
   /// worldFromJoint rotation; identity for every joint of a person in T-pose who faces +Z
   std::optional<Quat> orientation;
-  double confidence = 0.0;  ///< 0 unknown (position means nothing), 0.5 guessed, 1 seen
+  double confidence = 0.0;  ///< 0 unknown (position is meaningless), 0.5 inferred, 1 seen
 };
 
-/// One person at one time.
+/// One person at one point in time.
 struct SkeletonFrame {
-  double time = 0.0;  ///< [s], rises from frame to frame
+  double time = 0.0;  ///< [s], increases from frame to frame
   int user = 1;
   std::array<TrackedJoint, kBodyJointCount> joints;
 
@@ -52,11 +52,11 @@ struct SkeletonFrame {
   [[nodiscard]] const TrackedJoint& operator[](BodyJoint j) const { return joints[static_cast<std::size_t>(j)]; }
 };
 
-/// Where skeletons come from: a recording, a tracker, a network stream.
+/// Source of skeletons: a recording, a tracker, or a network stream.
 class SkeletonSource {
  public:
   virtual ~SkeletonSource() = default;
-  /// The next frame; nothing at the end of the stream; an error when the data is bad.
+  /// Returns the next frame; nullopt at the end of the stream; an error if the data is bad.
   [[nodiscard]] virtual Result<std::optional<SkeletonFrame>> next() = 0;
 };
 

@@ -8,12 +8,12 @@
 namespace lorica {
 namespace {
 
-/// Of the speed that steers the cutoff [Hz]: the authors' own choice.
+/// Cutoff for the speed estimate that controls the main cutoff [Hz]: the authors' choice.
 constexpr double kSpeedCutoff = 1.0;
-/// What turns at 1 rad/s counts as this fast [m].
+/// Converts angular to linear speed: a rotation of 1 rad/s counts as this speed [m].
 constexpr double kLimbLength = 0.3;
 
-/// Share of the new value in an exponential mean with this cutoff [Hz] after a step [s].
+/// Weight of the new value in an exponential mean with this cutoff [Hz] after a time step [s].
 double shareOf(double cutoff, double step) {
   const double timeConstant = 1.0 / (2.0 * std::numbers::pi * std::max(cutoff, 1e-6));
   return step / (step + timeConstant);
@@ -33,7 +33,7 @@ OneEuroFilter::OneEuroFilter(const OneEuroSettings& settings) : settings_(settin
 
 void OneEuroFilter::apply(SkeletonFrame& frame) {
   const double step = first_ ? 0.0 : frame.time - lastTime_;
-  const bool later = first_ || step > 0.0;  // false for NaN as well
+  const bool later = first_ || step > 0.0;  // also false for NaN
   if (later && std::isfinite(frame.time)) lastTime_ = frame.time;
   const SkeletonFrame measured = frame;
   for (std::size_t j = 0; j < kBodyJointCount; ++j) smooth(joints_[j], frame.joints[j], later ? step : 0.0, lastTime_);
@@ -105,7 +105,7 @@ void OneEuroFilter::compare(const SkeletonFrame& measured, const SkeletonFrame& 
   }
   if (!any) return;
 
-  // From the newest lag back; `older` is the first remembered frame that is not after the time looked for.
+  // Searches backwards from the newest lag; `older` is the first stored frame that is not after the requested time.
   const std::size_t remembered = std::min(pastCount_, kPast);
   std::size_t older = 0;
   for (std::size_t lag = 0; lag < kLags; ++lag) {
@@ -125,14 +125,14 @@ void OneEuroFilter::compare(const SkeletonFrame& measured, const SkeletonFrame& 
 }
 
 double OneEuroFilter::delay() const {
-  const auto least =
+  const auto min =
       static_cast<std::size_t>(std::min_element(disagreement_.begin(), disagreement_.end()) - disagreement_.begin());
-  if (least == 0 || least + 1 == kLags) return kLagStep * static_cast<double>(least);
-  const double before = disagreement_[least - 1];
-  const double after = disagreement_[least + 1];
-  const double bend = before - 2.0 * disagreement_[least] + after;
+  if (min == 0 || min + 1 == kLags) return kLagStep * static_cast<double>(min);
+  const double before = disagreement_[min - 1];
+  const double after = disagreement_[min + 1];
+  const double bend = before - 2.0 * disagreement_[min] + after;
   const double shift = bend > 0.0 ? 0.5 * (before - after) / bend : 0.0;
-  return kLagStep * (static_cast<double>(least) + shift);
+  return kLagStep * (static_cast<double>(min) + shift);
 }
 
 void mirror(SkeletonFrame& frame) {

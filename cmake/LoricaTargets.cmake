@@ -25,9 +25,8 @@ if(LORICA_SANITIZE)
 endif()
 
 # The headers that nearly every file includes take longer than most files themselves: they are compiled once for all
-# targets of a kind (library, tests, apps), with the flags of that kind.
-# Not where ccache is at work, which then keeps files only with settings of its own. g++ 12 no longer sees that precompiled
-# code is the standard library's, and shows its false alarms there.
+# targets of a kind (library, tests, apps), with the flags of that kind. Not with ccache, which would need settings of its
+# own for that.
 function(lorica_precompile target kind)
   cmake_parse_arguments(ARG "" "" "HEADERS;LINKS" ${ARGN})
   if(CMAKE_CXX_COMPILER_LAUNCHER)
@@ -47,16 +46,15 @@ function(lorica_precompile target kind)
     endif()
   endif()
   target_precompile_headers(${target} REUSE_FROM ${precompiled})
-  foreach(each ${target} ${precompiled})
-    target_compile_options(${each} PRIVATE
-      $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
-  endforeach()
 endfunction()
 
 # Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
 function(lorica_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                                            $<$<BOOL:${LORICA_WERROR}>:-Werror>)
+  # With precompiled headers g++ 12 does not see that code is the standard library's and reports false alarms there.
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
 endfunction()
 
 # Tests and the command spend their time in the libraries: what they add themselves is compiled in half the time.
@@ -64,23 +62,34 @@ function(lorica_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# lorica_library(acd SOURCES a.cpp b.cpp HEADERS a.h b.h LINKS lorica::geometry PRIVATE_LINKS TBB::tbb)
+# lorica_library(acd SOURCES a.cpp b.cpp HEADERS a.h LINKS lorica::geometry PRIVATE_LINKS TBB::tbb)
+# HEADERS are the public ones: they are installed, and include each other as <lorica/acd/a.h> there. Internal headers are
+# not listed.
 function(lorica_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(lorica_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   add_library(lorica::${name} ALIAS lorica_${name})
   set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(lorica_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lorica>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(lorica_${name} PUBLIC cxx_std_20)  # for those who use the installed headers
+  # A library of headers is not needed by those who link the result.
+  list(TRANSFORM ARG_PRIVATE_LINKS REPLACE "^(nlohmann_json::.*)$" "$<BUILD_INTERFACE:\\1>")
   target_link_libraries(lorica_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   lorica_flags(lorica_${name})
   lorica_precompile(lorica_${name} library LINKS Eigen3::Eigen fmt::fmt
     HEADERS <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <algorithm> <filesystem> <functional> <memory> <optional> <string> <variant> <vector>)
+  set_property(GLOBAL APPEND PROPERTY LORICA_COMPONENTS ${name})
+  set_property(GLOBAL PROPERTY LORICA_LINKS_${name} ${ARG_LINKS} ${ARG_PRIVATE_LINKS})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  foreach(header ${ARG_HEADERS})
-    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lorica/${folder})
-  endforeach()
+  install(CODE "
+    foreach(header ${ARG_HEADERS})
+      file(READ \"${CMAKE_CURRENT_SOURCE_DIR}/\${header}\" text)
+      string(REGEX REPLACE \"#include \\\"([^\\\"]+)\\\"\" \"#include <lorica/\\\\1>\" text \"\${text}\")
+      file(WRITE \"${PROJECT_BINARY_DIR}/headers/${folder}/\${header}\" \"\${text}\")
+      file(INSTALL \"${PROJECT_BINARY_DIR}/headers/${folder}/\${header}\"
+           DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/lorica/${folder}\")
+    endforeach()" COMPONENT development)
   install(TARGETS lorica_${name} EXPORT loricaTargets)
 endfunction()
 
@@ -103,10 +112,13 @@ function(lorica_module name)
           COMPONENT command)
 endfunction()
 
-# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest. ALONE Suite.*
-# names tests of what runs in real time, such as a live camera: ctest runs nothing beside them.
+# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest.
+#   ALONE Suite.*   tests of what runs in real time, such as a live camera: ctest runs nothing beside them
+#   SANITIZED       .ci/run also runs these tests under sanitizers (target sanitized_tests, label sanitized): code that
+#                   reads data from outside or runs each frame
+#   SLOW Suite.*    too slow for that: label slow
 function(lorica_tests name)
-  cmake_parse_arguments(ARG "" "ALONE" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "SANITIZED" "" "SOURCES;LINKS;ALONE;SLOW" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
   lorica_flags(${name}_tests)
@@ -117,12 +129,22 @@ function(lorica_tests name)
   if(LORICA_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug")
     set(timeout 1500)
   endif()
+  set(label release)
+  if(ARG_SANITIZED)
+    set(label sanitized)
+    add_dependencies(sanitized_tests ${name}_tests)
+  endif()
   set(discovery TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60)
-  if(ARG_ALONE)
-    gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "-${ARG_ALONE}" PROPERTIES TIMEOUT ${timeout})
-    gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${ARG_ALONE}" TEST_LIST ${name}_tests_alone
-                         PROPERTIES TIMEOUT ${timeout} RUN_SERIAL TRUE)
-  else()
-    gtest_discover_tests(${name}_tests ${discovery} PROPERTIES TIMEOUT ${timeout})
+  list(JOIN ARG_ALONE ":" alone)
+  list(JOIN ARG_SLOW ":" slow)
+  gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "-${alone}:${slow}"
+                       PROPERTIES TIMEOUT ${timeout} LABELS ${label})
+  if(alone)
+    gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${alone}" TEST_LIST ${name}_tests_alone
+                         PROPERTIES TIMEOUT ${timeout} LABELS ${label} RUN_SERIAL TRUE)
+  endif()
+  if(slow)
+    gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${slow}" TEST_LIST ${name}_tests_slow
+                         PROPERTIES TIMEOUT ${timeout} LABELS slow)
   endif()
 endfunction()

@@ -11,14 +11,14 @@ namespace {
 
 // Quickhull (Barber, Dobkin, Huhdanpaa 1996) with exact visibility.
 //
-// Points are snapped to an integer grid of 2^40 steps along the longest side of their box, 1e-12 of it. On the grid an
-// orientation determinant fits into 128 bits, so its sign is exact: a floating-point filter decides nearly all cases,
-// the integer evaluation the rest. Two thresholds serve two purposes:
-//   - a point is worth adding when it lies more than the tolerance times the diagonal above a face;
-//   - a face is removed when the new point is above it or exactly on its plane. This weak visibility drops coplanar
-//     faces together, so no face without area can arise, and the horizon is one simple loop.
+// Points are snapped to an integer grid with 2^40 steps along the longest side of their box, a step of 1e-12 of it. On
+// the grid an orientation determinant fits into 128 bits, so its sign is exact: a floating-point filter decides nearly
+// all cases, the integer evaluation the rest. There are two thresholds:
+//   - a point is added if it lies more than tolerance * diagonal above a face;
+//   - a face is removed if the new point lies above it or exactly on its plane. This weak visibility removes coplanar
+//     faces together, so zero-area faces cannot occur and the horizon is one simple loop.
 
-constexpr double kFinest = 1e-10;  // of the diagonal
+constexpr double kFinest = 1e-10;  // fraction of the diagonal
 constexpr int kGridBits = 40;
 constexpr double kUnitRoundoff = 1.1102230246251565e-16;
 constexpr int kNone = -1;
@@ -28,20 +28,20 @@ using Int128 = __int128;
 struct Face {
   std::array<int, 3> vertex{};
   std::array<int, 3> neighbour{};  // across the edge vertex[i] -> vertex[i + 1]
-  Vec3 normal = Vec3::Zero();      // not unit: (b - a) x (c - a) on the grid
-  double filter = 0.0;             // largest error of normal . (p - a)
-  double addThreshold = 0.0;       // determinant above which a point is worth adding
+  Vec3 normal = Vec3::Zero();      // not normalized: (b - a) x (c - a) on the grid
+  double filter = 0.0;             // error bound of normal . (p - a)
+  double addThreshold = 0.0;       // add points whose determinant exceeds this
   int outside = kNone;             // head of the list of points above this face
   int farthest = kNone;
   double farthestValue = 0.0;
-  int visitedBy = kNone;  // last apex that asked whether it sees this face
+  int visitedBy = kNone;  // last apex tested for visibility of this face
   bool visible = false;
   bool alive = true;
 };
 
 class HullBuilder {
  public:
-  // Leaves the hull's faces in faces_; false when the points have no volume.
+  // Builds the hull's faces in faces_. Returns false if the points have no volume.
   bool build(std::span<const Vec3> points, double tolerance, bool verify) {
     points_ = points;
     tolerance_ = tolerance;
@@ -57,7 +57,7 @@ class HullBuilder {
   }
 
   [[nodiscard]] double volume() const {
-    const Vec3& origin = points_[static_cast<std::size_t>(simplex_[0])];
+    const Vec3& origin = points_[simplex_[0]];
     double sum = 0.0;
     for (const Face& f : faces_) {
       if (!f.alive) continue;
@@ -71,7 +71,7 @@ class HullBuilder {
     std::vector<int>& seen = scratch_;  // all kNone between calls
     for (const Face& f : faces_) {
       if (!f.alive) continue;
-      for (const int p : f.vertex) seen[static_cast<std::size_t>(p)] = p;
+      for (const int p : f.vertex) seen[p] = p;
     }
     for (std::size_t p = 0; p < points_.size(); ++p) {
       if (seen[p] == kNone) continue;
@@ -89,7 +89,7 @@ class HullBuilder {
       if (!f.alive) continue;
       Triangle t;
       for (int i = 0; i < 3; ++i) {
-        int& slot = vertexOfPoint[static_cast<std::size_t>(f.vertex[i])];
+        int& slot = vertexOfPoint[f.vertex[i]];
         if (slot == kNone) {
           slot = static_cast<int>(hull.vertices.size());
           hull.pointOfVertex.push_back(f.vertex[i]);
@@ -99,19 +99,19 @@ class HullBuilder {
       }
       hull.triangles.push_back(t);
     }
-    for (VertexIndex p : hull.pointOfVertex) vertexOfPoint[static_cast<std::size_t>(p)] = kNone;
+    for (VertexIndex p : hull.pointOfVertex) vertexOfPoint[p] = kNone;
     return hull;
   }
 
  private:
-  [[nodiscard]] const Vec3& point(int i) const { return points_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const Vec3& grid(int i) const { return grid_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const Vec3& point(int i) const { return points_[i]; }
+  [[nodiscard]] const Vec3& grid(int i) const { return grid_[i]; }
 
   bool snap() {
     const Aabb box = boundsOf(points_);
     const double extent = (box.max - box.min).maxCoeff();
     if (!(extent > 0.0) || !std::isfinite(extent)) return false;
-    // A power of two, so that snapping only drops bits and axis-aligned planes stay planes.
+    // A power of two: snapping only drops bits, and axis-aligned planes stay planes.
     const double scale = std::ldexp(1.0, kGridBits - 1 - std::ilogb(extent));
     grid_.resize(points_.size());
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -124,7 +124,8 @@ class HullBuilder {
     return true;
   }
 
-  // Four points that span a volume: farthest pair of the axis extremes, farthest from their line, from their plane.
+  // Finds four points that span a volume: the farthest pair of the axis extremes, then the point farthest from their
+  // line, then the point farthest from the plane of these three.
   bool makeSimplex() {
     const int count = static_cast<int>(points_.size());
     std::array<int, 6> extreme{};
@@ -169,7 +170,7 @@ class HullBuilder {
       }
     }
     if (best <= kFinest * diagonal_) return false;
-    if (side > 0.0) std::swap(simplex_[1], simplex_[2]);  // the fourth point below the face 0 1 2
+    if (side > 0.0) std::swap(simplex_[1], simplex_[2]);  // puts the fourth point below the face 0 1 2
 
     const auto [p, q, r, s] = simplex_;
     const std::array<int, 4> f = {newFace(p, q, r), newFace(p, s, q), newFace(q, s, r), newFace(r, s, p)};
@@ -229,7 +230,7 @@ class HullBuilder {
     return exactDeterminant(f, p) >= 0;
   }
 
-  // What assign() reads of the new faces, side by side in memory.
+  // Copies the data of the new faces that assign() reads into contiguous memory.
   void prepareTests() {
     tests_.clear();
     for (int index : created_) {
@@ -238,7 +239,7 @@ class HullBuilder {
     }
   }
 
-  // Puts a point on the list of the first new face that it lies clearly above. The faces are those of tests_.
+  // Adds a point to the list of the first face in tests_ that it lies above by more than the threshold.
   void assign(int p) {
     const Vec3 at = grid(p);
     bool barelyAbove = false;
@@ -256,7 +257,7 @@ class HullBuilder {
           continue;
         }
       }
-      next_[static_cast<std::size_t>(p)] = f.outside;
+      next_[p] = f.outside;
       f.outside = p;
       if (value > f.farthestValue) {
         f.farthestValue = value;
@@ -264,7 +265,8 @@ class HullBuilder {
       }
       return;
     }
-    // Above one new face by less than the tolerance, it may be farther above an old one: addMissed looks again.
+    // The point is above a new face by less than the tolerance, but may be farther above an old one: addMissed()
+    // checks it again.
     if (barelyAbove && verify_) near_.push_back(p);
   }
 
@@ -277,7 +279,7 @@ class HullBuilder {
   }
 
   void addPoint(int seed, int apex) {
-    // The faces that the apex sees, found from the seed over neighbours, and the horizon around them.
+    // Flood fill from the seed face over all faces visible from the apex; collect the horizon around them.
     visible_.assign(1, seed);
     horizon_.clear();
     faces_[seed].visitedBy = apex;
@@ -295,7 +297,7 @@ class HullBuilder {
       }
     }
 
-    // A cone of new faces from the apex over the horizon; neighbours meet at the horizon's vertices.
+    // Connect the apex to each horizon edge with a new face; consecutive faces share a horizon vertex.
     created_.clear();
     for (const HorizonEdge& h : horizon_) {
       const int face = newFace(h.from, h.to, apex);
@@ -305,24 +307,24 @@ class HullBuilder {
       for (int e = 0; e < 3; ++e) {
         if (beyond.vertex[e] == h.to && beyond.vertex[(e + 1) % 3] == h.from) beyond.neighbour[e] = face;
       }
-      scratch_[static_cast<std::size_t>(h.from)] = face;
+      scratch_[h.from] = face;
     }
     for (std::size_t i = 0; i < horizon_.size(); ++i) {
-      const int following = scratch_[static_cast<std::size_t>(horizon_[i].to)];
-      CHECK(following != kNone, "the horizon of an exactly visible region is a closed loop");
+      const int following = scratch_[horizon_[i].to];
+      LORICA_CHECK(following != kNone, "the horizon of an exactly computed visible region must be a closed loop");
       faces_[created_[i]].neighbour[1] = following;
       faces_[following].neighbour[2] = created_[i];
     }
-    for (const HorizonEdge& h : horizon_) scratch_[static_cast<std::size_t>(h.from)] = kNone;
+    for (const HorizonEdge& h : horizon_) scratch_[h.from] = kNone;
 
-    // Points above the removed faces find a new one or are inside.
+    // Reassign the points of the removed faces; those that no new face sees are inside.
     prepareTests();
     for (int index : visible_) {
       int p = faces_[index].outside;
       faces_[index].outside = kNone;
       faces_[index].alive = false;
       while (p != kNone) {
-        const int following = next_[static_cast<std::size_t>(p)];
+        const int following = next_[p];
         if (p != apex) assign(p);
         p = following;
       }
@@ -333,7 +335,7 @@ class HullBuilder {
     }
   }
 
-  // A point that was barely above one face when it was dropped may be well above another one.
+  // Checks again the points that were dropped when barely above one face: they may be well above another one.
   void addMissed() {
     std::vector<int> candidates;
     std::swap(candidates, near_);
@@ -370,7 +372,7 @@ class HullBuilder {
   bool verify_ = false;
 };
 
-// One builder for each thread keeps its memory from call to call.
+// One builder per thread, to reuse its memory between calls.
 thread_local HullBuilder builder;
 
 }  // namespace
@@ -400,12 +402,12 @@ double largestViolation(const ConvexHull& hull, std::span<const Vec3> points) {
   const double diagonal = boundsOf(hull.vertices).diagonal();
   double worst = 0.0;
   for (const Triangle& t : hull.triangles) {
-    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3 ab = hull.vertices[static_cast<std::size_t>(t[1])] - a;
-    const Vec3 ac = hull.vertices[static_cast<std::size_t>(t[2])] - a;
+    const Vec3& a = hull.vertices[t[0]];
+    const Vec3 ab = hull.vertices[t[1]] - a;
+    const Vec3 ac = hull.vertices[t[2]] - a;
     const Vec3 normal = ab.cross(ac);
     const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
-    // The plane of a sliver is noise; its neighbours across the long edges bound the same place.
+    // The plane of a sliver is numerically meaningless; its neighbours across the long edges bound the same region.
     if (normal.norm() <= 1e-7 * diagonal * longest) continue;
     const Vec3 unit = normal.normalized();
     for (const Vec3& p : points) worst = std::max(worst, unit.dot(p - a));

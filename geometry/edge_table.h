@@ -1,6 +1,6 @@
 #pragma once
 
-/// The edges of a mesh with the triangles at them. Internal to geometry/.
+/// The edges of a mesh, each with its triangles. Internal to geometry/.
 
 #include "geometry/tri_mesh.h"
 
@@ -12,15 +12,15 @@
 
 namespace lorica {
 
-/// One side of a triangle, filed under the smaller of its two vertices.
+/// One side of a triangle, stored under the smaller of its two vertex indices.
 struct Side {
   VertexIndex larger;
   std::int32_t triangle;
   bool ascending;  ///< the triangle runs from the smaller vertex to the larger
 };
 
-/// All sides of a mesh, grouped by edge. Grouping by the smaller vertex and sorting the few sides of each is several
-/// times faster than sorting all sides, and needs no hash.
+/// All triangle sides of a mesh, grouped by edge. Grouping by the smaller vertex and sorting the few sides of each
+/// group is several times faster than sorting all sides, and needs no hash table.
 class EdgeTable {
  public:
   EdgeTable(std::size_t vertexCount, std::span<const Triangle> triangles)
@@ -40,7 +40,7 @@ class EdgeTable {
     }
   }
 
-  /// Calls visit(smaller vertex, sides of one edge in triangle order) for each edge, edges in lexicographic order.
+  /// Calls visit(smaller vertex, sides of the edge in triangle order) for each edge, in lexicographic order of edges.
   template <typename Visit>
   void forEachEdge(Visit&& visit) {
     for (std::size_t v = 0; v + 1 < begin_.size(); ++v) {
@@ -58,7 +58,7 @@ class EdgeTable {
   }
 
  private:
-  std::vector<std::size_t> begin_;  ///< sides of smaller vertex v are begin_[v] to begin_[v + 1]
+  std::vector<std::size_t> begin_;  ///< sides with smaller vertex v: begin_[v] to begin_[v + 1]
   std::vector<Side> sides_;
 };
 

@@ -26,7 +26,7 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
   [[nodiscard]] int get() const { return fd_; }
   [[nodiscard]] bool valid() const { return fd_ >= 0; }
-  /// Closes now and says whether that worked: some file systems report a full disk only here.
+  /// Closes the file and returns whether that succeeded: some file systems report a full disk only here.
   [[nodiscard]] bool close() {
     const int fd = fd_;
     fd_ = -1;
@@ -50,7 +50,8 @@ Error unwritable(const std::filesystem::path& file, int error) {
   return {ErrorCode::kUnwritable, fmt::format("{}: cannot be written: {}", file.string(), reason(error))};
 }
 
-/// Opens a new file beside the target, so that the rename stays on one file system. O_EXCL keeps two writers apart.
+/// Opens a new file in the target's folder, so that the rename stays on one file system. O_EXCL ensures that two
+/// writers never share a file.
 int openBeside(const std::filesystem::path& target, mode_t mode, std::string& temporary) {
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
@@ -61,7 +62,7 @@ int openBeside(const std::filesystem::path& target, mode_t mode, std::string& te
   return -1;
 }
 
-/// Writes everything, through short writes and interruptions. @return 0, or errno
+/// Writes everything, continuing after short writes and interruptions. @return 0, or errno
 int writeAll(int fd, std::string_view content) {
   while (!content.empty()) {
     const ssize_t written = ::write(fd, content.data(), content.size());
@@ -80,12 +81,12 @@ Result<std::string> readFile(const std::filesystem::path& file) {
   struct stat status {};
   if (::fstat(in.get(), &status) != 0) return unreadable(file, errno);
   if (S_ISDIR(status.st_mode)) return unreadable(file, EISDIR);
-  if (S_ISCHR(status.st_mode)) {  // some never end
+  if (S_ISCHR(status.st_mode)) {  // some devices never end
     return Error{ErrorCode::kUnreadable,
                  fmt::format("{}: cannot be read: found a device, expected a file", file.string())};
   }
 
-  // The size is a hint only: pipes have none, and a file may grow while it is read.
+  // The size is only a hint: pipes have none, and a file may grow while it is read.
   std::string content;
   std::size_t length = 0;
   content.resize(S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) + 1 : 65536);
@@ -102,7 +103,7 @@ Result<std::string> readFile(const std::filesystem::path& file) {
 }
 
 Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content) {
-  // A symbolic link stays one: what it points to is replaced. A device or folder is never replaced by a file.
+  // Keep symbolic links: replace the file that they point to. Never replace a device or folder by a file.
   std::error_code ignored;
   std::filesystem::path target = file;
   if (std::filesystem::is_symlink(file, ignored)) {

@@ -14,7 +14,7 @@ bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-/// std::from_chars knows no plus sign, and both "+-1" and "+" alone must stay wrong.
+/// std::from_chars rejects a plus sign. Both "+-1" and "+" alone must stay invalid.
 std::string_view withoutPlus(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   return word;
@@ -24,8 +24,8 @@ std::string_view withoutPlus(std::string_view word) {
 
 LineScanner::LineScanner(std::string_view text, std::string fileName, char comment)
     : fileName_(std::move(fileName)), comment_(comment) {
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);  // the byte order mark that some editors write
-  // The first line tells: what follows it may be binary.
+  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);  // byte order mark written by some editors
+  // Only the first line is examined: the rest may be binary.
   const std::size_t end = text.find_first_of("\r\n");
   newline_ = end != std::string_view::npos && text[end] == '\r' && text.substr(end + 1, 1) != "\n" ? '\r' : '\n';
   cursor_ = lineEnd_ = text.data();

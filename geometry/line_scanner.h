@@ -9,38 +9,38 @@
 
 namespace lorica {
 
-/// Walks the words of a text file line by line, without copying. Ends of lines may be \n, \r\n or \r alone
-/// (the first line decides).
-/// Internal to the mesh files.
+/// Reads the words of a text file line by line, without copying. Lines may end in \n, \r\n or \r alone (the first line
+/// decides). Internal to the mesh file readers.
 class LineScanner {
  public:
-  /// @param comment  a word that starts with this character ends its line; 0 for a format without comments
+  /// @param comment  a word that starts with this character starts a comment; 0 for a format without comments
   LineScanner(std::string_view text, std::string fileName, char comment);
 
-  /// Goes to the next line that has a word. @return false at the end of the text
+  /// Advances to the next line that has a word. @return false at the end of the text
   bool nextLine();
-  /// Next word of this line; empty at its end.
+  /// Reads the next word of this line; empty at the end of the line.
   std::string_view word();
-  /// Rest of this line, blanks trimmed on both ends; a comment is not cut off.
+  /// Reads the rest of this line without leading and trailing blanks; comments are kept.
   std::string_view rest();
-  /// No word is left on this line.
+  /// Returns whether no word is left on this line.
   [[nodiscard]] bool atLineEnd();
 
-  /// Next word of this line as a finite number or an integer. @return false when it is not: error() tells
+  /// Reads the next word of this line as a finite number or as an integer. @return false if it is not; see error()
   [[nodiscard]] bool real(double& value);
   [[nodiscard]] bool integer(std::int64_t& value);
 
-  /// What the last real() or integer() found wrong, with what was read as in "y of vertex 12".
+  /// The error of the last real() or integer().
+  /// @param what  the value that was being read, such as "y of vertex 12"
   [[nodiscard]] Error error(std::string_view what) const;
-  /// "FILE: line 12: message".
+  /// An error with the message "FILE: line 12: message".
   [[nodiscard]] Error fail(std::string_view message) const;
-  /// "FILE: line 12: the file ends here; message", for a file that stops too soon.
+  /// An error with the message "FILE: line 12: the file ends here; message", for a truncated file.
   [[nodiscard]] Error failAtEnd(std::string_view message) const;
 
-  /// Everything after this line's end.
+  /// Everything after the end of this line.
   [[nodiscard]] std::string_view afterLine() const;
   [[nodiscard]] std::size_t line() const { return line_; }
-  /// Bytes not yet walked: an upper bound for anything that a count in the file can promise.
+  /// Bytes not yet read. Limits how many items a count in the file can refer to.
   [[nodiscard]] std::size_t bytesLeft() const { return static_cast<std::size_t>(textEnd_ - cursor_); }
 
  private:
@@ -55,10 +55,11 @@ class LineScanner {
   const char* expected_ = "";
 };
 
-/// A word for a sentence: in quotes, unprintable bytes as \x1f, cut after 40 characters.
+/// Formats a word for a message: in quotes, unprintable bytes as \x1f, truncated after 40 characters.
 [[nodiscard]] std::string quotedWord(std::string_view word);
 
-/// Whole word as a finite number; a leading + is allowed, and what is too small for a double is 0.
+/// Parses a whole word as a finite number or an integer. A leading + is allowed; a number too small for a double is 0.
+/// @return whether the word is such a number
 [[nodiscard]] bool parseReal(std::string_view word, double& value);
 [[nodiscard]] bool parseInteger(std::string_view word, std::int64_t& value);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Numbers in files, whatever the machine's byte order. Internal: not installed.
+/// Reads and writes binary numbers independently of the machine's byte order. Internal: not installed.
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace lorica {
 
-/// Reads a number from bytes in the order given; the caller has checked that sizeof(T) bytes are there.
+/// Reads a number from bytes in the given order. The caller must have checked that sizeof(T) bytes are available.
 template <typename T>
 [[nodiscard]] T loadBytes(const char* bytes, std::endian order) {
   std::array<char, sizeof(T)> raw;
@@ -24,7 +24,7 @@ template <typename T>
   return loadBytes<T>(bytes, std::endian::little);
 }
 
-/// Appends a number as little-endian bytes to a string.
+/// Appends a number to a string as little-endian bytes.
 template <typename T, typename String>
 void appendLittleEndian(T value, String& bytes) {
   auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);

@@ -5,15 +5,15 @@ namespace lorica {
 MassProperties massProperties(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   MassProperties result;
   if (triangles.empty()) return result;
-  // Tetrahedra from one corner of the surface: numbers stay small however far away the coordinates begin.
-  const Vec3& apex = vertices[static_cast<std::size_t>(triangles[0][0])];
+  // Tetrahedra from one corner of the surface, so that numbers stay small far from the origin.
+  const Vec3& apex = vertices[triangles[0][0]];
   double sixVolume = 0.0;
   Vec3 first = Vec3::Zero();   // 24 x the integral of position
   Mat3 second = Mat3::Zero();  // 120 x the integral of position * position^T
   for (const Triangle& t : triangles) {
-    const Vec3 a = vertices[static_cast<std::size_t>(t[0])] - apex;
-    const Vec3 b = vertices[static_cast<std::size_t>(t[1])] - apex;
-    const Vec3 c = vertices[static_cast<std::size_t>(t[2])] - apex;
+    const Vec3 a = vertices[t[0]] - apex;
+    const Vec3 b = vertices[t[1]] - apex;
+    const Vec3 c = vertices[t[2]] - apex;
     const double det = a.dot(b.cross(c));
     const Vec3 sum = a + b + c;
     sixVolume += det;

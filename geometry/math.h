@@ -1,8 +1,8 @@
 #pragma once
 
-/// Conventions of the whole project: metres, seconds, radians; right-handed axes, Y up; column vectors.
-/// A character in its bind pose faces +Z, so its own left hand is at +X.
-/// A transform names both ends: worldFromJoint = worldFromParent * parentFromJoint.
+/// Conventions of the project: metres, seconds, radians; right-handed axes, Y up; column vectors.
+/// A character in its bind pose faces +Z, so its left hand is at +X.
+/// Names of transforms contain both frames: worldFromJoint = worldFromParent * parentFromJoint.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -41,18 +41,18 @@ struct Aabb {
 
 [[nodiscard]] Aabb boundsOf(std::span<const Vec3> points);
 
-// What Eigen has as templates that take seconds to compile is compiled once, here.
+// Eigen templates that take seconds to compile are wrapped here and compiled once.
 
-/// The shortest turn that brings one direction onto another; neither need be of length 1.
+/// Returns the shortest rotation that maps one direction to another; the vectors need not be normalized.
 [[nodiscard]] Quat rotationBetween(const Vec3& from, const Vec3& to);
 [[nodiscard]] Eigen::Quaternionf rotationBetween(const Vec3f& from, const Vec3f& to);
 
-/// Eigenvalues, rising, and eigenvectors of length 1, in the columns of the same order.
+/// Eigenvalues in ascending order; the columns of `vectors` are the unit eigenvectors in the same order.
 struct SymmetricAxes {
   Vec3 values;
   Mat3 vectors;
 };
-/// @param matrix  symmetric; its lower half is read
+/// @param matrix  symmetric; only its lower triangle is read
 [[nodiscard]] SymmetricAxes symmetricAxes(const Mat3& matrix);
 
 }  // namespace lorica

@@ -23,7 +23,8 @@ Parser parserFor(std::string extension) {
   return nullptr;
 }
 
-/// Files split vertices for normals or texture seams, and then a closed surface looks open.
+/// Welds vertices if that closes edges: files split vertices for normals or texture seams, so closed surfaces look
+/// open.
 void weldIfThatClosesEdges(TriMesh& mesh) {
   const std::size_t openBefore = openEdgeCount(mesh);
   if (openBefore == 0) return;

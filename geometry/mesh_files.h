@@ -10,11 +10,12 @@
 namespace lorica {
 
 /// Reads a triangle mesh: .off, .obj, .ply (ascii and binary) or .stl (ascii and binary, equal corners welded).
-/// Polygons are fanned into triangles from their first corner, which is right for flat convex ones. Vertices keep the
-/// file's order and number; only where that leaves fewer open edges, vertices at exactly equal positions become one
-/// (files split them for normals and texture seams).
-/// Checked while reading: every index in range, every number finite. Closedness is not: see checkClosedTwoManifold.
-/// @return the mesh in the file's own coordinates, or a sentence with file, line or element, found and expected
+/// Polygons become triangle fans around their first corner, which is exact for flat convex polygons. Vertices keep the
+/// file's order and count. Exception: if it reduces the number of open edges, vertices at exactly equal positions are
+/// welded (files split them for normals and texture seams).
+/// Checks that every index is in range and every number finite. Does not check that the mesh is closed: see
+/// checkClosedTwoManifold().
+/// @return the mesh in the file's coordinates, or an error that gives file, line or element, found and expected value
 [[nodiscard]] Result<TriMesh> readMesh(const std::filesystem::path& file);
 
 /// One object of an OBJ file.
@@ -23,11 +24,11 @@ struct NamedMesh {
   TriMesh mesh;
 };
 
-/// Reads an OBJ file as one mesh for each `o` or `g` statement that has faces, with the vertices that these use in the
-/// file's order. Faces before the first such statement form a mesh named after the file.
+/// Reads an OBJ file as one mesh for each `o` or `g` statement that has faces. Each mesh has only the vertices that its
+/// faces use, in the file's order. Faces before the first such statement form a mesh named after the file.
 [[nodiscard]] Result<std::vector<NamedMesh>> readObjObjects(const std::filesystem::path& file);
 
-/// Writes objects to an OBJ file, whole or not at all: beside the target first, then renamed.
+/// Writes objects to an OBJ file, completely or not at all: see writeFileAtomically().
 [[nodiscard]] Result<void> writeObjObjects(const std::filesystem::path& file, const std::vector<NamedMesh>& objects);
 
 }  // namespace lorica

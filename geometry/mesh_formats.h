@@ -1,6 +1,6 @@
 #pragma once
 
-/// The parsers behind readMesh, one for each format, and what they share. Internal: not installed.
+/// The parsers used by readMesh(), one for each format, and shared helpers. Internal: not installed.
 
 #include "geometry/mesh_files.h"
 
@@ -8,13 +8,13 @@
 
 namespace lorica {
 
-/// Each takes the whole content of a file, and the file's name for its sentences.
+/// Each parses the whole content of a file. The file name is used in error messages.
 [[nodiscard]] Result<TriMesh> parseOff(std::string_view content, const std::string& fileName);
 [[nodiscard]] Result<TriMesh> parseObj(std::string_view content, const std::string& fileName);
 [[nodiscard]] Result<TriMesh> parsePly(std::string_view content, const std::string& fileName);
 [[nodiscard]] Result<TriMesh> parseStl(std::string_view content, const std::string& fileName);
 
-/// Appends a polygon as a fan of triangles around its first corner: exact for flat convex polygons.
+/// Appends a polygon as a triangle fan around its first corner; exact for flat convex polygons.
 inline void appendPolygon(std::span<const VertexIndex> corners, std::vector<Triangle>& triangles) {
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.push_back({corners[0], corners[i - 1], corners[i]});
 }

@@ -23,7 +23,7 @@ Triangle sorted(Triangle t) {
   return t;
 }
 
-/// Whether it runs through its sorted corners upwards.
+/// Whether the corners are an even permutation of the sorted corners.
 bool isEven(const Triangle& t) {
   const auto smallest = std::min_element(t.begin(), t.end()) - t.begin();
   return t[static_cast<std::size_t>(smallest + 1) % 3] < t[static_cast<std::size_t>(smallest + 2) % 3];
@@ -33,10 +33,10 @@ std::size_t edgeOf(const Triangle& t, VertexIndex a, VertexIndex b) {
   for (std::size_t e = 0; e < 3; ++e) {
     if (t[e] == a && t[(e + 1) % 3] == b) return e;
   }
-  CHECK(false, "the edge table lists edges of this triangle");
+  LORICA_CHECK(false, "the edge table must list only edges of this triangle");
 }
 
-/// Two triangles that stay joined at an edge: `up` runs along it from its smaller vertex to its larger one.
+/// Two triangles that stay joined at an edge: `up` runs along the edge from its smaller vertex to its larger one.
 struct Seam {
   std::int32_t up, down;
 };
@@ -57,7 +57,7 @@ class Repairer {
     return std::move(repair_);
   }
 
-  /// Nothing where an edge is not closed or no triangle is left.
+  /// Returns nothing if an edge is not closed or no triangle is left.
   std::optional<MeshRepair> run() {
     dropRepeatedCorners();
     dropCopies();
@@ -79,19 +79,19 @@ class Repairer {
     }
   }
 
-  // Triangles with the same three corners: pairs that face opposite ways bound nothing, of equal ones those go that
-  // keep an edge open. Both only where more than two triangles meet, so that a mesh without such edges is left alone.
+  // Handles triangles with the same three corners: removes pairs with opposite orientation, which enclose nothing, and
+  // copies that keep an edge open. Only at edges with more than two triangles, so a manifold mesh is not changed.
   void dropCopies() {
     gatherTriangles();
-    std::vector<int> excess;  // for each edge, triangles running upwards less those running downwards
+    std::vector<int> excess;  // for each edge, ascending minus descending triangles
     std::vector<std::array<std::size_t, 3>> edges(triangles().size());
-    std::vector<bool> crowded(triangles().size(), false);
+    std::vector<bool> nonManifold(triangles().size(), false);
     EdgeTable table(input_.vertices.size(), triangles());
     table.forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
       for (const Side& s : sides) {
         const auto t = static_cast<std::size_t>(s.triangle);
         edges[t][edgeOf(triangles()[t], s.ascending ? v : s.larger, s.ascending ? s.larger : v)] = excess.size();
-        if (sides.size() > 2) crowded[t] = true;
+        if (sides.size() > 2) nonManifold[t] = true;
       }
       const auto upward = std::count_if(sides.begin(), sides.end(), [](const Side& s) { return s.ascending; });
       excess.push_back(static_cast<int>(2 * upward - std::ssize(sides)));
@@ -114,7 +114,7 @@ class Repairer {
       while (to < order.size() && sorted(triangles()[order[to]]) == sorted(triangles()[order[from]])) ++to;
       std::array<std::vector<std::size_t>, 2> facing;
       for (std::size_t i = from; i < to; ++i) facing[isEven(triangles()[order[i]]) ? 1 : 0].push_back(order[i]);
-      while (!facing[0].empty() && !facing[1].empty() && crowded[facing[0].back()]) {
+      while (!facing[0].empty() && !facing[1].empty() && nonManifold[facing[0].back()]) {
         for (std::vector<std::size_t>& side : facing) {
           drop(side.back());
           side.pop_back();
@@ -133,7 +133,7 @@ class Repairer {
     }
   }
 
-  void drop(std::size_t gathered) { alive_[static_cast<std::size_t>(repair_.sourceTriangle[gathered])] = false; }
+  void drop(std::size_t gathered) { alive_[repair_.sourceTriangle[gathered]] = false; }
 
   void gatherTriangles() {
     triangles().clear();
@@ -145,8 +145,8 @@ class Repairer {
     }
   }
 
-  // Finds for each side of a triangle the one that it stays joined to. Corners that meet in a vertex and are connected
-  // over such seams form a fan.
+  // Finds, for each side of a triangle, the side that it stays joined to. Corners at a vertex that are connected across
+  // such seams form a fan.
   bool joinTriangles() {
     fan_.resize(3 * triangles().size());
     std::iota(fan_.begin(), fan_.end(), std::size_t{0});
@@ -165,18 +165,18 @@ class Repairer {
                                 : Seam{sides[1].triangle, sides[0].triangle});
         return;
       }
-      ++repair_.crowdedEdges;
+      ++repair_.nonManifoldEdges;
       for (const Seam& seam : pairedByAngle(v, w, sides)) {
         join(v, w, seam);
-        crowdedSeams_.push_back({v, w, seam});
+        nonManifoldSeams_.push_back({v, w, seam});
       }
     });
     return closed;
   }
 
   void join(VertexIndex v, VertexIndex w, const Seam& seam) {
-    const std::size_t up = edgeOf(triangles()[static_cast<std::size_t>(seam.up)], v, w);
-    const std::size_t down = edgeOf(triangles()[static_cast<std::size_t>(seam.down)], w, v);
+    const std::size_t up = edgeOf(triangles()[seam.up], v, w);
+    const std::size_t down = edgeOf(triangles()[seam.down], w, v);
     unite(cornerIndex(seam.up, up), cornerIndex(seam.down, down + 1));
     unite(cornerIndex(seam.up, up + 1), cornerIndex(seam.down, down));
   }
@@ -196,8 +196,8 @@ class Repairer {
     fan_[std::max(a, b)] = std::min(a, b);
   }
 
-  // Turning counter-clockwise about v -> w, one leaves the solid through a triangle that runs v -> w and enters it
-  // through one that runs w -> v. An entry and the exit that belongs to it, as brackets nest, bound one wedge of solid.
+  // A counter-clockwise sweep about v -> w leaves the solid at a triangle that runs v -> w and enters it at a triangle
+  // that runs w -> v. Entries and exits are matched like nested brackets; each pair bounds one wedge of solid.
   [[nodiscard]] std::vector<Seam> pairedByAngle(VertexIndex v, VertexIndex w, std::span<const Side> sides) const {
     const Vec3& origin = vertex(v);
     const Vec3 axis = vertex(w) - origin;
@@ -212,16 +212,16 @@ class Repairer {
     leaves.reserve(sides.size());
     for (const Side& s : sides) {
       Vec3 apex = origin;
-      for (const VertexIndex corner : repair_.mesh.triangles[static_cast<std::size_t>(s.triangle)]) {
+      for (const VertexIndex corner : repair_.mesh.triangles[s.triangle]) {
         if (corner != v && corner != w) apex = vertex(corner);
       }
       leaves.push_back({std::atan2(y.dot(apex - origin), x.dot(apex - origin)), s});
     }
-    // At equal angles exits first: two solids that touch in a face, not one without thickness.
+    // At equal angles, exits first: two solids that share a face, rather than one solid of zero thickness.
     std::stable_sort(leaves.begin(), leaves.end(), [](const Leaf& a, const Leaf& b) {
       return a.angle != b.angle ? a.angle < b.angle : a.side.ascending > b.side.ascending;
     });
-    // Start behind the deepest point, where no bracket is open.
+    // Start after the position of minimum depth, where no bracket is open.
     std::size_t start = 0;
     int depth = 0, lowest = 0;
     for (std::size_t i = 0; i < leaves.size(); ++i) {
@@ -237,7 +237,7 @@ class Repairer {
     for (std::size_t i = 0; i < leaves.size(); ++i) {
       const Side& s = leaves[(start + i) % leaves.size()].side;
       if (s.ascending) {
-        CHECK(!entered.empty(), "from the deepest point on every exit has its entry");
+        LORICA_CHECK(!entered.empty(), "after the position of minimum depth, every exit must have an entry");
         seams.push_back({s.triangle, entered.back()});
         entered.pop_back();
       } else {
@@ -247,20 +247,20 @@ class Repairer {
     return seams;
   }
 
-  [[nodiscard]] const Vec3& vertex(VertexIndex v) const { return input_.vertices[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] const Vec3& vertex(VertexIndex v) const { return input_.vertices[v]; }
 
-  // At the ends of parted edges each fan but the first gets a vertex of its own.
+  // At the ends of non-manifold edges, gives each fan except the first its own vertex.
   void doubleVertices() {
     std::vector<bool> isEnd(input_.vertices.size(), false);
-    for (const CrowdedSeam& c : crowdedSeams_) isEnd[static_cast<std::size_t>(c.v)] = isEnd[c.w] = true;
+    for (const NonManifoldSeam& c : nonManifoldSeams_) isEnd[c.v] = isEnd[c.w] = true;
     std::vector<std::size_t> firstFan(input_.vertices.size(), kNone);
     std::vector<VertexIndex> vertexOfFan(fan_.size(), -1);
     for (std::size_t t = 0; t < triangles().size(); ++t) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
         VertexIndex& v = triangles()[t][corner];
-        if (!isEnd[static_cast<std::size_t>(v)]) continue;
+        if (!isEnd[v]) continue;
         const std::size_t fan = fanOf(3 * t + corner);
-        std::size_t& first = firstFan[static_cast<std::size_t>(v)];
+        std::size_t& first = firstFan[v];
         if (first == kNone) first = fan;
         if (first == fan) continue;
         if (vertexOfFan[fan] < 0) {
@@ -278,19 +278,18 @@ class Repairer {
     return static_cast<VertexIndex>(repair_.origin.size()) - 1;
   }
 
-  // A fan that passes the edge twice at both ends cannot be told apart there: the second seam gets a vertex between.
+  // If two seams of an edge have the same vertices at both ends, gives the second seam a vertex at the midpoint.
   void halveEdges() {
     std::vector<std::array<VertexIndex, 2>> taken;
-    std::vector<std::array<VertexIndex, 3>> middle(triangles().size(), {-1, -1, -1});  // of the edge from each corner
+    std::vector<std::array<VertexIndex, 3>> middle(triangles().size(), {-1, -1, -1});  // of the edge at each corner
     bool any = false;
-    for (std::size_t i = 0; i < crowdedSeams_.size(); ++i) {
-      const auto& [v, w, seam] = crowdedSeams_[i];
-      if (i == 0 || crowdedSeams_[i - 1].v != v || crowdedSeams_[i - 1].w != w) taken.clear();
+    for (std::size_t i = 0; i < nonManifoldSeams_.size(); ++i) {
+      const auto& [v, w, seam] = nonManifoldSeams_[i];
+      if (i == 0 || nonManifoldSeams_[i - 1].v != v || nonManifoldSeams_[i - 1].w != w) taken.clear();
       const auto up = static_cast<std::size_t>(seam.up);
       const auto down = static_cast<std::size_t>(seam.down);
-      const std::size_t upEdge = edgeOf(input_.triangles[static_cast<std::size_t>(repair_.sourceTriangle[up])], v, w);
-      const std::size_t downEdge =
-          edgeOf(input_.triangles[static_cast<std::size_t>(repair_.sourceTriangle[down])], w, v);
+      const std::size_t upEdge = edgeOf(input_.triangles[repair_.sourceTriangle[up]], v, w);
+      const std::size_t downEdge = edgeOf(input_.triangles[repair_.sourceTriangle[down]], w, v);
       const std::array<VertexIndex, 2> ends = {triangles()[up][upEdge], triangles()[up][(upEdge + 1) % 3]};
       if (std::find(taken.begin(), taken.end(), ends) == taken.end()) {
         taken.push_back(ends);
@@ -306,7 +305,7 @@ class Repairer {
     split.reserve(triangles().size() + 2 * repair_.halvedEdges);
     source.reserve(split.capacity());
     for (std::size_t t = 0; t < triangles().size(); ++t) {
-      // Corners and middles around the triangle, fanned from a middle: no piece lies within one edge.
+      // Corners and midpoints around the triangle, as a fan from a midpoint: no piece has all its corners on one edge.
       std::vector<VertexIndex> ring;
       std::size_t apex = 0;
       for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -327,7 +326,7 @@ class Repairer {
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  struct CrowdedSeam {
+  struct NonManifoldSeam {
     VertexIndex v, w;
     Seam seam;
   };
@@ -335,7 +334,7 @@ class Repairer {
   MeshRepair repair_;
   std::vector<bool> alive_;
   std::vector<std::size_t> fan_;  // union-find over corners
-  std::vector<CrowdedSeam> crowdedSeams_;
+  std::vector<NonManifoldSeam> nonManifoldSeams_;
 };
 
 std::string counted(std::size_t count, const char* one, const char* many) {
@@ -352,22 +351,22 @@ bool isReadable(const TriMesh& mesh) {
 }  // namespace
 
 bool MeshRepair::changed() const {
-  return crowdedEdges + repeatedCorners + backToBack + duplicateTriangles > 0;
+  return nonManifoldEdges + repeatedCorners + backToBack + duplicateTriangles > 0;
 }
 
 std::string MeshRepair::summary() const {
   std::vector<std::string> done;
-  if (crowdedEdges > 0) {
-    done.push_back(counted(crowdedEdges, "edge", "edges") + " of more than two triangles parted");
+  if (nonManifoldEdges > 0) {
+    done.push_back(counted(nonManifoldEdges, "non-manifold edge", "non-manifold edges") + " separated");
   }
-  if (doubledVertices > 0) done.push_back(counted(doubledVertices, "vertex", "vertices") + " doubled");
-  if (halvedEdges > 0) done.push_back(counted(halvedEdges, "edge", "edges") + " halved");
-  if (backToBack > 0) done.push_back(fmt::format("{} triangles back to back dropped", backToBack));
+  if (doubledVertices > 0) done.push_back(counted(doubledVertices, "vertex", "vertices") + " duplicated");
+  if (halvedEdges > 0) done.push_back(counted(halvedEdges, "edge", "edges") + " split at the midpoint");
+  if (backToBack > 0) done.push_back(fmt::format("{} back-to-back triangles removed", backToBack));
   if (duplicateTriangles > 0) {
-    done.push_back(counted(duplicateTriangles, "duplicate triangle", "duplicate triangles") + " dropped");
+    done.push_back(counted(duplicateTriangles, "duplicate triangle", "duplicate triangles") + " removed");
   }
   if (repeatedCorners > 0) {
-    done.push_back(counted(repeatedCorners, "triangle", "triangles") + " with a repeated corner dropped");
+    done.push_back(counted(repeatedCorners, "triangle", "triangles") + " with a repeated corner removed");
   }
   return fmt::format("{}", fmt::join(done, ", "));
 }
@@ -376,8 +375,8 @@ std::vector<Vec3> MeshRepair::carried(std::span<const Vec3> posed) const {
   std::vector<Vec3> result;
   result.reserve(origin.size());
   for (const auto& [first, second] : origin) {
-    const Vec3& a = posed[static_cast<std::size_t>(first)];
-    result.push_back(first == second ? a : Vec3(0.5 * (a + posed[static_cast<std::size_t>(second)])));
+    const Vec3& a = posed[first];
+    result.push_back(first == second ? a : Vec3(0.5 * (a + posed[second])));
   }
   return result;
 }

@@ -8,46 +8,46 @@
 
 namespace lorica {
 
-/// A vertex of a repaired mesh: the vertex of the input that it stands for, or the middle between two of them.
+/// Origin of a vertex of a repaired mesh: an input vertex, or the midpoint between two input vertices.
 struct VertexOrigin {
   VertexIndex first = 0;
-  VertexIndex second = 0;  ///< the same as `first`, but for the middle of an edge
+  VertexIndex second = 0;  ///< equal to `first`, except for the midpoint of an edge
 
   bool operator==(const VertexOrigin&) const = default;
 };
 
-/// What repairClosedMesh made of a mesh, and how to take along what belongs to its vertices and triangles.
+/// Result of repairClosedMesh(), with the mapping of its vertices and triangles to the input.
 struct MeshRepair {
-  TriMesh mesh;                              ///< vertices of the input in its order, then the added ones
+  TriMesh mesh;                              ///< vertices of the input in its order, then the added vertices
   std::vector<VertexOrigin> origin;          ///< for each vertex
-  std::vector<std::int32_t> sourceTriangle;  ///< for each triangle, the one of the input that it is or is a piece of
+  std::vector<std::int32_t> sourceTriangle;  ///< for each triangle, the input triangle that it is or is part of
 
-  std::size_t crowdedEdges = 0;     ///< edges of more than two triangles, parted
-  std::size_t doubledVertices = 0;  ///< vertices added because the surface passed through one place twice
-  std::size_t halvedEdges = 0;      ///< vertices added in the middle of an edge, where doubling its ends was not enough
-  std::size_t repeatedCorners = 0;  ///< triangles dropped because two of their corners are one vertex
-  std::size_t backToBack = 0;       ///< triangles dropped in pairs of the same corners that face opposite ways
-  std::size_t duplicateTriangles = 0;  ///< triangles dropped because they were there twice
+  std::size_t nonManifoldEdges = 0;    ///< edges with more than two triangles, separated
+  std::size_t doubledVertices = 0;     ///< vertices added because the surface passed through a vertex more than once
+  std::size_t halvedEdges = 0;         ///< edge midpoints added where duplicating the ends of the edge was not enough
+  std::size_t repeatedCorners = 0;     ///< triangles removed because two corners are the same vertex
+  std::size_t backToBack = 0;          ///< triangles removed in pairs with the same corners and opposite orientation
+  std::size_t duplicateTriangles = 0;  ///< triangles removed because they occurred more than once
 
   [[nodiscard]] bool changed() const;
-  /// What was done, in words: "2 edges of more than two triangles parted, 3 vertices doubled". Empty if nothing.
+  /// The repairs in words: "2 non-manifold edges separated, 3 vertices duplicated". Empty if there were none.
   [[nodiscard]] std::string summary() const;
-  /// Positions of the repaired mesh in another pose of the input, such as a keyframe.
+  /// Maps another pose of the input, such as a keyframe, to the repaired mesh.
   /// @param posed  one position for each vertex of the input
   /// @return one for each vertex of `mesh`
   [[nodiscard]] std::vector<Vec3> carried(std::span<const Vec3> posed) const;
 };
 
-/// Makes a closed two-manifold of a mesh that is closed in a wider sense: as many triangles run along each edge one way
-/// as the other, but more than two may meet at it.
+/// Converts a mesh that is closed in a wider sense into a closed two-manifold. Closed in a wider sense: along each
+/// edge, equally many triangles run in both directions, but more than two may share the edge.
 ///
-/// Around such an edge the triangles are paired by angle, those on both sides of a wedge of solid together, so that
-/// solids which touch in an edge come apart there; vertices are doubled as far as that needs. Where the surface is
-/// joined round both ends of the edge, its second passage gets a vertex in the middle of the edge. Dropped are
-/// triangles with a repeated corner, pairs of triangles back to back at edges of more than two, and copies of a
-/// triangle that keep an edge from being closed. No vertex moves and none is removed, the enclosed volume stays the
-/// same; a mesh that needs none of this comes back as it was.
-/// @return the repaired mesh, or checkClosedTwoManifold's sentence where the mesh is not closed even so
+/// At such a non-manifold edge the triangles are paired by angle: two triangles that bound the same wedge of solid form
+/// a pair, so solids that touch along an edge are separated there. Vertices are duplicated where necessary. If the
+/// surface is connected around both ends of the edge, its second passage gets a vertex at the midpoint of the edge.
+/// Removed triangles: those with a repeated corner, back-to-back pairs at non-manifold edges, and copies of a triangle
+/// that prevent an edge from being closed. No vertex is moved or removed, and the enclosed volume does not change. A
+/// mesh that needs no repair is returned unchanged.
+/// @return the repaired mesh, or the error of checkClosedTwoManifold() if the mesh is not closed in this sense
 [[nodiscard]] Result<MeshRepair> repairClosedMesh(const TriMesh& mesh);
 
 }  // namespace lorica

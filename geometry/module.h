@@ -6,13 +6,13 @@
 
 namespace lorica {
 
-/// Loads one of Lorica's own shared libraries when it is first needed: what it links takes long to load, or need not be
-/// installed. It stays loaded. The run path of the program says where it lies; `lorica_module` in
-/// cmake/LoricaTargets.cmake sees to that.
+/// Loads one of Lorica's shared libraries on first use, because its dependencies load slowly or may not be installed.
+/// The library stays loaded. It is found by the program's run path, which `lorica_module` in cmake/LoricaTargets.cmake
+/// sets.
 /// @param name     of the library, as given to lorica_module()
-/// @param symbol   a constant in it, of a type that caller and library agree on
-/// @param purpose  what fails without it, to begin the sentence with: "writing MP4"
-/// @return its address, or what the loader found missing
+/// @param symbol   a constant in the library, of a type that caller and library agree on
+/// @param purpose  the feature that needs the library, as the start of the error message: "writing MP4"
+/// @return the address of the symbol, or the loader's error
 [[nodiscard]] Result<const void*> loadModule(std::string_view name, const char* symbol, std::string_view purpose);
 
 }  // namespace lorica

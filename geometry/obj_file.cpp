@@ -11,24 +11,24 @@ namespace lorica {
 
 namespace {
 
-/// Triangles from one `o` or `g` statement up to the next.
+/// Triangles from one `o` or `g` statement to the next.
 struct Section {
   std::string name;
   std::size_t firstTriangle = 0;
 };
 
 struct ObjFile {
-  TriMesh mesh;  ///< all of the file
+  TriMesh mesh;  ///< the whole file
   std::vector<Section> sections;
 };
 
-/// Statements that say nothing about the surface. What is neither here nor read is refused: curves and free-form
-/// surfaces must not vanish in silence.
+/// Statements that do not affect the surface. Statements neither listed here nor read are errors: curves and free-form
+/// surfaces must not be dropped silently.
 constexpr std::array<std::string_view, 17> kIgnoredStatements = {
     "vn", "vt",     "vp",         "s",         "l",   "p",     "mtllib",   "usemtl",  "maplib",
     "mg", "usemap", "shadow_obj", "trace_obj", "lod", "bevel", "c_interp", "d_interp"};
 
-/// One corner "7", "7/1", "7//3" or "7/1/3"; counted from 1, or from the newest vertex backwards when negative.
+/// Parses a corner "7", "7/1", "7//3" or "7/1/3". Indices start at 1; negative ones count back from the last vertex.
 Result<VertexIndex> parseCorner(std::string_view word, std::size_t vertexCount, const LineScanner& scanner) {
   std::int64_t index = 0;
   std::string_view rest = word;
@@ -72,7 +72,7 @@ Result<ObjFile> parse(std::string_view content, const std::string& fileName) {
           return scanner.error(fmt::format("{} of vertex {}", "xyz"[axis], obj.mesh.vertices.size() + 1));
         }
       }
-      obj.mesh.vertices.push_back(p);  // a weight or a colour may follow on the line
+      obj.mesh.vertices.push_back(p);  // a weight or a colour may follow on the same line
     } else if (statement == "f") {
       corners.clear();
       for (std::string_view word = scanner.word(); !word.empty(); word = scanner.word()) {
@@ -88,13 +88,13 @@ Result<ObjFile> parse(std::string_view content, const std::string& fileName) {
       obj.sections.push_back({std::string(scanner.rest()), obj.mesh.triangles.size()});
     } else if (std::find(kIgnoredStatements.begin(), kIgnoredStatements.end(), statement) == kIgnoredStatements.end()) {
       return scanner.fail(
-          fmt::format("statement {} is not one that Lorica knows, such as v, f, o or g", quotedWord(statement)));
+          fmt::format("unknown statement {}, expected one such as v, f, o or g", quotedWord(statement)));
     }
   }
   return obj;
 }
 
-/// The vertices that some triangles use, in the file's order, and those triangles over them.
+/// Returns the given triangles and the vertices that they use, in the file's order.
 TriMesh submesh(const TriMesh& mesh, std::span<const Triangle> triangles, std::vector<VertexIndex>& renumbered) {
   std::vector<VertexIndex> used;
   used.reserve(3 * triangles.size());
@@ -144,7 +144,7 @@ Result<void> writeObjObjects(const std::filesystem::path& file, const std::vecto
     std::replace_if(
         name.begin(), name.end(), [](unsigned char c) { return c < 0x20; }, ' ');
     text += fmt::format("o {}\n", name);
-    // The shortest digits that read back as the same double.
+    // fmt writes the fewest digits that read back as the same double.
     for (const Vec3& p : object.mesh.vertices) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
     for (const Triangle& t : object.mesh.triangles) {
       text += fmt::format("f {} {} {}\n", t[0] + firstVertex, t[1] + firstVertex, t[2] + firstVertex);

@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::int64_t kLargestCount = std::numeric_limits<VertexIndex>::max();
 
-/// Which of the letters in [ST][C][N][4][n]OFF stand before OFF, and what follows it on the same line.
+/// The letters of [ST][C][N][4][n]OFF before OFF, and the text directly after it.
 struct Header {
-  bool extraVertexData = false;  ///< texture, colour or normal after x y z
+  bool extraVertexData = false;  ///< texture coordinates, colour or normal after x y z
   std::string_view restOfWord;   ///< some data sets write "OFF8 6 12" without a blank
 };
 
@@ -26,7 +26,7 @@ Result<Header> readHeader(LineScanner& scanner) {
     return scanner.fail(fmt::format("found {}, expected the word OFF", quotedWord(word)));
   }
   if (letters.find_first_of("4n") != std::string_view::npos) {
-    Error error = scanner.fail(fmt::format("{} has vertices that are not in three dimensions", quotedWord(word)));
+    Error error = scanner.fail(fmt::format("{} declares vertices that are not three-dimensional", quotedWord(word)));
     error.code = ErrorCode::kUnsupported;
     return error;
   }
@@ -40,7 +40,7 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
   const Result<Header> header = readHeader(scanner);
   if (!header) return header.error();
 
-  // Counts: on the header's line or the next. The third, of edges, is often wrong or missing: nobody needs it.
+  // The counts are on the header's line or the next. The third, of edges, is often wrong or missing and is not used.
   std::int64_t vertexCount = 0;
   std::int64_t faceCount = 0;
   if (!header->restOfWord.empty()) {
@@ -58,12 +58,13 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
     }
   }
 
-  // The shortest vertex line is "0 0 0\n", the shortest face "3 0 1 2\n": a lying count reserves no more than that.
+  // The shortest vertex line is "0 0 0\n", the shortest face "3 0 1 2\n". This limits the memory reserved for a false
+  // count.
   TriMesh mesh;
   mesh.vertices.reserve(std::min<std::size_t>(vertexCount, scanner.bytesLeft() / 6 + 1));
   for (std::int64_t i = 0; i < vertexCount; ++i) {
     if (!scanner.nextLine()) {
-      return scanner.failAtEnd(fmt::format("{} vertices were announced, {} are there", vertexCount, i));
+      return scanner.failAtEnd(fmt::format("the header declares {} vertices, found {}", vertexCount, i));
     }
     Vec3 p;
     for (int axis = 0; axis < 3; ++axis) {
@@ -80,7 +81,7 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
   std::vector<VertexIndex> corners;
   for (std::int64_t i = 0; i < faceCount; ++i) {
     if (!scanner.nextLine()) {
-      return scanner.failAtEnd(fmt::format("{} faces were announced, {} are there", faceCount, i));
+      return scanner.failAtEnd(fmt::format("the header declares {} faces, found {}", faceCount, i));
     }
     std::int64_t cornerCount = 0;
     if (!scanner.integer(cornerCount)) return scanner.error(fmt::format("the corner count of face {}", i));
@@ -97,7 +98,7 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
       }
       corners.push_back(static_cast<VertexIndex>(index));
     }
-    appendPolygon(corners, mesh.triangles);  // what follows on the line is the face's colour
+    appendPolygon(corners, mesh.triangles);  // the rest of the line is the face's colour
   }
   if (scanner.nextLine()) {
     return scanner.fail(fmt::format("found {} after the last of {} faces, expected the end of the file",

@@ -17,7 +17,7 @@ enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, k
 struct Property {
   std::string name;
   Scalar type = Scalar::kFloat32;
-  std::optional<Scalar> countType;  ///< of a list
+  std::optional<Scalar> countType;  ///< only for a list
 };
 
 struct Element {
@@ -64,8 +64,8 @@ Result<Property> readProperty(LineScanner& scanner) {
     word = scanner.word();
     property.countType = scalarNamed(word);
     if (!property.countType || !isInteger(*property.countType)) {
-      return scanner.fail(
-          fmt::format("found {} as type of a list's count, expected an integer type such as uchar", quotedWord(word)));
+      return scanner.fail(fmt::format("found {} as the type of a list's count, expected an integer type such as uchar",
+                                      quotedWord(word)));
     }
     word = scanner.word();
   }
@@ -77,7 +77,7 @@ Result<Property> readProperty(LineScanner& scanner) {
   return property;
 }
 
-/// Reads up to and with the line end_header.
+/// Reads up to and including the line end_header.
 Result<Header> readHeader(LineScanner& scanner) {
   if (!scanner.nextLine()) return scanner.failAtEnd("expected the word ply");
   if (const std::string_view word = scanner.word(); word != "ply") {
@@ -125,10 +125,10 @@ Result<Header> readHeader(LineScanner& scanner) {
   return header;
 }
 
-/// The numbers of a text body: one element on each line.
-class TextBody {
+/// Reads the numbers of a text body: one element per line.
+class TextElements {
  public:
-  explicit TextBody(LineScanner& scanner) : scanner_(scanner) {}
+  explicit TextElements(LineScanner& scanner) : scanner_(scanner) {}
 
   std::optional<Error> checkSize(const Element&) { return std::nullopt; }
   [[nodiscard]] std::size_t atMost(std::int64_t count) const {
@@ -137,7 +137,7 @@ class TextBody {
   std::optional<Error> beginItem(const Element& element, std::int64_t index) {
     if (scanner_.nextLine()) return std::nullopt;
     return scanner_.failAtEnd(
-        fmt::format("{} of element {} were announced, {} are there", element.count, element.name, index));
+        fmt::format("the header declares {} of element {}, found {}", element.count, element.name, index));
   }
   std::optional<Error> endItem(const Element& element, std::int64_t index) {
     if (scanner_.atLineEnd()) return std::nullopt;
@@ -159,7 +159,7 @@ class TextBody {
   bool skip(Scalar, std::int64_t count) {
     double missing = 0.0;
     for (std::int64_t i = 0; i < count; ++i) {
-      // Any word will do: nan is fine in a normal that nobody uses.
+      // Accept any word: nan is harmless in a normal that is not used.
       if (scanner_.atLineEnd()) return scanner_.real(missing);
       (void)scanner_.word();
     }
@@ -172,20 +172,20 @@ class TextBody {
   LineScanner& scanner_;
 };
 
-/// The numbers of a binary body, one after the other.
-class BinaryBody {
+/// Reads the numbers of a binary body in sequence.
+class BinaryElements {
  public:
-  BinaryBody(std::string_view bytes, std::size_t fileSize, std::endian order, std::string fileName)
+  BinaryElements(std::string_view bytes, std::size_t fileSize, std::endian order, std::string fileName)
       : bytes_(bytes), fileSize_(fileSize), order_(order), fileName_(std::move(fileName)) {}
 
-  /// Refuses a count that the rest of the file cannot hold, before anything is allocated.
+  /// Rejects a count that the rest of the file cannot hold, before anything is allocated.
   std::optional<Error> checkSize(const Element& element) {
-    std::size_t least = 0;
-    for (const Property& p : element.properties) least += sizeOf(p.countType.value_or(p.type));
-    const std::size_t needed = least * static_cast<std::size_t>(element.count);
+    std::size_t min = 0;
+    for (const Property& p : element.properties) min += sizeOf(p.countType.value_or(p.type));
+    const std::size_t needed = min * static_cast<std::size_t>(element.count);
     if (needed <= bytes_.size()) return std::nullopt;
-    return fail(fmt::format("{} of element {} need at least {} bytes, {} are left", element.count, element.name, needed,
-                            bytes_.size()));
+    return fail(fmt::format("{} of element {} need at least {} bytes, {} bytes are left", element.count, element.name,
+                            needed, bytes_.size()));
   }
   [[nodiscard]] std::size_t atMost(std::int64_t count) const { return static_cast<std::size_t>(count); }
   std::optional<Error> beginItem(const Element&, std::int64_t) { return std::nullopt; }
@@ -246,7 +246,7 @@ class BinaryBody {
   std::string fileName_;
 };
 
-/// Length of a list, which must not be negative.
+/// Reads the length of a list, which must not be negative.
 template <typename Body>
 std::optional<Error> readLength(Body& body, const Property& property, const Element& element, std::int64_t index,
                                 std::int64_t& length) {
@@ -262,7 +262,7 @@ std::optional<Error> readLength(Body& body, const Property& property, const Elem
   return std::nullopt;
 }
 
-/// Reads past a property that the mesh does not need.
+/// Skips a property that the mesh does not need.
 template <typename Body>
 std::optional<Error> skipProperty(Body& body, const Property& property, const Element& element, std::int64_t index) {
   std::int64_t count = 1;
@@ -334,7 +334,7 @@ template <typename Body>
 Result<TriMesh> readBody(Body body, const Header& header, std::int64_t vertexCount) {
   TriMesh mesh;
   for (const Element& element : header.elements) {
-    if (element.properties.empty()) continue;  // takes no space, whatever its count
+    if (element.properties.empty()) continue;  // occupies no bytes, whatever its count
     if (auto error = body.checkSize(element)) return *error;
     if (element.name == "vertex") {
       if (auto error = readVertices(body, element, mesh)) return *error;
@@ -354,7 +354,8 @@ Result<TriMesh> readBody(Body body, const Header& header, std::int64_t vertexCou
   return mesh;
 }
 
-/// The header names what a mesh needs: vertices with x, y, z and faces with a list of corners.
+/// Checks that the header declares vertices with x, y, z and faces with a list of corners.
+/// @return what is missing, or nothing
 std::optional<std::string> missingInHeader(const Header& header) {
   const auto find = [&](std::string_view name) {
     return std::find_if(header.elements.begin(), header.elements.end(),
@@ -364,7 +365,7 @@ std::optional<std::string> missingInHeader(const Header& header) {
   const auto face = find("face");
   if (vertex == header.elements.end()) return "the header has no element vertex";
   if (face == header.elements.end())
-    return "the header has no element face: triangle strips and point clouds are not read";
+    return "the header has no element face: triangle strips and point clouds are not supported";
   for (const std::string_view axis : {"x", "y", "z"}) {
     const auto count = std::count_if(vertex->properties.begin(), vertex->properties.end(),
                                      [&](const Property& p) { return p.name == axis && !p.countType; });
@@ -395,9 +396,9 @@ Result<TriMesh> parsePly(std::string_view content, const std::string& fileName) 
   for (const Element& element : header->elements) {
     if (element.name == "vertex") vertexCount = element.count;
   }
-  if (*header->encoding == Encoding::kAscii) return readBody(TextBody(scanner), *header, vertexCount);
+  if (*header->encoding == Encoding::kAscii) return readBody(TextElements(scanner), *header, vertexCount);
   const std::endian order = *header->encoding == Encoding::kBigEndian ? std::endian::big : std::endian::little;
-  return readBody(BinaryBody(scanner.afterLine(), content.size(), order, fileName), *header, vertexCount);
+  return readBody(BinaryElements(scanner.afterLine(), content.size(), order, fileName), *header, vertexCount);
 }
 
 }  // namespace lorica

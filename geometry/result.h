@@ -7,6 +7,15 @@
 #include <utility>
 #include <variant>
 
+/// Stops the program on a bug of ours, naming where to look. Never in an inner loop.
+#define LORICA_CHECK(condition, message)                                                                \
+  do {                                                                                                  \
+    if (!(condition)) {                                                                                 \
+      std::fprintf(stderr, "%s:%d: bug in Lorica: %s (%s)\n", __FILE__, __LINE__, message, #condition); \
+      std::abort();                                                                                     \
+    }                                                                                                   \
+  } while (false)
+
 namespace lorica {
 
 /// What kind of thing went wrong with data from outside. The sentence in Error says the rest.
@@ -28,7 +37,8 @@ struct Error {
   std::string message;
 };
 
-/// A value, or the reason why there is none. For outside data only; bugs use CHECK.
+/// A value, or the reason why there is none. Asking for the value of a failure stops the program with the failure's
+/// sentence. For outside data only; bugs use LORICA_CHECK.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -37,17 +47,33 @@ class [[nodiscard]] Result {
 
   [[nodiscard]] bool ok() const { return state_.index() == 0; }
   explicit operator bool() const { return ok(); }
-  [[nodiscard]] T& value() & { return std::get<0>(state_); }
-  [[nodiscard]] const T& value() const& { return std::get<0>(state_); }
-  [[nodiscard]] T&& value() && { return std::get<0>(std::move(state_)); }
+  [[nodiscard]] T& value() & {
+    checkOk();
+    return *std::get_if<0>(&state_);
+  }
+  [[nodiscard]] const T& value() const& {
+    checkOk();
+    return *std::get_if<0>(&state_);
+  }
+  [[nodiscard]] T&& value() && {
+    checkOk();
+    return std::move(*std::get_if<0>(&state_));
+  }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T&& operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
-  [[nodiscard]] const Error& error() const { return std::get<1>(state_); }
+  [[nodiscard]] const Error& error() const {
+    LORICA_CHECK(!ok(), "a Result that has a value was asked for its error");
+    return *std::get_if<1>(&state_);
+  }
 
  private:
+  void checkOk() const {
+    if (!ok()) LORICA_CHECK(ok(), error().message.c_str());
+  }
+
   std::variant<T, Error> state_;
 };
 
@@ -59,19 +85,13 @@ class [[nodiscard]] Result<void> {
   Result(Error error) : error_(std::move(error)) {}
   [[nodiscard]] bool ok() const { return !error_; }
   explicit operator bool() const { return ok(); }
-  [[nodiscard]] const Error& error() const { return *error_; }
+  [[nodiscard]] const Error& error() const {
+    LORICA_CHECK(!ok(), "a Result that succeeded was asked for its error");
+    return *error_;
+  }
 
  private:
   std::optional<Error> error_;
 };
 
 }  // namespace lorica
-
-/// Stops the program on a bug of ours, naming where to look. Never in an inner loop.
-#define CHECK(condition, message)                                                                       \
-  do {                                                                                                  \
-    if (!(condition)) {                                                                                 \
-      std::fprintf(stderr, "%s:%d: bug in Lorica: %s (%s)\n", __FILE__, __LINE__, message, #condition); \
-      std::abort();                                                                                     \
-    }                                                                                                   \
-  } while (false)

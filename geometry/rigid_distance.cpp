@@ -14,7 +14,7 @@ double rigidDistance(std::span<const Vec3> a, std::span<const Vec3> b) {
     s += a[i] * b[i].transpose();
     squares += a[i].squaredNorm() + b[i].squaredNorm();
   }
-  Mat4 gain = Mat4::Zero();  // of which the solver reads the lower triangle
+  Mat4 gain = Mat4::Zero();  // the solver reads only the lower triangle
   gain(0, 0) = s(0, 0) + s(1, 1) + s(2, 2);
   gain(1, 1) = s(0, 0) - s(1, 1) - s(2, 2);
   gain(2, 2) = s(1, 1) - s(2, 2) - s(0, 0);
@@ -27,7 +27,7 @@ double rigidDistance(std::span<const Vec3> a, std::span<const Vec3> b) {
   gain(3, 2) = s(1, 2) + s(2, 1);
   const Eigen::SelfAdjointEigenSolver<Mat4> solver(gain, Eigen::EigenvaluesOnly);
   const double meanSq = (squares - 2.0 * solver.eigenvalues()(3)) / static_cast<double>(a.size());
-  // In steps of a micrometre: poses that mirror each other differ by rounding only, and must not be ordered by it.
+  // Round to a micrometre: mirrored poses differ only by rounding errors, which must not decide their order.
   return std::round(std::sqrt(std::max(0.0, meanSq)) * 1e6) * 1e-6;
 }
 

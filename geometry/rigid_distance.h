@@ -6,12 +6,11 @@
 
 namespace lorica {
 
-/// How far two poses of the same points are apart once one was moved rigidly onto the other as well as it goes: root
-/// mean square distance of the points [m], in steps of a micrometre. Where the poses stand and turn to does not count.
+/// Returns the distance between two poses of the same points after the best rigid alignment: the root mean square
+/// distance of the points [m], rounded to a micrometre. Global position and orientation of the poses have no effect.
 ///
-/// The best rotation is not needed, only what it gains: the largest eigenvalue of a 4 x 4 matrix (Horn 1987). Allocates
-/// nothing.
-/// @param a, b  the points of both, one or more, as many of each, about their centroid [m]
+/// Computed from the largest eigenvalue of a 4 x 4 matrix (Horn 1987), without the rotation itself. Does not allocate.
+/// @param a, b  equally many points, at least one, relative to their centroid [m]
 [[nodiscard]] double rigidDistance(std::span<const Vec3> a, std::span<const Vec3> b);
 
 }  // namespace lorica

@@ -11,14 +11,14 @@ namespace lorica {
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 84;    ///< 80 of text and the triangle count
-constexpr std::size_t kTriangleBytes = 50;  ///< a normal and three corners as float32, and two unused bytes
+constexpr std::size_t kHeaderBytes = 84;    ///< 80 bytes of text and the triangle count
+constexpr std::size_t kTriangleBytes = 50;  ///< a normal and three corners as float32, then two unused bytes
 
 bool sameWord(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return (x | 0x20) == (y | 0x20); });
 }
 
-/// Three corners of their own for each triangle, as the format has them.
+/// Appends a triangle with its own three vertices: the format does not share vertices.
 void appendTriangle(const std::array<Vec3, 3>& corners, TriMesh& mesh) {
   const auto first = static_cast<VertexIndex>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
@@ -27,7 +27,7 @@ void appendTriangle(const std::array<Vec3, 3>& corners, TriMesh& mesh) {
 
 Result<TriMesh> parseAscii(std::string_view content, const std::string& fileName) {
   LineScanner scanner(content, fileName, 0);
-  // Words may stand on any line; writers differ in how they break them.
+  // Line breaks may be anywhere: writers differ in where they put them.
   const auto next = [&] {
     std::string_view word = scanner.word();
     while (word.empty() && scanner.nextLine()) word = scanner.word();
@@ -44,12 +44,12 @@ Result<TriMesh> parseAscii(std::string_view content, const std::string& fileName
     if (word.empty() && scanner.line() > 0 && mesh.triangles.empty()) return expected(word, "solid");
     if (word.empty()) return mesh;
     if (!sameWord(word, "solid")) return expected(word, "solid");
-    scanner.rest();  // the solid's name
+    scanner.rest();  // skip the solid's name
     for (word = next(); !sameWord(word, "endsolid"); word = next()) {
       if (!sameWord(word, "facet")) return expected(word, "facet or endsolid");
       if (word = next(); !sameWord(word, "normal")) return expected(word, "normal");
       for (int i = 0; i < 3; ++i) {
-        // Not used, and writers put nan there for slivers: what counts is the order of the corners.
+        // The normal is not used, and may be nan for slivers: the order of the corners gives the orientation.
         if (word = next(); word.empty()) return expected(word, "a component of the normal");
       }
       for (const char* keyword : {"outer", "loop"}) {
@@ -97,7 +97,7 @@ Result<TriMesh> parseBinary(std::string_view content, const std::string& fileNam
 }  // namespace
 
 Result<TriMesh> parseStl(std::string_view content, const std::string& fileName) {
-  // Binary files too may begin with "solid": the size decides first.
+  // Binary files may also start with "solid", so check the size first.
   const std::uint64_t count = content.size() >= kHeaderBytes ? loadLittleEndian<std::uint32_t>(content.data() + 80) : 0;
   const std::uint64_t binarySize = kHeaderBytes + kTriangleBytes * count;
   const bool binary = content.size() >= kHeaderBytes && content.size() == binarySize;
@@ -106,12 +106,12 @@ Result<TriMesh> parseStl(std::string_view content, const std::string& fileName) 
   if (!binary && !text) {
     if (content.size() < kHeaderBytes) {
       return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: {} bytes that do not begin with 'solid': neither a text STL nor a binary one, "
+                   fmt::format("{}: {} bytes that do not start with 'solid': neither a text STL nor a binary one, "
                                "whose header alone has {} bytes",
                                fileName, content.size(), kHeaderBytes)};
     }
     return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: the header (byte 80) announces {} triangles, which need {} bytes; the file has {}",
+                 fmt::format("{}: the header (byte 80) declares {} triangles, which need {} bytes; the file has {}",
                              fileName, count, binarySize, content.size())};
   }
   Result<TriMesh> mesh = binary ? parseBinary(content, fileName) : parseAscii(content, fileName);

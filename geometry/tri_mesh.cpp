@@ -14,7 +14,7 @@ namespace lorica {
 
 namespace {
 
-/// One kind of fault: how many, and the first in words.
+/// One kind of fault: the number of occurrences, and a description of the first.
 struct Fault {
   std::size_t count = 0;
   std::string first;
@@ -24,7 +24,7 @@ std::string suchEdges(std::size_t count) {
   return fmt::format("{} such edge{}", count, count == 1 ? "" : "s");
 }
 
-/// "17, 20, 31", cut short after five.
+/// "17, 20, 31", truncated after five.
 std::string triangleList(std::span<const Side> sides) {
   std::string list;
   for (std::size_t i = 0; i < std::min<std::size_t>(sides.size(), 5); ++i) {
@@ -79,9 +79,9 @@ Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
 
 Result<void> checkEdges(const TriMesh& mesh) {
   Fault open;
-  Fault crowded;
+  Fault nonManifold;
   Fault turned;
-  bool balanced = true;  // as many triangles run along each edge one way as the other
+  bool balanced = true;  // along each edge, equally many triangles run in both directions
   EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
     if (sides.size() == 2 && sides[0].ascending != sides[1].ascending) return;
     const VertexIndex w = sides[0].larger;
@@ -92,9 +92,9 @@ Result<void> checkEdges(const TriMesh& mesh) {
         open.first = fmt::format("edge {}-{} belongs to one triangle ({}), expected two", v, w, sides[0].triangle);
       }
     } else if (sides.size() > 2) {
-      if (crowded.count++ == 0) {
-        crowded.first = fmt::format("edge {}-{} belongs to {} triangles ({}), expected two", v, w, sides.size(),
-                                    triangleList(sides));
+      if (nonManifold.count++ == 0) {
+        nonManifold.first = fmt::format("edge {}-{} belongs to {} triangles ({}), expected two", v, w, sides.size(),
+                                        triangleList(sides));
       }
     } else if (turned.count++ == 0) {
       turned.first =
@@ -103,22 +103,26 @@ Result<void> checkEdges(const TriMesh& mesh) {
     }
   });
   if (open.count > 0) {
-    std::string message = fmt::format("{}; {}: the mesh is open", open.first, suchEdges(open.count));
+    std::string message = fmt::format("{}; {}: the mesh is open; for a character, makeBody() makes a closed body",
+                                      open.first, suchEdges(open.count));
     TriMesh welded = mesh;
     const std::size_t removed = weldEqualVertices(welded);
     const std::size_t left = removed == 0 ? open.count : openEdgeCount(welded);
     if (left < open.count) {
-      message += fmt::format("; welding {} vertices that lie exactly on others would leave {}", removed, left);
+      message += fmt::format("; welding {} vertices at positions of others would leave {} open edges", removed, left);
     }
-    if (crowded.count > 0) message += fmt::format("; besides, {} edges belong to more than two", crowded.count);
+    if (nonManifold.count > 0)
+      message += fmt::format("; also, {} edges belong to more than two triangles", nonManifold.count);
     return badMesh(std::move(message));
   }
-  if (crowded.count > 0) {
-    return badMesh(fmt::format("{}; {}: the mesh is not a two-manifold{}", crowded.first, suchEdges(crowded.count),
-                               balanced ? "; repairClosedMesh() can part them" : ""));
+  if (nonManifold.count > 0) {
+    return badMesh(fmt::format("{}; {}: the mesh is not a two-manifold{}", nonManifold.first,
+                               suchEdges(nonManifold.count),
+                               balanced ? "; repairClosedMesh() can separate the triangles" : ""));
   }
   if (turned.count > 0) {
-    return badMesh(fmt::format("{}; {}: the triangles are not oriented alike", turned.first, suchEdges(turned.count)));
+    return badMesh(
+        fmt::format("{}; {}: the triangles are not consistently oriented", turned.first, suchEdges(turned.count)));
   }
   return {};
 }
@@ -130,7 +134,7 @@ Result<void> checkVolume(const TriMesh& mesh) {
     return badMesh(fmt::format("the mesh's diagonal is {:g}: too {} to measure a volume", diagonal,
                                std::isfinite(cube) ? "small" : "large"));
   }
-  // Rounding alone gives about 1e-16 of the cube; a needle of 1 : 1000 : 10000 still has 1e-7.
+  // Rounding errors alone are about 1e-16 of the cube; a needle of 1 : 1000 : 10000 still has 1e-7.
   const double volume = signedVolume(mesh.vertices, mesh.triangles);
   if (std::abs(volume) < 1e-12 * cube) {
     return badMesh(fmt::format("the mesh is flat: its volume is {:g} with a diagonal of {:g}", volume, diagonal));
@@ -142,7 +146,7 @@ Result<void> checkVolume(const TriMesh& mesh) {
   return {};
 }
 
-/// Bits by which two positions are equal: as numbers, so that -0 equals 0.
+/// Key that is equal for positions that are equal as numbers, so that -0 equals 0.
 std::array<std::uint64_t, 3> positionKey(const Vec3& p) {
   return {std::bit_cast<std::uint64_t>(p.x() + 0.0), std::bit_cast<std::uint64_t>(p.y() + 0.0),
           std::bit_cast<std::uint64_t>(p.z() + 0.0)};
@@ -175,7 +179,7 @@ std::vector<VertexIndex> firstAtSamePosition(std::span<const Vec3> vertices) {
 
 double signedVolume(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0.0;
-  // Tetrahedra from a point of the mesh, not from the origin: far away these would cancel badly.
+  // Tetrahedra from a vertex of the mesh rather than the origin, to avoid cancellation far from the origin.
   const Vec3& apex = vertices[triangles.front()[0]];
   double sixfold = 0.0;
   for (const Triangle& t : triangles) {

@@ -8,8 +8,8 @@
 namespace lorica {
 namespace {
 
-/// The point of a triangle nearest to another, by the weights of its corners.
-/// After Ericson, Real-Time Collision Detection (2005), 5.1.5: by the region of corner, side or face that it is in.
+/// Barycentric coordinates of the point of a triangle that is nearest to p.
+/// After Ericson, Real-Time Collision Detection (2005), 5.1.5: by the Voronoi region of vertex, edge or face.
 Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -45,17 +45,17 @@ ContactBones::ContactBones(const Decomposition& decomposition, const Character& 
   sharesBegin_.push_back(shares_.size());
 }
 
-JointIndex ContactBones::at(const LivePart& part, const Vec3& place) {
+JointIndex ContactBones::at(const LivePart& part, const Vec3& position) {
   const ConvexHull& hull = part.shape;
   if (hull.degenerate()) return kNoJoint;
-  const Vec3 p = part.worldFromPart.inverse() * place;
+  const Vec3 p = part.worldFromPart.inverse() * position;
   double nearestSq = std::numeric_limits<double>::infinity();
   const Triangle* face = nullptr;
   Vec3 corners = Vec3::Zero();
   for (const Triangle& t : hull.triangles) {
-    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
-    const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
+    const Vec3& a = hull.vertices[t[0]];
+    const Vec3& b = hull.vertices[t[1]];
+    const Vec3& c = hull.vertices[t[2]];
     const Vec3 weights = nearestOnTriangle(p, a, b, c);
     const double distanceSq = (weights[0] * a + weights[1] * b + weights[2] * c - p).squaredNorm();
     if (!(distanceSq < nearestSq)) continue;
@@ -66,9 +66,9 @@ JointIndex ContactBones::at(const LivePart& part, const Vec3& place) {
   if (face == nullptr) return kNoJoint;
   std::fill(weights_.begin(), weights_.end(), 0.0);
   for (int i = 0; i < 3; ++i) {
-    const auto point = static_cast<std::size_t>(hull.pointOfVertex[static_cast<std::size_t>((*face)[i])]);
+    const auto point = static_cast<std::size_t>(hull.pointOfVertex[(*face)[i]]);
     for (std::size_t s = sharesBegin_[point]; s < sharesBegin_[point + 1]; ++s) {
-      weights_[static_cast<std::size_t>(shares_[s].joint)] += corners[i] * shares_[s].weight;
+      weights_[shares_[s].joint] += corners[i] * shares_[s].weight;
     }
   }
   return static_cast<JointIndex>(std::max_element(weights_.begin(), weights_.end()) - weights_.begin());

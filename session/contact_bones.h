@@ -8,21 +8,21 @@
 
 namespace lorica {
 
-/// Tells which joint moves a place on the body most.
+/// Finds the joint with the most influence on a position on the body.
 ///
-/// The place is taken to be where it is nearest to its part's hull. A corner of the hull is a point of the body that
-/// joints move with known weights; inside a face the weights are blended as the corners are. The joint with the largest
-/// weight it is, of equal ones the first.
+/// The position is projected to the nearest point of its part's hull. Each vertex of the hull is a point of the body
+/// with known joint weights; inside a face, the weights are interpolated barycentrically. The joint with the largest
+/// weight is returned, the first one if several are equal.
 class ContactBones {
  public:
   /// @param decomposition  made from the character's mesh
   ContactBones(const Decomposition& decomposition, const Character& character);
 
   /// Allocates nothing.
-  /// @param part   of a body of that decomposition
-  /// @param place  world [m]
+  /// @param part      of a body of that decomposition
+  /// @param position  world [m]
   /// @return kNoJoint for a part without faces
-  [[nodiscard]] JointIndex at(const LivePart& part, const Vec3& place);
+  [[nodiscard]] JointIndex at(const LivePart& part, const Vec3& position);
 
  private:
   struct Share {

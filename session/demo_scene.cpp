@@ -15,12 +15,12 @@ const std::array<Vec3f, 6> kPalette = {{{0.83f, 0.29f, 0.13f},
                                         {0.75f, 0.72f, 0.62f},
                                         {0.48f, 0.25f, 0.52f}}};
 
-/// Numbers from [low, high). The standard's distributions differ between libraries; this does not.
+/// Uniform numbers in [low, high). Unlike the standard's distributions, the same with every library.
 double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
-/// Boxes on top of each other from the floor up, lightly twisted as a hand would stack them.
+/// Boxes stacked on the floor, each slightly rotated.
 void addTower(World& world, double x, double z, int count, const Vec3& halfExtents, std::mt19937_64& random) {
   for (int i = 0; i < count; ++i) {
     Prop box;
@@ -33,18 +33,18 @@ void addTower(World& world, double x, double z, int count, const Vec3& halfExten
   }
 }
 
-/// The i-th of what falls: each starts higher than the one before, so that they come one by one.
+/// The i-th falling prop: each starts higher than the previous one, so that they arrive one by one.
 Prop fallingProp(int i, std::mt19937_64& random) {
   Prop prop;
   prop.shape = i % 2 == 0 ? PropShape::kSphere : PropShape::kBox;
   const double size = uniform(random, 0.06, 0.12);
-  // Each number in a statement of its own: compilers differ in which argument they take first.
+  // One statement per random number: the evaluation order of arguments differs between compilers.
   prop.halfExtents.setConstant(size);
   if (prop.shape == PropShape::kBox) {
     prop.halfExtents.z() *= uniform(random, 0.6, 1.0);
     prop.halfExtents.y() *= uniform(random, 0.6, 1.0);
   }
-  prop.mass = 500.0 * size * size * size * 8.0 * 0.5;  // cork, roughly: light enough to be knocked about
+  prop.mass = 500.0 * size * size * size * 8.0 * 0.5;  // about the density of cork: light enough to be pushed easily
   prop.restitution = prop.shape == PropShape::kSphere ? 0.55 : 0.2;
   prop.color = kPalette[random() % kPalette.size()];
 
@@ -66,8 +66,8 @@ World makeDemoWorld(std::uint64_t seed) {
   World::Settings settings;
   settings.makesRoom = true;
   World world(settings);
-  addTower(world, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: kicks, punches, a reach
-  addTower(world, 0.60, 0.20, 4, Vec3(0.11, 0.11, 0.11), random);  // at the left: hands that come down
+  addTower(world, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: for kicks, punches and reaching
+  addTower(world, 0.60, 0.20, 4, Vec3(0.11, 0.11, 0.11), random);  // at the left: for hands moving down
   for (int i = 0; i < 12; ++i) world.addProp(fallingProp(i, random));
   return world;
 }

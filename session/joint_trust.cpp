@@ -6,9 +6,9 @@
 namespace lorica {
 namespace {
 
-/// A confidence of this and less is a guess, one of kSeen and more is as good as any.
+/// Confidences up to kGuessed give a trust of 0, from kSeen on a trust of 1.
 constexpr double kGuessed = 0.5, kSeen = 0.8;
-/// Beyond this a joint was mistaken: the fastest kicks stay below [m/s].
+/// A faster joint is a tracking error: the fastest kicks are slower [m/s].
 constexpr double kFastest = 20.0;
 constexpr double kFadeSeconds = 0.3;
 constexpr double kLongestStep = 0.1;  ///< [s]
@@ -36,7 +36,7 @@ std::optional<JointTrust::Source> JointTrust::sourceOf(HumanBone bone) {
   if (has("UpperLeg")) return Source{hip, knee};
   if (has("LowerLeg")) return Source{knee, foot};
   if (has("Foot") || has("Toes")) return Source{foot, foot};
-  return Source{hand, hand};  // and its fingers
+  return Source{hand, hand};  // the hand and its fingers
 }
 
 JointTrust::JointTrust(const Skeleton& skeleton) : joints_(static_cast<std::size_t>(skeleton.jointCount()), 1.0) {
@@ -44,7 +44,7 @@ JointTrust::JointTrust(const Skeleton& skeleton) : joints_(static_cast<std::size
   for (const Joint& joint : skeleton.joints()) {
     std::optional<Source> source;
     if (joint.bone) source = sourceOf(*joint.bone);
-    if (!source && joint.parent != kNoJoint) source = sources_[static_cast<std::size_t>(joint.parent)];
+    if (!source && joint.parent != kNoJoint) source = sources_[joint.parent];
     sources_.push_back(source);
   }
 }
@@ -58,7 +58,7 @@ void JointTrust::take(const SkeletonFrame& frame) {
       const double way = (joint.position - before_->joints[j].position).norm();
       if (!(way <= kFastest * std::max(step, 0.001))) wanted = 0.0;
     }
-    // Lost at once, believed again little by little; whoever is seen at first is believed.
+    // Trust is lost at once and recovers gradually; the first frame is trusted at once.
     tracked_[j] = before_ ? std::min(wanted, tracked_[j] + step / kFadeSeconds) : wanted;
   }
   before_ = frame;

@@ -10,25 +10,25 @@
 
 namespace lorica {
 
-/// How far the limbs of a character can be believed to be where they are shown: from what a tracker says of the
-/// person's joints. A limb that is guessed, or that went faster than people can, is not believed at once, and comes
-/// back within 0.3 s: see LivePart::trust. Allocates nothing per frame.
+/// Trust in the position of each limb of a character, computed from the confidences and speeds of the tracked joints.
+/// The trust drops to 0 at once if a limb is guessed or faster than humanly possible, and recovers within 0.3 s, see
+/// LivePart::trust. Allocates nothing per frame.
 class JointTrust {
  public:
   explicit JointTrust(const Skeleton& skeleton);
 
-  /// Takes the next frame of joints into account.
+  /// Processes the next frame of joints.
   void take(const SkeletonFrame& frame);
 
-  /// For each joint of the skeleton, 0 to 1. All 1 before the first frame.
+  /// Trust of each joint of the skeleton, 0 to 1. All 1 before the first frame.
   [[nodiscard]] std::span<const double> joints() const { return joints_; }
 
  private:
-  /// The tracked joints that a bone hangs on; twice the same where it is one.
+  /// The two tracked joints that determine a bone; equal if there is only one.
   using Source = std::array<BodyJoint, 2>;
   [[nodiscard]] static std::optional<Source> sourceOf(HumanBone bone);
 
-  std::vector<std::optional<Source>> sources_;  ///< one a joint of the skeleton
+  std::vector<std::optional<Source>> sources_;  ///< one per joint of the skeleton
   std::vector<double> joints_;
   std::optional<SkeletonFrame> before_;
   std::array<double, kBodyJointCount> tracked_{};

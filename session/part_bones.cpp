@@ -7,35 +7,35 @@
 namespace lorica {
 namespace {
 
-/// Weights of a part's mesh vertices, so that the surface of the part moves as their weighted sum does.
+/// Computes weights of a part's mesh vertices by the area of the part's surface that they move.
 /// @param points  in the bind pose [m]
-/// @param weight  one a point, written [m^2]
+/// @param weight  one per point, output [m^2]
 void weighPoints(const Decomposition& decomposition, const Part& part, std::span<const Vec3> points,
                  std::span<double> weight) {
   std::fill(weight.begin(), weight.end(), 0.0);
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     if (part.sourceTriangle[i] < 0) continue;
     const Triangle& t = part.triangles[i];
-    const Vec3& a = points[static_cast<std::size_t>(t[0])];
-    const Vec3& b = points[static_cast<std::size_t>(t[1])];
-    const Vec3& c = points[static_cast<std::size_t>(t[2])];
+    const Vec3& a = points[t[0]];
+    const Vec3& b = points[t[1]];
+    const Vec3& c = points[t[2]];
     const double area = 0.5 * (b - a).cross(c - a).norm();
-    for (const PointIndex p : t) weight[static_cast<std::size_t>(p)] += area / 3.0;
+    for (const PointIndex p : t) weight[p] += area / 3.0;
   }
-  // A cut point moves as the blend of its two ends does, and they are older: from the last one back to the mesh.
+  // A cut point is a blend of two earlier points: distribute its weight to them, from the last cut point to the first.
   for (std::size_t i = decomposition.cutPoints.size(); i-- > 0;) {
     const CutPoint& cut = decomposition.cutPoints[i];
     const double own = weight[static_cast<std::size_t>(decomposition.vertexCount) + i];
-    weight[static_cast<std::size_t>(cut.first)] += cut.lambda * own;
-    weight[static_cast<std::size_t>(cut.second)] += (1.0 - cut.lambda) * own;
+    weight[cut.first] += cut.lambda * own;
+    weight[cut.second] += (1.0 - cut.lambda) * own;
   }
 }
 
 }  // namespace
 
 std::vector<std::vector<JointShare>> jointsOfParts(const Decomposition& decomposition, const Character& character) {
-  CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
-        "the decomposition is one of the character's mesh");
+  LORICA_CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
+               "the decomposition must be of the character's mesh");
   std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
   transfer(decomposition, character.mesh.vertices, points);
   std::vector<double> weight(points.size());
@@ -48,7 +48,7 @@ std::vector<std::vector<JointShare>> jointsOfParts(const Decomposition& decompos
     for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
       for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
         const double share = weight[v] * character.influences[i].weight;
-        moved[static_cast<std::size_t>(character.influences[i].joint)] += share;
+        moved[character.influences[i].joint] += share;
         all += share;
       }
     }

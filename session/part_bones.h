@@ -7,21 +7,21 @@
 
 namespace lorica {
 
-/// How much of a part a joint moves.
+/// Share of a part's surface that a joint moves.
 struct JointShare {
   JointIndex joint = 0;
   double share = 0.0;  ///< above 0, at most 1
 };
 
-/// The joints that move each part of a character: of the part's surface in the bind pose, the share that each joint
-/// moves, area times blend weight. Caps do not count, for they are not of the character. Shares of a part add up to 1,
-/// the largest comes first; joints that move nothing are left out.
+/// The joints that move each part of a character. A joint's share is the area of the part's surface in the bind pose,
+/// weighted with the joint's blend weights. Caps do not count because they are not part of the character's surface. The
+/// shares of a part add up to 1 and are sorted in descending order; joints without a share are omitted.
 /// @param decomposition  of the character's mesh
-/// @return for each part its joints; none where a part has no surface
+/// @return the joints of each part; none for a part without surface
 [[nodiscard]] std::vector<std::vector<JointShare>> jointsOfParts(const Decomposition& decomposition,
                                                                  const Character& character);
 
-/// The same by the names of the joints, as .lorica files keep it.
+/// The same with the names of the joints, as stored in .lorica files.
 [[nodiscard]] std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposition,
                                                                const Character& character);
 

@@ -42,7 +42,7 @@ class FaultyPoses final : public PoseSource {
     const double lateness = frames_.lateness();
     if (lateness == 0.0) return;
     time += lateness;
-    for (int i = 0; i < kMostOvertaken; ++i) {
+    for (int i = 0; i < kMaxOvertaken; ++i) {
       ahead_ = take();
       if (!*ahead_ || !(*ahead_)->has_value() || ***ahead_ > time) return;
       ahead_.reset();
@@ -51,21 +51,20 @@ class FaultyPoses final : public PoseSource {
 
   std::unique_ptr<PoseSource> source_;
   FrameFaults frames_;
-  std::optional<Result<std::optional<double>>> ahead_;  ///< the time of inner_, where that was not shown yet
-  Pose inner_;                                          ///< the source's last
-  Pose taken_;                                          ///< of this frame
-  Pose shown_;                                          ///< the last that was not frozen
+  std::optional<Result<std::optional<double>>> ahead_;  ///< the time of inner_ if it was not shown yet
+  Pose inner_;                                          ///< last pose of the source
+  Pose taken_;                                          ///< pose of this frame
+  Pose shown_;                                          ///< last pose that was not frozen
   bool started_ = false;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<PoseSource>> makePoseFaults(std::unique_ptr<PoseSource> source, const FaultSettings& settings) {
-  CHECK(source != nullptr, "faults are made in poses that come from somewhere");
+  LORICA_CHECK(source != nullptr, "pose faults need a source");
   if (settings.ofJoints()) {
     return Error{ErrorCode::kInvalidArgument,
-                 "dropout, jitter and swap are faults of tracked joints, which a motion of bones does not have; "
-                 "expected late or freeze"};
+                 "dropout, jitter and swap apply to tracked joints, not to motions of bones; expected late or freeze"};
   }
   if (!settings.any()) return source;
   return std::unique_ptr<PoseSource>(std::make_unique<FaultyPoses>(std::move(source), settings));

@@ -7,9 +7,8 @@
 
 namespace lorica {
 
-/// Poses from a source, with the faults of whole frames that poses have as joints do: late and freeze, see
-/// FaultSettings. Allocates nothing per frame.
-/// @return the source, or that the settings ask for faults of single joints, which poses have not
+/// Injects faults of whole frames into poses: late and freeze, see FaultSettings. Allocates nothing per frame.
+/// @return the source, or an error if the settings have faults of single joints, which do not apply to poses
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makePoseFaults(std::unique_ptr<PoseSource> source,
                                                                  const FaultSettings& settings);
 

@@ -48,19 +48,19 @@ class JointPoseSource final : public PoseSource {
   double waited_ = 0.0;
 };
 
-/// Poses a stand-in, and the character as that.
-class StandInPoseSource final : public PoseSource {
+/// Poses a proxy skeleton and maps the poses back to the character.
+class ProxyPoseSource final : public PoseSource {
  public:
-  StandInPoseSource(StandInSkeleton standIn, std::unique_ptr<PoseSource> source)
-      : standIn_(std::move(standIn)), source_(std::move(source)), pose_(restPose(standIn_.skeleton())) {}
+  ProxyPoseSource(ProxySkeleton proxy, std::unique_ptr<PoseSource> source)
+      : proxy_(std::move(proxy)), source_(std::move(source)), pose_(restPose(proxy_.skeleton())) {}
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
     Result<std::optional<double>> time = source_->next(pose_);
-    if (time && time->has_value()) standIn_.carryBack(pose_, pose);
+    if (time && time->has_value()) proxy_.mapBack(pose_, pose);
     const std::span<const double> trust = source_->trust();
     trust_.resize(trust.empty() ? 0 : pose.size());
     for (std::size_t j = 0; j < trust_.size(); ++j) {
-      trust_[j] = trust[static_cast<std::size_t>(standIn_.standInOf(static_cast<JointIndex>(j)))];
+      trust_[j] = trust[proxy_.proxyOf(static_cast<JointIndex>(j))];
     }
     return time;
   }
@@ -70,9 +70,9 @@ class StandInPoseSource final : public PoseSource {
   [[nodiscard]] double waited() const override { return source_->waited(); }
 
  private:
-  StandInSkeleton standIn_;
+  ProxySkeleton proxy_;
   std::unique_ptr<PoseSource> source_;
-  Pose pose_;                  ///< of the stand-in
+  Pose pose_;                  ///< of the proxy skeleton
   std::vector<double> trust_;  ///< of the character's joints
 };
 
@@ -83,9 +83,9 @@ class MotionPoseSource final : public PoseSource {
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
     if (frame_ == motion_.frameCount()) return std::optional<double>();
     const std::span<const JointTransform> next = motion_.pose(frame_);
-    CHECK(next.size() == pose.size(), "the motion is of the character's own skeleton");
+    LORICA_CHECK(next.size() == pose.size(), "the motion must be of the character's own skeleton");
     std::copy(next.begin(), next.end(), pose.begin());
-    return std::optional<double>(motion_.times[static_cast<std::size_t>(frame_++)]);
+    return std::optional<double>(motion_.times[frame_++]);
   }
 
  private:
@@ -97,7 +97,7 @@ std::unique_ptr<SkeletonSource> recordedSource(std::span<const SkeletonFrame> re
   return makeRecordedSource({recording.begin(), recording.end()});
 }
 
-/// All that a source has.
+/// Collects all poses of a source into a motion.
 Result<SkeletalMotion> playedBy(const Skeleton& skeleton, Result<std::unique_ptr<PoseSource>> source,
                                 std::size_t frameCount) {
   if (!source) return source.error();
@@ -133,7 +133,7 @@ Result<std::vector<SkeletalMotion>> performEach(const Performer& performer,
 Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton,
                                                         std::unique_ptr<SkeletonSource> joints,
                                                         const JointSettings& settings) {
-  CHECK(joints != nullptr, "joints come from somewhere");
+  LORICA_CHECK(joints != nullptr, "a joint pose source needs a source of joints");
   Result<Retargeter> retargeter = Retargeter::create(skeleton);
   if (!retargeter) return retargeter.error();
   return std::unique_ptr<PoseSource>(
@@ -143,11 +143,11 @@ Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton
 Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& character,
                                                         std::unique_ptr<SkeletonSource> joints,
                                                         const JointSettings& settings) {
-  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-  if (!standIn) return standIn.error();
-  Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(standIn->skeleton(), std::move(joints), settings);
-  if (!source || standIn->substitutes().empty()) return source;
-  return std::unique_ptr<PoseSource>(std::make_unique<StandInPoseSource>(std::move(*standIn), std::move(*source)));
+  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  if (!proxy) return proxy.error();
+  Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(proxy->skeleton(), std::move(joints), settings);
+  if (!source || proxy->substitutes().empty()) return source;
+  return std::unique_ptr<PoseSource>(std::make_unique<ProxyPoseSource>(std::move(*proxy), std::move(*source)));
 }
 
 std::unique_ptr<PoseSource> makeMotionPoseSource(SkeletalMotion motion) {

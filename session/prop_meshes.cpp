@@ -13,7 +13,7 @@
 namespace lorica {
 namespace {
 
-/// The mesh in metres about the middle of its bounds; vertices that no triangle uses are dropped.
+/// The mesh in metres, with the centre of its bounds at the origin; unused vertices are dropped.
 Result<TriMesh> inMetres(const TriMesh& mesh, const PropMeshRequest& request) {
   const std::string name = request.file.string();
   if (mesh.triangles.empty())
@@ -37,11 +37,11 @@ Result<TriMesh> inMetres(const TriMesh& mesh, const PropMeshRequest& request) {
   for (const Triangle& triangle : mesh.triangles) {
     Triangle& t = result.triangles.emplace_back(triangle);
     for (VertexIndex& v : t) {
-      VertexIndex& index = newIndex[static_cast<std::size_t>(v)];
+      VertexIndex& index = newIndex[v];
       if (index < 0) {
         index = static_cast<VertexIndex>(result.vertices.size());
-        const Vec3& place = mesh.vertices[static_cast<std::size_t>(v)];
-        result.vertices.emplace_back((place - bounds.center()).cwiseProduct(scale));
+        const Vec3& position = mesh.vertices[v];
+        result.vertices.emplace_back((position - bounds.center()).cwiseProduct(scale));
       }
       v = index;
     }
@@ -64,15 +64,14 @@ Result<std::shared_ptr<const PropMeshShape>> readPropMesh(const PropMeshRequest&
   const std::string name = request.file.string();
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(request.file, error);
-  if (!error && bytes > kMostPropMeshBytes) {
-    return Error{ErrorCode::kBadMesh,
-                 fmt::format("{}: {} bytes, expected at most {}", name, bytes, kMostPropMeshBytes)};
+  if (!error && bytes > kMaxPropMeshBytes) {
+    return Error{ErrorCode::kBadMesh, fmt::format("{}: {} bytes, expected at most {}", name, bytes, kMaxPropMeshBytes)};
   }
   const Result<TriMesh> read = readMesh(request.file);
   if (!read) return read.error();
-  if (read->vertices.size() > kMostPropVertices) {
+  if (read->vertices.size() > kMaxPropVertices) {
     return Error{ErrorCode::kBadMesh,
-                 fmt::format("{}: {} vertices, expected at most {}", name, read->vertices.size(), kMostPropVertices)};
+                 fmt::format("{}: {} vertices, expected at most {}", name, read->vertices.size(), kMaxPropVertices)};
   }
   Result<TriMesh> mesh = inMetres(*read, request);
   if (!mesh) return mesh.error();
@@ -81,7 +80,7 @@ Result<std::shared_ptr<const PropMeshShape>> readPropMesh(const PropMeshRequest&
   if (request.parts == 1) {
     ConvexHull hull = convexHull(mesh->vertices);
     if (hull.degenerate())
-      return Error{ErrorCode::kBadMesh, fmt::format("{}: found a flat mesh, expected one with a volume", name)};
+      return Error{ErrorCode::kBadMesh, fmt::format("{}: the mesh is flat, expected one with a volume", name)};
     shape->solid = massProperties(hull.vertices, hull.triangles);
     shape->hulls.push_back(std::move(hull));
     shape->shown = std::move(*mesh);
@@ -90,7 +89,7 @@ Result<std::shared_ptr<const PropMeshShape>> readPropMesh(const PropMeshRequest&
   if (!checkClosedTwoManifold(*mesh)) {
     Result<MeshRepair> repaired = repairClosedMesh(*mesh);
     if (!repaired) {
-      return Error{ErrorCode::kBadMesh, fmt::format("{}: {}; \"parts\": 1 takes any mesh, as its convex hull", name,
+      return Error{ErrorCode::kBadMesh, fmt::format("{}: {}; use \"parts\": 1 to get the convex hull of any mesh", name,
                                                     repaired.error().message)};
     }
     *mesh = std::move(repaired->mesh);
@@ -103,7 +102,7 @@ Result<std::shared_ptr<const PropMeshShape>> readPropMesh(const PropMeshRequest&
     if (!hull.degenerate()) shape->hulls.push_back(std::move(hull));
   }
   if (shape->hulls.empty())
-    return Error{ErrorCode::kBadMesh, fmt::format("{}: found flat parts only, expected some volume", name)};
+    return Error{ErrorCode::kBadMesh, fmt::format("{}: all parts are flat, expected a mesh with a volume", name)};
   shape->solid = massProperties(mesh->vertices, mesh->triangles);
   shape->shown = std::move(*mesh);
   return std::shared_ptr<const PropMeshShape>(std::move(shape));

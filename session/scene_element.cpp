@@ -12,16 +12,16 @@
 namespace lorica {
 namespace {
 
-constexpr int kDeepest = 16;  // lists and objects in each other
+constexpr int kDeepest = 16;  // nesting of lists and objects
 
-std::optional<double> numberIn(const SceneJson& json, double least, double most) {
+std::optional<double> numberIn(const SceneJson& json, double min, double max) {
   if (!json.is_number()) return std::nullopt;
   const auto value = json.get<double>();
-  if (!(value >= least && value <= most)) return std::nullopt;
+  if (!(value >= min && value <= max)) return std::nullopt;
   return value;
 }
 
-/// Finds, while a text is read, what JSON allows and a scene does not.
+/// Parser callback that finds errors which JSON allows but scenes do not: duplicate keys and deep nesting.
 class Watch {
  public:
   bool operator()(int depth, SceneJson::parse_event_t event, const SceneJson& parsed) {
@@ -29,7 +29,7 @@ class Watch {
       case SceneJson::parse_event_t::object_start:
       case SceneJson::parse_event_t::array_start:
         if (depth >= kDeepest && error_.empty()) {
-          error_ = fmt::format("{}: more than {} lists and objects in each other", path(), kDeepest);
+          error_ = fmt::format("{}: lists and objects are nested more than {} levels deep", path(), kDeepest);
         }
         if (depth >= kDeepest) return false;
         next();
@@ -93,7 +93,7 @@ Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name) {
         true, true);
   } catch (const SceneJson::exception& e) {
     const std::string_view what = e.what();
-    const std::size_t bracket = what.find("] ");  // before it stands the library's own number
+    const std::size_t bracket = what.find("] ");  // preceded by the library's error number
     return Error{
         ErrorCode::kBadFormat,
         fmt::format("{}: not JSON: {}", name, bracket == std::string_view::npos ? what : what.substr(bracket + 2))};
@@ -143,39 +143,39 @@ void SceneElement::need(const char* key, std::string_view expected) {
   if (json_.is_object() && !json_.contains(key)) fail(key, "nothing", expected);
 }
 
-void SceneElement::number(const char* key, double least, double most, double& value) {
+void SceneElement::number(const char* key, double min, double max, double& value) {
   if (!has(key)) return;
-  if (const std::optional<double> read = numberIn(at(key), least, most)) {
+  if (const std::optional<double> read = numberIn(at(key), min, max)) {
     value = *read;
   } else {
-    fail(key, shownInScene(at(key)), fmt::format("a number from {:g} to {:g}", least, most));
+    fail(key, shownInScene(at(key)), fmt::format("a number from {:g} to {:g}", min, max));
   }
 }
 
-void SceneElement::vector(const char* key, double least, double most, Vec3& value) {
+void SceneElement::vector(const char* key, double min, double max, Vec3& value) {
   if (!has(key)) return;
   const SceneJson& json = at(key);
   bool fine = json.is_array() && json.size() == 3;
   Vec3 read;
   for (std::size_t i = 0; fine && i < 3; ++i) {
-    const std::optional<double> part = numberIn(json[i], least, most);
+    const std::optional<double> part = numberIn(json[i], min, max);
     fine = part.has_value();
     if (fine) read[static_cast<Eigen::Index>(i)] = *part;
   }
   if (fine) {
     value = read;
   } else {
-    fail(key, shownInScene(json), fmt::format("three numbers from {:g} to {:g}", least, most));
+    fail(key, shownInScene(json), fmt::format("three numbers from {:g} to {:g}", min, max));
   }
 }
 
-void SceneElement::integer(const char* key, int least, int most, int& value) {
+void SceneElement::integer(const char* key, int min, int max, int& value) {
   if (!has(key)) return;
   const SceneJson& json = at(key);
-  if (json.is_number_integer() && json >= least && json <= most) {
+  if (json.is_number_integer() && json >= min && json <= max) {
     value = json.get<int>();
   } else {
-    fail(key, shownInScene(json), fmt::format("a whole number from {} to {}", least, most));
+    fail(key, shownInScene(json), fmt::format("a whole number from {} to {}", min, max));
   }
 }
 
@@ -193,7 +193,7 @@ void SceneElement::text(const char* key, std::string& value) {
   if (at(key).is_string()) {
     value = at(key).get<std::string>();
   } else {
-    fail(key, shownInScene(at(key)), "a text");
+    fail(key, shownInScene(at(key)), "a string");
   }
 }
 

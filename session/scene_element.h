@@ -13,25 +13,24 @@
 
 namespace lorica {
 
-/// JSON that keeps the order of keys. Internal, as all of this.
+/// JSON that keeps the order of keys. Internal, like this whole header.
 using SceneJson = nlohmann::ordered_json;
 
-/// Text to JSON. Comments are allowed; keys that stand twice in an object and lists in lists in lists... are refused.
-/// @param name  what the sentences call the text
+/// Parses JSON. Comments are allowed; duplicate keys in an object and nesting deeper than 16 levels are errors.
+/// @param name  of the text in error messages
 [[nodiscard]] Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name);
 
-/// A value as it stands in the file, short enough for a sentence.
+/// A value as text, shortened for an error message.
 [[nodiscard]] std::string shownInScene(const SceneJson& value);
 
-/// An object of a scene file. Whatever is wrong is kept in the file's one error, the first to be found; what could not
-/// be read is what it was before.
+/// An object of a scene file. Only the first error of the file is kept; values that cannot be read stay unchanged.
 class SceneElement {
  public:
   /// @param json,error  outlive the element
-  /// @param path        of the object in the file, such as "props[3]"; empty for the whole
+  /// @param path        of the object in the file, such as "props[3]"; empty for the root
   SceneElement(const SceneJson& json, std::string path, std::optional<std::string>& error);
 
-  /// Refuses what is not among the keys that an element has.
+  /// Fails if the object has other keys than these.
   void allow(std::span<const std::string_view> keys);
   void allow(std::initializer_list<std::string_view> keys) { allow(std::span(keys.begin(), keys.size())); }
   [[nodiscard]] bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
@@ -40,15 +39,15 @@ class SceneElement {
   [[nodiscard]] std::string pathOf(std::string_view key) const;
   [[nodiscard]] std::string pathOf(std::string_view key, std::size_t index) const;
   void fail(std::string_view key, std::string_view found, std::string_view expected);
-  /// Takes a sentence as it is, with what it is about before it.
+  /// Fails with a complete message, prefixed with the path of the key.
   void failWith(std::string_view key, std::string_view sentence);
   void need(const char* key, std::string_view expected);
   [[nodiscard]] bool failed() const { return error_.has_value(); }
 
-  // Each leaves its value as it was where the file does not have the key.
-  void number(const char* key, double least, double most, double& value);
-  void vector(const char* key, double least, double most, Vec3& value);
-  void integer(const char* key, int least, int most, int& value);
+  // Each leaves its value unchanged if the file does not have the key.
+  void number(const char* key, double min, double max, double& value);
+  void vector(const char* key, double min, double max, Vec3& value);
+  void integer(const char* key, int min, int max, int& value);
   void flag(const char* key, bool& value);
   void text(const char* key, std::string& value);
   /// "#rrggbb" in sRGB to linear RGB.

@@ -15,13 +15,13 @@ namespace lorica {
 namespace {
 
 constexpr std::string_view kFormat = "lorica scene 1";
-constexpr std::size_t kMostBytes = std::size_t{4} << 20;
-constexpr std::size_t kMostProps = 2000;
-constexpr std::size_t kMostMeshes = 64;   // different ones
-constexpr std::size_t kMostHulls = 4000;  // of all mesh props together
-constexpr double kFarthest = 50.0;        // of the place of a thing, along each axis [m]
+constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
+constexpr std::size_t kMaxProps = 2000;
+constexpr std::size_t kMaxMeshes = 64;   // different ones
+constexpr std::size_t kMaxHulls = 4000;  // of all mesh props together
+constexpr double kFarthest = 50.0;       // maximum of each coordinate [m]
 
-/// About the world's x, then y, then z axis. @param degrees  three angles
+/// Rotation about the world's x, then y, then z axis. @param degrees  three angles
 Quat turned(const Vec3& degrees) {
   const Vec3 angles = degrees * (std::numbers::pi / 180.0);
   return Eigen::AngleAxisd(angles.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angles.y(), Vec3::UnitY()) *
@@ -47,12 +47,12 @@ void readRound(SceneElement& element, Prop& prop) {
   element.need("height", "a height in metres");
   element.number("height", 0.01, 20.0, height);
   if (prop.shape == PropShape::kCapsule && height < 2.0 * radius) {
-    element.fail("height", fmt::format("{:g}", height), "a capsule at least as high as it is wide");
+    element.fail("height", fmt::format("{:g}", height), "a height of at least twice the radius");
   }
   prop.halfExtents.y() = 0.5 * height;
 }
 
-/// What props of one file have in common is made once.
+/// Makes the shape of each mesh once for all props of the file that share it.
 class MeshShelf {
  public:
   explicit MeshShelf(const SceneReading& reading) : reading_(reading) {}
@@ -64,16 +64,15 @@ class MeshShelf {
     element.text("file", file);
     element.number("scale", 1e-6, 1e6, request.scale);
     element.vector("size", kSmallestProp, kLargestProp, request.size);
-    element.integer("parts", 1, kMostPropParts, request.parts);
-    if (element.has("scale") && element.has("size")) element.fail("scale", "a size too", "one of both");
+    element.integer("parts", 1, kMaxPropParts, request.parts);
+    if (element.has("scale") && element.has("size")) element.fail("scale", "both scale and size", "one of them");
     if (element.failed()) return;
     if (file.empty()) return element.fail("file", "\"\"", "a mesh file (.off, .obj, .ply, .stl)");
     request.file = reading_.folder / file;
     for (const auto& [known, shape] : shelf_) {
       if (known == request) return fill(shape, prop);
     }
-    if (shelf_.size() >= kMostMeshes)
-      return element.fail("file", "more meshes", fmt::format("at most {}", kMostMeshes));
+    if (shelf_.size() >= kMaxMeshes) return element.fail("file", "more meshes", fmt::format("at most {}", kMaxMeshes));
     Result<std::shared_ptr<const PropMeshShape>> shape =
         readPropMesh(request, reading_.decomposer ? reading_.decomposer : decomposePropMesh);
     if (!shape) {
@@ -83,7 +82,7 @@ class MeshShelf {
     shelf_.emplace_back(request, *shape);
     fill(*shape, prop);
   }
-  /// Of what was wrong with a mesh.
+  /// Error code of the mesh that failed.
   [[nodiscard]] ErrorCode code() const { return code_; }
 
  private:
@@ -97,7 +96,7 @@ class MeshShelf {
   ErrorCode code_ = ErrorCode::kBadFormat;
 };
 
-/// Each shape has keys of its own.
+/// Reads the shape; each shape has its own keys.
 void readShape(SceneElement& element, Prop& prop, MeshShelf& meshes) {
   element.need("shape", kShapes);
   if (!element.has("shape")) return;
@@ -140,41 +139,41 @@ void readProp(SceneElement& element, MeshShelf& meshes, SceneFile& scene) {
   Prop prop;
   readShape(element, prop, meshes);
   readSubstance(element, prop);
-  Vec3 place(0.0, 0.0, 0.0), turn = Vec3::Zero();
-  element.need("at", "the middle's place in metres");
-  element.vector("at", -kFarthest, kFarthest, place);
+  Vec3 position(0.0, 0.0, 0.0), turn = Vec3::Zero();
+  element.need("at", "the position of its centre in metres");
+  element.vector("at", -kFarthest, kFarthest, position);
   element.vector("turn", -360.0, 360.0, turn);
   element.vector("velocity", -50.0, 50.0, prop.velocity);
   bool fixed = false;
   element.flag("fixed", fixed);
   if (fixed) prop.mass = 0.0;
-  prop.worldFromProp = Eigen::Translation3d(place) * turned(turn);
+  prop.worldFromProp = Eigen::Translation3d(position) * turned(turn);
 
   int count = 1;
   Vec3 step = Vec3::Zero();
   if (element.has("repeat")) {
     SceneElement repeat = element.child("repeat");
     repeat.allow({"count", "step"});
-    repeat.need("count", "how many there are");
-    repeat.need("step", "three numbers, from one to the next in metres");
-    repeat.integer("count", 1, static_cast<int>(kMostProps), count);
+    repeat.need("count", "the number of copies");
+    repeat.need("step", "three numbers, the offset from one to the next in metres");
+    repeat.integer("count", 1, static_cast<int>(kMaxProps), count);
     repeat.vector("step", -kFarthest, kFarthest, step);
   }
-  for (int i = 0; i < count && scene.props.size() <= kMostProps; ++i) {
+  for (int i = 0; i < count && scene.props.size() <= kMaxProps; ++i) {
     scene.props.push_back(prop);
     scene.props.back().worldFromProp.translation() += i * step;
   }
 }
 
-/// Capsules end to end, tied to each other where they meet and to the world at one end or both.
+/// Capsules end to end, with a ball joint between neighbours and to the world at one end or both.
 void readChain(SceneElement& element, SceneFile& scene) {
   element.allow({"from", "to", "links", "radius", "mass", "hung", "friction", "restitution", "color"});
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
   int links = 1;
   double radius = 0.02;
   Prop prop;
-  for (const char* key : {"from", "to"}) element.need(key, "a place in metres");
-  element.need("links", "how many there are");
+  for (const char* key : {"from", "to"}) element.need(key, "a position in metres");
+  element.need("links", "the number of links");
   element.vector("from", -kFarthest, kFarthest, from);
   element.vector("to", -kFarthest, kFarthest, to);
   element.integer("links", 1, 200, links);
@@ -189,14 +188,14 @@ void readChain(SceneElement& element, SceneFile& scene) {
   const Vec3 step = (to - from) / links;
   const double length = step.norm();
   if (length < 2.0 * radius) {
-    element.fail("links", fmt::format("links of {:.3g} m", length), "links at least as long as twice their radius");
+    element.fail("links", fmt::format("links of {:.3g} m", length), "links at least twice as long as their radius");
   }
   if (element.failed()) return;
   prop.shape = PropShape::kCapsule;
   prop.halfExtents = Vec3(radius, 0.5 * length, radius);
   const Quat along = rotationBetween(Vec3::UnitY(), step);
   int before = kWorldItself;
-  for (int i = 0; i < links && scene.props.size() <= kMostProps; ++i) {
+  for (int i = 0; i < links && scene.props.size() <= kMaxProps; ++i) {
     prop.worldFromProp = Eigen::Translation3d(from + (i + 0.5) * step) * along;
     const int index = static_cast<int>(scene.props.size());
     scene.props.push_back(prop);
@@ -218,7 +217,7 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   const auto bad = [&](std::string_view what) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
   };
-  if (text.size() > kMostBytes) return bad(fmt::format("{} bytes, expected at most {}", text.size(), kMostBytes));
+  if (text.size() > kMaxBytes) return bad(fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
   const Result<SceneJson> json = parseSceneJson(text, name);
   if (!json) return json.error();
   MeshShelf meshes(reading);
@@ -239,8 +238,8 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   particles.gravity = scene.world.gravity;
   particles.floor = scene.world.floor;
   scene.particles = readParticles(root, particles);
-  if (scene.props.size() > kMostProps) root.fail("", "more things", fmt::format("at most {}", kMostProps));
-  if (hullsOf(scene) > kMostHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMostHulls));
+  if (scene.props.size() > kMaxProps) root.fail("", "more props", fmt::format("at most {}", kMaxProps));
+  if (hullsOf(scene) > kMaxHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMaxHulls));
   if (error) return Error{meshes.code(), fmt::format("{}: {}", name, *error)};
   return scene;
 }
@@ -256,7 +255,7 @@ Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecompo
 World makeWorld(const SceneFile& scene) {
   World world(scene.world);
   for (const Prop& prop : scene.props) world.addProp(prop);
-  for (const SceneFile::Link& link : scene.links) world.addLink(link.a, link.b, link.place);
+  for (const SceneFile::Link& link : scene.links) world.addLink(link.a, link.b, link.position);
   if (scene.particles) world.setParticles(*scene.particles);
   return world;
 }

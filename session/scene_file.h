@@ -12,35 +12,35 @@
 
 namespace lorica {
 
-/// What stands, lies and hangs around an avatar, as a scene file says. Format: docs/SCENES.md.
+/// The contents of a scene file: props, links and particles around an avatar. Format: docs/SCENES.md.
 struct SceneFile {
-  /// A ball joint between two props, or of one with the world; see World::addLink().
+  /// A ball joint between two props, or between a prop and the world; see World::addLink().
   struct Link {
     int a = 0, b = kWorldItself;
-    Vec3 place = Vec3::Zero();  ///< world [m]
+    Vec3 position = Vec3::Zero();  ///< world [m]
   };
 
   std::string name;
   World::Settings world;
-  std::vector<Prop> props;  ///< chains are among them
+  std::vector<Prop> props;  ///< including the links of chains
   std::vector<Link> links;
   std::optional<ParticleSettings> particles;
 };
 
-/// What a scene needs beside its text.
+/// What is needed to read a scene in addition to its text.
 struct SceneReading {
-  std::filesystem::path folder;    ///< that its mesh files are relative to
+  std::filesystem::path folder;    ///< base folder of relative mesh paths
   MeshDecomposer decomposer = {};  ///< empty = decomposePropMesh()
 };
 
-/// Reads a scene file, with the meshes that it names, and checks all of it.
-/// @return the scene, or a sentence with file, element, found and expected
+/// Reads a scene file and its meshes, and validates everything.
+/// @return the scene, or an error with file, element, found and expected
 [[nodiscard]] Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer = {});
-/// The same of text in memory. @param name  what the sentences call it
+/// The same for text in memory. @param name  of the text in error messages
 [[nodiscard]] Result<SceneFile> parseScene(std::string_view text, std::string_view name,
                                            const SceneReading& reading = {});
 
-/// The world of a scene, at its begin.
+/// The world of a scene in its initial state.
 [[nodiscard]] World makeWorld(const SceneFile& scene);
 
 }  // namespace lorica

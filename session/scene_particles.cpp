@@ -5,28 +5,28 @@
 namespace lorica {
 namespace {
 
-constexpr double kFarthest = 50.0;  // of a place, along each axis [m]
+constexpr double kFarthest = 50.0;  // maximum of each coordinate [m]
 
 void readFill(SceneElement& element, ParticleSettings& settings) {
   element.allow({"at", "size", "count"});
   ParticleSettings::Fill fill;
-  element.need("at", "the middle's place in metres");
+  element.need("at", "the position of its centre in metres");
   element.need("size", "width, height and depth in metres");
   element.vector("at", -kFarthest, kFarthest, fill.middle);
   element.vector("size", 0.01, 20.0, fill.size);
-  element.integer("count", 1, ParticleSettings::kMostParticles, fill.most);
+  element.integer("count", 1, ParticleSettings::kMaxParticles, fill.max);
   settings.fills.push_back(fill);
 }
 
 void readPour(SceneElement& element, ParticleSettings& settings) {
   element.allow({"at", "radius", "rate", "count", "velocity"});
   ParticleSettings::Pour pour;
-  element.need("at", "the middle's place in metres");
-  element.need("count", "how many there are");
+  element.need("at", "the position of its centre in metres");
+  element.need("count", "the number of particles");
   element.vector("at", -kFarthest, kFarthest, pour.middle);
   element.number("radius", 0.01, 5.0, pour.radius);
   element.number("rate", 1.0, 1e6, pour.rate);
-  element.integer("count", 1, ParticleSettings::kMostParticles, pour.count);
+  element.integer("count", 1, ParticleSettings::kMaxParticles, pour.count);
   element.vector("velocity", -4.0, 4.0, pour.velocity);
   settings.pours.push_back(pour);
 }
@@ -41,7 +41,7 @@ void readWalls(SceneElement element, ParticleSettings& settings) {
   for (const Eigen::Index axis : {0, 2}) {
     if (to[axis] - from[axis] >= 4.0 * settings.radius) continue;
     element.fail("to", fmt::format("{:g}", to[axis]),
-                 fmt::format("at least {:g}: room for two of them", from[axis] + 4.0 * settings.radius));
+                 fmt::format("at least {:g}, so that two particles fit", from[axis] + 4.0 * settings.radius));
   }
   settings.walls = Aabb{from, to};
 }
@@ -73,10 +73,10 @@ std::optional<ParticleSettings> readParticles(SceneElement& root, const Particle
   if (element.has("walls")) readWalls(element.child("walls"), read);
   element.each("fill", [&](SceneElement& fill) { readFill(fill, read); });
   element.each("pour", [&](SceneElement& pour) { readPour(pour, read); });
-  if (read.fills.empty() && read.pours.empty()) element.need("fill", "a list of boxes, or pours");
-  constexpr std::size_t kMostSources = 100;
-  if (read.fills.size() + read.pours.size() > kMostSources) {
-    element.fail("", "more sources", fmt::format("at most {}", kMostSources));
+  if (read.fills.empty() && read.pours.empty()) element.need("fill", "a list of boxes, or a list \"pour\"");
+  constexpr std::size_t kMaxSources = 100;
+  if (read.fills.size() + read.pours.size() > kMaxSources) {
+    element.fail("", "more sources", fmt::format("at most {}", kMaxSources));
   }
   return read;
 }

@@ -7,8 +7,8 @@
 
 namespace lorica {
 
-/// Reads "grains" or "water" of a scene, which has one of them or neither. Internal to readScene().
-/// @param root      the scene; what is wrong is noted in it
+/// Reads "grains" or "water" of a scene, which has at most one of them. Internal to readScene().
+/// @param root      the scene, which records errors
 /// @param settings  with the scene's gravity and floor
 [[nodiscard]] std::optional<ParticleSettings> readParticles(SceneElement& root, const ParticleSettings& settings);
 

@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Steps outside are a stream that paused or repeats itself; physics then moves on by one of these instead.
+// Frame times are clamped to these limits: longer ones come from a paused stream, shorter ones from repeated frames.
 constexpr double kFirstFrameSeconds = 1.0 / 30.0;
 constexpr double kShortestFrameSeconds = 0.001;
 constexpr double kLongestFrameSeconds = 0.1;
@@ -44,41 +44,19 @@ std::uint64_t chainHash(std::uint64_t hash, const Prop& prop) {
   return XXH3_64bits_withSeed(prop.angularVelocity.data(), sizeof(Vec3), hash);
 }
 
-/// Whether a cover is of this decomposition: points for each part, all of them there.
-Result<void> checkCover(const CoverPromise& cover, const Decomposition& decomposition) {
-  if (cover.points.size() != decomposition.parts.size()) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("the cover is of {} parts, the decomposition has {}",
-                                                          cover.points.size(), decomposition.parts.size())};
-  }
-  for (std::size_t i = 0; i < cover.points.size(); ++i) {
-    if (cover.points[i].empty()) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("the cover has no points of part {}, expected one", i)};
-    }
-    for (const CoverPoint& p : cover.points[i]) {
-      if (p.point >= 0 && p.point < decomposition.pointCount() && p.outward.allFinite()) continue;
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("the cover of part {} has point {}, displaced by ({}, {}, {}) m, expected points 0 to "
-                      "{} and finite displacements",
-                      i, p.point, p.outward.x(), p.outward.y(), p.outward.z(), decomposition.pointCount() - 1)};
-    }
-  }
-  return {};
-}
-
 Result<void> checkTraining(const TrainingRange& training, const Decomposition& decomposition) {
   const std::size_t probes = training.probes.size();
   if (probes < 1 || probes > kMaxProbes || training.keyframeCount < 1 ||
       training.positions.size() != probes * static_cast<std::size_t>(training.keyframeCount)) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the training has {} probes, {} keyframes and {} positions, expected 1 to {} probes, a "
-                             "keyframe or more and a position for each probe in each",
+                 fmt::format("the training range has {} probes, {} keyframes and {} positions, expected 1 to {} "
+                             "probes, at least one keyframe and a position for each probe in each keyframe",
                              probes, training.keyframeCount, training.positions.size(), kMaxProbes)};
   }
   for (const PointIndex p : training.probes) {
     if (p >= 0 && p < decomposition.pointCount()) continue;
-    return Error{ErrorCode::kInvalidArgument, fmt::format("a probe of the training is point {}, expected 0 to {}", p,
-                                                          decomposition.pointCount() - 1)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("a probe of the training range is point {}, expected 0 to {}",
+                                                          p, decomposition.pointCount() - 1)};
   }
   return {};
 }
@@ -86,27 +64,14 @@ Result<void> checkTraining(const TrainingRange& training, const Decomposition& d
 }  // namespace
 
 Result<Session> Session::create(Character character, Decomposition decomposition, std::unique_ptr<PoseSource> source,
-                                World world, std::optional<CoverPromise> cover, std::optional<TrainingRange> training) {
-  CHECK(source != nullptr, "a session needs a source");
-  const std::size_t vertexCount = character.mesh.vertices.size();
-  const std::size_t triangleCount = character.mesh.triangles.size();
-  if (static_cast<std::size_t>(decomposition.vertexCount) != vertexCount ||
-      static_cast<std::size_t>(decomposition.triangleCount) != triangleCount) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("the decomposition was made from a mesh of {} vertices and {} triangles, '{}' has {} and {}",
-                    decomposition.vertexCount, decomposition.triangleCount, character.name, vertexCount,
-                    triangleCount)};
-  }
-  if (cover) {
-    if (Result<void> fits = checkCover(*cover, decomposition); !fits) return fits.error();
-  }
+                                World world, std::optional<HullCover> cover, std::optional<TrainingRange> training) {
+  LORICA_CHECK(source != nullptr, "a session needs a source");
+  Result<LiveBody> body = LiveBody::create(std::move(decomposition), character, std::move(cover));
+  if (!body) return body.error();
   if (training) {
-    if (Result<void> fits = checkTraining(*training, decomposition); !fits) return fits.error();
+    if (Result<void> fits = checkTraining(*training, body->decomposition()); !fits) return fits.error();
   }
-  LiveBody body = cover ? LiveBody(std::move(decomposition), character, std::move(*cover))
-                        : LiveBody(std::move(decomposition), character);
-  return Session(std::move(character), std::move(body), std::move(source), std::move(world), std::move(training));
+  return Session(std::move(character), std::move(*body), std::move(source), std::move(world), std::move(training));
 }
 
 Session::Session(Character character, LiveBody body, std::unique_ptr<PoseSource> source, World world,
@@ -125,7 +90,7 @@ Session::Session(Character character, LiveBody body, std::unique_ptr<PoseSource>
   if (!training_) return;
   std::vector<LiftedPoint> lifted = liftPoints(character_, body_.decomposition());
   probes_.reserve(training_->probes.size());
-  for (const PointIndex p : training_->probes) probes_.push_back(std::move(lifted[static_cast<std::size_t>(p)]));
+  for (const PointIndex p : training_->probes) probes_.push_back(std::move(lifted[p]));
   probePositions_.resize(probes_.size());
 }
 
@@ -146,7 +111,7 @@ Result<bool> Session::step() {
   const Clock::time_point updated = Clock::now();
   world_.step(body_.parts(), seconds);
   for (Contact& contact : world_.contacts()) {
-    contact.bone = contactBones_.at(body_.parts()[static_cast<std::size_t>(contact.part)], contact.point);
+    contact.bone = contactBones_.at(body_.parts()[contact.part], contact.point);
   }
   const Clock::time_point end = Clock::now();
 
@@ -170,8 +135,8 @@ void Session::addToHashes() {
   for (const LivePart& part : body_.parts()) hashes_.hulls = chainHash(hashes_.hulls, part);
   for (const Prop& prop : world_.props()) hashes_.props = chainHash(hashes_.props, prop);
   if (const Particles* particles = world_.particles()) {
-    const std::span<const Vec3f> places = particles->places();
-    hashes_.particles = XXH3_64bits_withSeed(places.data(), places.size_bytes(), hashes_.particles);
+    const std::span<const Vec3f> positions = particles->positions();
+    hashes_.particles = XXH3_64bits_withSeed(positions.data(), positions.size_bytes(), hashes_.particles);
   }
 }
 
@@ -181,7 +146,7 @@ std::uint64_t Session::hash() const {
 }
 
 void Session::restart(std::unique_ptr<PoseSource> source, World world) {
-  CHECK(source != nullptr, "a session needs a source");
+  LORICA_CHECK(source != nullptr, "a session needs a source");
   source_ = std::move(source);
   setWorld(std::move(world));
   body_ = LiveBody(body_.plan());
@@ -196,7 +161,8 @@ void Session::restart(std::unique_ptr<PoseSource> source, World world) {
 
 void Session::setBody(std::shared_ptr<const BodyPlan> plan) {
   if (watcher_) watcher_->sessionChanged();
-  CHECK(plan->decomposition().vertexCount == body_.decomposition().vertexCount, "a body of another character");
+  LORICA_CHECK(plan->decomposition().vertexCount == body_.decomposition().vertexCount,
+               "the body belongs to another character");
   body_ = LiveBody(std::move(plan));
   jointsOfPart_ = jointsOfParts(body_.decomposition(), character_);
   contactBones_ = ContactBones(body_.decomposition(), character_);
@@ -206,7 +172,7 @@ void Session::setBody(std::shared_ptr<const BodyPlan> plan) {
   if (frameCount_ == 0) return;
   body_.update(worldFromModel_);
   passTrustOn();
-  world_.step({}, 0.0);  // the old parts leave, and with them what Bullet knows of their contacts
+  world_.step({}, 0.0);  // removes the old parts and their contacts from Bullet
 }
 
 void Session::setWorld(World world) {
@@ -225,13 +191,13 @@ void Session::doActions() {
   actions_.resize(done);
 }
 
-/// A part is believed as far as the joints that move it are.
+/// Sets the trust of each part: the mean trust of the joints that move it, weighted with their shares.
 void Session::passTrustOn() {
   const std::span<const double> trust = source_->trust();
   if (trust.empty()) return;
   for (std::size_t p = 0; p < jointsOfPart_.size(); ++p) {
     double distrust = 0.0;
-    for (const JointShare& j : jointsOfPart_[p]) distrust += j.share * (1.0 - trust[static_cast<std::size_t>(j.joint)]);
+    for (const JointShare& j : jointsOfPart_[p]) distrust += j.share * (1.0 - trust[j.joint]);
     body_.setTrust(static_cast<PartIndex>(p), 1.0 - std::min(distrust, 1.0));
   }
 }

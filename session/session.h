@@ -20,79 +20,81 @@
 
 namespace lorica {
 
-/// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics, and not what the source
-/// waited for its joints; particles are 0 where there are none.
+/// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics, but not the time that the
+/// source waited for joints; particles is 0 if there are none.
 struct StageTimes {
   double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0, particles = 0;
   [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics + particles; }
 };
 
-/// What all frames so far left behind, bit for bit: XXH3, each over the same before it.
+/// Chained XXH3 hashes of the exact results of all frames so far.
 struct SessionHashes {
-  std::uint64_t hulls = 0;      ///< shapes and places of the parts
-  std::uint64_t props = 0;      ///< their places and velocities
-  std::uint64_t particles = 0;  ///< 0 where there are none
+  std::uint64_t hulls = 0;      ///< shapes and poses of the parts
+  std::uint64_t props = 0;      ///< poses and velocities
+  std::uint64_t particles = 0;  ///< positions; 0 if there are none
 
   [[nodiscard]] bool operator==(const SessionHashes&) const = default;
 };
 
-/// The headless frame: source -> pose -> hulls -> contacts. Tests, benchmarks, pictures and the window run this.
+/// The pipeline of a frame without rendering: source -> pose -> hulls -> contacts. Used by tests, benchmarks, snapshots
+/// and the window.
 class Session {
  public:
   /// @param source    poses of the character's skeleton
-  /// @param cover     made from the same decomposition and character; without one the body covers exactly
+  /// @param cover     made from the same decomposition and character; without one the hulls cover the body exactly
   /// @param training  of the same decomposition, for trainingDistance()
-  /// @return the session, or that the decomposition fits another mesh, the cover or the training another decomposition
+  /// @return the session, or an error if the decomposition belongs to another mesh, or the cover or training range to
+  ///         another decomposition
   static Result<Session> create(Character character, Decomposition decomposition, std::unique_ptr<PoseSource> source,
-                                World world, std::optional<CoverPromise> cover = std::nullopt,
+                                World world, std::optional<HullCover> cover = std::nullopt,
                                 std::optional<TrainingRange> training = std::nullopt);
 
-  /// Runs one frame. Physics moves by the time between frames, held between 1 ms and 0.1 s; the first takes 1/30 s.
-  /// @return false at the end of the stream, or what the source says is wrong with its data
+  /// Runs one frame. Physics advances by the time between frames, clamped to 1 ms to 0.1 s; by 1/30 s in the first.
+  /// @return false at the end of the stream, or the error of the source
   [[nodiscard]] Result<bool> step();
 
-  /// Does something to the world at the begin of the next step, after what was asked for before it. What cannot be
-  /// done then, see canBeDone(), is passed over.
+  /// Queues an action that is applied to the world at the start of the next step, in order. Actions that are not
+  /// possible then are skipped, see canBeDone().
   void act(const WorldAction& action) { actions_.push_back(action); }
 
-  /// Begins anew as if it were just created, with another source of the same character and another world.
+  /// Restarts as if it were just created, with another source for the same character and another world.
   void restart(std::unique_ptr<PoseSource> source, World world);
-  /// Goes on with another body of the same character, such as another level of detail, in the pose of this frame. Its
-  /// parts strike nothing by taking the place of others. The same frames give another hash from then on.
-  /// @param plan  made for the session's character; its points are numbered as those of the body before, or there is
-  ///              neither a training range nor anyone who kept their numbers
+  /// Continues with another body of the same character, such as another level of detail, in the pose of this frame. The
+  /// change itself does not push props. Hashes differ from then on.
+  /// @param plan  made for the session's character; its points must have the same indices as those of the previous
+  ///              body, unless there is no training range and no caller has kept point indices
   void setBody(std::shared_ptr<const BodyPlan> plan);
-  /// Goes on in another world. What was asked of the old one by act() and was not done yet is forgotten.
+  /// Continues in another world. Queued actions that were not applied yet are dropped.
   void setWorld(World world);
 
   [[nodiscard]] const Character& character() const { return character_; }
   [[nodiscard]] const PoseSource& source() const { return *source_; }
-  /// Of this frame [s].
+  /// Time of this frame [s].
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
-  /// The posed mesh and the cut points, pointCount() of them [m]. Physics needs neither: they are computed for
-  /// pictures, when asked for.
+  /// The posed mesh vertices and cut points, pointCount() in total [m]. Only rendering needs them; they are computed on
+  /// demand.
   [[nodiscard]] std::span<const Vec3> points() const;
   [[nodiscard]] const LiveBody& body() const { return body_; }
-  /// How far this frame's pose is from the poses that trained the decomposition [m], see acd/training_range.h. None
-  /// before the first frame and where the training is not known. Comes from the bones, needs no skin and allocates
-  /// nothing; computed when asked for.
+  /// Distance of this frame's pose from the poses that trained the decomposition [m], see acd/training_range.h. None
+  /// before the first frame and without a training range. Computed on demand from the bones, without skinning;
+  /// allocates nothing.
   [[nodiscard]] std::optional<double> trainingDistance() const;
-  /// Whether the pose is farther from training than what counts as known.
+  /// Whether the pose is outside the training range.
   [[nodiscard]] bool outsideKnownRange() const;
   [[nodiscard]] const std::optional<TrainingRange>& training() const { return training_; }
-  /// Parts of the body that overlap in this frame though they are not neighbours in the bind pose. Computed when asked
-  /// for; the first time makes the query, later ones allocate nothing.
+  /// Overlapping parts of the body that are not neighbours in the bind pose. Computed on demand; the first call creates
+  /// the query, later calls allocate nothing.
   [[nodiscard]] std::span<const SelfContact> selfContacts() const;
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const StageTimes& times() const { return times_; }
   [[nodiscard]] int frameCount() const { return frameCount_; }
   [[nodiscard]] const SessionHashes& hashes() const { return hashes_; }
-  /// Of all of them.
+  /// One hash of all of hashes().
   [[nodiscard]] std::uint64_t hash() const;
 
-  /// From the next step on someone stands beside the session; null = nobody. One at a time.
+  /// Sets the watcher for all steps from the next one on, replacing the previous one; null = none.
   void watch(std::shared_ptr<StepWatcher> watcher) { watcher_ = std::move(watcher); }
 
  private:
@@ -112,7 +114,7 @@ class Session {
   ContactBones contactBones_;
   mutable std::optional<SelfContactQuery> selfContacts_;
   std::optional<TrainingRange> training_;
-  std::vector<LiftedPoint> probes_;           // of the training range, by the bones
+  std::vector<LiftedPoint> probes_;           // of the training range
   mutable std::vector<Vec3> probePositions_;  // scratch
   double time_ = 0.0;
   Pose pose_;

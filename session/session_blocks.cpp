@@ -1,5 +1,6 @@
 #include "session/session_blocks.h"
 
+#include "geometry/byte_reader.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -7,7 +8,7 @@
 namespace lorica {
 namespace {
 
-// kind and length, their checksum, the payload, its checksum
+// Layout of a block: kind and length, their checksum, the payload, its checksum.
 constexpr std::size_t kHeadBytes = 2 * sizeof(std::uint32_t);
 constexpr std::size_t kCheckBytes = sizeof(std::uint64_t);
 
@@ -18,7 +19,7 @@ std::uint64_t checkOf(std::string_view bytes, std::uint64_t chain) {
 }  // namespace
 
 void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain, std::string& bytes) {
-  CHECK(payload.size() <= kLargestBlock, "a block is a step or a scene");
+  LORICA_CHECK(payload.size() <= kLargestBlock, "the payload of a block is too large");
   const auto put = [&](const auto& number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof(number)); };
   const std::size_t begin = bytes.size();
   put(static_cast<std::uint32_t>(kind));
@@ -36,7 +37,7 @@ Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
   };
   if (bytes.substr(0, kSessionMagic.size()) != kSessionMagic) {
     return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: does not begin as a session does, expected a file that `lorica record` wrote", name)};
+                 fmt::format("{}: not a session file, expected a file written by `lorica record`", name)};
   }
   Blocks read;
   std::uint64_t chain = 0;
@@ -46,11 +47,11 @@ Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
     const std::size_t headSize = kHeadBytes + kCheckBytes;
     if (rest.size() < headSize) break;
     ByteReader head(rest.substr(0, headSize));
-    const auto kind = head.get<std::uint32_t>();
-    const auto length = head.get<std::uint32_t>();
-    const auto headCheck = head.get<std::uint64_t>();
+    const auto kind = head.take<std::uint32_t>();
+    const auto length = head.take<std::uint32_t>();
+    const auto headCheck = head.take<std::uint64_t>();
     if (checkOf(rest.substr(0, kHeadBytes), chain) != headCheck) {
-      return damaged(at, fmt::format("the head of block {} is damaged: its checksum is wrong", read.blocks.size()));
+      return damaged(at, fmt::format("the header of block {} is damaged: its checksum is wrong", read.blocks.size()));
     }
     if (kind < 1 || kind > static_cast<std::uint32_t>(BlockKind::kEnd)) {
       return damaged(at, fmt::format("found a block of kind {}, expected 1 to 4", kind));
@@ -62,7 +63,7 @@ Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
     const std::string_view payload = rest.substr(headSize, length);
     ByteReader tail(rest.substr(headSize + length, kCheckBytes));
     chain = checkOf(payload, headCheck);
-    if (tail.get<std::uint64_t>() != chain) {
+    if (tail.take<std::uint64_t>() != chain) {
       return damaged(at, fmt::format("block {} is damaged: its checksum is wrong", read.blocks.size()));
     }
     read.blocks.push_back({static_cast<BlockKind>(kind), payload, at});

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -14,16 +13,16 @@
 namespace lorica {
 
 /// The bytes of .lsession files: a magic word, then blocks, each with kind, length and two checksums that chain it to
-/// the block before. Format: docs/SESSIONS.md.
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+/// the previous block. Format: docs/SESSIONS.md.
+static_assert(std::endian::native == std::endian::little, "session files are little-endian");
 
 inline constexpr std::string_view kSessionMagic = "LSESSION";
-/// Of one block, so that a reader knows what is absurd [bytes].
+/// Maximum size of a block, to detect invalid lengths [bytes].
 inline constexpr std::uint32_t kLargestBlock = 64u << 20u;
 
 enum class BlockKind : std::uint32_t { kHeader = 1, kScene = 2, kStep = 3, kEnd = 4 };
 
-/// Puts numbers behind each other.
+/// Appends numbers to a byte string.
 class ByteWriter {
  public:
   template <typename Number>
@@ -39,33 +38,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// Takes them off again; past the end everything is 0 and ok() false.
-class ByteReader {
- public:
-  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
-
-  template <typename Number>
-  Number get() {
-    static_assert(std::is_arithmetic_v<Number>);
-    Number number{};
-    if (bytes_.size() < sizeof(Number)) {
-      ok_ = false;
-      bytes_ = {};
-      return number;
-    }
-    std::memcpy(&number, bytes_.data(), sizeof(Number));
-    bytes_.remove_prefix(sizeof(Number));
-    return number;
-  }
-  [[nodiscard]] bool ok() const { return ok_; }
-  [[nodiscard]] std::size_t left() const { return bytes_.size(); }
-
- private:
-  std::string_view bytes_;
-  bool ok_ = true;
-};
-
-/// Appends a block to a file's bytes. @param chain  the checksum of the block before, in and out; 0 at first
+/// Appends a block to a file's bytes. @param chain  checksum of the previous block, input and output; initially 0
 void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain, std::string& bytes);
 
 struct Block {
@@ -76,11 +49,11 @@ struct Block {
 
 struct Blocks {
   std::vector<Block> blocks;
-  std::size_t cut = 0;  ///< bytes at the end that are the begin of a block which was not written to its end
+  std::size_t cut = 0;  ///< number of bytes of an incomplete block at the end
 };
 
-/// All whole blocks of a file. Copies nothing and believes no length before it is checked.
-/// @return the blocks, or which bytes are damaged
+/// Reads all complete blocks of a file. Copies nothing; lengths are checked before they are used.
+/// @return the blocks, or an error with the position of damaged bytes
 [[nodiscard]] Result<Blocks> readBlocks(std::string_view bytes, const std::string& name);
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "session/session_file.h"
 
+#include "geometry/byte_reader.h"
 #include "geometry/files.h"
 #include "session/session_blocks.h"
 
@@ -11,35 +12,35 @@
 namespace lorica {
 namespace {
 
-constexpr double kFarthest = 1e6;      ///< of anything recorded, along each axis [m]
+constexpr double kFarthest = 1e6;      ///< maximum of each recorded coordinate [m]
 constexpr double kLongestTime = 1e12;  ///< [s]
 constexpr double kUnitTolerance = 1e-3;
 
-/// Reads one step, up to the first thing that is wrong with it.
+/// Reads one step, up to its first error.
 class StepReader {
  public:
   StepReader(std::string_view payload, const SessionHeader& header, SessionFile& file)
       : reader_(payload), header_(header), file_(file) {}
 
-  /// @return what is wrong; nothing where all is fine
+  /// @return the error; nothing if the step is valid
   std::optional<std::string> read() {
     SessionStep step;
     step.time = time();
-    step.hashes.hulls = reader_.get<std::uint64_t>();
-    step.hashes.props = reader_.get<std::uint64_t>();
-    step.hashes.particles = reader_.get<std::uint64_t>();
-    step.joints = reader_.get<std::uint32_t>();
-    step.poses = reader_.get<std::uint32_t>();
-    step.actions = reader_.get<std::uint32_t>();
-    const std::size_t least = step.joints + step.poses + step.actions;  // each of them is longer than a byte
-    if (reader_.left() < least) return fmt::format("holds {} bytes, expected {} things", reader_.left(), least);
+    step.hashes.hulls = reader_.take<std::uint64_t>();
+    step.hashes.props = reader_.take<std::uint64_t>();
+    step.hashes.particles = reader_.take<std::uint64_t>();
+    step.joints = reader_.take<std::uint32_t>();
+    step.poses = reader_.take<std::uint32_t>();
+    step.actions = reader_.take<std::uint32_t>();
+    const std::size_t min = step.joints + step.poses + step.actions;  // each takes more than one byte
+    if (reader_.left() < min) return fmt::format("holds {} bytes, expected {} records", reader_.left(), min);
     if (header_.poseJoints == 0 ? step.poses > 0 : step.joints > 0) {
       return std::string(header_.poseJoints == 0 ? "holds poses, expected joints" : "holds joints, expected poses");
     }
     for (std::size_t i = 0; i < step.joints && !wrong_ && reader_.ok(); ++i) readJoints();
     for (std::size_t i = 0; i < step.poses && !wrong_ && reader_.ok(); ++i) readPose();
     for (std::size_t i = 0; i < step.actions && !wrong_ && reader_.ok(); ++i) readAction();
-    if (!reader_.ok()) return "ends too early";
+    if (!reader_.ok()) return "is truncated";
     if (wrong_) return wrong_;
     if (reader_.left() > 0) return fmt::format("holds {} bytes too many", reader_.left());
     file_.steps.push_back(step);
@@ -52,18 +53,18 @@ class StepReader {
   }
 
   double time() {
-    const auto time = reader_.get<double>();
+    const auto time = reader_.take<double>();
     if (!(std::abs(time) <= kLongestTime)) fail(fmt::format("found a time of {} s, expected a finite one", time));
     return time;
   }
 
   Vec3 vector() {
     Vec3 v;
-    for (int i = 0; i < 3; ++i) v[i] = reader_.get<double>();
+    for (int i = 0; i < 3; ++i) v[i] = reader_.take<double>();
     return v;
   }
 
-  Vec3 place(const char* of) {
+  Vec3 position(const char* of) {
     const Vec3 v = vector();
     if (!(v.allFinite() && v.cwiseAbs().maxCoeff() <= kFarthest)) {
       fail(fmt::format("found {} at ({}, {}, {}), expected it within {:g} m", of, v.x(), v.y(), v.z(), kFarthest));
@@ -73,7 +74,7 @@ class StepReader {
 
   Quat rotation() {
     Quat q;
-    for (int i = 0; i < 4; ++i) q.coeffs()[i] = reader_.get<double>();
+    for (int i = 0; i < 4; ++i) q.coeffs()[i] = reader_.take<double>();
     if (!(std::abs(q.norm() - 1.0) <= kUnitTolerance)) {
       fail(fmt::format("found a quaternion of length {}, expected 1", q.norm()));
     }
@@ -83,15 +84,15 @@ class StepReader {
   void readJoints() {
     SkeletonFrame frame;
     frame.time = time();
-    frame.user = reader_.get<std::int32_t>();
+    frame.user = reader_.take<std::int32_t>();
     for (TrackedJoint& joint : frame.joints) {
-      const auto oriented = reader_.get<std::uint8_t>();
-      if (oriented > 1) fail(fmt::format("found {} for whether a joint is oriented, expected 0 or 1", oriented));
-      joint.confidence = reader_.get<double>();
+      const auto oriented = reader_.take<std::uint8_t>();
+      if (oriented > 1) fail(fmt::format("found {} for the orientation flag of a joint, expected 0 or 1", oriented));
+      joint.confidence = reader_.take<double>();
       if (!(joint.confidence >= 0.0 && joint.confidence <= 1.0)) {
         fail(fmt::format("found a confidence of {}, expected 0 to 1", joint.confidence));
       }
-      joint.position = place("a joint");
+      joint.position = position("a joint");
       if (oriented == 1) joint.orientation = rotation();
     }
     file_.joints.push_back(frame);
@@ -101,22 +102,22 @@ class StepReader {
     file_.poseTimes.push_back(time());
     for (int j = 0; j < header_.poseJoints && !wrong_ && reader_.ok(); ++j) {
       JointTransform joint;
-      joint.translation = place("a joint");
+      joint.translation = position("a joint");
       joint.rotation = rotation();
-      joint.scale = place("a scale");
+      joint.scale = position("a scale");
       file_.poses.push_back(joint);
     }
   }
 
   void readAction() {
     WorldAction action;
-    const auto kind = reader_.get<std::uint8_t>();
+    const auto kind = reader_.take<std::uint8_t>();
     if (kind >= kWorldActionKinds) fail(fmt::format("found an action of kind {}, expected 0 to 3", kind));
     action.kind = static_cast<WorldAction::Kind>(kind % kWorldActionKinds);
-    action.prop = reader_.get<std::int32_t>();
-    action.place = place("an action");
-    action.velocity = place("a velocity");
-    action.radius = reader_.get<double>();
+    action.prop = reader_.take<std::int32_t>();
+    action.position = position("an action");
+    action.velocity = position("a velocity");
+    action.radius = reader_.take<double>();
     if (!(action.radius >= 0.0 && action.radius <= kLargestBall)) {
       fail(fmt::format("found a ball of radius {}, expected 0 to {:g} m", action.radius, kLargestBall));
     }
@@ -139,7 +140,7 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
   };
   const std::vector<Block>& all = blocks->blocks;
   if (all.size() < 2 || all[0].kind != BlockKind::kHeader || all[1].kind != BlockKind::kScene) {
-    return bad(fmt::format("found {} whole blocks, expected a header, a scene and steps", all.size()));
+    return bad(fmt::format("found {} complete blocks, expected a header, a scene and steps", all.size()));
   }
   Result<SessionHeader> header = parseSessionHeader(all[0].payload, name);
   if (!header) return header.error();
@@ -156,17 +157,16 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
     } else if (all[b].kind == BlockKind::kEnd && all[b].payload.empty()) {
       file.finished = true;
     } else {
-      return bad(fmt::format("byte {}: found a second header or scene, or an end that holds something, expected steps",
+      return bad(fmt::format("byte {}: found a second header or scene, or an end block with a payload, expected steps",
                              all[b].offset));
     }
   }
   if (file.finished && blocks->cut > 0) return bad("bytes after the end");
-  if (file.steps.empty()) return bad("no step in it, expected at least one");
+  if (file.steps.empty()) return bad("found no steps, expected at least one");
   if (blocks->cut > 0) {
-    file.notes.push_back(
-        fmt::format("the last {} bytes are a step that was not written to its end; it is dropped", blocks->cut));
+    file.notes.push_back(fmt::format("the last {} bytes are an incomplete step, which was dropped", blocks->cut));
   }
-  if (!file.finished) file.notes.emplace_back("the recording was not closed: what recorded it ended early");
+  if (!file.finished) file.notes.emplace_back("the recording was not closed: the program ended early");
   return file;
 }
 

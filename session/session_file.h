@@ -14,72 +14,72 @@
 
 namespace lorica {
 
-/// What a recorded session was made of. Files are named as they were then, as hints for whoever looks for them; hashes
-/// say whether what was found is the same.
+/// The inputs of a recorded session. File names are those at the time of the recording, as hints for finding the files;
+/// hashes verify that the files found are the same.
 struct SessionHeader {
-  std::string source;  ///< what moved the character: "walk"
-  int poseJoints = 0;  ///< joints of a recorded pose; 0 = joints as a sensor gives them were recorded
+  std::string source;  ///< name of the motion: "walk"
+  int poseJoints = 0;  ///< joints per recorded pose; 0 = tracked joints were recorded
 
-  std::string character;        ///< name or file, as it was given
+  std::string character;        ///< name or file, as given
   std::string boneMap;          ///< file; empty = none
-  double bodyResolution = 0.0;  ///< [m]; 0 = chosen
+  double bodyResolution = 0.0;  ///< [m]; 0 = automatic
   std::uint64_t characterHash = 0;
 
   std::string decomposition;             ///< file; empty = the default one
   std::uint64_t decompositionHash = 0;   ///< hashOf(Decomposition)
-  std::optional<double> coverTolerance;  ///< asked for [m]; 0 = exact
-  int hullVertices = 0;                  ///< asked for; 0 = no bound
+  std::optional<double> coverTolerance;  ///< requested [m]; 0 = exact
+  int hullVertices = 0;                  ///< requested maximum; 0 = no limit
   std::uint64_t coverHash = 0;           ///< 0 = none, exact
-  std::uint64_t trainingHash = 0;        ///< 0 = not known
+  std::uint64_t trainingHash = 0;        ///< 0 = none
 
   JointSettings joints;
   FaultSettings faults;
 
-  std::string scene;            ///< name or file, as it was given; empty = the demo's
-  std::string sceneFolder;      ///< that its meshes are relative to
-  std::uint64_t sceneSeed = 0;  ///< of the demo's
-  std::uint64_t worldHash = 0;  ///< hashOf(World), at the begin
+  std::string scene;            ///< name or file, as given; empty = the demo scene
+  std::string sceneFolder;      ///< base folder of relative mesh paths
+  std::uint64_t sceneSeed = 0;  ///< of the demo scene
+  std::uint64_t worldHash = 0;  ///< hashOf(World) at the start
 };
 
-/// One step of a session: what it took and what came of it.
+/// One step of a session: its inputs and results.
 struct SessionStep {
   double time = 0.0;        ///< Session::time() after it [s]
-  std::size_t joints = 0;   ///< so many frames of joints were taken for it
-  std::size_t poses = 0;    ///< or poses
-  std::size_t actions = 0;  ///< so many things were done to the world in it
+  std::size_t joints = 0;   ///< number of joint frames that it consumed
+  std::size_t poses = 0;    ///< number of poses that it consumed
+  std::size_t actions = 0;  ///< number of actions applied to the world
   SessionHashes hashes;     ///< Session::hashes() after it
 };
 
-/// A recorded session as its file has it.
+/// The contents of a session file.
 struct SessionFile {
   SessionHeader header;
-  std::string sceneText;              ///< of the scene file; empty = the demo's
+  std::string sceneText;              ///< of the scene file; empty = the demo scene
   std::vector<SessionStep> steps;     ///< at least one
-  std::vector<SkeletonFrame> joints;  ///< of all steps, one after the other
+  std::vector<SkeletonFrame> joints;  ///< of all steps, concatenated
   std::vector<double> poseTimes;      ///< [s]
   std::vector<JointTransform> poses;  ///< header.poseJoints for each time
-  std::vector<WorldAction> actions;   ///< of all steps
-  bool finished = false;              ///< it was closed; else the program ended before
-  std::vector<std::string> notes;     ///< what was dropped
+  std::vector<WorldAction> actions;   ///< of all steps, concatenated
+  bool finished = false;              ///< whether the file was closed; otherwise the program ended before
+  std::vector<std::string> notes;     ///< on dropped data
 };
 
-/// Reads a .lsession file and checks all of it. A block at the end that was not written to its end is dropped, with a
-/// note; whatever else is wrong is an error.
-/// @return the session, or a sentence with file, place, found and expected
+/// Reads and validates a .lsession file. An incomplete block at the end is dropped, with a note; all other damage is an
+/// error.
+/// @return the session, or an error with file, position, found and expected
 [[nodiscard]] Result<SessionFile> readSession(const std::filesystem::path& file);
-/// The same of bytes in memory. @param name  what the sentences call it
+/// The same for bytes in memory. @param name  of the file in error messages
 [[nodiscard]] Result<SessionFile> parseSession(std::string_view bytes, const std::string& name);
 
-/// The header as its block has it, JSON, and back.
+/// Converts the header to the JSON of its block, and back.
 [[nodiscard]] std::string textOf(const SessionHeader& header);
 [[nodiscard]] Result<SessionHeader> parseSessionHeader(std::string_view text, const std::string& name);
 
-/// All of a character that poses and hulls depend on, bit for bit.
+/// Exact hash of everything in a character that poses and hulls depend on.
 [[nodiscard]] std::uint64_t hashOf(const Character& character);
-/// 0 without one.
-[[nodiscard]] std::uint64_t hashOf(const std::optional<CoverPromise>& cover);
+/// 0 if there is none.
+[[nodiscard]] std::uint64_t hashOf(const std::optional<HullCover>& cover);
 [[nodiscard]] std::uint64_t hashOf(const std::optional<TrainingRange>& training);
-/// All props with their meshes, substance and places, bit for bit.
+/// Exact hash of all props with their meshes, physical properties and poses, and of the particles.
 [[nodiscard]] std::uint64_t hashOf(const World& world);
 
 }  // namespace lorica

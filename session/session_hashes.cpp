@@ -8,7 +8,7 @@
 namespace lorica {
 namespace {
 
-/// Hashes what follows each other, each with its length.
+/// Hashes a sequence of values, each with its length.
 class Chain {
  public:
   template <typename Number>
@@ -69,7 +69,7 @@ std::uint64_t hashOf(const Character& character) {
   return chain.hash();
 }
 
-std::uint64_t hashOf(const std::optional<CoverPromise>& cover) {
+std::uint64_t hashOf(const std::optional<HullCover>& cover) {
   if (!cover) return 0;
   Chain chain;
   chain.number(cover->maxHullVertices);
@@ -113,7 +113,7 @@ std::uint64_t hashOf(const World& world) {
     for (const double value : {settings.radius, settings.friction, settings.viscosity, settings.settleSeconds}) {
       chain.number(value);
     }
-    for (const Vec3f& place : particles->places()) chain.vector(place.cast<double>());
+    for (const Vec3f& position : particles->positions()) chain.vector(position.cast<double>());
     for (const ParticleSettings::Pour& pour : settings.pours) {
       chain.vector(pour.middle);
       chain.vector(pour.velocity);

@@ -11,9 +11,9 @@ namespace lorica {
 namespace {
 
 constexpr const char* kFormat = "lorica-session-1";
-constexpr int kMostPoseJoints = 100000;
+constexpr int kMaxPoseJoints = 100000;
 
-/// Sixteen hexadecimal digits.
+/// Reads a hash of sixteen hexadecimal digits.
 void readHash(SceneElement& element, const char* key, std::uint64_t& hash) {
   std::string text;
   element.need(key, "16 hexadecimal digits");
@@ -27,11 +27,11 @@ void readHash(SceneElement& element, const char* key, std::uint64_t& hash) {
 }
 
 void readSmoothing(SceneElement element, JointSettings& joints) {
-  constexpr double kMost = std::numeric_limits<double>::max();
+  constexpr double kMax = std::numeric_limits<double>::max();
   element.allow({"min-cutoff", "beta"});
   OneEuroSettings settings;
-  element.number("min-cutoff", std::numeric_limits<double>::min(), kMost, settings.minCutoff);
-  element.number("beta", 0.0, kMost, settings.beta);
+  element.number("min-cutoff", std::numeric_limits<double>::min(), kMax, settings.minCutoff);
+  element.number("beta", 0.0, kMax, settings.beta);
   joints.smoothing = settings;
 }
 
@@ -126,7 +126,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
     root.fail("format", fmt::format("\"{}\"", format.substr(0, 40)), fmt::format("\"{}\"", kFormat));
   }
   root.text("source", header.source);
-  root.integer("pose-joints", 0, kMostPoseJoints, header.poseJoints);
+  root.integer("pose-joints", 0, kMaxPoseJoints, header.poseJoints);
   for (const char* key : {"character", "decomposition", "scene"}) root.need(key, "an object");
   if (!root.failed()) readCharacter(root.child("character"), header);
   if (!root.failed()) readBody(root.child("decomposition"), header);

@@ -39,7 +39,7 @@ void put(const SkeletonFrame& frame, ByteWriter& bytes) {
 void put(const WorldAction& action, ByteWriter& bytes) {
   bytes.put(static_cast<std::uint8_t>(action.kind));
   bytes.put(static_cast<std::int32_t>(action.prop));
-  put(action.place, bytes);
+  put(action.position, bytes);
   put(action.velocity, bytes);
   bytes.put(action.radius);
 }
@@ -125,7 +125,7 @@ Result<int> SessionRecorder::finish() {
   }
   appendBlock(BlockKind::kEnd, "", chain_, block_);
   if (Result<void> written = write(); !written) return written.error();
-  const bool kept = fsync(descriptor_) == 0 || errno == EINVAL;  // a pipe or device keeps nothing
+  const bool kept = fsync(descriptor_) == 0 || errno == EINVAL;  // EINVAL: pipes and devices do not support fsync
   const int error = errno;
   close(std::exchange(descriptor_, -1));
   if (!kept) return unwritable(part_, error);

@@ -13,14 +13,14 @@
 
 namespace lorica {
 
-/// Writes a session to a .lsession file while it runs: each step is handed to the system as soon as it is done, so that
-/// whoever ends the program, whichever way, loses no more than the step under way. While it runs the file is
-/// called NAME.part.lsession, and can be read as it is.
+/// Writes a session to a .lsession file while it runs. Each step is handed to the operating system as soon as it is
+/// done, so at most the current step is lost if the program ends unexpectedly. While recording, the file is called
+/// NAME.part.lsession; it is readable at any time.
 class SessionRecorder final : public StepWatcher {
  public:
-  /// @param file       what finish() will call it: NAME.lsession
+  /// @param file       final name after finish(): NAME.lsession
   /// @param header     of the session that will be watched
-  /// @param sceneText  of its scene file; empty = the demo's
+  /// @param sceneText  of its scene file; empty = the demo scene
   /// @return the recorder, or why the file cannot be written
   [[nodiscard]] static Result<std::shared_ptr<SessionRecorder>> start(const std::filesystem::path& file,
                                                                       const SessionHeader& header,
@@ -29,16 +29,16 @@ class SessionRecorder final : public StepWatcher {
   SessionRecorder(const SessionRecorder&) = delete;
   SessionRecorder& operator=(const SessionRecorder&) = delete;
 
-  /// Whoever makes the session's source logs here what is taken from it.
+  /// The log that the session's source must write to.
   [[nodiscard]] const std::shared_ptr<SourceLog>& log() const { return log_; }
 
   void beforeStep(Session& /*session*/) override {}
   [[nodiscard]] Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override;
-  /// What follows is not recorded.
+  /// Stops recording: later steps are not recorded.
   void sessionChanged() override { over_ = true; }
 
-  /// Closes the file and gives it its name. Without a step there is no file. Nothing happens the second time.
-  /// @return so many steps were recorded
+  /// Closes the file and renames it. Without any steps, the file is removed. Further calls do nothing.
+  /// @return number of recorded steps
   [[nodiscard]] Result<int> finish();
   /// Whether the session was changed, so that its end is not recorded.
   [[nodiscard]] bool cutShort() const { return over_; }
@@ -49,10 +49,10 @@ class SessionRecorder final : public StepWatcher {
 
   std::filesystem::path file_, part_;
   int descriptor_;
-  bool poses_;  ///< or joints
+  bool poses_;  ///< whether poses are recorded; otherwise joints
   std::shared_ptr<SourceLog> log_ = std::make_shared<SourceLog>();
   ByteWriter step_;
-  std::string block_;  ///< about to be written
+  std::string block_;  ///< bytes to be written
   std::uint64_t chain_ = 0;
   int steps_ = 0;
   bool over_ = false;

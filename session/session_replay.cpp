@@ -53,20 +53,22 @@ Result<void> checkReplay(const SessionHeader& header, const std::string& name, c
   if (hashOf(session.character()) != header.characterHash) {
     return differs(
         fmt::format("recorded with a character {} that differs from the one found, expected the same mesh, "
-                    "skeleton and weights: name it with --character",
+                    "skeleton and weights: specify it with --character",
                     header.character));
   }
   if (hashOf(session.body().decomposition()) != header.decompositionHash) {
-    return differs(fmt::format(
-        "recorded with another decomposition of {}{}: name the one that was used with --decomposition",
-        header.character, header.decomposition.empty() ? ", the default one of then" : ", " + header.decomposition));
+    return differs(
+        fmt::format("recorded with another decomposition of {}{}: specify the one that was used with --decomposition",
+                    header.character,
+                    header.decomposition.empty() ? ", the default one at that time" : ", " + header.decomposition));
   }
   if (hashOf(session.training()) != header.trainingHash) {
-    return differs("recorded with a decomposition that was trained in other poses: name that one with --decomposition");
+    return differs("recorded with a decomposition that was trained on other poses: specify it with --decomposition");
   }
   if (hashOf(session.world()) != header.worldHash) {
-    return differs(fmt::format("the scene{} is not as it was: its meshes, or what a scene's text means, have changed",
-                               header.scene.empty() ? "" : " " + header.scene));
+    return differs(fmt::format(
+        "the scene{} differs from the recording: its meshes or the interpretation of scene files have changed",
+        header.scene.empty() ? "" : " " + header.scene));
   }
   return {};
 }

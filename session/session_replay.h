@@ -9,21 +9,21 @@
 
 namespace lorica {
 
-/// Runs a recorded session again: does to the world what was done, at the same steps, and compares what comes of each.
+/// Replays a recorded session: applies the recorded actions in the same steps and compares the results of each step.
 class SessionReplay final : public StepWatcher {
  public:
   explicit SessionReplay(std::shared_ptr<const SessionFile> recorded) : recorded_(std::move(recorded)) {}
 
-  /// The joints or poses that were recorded, treated as they were then.
-  /// @param character  the one that was recorded
-  /// @return the source; or that the character cannot be moved by them
+  /// Source of the recorded joints or poses, with the same processing as in the recording.
+  /// @param character  of the recording
+  /// @return the source, or an error if they do not fit the character
   [[nodiscard]] static Result<std::unique_ptr<PoseSource>> source(const SessionFile& recorded,
                                                                   const Character& character);
 
-  /// The first step that came out otherwise.
+  /// The first step whose results differ from the recording.
   struct Difference {
     int step = 0;       ///< from 0
-    double time = 0.0;  ///< that was recorded [s]
+    double time = 0.0;  ///< as recorded [s]
     std::string what;   ///< "hulls", "hulls and props"
   };
   [[nodiscard]] const std::optional<Difference>& difference() const { return difference_; }
@@ -32,7 +32,7 @@ class SessionReplay final : public StepWatcher {
 
   void beforeStep(Session& session) override;
   [[nodiscard]] Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override;
-  /// What follows is compared no more.
+  /// Stops the comparison.
   void sessionChanged() override { step_ = recorded_->steps.size(); }
 
  private:
@@ -41,9 +41,9 @@ class SessionReplay final : public StepWatcher {
   std::optional<Difference> difference_;
 };
 
-/// Whether character and decomposition are those of the recorded session.
-/// @param name  of the session, for the sentence
-/// @return what differs
+/// Checks that character, decomposition, training range and scene are those of the recorded session.
+/// @param name  of the session, for the error message
+/// @return success, or an error with the difference
 [[nodiscard]] Result<void> checkReplay(const SessionHeader& header, const std::string& name, const Session& session);
 
 }  // namespace lorica

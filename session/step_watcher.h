@@ -9,17 +9,17 @@ namespace lorica {
 
 class Session;
 
-/// Stands beside a session, step by step: who records one, or runs a recorded one again. See Session::watch().
+/// Observes the steps of a session, to record or to replay it. See Session::watch().
 class StepWatcher {
  public:
   virtual ~StepWatcher() = default;
 
-  /// Before a step; may act().
+  /// Called before a step; may call Session::act().
   virtual void beforeStep(Session& session) = 0;
-  /// After a step. @param done  what was done to the world in it, in order
-  /// @return an error ends the session's step with it
+  /// Called after a step. @param done  the actions that were applied in it, in order
+  /// @return an error is returned by Session::step()
   [[nodiscard]] virtual Result<void> afterStep(const Session& session, std::span<const WorldAction> done) = 0;
-  /// The session begins anew, or goes on with another body or world: what is watched is over.
+  /// Called when the session restarts or continues with another body or world: the watched run has ended.
   virtual void sessionChanged() = 0;
 };
 

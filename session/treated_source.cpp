@@ -49,12 +49,12 @@ class LoggedPoses final : public PoseSource {
 
 std::unique_ptr<SkeletonSource> makeLoggedSource(std::unique_ptr<SkeletonSource> source,
                                                  std::shared_ptr<SourceLog> log) {
-  CHECK(source != nullptr && log != nullptr, "there is something to log, and where");
+  LORICA_CHECK(source != nullptr && log != nullptr, "logging needs a source and a log");
   return std::make_unique<LoggedJoints>(std::move(source), std::move(log));
 }
 
 std::unique_ptr<PoseSource> makeLoggedSource(std::unique_ptr<PoseSource> source, std::shared_ptr<SourceLog> log) {
-  CHECK(source != nullptr && log != nullptr, "there is something to log, and where");
+  LORICA_CHECK(source != nullptr && log != nullptr, "logging needs a source and a log");
   return std::make_unique<LoggedPoses>(std::move(source), std::move(log));
 }
 

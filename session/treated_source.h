@@ -9,11 +9,11 @@
 
 namespace lorica {
 
-/// What was taken from a source of joints or of poses, as it came, before faults, smoothing and retargeting.
+/// Raw joints or poses that were read from a source, before faults, smoothing and retargeting.
 struct SourceLog {
   std::vector<SkeletonFrame> joints;
   std::vector<double> poseTimes;      ///< [s]
-  std::vector<JointTransform> poses;  ///< jointCount a time
+  std::vector<JointTransform> poses;  ///< jointCount per time
 
   void clear() {
     joints.clear();
@@ -22,26 +22,26 @@ struct SourceLog {
   }
 };
 
-/// Passes everything on, and keeps it in the log until someone clears it.
+/// Passes everything through and appends it to the log; the caller clears the log.
 [[nodiscard]] std::unique_ptr<SkeletonSource> makeLoggedSource(std::unique_ptr<SkeletonSource> source,
                                                                std::shared_ptr<SourceLog> log);
 [[nodiscard]] std::unique_ptr<PoseSource> makeLoggedSource(std::unique_ptr<PoseSource> source,
                                                            std::shared_ptr<SourceLog> log);
 
-/// What becomes of joints or poses between where they come from and a session: first they are logged, then faults are
-/// made in them, then joints are smoothed and retargeted. Recording, playing and replaying do the same.
+/// Processing of joints or poses between their source and a session: they are logged, then faults are injected, then
+/// joints are smoothed and retargeted. The same for recording, playback and replay.
 struct SourceTreatment {
-  std::shared_ptr<SourceLog> log;  ///< null = nobody keeps them
+  std::shared_ptr<SourceLog> log;  ///< null = no log
   FaultSettings faults;
   JointSettings joints;
 };
 
-/// @return the source; or which humanoid bones the character lacks
+/// @return the source, or an error with the humanoid bones that the character lacks
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeTreatedSource(const Character& character,
                                                                     std::unique_ptr<SkeletonSource> joints,
                                                                     const SourceTreatment& treatment);
 /// @param poses  of the character
-/// @return the source; or that faults of joints were asked for, see makePoseFaults()
+/// @return the source, or an error if the settings have faults of joints, see makePoseFaults()
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeTreatedSource(std::unique_ptr<PoseSource> poses,
                                                                     const SourceTreatment& treatment);
 

@@ -6,12 +6,12 @@ namespace lorica {
 namespace {
 
 constexpr double kSmallestBall = 0.01;  ///< [m]
-constexpr double kBallDensity = 250.0;  ///< [kg/m^3]: a ball of 10 cm weighs a kilogram
+constexpr double kBallDensity = 250.0;  ///< [kg/m^3]: a ball of 10 cm radius has about 1 kg
 constexpr double kBallBounce = 0.5;
 const Vec3f kBallColor(0.78f, 0.12f, 0.10f);
 
-bool isPlace(const Vec3& place) {
-  return place.allFinite() && place.cwiseAbs().maxCoeff() <= kFarthestPlace;
+bool isPosition(const Vec3& position) {
+  return position.allFinite() && position.cwiseAbs().maxCoeff() <= kFarthestPosition;
 }
 
 Prop ballOf(const WorldAction& action) {
@@ -21,23 +21,23 @@ Prop ballOf(const WorldAction& action) {
   ball.mass = kBallDensity * 4.0 / 3.0 * std::numbers::pi * action.radius * action.radius * action.radius;
   ball.restitution = kBallBounce;
   ball.color = kBallColor;
-  ball.worldFromProp = Eigen::Translation3d(action.place);
+  ball.worldFromProp = Eigen::Translation3d(action.position);
   ball.velocity = action.velocity;
   return ball;
 }
 
 }  // namespace
 
-WorldAction WorldAction::throwBall(const Vec3& place, const Vec3& velocity, double radius) {
-  return {Kind::kThrowBall, 0, place, velocity, radius};
+WorldAction WorldAction::throwBall(const Vec3& position, const Vec3& velocity, double radius) {
+  return {Kind::kThrowBall, 0, position, velocity, radius};
 }
 
-WorldAction WorldAction::grab(int prop, const Vec3& place) {
-  return {Kind::kGrab, prop, place, Vec3::Zero(), 0.0};
+WorldAction WorldAction::grab(int prop, const Vec3& position) {
+  return {Kind::kGrab, prop, position, Vec3::Zero(), 0.0};
 }
 
-WorldAction WorldAction::moveGrab(const Vec3& place) {
-  return {Kind::kMoveGrab, 0, place, Vec3::Zero(), 0.0};
+WorldAction WorldAction::moveGrab(const Vec3& position) {
+  return {Kind::kMoveGrab, 0, position, Vec3::Zero(), 0.0};
 }
 
 WorldAction WorldAction::release() {
@@ -47,12 +47,12 @@ WorldAction WorldAction::release() {
 bool canBeDone(const WorldAction& action, const World& world) {
   switch (action.kind) {
     case WorldAction::Kind::kThrowBall:
-      return isPlace(action.place) && action.velocity.allFinite() && action.velocity.norm() <= kFastestBall &&
+      return isPosition(action.position) && action.velocity.allFinite() && action.velocity.norm() <= kFastestBall &&
              action.radius >= kSmallestBall && action.radius <= kLargestBall;
     case WorldAction::Kind::kGrab:
-      return isPlace(action.place) && action.prop >= 0 && action.prop < static_cast<int>(world.props().size());
+      return isPosition(action.position) && action.prop >= 0 && action.prop < static_cast<int>(world.props().size());
     case WorldAction::Kind::kMoveGrab:
-      return isPlace(action.place);
+      return isPosition(action.position);
     case WorldAction::Kind::kRelease:
       return true;
   }
@@ -65,10 +65,10 @@ void apply(const WorldAction& action, World& world) {
       world.throwProp(ballOf(action));
       return;
     case WorldAction::Kind::kGrab:
-      (void)world.grab(action.prop, action.place);  // what cannot be held is not
+      (void)world.grab(action.prop, action.position);  // does nothing if the prop cannot be held
       return;
     case WorldAction::Kind::kMoveGrab:
-      world.moveGrab(action.place);
+      world.moveGrab(action.position);
       return;
     case WorldAction::Kind::kRelease:
       world.release();

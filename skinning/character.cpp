@@ -20,11 +20,11 @@ Result<void> checkCharacter(const Character& character) {
   const std::size_t vertexCount = character.mesh.vertices.size();
   const int jointCount = character.skeleton.jointCount();
 
-  // Counts first: everything after indexes by them.
+  // Counts first: the checks below use them as index bounds.
   if (jointCount < 1) return badMesh("the character has no joints, expected at least one");
   if (vertexCount < 1) return badMesh("the character has no vertices, expected at least one");
   if (character.jointFromModel.size() != static_cast<std::size_t>(jointCount)) {
-    return badMesh(fmt::format("{} inverse bind matrices for {} joints, expected one each",
+    return badMesh(fmt::format("{} inverse bind matrices for {} joints, expected one per joint",
                                character.jointFromModel.size(), jointCount));
   }
   if (character.influenceBegin.size() != vertexCount + 1) {
@@ -55,7 +55,7 @@ Result<void> checkCharacter(const Character& character) {
     const std::uint32_t begin = character.influenceBegin[v];
     const std::uint32_t end = character.influenceBegin[v + 1];
     if (begin > end || end > character.influences.size()) {
-      return badMesh(fmt::format("vertex {}: influences {} to {}, expected a rising range within {}", v, begin, end,
+      return badMesh(fmt::format("vertex {}: influences {} to {}, expected an ascending range within {}", v, begin, end,
                                  character.influences.size()));
     }
     double sum = 0.0;
@@ -65,7 +65,7 @@ Result<void> checkCharacter(const Character& character) {
         return badMesh(fmt::format("vertex {}: joint {}, expected 0 to {}", v, influence.joint, jointCount - 1));
       }
       if (!std::isfinite(influence.weight) || influence.weight < 0.0) {
-        return badMesh(fmt::format("vertex {}: weight {} of joint {}, expected a finite number, 0 or more", v,
+        return badMesh(fmt::format("vertex {}: weight {} of joint {}, expected a finite number >= 0", v,
                                    influence.weight, influence.joint));
       }
       sum += influence.weight;

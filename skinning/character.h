@@ -20,16 +20,16 @@ struct Character {
   std::string name;
   TriMesh mesh;
   Skeleton skeleton;
-  std::vector<Affine3> jointFromModel;  ///< inverse bind matrices, one a joint
+  std::vector<Affine3> jointFromModel;  ///< inverse bind matrices, one per joint
   std::vector<Influence> influences;
   std::vector<std::uint32_t> influenceBegin;  ///< vertexCount + 1 entries
   double height = 0.0;                        ///< of the mesh in the bind pose [m]
-  /// The triangles that people see, over the same vertices; empty = those of `mesh`. Vertices that only these use are
+  /// The visible triangles, over the same vertices; empty = those of `mesh`. Vertices that only these triangles use are
   /// skinned and covered by the hulls, but not decomposed.
   std::vector<Triangle> shown;
 };
 
-/// Checks everything that skinning trusts: counts agree, joints in range, weights finite, >= 0, summing to 1 +- 0.001.
+/// Checks all that skinning relies on: counts agree, joints in range, weights finite, >= 0, summing to 1 +- 0.001.
 [[nodiscard]] Result<void> checkCharacter(const Character& character);
 
 }  // namespace lorica

@@ -7,11 +7,11 @@ namespace lorica {
 
 namespace {
 
-/// Where a time lies between keys: `fraction` 0 at key `first`, 1 at the key after it.
+/// Position of a time between two keys: `fraction` is 0 at key `first`, 1 at the next key.
 struct Between {
   std::size_t first = 0;
   double fraction = 0.0;
-  double seconds = 0.0;  ///< from the one key to the other; 0 where there is nothing between
+  double seconds = 0.0;  ///< between the two keys; 0 outside the keys
 };
 
 [[nodiscard]] Between locate(std::span<const double> times, double time) {
@@ -39,7 +39,7 @@ using Vec4 = Eigen::Vector4d;
   return a.normalized().slerp(fraction, b.normalized()).coeffs();
 }
 
-/// The numbers of a track at a time: of a rotation x, y, z, w, not yet normalised.
+/// Coefficients of a track's value at a time; for rotations x, y, z, w, not yet normalised.
 template <typename Value>
 [[nodiscard]] auto sampled(const KeyTrack<Value>& track, double time) {
   using Numbers = std::decay_t<decltype(numbers(std::declval<const Value&>()))>;
@@ -66,13 +66,14 @@ template <typename Value>
 
 void sampleClip(const Clip& clip, double time, std::span<JointTransform> pose) {
   for (const JointTrack& track : clip.tracks) {
-    CHECK(track.joint >= 0 && static_cast<std::size_t>(track.joint) < pose.size(), "a clip of another skeleton");
-    JointTransform& joint = pose[static_cast<std::size_t>(track.joint)];
+    LORICA_CHECK(track.joint >= 0 && static_cast<std::size_t>(track.joint) < pose.size(),
+                 "the clip belongs to another skeleton");
+    JointTransform& joint = pose[track.joint];
     if (track.translation) joint.translation = sampled(*track.translation, time);
     if (track.scale) joint.scale = sampled(*track.scale, time);
     if (track.rotation) {
       const Vec4 q = sampled(*track.rotation, time);
-      // A spline may pass through zero, where no direction is better than another.
+      // A spline may pass through zero, where the rotation is undefined.
       const double norm = q.norm();
       joint.rotation = norm > 1e-12 ? Quat(Vec4(q / norm)) : Quat::Identity();
     }
@@ -80,7 +81,7 @@ void sampleClip(const Clip& clip, double time, std::span<JointTransform> pose) {
 }
 
 SkeletalMotion sampleWhole(const Skeleton& skeleton, const Clip& clip, double framesPerSecond) {
-  CHECK(framesPerSecond > 0.0, "frames need a length");
+  LORICA_CHECK(framesPerSecond > 0.0, "framesPerSecond must be positive");
   const double steps = std::max(0.0, std::round(clip.seconds * framesPerSecond));
   const auto frameCount = std::size_t{1} + static_cast<std::size_t>(clip.seconds > 0.0 ? std::max(1.0, steps) : 0.0);
   SkeletalMotion motion{clip.name, skeleton, {}, {}};
@@ -96,6 +97,21 @@ SkeletalMotion sampleWhole(const Skeleton& skeleton, const Clip& clip, double fr
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
   }
   return motion;
+}
+
+void poseAt(const SkeletalMotion& motion, double time, std::span<JointTransform> pose) {
+  const auto after = std::upper_bound(motion.times.begin(), motion.times.end(), time);
+  const int next = static_cast<int>(after - motion.times.begin());
+  const std::span<const JointTransform> from = motion.pose(std::max(next - 1, 0));
+  const std::span<const JointTransform> to = motion.pose(std::min(next, motion.frameCount() - 1));
+  const double begin = next > 0 ? motion.times[next - 1] : 0.0;
+  const bool between = next > 0 && next < motion.frameCount();
+  const double share = between ? (time - begin) / (*after - begin) : 0.0;
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    pose[j].translation = from[j].translation + share * (to[j].translation - from[j].translation);
+    pose[j].rotation = from[j].rotation.slerp(share, to[j].rotation);
+    pose[j].scale = from[j].scale + share * (to[j].scale - from[j].scale);
+  }
 }
 
 }  // namespace lorica

@@ -9,19 +9,19 @@
 
 namespace lorica {
 
-/// How a value goes from one key to the next, as glTF 2.0 defines it
+/// Interpolation between keys, as defined by glTF 2.0
 /// (https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html, appendix C).
 enum class KeyInterpolation : std::uint8_t { kStep, kLinear, kCubicSpline };
 
-/// Keys of one property of one joint. Rotations are kept as files have them; sampling normalises.
+/// Keys of one property of one joint. Rotations are stored as in the file; sampling normalises them.
 template <typename Value>
 struct KeyTrack {
   KeyInterpolation interpolation = KeyInterpolation::kLinear;
-  std::vector<double> times;  ///< [s], strictly rising, at least one
-  std::vector<Value> values;  ///< one a key; of cubic splines three: in-tangent, value, out-tangent
+  std::vector<double> times;  ///< [s], strictly increasing, at least one
+  std::vector<Value> values;  ///< one per key; three for cubic splines: in-tangent, value, out-tangent
 };
 
-/// What a clip moves of one joint. What has no track stays as it is at rest.
+/// The tracks of one joint. Properties without a track stay at rest.
 struct JointTrack {
   JointIndex joint = 0;
   std::optional<KeyTrack<Vec3>> translation;
@@ -36,16 +36,16 @@ struct Clip {
   std::vector<JointTrack> tracks;
 };
 
-/// Writes what the clip moves at a time; before its first key a track has the first value, after the last the last.
+/// Samples the clip at a time. Before its first key a track has the first value, after its last key the last value.
 /// @param time  [s]
-/// @param pose  jointCount local transforms; joints and properties without a track are left alone
+/// @param pose  jointCount local transforms; joints and properties without a track are not changed
 void sampleClip(const Clip& clip, double time, std::span<JointTransform> pose);
 
-/// A motion of a skeleton in frames: a clip sampled, a BVH file, or a motion carried over from another skeleton.
+/// A motion of a skeleton as frames: a sampled clip, a BVH file, or a motion retargeted from another skeleton.
 struct SkeletalMotion {
   std::string name;
   Skeleton skeleton;
-  std::vector<double> times;          ///< [s], rising, at least one
+  std::vector<double> times;          ///< [s], increasing, at least one
   std::vector<JointTransform> poses;  ///< frameCount x jointCount, frame-major
 
   [[nodiscard]] int frameCount() const { return static_cast<int>(times.size()); }
@@ -55,8 +55,14 @@ struct SkeletalMotion {
   }
 };
 
-/// A clip in frames of equal length, its first and last moment included.
-/// @param framesPerSecond  above 0
+/// Samples a clip at equal time steps, including its first and last instant.
+/// @param framesPerSecond  greater than 0
 [[nodiscard]] SkeletalMotion sampleWhole(const Skeleton& skeleton, const Clip& clip, double framesPerSecond);
+
+/// The pose at any time, interpolated between the two nearest frames: translations and scales linearly, rotations by
+/// the shorter arc. Before the first frame it is the first one, after the last the last. Does not allocate memory.
+/// @param time  [s], as in motion.times
+/// @param pose  jointCount local transforms, written
+void poseAt(const SkeletalMotion& motion, double time, std::span<JointTransform> pose);
 
 }  // namespace lorica

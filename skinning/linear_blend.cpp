@@ -5,22 +5,22 @@ namespace lorica {
 void computeWorldFromModel(const Character& character, std::span<const Affine3> worldFromJoint,
                            std::span<Affine3> worldFromModel) {
   const std::size_t jointCount = character.jointFromModel.size();
-  CHECK(worldFromJoint.size() == jointCount, "one transform a joint");
-  CHECK(worldFromModel.size() == jointCount, "the caller sizes worldFromModel: one a joint");
+  LORICA_CHECK(worldFromJoint.size() == jointCount, "one transform per joint");
+  LORICA_CHECK(worldFromModel.size() == jointCount, "worldFromModel must have one element per joint");
   for (std::size_t j = 0; j < jointCount; ++j) worldFromModel[j] = worldFromJoint[j] * character.jointFromModel[j];
 }
 
 void skinLinearBlend(const Character& character, std::span<const Affine3> worldFromModel, std::span<Vec3> posed) {
   const std::size_t vertexCount = character.mesh.vertices.size();
-  CHECK(worldFromModel.size() == character.jointFromModel.size(), "one transform a joint");
-  CHECK(posed.size() == vertexCount, "the caller sizes posed: one position a vertex");
+  LORICA_CHECK(worldFromModel.size() == character.jointFromModel.size(), "one transform per joint");
+  LORICA_CHECK(posed.size() == vertexCount, "posed must have one element per vertex");
 
   for (std::size_t v = 0; v < vertexCount; ++v) {
     const Vec3& bind = character.mesh.vertices[v];
     Vec3 sum = Vec3::Zero();
     for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
       const Influence& influence = character.influences[i];
-      sum += influence.weight * (worldFromModel[static_cast<std::size_t>(influence.joint)] * bind);
+      sum += influence.weight * (worldFromModel[influence.joint] * bind);
     }
     posed[v] = sum;
   }

@@ -6,13 +6,13 @@
 
 namespace lorica {
 
-/// Where each joint takes the bind pose: worldFromJoint * jointFromModel. Allocates nothing.
+/// The skinning matrix of each joint: worldFromJoint * jointFromModel. Does not allocate memory.
 /// @param worldFromJoint  jointCount transforms
-/// @param worldFromModel  jointCount transforms, written; may be the same memory
+/// @param worldFromModel  jointCount transforms, written; may be worldFromJoint itself
 void computeWorldFromModel(const Character& character, std::span<const Affine3> worldFromJoint,
                            std::span<Affine3> worldFromModel);
 
-/// Linear blend skinning of the whole mesh. Allocates nothing.
+/// Linear blend skinning of the whole mesh. Does not allocate memory.
 /// @param worldFromModel  jointCount transforms, see computeWorldFromModel()
 /// @param posed           vertexCount positions, written [m]
 void skinLinearBlend(const Character& character, std::span<const Affine3> worldFromModel, std::span<Vec3> posed);

@@ -72,7 +72,7 @@ constexpr std::array<std::string_view, kHumanBoneCount> kBoneNames = {
 
 std::string_view nameOf(HumanBone bone) {
   const auto i = static_cast<std::size_t>(bone);
-  CHECK(i < kBoneNames.size(), "a HumanBone outside the enum");
+  LORICA_CHECK(i < kBoneNames.size(), "HumanBone is out of range");
   return kBoneNames[i];
 }
 
@@ -95,8 +95,8 @@ Result<Skeleton> Skeleton::create(std::vector<Joint> joints) {
     Joint& joint = joints[i];
     if (joint.parent != kNoJoint && (joint.parent < 0 || static_cast<std::size_t>(joint.parent) >= i)) {
       return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("joint {} '{}': its parent is joint {}, expected one that precedes it, or {} for a root",
-                               i, joint.name, joint.parent, kNoJoint)};
+                   fmt::format("joint {} '{}': its parent is joint {}, expected a preceding joint, or {} for a root", i,
+                               joint.name, joint.parent, kNoJoint)};
     }
     if (!isFinite(joint.rest)) {
       return Error{ErrorCode::kInvalidArgument,
@@ -130,13 +130,12 @@ Pose restPose(const Skeleton& skeleton) {
 void computeWorldFromJoint(const Skeleton& skeleton, std::span<const JointTransform> pose,
                            std::span<Affine3> worldFromJoint) {
   const std::span<const Joint> joints = skeleton.joints();
-  CHECK(pose.size() == joints.size(), "a pose of another skeleton");
-  CHECK(worldFromJoint.size() == joints.size(), "the caller sizes worldFromJoint: one transform a joint");
+  LORICA_CHECK(pose.size() == joints.size(), "the pose belongs to another skeleton");
+  LORICA_CHECK(worldFromJoint.size() == joints.size(), "worldFromJoint must have one element per joint");
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Affine3 parentFromJoint = pose[i].matrix();
     const JointIndex parent = joints[i].parent;
-    worldFromJoint[i] =
-        parent == kNoJoint ? parentFromJoint : worldFromJoint[static_cast<std::size_t>(parent)] * parentFromJoint;
+    worldFromJoint[i] = parent == kNoJoint ? parentFromJoint : worldFromJoint[parent] * parentFromJoint;
   }
 }
 

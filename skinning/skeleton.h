@@ -16,7 +16,7 @@ namespace lorica {
 using JointIndex = std::int32_t;
 inline constexpr JointIndex kNoJoint = -1;
 
-/// The humanoid bones of VRM 1.0 (https://github.com/vrm-c/vrm-specification, humanoid.md), eyes and jaw left out.
+/// The humanoid bones of VRM 1.0 (https://github.com/vrm-c/vrm-specification, humanoid.md), without eyes and jaw.
 enum class HumanBone : std::uint8_t {
   kHips,
   kSpine,
@@ -77,7 +77,7 @@ inline constexpr int kHumanBoneCount = static_cast<int>(HumanBone::kRightLittleD
 [[nodiscard]] std::string_view nameOf(HumanBone bone);
 [[nodiscard]] std::optional<HumanBone> humanBoneNamed(std::string_view name);
 
-/// Local transform of a joint in its parent: translate, then rotate, then scale.
+/// Local transform of a joint, parentFromJoint: translation * rotation * scale.
 struct JointTransform {
   Vec3 translation{0.0, 0.0, 0.0};  ///< [m]
   Quat rotation{1.0, 0.0, 0.0, 0.0};
@@ -93,16 +93,17 @@ struct Joint {
   std::optional<HumanBone> bone;
 };
 
-/// Joints in an order where parents precede children; at least one.
+/// A hierarchy of at least one joint; parents precede children.
 class Skeleton {
  public:
-  /// @return the skeleton, or which joint names a parent that does not precede it
+  /// @return the skeleton; or an error with the joint whose parent does not precede it, whose rest transform is
+  ///         invalid, or whose bone another joint already has
   static Result<Skeleton> create(std::vector<Joint> joints);
 
   [[nodiscard]] std::span<const Joint> joints() const { return joints_; }
   [[nodiscard]] int jointCount() const { return static_cast<int>(joints_.size()); }
-  [[nodiscard]] const Joint& joint(JointIndex i) const { return joints_[static_cast<std::size_t>(i)]; }
-  /// kNoJoint when the skeleton lacks it.
+  [[nodiscard]] const Joint& joint(JointIndex i) const { return joints_[i]; }
+  /// kNoJoint if the skeleton lacks the bone.
   [[nodiscard]] JointIndex jointOf(HumanBone bone) const { return jointOfBone_[static_cast<std::size_t>(bone)]; }
 
  private:

@@ -8,13 +8,13 @@ namespace {
 constexpr double kCreaseCosine = 0.766;  // of 40 degrees
 
 const Vec3& at(const TriMesh& mesh, VertexIndex i) {
-  return mesh.vertices[static_cast<std::size_t>(i)];
+  return mesh.vertices[i];
 }
 
 }  // namespace
 
 PropMesh makeCreasedMesh(const TriMesh& mesh) {
-  // Of each triangle, its normal as long as twice its area; and the triangles around each vertex, in one list.
+  // The normal of each triangle, with a length of twice its area, and the triangles around each vertex in one list.
   std::vector<Vec3> area(mesh.triangles.size());
   std::vector<Vec3> unit(mesh.triangles.size());
   std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);
@@ -28,7 +28,7 @@ PropMesh makeCreasedMesh(const TriMesh& mesh) {
   std::vector<std::size_t> around(begin.back());
   std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (const VertexIndex v : mesh.triangles[t]) around[next[static_cast<std::size_t>(v)]++] = t;
+    for (const VertexIndex v : mesh.triangles[t]) around[next[v]++] = t;
   }
 
   PropMesh drawn;
@@ -38,7 +38,7 @@ PropMesh makeCreasedMesh(const TriMesh& mesh) {
     if (!area[t].allFinite()) continue;
     for (const VertexIndex v : mesh.triangles[t]) {
       Vec3 normal = Vec3::Zero();
-      for (std::size_t k = begin[static_cast<std::size_t>(v)]; k < begin[static_cast<std::size_t>(v) + 1]; ++k) {
+      for (std::size_t k = begin[v]; k < begin[static_cast<std::size_t>(v) + 1]; ++k) {
         if (unit[around[k]].dot(unit[t]) >= kCreaseCosine) normal += area[around[k]];
       }
       drawn.indices.push_back(static_cast<std::uint32_t>(drawn.vertices.size()));

@@ -5,8 +5,8 @@
 
 namespace lorica {
 
-/// A mesh to draw with extents 1 and bevel 0: round where its faces meet gently, sharp where they meet at more than 40
-/// degrees. Three vertices a triangle. Triangles with numbers that are not finite are left out.
+/// A mesh to draw with extents 1 and bevel 0. Edges between faces at more than 40 degrees are sharp, other edges have
+/// smooth normals. Three vertices per triangle. Triangles with non-finite coordinates are omitted.
 [[nodiscard]] PropMesh makeCreasedMesh(const TriMesh& mesh);
 
 }  // namespace lorica

@@ -7,15 +7,15 @@
 namespace lorica {
 namespace {
 
-constexpr double kPropReach = 2.5;       // props this near to the subject are lit with shadows [m]
-constexpr double kGrainReach = 0.5;      // and particles as near [m]
-constexpr double kContactHeight = 0.30;  // what is higher above the floor casts no contact shadow [m]
+constexpr double kPropReach = 2.5;       // props within this distance of the subject get shadows [m]
+constexpr double kGrainReach = 0.5;      // particles within this distance get shadows [m]
+constexpr double kContactHeight = 0.30;  // max height above the floor of contact shadow casters [m]
 
 void extendFinite(Aabb& box, const Vec3& p) {
   if (p.allFinite()) box.extend(p);
 }
 
-/// Sand is lit with shadows where it lies around the subject; a grain that has rolled away does not spread the light.
+/// Extends the shadowed area by the particles near the subject; grains that rolled away do not enlarge it.
 void extendToParticles(Aabb& box, const Scene& scene, const SceneOptions& options) {
   if (!options.particles) return;
   const bool alone = box.empty();
@@ -32,13 +32,13 @@ void extendToParticles(Aabb& box, const Scene& scene, const SceneOptions& option
   box.extend(high.cast<double>());
 }
 
-/// What the picture is about: the avatar, else the props, else where the camera looks.
+/// Bounds of the subject: the avatar, otherwise the props, otherwise the camera's target.
 Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& target) {
   Aabb box;
   if (options.skin) {
     for (const Vec3& p : scene.vertices) extendFinite(box, p);
   }
-  if (options.hulls && box.empty()) {  // beside a skin, hulls must not move its light
+  if (options.hulls && box.empty()) {  // with a skin, hulls must not change its light
     for (const LivePart& part : scene.parts) {
       for (const Vec3& p : part.shape.vertices) extendFinite(box, part.worldFromPart * p);
     }
@@ -50,11 +50,11 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
     const Vec3 center = box.center();
     const double reach = 0.5 * box.diagonal() + kPropReach;
     for (const Prop& prop : scene.props) {
-      const Vec3 place = prop.worldFromProp.translation();
+      const Vec3 position = prop.worldFromProp.translation();
       const double size = boundingRadius(prop);
-      if (!((place - center).norm() < reach) || !std::isfinite(size)) continue;
-      box.extend(place - Vec3::Constant(size));
-      box.extend(place + Vec3::Constant(size));
+      if (!((position - center).norm() < reach) || !std::isfinite(size)) continue;
+      box.extend(position - Vec3::Constant(size));
+      box.extend(position + Vec3::Constant(size));
     }
   }
   return box;
@@ -67,7 +67,7 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   FrameSetup setup;
   FrameUniforms& u = setup.uniforms;
 
-  // Camera, looking along -z of its own axes.
+  // The camera looks along -z of its own axes.
   Vec3 forward = camera.target - camera.eye;
   const double distance = std::clamp(forward.norm(), 1e-3, 1e4);
   forward = forward.norm() > 1e-9 ? Vec3(forward.normalized()) : Vec3(0, 0, -1);
@@ -101,7 +101,7 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   setup.grainPixels =
       static_cast<float>(0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance);
 
-  // Key light: fixed in the room, front left of a figure that faces +Z.
+  // The key light is fixed in the world, in front and to the left of a figure that faces +Z.
   const Aabb subject = subjectOf(scene, options, camera.target);
   const Vec3 center = subject.center();
   const Vec3 toLight = Vec3(-0.42, 1.0, 0.52).normalized();
@@ -117,7 +117,7 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   u.shadowFromWorld = shadow.cast<float>();
   u.toLight << toLight.cast<float>(), 1.0f / static_cast<float>(shadowSize);
 
-  // Floor: the shaded part holds the contact area and the shadow of the subject's sphere.
+  // The shaded part of the floor contains the contact area and the shadow of the subject's bounding sphere.
   u.contactArea << static_cast<float>(center.x()), static_cast<float>(center.z()), static_cast<float>(radius),
       static_cast<float>(kContactHeight);
   const Eigen::Vector2d middle(center.x(), center.z());

@@ -6,7 +6,7 @@
 
 namespace lorica {
 
-/// The uniform block "Frame" of the shaders (std140): everything about camera, light and floor of one picture.
+/// The uniform block "Frame" of the shaders (std140): camera, light and floor of one picture.
 struct FrameUniforms {
   Eigen::Matrix4f clipFromWorld;
   Eigen::Matrix4f shadowFromWorld;
@@ -23,15 +23,15 @@ static_assert(sizeof(FrameUniforms) == 2 * 64 + 8 * 16);
 
 struct FrameSetup {
   FrameUniforms uniforms;
-  /// Floor around the subject that shadows can reach, in xz [m].
+  /// Area of the floor around the subject that shadows can reach, in xz [m].
   Eigen::Vector2f shadedMin, shadedMax;
   float grainPixels = 0;    ///< radius of a particle near the camera's target [pixels]
-  float floorHalfSide = 0;  ///< of the whole floor around uniforms.floorFade [m]
+  float floorHalfSide = 0;  ///< half side of the whole floor around uniforms.floorFade [m]
 };
 
-/// Places camera and key light. The light's area follows the subject in whole shadow texels and grows in steps, so
-/// shadows do not crawl while the subject moves.
-/// @param shadowSize  texels on a side of the shadow map
+/// Sets up camera and key light. The light's area follows the subject in whole shadow texels and grows in steps, so
+/// that shadows do not crawl when the subject moves.
+/// @param shadowSize  texels per side of the shadow map
 [[nodiscard]] FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Camera& camera, int width,
                                     int height, int shadowSize);
 

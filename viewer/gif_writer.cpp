@@ -3,6 +3,7 @@
 #include "geometry/files.h"
 
 #include <fmt/format.h>
+#include <gif_lib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +13,12 @@
 namespace lorica {
 namespace {
 
-constexpr int kBinBits = 6;  // of a channel, in the histogram
+constexpr int kBinBits = 6;  // per channel, in the histogram
 constexpr std::size_t kBinCount = std::size_t{1} << (3 * kBinBits);
-constexpr std::size_t kMostColors = 255;
-constexpr std::uint8_t kUnchanged = 255;  // the index that lets the frame before show through
-constexpr int kSame = 3;                  // a channel that moved less stays as it is shown: gradients do not flicker
-constexpr int kMostSide = 4096;
+constexpr std::size_t kMaxColors = 255;
+constexpr std::uint8_t kUnchanged = 255;  // transparent index: keeps the pixel of the previous frame
+constexpr int kSame = 3;                  // smaller changes of a channel are ignored, so that gradients do not flicker
+constexpr int kMaxSide = 4096;
 
 std::uint32_t binOf(const std::uint8_t* rgb) {
   constexpr int kShift = 8 - kBinBits;
@@ -28,45 +29,41 @@ int channelOf(std::uint32_t bin, int channel) {
   return static_cast<int>(bin >> ((2 - channel) * kBinBits) & ((1u << kBinBits) - 1));
 }
 
-void appendShort(std::string& bytes, int number) {
-  bytes += static_cast<char>(number & 0xff);
-  bytes += static_cast<char>(number >> 8 & 0xff);
-}
-
-/// Bins that share a colour, and along which channel they differ most.
+/// Bins that share a colour, and the channel along which they differ most.
 struct Box {
   std::vector<std::uint32_t> bins;
   double weight = 0.0;
   int channel = 0;
-  int extent = 0;  // bins between the outermost ones
-  int middle = 0;  // of them, above the lowest
+  int extent = 0;  // distance of the outermost bins
+  int middle = 0;  // of these bins, relative to the lowest
 };
 
 Box boxOf(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& weightOfBin) {
   Box box{std::move(bins)};
   for (int channel = 0; channel < 3; ++channel) {
-    int least = 1 << kBinBits, most = 0;
+    int min = 1 << kBinBits, max = 0;
     for (const std::uint32_t bin : box.bins) {
-      least = std::min(least, channelOf(bin, channel));
-      most = std::max(most, channelOf(bin, channel));
+      min = std::min(min, channelOf(bin, channel));
+      max = std::max(max, channelOf(bin, channel));
     }
-    if (most - least > box.extent) {
-      box.extent = most - least;
+    if (max - min > box.extent) {
+      box.extent = max - min;
       box.channel = channel;
-      box.middle = (least + most + 1) / 2;
+      box.middle = (min + max + 1) / 2;
     }
   }
   for (const std::uint32_t bin : box.bins) box.weight += weightOfBin[bin];
   return box;
 }
 
-/// Cuts the box whose colours matter most in halves until there are enough: by size, not by count, so that a few bright
-/// pixels keep their colour.
+/// Repeatedly splits the most important box of colours until there are enough boxes. Boxes are ranked by extent times
+/// the square root of their number of pixels and split in the middle of their extent, so that a few bright pixels keep
+/// their colour.
 std::vector<Box> cutColors(std::vector<std::uint32_t> bins, const std::vector<std::uint32_t>& weightOfBin) {
   std::vector<Box> boxes;
   boxes.push_back(boxOf(std::move(bins), weightOfBin));
   const auto worth = [](const Box& box) { return std::sqrt(box.weight) * box.extent; };
-  while (boxes.size() < kMostColors) {
+  while (boxes.size() < kMaxColors) {
     const auto worst =
         std::max_element(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { return worth(a) < worth(b); });
     if (worst->extent == 0) break;
@@ -79,53 +76,10 @@ std::vector<Box> cutColors(std::vector<std::uint32_t> bins, const std::vector<st
   return boxes;
 }
 
-/// LZW with codes of 9 to 12 bits, lowest bit first, in blocks of at most 255 bytes.
-void appendLzw(std::string& bytes, const std::vector<std::uint8_t>& indices) {
-  constexpr int kClear = 256, kEnd = 257, kMostCodes = 4096;
-  std::vector<std::int16_t> longer(static_cast<std::size_t>(kMostCodes) * 256);  // code of a string and one more index
-  int codes = 0, bits = 0;
-  std::string packed;
-  std::uint32_t buffer = 0;
-  int filled = 0;
-  const auto put = [&](int code) {
-    buffer |= static_cast<std::uint32_t>(code) << filled;
-    for (filled += bits; filled >= 8; filled -= 8, buffer >>= 8) packed += static_cast<char>(buffer & 0xff);
-  };
-  const auto clear = [&] {
-    std::fill(longer.begin(), longer.end(), std::int16_t{-1});
-    codes = kEnd + 1;
-    bits = 9;
-  };
-  clear();
-  put(kClear);
-  int code = indices.front();
-  for (std::size_t i = 1; i < indices.size(); ++i) {
-    std::int16_t& next = longer[static_cast<std::size_t>(code) * 256 + indices[i]];
-    if (next >= 0) {
-      code = next;
-      continue;
-    }
-    put(code);
-    if (codes < kMostCodes) {
-      if (codes == 1 << bits) ++bits;  // the reader learns this code with its next one
-      next = static_cast<std::int16_t>(codes++);
-    } else {
-      put(kClear);
-      clear();
-    }
-    code = indices[i];
-  }
-  put(code);
-  if (codes == 1 << bits && bits < 12) ++bits;
-  put(kEnd);
-  if (filled > 0) packed += static_cast<char>(buffer & 0xff);
-  bytes += '\x08';
-  for (std::size_t at = 0; at < packed.size(); at += 255) {
-    const std::string block = packed.substr(at, 255);
-    bytes += static_cast<char>(block.size());
-    bytes += block;
-  }
-  bytes += '\0';
+int appendBytes(GifFileType* gif, const GifByteType* bytes, int count) {
+  static_cast<std::string*>(gif->UserData)
+      ->append(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(count));
+  return count;
 }
 
 }  // namespace
@@ -138,21 +92,38 @@ GifWriter::GifWriter(std::filesystem::path file, int width, int height, double f
       indices_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
       weightOfBin_(kBinCount),
       sumOfBin_(kBinCount),
-      colorOfBin_(kBinCount) {
-  bytes_ = "GIF89a";
-  appendShort(bytes_, width);
-  appendShort(bytes_, height);
-  bytes_ += std::string("\x70\0\0", 3);                                // no palette for all frames
-  bytes_ += std::string("\x21\xff\x0bNETSCAPE2.0\x03\x01\0\0\0", 19);  // again and again
+      colorOfBin_(kBinCount),
+      bytes_(std::make_unique<std::string>()) {
+  // giflib fails only if memory runs out or if its own rules are broken; the bytes are in memory.
+  int error = 0;
+  gif_.reset(EGifOpen(bytes_.get(), appendBytes, &error));
+  LORICA_CHECK(gif_ != nullptr, GifErrorString(error));
+  EGifSetGifVersion(gif_.get(), true);
+  const unsigned char forever[] = {1, 0, 0};
+  put(EGifPutScreenDesc(gif_.get(), width, height, 8, 0, nullptr));
+  put(EGifPutExtensionLeader(gif_.get(), APPLICATION_EXT_FUNC_CODE));
+  put(EGifPutExtensionBlock(gif_.get(), 11, "NETSCAPE2.0"));
+  put(EGifPutExtensionBlock(gif_.get(), 3, forever));
+  put(EGifPutExtensionTrailer(gif_.get()));
+}
+
+void GifWriter::Close::operator()(GifFileType* gif) const {
+  int ignored = 0;
+  (void)EGifCloseFile(gif, &ignored);
+}
+
+void GifWriter::put(int status) const {
+  LORICA_CHECK(status == GIF_OK, GifErrorString(gif_->Error));
 }
 
 Result<GifWriter> GifWriter::create(const std::filesystem::path& file, int width, int height, double framesPerSecond) {
   if (file.extension() != ".gif") {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: an animation's name must end in .gif", file.string())};
-  }
-  if (width < 1 || height < 1 || width > kMostSide || height > kMostSide) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: {} x {} pixels, expected 1 to {}", file.string(), width, height, kMostSide)};
+                 fmt::format("{}: the name of an animation must end in .gif", file.string())};
+  }
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: {} x {} pixels, expected 1 to {}", file.string(), width, height, kMaxSide)};
   }
   if (!(framesPerSecond > 0.0 && framesPerSecond <= 50.0)) {
     return Error{ErrorCode::kInvalidArgument,
@@ -167,7 +138,7 @@ Result<void> GifWriter::add(const Image& image) {
                  fmt::format("{}: frame {} is {} x {} pixels, expected {} x {}", file_.string(), frames_, image.width,
                              image.height, width_, height_)};
   }
-  // What changed, and how often each colour occurs in it.
+  // Find the changed pixels and how often each colour occurs in them.
   std::fill(weightOfBin_.begin(), weightOfBin_.end(), 0u);
   const bool first = frames_ == 0;
   if (first) shown_.assign(indices_.size() * 3, 0);
@@ -207,30 +178,25 @@ Result<void> GifWriter::add(const Image& image) {
   }
 
   const auto hundredths = [&](int frame) { return static_cast<int>(std::lround(100.0 * frame / framesPerSecond_)); };
-  bytes_ += std::string("\x21\xf9\x04\x05", 4);  // what is unchanged is transparent; the frame stays
-  appendShort(bytes_, hundredths(frames_ + 1) - hundredths(frames_));
-  bytes_ += static_cast<char>(kUnchanged);
-  bytes_ += '\0';
-  bytes_ += ',';
-  appendShort(bytes_, 0);
-  appendShort(bytes_, 0);
-  appendShort(bytes_, width_);
-  appendShort(bytes_, height_);
-  bytes_ += '\x87';  // a palette of 256
-  palette_.resize(256);
-  for (const std::array<std::uint8_t, 3>& color : palette_) {
-    for (const std::uint8_t channel : color) bytes_ += static_cast<char>(channel);
-  }
-  appendLzw(bytes_, indices_);
+  const GraphicsControlBlock control{DISPOSE_DO_NOT, false, hundredths(frames_ + 1) - hundredths(frames_), kUnchanged};
+  GifByteType packed[4];
+  put(EGifPutExtension(gif_.get(), GRAPHICS_EXT_FUNC_CODE, static_cast<int>(EGifGCBToExtension(&control, packed)),
+                       packed));
+  GifColorType colors[256] = {};
+  for (std::size_t i = 0; i < palette_.size(); ++i) colors[i] = {palette_[i][0], palette_[i][1], palette_[i][2]};
+  ColorMapObject map{256, 8, false, colors};
+  put(EGifPutImageDesc(gif_.get(), 0, 0, width_, height_, false, &map));
+  put(EGifPutLine(gif_.get(), indices_.data(), static_cast<int>(indices_.size())));
   ++frames_;
   return {};
 }
 
 Result<void> GifWriter::finish() {
   if (frames_ == 0) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: an animation of no frames", file_.string())};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: the animation has no frames", file_.string())};
   }
-  return writeFileAtomically(file_, bytes_ + ';');
+  gif_.reset();  // writes the end
+  return writeFileAtomically(file_, *bytes_);
 }
 
 }  // namespace lorica

@@ -4,7 +4,7 @@
 
 #include <GL/glcorearb.h>
 
-/// The OpenGL 3.3 core calls that Lorica makes: PFNGL<first>PROC and the name without its "gl".
+/// The OpenGL 3.3 core functions that Lorica uses: PFNGL<first>PROC and the name without "gl".
 #define LORICA_GL_FUNCTIONS(X)                                      \
   X(ACTIVETEXTURE, ActiveTexture)                                   \
   X(ATTACHSHADER, AttachShader)                                     \
@@ -85,8 +85,8 @@
 
 namespace lorica {
 
-/// One table for each context: several OpenGL libraries can live in one process, so nothing is linked and nothing
-/// is global. Filled by OSMesaGetProcAddress, eglGetProcAddress or glfwGetProcAddress.
+/// Function table of one context. Several OpenGL libraries can be loaded in one process, so none is linked and the
+/// table is not global. Filled by OSMesaGetProcAddress, eglGetProcAddress or glfwGetProcAddress.
 struct GlFunctions {
 #define LORICA_GL_MEMBER(TYPE, name) PFNGL##TYPE##PROC name = nullptr;
   LORICA_GL_FUNCTIONS(LORICA_GL_MEMBER)
@@ -94,7 +94,7 @@ struct GlFunctions {
 };
 
 /// @param getProc  finds a function of the current context by its full name ("glClear")
-/// @return the table, or kNoDisplay naming the first call that the library lacks
+/// @return the table, or kNoDisplay with the first function that the library lacks
 [[nodiscard]] Result<GlFunctions> loadGlFunctions(void* (*getProc)(const char*));
 
 }  // namespace lorica

@@ -60,7 +60,7 @@ Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, con
     gl.DeleteShader(shader);
     if (!ok) {
       return Error{ErrorCode::kNoDisplay,
-                   fmt::format("the OpenGL driver refuses the {} shader '{}': {}",
+                   fmt::format("the OpenGL driver cannot compile the {} shader '{}': {}",
                                stage == GL_VERTEX_SHADER ? "vertex" : "fragment", name, log.c_str())};
     }
   }
@@ -69,7 +69,7 @@ Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, con
   if (!ok) {
     gl.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
     return Error{ErrorCode::kNoDisplay,
-                 fmt::format("the OpenGL driver does not link the shader '{}': {}", name, log.c_str())};
+                 fmt::format("the OpenGL driver cannot link the shader program '{}': {}", name, log.c_str())};
   }
   const GLuint block = gl.GetUniformBlockIndex(program, "Frame");
   if (block != GL_INVALID_INDEX) gl.UniformBlockBinding(program, block, 0);

@@ -8,14 +8,14 @@
 
 namespace lorica {
 
-/// A buffer that is filled anew each frame and grows when it must.
+/// A buffer that is refilled in each frame and grows if necessary.
 struct StreamBuffer {
   GLuint id = 0;
   std::size_t capacity = 0;  ///< [bytes]
 };
 
-/// The function table of one context and every object made through it; all are deleted with it, so destroy it while
-/// that context is current.
+/// The function table of one context and all OpenGL objects created through it. The destructor deletes the objects, so
+/// the context must be current then.
 class Gpu {
  public:
   explicit Gpu(const GlFunctions& functions) : gl(functions) {}
@@ -27,11 +27,11 @@ class Gpu {
   GLuint makeVertexArray();
   GLuint makeFramebuffer();
   GLuint makeRenderbuffer();
-  /// A 2D texture, bound to unit 0, clamped to its edge.
+  /// A 2D texture, bound to unit 0, clamped to its edges.
   GLuint makeTexture(GLint filter);
 
-  /// Compiles and links; the uniform block "Frame", where used, is bound to point 0.
-  /// @return the program, or the compiler's first words under this name
+  /// Compiles and links a program; if it uses the uniform block "Frame", that is bound to point 0.
+  /// @return the program, or an error with the name and the start of the compiler's log
   [[nodiscard]] Result<GLuint> makeProgram(const char* name, const std::string& vertex, const std::string& fragment);
 
   /// Binds the buffer to GL_ARRAY_BUFFER and writes the bytes at its start.

@@ -7,9 +7,9 @@
 namespace lorica {
 namespace {
 
-constexpr float kBeside = 1.05f;  // of half the picture: a grain's middle may be beside it [clip space]
+constexpr float kBeside = 1.05f;  // bound of visible grains [clip space]: their centres may be outside the picture
 
-/// 0.8 to 1.2, which follows the grain's index.
+/// Brightness of a grain, 0.8 to 1.2, depending on its index.
 float shadeOf(std::uint32_t index) {
   // PCG's output function: M. O'Neill, "PCG", 2014.
   std::uint32_t h = index * 747796405u + 2891336453u;
@@ -39,18 +39,18 @@ const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers
     const float y = m(1, 0) * p.x() + m(1, 1) * p.y() + m(1, 2) * p.z() + m(1, 3);
     cell_[i] = -1;
     const float reach = kBeside * w;
-    if (!(std::abs(x) < reach && std::abs(y) < reach)) continue;  // behind, beside, or not finite
+    if (!(std::abs(x) < reach && std::abs(y) < reach)) continue;  // behind, outside or not finite
     const auto column = std::min(static_cast<int>((x / w + kBeside) * perX), view.columns - 1);
     const auto row = std::min(static_cast<int>((y / w + kBeside) * perY), view.rows - 1);
     cell_[i] = row * view.columns + column;
     const Eigen::Vector4f& d = view.depthFromWorld;
     depth_[i] = d.x() * p.x() + d.y() * p.y() + d.z() * p.z() + d.w();
-    float& nearest = nearest_[static_cast<std::size_t>(cell_[i])];
+    float& nearest = nearest_[cell_[i]];
     nearest = std::min(nearest, depth_[i]);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (cell_[i] < 0) continue;
-    if (hides && depth_[i] > nearest_[static_cast<std::size_t>(cell_[i])] + margin) continue;
+    if (hides && depth_[i] > nearest_[cell_[i]] + margin) continue;
     const Vec3f& color = colors[colors.size() == count ? i : 0];
     chosen_.push_back({centers[i], shadeOf(static_cast<std::uint32_t>(i)) * color});
   }

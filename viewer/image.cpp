@@ -20,15 +20,15 @@ bool consistent(const Image& image) {
          image.rgba.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4;
 }
 
-/// Mixes a colour into a pixel by coverage 0 to 255.
+/// Blends a colour into a pixel. Coverage is 0 to 255.
 void blend(std::uint8_t* pixel, const std::array<int, 3>& color, int coverage) {
   for (std::size_t c = 0; c < 3; ++c) {
     pixel[c] = static_cast<std::uint8_t>((pixel[c] * (255 - coverage) + color[c] * coverage + 127) / 255);
   }
 }
 
-/// Walks the chunks of a PNG file: libpng stops reading after the last row, whatever follows.
-/// @return empty when all are whole, else what is wrong
+/// Checks all chunks of a PNG file, because libpng stops reading after the last row.
+/// @return empty if all are intact, otherwise what is wrong
 std::string damageOf(std::string_view png) {
   constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
   if (!png.starts_with(kSignature)) return "not a PNG file";
@@ -43,11 +43,11 @@ std::string damageOf(std::string_view png) {
     if (length > png.size() - at - 12) break;
     const std::string_view typeAndData = png.substr(at + 4, length + 4);
     const uLong crc = ::crc32(0, reinterpret_cast<const Bytef*>(typeAndData.data()), static_cast<uInt>(length + 4));
-    if (crc != number(at + 8 + length)) return fmt::format("checksum wrong in the chunk at byte {}", at);
+    if (crc != number(at + 8 + length)) return fmt::format("wrong checksum in the chunk at byte {}", at);
     if (typeAndData.starts_with("IEND")) return {};
     at += 12 + length;
   }
-  return fmt::format("cut off in the chunk at byte {} of {}", at, png.size());
+  return fmt::format("truncated in the chunk at byte {} of {}", at, png.size());
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ Result<Image> readPng(const std::filesystem::path& file) {
   };
   if (png_image_begin_read_from_memory(&png, content->data(), content->size()) == 0) return damaged();
   png.format = PNG_FORMAT_RGBA;
-  png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // 16-bit pictures that do not say otherwise
+  png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // for 16-bit images without a colour space
   Image image;
   image.width = static_cast<int>(png.width);
   image.height = static_cast<int>(png.height);
@@ -122,7 +122,7 @@ Image contactSheet(std::span<const Image> images, std::span<const std::string> l
     const int top = kMargin + static_cast<int>(i) / columns * (cellHeight + labelHeight + kMargin);
     const Image& image = images[i];
     if (consistent(image)) {
-      // A picture smaller than its cell sits in the middle of it.
+      // Images smaller than their cell are centred.
       const int x = left + (cellWidth - image.width) / 2;
       const int y = top + (cellHeight - image.height) / 2;
       const std::size_t rowBytes = static_cast<std::size_t>(image.width) * 4;

@@ -11,7 +11,7 @@
 
 namespace lorica {
 
-/// 8-bit sRGB picture, row 0 at the top, RGBA interleaved.
+/// 8-bit sRGB image, row 0 at the top, RGBA interleaved.
 struct Image {
   int width = 0;
   int height = 0;
@@ -21,10 +21,10 @@ struct Image {
 [[nodiscard]] Result<void> writePng(const std::filesystem::path& file, const Image& image);
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& file);
 
-/// Pictures side by side in rows, each with its label underneath.
+/// Images in rows, each with its label underneath.
 [[nodiscard]] Image contactSheet(std::span<const Image> images, std::span<const std::string> labels, int columns);
 
-/// Writes an MP4, frame by frame; the file appears under its name only when finish() succeeds.
+/// Writes an MP4 frame by frame; the file gets its name only when finish() succeeds.
 class VideoWriter {
  public:
   static Result<VideoWriter> create(const std::filesystem::path& file, int width, int height, double framesPerSecond);

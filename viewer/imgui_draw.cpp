@@ -33,7 +33,7 @@ void main() {
 }
 )";
 
-/// What of a length in pixels is inside 0 to `size`.
+/// Clamps a position in pixels to 0 to `size`.
 GLint inside(float value, int size) {
   return static_cast<GLint>(std::clamp(value, 0.0f, static_cast<float>(size)));
 }

@@ -7,18 +7,18 @@ struct ImFontAtlas;
 
 namespace lorica {
 
-/// Draws what Dear ImGui made, through a function table of our own: the packaged backends bind libGL, which we do not.
+/// Renders the output of Dear ImGui through Lorica's function table: the packaged backends link libGL, Lorica does not.
 class ImguiDraw {
  public:
-  /// @param functions  of the current context, as at every later call
+  /// @param functions  of the current context, which must also be current in all later calls
   explicit ImguiDraw(const GlFunctions& functions) : gpu_(functions) {}
-  /// @return success, or what the driver refused
+  /// @return success, or the driver's error
   [[nodiscard]] Result<void> create();
 
-  /// Takes the atlas's picture to the GPU and gives the atlas its texture.
+  /// Uploads the atlas's image to the GPU and sets the texture of the atlas.
   void takeFont(ImFontAtlas& atlas);
 
-  /// Draws over what is in the bound framebuffer. Coordinates are pixels of it, from its upper left.
+  /// Draws over the contents of the bound framebuffer. Coordinates are in its pixels, from the upper left.
   void draw(const ImDrawData& data, int width, int height);
 
  private:

@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-// The few types and numbers of osmesa.h and egl.h that are used, so that neither is needed to build.
+// The few types and constants of osmesa.h and egl.h that are used, so that neither header is needed to build.
 constexpr int kOsMesaFormat = 0x22, kOsMesaRgba = 0x1908, kOsMesaDepthBits = 0x30, kOsMesaProfile = 0x33;
 constexpr int kOsMesaCoreProfile = 0x34, kOsMesaMajor = 0x36, kOsMesaMinor = 0x37;
 constexpr unsigned kGlUnsignedByte = 0x1401, kGlVersion = 0x1F02;
@@ -22,8 +22,8 @@ constexpr int kEglMajor = 0x3098, kEglMinor = 0x30FB, kEglProfileMask = 0x30FD, 
 using AnyFunction = void (*)();
 using GlGetString = const unsigned char* (*)(unsigned);
 
-// Both libraries stay loaded until the program ends: they carry LLVM and thread-local state, which do not survive
-// being unloaded. RTLD_LOCAL keeps the 1,300 gl* symbols of libOSMesa away from a libGL that GLFW may load.
+// Both libraries stay loaded until the program ends: they contain LLVM and thread-local state, which cannot be
+// unloaded. RTLD_LOCAL keeps the 1,300 gl* symbols of libOSMesa separate from a libGL that GLFW may load.
 struct OsMesa {
   void* library = nullptr;
   void* (*createContextAttribs)(const int*, void*) = nullptr;
@@ -102,7 +102,7 @@ std::string glVersion(OffscreenContext::GetProc getProc) {
 
 struct OffscreenContext::Impl {
   void* osMesaContext = nullptr;
-  std::array<unsigned char, 16 * 16 * 4> osMesaPixels{};  // OSMesa insists on a buffer; nothing is drawn there
+  std::array<unsigned char, 16 * 16 * 4> osMesaPixels{};  // OSMesa requires a buffer; nothing is drawn there
   void* eglDisplay = nullptr;
   void* eglContext = nullptr;
   std::string description;
@@ -119,7 +119,7 @@ struct OffscreenContext::Impl {
     }
   }
 
-  /// Empty on success, else why not.
+  /// @return empty on success, otherwise the reason of the failure
   std::string openOsMesa() {
     if (osMesa().library == nullptr) return "libOSMesa is not installed";
     const int attributes[] = {kOsMesaFormat,

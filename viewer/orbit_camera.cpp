@@ -6,7 +6,7 @@
 namespace lorica {
 namespace {
 
-constexpr double kHighest = 1.54;   // just short of straight down, where "up" would be undefined [rad]
+constexpr double kHighest = 1.54;   // just below 90 degrees, where the up direction would be undefined [rad]
 constexpr double kNearest = 0.2;    // [m]
 constexpr double kFarthest = 60.0;  // [m]
 

@@ -4,16 +4,16 @@
 
 namespace lorica {
 
-/// A camera that turns about a point: what the mouse moves.
+/// A camera that orbits around a target point, controlled by the mouse.
 class OrbitCamera {
  public:
   explicit OrbitCamera(const Camera& start = {});
 
-  /// Turns by angles [rad]: to the right around Y, and upward, which stops short of the poles.
+  /// Rotates by angles [rad]: to the right around Y, and upward, limited to just below the poles.
   void turn(double right, double up);
-  /// Moves target and eye sideways and up in the picture, in shares of the picture's height.
+  /// Moves target and eye right and up in the picture, as fractions of the picture's height.
   void pan(double right, double up);
-  /// Multiplies the distance; it stays between 0.2 m and 60 m.
+  /// Multiplies the distance by a factor, clamped to 0.2 m to 60 m.
   void zoom(double factor);
   void reset();
 

@@ -8,8 +8,8 @@
 namespace lorica {
 namespace {
 
-// An edge shows fully above the second angle between its faces and not at all below the first [rad]. Hulls of round
-// limbs have hundreds of edges of 10 degrees and less, which would bury the shape.
+// An edge is fully visible if its faces differ by more than the second angle, and invisible below the first [rad].
+// Hulls of round limbs have hundreds of edges of 10 degrees and less, which would obscure the shape.
 constexpr double kFlatAngle = 0.28;
 constexpr double kCrispAngle = 0.70;
 constexpr double kOutlineStrength = 0.85;
@@ -26,7 +26,7 @@ std::array<std::uint8_t, 4> packColor(const Vec3f& c, double opacity) {
 }
 
 const Vec3& at(std::span<const Vec3> vertices, VertexIndex i) {
-  return vertices[static_cast<std::size_t>(i)];
+  return vertices[i];
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const LivePart> p
   }
   std::sort(order_.begin(), order_.end());
   for (const auto& [distance, part] : order_) {
-    const ConvexHull hull = worldHull(parts[static_cast<std::size_t>(part)]);
+    const ConvexHull hull = worldHull(parts[part]);
     const Vec3f color = partColor(part);
     append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28}, eye);
   }
@@ -62,13 +62,13 @@ void OverlayMesh::findEdges(std::span<const Triangle> triangles) {
           {(static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b), static_cast<std::uint32_t>(i)});
     }
   }
-  // Sorted by their vertices, both halves of an edge are neighbours.
+  // After sorting by vertices, the two halves of an edge are adjacent.
   std::sort(halfEdges_.begin(), halfEdges_.end(), [](const HalfEdge& a, const HalfEdge& b) {
     return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
   });
   edges_.clear();
   for (std::size_t i = 0; i + 1 < halfEdges_.size(); i += 2) {
-    if (halfEdges_[i].key != halfEdges_[i + 1].key) {  // not closed: never from our hulls
+    if (halfEdges_[i].key != halfEdges_[i + 1].key) {  // open edge: does not occur in hulls
       --i;
       continue;
     }
@@ -98,7 +98,7 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
   for (const bool behind : {true, false}) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       if ((facing_[i] <= 0.0) != behind) continue;
-      // Like glass, a face that is seen at a grazing angle hides more.
+      // Like glass, a face at a grazing angle is more opaque.
       const double grazing = 1.0 - std::abs(facing_[i]);
       const double opacity = behind ? look.farFace : look.nearFace * (1.0 + grazing * grazing);
       const Vec3& n = faceNormals_[i];
@@ -113,7 +113,7 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
       const Vec3f a = at(vertices, edge.first).cast<float>();
       const Vec3f b = at(vertices, edge.second).cast<float>();
       const auto color = packColor(look.edge, edge.strength * (behind ? look.farEdge : look.nearEdge));
-      //  a+ --- b-     seen from b the sides change places
+      //  a+ --- b-     seen from b, the sides are swapped
       //  a- --- b+
       const OverlayVertex aPlus = {a, b, {127, 0, 0, 127}, color}, aMinus = {a, b, {127, 0, 0, -127}, color};
       const OverlayVertex bPlus = {b, a, {-127, 0, 0, 127}, color}, bMinus = {b, a, {-127, 0, 0, -127}, color};
@@ -124,8 +124,8 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
 
 const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
                                                      const Vec3& eye) {
-  CHECK(worldFromJoint.size() == static_cast<std::size_t>(skeleton.jointCount()),
-        "scene.worldFromJoint does not fit the skeleton");
+  LORICA_CHECK(worldFromJoint.size() == static_cast<std::size_t>(skeleton.jointCount()),
+               "scene.worldFromJoint does not match the skeleton");
   //      waist at 0.15 of the length, four corners around it
   //  head <>------- tail
   constexpr std::array<Triangle, 8> kOctahedron = {
@@ -135,8 +135,8 @@ const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, s
   for (JointIndex i = 0; i < skeleton.jointCount(); ++i) {
     const JointIndex parent = skeleton.joint(i).parent;
     if (parent == kNoJoint) continue;
-    const Vec3 head = worldFromJoint[static_cast<std::size_t>(parent)].translation();
-    const Vec3 tail = worldFromJoint[static_cast<std::size_t>(i)].translation();
+    const Vec3 head = worldFromJoint[parent].translation();
+    const Vec3 tail = worldFromJoint[i].translation();
     const double length = (tail - head).norm();
     if (!(length > 1e-6) || !std::isfinite(length)) continue;
     const Vec3 z = (tail - head) / length;

@@ -12,20 +12,19 @@
 
 namespace lorica {
 
-/// A corner of a flat face, or of an edge that the vertex shader widens to a strip of constant width on screen.
+/// A vertex of a flat face, or of an edge that the vertex shader widens to a strip of constant width on screen.
 struct OverlayVertex {
   Vec3f position;                     ///< world [m]
-  Vec3f other;                        ///< an edge's far end; equal to `position` on faces
-  std::array<std::int8_t, 4> normal;  ///< of the face, 127 = 1; on edges x tells the ends apart and w the sides
+  Vec3f other;                        ///< other end of an edge; equal to `position` on faces
+  std::array<std::int8_t, 4> normal;  ///< of the face, 127 = 1; on edges, x distinguishes the ends and w the sides
   std::array<std::uint8_t, 4> color;  ///< linear RGB and opacity
 };
 
-/// Turns hulls and bones into faces and edges; keeps its memory from frame to frame.
+/// Converts hulls and bones to faces and edges; reuses its memory from frame to frame.
 class OverlayMesh {
  public:
-  /// Hulls from far to near as seen from the eye, in each what looks away first: drawn in this order with blending
-  /// they look right as long as hulls overlap little. Shown are outlines and edges whose faces are not nearly
-  /// coplanar.
+  /// Hulls sorted from far to near as seen from the eye, back faces first in each hull. Blending in this order is
+  /// correct as long as hulls overlap little. Includes outlines, and edges whose faces are not nearly coplanar.
   const std::vector<OverlayVertex>& hulls(std::span<const LivePart> parts, const Vec3& eye);
 
   /// Opaque octahedra from each parent joint to its child.
@@ -34,17 +33,17 @@ class OverlayMesh {
 
  private:
   struct HalfEdge {
-    std::uint64_t key;       ///< both vertices, the lower one first
+    std::uint64_t key;       ///< both vertices, the lower index first
     std::uint32_t triangle;  ///< of the polyhedron
   };
   struct Edge {
     VertexIndex first, second;
     double strength;  ///< 0 to 1
-    bool behind;      ///< both faces look away
+    bool behind;      ///< both faces are back faces
   };
   struct Look {
     Vec3f face, edge;                             ///< linear RGB
-    double nearFace, farFace, nearEdge, farEdge;  ///< opacity of what looks to the viewer, and of what looks away
+    double nearFace, farFace, nearEdge, farEdge;  ///< opacity of front faces and of back faces
   };
   void append(std::vector<OverlayVertex>& out, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
               const Look& look, const Vec3& eye);
@@ -54,7 +53,7 @@ class OverlayMesh {
   std::vector<OverlayVertex> boneVertices_;
   std::vector<std::pair<double, PartIndex>> order_;
   std::vector<Vec3> faceNormals_;
-  std::vector<double> facing_;  ///< of each face, cosine between its normal and the way to the eye
+  std::vector<double> facing_;  ///< of each face, cosine between its normal and the direction to the eye
   std::vector<HalfEdge> halfEdges_;
   std::vector<Edge> edges_;
 };

@@ -15,10 +15,10 @@ namespace lorica {
 namespace {
 
 constexpr int kOversampling = 8;
-constexpr double kCapPerLine = 0.58;       // capitals take this share of a line
-constexpr double kStrokePerCap = 0.13;     // thickness of a stroke
+constexpr double kCapPerLine = 0.58;       // height of capitals per line height
+constexpr double kStrokePerCap = 0.13;     // thickness of a stroke per height of capitals
 constexpr double kBaselinePerLine = 0.76;  // from the top of a line
-constexpr double kBlankPerLine = 0.30;     // the strokes' own blank is as wide as a letter
+constexpr double kBlankPerLine = 0.30;     // the stroke font's own blank is as wide as a letter
 constexpr int kFirst = ' ' + 1, kLast = '~';
 
 struct Glyph {
@@ -33,7 +33,7 @@ Glyph drawGlyph(char c, int lineHeight) {
                           std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap))), false};
   const StrokeLine line{std::string(1, c), style.thickness / 2,
                         static_cast<int>(kBaselinePerLine * lineHeight * kOversampling)};
-  // Its width is the advance and the thickness of one stroke.
+  // Its width is the advance plus the thickness of one stroke.
   const int wide = strokeWidth(line.text, style);
   Glyph glyph;
   glyph.advance = static_cast<float>(wide - style.thickness) / kOversampling;
@@ -47,7 +47,7 @@ Glyph drawGlyph(char c, int lineHeight) {
 }  // namespace
 
 void fillPanelFont(ImFontAtlas& atlas, int lineHeight) {
-  // The library's own font gives the size and a blank; each of its other glyphs has one of ours in its place.
+  // The library's own font provides size and blank; all other glyphs are replaced.
   atlas.Clear();
   const std::array<ImWchar, 3> blank = {' ', ' ', 0};
   ImFontConfig config;
@@ -56,25 +56,25 @@ void fillPanelFont(ImFontAtlas& atlas, int lineHeight) {
   config.OversampleH = 1;
   ImFont* font = atlas.AddFontDefault(&config);
   std::array<Glyph, kLast - kFirst + 1> glyphs;
-  std::array<int, kLast - kFirst + 1> places{};
+  std::array<int, kLast - kFirst + 1> positions{};
   for (int c = kFirst; c <= kLast; ++c) {
     const auto i = static_cast<std::size_t>(c - kFirst);
     glyphs[i] = drawGlyph(static_cast<char>(c), lineHeight);
-    places[i] = atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(c), glyphs[i].width, glyphs[i].height,
-                                             glyphs[i].advance, ImVec2(0.0f, 0.0f));
+    positions[i] = atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(c), glyphs[i].width, glyphs[i].height,
+                                                glyphs[i].advance, ImVec2(0.0f, 0.0f));
   }
   const auto blankAdvance = static_cast<float>(kBlankPerLine * lineHeight);
-  const int blankPlace = atlas.AddCustomRectFontGlyph(font, ' ', 1, 1, blankAdvance);
+  const int blankPosition = atlas.AddCustomRectFontGlyph(font, ' ', 1, 1, blankAdvance);
   unsigned char* pixels = nullptr;
   int width = 0, height = 0;
   atlas.GetTexDataAsAlpha8(&pixels, &width, &height);
-  const ImFontAtlasCustomRect* blankRect = atlas.GetCustomRectByIndex(blankPlace);
+  const ImFontAtlasCustomRect* blankRect = atlas.GetCustomRectByIndex(blankPosition);
   pixels[static_cast<std::ptrdiff_t>(blankRect->Y) * width + blankRect->X] = 0;
   for (std::size_t i = 0; i < glyphs.size(); ++i) {
-    const ImFontAtlasCustomRect* place = atlas.GetCustomRectByIndex(places[i]);
+    const ImFontAtlasCustomRect* position = atlas.GetCustomRectByIndex(positions[i]);
     for (int y = 0; y < glyphs[i].height; ++y) {
       const std::uint8_t* row = glyphs[i].coverage.data() + static_cast<std::ptrdiff_t>(y) * glyphs[i].width;
-      std::copy_n(row, glyphs[i].width, pixels + static_cast<std::ptrdiff_t>(place->Y + y) * width + place->X);
+      std::copy_n(row, glyphs[i].width, pixels + static_cast<std::ptrdiff_t>(position->Y + y) * width + position->X);
     }
   }
 }

@@ -24,23 +24,23 @@ struct HelpLine {
   const char* keys;
   const char* what;
 };
-constexpr std::array kHelp = {HelpLine{"left drag", "turn the camera, or move a thing"},
-                              HelpLine{"right drag", "shift the camera"},
-                              HelpLine{"wheel", "nearer, farther"},
-                              HelpLine{"R", "camera back to its start"},
-                              HelpLine{"space", "pause, go on"},
-                              HelpLine{"N", "one frame"},
-                              HelpLine{"left, right", "a second back, ahead"},
-                              HelpLine{"home", "from the start"},
+constexpr std::array kHelp = {HelpLine{"left drag", "rotate the camera, or move a prop"},
+                              HelpLine{"right drag", "pan the camera"},
+                              HelpLine{"wheel", "zoom"},
+                              HelpLine{"R", "reset the camera"},
+                              HelpLine{"space", "pause, resume"},
+                              HelpLine{"N", "step one frame"},
+                              HelpLine{"left, right", "1 s back, forward"},
+                              HelpLine{"home", "restart"},
                               HelpLine{"- +", "slower, faster"},
-                              HelpLine{"1 2 3 4", "character, hulls, bones, things"},
+                              HelpLine{"1 2 3 4", "character, hulls, bones, props"},
                               HelpLine{"5 6 7", "contacts, ground, grains"},
-                              HelpLine{"C", "parts by colour"},
+                              HelpLine{"C", "colour by part"},
                               HelpLine{"[ ]", "fewer, more parts"},
                               HelpLine{"B", "throw a ball"},
                               HelpLine{"P", "save a picture; with shift, panels too"},
-                              HelpLine{"V", "begin, end a video"},
-                              HelpLine{"tab", "panels on, off"},
+                              HelpLine{"V", "start, stop a video"},
+                              HelpLine{"tab", "show, hide panels"},
                               HelpLine{"H", "hide this help"},
                               HelpLine{"esc", "close"}};
 
@@ -63,8 +63,7 @@ bool keyedButton(const char* name, const char* key) {
   return pressed;
 }
 
-/// A sentence on a plate of its own, in the middle of the picture's width, not over open panels. The next one goes
-/// below.
+/// A message on its own plate, centred horizontally and not over open panels. The next one is placed below.
 void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {
   const float top = layout.ceiling;
   ImDrawList& list = *ImGui::GetForegroundDrawList();
@@ -88,8 +87,8 @@ void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark
 }  // namespace
 
 void notePanel(PanelLayout& layout) {
-  const ImVec2 place = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-  layout.panels.push_back({place.x, place.y, place.x + size.x, place.y + size.y});
+  const ImVec2 position = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  layout.panels.push_back({position.x, position.y, position.x + size.x, position.y + size.y});
 }
 
 void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold) {
@@ -134,10 +133,10 @@ void setPanelStyle(float scale) {
   ImGui::GetStyle() = style;
 }
 
-void drawTransport(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
+void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests) {
   const float margin = layout.margin();
-  const float inset = facts.insetWidth > 0.0 ? static_cast<float>(facts.insetWidth) + 2.0f * margin : 0.0f;
+  const float inset = status.insetWidth > 0.0 ? static_cast<float>(status.insetWidth) + 2.0f * margin : 0.0f;
   const float width = layout.width - 2.0f * margin - inset;
   const bool narrow = width < layout.of(540.0f);
   ImGui::SetNextWindowPos(ImVec2(margin, layout.height - margin), ImGuiCond_Always, ImVec2(0.0f, 1.0f));
@@ -175,7 +174,7 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const Window
       auto speed = static_cast<float>(state.speed);
       if (ImGui::SliderFloat("##speed", &speed, static_cast<float>(kSlowest), static_cast<float>(kFastest), "",
                              ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
-        // Full speed is easy to hit.
+        // Snap to full speed.
         state.speed = std::abs(speed - 1.0f) < 0.08f ? 1.0 : std::clamp<double>(speed, kSlowest, kFastest);
       }
     }
@@ -192,9 +191,9 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const Window
     ImGui::PopStyleColor();
     const char* hint = "H help";
     const float hintWidth = ImGui::CalcTextSize(hint).x;
-    const float hintPlace = ImGui::GetWindowContentRegionMax().x - hintWidth;
-    if (ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + layout.of(16.0f) < hintPlace) {
-      ImGui::SameLine(hintPlace);
+    const float hintPosition = ImGui::GetWindowContentRegionMax().x - hintWidth;
+    if (ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + layout.of(16.0f) < hintPosition) {
+      ImGui::SameLine(hintPosition);
       ImGui::TextColored(kFaint, "%s", hint);
     }
   }
@@ -203,7 +202,7 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const Window
   ImGui::End();
 }
 
-void drawViewPanel(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
+void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests) {
   const float margin = layout.margin();
   const float width = std::min(layout.of(kViewPanel), 0.5f * (layout.width - 3.0f * margin));
@@ -219,50 +218,50 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const Window
     toggle("character", "1", show.skin);
     toggle("hulls", "2", show.hulls);
     toggle("bones", "3", show.bones);
-    toggle("things", "4", show.props);
+    toggle("props", "4", show.props);
     toggle("contacts", "5", show.contacts);
     toggle("ground", "6", show.ground);
     toggle("grains", "7", show.particles);
-    toggle("parts by colour", "C", show.colorSkinByPart);
+    toggle("colour by part", "C", show.colorSkinByPart);
     ImGui::Separator();
     const float slider = ImGui::GetContentRegionAvail().x;
-    if (values.mostParts > 0) {
+    if (values.maxParts > 0) {
       int parts = values.parts;
       ImGui::SetNextItemWidth(slider);
       const char* format = values.preparingParts ? "%d parts ..." : parts == 1 ? "%d part" : "%d parts";
-      if (ImGui::SliderInt("##parts", &parts, 1, values.mostParts, format,
+      if (ImGui::SliderInt("##parts", &parts, 1, values.maxParts, format,
                            ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
         requests.parts = parts;
       }
     }
     if (!values.scenes.empty()) {
       ImGui::SetNextItemWidth(slider);
-      const std::string& now = values.scenes[static_cast<std::size_t>(values.scene)];
+      const std::string& now = values.scenes[values.scene];
       if (ImGui::BeginCombo("##scene", now.c_str())) {
         for (int s = 0; s < static_cast<int>(values.scenes.size()); ++s) {
-          if (ImGui::Selectable(values.scenes[static_cast<std::size_t>(s)].c_str(), s == values.scene)) {
+          if (ImGui::Selectable(values.scenes[s].c_str(), s == values.scene)) {
             requests.scene = s;
           }
         }
         ImGui::EndCombo();
       }
     }
-    if (!facts.qualities.empty()) {
+    if (!status.qualities.empty()) {
       ImGui::SetNextItemWidth(slider);
-      const char* now = facts.qualities[static_cast<std::size_t>(facts.quality)];
+      const char* now = status.qualities[status.quality];
       const std::string chosen =
           state.quality < 0 ? fmt::format("quality: {} (auto)", now) : fmt::format("quality: {}", now);
       if (ImGui::BeginCombo("##quality", chosen.c_str())) {
         if (ImGui::Selectable("automatic", state.quality < 0)) state.quality = -1;
-        for (int q = static_cast<int>(facts.qualities.size()) - 1; q >= 0; --q) {
-          if (ImGui::Selectable(facts.qualities[static_cast<std::size_t>(q)], state.quality == q)) state.quality = q;
+        for (int q = static_cast<int>(status.qualities.size()) - 1; q >= 0; --q) {
+          if (ImGui::Selectable(status.qualities[q], state.quality == q)) state.quality = q;
         }
         ImGui::EndCombo();
       }
     }
     if (keyedButton("throw a ball", "B")) requests.throwBall = true;
     if (keyedButton("save a picture", "P")) state.picture = true;
-    if (keyedButton(facts.videoSeconds < 0.0 ? "begin a video###video" : "end the video###video", "V")) {
+    if (keyedButton(status.videoSeconds < 0.0 ? "start a video###video" : "stop the video###video", "V")) {
       state.video = true;
     }
   }
@@ -270,18 +269,18 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const Window
   ImGui::End();
 }
 
-void drawWarnings(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts) {
-  // Between the panels, or below their titles where there is no room between them.
+void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status) {
+  // Between the panels, or below their titles if there is no space between them.
   if (layout.small() && !layout.panels.empty()) layout.ceiling += layout.of(kPanelLine + 12.0f);
   for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
-  if (facts.videoSeconds >= 0.0) {
-    drawPlate(layout, fmt::format("video {:.1f} s, V ends it", facts.videoSeconds), kInk, kRed);
+  if (status.videoSeconds >= 0.0) {
+    drawPlate(layout, fmt::format("video {:.1f} s, V to stop", status.videoSeconds), kInk, kRed);
   }
-  if (!facts.notice.empty()) drawPlate(layout, facts.notice, kInk, 0);
+  if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, 0);
 }
 
 void drawHelp(PanelLayout& layout) {
-  // Below the warnings; where it is too long for that above the transport, over the transport, and then it scrolls.
+  // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
   constexpr float kTitleAndPads = 46.0f;
   const float line = ImGui::GetTextLineHeightWithSpacing();
   const float wanted = line * static_cast<float>(kHelp.size()) + layout.of(kTitleAndPads);

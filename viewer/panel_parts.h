@@ -9,20 +9,20 @@ namespace lorica {
 
 /// Height of a line of text at scale 1 [pixels].
 inline constexpr float kPanelLine = 18.0f;
-/// That of times, at scale 1 [pixels].
+/// Width of the times panel, the widest, at scale 1 [pixels].
 inline constexpr float kWidestPanel = 250.0f;
 
-/// Where panels are in the picture [pixels]: transport below, what is shown on the left, times on the right; the middle
-/// stays free.
+/// Layout of the panels in the picture [pixels]: transport at the bottom, view options on the left, times on the right;
+/// the centre stays free.
 struct PanelLayout {
   struct Area {
     float left = 0, top = 0, right = 0, bottom = 0;
   };
 
-  /// Of a panel that folds to its title.
+  /// State of a panel that can be collapsed.
   struct Fold {
-    std::optional<bool> small;  ///< what the picture was when it was drawn last
-    bool openIfLarge = true;    ///< as a user left it in a large picture
+    std::optional<bool> small;  ///< whether the picture was small when the panel was last drawn
+    bool openIfLarge = true;    ///< state that the user chose in a large picture
   };
 
   void begin(float newWidth, float newHeight) {
@@ -32,38 +32,38 @@ struct PanelLayout {
     floor = height;
     panels.clear();
   }
-  /// Of things that are so large at scale 1.
+  /// Converts a size at scale 1.
   [[nodiscard]] float of(float pixels) const { return pixels * unit; }
   [[nodiscard]] float margin() const { return of(10.0f); }
-  /// Too small for panels to be open by themselves.
+  /// Whether the picture is too small for panels to be open by default.
   [[nodiscard]] bool small() const { return width < of(900.0f) || height < of(540.0f); }
 
   float unit = 1.0f;
   float width = 1.0f, height = 1.0f;  ///< of the picture
-  float floor = 1.0f;                 ///< what is below belongs to the transport
-  float ceiling = 0.0f;               ///< what is above belongs to warnings
+  float floor = 1.0f;                 ///< top of the transport
+  float ceiling = 0.0f;               ///< bottom of the warnings
   std::vector<Area> panels;           ///< as drawn
   Fold view, times;
 };
 
-/// Before the Begin() of a panel that folds: folds it where the picture has become small; where it has become large,
-/// the panel is again as it was left there.
+/// Call before the Begin() of a collapsible panel: collapses it when the picture becomes small, and restores its state
+/// when the picture becomes large.
 void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold);
-/// After it.
+/// Call after Begin(): stores the state.
 void noteFold(PanelLayout::Fold& fold);
 
-/// Before the End() of a panel: the mouse over it belongs to it.
+/// Call before the End() of a panel: the panel receives the mouse input over its area.
 void notePanel(PanelLayout& layout);
 
-/// Dark, translucent, for text of kPanelLine * scale.
+/// Sets a dark, translucent style for text of height kPanelLine * scale.
 void setPanelStyle(float scale);
 
-void drawTransport(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
+void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests);
-void drawViewPanel(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts, ControlState& state,
+void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests);
-void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGraph& times);
-void drawWarnings(PanelLayout& layout, const WindowValues& values, const WindowFacts& facts);
+void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times);
+void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status);
 void drawHelp(PanelLayout& layout);
 
 }  // namespace lorica

@@ -9,14 +9,14 @@
 namespace lorica {
 namespace {
 
-constexpr std::array<ImU32, TimeGraph::kMostStages> kStageColors = {
+constexpr std::array<ImU32, TimeGraph::kMaxStages> kStageColors = {
     IM_COL32(94, 168, 255, 255),  IM_COL32(120, 214, 166, 255), IM_COL32(240, 205, 98, 255),
     IM_COL32(240, 142, 92, 255),  IM_COL32(214, 122, 200, 255), IM_COL32(150, 150, 240, 255),
     IM_COL32(170, 190, 200, 255), IM_COL32(210, 100, 110, 255)};
 constexpr ImU32 kLine = IM_COL32(255, 255, 255, 40);
 constexpr ImU32 kFaint = IM_COL32(158, 168, 184, 255);
 
-/// The upper end of the scale: one of few, so that it seldom changes [ms].
+/// Upper end of the scale [ms]: one of a few values, so that it rarely changes.
 double scaleFor(double milliseconds) {
   constexpr std::array kScales = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
   const auto* found = std::find_if(kScales.begin(), kScales.end(), [&](double s) { return milliseconds <= s; });
@@ -31,7 +31,7 @@ void rightText(const char* format, double value) {
   ImGui::TextUnformatted(text.data());
 }
 
-/// A bar a frame, its stages on top of each other.
+/// One bar per frame, with its stages stacked.
 void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, double scale) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float bar = size.x / TimeGraph::kFrames;
@@ -43,7 +43,7 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
     for (int s = 0; s < times.stageCount(); ++s) {
       sum += times.milliseconds(f, s);
       const float above = corner.y + size.y * (1.0f - static_cast<float>(std::min(sum / scale, 1.0)));
-      list.AddRectFilled(ImVec2(left, above), ImVec2(left + bar, below), kStageColors[static_cast<std::size_t>(s)]);
+      list.AddRectFilled(ImVec2(left, above), ImVec2(left + bar, below), kStageColors[s]);
       below = above;
     }
   }
@@ -51,7 +51,7 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
 
 }  // namespace
 
-void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGraph& times) {
+void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times) {
   const float margin = layout.margin();
   const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
   const float room = layout.floor - 2.0f * margin;
@@ -59,7 +59,7 @@ void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGra
   ImGui::SetNextWindowPos(ImVec2(layout.width - margin, margin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
   foldAsSizeSays(layout, layout.times);
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
-  const bool open = ImGui::Begin("Time of a frame", nullptr,
+  const bool open = ImGui::Begin("Frame time", nullptr,
                                  ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
@@ -77,23 +77,23 @@ void drawTimesPanel(PanelLayout& layout, const WindowFacts& facts, const TimeGra
     std::snprintf(label.data(), label.size(), "%g ms", scale);
     list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), kFaint, label.data());
     double total = 0.0;
-    for (int s = times.stageCount() - 1; s >= 0; --s) {  // as in the bars, from above
-      const ImVec2 place = ImGui::GetCursorScreenPos();
+    for (int s = times.stageCount() - 1; s >= 0; --s) {  // same order as in the bars, from the top
+      const ImVec2 position = ImGui::GetCursorScreenPos();
       const float box = layout.of(9.0f), drop = 0.5f * (ImGui::GetTextLineHeight() - box);
-      list.AddRectFilled(ImVec2(place.x, place.y + drop), ImVec2(place.x + box, place.y + drop + box),
-                         kStageColors[static_cast<std::size_t>(s)], layout.of(2.0f));
+      list.AddRectFilled(ImVec2(position.x, position.y + drop), ImVec2(position.x + box, position.y + drop + box),
+                         kStageColors[s], layout.of(2.0f));
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() + layout.of(16.0f));
       ImGui::TextUnformatted(times.name(s));
       rightText("%.2f ms", times.mean(s));
       total += times.mean(s);
     }
     ImGui::Separator();
-    ImGui::TextUnformatted("all of them");
+    ImGui::TextUnformatted("total");
     rightText("%.2f ms", total);
     ImGui::TextUnformatted("drawing");
-    rightText("%.1f ms", facts.pictureMilliseconds);
-    ImGui::TextUnformatted("pictures a second");
-    rightText("%.0f", facts.picturesASecond);
+    rightText("%.1f ms", status.pictureMilliseconds);
+    ImGui::TextUnformatted("frames per second");
+    rightText("%.0f", status.picturesASecond);
   }
   notePanel(layout);
   ImGui::End();

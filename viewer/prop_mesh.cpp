@@ -9,7 +9,7 @@ namespace lorica {
 
 PropMesh makeBevelledBox() {
   PropMesh mesh;
-  // Each face is a grid of 4 x 4 vertices; the middle four have the face's normal, the rim is shared bevel:
+  // Each face is a grid of 4 x 4 vertices; the middle four have the face's normal, the others form the bevel:
   //   normals along one side: 45 degrees outward, straight, straight, 45 degrees outward
   constexpr std::array<float, 4> kTilt = {-1, 0, 0, 1};
   constexpr std::array<float, 4> kCorner = {-1, -1, 1, 1};
@@ -50,7 +50,7 @@ namespace {
 
 constexpr std::uint32_t kSegments = 24;
 
-/// Joins rings of kSegments vertices each, from the top one down.
+/// Connects rings of kSegments vertices each, from top to bottom.
 void joinRings(PropMesh& mesh, std::uint32_t ringCount) {
   for (std::uint32_t i = 0; i + 1 < ringCount; ++i) {
     for (std::uint32_t j = 0; j < kSegments; ++j) {
@@ -69,7 +69,7 @@ Vec3f around(std::uint32_t segment, double sine, double cosine) {
 
 constexpr int kHalfSphere = 7;  // steps from a pole to the equator
 
-/// Rings from one latitude to another, counted from the upper pole. @param y  of their corners, in half extents
+/// Rings from one latitude to another, counted from the upper pole. @param y  coordinate of the corners [half extents]
 void addRings(PropMesh& mesh, int from, int to, float y) {
   for (int i = from; i <= to; ++i) {
     const double theta = 0.5 * std::numbers::pi * i / kHalfSphere;
@@ -101,7 +101,7 @@ PropMesh makePropCylinder() {
     double radius, height;  // of the corner, in half extents
     double tilt;            // of the normal: 0 up, pi / 2 outwards, pi down
   };
-  // The lids' middles and rims, then the bevels, then the sides.
+  // Centres and rims of the lids, then the bevels, then the sides.
   constexpr double kQuarter = 0.25 * std::numbers::pi;
   constexpr std::array<Ring, 8> kRings = {{{0.0, 1.0, 0.0},
                                            {1.0, 1.0, 0.0},
@@ -133,7 +133,7 @@ PropMesh makePropMesh(PropShape shape) {
     case PropShape::kCylinder:
       return makePropCylinder();
     case PropShape::kMesh:
-      break;  // each has a mesh of its own
+      break;  // each has its own mesh
   }
   return {};
 }

@@ -8,11 +8,11 @@
 
 namespace lorica {
 
-/// A shape that all props of one kind share. The vertex shader places a vertex at
-/// corner * extents + normal * bevel, so one mesh serves boxes of any proportion with equal bevels.
+/// A mesh shared by all props of one shape. The vertex shader places a vertex at corner * extents + normal * bevel, so
+/// one mesh serves boxes of all proportions with equal bevels.
 struct PropMesh {
   struct Vertex {
-    Vec3f corner;  ///< where it is without bevel, in half extents; zero on a sphere
+    Vec3f corner;  ///< position without bevel, in half extents; zero on a sphere
     Vec3f normal;
   };
   std::vector<Vertex> vertices;
@@ -25,7 +25,7 @@ struct PropMesh {
 /// Sphere of 360 vertices and 624 triangles.
 [[nodiscard]] PropMesh makePropSphere();
 
-/// Capsule about y: the two halves of a sphere apart.
+/// Capsule about y: the two separated halves of a sphere.
 [[nodiscard]] PropMesh makePropCapsule();
 
 /// Cylinder about y with bevelled rims.
@@ -33,15 +33,15 @@ struct PropMesh {
 
 [[nodiscard]] PropMesh makePropMesh(PropShape shape);
 
-/// What the vertex shader needs of one prop.
+/// Vertex shader input of one prop.
 struct PropInstance {
   Vec3f x, y, z, origin;  ///< columns of worldFromProp
-  Vec3f extents;          ///< half extents less the bevel [m]
-  float bevel;            ///< the radius for a sphere or capsule [m]
+  Vec3f extents;          ///< half extents minus the bevel [m]
+  float bevel;            ///< for a sphere or capsule, the radius [m]
   Vec3f color;            ///< linear RGB
 };
 
-/// Every prop of one shape; those with numbers that are not finite are left out.
+/// Instances of all props of one shape; props with non-finite numbers are omitted.
 void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances);
 
 }  // namespace lorica

@@ -6,10 +6,10 @@ namespace lorica {
 namespace {
 
 constexpr double kJudged = 1.0;          // [s]
-constexpr double kTooLong = 1.0 / 25.0;  // a picture [s]
-constexpr double kEasy = 0.010;          // a picture [s]
+constexpr double kTooLong = 1.0 / 25.0;  // per picture [s]
+constexpr double kEasy = 0.010;          // per picture [s]
 constexpr int kEasySeconds = 3;
-constexpr double kSoon = 5.0;  // a level that is left so soon was too much [s]
+constexpr double kSoon = 5.0;  // a level that is lowered within this time was too slow [s]
 constexpr double kLongestWait = 160.0;
 constexpr int kFewestPictures = 3;
 

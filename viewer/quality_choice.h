@@ -2,19 +2,20 @@
 
 namespace lorica {
 
-/// Which quality of pictures a machine is fast enough for, from how long they take: lower where people see them jerk,
-/// higher where there is time to spare, and calm in between.
+/// Chooses the rendering quality from the measured frame times: lower if the animation stutters, higher if there is
+/// time to spare, with hysteresis.
 ///
-/// Judges a second at a time. Below 25 pictures a second it goes down one level. Where a picture takes less than 10 ms
-/// for three seconds, it goes up one. A level that was too much is tried again after 10 s, then after twice as long.
+/// Evaluates one second at a time. Below 25 pictures per second the quality is lowered by one level. If a picture takes
+/// less than 10 ms for three seconds, it is raised by one. A level that was too slow is tried again after 10 s, then
+/// after twice that time, and so on.
 class QualityChoice {
  public:
   /// @param levels  0 is the lowest; starts at the highest
   explicit QualityChoice(int levels) : highest_(levels - 1), level_(levels - 1) {}
 
-  /// Takes a picture into account.
-  /// @param seconds  that drawing it took, without waiting for the display [s]
-  /// @param now      a clock that never goes back [s]
+  /// Adds the measurement of one picture.
+  /// @param seconds  drawing time, without waiting for the display [s]
+  /// @param now      monotonic clock [s]
   /// @return whether the level changed
   bool add(double seconds, double now);
   [[nodiscard]] int level() const { return level_; }
@@ -22,13 +23,13 @@ class QualityChoice {
  private:
   int highest_;
   int level_;
-  double begin_ = -1.0;  // of the second that is judged [s]; below 0 = none yet
-  double sum_ = 0.0;     // of the pictures in it [s]
+  double begin_ = -1.0;  // start of the evaluated second [s]; below 0 = none yet
+  double sum_ = 0.0;     // drawing time of the pictures in it [s]
   int pictures_ = 0;
   int easySeconds_ = 0;      // in a row
   double raisedAt_ = -1e9;   // [s]
-  double notBefore_ = -1e9;  // a level up [s]
-  double waitNext_ = 10.0;   // after a level was too much [s]
+  double notBefore_ = -1e9;  // earliest time to raise the level [s]
+  double waitNext_ = 10.0;   // delay after a level was too slow [s]
 };
 
 }  // namespace lorica

@@ -10,7 +10,7 @@ namespace {
 
 using shaders::Pass;
 
-/// Skins with fewer triangles look shadows up for each pixel: theirs are too coarse to do so for each vertex.
+/// Skins with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
 constexpr std::size_t kFineTriangles = 8000;
 
 }  // namespace
@@ -45,7 +45,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   const FrameSetup setup =
       setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
 
-  // Everything that changes with the frame goes up first, one upload a buffer.
+  // First upload everything that changes with the frame, one upload per buffer.
   gl.BindBuffer(GL_UNIFORM_BUFFER, i.frameBlock);
   gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof(FrameUniforms), &setup.uniforms);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, i.frameBlock);
@@ -81,7 +81,8 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.Disable(GL_BLEND);
   gl.Disable(GL_CULL_FACE);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
-  // Closed surfaces cast with the faces that look away from the light: those never shade the faces that it meets.
+  // Closed surfaces cast shadows with the faces that face away from the light, so that lit faces do not shadow
+  // themselves.
   gl.Enable(GL_CULL_FACE);
   gl.CullFace(GL_FRONT);
   i.drawCasters(Pass::kShadow, skinIndexCount, hullCount);
@@ -89,7 +90,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   if (options.particles) i.drawGrainShadows(scene, setup);
   if (options.ground) i.drawContactShadow(skinIndexCount, hullCount, setup.uniforms.contactArea.z());
 
-  // Opaque things, near before far: what they cover is not shaded again.
+  // Opaque objects from near to far, so that covered pixels are not shaded.
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
   gl.Viewport(0, 0, i.targets.drawnWidth, i.targets.drawnHeight);
   gl.Enable(GL_DEPTH_TEST);
@@ -124,7 +125,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
   }
 
-  // Contacts: faint where something is in front of them.
+  // Contacts: faint if something is in front of them.
   if (markerCount > 0) {
     gl.UseProgram(i.markerProgram);
     gl.BindVertexArray(i.markerVertexArray);
@@ -137,7 +138,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   }
   gl.DepthMask(GL_TRUE);
 
-  // Bones shine through everything, but hide one another.
+  // Bones are visible through everything, but hide one another.
   if (boneCount > 0) {
     gl.Clear(GL_DEPTH_BUFFER_BIT);
     gl.UseProgram(i.overlayProgram);
@@ -168,7 +169,7 @@ Image Renderer::readBack() {
   impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, t.resolved);
   impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   impl_->gl.ReadPixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
-  // OpenGL's rows start at the bottom. Coverage of panels and hulls has left its mark in alpha: the picture is opaque.
+  // OpenGL's rows start at the bottom. Panels and hulls have changed alpha; reset it, because the picture is opaque.
   for (int top = 0, bottom = t.height - 1; top < bottom; ++top, --bottom) {
     std::swap_ranges(image.rgba.data() + static_cast<std::size_t>(top) * rowBytes,
                      image.rgba.data() + static_cast<std::size_t>(top + 1) * rowBytes,

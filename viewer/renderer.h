@@ -9,11 +9,11 @@
 
 namespace lorica {
 
-/// A current OpenGL 3.3 core context without a window: OSMesa first, EGL surfaceless where OSMesa is missing,
-/// both loaded at run time. One at a time, used from the thread that made it.
+/// A current OpenGL 3.3 core context without a window: OSMesa, or EGL surfaceless if OSMesa is missing, both loaded at
+/// run time. Only one may exist at a time; used only from the thread that created it.
 class OffscreenContext {
  public:
-  /// @return the context, or kNoDisplay with what was tried and which package helps
+  /// @return the context, or kNoDisplay with what was tried and which package to install
   static Result<OffscreenContext> create();
   ~OffscreenContext();
   OffscreenContext(OffscreenContext&&) noexcept;
@@ -29,14 +29,14 @@ class OffscreenContext {
   std::unique_ptr<Impl> impl_;
 };
 
-/// How good a picture looks and what it costs; docs/PICTURES.md has the figures.
+/// Rendering quality. Costs: docs/PICTURES.md.
 enum class RenderQuality : std::uint8_t {
-  kHigh,    ///< smoothed edges, fine shadows
-  kMedium,  ///< edges as the pixels fall
-  kLow,     ///< and drawn smaller than it is shown; text stays sharp
+  kHigh,    ///< anti-aliased edges, fine shadows
+  kMedium,  ///< no anti-aliasing
+  kLow,     ///< also rendered at a lower resolution and enlarged; text stays sharp
 };
 
-/// Draws scenes with whatever OpenGL 3.3 core context is current; the same code under a window and off screen.
+/// Draws scenes in the current OpenGL 3.3 core context; the same code is used in a window and off screen.
 class Renderer {
  public:
   using GetProc = void* (*)(const char*);
@@ -45,15 +45,15 @@ class Renderer {
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  /// From the next draw() on. A new renderer's is high.
+  /// Sets the quality from the next draw() on. The default is high.
   void setQuality(RenderQuality quality);
   [[nodiscard]] RenderQuality quality() const;
 
-  /// Draws into a framebuffer of its own of this size.
+  /// Draws into the renderer's own framebuffer of this size.
   void draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height);
-  /// What draw() drew last.
+  /// The picture of the last draw().
   [[nodiscard]] Image readBack();
-  /// Copies what draw() drew last to the window's framebuffer (number 0).
+  /// Copies the picture of the last draw() to the window's framebuffer (number 0).
   void present(int windowWidth, int windowHeight);
 
  private:

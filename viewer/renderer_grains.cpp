@@ -10,7 +10,7 @@ namespace {
 using shaders::Pass;
 
 constexpr float kNearGrain = 2.0f;     // grains of at least this radius are drawn as balls [pixels]
-constexpr float kShadowTexels = 2.0f;  // a grain's shadow is at least as wide: those behind it need not be drawn
+constexpr float kShadowTexels = 2.0f;  // minimum width of a grain's shadow: grains behind it need not be drawn
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 std::span<const Vec3f> colorsOf(const Scene& scene) {
@@ -49,7 +49,7 @@ void Renderer::Impl::drawGrains(const Scene& scene, const FrameSetup& setup) {
   GrainView view;
   view.clipFromWorld = setup.uniforms.clipFromWorld;
   view.depthFromWorld = view.clipFromWorld.row(3).transpose();
-  // A ball leaves the corners of its square open.
+  // A ball does not cover the corners of its square.
   const float cell = (near ? 0.7f : 1.0f) * setup.grainPixels;
   view.columns = cellsIn(targets.drawnWidth, cell);
   view.rows = cellsIn(targets.drawnHeight, cell);

@@ -33,13 +33,13 @@ struct PropShapeGpu {
   std::vector<PropInstance> instances;
 };
 
-/// A shape of props of its own on the GPU, for as long as anybody holds it.
+/// The GPU data of a mesh shape, kept as long as the shape exists.
 struct MeshPropGpu {
   std::weak_ptr<const PropMeshShape> shape;
   PropShapeGpu gpu;
 };
 
-/// A text panel as a texture, drawn anew only when its text or size changes.
+/// A text panel as a texture, redrawn only if its text or size changes.
 struct PanelGpu {
   GLuint texture = 0;
   std::string text;
@@ -55,8 +55,8 @@ inline GLsizei glCount(std::size_t n) {
   return static_cast<GLsizei>(n);
 }
 
-/// What a Renderer keeps: built once by renderer_setup.cpp, filled and drawn by renderer_passes.cpp in the order that
-/// renderer.cpp sets.
+/// The state of a Renderer: created by renderer_setup.cpp; filled and drawn by renderer_passes.cpp in the order given
+/// by renderer.cpp.
 struct Renderer::Impl {
   explicit Impl(const GlFunctions& functions) : gpu(functions), gl(gpu.gl) {}
 
@@ -94,7 +94,7 @@ struct Renderer::Impl {
   GLuint grainVertexArray = 0;
   StreamBuffer grainBuffer;
   GrainList grains;
-  bool software = false;      ///< a processor draws: each grain costs
+  bool software = false;      ///< software rendering on the CPU: each grain is costly
   float maxPointSize = 1.0f;  ///< of the driver [pixels]
 
   Result<void> createPrograms();
@@ -116,10 +116,10 @@ struct Renderer::Impl {
   void drawGrains(const Scene& scene, const FrameSetup& setup);
   void drawFloor(const FrameSetup& setup);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
-  /// At the top as it is, at the bottom in lines that fit.
+  /// Draws a text panel: at the top unchanged, at the bottom wrapped to fit.
   void drawPanel(PanelGpu& target, const std::string& whole, bool top);
   void drawInset(const Image& image);
-  /// The bound texture, straight onto the resolved picture; pixels from the lower left.
+  /// Draws the bound texture onto the resolved picture; coordinates in pixels from the lower left.
   void drawFlat(int left, int bottom, int width, int height);
 };
 

@@ -5,22 +5,22 @@
 
 namespace lorica {
 
-/// The place of a shape among those on the GPU, uploaded when it is new. Shapes that nobody holds any more make room.
+/// The GPU data of a shape, uploaded if it is new. Data of shapes that no longer exist is reused.
 MeshPropGpu& Renderer::Impl::meshPropOf(const std::shared_ptr<const PropMeshShape>& shape) {
   for (MeshPropGpu& known : meshProps) {
     if (known.shape.lock() == shape) return known;
   }
-  auto place =
+  auto position =
       std::find_if(meshProps.begin(), meshProps.end(), [](const MeshPropGpu& known) { return known.shape.expired(); });
   const PropMesh mesh = makeCreasedMesh(shape->shown);
-  if (place == meshProps.end()) {
-    place = meshProps.emplace(meshProps.end());
-    createPropShape(place->gpu, mesh);
+  if (position == meshProps.end()) {
+    position = meshProps.emplace(meshProps.end());
+    createPropShape(position->gpu, mesh);
   } else {
-    fillPropShape(place->gpu, mesh);
+    fillPropShape(position->gpu, mesh);
   }
-  place->shape = shape;
-  return *place;
+  position->shape = shape;
+  return *position;
 }
 
 void Renderer::Impl::uploadMeshProps(std::span<const Prop> props, bool shown) {

@@ -58,7 +58,7 @@ void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
   gl.DrawElementsInstanced(GL_TRIANGLES, shape.indexCount, GL_UNSIGNED_INT, nullptr, glCount(shape.instances.size()));
 }
 
-/// What casts shadows: the skin, or the hulls where no skin is shown, and the props.
+/// Draws the shadow casters: the skin, or the hulls if no skin is shown, and the props.
 void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hullCount) {
   gl.UseProgram(skinProgram[passIndex(pass)]);
   if (skinIndexCount > 0) {
@@ -73,7 +73,7 @@ void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hull
   drawProps(pass);
 }
 
-/// Nearness to the floor of whatever is lowest over each place, blurred in both directions.
+/// Draws the proximity to the floor of the lowest surface over each point, blurred in both directions.
 void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[0]);
   gl.Viewport(0, 0, Targets::kContactSize, Targets::kContactSize);
@@ -89,7 +89,7 @@ void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount
   gl.UseProgram(blurProgram);
   gl.BindVertexArray(emptyVertexArray);
   gl.ActiveTexture(GL_TEXTURE0);
-  // The filter's own deviation is 1.41 texels; taps farther apart than three texels would show.
+  // The filter's own standard deviation is 1.41 texels; taps more than three texels apart would be visible.
   const float texel = 2.0f * contactHalfSide / Targets::kContactSize;
   const float step = std::clamp(kContactSoftness / (1.41f * texel), 1.0f, 3.0f) / Targets::kContactSize;
   for (const int from : {0, 1}) {
@@ -100,7 +100,8 @@ void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount
   }
 }
 
-/// The floor is four plain strips around the part that shadows reach: reading shadow maps is what costs.
+/// The floor consists of four plain strips around the part that shadows can reach, because shadow map lookups are
+/// costly.
 void Renderer::Impl::drawFloor(const FrameSetup& setup) {
   const float x = setup.uniforms.floorFade.x(), z = setup.uniforms.floorFade.y(), h = setup.floorHalfSide;
   const float xs[] = {x - h, setup.shadedMin.x(), setup.shadedMax.x(), x + h};
@@ -138,11 +139,11 @@ void Renderer::Impl::drawFlat(int left, int bottom, int width, int height) {
   gl.Disable(GL_BLEND);
 }
 
-/// One texel a pixel.
+/// One texel per pixel.
 void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& whole, bool top) {
   if (whole.empty()) return;
   const int lineHeight = std::clamp(targets.height / 34, 12, 48);
-  // A plate is as much wider than its text as a line is high, and stands half of that off the side.
+  // A plate is wider than its text by the height of a line, and is half of that away from the side.
   const std::string text = top ? whole : fittedText(whole, lineHeight, targets.width - 2 * lineHeight);
   gl.ActiveTexture(GL_TEXTURE0);
   gl.BindTexture(GL_TEXTURE_2D, target.texture);

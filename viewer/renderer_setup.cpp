@@ -23,7 +23,7 @@ Result<void> Renderer::Impl::createPrograms() {
     if (!made.ok()) return Result<void>(made.error());
     program = made.value();
     gl.UseProgram(program);
-    // Unit 0: whatever the pass reads; 1: contact shadow; 2: shadow map.
+    // Unit 0: the pass's own texture; 1: contact shadow; 2: shadow map.
     if (const GLint i = gl.GetUniformLocation(program, "source"); i >= 0) gl.Uniform1i(i, 0);
     if (const GLint i = gl.GetUniformLocation(program, "contactMap"); i >= 0) gl.Uniform1i(i, 1);
     if (const GLint i = gl.GetUniformLocation(program, "shadowMap"); i >= 0) gl.Uniform1i(i, 2);
@@ -120,15 +120,15 @@ void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) 
   }
 }
 
-/// A grid over the picture whose corners carry the sky's colour: the gradient costs nothing a pixel.
+/// A grid over the picture with the sky's colour at its vertices, so that the gradient costs nothing per pixel.
 void Renderer::Impl::createSky() {
   constexpr std::uint32_t kColumns = 8, kRows = 32;
-  std::vector<Eigen::Vector2f> places;
+  std::vector<Eigen::Vector2f> positions;
   std::vector<std::uint32_t> indices;
   for (std::uint32_t row = 0; row <= kRows; ++row) {
     for (std::uint32_t column = 0; column <= kColumns; ++column) {
-      places.emplace_back(2.0f * static_cast<float>(column) / kColumns - 1.0f,
-                          2.0f * static_cast<float>(row) / kRows - 1.0f);
+      positions.emplace_back(2.0f * static_cast<float>(column) / kColumns - 1.0f,
+                             2.0f * static_cast<float>(row) / kRows - 1.0f);
       if (row == kRows || column == kColumns) continue;
       const std::uint32_t a = row * (kColumns + 1) + column, b = a + 1, c = b + kColumns + 1, d = c - 1;
       indices.insert(indices.end(), {a, b, c, a, c, d});
@@ -138,7 +138,7 @@ void Renderer::Impl::createSky() {
   skyVertexArray = gpu.makeVertexArray();
   gl.BindVertexArray(skyVertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, gpu.makeBuffer());
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(places.size() * sizeof(places[0])), places.data(),
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size() * sizeof(positions[0])), positions.data(),
                 GL_STATIC_DRAW);
   attribute(0, 2, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector2f), 0);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.makeBuffer());

@@ -7,7 +7,7 @@
 namespace lorica {
 namespace {
 
-/// OKLCH to linear sRGB (B. Ottosson, "A perceptual color space for image processing", 2020); may leave 0 to 1.
+/// OKLCH to linear sRGB (B. Ottosson, "A perceptual color space for image processing", 2020); may be outside 0 to 1.
 Vec3 linearFromOklch(double lightness, double chroma, double hue) {
   const double a = chroma * std::cos(hue);
   const double b = chroma * std::sin(hue);
@@ -26,7 +26,7 @@ PartedSkin makePartedSkin(const Decomposition& decomposition) {
   for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
     const Part& part = decomposition.parts[p];
     for (std::size_t i = 0; i < part.triangles.size(); ++i) {
-      if (part.sourceTriangle[i] < 0) continue;  // caps lie inside the body
+      if (part.sourceTriangle[i] < 0) continue;  // caps are inside the body
       skin.triangles.push_back(part.triangles[i]);
       skin.partOfTriangle.push_back(static_cast<PartIndex>(p));
     }
@@ -35,12 +35,12 @@ PartedSkin makePartedSkin(const Decomposition& decomposition) {
 }
 
 Vec3f partColor(PartIndex part) {
-  // Four steps of lightness; within each, 32 parts spread over the circle of hues. The angle was searched for: the
-  // nearest two of 32 colours are 0.06 apart in OKLab (0.02 is just noticeable), neighbours in order 0.24.
+  // Four levels of lightness; in each, the 32 parts are distributed over the hues. The angle was found by search: the
+  // nearest two of 32 colours differ by 0.06 in OKLab (0.02 is just noticeable), consecutive ones by 0.24.
   constexpr std::array<double, 4> kLightness = {0.74, 0.62, 0.84, 0.68};
   constexpr std::array<double, 4> kChroma = {0.14, 0.14, 0.11, 0.14};
   constexpr double kStep = 140.0 * std::numbers::pi / 180.0;
-  constexpr double kYellow = 1.83;  // lighter there and darker in the blues, or yellow looks like mud
+  constexpr double kYellow = 1.83;  // hue that gets more lightness, and blues less, otherwise yellow looks brown
   const auto i = static_cast<std::uint32_t>(part);
   const double hue = 4.0 + kStep * i;
   const double lightness = kLightness[i % 4] + 0.05 * std::cos(hue - kYellow);

@@ -14,7 +14,7 @@
 
 namespace lorica {
 
-/// What one picture shows, borrowed from whoever owns it. Knows nothing of sessions or files.
+/// The contents of one picture, borrowed from the caller. Independent of sessions and files.
 struct Scene {
   std::span<const Vec3> vertices;  ///< posed mesh [m]
   std::span<const Triangle> triangles;
@@ -23,15 +23,15 @@ struct Scene {
   std::span<const Prop> props;
   std::span<const Contact> contacts;
   std::span<const Vec3f> particles;          ///< centres of grains or drops [m]
-  float particleRadius = 0.0f;               ///< of every one [m]
-  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all, linear RGB: dry sand
-  std::span<const Vec3f> particleColors;     ///< of each, linear RGB; empty = `particleColor`
-  const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter as wide as the picture; null = none
+  float particleRadius = 0.0f;               ///< of all particles [m]
+  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all particles, linear RGB: dry sand
+  std::span<const Vec3f> particleColors;     ///< of each particle, linear RGB; empty = `particleColor`
+  const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter of the picture's width; null = none
   const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
 };
 
-/// What is drawn of it.
+/// The layers of a scene that are drawn.
 struct SceneOptions {
   bool skin = true;
   bool colorSkinByPart = true;
@@ -51,8 +51,8 @@ struct Camera {
   double verticalFov = 0.6;  ///< [rad]
 };
 
-/// The skin cut along the parts' borders, over Session::points(): as Scene::triangles and partOfTriangle it shows
-/// borders where the cuts run, not along the mesh's edges.
+/// The skin, cut along the borders of the parts, with indices into Session::points(). Used as Scene::triangles and
+/// partOfTriangle, it shows borders along the cuts instead of the mesh's edges.
 struct PartedSkin {
   std::vector<Triangle> triangles;
   std::vector<PartIndex> partOfTriangle;

@@ -3,7 +3,7 @@
 namespace lorica::shaders {
 namespace {
 
-// Must agree with FrameUniforms in frame_setup.h.
+// Must match FrameUniforms in frame_setup.h.
 constexpr const char* kFrame = R"(#version 330 core
 layout(std140) uniform Frame {
   mat4 clipFromWorld;
@@ -11,16 +11,16 @@ layout(std140) uniform Frame {
   vec4 eye;
   vec4 rayForward;  // a pixel's ray is forward + x right + y up, x and y in clip space
   vec4 rayRight;
-  vec4 rayUp;  // w: cotangent of half the vertical angle of view
+  vec4 rayUp;  // w: cotangent of half the vertical field of view
   vec4 toLight;      // w: one shadow texel in texture coordinates
-  vec4 contactArea;  // centre x, z; half side; height that still counts [m]
-  vec4 floorFade;    // x, z of the middle; distances where fading starts and ends [m]
+  vec4 contactArea;  // centre x, z; half side; maximum height [m]
+  vec4 floorFade;    // centre x, z; distances where fading starts and ends [m]
   vec4 viewport;     // width, height and their inverses
 };
 )";
 
-// sRGB by I. Taylor's fit with square roots, within 0.003 of the standard: a third of the cost of pow where the CPU
-// draws. The shoulder leaves dark and middle tones as they are and rolls highlights off below 1.
+// sRGB by I. Taylor's fit with square roots, within 0.003 of the standard, at a third of the cost of pow on a CPU. The
+// tone curve keeps dark and middle tones and compresses highlights to below 1.
 constexpr const char* kColor = R"(
 vec3 toSrgb(vec3 c) {
   vec3 a = sqrt(c), b = sqrt(a), d = sqrt(b);
@@ -32,7 +32,7 @@ vec3 toneMap(vec3 c) {
 }
 )";
 
-// Floor and sky are a backdrop, given as seen: sRGB values, so that their shaders need no conversion.
+// Colours of floor and sky are given in sRGB, so that their shaders need no conversion.
 constexpr const char* kBackdrop = R"(
 const vec3 kHorizon = vec3(0.908, 0.920, 0.932);
 const vec3 kZenith = vec3(0.690, 0.750, 0.812);
@@ -42,7 +42,7 @@ const vec3 kFloor = vec3(0.855, 0.866, 0.877);
 constexpr const char* kShadow = R"(
 uniform sampler2DShadow shadowMap;
 float shadowAt(vec3 p, vec3 n) {
-  // Moved off the surface along its normal, so that no surface shades itself.
+  // Offset from the surface along its normal, so that no surface shadows itself.
   vec3 s = (shadowFromWorld * vec4(p + n * 0.006, 1.0)).xyz;
   float d = 0.9 * toLight.w;
   return 0.25 * (texture(shadowMap, s + vec3(-d, -0.4 * d, 0.0)) + texture(shadowMap, s + vec3(0.4 * d, -d, 0.0)) +
@@ -53,7 +53,7 @@ float shadowAt(vec3 p, vec3 n) {
 constexpr const char* kSurface = R"(
 in vec3 toEye;
 in vec3 worldNormal;
-in vec2 openAndLit;  // share of the room, and of the key light, that reaches here
+in vec2 openAndLit;  // share of the ambient light, and of the key light, that is visible here
 flat in vec3 albedo;
 out vec4 color;
 
@@ -84,7 +84,7 @@ void main() {
 }
 )";
 
-// Ends the vertex shader of a lit surface, from `p` and `n`.
+// End of the vertex shader of a lit surface with `p` and `n`.
 constexpr const char* kLitVertexEnd = R"(
 out vec3 toEye;
 out vec3 worldNormal;
@@ -93,7 +93,7 @@ flat out vec3 albedo;
 void finish(vec3 p, vec3 n) {
   toEye = eye.xyz - p;
   worldNormal = n;
-  // Near the floor, what looks down sees little of the room.
+  // Near the floor, surfaces that face down receive little ambient light.
   openAndLit.x = 0.5 * (1.0 - clamp(p.y * 2.5, 0.0, 1.0));
 #ifdef SHADOW_EACH_PIXEL
   openAndLit.y = 1.0;
@@ -223,7 +223,7 @@ in vec2 ground;
 in vec3 shadowPlace;
 in vec2 contactPlace;
 out vec4 color;
-// Share of a pixel that lines of this width cover, one line at each whole number.
+// Share of a pixel that is covered by lines of this width at integer coordinates.
 float lines(vec2 p, vec2 footprint, float width) {
   vec2 w = footprint + width;
   vec2 distance = abs(fract(p - 0.5) - 0.5);
@@ -239,7 +239,7 @@ void main() {
 )";
   if (shaded) {
     text += R"(
-  // One tap in the middle and four around it; each is already a blend of four texels.
+  // One tap at the centre and four around it; each already interpolates four texels.
   float d = 1.6 * toLight.w;
   float lit = 0.2 * (texture(shadowMap, shadowPlace) + texture(shadowMap, shadowPlace + vec3(d, 0.45 * d, 0.0)) +
                      texture(shadowMap, shadowPlace + vec3(-0.45 * d, d, 0.0)) +
@@ -260,11 +260,11 @@ layout(location = 1) in vec3 other;
 layout(location = 2) in vec4 normal;
 layout(location = 3) in vec4 tint;
 flat out vec4 faceColor;
-out float across;  // from the middle of an edge [pixels]
+out float across;  // distance from the centre line of an edge [pixels]
 flat out float halfWidth;
 void main() {
   bool isEdge = normal.w != 0.0;
-  // A little toward the viewer: hulls touch the skin, edges lie on their faces.
+  // Offset slightly toward the viewer: hulls touch the skin, and edges are on their faces.
   vec3 toEye = normalize(eye.xyz - position);
   vec3 p = position + toEye * (isEdge ? 0.004 : 0.002);
   gl_Position = clipFromWorld * vec4(p, 1.0);
@@ -272,7 +272,7 @@ void main() {
   halfWidth = 1.0;
   float shade = 1.0;
   if (isEdge) {
-    // The edge's way on screen, right even where its far end is behind the viewer.
+    // Direction of the edge on screen, correct even if its other end is behind the viewer.
     vec4 q = clipFromWorld * vec4(other, 1.0);
     vec2 along = (q.xy * gl_Position.w - gl_Position.xy * q.w) * viewport.xy;
     along *= inversesqrt(max(dot(along, along), 1e-20));
@@ -307,7 +307,7 @@ out vec2 disc;
 flat out float radius;  // [pixels]
 void main() {
   vec4 c = clipFromWorld * vec4(center, 1.0);
-  // 16 mm large, but never below what can be seen.
+  // 16 mm, but with a minimum size on screen.
   float pixelsPerMetre = 0.5 * viewport.y * rayUp.w / max(c.w, 1e-3);
   radius = max(0.016 * pixelsPerMetre, 0.006 * viewport.y + 2.0);
   disc = corner * (radius + 1.0);
@@ -339,7 +339,7 @@ layout(location = 1) in vec3 tint;
 uniform vec4 grain;
 )";
   if (pass == Pass::kShadow) {
-    // The map's side is 1 in texture coordinates: rows of shadowFromWorld hold texture lengths a metre.
+    // The map's side is 1 in texture coordinates: rows of shadowFromWorld are texture lengths per metre.
     return text + R"(
 void main() {
   vec3 s = (shadowFromWorld * vec4(center, 1.0)).xyz * 2.0 - 1.0;
@@ -350,14 +350,14 @@ void main() {
 )";
   }
   return text + kColor + kShadow + R"(
-flat out vec3 dark;   // as seen, away from the key light
+flat out vec3 dark;   // final colour away from the key light
 flat out vec3 bright;
 flat out vec3 light;  // towards the key light, in the camera's axes
-flat out vec3 depths; // of the ball's middle and of its front; 1 / radius in pixels
+flat out vec3 depths; // of the ball's centre and of its front; 1 / radius in pixels
 void main() {
   vec4 c = clipFromWorld * vec4(center, 1.0);
   float distance = max(c.w, 1e-3);
-  // Numbers that are not finite and what is behind the viewer are put where nothing is drawn.
+  // Move grains that are not finite or behind the viewer outside the clip volume.
   gl_Position = dot(center, center) < 1e8 && c.w > grain.x ? c : vec4(2.0, 2.0, 2.0, 1.0);
   float pixels = rayUp.w * viewport.y * grain.x / distance;
   gl_PointSize = clamp(pixels, grain.y, grain.z);
@@ -411,7 +411,7 @@ void main() {
 }
 
 std::string blurFragment() {
-  // Binomial weights 1 8 28 56 70 56 28 8 1, taken in pairs between texels: five reads.
+  // Binomial weights 1 8 28 56 70 56 28 8 1, read in pairs between texels: five lookups.
   return R"(#version 330 core
 uniform sampler2D source;
 uniform vec4 stride;

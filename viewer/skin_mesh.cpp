@@ -16,8 +16,8 @@ bool everyEdgeHasItsOpposite(std::span<const Triangle> triangles, std::span<cons
   std::vector<std::pair<std::int32_t, std::int32_t>> backward;
   for (const Triangle& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t a = slot[static_cast<std::size_t>(t[k])];
-      const std::int32_t b = slot[static_cast<std::size_t>(t[(k + 1) % 3])];
+      const std::int32_t a = slot[t[k]];
+      const std::int32_t b = slot[t[(k + 1) % 3]];
       forward.emplace_back(a, b);
       backward.emplace_back(b, a);
     }
@@ -27,12 +27,12 @@ bool everyEdgeHasItsOpposite(std::span<const Triangle> triangles, std::span<cons
   return forward == backward;
 }
 
-/// Positions that coincide bit for bit share a slot: files split vertices along texture seams.
+/// Exactly equal positions share a normal slot, because files split vertices along texture seams.
 std::vector<std::int32_t> slotsByPosition(std::span<const Vec3> positions) {
   std::vector<std::int32_t> order(positions.size());
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](std::int32_t i) {
-    const Vec3& p = positions[static_cast<std::size_t>(i)];
+    const Vec3& p = positions[i];
     return std::array<double, 3>{p.x(), p.y(), p.z()};
   };
   std::vector<std::int32_t> slot(positions.size());
@@ -42,7 +42,7 @@ std::vector<std::int32_t> slotsByPosition(std::span<const Vec3> positions) {
             [&](std::int32_t a, std::int32_t b) { return std::pair(key(a), a) < std::pair(key(b), b); });
   for (std::size_t i = 1; i < order.size(); ++i) {
     if (key(order[i]) == key(order[i - 1])) {
-      slot[static_cast<std::size_t>(order[i])] = slot[static_cast<std::size_t>(order[i - 1])];
+      slot[order[i]] = slot[order[i - 1]];
     }
   }
   return slot;
@@ -52,7 +52,8 @@ std::vector<std::int32_t> slotsByPosition(std::span<const Vec3> positions) {
 
 bool SkinMesh::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                       std::span<const PartIndex> partOfTriangle) {
-  CHECK(partOfTriangle.empty() || partOfTriangle.size() == triangles.size(), "partOfTriangle does not fit triangles");
+  LORICA_CHECK(partOfTriangle.empty() || partOfTriangle.size() == triangles.size(),
+               "partOfTriangle does not match triangles");
   const bool changed = positionCount_ != positions.size() || !std::ranges::equal(triangles_, triangles) ||
                        !std::ranges::equal(partOfTriangle_, partOfTriangle);
   if (changed) {
@@ -62,21 +63,19 @@ bool SkinMesh::update(std::span<const Vec3> positions, std::span<const Triangle>
     rebuild(positions);
   }
 
-  // Normals weighted by area, gathered where positions coincide.
+  // Area-weighted normals, summed over equal positions.
   std::fill(normals_.begin(), normals_.end(), Vec3f::Zero());
   for (const Triangle& t : triangles_) {
-    const Vec3& a = positions[static_cast<std::size_t>(t[0])];
-    const Vec3f n = (positions[static_cast<std::size_t>(t[1])] - a)
-                        .cross(positions[static_cast<std::size_t>(t[2])] - a)
-                        .cast<float>();
+    const Vec3& a = positions[t[0]];
+    const Vec3f n = (positions[t[1]] - a).cross(positions[t[2]] - a).cast<float>();
     for (const VertexIndex v : t) {
-      normals_[static_cast<std::size_t>(normalSlot_[static_cast<std::size_t>(v)])] += n;
+      normals_[normalSlot_[static_cast<std::size_t>(v)]] += n;
     }
   }
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const auto from = static_cast<std::size_t>(source_[i]);
     vertices_[i].position = positions[from].cast<float>();
-    vertices_[i].normal = normals_[static_cast<std::size_t>(normalSlot_[from])].stableNormalized();
+    vertices_[i].normal = normals_[normalSlot_[from]].stableNormalized();
   }
   return changed;
 }
@@ -84,8 +83,8 @@ bool SkinMesh::update(std::span<const Vec3> positions, std::span<const Triangle>
 void SkinMesh::rebuild(std::span<const Vec3> positions) {
   for (const Triangle& t : triangles_) {
     for (const VertexIndex v : t) {
-      CHECK(v >= 0 && static_cast<std::size_t>(v) < positions.size(),
-            "scene.triangles name a vertex that is not there");
+      LORICA_CHECK(v >= 0 && static_cast<std::size_t>(v) < positions.size(),
+                   "scene.triangles has a vertex index out of range");
     }
   }
   normalSlot_ = slotsByPosition(positions);

@@ -9,8 +9,8 @@
 
 namespace lorica {
 
-/// A posed skin as the GPU wants it. Vertices on the border of two parts are doubled, so that each part keeps its
-/// flat colour while the normals stay smooth across the border.
+/// GPU data of a posed skin. Vertices on the border of two parts are duplicated, so that each part has its flat colour
+/// while the normals are smooth across the border.
 class SkinMesh {
  public:
   struct Vertex {
@@ -18,7 +18,7 @@ class SkinMesh {
     Vec3f normal;
   };
 
-  /// Takes this frame's positions. Rebuilds indices and colours only when triangles or parts changed.
+  /// Sets this frame's positions. Rebuilds indices and colours only if triangles or parts changed.
   /// @param partOfTriangle  as many as triangles, or empty for one colour
   /// @return whether `indices` and `colors` changed
   bool update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
@@ -29,10 +29,10 @@ class SkinMesh {
   /// Muted part colour of each vertex, linear RGB.
   [[nodiscard]] const std::vector<Vec3f>& colors() const { return colors_; }
   [[nodiscard]] std::size_t triangleCount() const { return triangles_.size(); }
-  /// Every edge has its opposite: back faces can never be seen.
+  /// Whether the mesh is closed: each edge has its opposite, so back faces are never visible.
   [[nodiscard]] bool closed() const { return closed_; }
 
-  /// Colour of skin that shows no parts: warm clay.
+  /// Colour of the skin without part colours: warm clay.
   static Vec3f clay() { return {0.62f, 0.53f, 0.46f}; }
 
  private:
@@ -42,7 +42,7 @@ class SkinMesh {
   std::vector<Triangle> triangles_;
   std::vector<PartIndex> partOfTriangle_;
   std::vector<std::int32_t> source_;      ///< for each vertex, its position
-  std::vector<std::int32_t> normalSlot_;  ///< for each position, where its normal gathers; shared at seams
+  std::vector<std::int32_t> normalSlot_;  ///< for each position, the index of its normal; shared at seams
   std::vector<Vec3f> normals_;
   std::vector<Vertex> vertices_;
   std::vector<std::uint32_t> indices_;

@@ -9,7 +9,7 @@ namespace {
 const StrokeFontModule& strokeFont() {
   static const StrokeFontModule& module = []() -> const StrokeFontModule& {
     const Result<const void*> loaded = loadModule("stroke_font", kStrokeFontSymbol, "drawing text");
-    CHECK(loaded.ok(), loaded.error().message.c_str());  // it is installed beside the program
+    LORICA_CHECK(loaded.ok(), loaded.error().message.c_str());  // it is installed with the program
     return *static_cast<const StrokeFontModule*>(*loaded);
   }();
   return module;

@@ -12,7 +12,7 @@ namespace {
 
 struct Settings {
   int samples, shadowSize;
-  double scale;  // of the drawn picture's sides to the finished one's
+  double scale;  // ratio of the drawn picture's sides to the finished one's
 };
 
 Settings settingsOf(RenderQuality quality) {
@@ -35,7 +35,7 @@ Result<void> Targets::create(Gpu& gpu) {
   setQuality(gpu, quality);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  // Outside the map everything is lit.
+  // Everything outside the map is lit.
   const GLfloat far[] = {1, 1, 1, 1};
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
@@ -46,13 +46,13 @@ Result<void> Targets::create(Gpu& gpu) {
   gl.DrawBuffer(GL_NONE);
   gl.ReadBuffer(GL_NONE);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    return Error{ErrorCode::kNoDisplay, "the OpenGL driver has no 16-bit depth texture to draw shadows into"};
+    return Error{ErrorCode::kNoDisplay, "the OpenGL driver does not support 16-bit depth textures for shadows"};
   }
 
   for (int i = 0; i < 2; ++i) {
     contactMap[i] = gpu.makeTexture(GL_LINEAR);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, kContactSize, kContactSize, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
-    // Beyond its rim the contact shadow is none, whatever touches the rim.
+    // There is no contact shadow outside the texture, whatever its border texels contain.
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
     contact[i] = gpu.makeFramebuffer();
@@ -73,8 +73,9 @@ Result<void> Targets::create(Gpu& gpu) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     const GLenum status = gl.CheckFramebufferStatus(GL_FRAMEBUFFER);
     if (status != GL_FRAMEBUFFER_COMPLETE) {
-      return Error{ErrorCode::kNoDisplay,
-                   fmt::format("the OpenGL driver refuses a framebuffer with {} samples (0x{:x})", samples, status)};
+      return Error{
+          ErrorCode::kNoDisplay,
+          fmt::format("the OpenGL driver does not support a framebuffer with {} samples (0x{:x})", samples, status)};
     }
   }
   return {};
@@ -84,9 +85,9 @@ void Targets::setQuality(const Gpu& gpu, RenderQuality newQuality) {
   const GlFunctions& gl = gpu.gl;
   quality = newQuality;
   const Settings settings = settingsOf(quality);
-  GLint most = 0;
-  gl.GetIntegerv(GL_MAX_SAMPLES, &most);
-  samples = most >= settings.samples ? settings.samples : 0;
+  GLint max = 0;
+  gl.GetIntegerv(GL_MAX_SAMPLES, &max);
+  samples = max >= settings.samples ? settings.samples : 0;
   shadowSize = settings.shadowSize;
   gl.ActiveTexture(GL_TEXTURE0);
   gl.BindTexture(GL_TEXTURE_2D, shadowMap);

@@ -14,9 +14,9 @@ namespace lorica {
 namespace {
 
 constexpr int kOversampling = 4;
-constexpr double kCapPerLine = 0.52;       // capitals take this share of a line
-constexpr double kStrokePerCap = 0.115;    // thickness of a stroke
-constexpr double kTabPerLine = 5.5;        // distance of tab stops
+constexpr double kCapPerLine = 0.52;       // height of capitals per line height
+constexpr double kStrokePerCap = 0.115;    // thickness of a stroke per height of capitals
+constexpr double kTabPerLine = 5.5;        // distance of tab stops per line height
 constexpr double kBaselinePerLine = 0.74;  // from the top of a line
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kLikeness = {{{"\u2013", "-"},
@@ -32,7 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kLikenes
                                                                                       {"\u2026", "..."},
                                                                                       {"\u00b0", " deg"}}};
 
-/// @param line  height of a line in the picture that is drawn [pixels]
+/// @param line  line height in the oversampled picture [pixels]
 StrokeStyle styleOf(int line) {
   const double cap = kCapPerLine * line;
   return {kOversampling, cap / kStrokeCapHeight, std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap))), true};
@@ -133,7 +133,7 @@ Image drawTextPanel(std::string_view text, int lineHeight) {
   const std::array<double, 3> ink = {38, 44, 54};
   for (int y = 0; y < panel.height; ++y) {
     for (int x = 0; x < panel.width; ++x) {
-      // Distance to the plate shrunk by its corner radius gives an anti-aliased rim.
+      // The distance to the plate, shrunk by its corner radius, gives an anti-aliased rim.
       const double dx = std::max({radius - (x + 0.5), x + 0.5 - (panel.width - radius), 0.0});
       const double dy = std::max({radius - (y + 0.5), y + 0.5 - (panel.height - radius), 0.0});
       const double plate = kPlateAlpha * std::clamp(radius - std::hypot(dx, dy) + 0.5, 0.0, 1.0);

@@ -16,21 +16,21 @@ struct TextMask {
   std::vector<std::uint8_t> coverage;
 };
 
-/// Draws lines of text (separated by '\n'; '\t' goes to the next tab stop) with OpenCV's Hershey strokes, which need no
-/// font file. They know ASCII; common typographic signs are replaced by their ASCII likeness and the rest by '?'.
-/// @param lineHeight  distance of two base lines [pixels], at least 6
+/// Draws lines of text (separated by '\n'; '\t' moves to the next tab stop) with OpenCV's Hershey font, which needs no
+/// font file. The font has ASCII only; common typographic characters are replaced by ASCII ones, all others by '?'.
+/// @param lineHeight  distance of baselines [pixels], at least 6
 [[nodiscard]] TextMask drawText(std::string_view text, int lineHeight);
 
-/// Dark text on a translucent light plate with round corners; RGB is multiplied by alpha already.
+/// Dark text on a translucent light plate with round corners; RGB is premultiplied by alpha.
 /// @param lineHeight  [pixels]
 [[nodiscard]] Image drawTextPanel(std::string_view text, int lineHeight);
 
-/// The text in lines that are at most so wide as drawText draws them: broken at blanks, and words that are too long cut
-/// off, with two dots for what is missing.
+/// Wraps text to a maximum width as drawn by drawText(): lines break at blanks, and words that are too long are
+/// truncated, with two dots at the end.
 /// @param width  [pixels]
 [[nodiscard]] std::string fittedText(std::string_view text, int lineHeight, int width);
 
-/// What drawText can draw of UTF-8 text.
+/// Replaces the characters of UTF-8 text that drawText() cannot draw.
 [[nodiscard]] std::string drawableText(std::string_view utf8);
 
 }  // namespace lorica

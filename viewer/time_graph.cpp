@@ -8,24 +8,24 @@
 namespace lorica {
 
 void TimeGraph::add(std::span<const TimedStage> stages) {
-  CHECK(stages.size() <= static_cast<std::size_t>(kMostStages), "the graph has room for TimeGraph::kMostStages");
+  LORICA_CHECK(stages.size() <= static_cast<std::size_t>(kMaxStages), "more stages than TimeGraph::kMaxStages");
   const bool same = std::ranges::equal(
       stages, std::span(names_).first(static_cast<std::size_t>(stageCount_)),
       [](const TimedStage& stage, const char* name) { return std::string_view(stage.name) == name; });
   if (!same) clear();
   stageCount_ = static_cast<int>(stages.size());
-  auto& frame = frames_[static_cast<std::size_t>(count_ % kFrames)];
+  auto& frame = frames_[count_ % kFrames];
   for (std::size_t s = 0; s < stages.size(); ++s) {
     names_[s] = stages[s].name;
     frame[s] = static_cast<float>(stages[s].milliseconds);
   }
   ++count_;
-  if (count_ == 2 * kFrames) count_ = kFrames;  // the same place in the ring
+  if (count_ == 2 * kFrames) count_ = kFrames;  // the same position in the ring
 }
 
 double TimeGraph::milliseconds(int frame, int stage) const {
   const int first = count_ < kFrames ? 0 : count_ % kFrames;
-  return frames_[static_cast<std::size_t>((first + frame) % kFrames)][static_cast<std::size_t>(stage)];
+  return frames_[(first + frame) % kFrames][stage];
 }
 
 double TimeGraph::total(int frame) const {
@@ -43,9 +43,9 @@ double TimeGraph::mean(int stage) const {
 }
 
 double TimeGraph::longest() const {
-  double most = 0.0;
-  for (int f = 0; f < frameCount(); ++f) most = std::max(most, total(f));
-  return most;
+  double max = 0.0;
+  for (int f = 0; f < frameCount(); ++f) max = std::max(max, total(f));
+  return max;
 }
 
 }  // namespace lorica

@@ -39,7 +39,7 @@ class OpenCvEncoder : public VideoEncoder {
   void close() override {
     try {
       writer_.release();
-    } catch (const std::exception&) {  // what is missing then shows when the file is read
+    } catch (const std::exception&) {  // missing frames are detected when the file is read
     }
   }
 
@@ -50,7 +50,7 @@ class OpenCvEncoder : public VideoEncoder {
 
 std::unique_ptr<VideoEncoder> openEncoder(const std::filesystem::path& file, int width, int height,
                                           double framesPerSecond) {
-  // FFmpeg writes errors to the console by itself; -8 is its AV_LOG_QUIET. A user's own wish is kept.
+  // FFmpeg prints errors to the console; -8 is AV_LOG_QUIET. A value set by the user is kept.
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   auto encoder = std::make_unique<OpenCvEncoder>();

@@ -8,27 +8,27 @@
 
 namespace lorica {
 
-/// A video file that is being written.
+/// Encoder that writes a video file.
 class VideoEncoder {
  public:
   virtual ~VideoEncoder() = default;
-  /// @param image  of the size that the encoder was made for
+  /// @param image  of the encoder's size
   virtual Result<void> add(const Image& image) = 0;
-  /// Ends the file. A failed write shows only in what a reader finds in it.
+  /// Closes the file. Write errors are not reported; they can only be detected by reading the file.
   virtual void close() = 0;
 };
 
-/// What writes MP4: OpenCV and FFmpeg, which bring two hundred libraries. They are in a module of its own, loaded when
-/// a video is first written.
+/// Functions that write MP4 with OpenCV and FFmpeg, which depend on two hundred libraries. They are in a separate
+/// module, loaded when the first video is written.
 struct VideoModule {
-  /// @return null where neither H.264 nor MPEG-4 can be encoded
+  /// @return null if neither H.264 nor MPEG-4 can be encoded
   std::unique_ptr<VideoEncoder> (*open)(const std::filesystem::path& file, int width, int height,
                                         double framesPerSecond);
-  /// Frames that a reader finds in a file; 0 when it cannot be opened.
+  /// Number of frames in a file; 0 if it cannot be opened.
   long long (*frameCount)(const std::filesystem::path& file);
 };
 
-/// What the module's constant is called.
+/// Name of the module's symbol.
 inline constexpr const char* kVideoSymbol = "loricaVideo";
 
 }  // namespace lorica

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 struct VideoWriter::Impl {
   fs::path file;
-  fs::path temporary;  ///< beside `file`; FFmpeg picks the container by its ending, so it keeps ".mp4"
+  fs::path temporary;  ///< next to `file`; ends in ".mp4" because FFmpeg chooses the container by the extension
   int width = 0;
   int height = 0;
   long long frames = 0;
@@ -35,7 +35,7 @@ VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
 
 Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int height, double framesPerSecond) {
   if (file.extension() != ".mp4") {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: a video's name must end in .mp4", file.string())};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: the name of a video must end in .mp4", file.string())};
   }
   if (width < 2 || height < 2 || width % 2 != 0 || height % 2 != 0) {
     return Error{ErrorCode::kInvalidArgument, fmt::format("{}: video of {} x {} pixels: both must be even and above 0",
@@ -48,13 +48,15 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: the folder {} is not there", file.string(), folder.string())};
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: the folder {} does not exist", file.string(), folder.string())};
   }
   if (fs::is_directory(file, error)) {
     return Error{ErrorCode::kUnwritable, fmt::format("{}: is a folder", file.string())};
   }
   if (::access(folder.c_str(), W_OK) != 0) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: may not write into {}", file.string(), folder.string())};
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: no permission to write to {}", file.string(), folder.string())};
   }
 
   const Result<const void*> module = loadModule("video", kVideoSymbol, fmt::format("{}: writing MP4", file.string()));
@@ -74,7 +76,7 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
 }
 
 Result<void> VideoWriter::add(const Image& image) {
-  CHECK(impl_ && impl_->encoder, "VideoWriter::add after finish or move");
+  LORICA_CHECK(impl_ && impl_->encoder, "VideoWriter::add after finish or move");
   if (image.width != impl_->width || image.height != impl_->height ||
       image.rgba.size() != static_cast<std::size_t>(image.width) * image.height * 4) {
     return Error{ErrorCode::kInvalidArgument,
@@ -90,16 +92,16 @@ Result<void> VideoWriter::add(const Image& image) {
 }
 
 Result<void> VideoWriter::finish() {
-  CHECK(impl_ && impl_->encoder, "VideoWriter::finish after finish or move");
+  LORICA_CHECK(impl_ && impl_->encoder, "VideoWriter::finish after finish or move");
   impl_->encoder->close();
   impl_->encoder.reset();
   const std::string name = impl_->file.string();
-  if (impl_->frames == 0) return Error{ErrorCode::kInvalidArgument, fmt::format("{}: a video of no frames", name)};
-  // OpenCV reports no failed write (a full disk), so the file is asked what it holds.
+  if (impl_->frames == 0) return Error{ErrorCode::kInvalidArgument, fmt::format("{}: the video has no frames", name)};
+  // OpenCV does not report failed writes (a full disk), so the frames in the file are counted.
   const long long written = impl_->module->frameCount(impl_->temporary);
   if (written != impl_->frames) {
     return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: {} of {} frames reached the disk: is it full?", name, written, impl_->frames)};
+                 fmt::format("{}: only {} of {} frames were written: is the disk full?", name, written, impl_->frames)};
   }
   std::error_code error;
   fs::rename(impl_->temporary, impl_->file, error);

@@ -13,7 +13,7 @@ void WarningBoard::raise(std::string_view kind, std::string_view sentence, doubl
     return;
   }
   found->raised = now;
-  std::string& words = sentences_[static_cast<std::size_t>(found - notes_.begin())];
+  std::string& words = sentences_[found - notes_.begin()];
   if (words == sentence || now - found->worded < kHoldSeconds) return;
   words = sentence;
   found->worded = now;

@@ -7,26 +7,26 @@
 
 namespace lorica {
 
-/// Warnings as people can read them: each stays for at least a second, so that what comes and goes does not flicker.
+/// Keeps each warning visible for at least a second, so that it is readable and does not flicker.
 class WarningBoard {
  public:
   static constexpr double kHoldSeconds = 1.0;
 
-  /// Something is wrong now. A warning of the same kind with other words takes the place of the one before, but not
-  /// within the time that it is held.
-  /// @param kind  tells warnings apart
+  /// Raises a warning. A new text of the same kind replaces the previous one, but not before that was shown for
+  /// kHoldSeconds.
+  /// @param kind  identifies the warning
   void raise(std::string_view kind, std::string_view sentence, double now);
-  /// Forgets what has not been raised for so long. @param now  a clock that never goes back [s]
+  /// Removes warnings that have not been raised for kHoldSeconds. @param now  monotonic clock [s]
   void update(double now);
   void clear() { notes_.clear(), sentences_.clear(); }
 
-  /// In the order in which they came.
+  /// The current warnings, in the order in which they were first raised.
   [[nodiscard]] std::span<const std::string> sentences() const { return sentences_; }
 
  private:
   struct Note {
     std::string kind;
-    double worded = 0.0;  // when its words were last changed [s]
+    double worded = 0.0;  // when its text last changed [s]
     double raised = 0.0;  // when it was last raised [s]
   };
   std::vector<Note> notes_;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kNoticeSeconds = 3.0;
 constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
 constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};
-constexpr double kCounted = 0.5;  // pictures for the figures that people read [s]
+constexpr double kCounted = 0.5;  // interval of the displayed statistics [s]
 
 std::string& lastGlfwError() {
   static std::string text;
@@ -60,14 +60,14 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   if (!displayAvailable()) return noDisplay("neither DISPLAY nor WAYLAND_DISPLAY is set");
   lastGlfwError().clear();
   glfwSetErrorCallback([](int, const char* text) { lastGlfwError() = text; });
-  if (!glfwInit()) return noDisplay(lastGlfwError().empty() ? "GLFW does not start" : lastGlfwError());
+  if (!glfwInit()) return noDisplay(lastGlfwError().empty() ? "GLFW cannot be initialized" : lastGlfwError());
 
   auto impl = std::make_unique<Impl>();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // the renderer draws into framebuffers of its own
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // the renderer draws into its own framebuffers
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   impl->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (impl->window == nullptr) return noDisplay(lastGlfwError());
@@ -139,7 +139,7 @@ void Window::Impl::setNotice(std::string sentence) {
 }
 
 void Window::Impl::drawScene(const Scene& scene, int width, int height) {
-  state.show.caption.clear();  // the panels say it
+  state.show.caption.clear();  // the panels show it
   state.show.panel.clear();
   renderer->draw(scene, state.show, camera.camera(), width, height);
 }
@@ -157,10 +157,10 @@ void Window::Impl::countPicture(double seconds) {
 }
 
 void Window::Impl::chooseQuality(double seconds) {
-  // A video is of one quality.
+  // The quality does not change during a video.
   if (state.quality < 0 && !video && choice.add(seconds, secondsNow())) {
-    setNotice(fmt::format("a picture takes {:.0f} ms: quality is {} now", 1e3 * seconds,
-                          kQualityNames[static_cast<std::size_t>(choice.level())]));
+    setNotice(fmt::format("drawing a frame takes {:.0f} ms: quality set to {}", 1e3 * seconds,
+                          kQualityNames[choice.level()]));
   }
 }
 
@@ -178,7 +178,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   const double begin = secondsNow();
   const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);
   if (width > 0 && height > 0) {  // minimised windows have no pixels
-    if (i.state.picture) {        // at its best, whatever it takes
+    if (i.state.picture) {        // saved at the best quality
       i.renderer->setQuality(RenderQuality::kHigh);
       i.drawScene(scene, width, height);
       i.savePicture(i.renderer->readBack());
@@ -193,19 +193,19 @@ void Window::show(const Scene& scene, const WindowValues& values) {
     i.renderer->present(width, height);
     i.gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 
-    WindowFacts facts;
-    facts.pictureMilliseconds = 1e3 * i.pictureSeconds;
-    facts.picturesASecond = i.pictureRate;
-    facts.qualities = kQualityNames;
-    facts.quality = static_cast<int>(level);
-    facts.videoSeconds = i.video ? begin - i.video->begin : -1.0;
-    facts.insetWidth = scene.inset != nullptr && scene.inset->width > 0 ? width / 4 : 0;
-    if (begin < i.noticeUntil) facts.notice = i.noticeText;
-    i.state.scrubbing = false;  // the panels say so, while they are shown
-    i.panels->draw(i.takePanelInput(width, height), values, facts, i.times, i.state, i.requests);
+    PanelStatus status;
+    status.pictureMilliseconds = 1e3 * i.pictureSeconds;
+    status.picturesASecond = i.pictureRate;
+    status.qualities = kQualityNames;
+    status.quality = static_cast<int>(level);
+    status.videoSeconds = i.video ? begin - i.video->begin : -1.0;
+    status.insetWidth = scene.inset != nullptr && scene.inset->width > 0 ? width / 4 : 0;
+    if (begin < i.noticeUntil) status.notice = i.noticeText;
+    i.state.scrubbing = false;  // only visible panels can set it
+    i.panels->draw(i.takePanelInput(width, height), values, status, i.times, i.state, i.requests);
     if (i.state.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));
     i.state.pictureWithPanels = false;
-    // The driver may put off its work, which would then look as if the display had us wait.
+    // The driver may defer its work, which would then be measured as waiting for the display.
     i.gl.Finish();
     const double seconds = secondsNow() - drawing;
     i.countPicture(seconds);

@@ -12,40 +12,41 @@
 
 namespace lorica {
 
-/// A GLFW window that shows scenes, with panels to steer what plays. Its keys and what the mouse does: docs/WINDOW.md,
-/// or H in the window. Pictures and videos go to the working directory, to the first free name lorica-001.png or .mp4.
-/// One at a time, used from the main thread.
+/// A GLFW window that shows scenes, with panels to control playback. Keys and mouse: docs/WINDOW.md, or H in the
+/// window. Pictures and videos are saved in the working directory, under the first free name lorica-001.png or .mp4.
+/// Only one may exist at a time; used from the main thread.
 class Window {
  public:
-  /// @return the window, or kNoDisplay with what to do: run without --window, snapshots need no display
+  /// @return the window, or kNoDisplay with advice: run without --window, snapshots need no display
   static Result<Window> create(const std::string& title, int width, int height);
   ~Window();
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
 
   [[nodiscard]] bool open() const;
-  /// Whether the simulation should advance by a frame: not paused, or a single step was asked for, which this takes.
+  /// Whether the simulation should advance by a frame: it is not paused, or a single step was requested. The call
+  /// consumes the request.
   [[nodiscard]] bool wantsStep();
   [[nodiscard]] bool paused() const;
-  /// How fast to play, 1 = as recorded.
+  /// Playback speed, 1 = as recorded.
   [[nodiscard]] double speed() const;
 
   /// Draws, presents, polls input.
   void show(const Scene& scene, const WindowValues& values);
-  /// What was asked for since the last call.
+  /// The requests since the last call.
   [[nodiscard]] WindowRequests takeRequests();
-  /// From the eye through the mouse.
+  /// The ray from the eye through the mouse cursor.
   [[nodiscard]] Ray pointer() const;
   [[nodiscard]] Camera camera() const;
 
-  /// The next frame of the graph. @param stages  at most TimeGraph::kMostStages; where they change it begins anew
+  /// Adds a frame to the time graph. @param stages  at most TimeGraph::kMaxStages; a change of stages clears the graph
   void addTimes(std::span<const TimedStage> stages);
-  /// Shows a sentence for three seconds.
+  /// Shows a message for three seconds.
   void notice(std::string sentence);
 
-  /// Where the camera starts and what R returns to.
+  /// Sets the initial camera, to which R resets.
   void setCamera(const Camera& camera);
-  /// Draws at this quality, whatever it takes; none = as the machine can, which is how it starts.
+  /// Sets a fixed quality; none = chosen automatically by speed, the default.
   void setQuality(std::optional<RenderQuality> quality);
 
  private:
@@ -54,7 +55,7 @@ class Window {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether a display seems to be there (DISPLAY or WAYLAND_DISPLAY is set).
+/// Whether a display seems to be available (DISPLAY or WAYLAND_DISPLAY is set).
 [[nodiscard]] bool displayAvailable();
 
 }  // namespace lorica

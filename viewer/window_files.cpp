@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kVideoRate = 30.0;  // [1/s]
 
-/// The first of lorica-001, lorica-002 ... that is free in the working directory.
+/// The first unused name of lorica-001, lorica-002 ... in the working directory.
 std::string freeName(const char* extension) {
   std::string name;
   for (int i = 1; i <= 999; ++i) {
@@ -22,7 +22,7 @@ std::string freeName(const char* extension) {
   return name;
 }
 
-/// Encoders take even sizes only.
+/// Encoders accept only even sizes.
 Image croppedToEven(Image image) {
   const int width = image.width & ~1, height = image.height & ~1;
   if (width != image.width) {
@@ -71,7 +71,7 @@ void Window::Impl::toggleVideo(int width, int height) {
   video.emplace(WindowVideo{std::move(writer).value(), name, width, height, secondsNow(), 0});
 }
 
-/// As many frames as the time since its begin has: pictures that come late stand longer.
+/// Adds as many frames as the elapsed time requires: late pictures are repeated.
 void Window::Impl::addToVideo(int width, int height) {
   if (width != video->width || height != video->height) return endVideo();
   const int due = static_cast<int>(std::floor((secondsNow() - video->begin) * kVideoRate)) + 1;

@@ -16,23 +16,23 @@
 
 namespace lorica {
 
-/// Seconds of a clock that never goes back, since the program's first call.
+/// Seconds of a monotonic clock since the program's first call.
 [[nodiscard]] double secondsNow();
 
-/// What the window's framebuffer holds, panels included, before it is presented.
+/// The contents of the window's framebuffer, including panels, before it is presented.
 [[nodiscard]] Image readWindow(const GlFunctions& gl, int width, int height);
 
-/// The video that a window writes: what it shows, 30 times a second of real time.
+/// The video that a window writes: its contents, 30 times per second of real time.
 struct WindowVideo {
   VideoWriter writer;
   std::string name;
-  int width = 0, height = 0;  ///< of the window when it began [pixels]
-  double begin = 0.0;         ///< [s]
+  int width = 0, height = 0;  ///< of the window at the start [pixels]
+  double begin = 0.0;         ///< start time [s]
   int frames = 0;
 };
 
-/// What a Window keeps: window.cpp makes it and draws, window_input.cpp takes keys and mouse, window_files.cpp writes
-/// pictures and videos.
+/// The state of a Window: window.cpp creates it and draws, window_input.cpp handles keys and mouse, window_files.cpp
+/// writes pictures and videos.
 struct Window::Impl {
   ~Impl();
 
@@ -43,7 +43,7 @@ struct Window::Impl {
   void decideDrag(bool holdsProp);
   void onButton(int button, bool down);
   void onWheel(double y);
-  /// The mouse for the panels, which then see each press at least once.
+  /// Mouse input for the panels; each press is reported at least once.
   [[nodiscard]] PanelInput takePanelInput(int width, int height);
   [[nodiscard]] Ray rayThrough(double x, double y) const;
   void seekBy(double seconds);
@@ -64,33 +64,33 @@ struct Window::Impl {
   OrbitCamera camera;
   ControlState state;
   WindowRequests requests;
-  WindowValues lastValues;  ///< numbers only, its views are cut off
+  WindowValues lastValues;  ///< numbers only, views are cleared
   TimeGraph times;
 
   QualityChoice choice{3};
   double lastShow = 0.0;  ///< [s]
-  /// For people to read, so they change twice a second: of a picture [s], and pictures a second.
+  /// Displayed statistics, updated twice per second for readability: time per picture [s], and pictures per second.
   double pictureSeconds = 0.0, pictureRate = 0.0;
-  double countBegin = 0.0, countSeconds = 0.0;  ///< of what is counted for the next ones [s]
+  double countBegin = 0.0, countSeconds = 0.0;  ///< measurements for the next update [s]
   int count = 0;
 
   std::string noticeText;
   double noticeUntil = 0.0;  ///< [s]
   std::optional<WindowVideo> video;
 
-  /// Who the left button belongs to while it is down.
+  /// What a drag with a pressed button controls.
   enum class Drag : std::uint8_t {
     kNone,
     kPanel,
-    kUndecided,  ///< until the next show() says whether a prop is held
+    kUndecided,  ///< until the next show() tells whether a prop is held
     kCamera,
     kProp,
     kPan
   };
   Drag drag = Drag::kNone;
-  std::optional<std::array<double, 2>> undecidedEnd;  ///< where the button came up before that was decided
-  double cursorX = 0.0, cursorY = 0.0;                ///< in the window's coordinates
-  double heldX = 0.0, heldY = 0.0;                    ///< where the camera has followed the mouse to
+  std::optional<std::array<double, 2>> undecidedEnd;  ///< where the button was released before that was decided
+  double cursorX = 0.0, cursorY = 0.0;                ///< in window coordinates
+  double heldX = 0.0, heldY = 0.0;                    ///< mouse position up to which the camera has followed
   std::array<bool, 2> down{}, pressedSince{};
   float wheel = 0.0f;
 };

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSeekStep = 1.0;  // of the arrow keys [s]
 constexpr double kSpeedStep = 1.25;
-constexpr double kTurnPerHeight = 4.0;  // a drag over the window's height turns the camera so far [rad]
+constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
 
 void toggle(bool& flag) {
   flag = !flag;
@@ -33,7 +33,7 @@ void Window::Impl::listen() {
 
 void Window::Impl::seekBy(double seconds) {
   if (lastValues.duration <= 0.0) return;
-  // Presses that were not answered yet add up.
+  // Requests that were not handled yet add up.
   const double from = requests.seekTo.value_or(lastValues.seconds);
   requests.seekTo = std::clamp(from + seconds, 0.0, lastValues.duration);
 }
@@ -92,7 +92,7 @@ void Window::Impl::onKey(int key, int mods) {
   }
 }
 
-/// Signs are taken as they are typed: keyboards have them in different places.
+/// Punctuation keys are handled as typed characters, because keyboard layouts differ.
 void Window::Impl::onCharacter(unsigned int code) {
   const int parts = requests.parts.value_or(lastValues.parts);
   switch (code) {
@@ -104,10 +104,10 @@ void Window::Impl::onCharacter(unsigned int code) {
       if (lastValues.duration > 0.0) state.speed = std::min(state.speed * kSpeedStep, kFastest);
       return;
     case '[':
-      if (lastValues.mostParts > 0) requests.parts = std::max(parts - 1, 1);
+      if (lastValues.maxParts > 0) requests.parts = std::max(parts - 1, 1);
       return;
     case ']':
-      if (lastValues.mostParts > 0) requests.parts = std::min(parts + 1, lastValues.mostParts);
+      if (lastValues.maxParts > 0) requests.parts = std::min(parts + 1, lastValues.maxParts);
       return;
     default:
       return;
@@ -150,14 +150,15 @@ void Window::Impl::onButton(int button, bool pressed) {
   }
 }
 
-/// The owner has seen the press: the mouse moves what it says, or else the camera, from where it was pressed on.
+/// Called when the owner has handled the press: the mouse moves the held prop, or otherwise the camera, starting from
+/// where the button was pressed.
 void Window::Impl::decideDrag(bool holdsProp) {
   if (drag != Drag::kUndecided) return;
   drag = holdsProp ? Drag::kProp : Drag::kCamera;
   const std::array<double, 2> now = {cursorX, cursorY};
   const std::array<double, 2> end = undecidedEnd.value_or(now);
   onCursor(end[0], end[1]);
-  if (undecidedEnd) drag = Drag::kNone;  // it was let go already
+  if (undecidedEnd) drag = Drag::kNone;  // already released
   undecidedEnd.reset();
   onCursor(now[0], now[1]);
 }
@@ -166,7 +167,7 @@ void Window::Impl::onCursor(double x, double y) {
   cursorX = x;
   cursorY = y;
   if (drag != Drag::kCamera && drag != Drag::kPan) return;
-  // Cursor and window size are both in screen coordinates, whatever the pixels behind them.
+  // Cursor and window size are both in screen coordinates, which may differ from pixels.
   int width = 1, height = 1;
   glfwGetWindowSize(window, &width, &height);
   const double dx = (x - heldX) / std::max(height, 1);
@@ -204,7 +205,7 @@ PanelInput Window::Impl::takePanelInput(int width, int height) {
   input.scale = std::max(scaleX, scaleY);
   input.x = static_cast<float>(cursorX * width / std::max(windowWidth, 1));
   input.y = static_cast<float>(cursorY * height / std::max(windowHeight, 1));
-  // A button that belongs to the picture is not down for the panels.
+  // A button that was pressed over the scene is not down for the panels.
   const bool theirs = drag == Drag::kPanel || drag == Drag::kNone;
   for (std::size_t b = 0; b < down.size(); ++b) input.down[b] = theirs && (down[b] || pressedSince[b]);
   pressedSince = {};
@@ -213,7 +214,7 @@ PanelInput Window::Impl::takePanelInput(int width, int height) {
   return input;
 }
 
-/// The inverse of what the renderer does with a camera.
+/// The inverse of the renderer's camera projection.
 Ray Window::Impl::rayThrough(double x, double y) const {
   int width = 1, height = 1;
   glfwGetWindowSize(window, &width, &height);

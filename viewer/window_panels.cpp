@@ -22,12 +22,12 @@ struct WindowPanels::Impl {
 
   ImguiDraw drawer;
   ImGuiContext* context = nullptr;
-  float scale = 0.0f;  // that font and style are made for
+  float scale = 0.0f;  // of the current font and style
   PanelLayout layout;
 };
 
 void WindowPanels::Impl::takeScale(float wanted) {
-  // Fonts are made for whole pixels, so tiny changes change nothing.
+  // Font sizes are whole pixels, so tiny changes have no effect.
   const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.75f, 4.0f);
   if (rounded == scale) return;
   scale = rounded;
@@ -58,14 +58,14 @@ Result<WindowPanels> WindowPanels::create(const GlFunctions& functions) {
   impl->context = ImGui::CreateContext();
   ImGui::SetCurrentContext(impl->context);
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // nothing is written where a user did not ask for it
+  io.IniFilename = nullptr;  // do not write a settings file
   io.LogFilename = nullptr;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
   io.BackendPlatformName = io.BackendRendererName = "lorica";
   return WindowPanels(std::move(impl));
 }
 
-void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const WindowFacts& facts,
+void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const PanelStatus& status,
                         const TimeGraph& times, ControlState& state, WindowRequests& requests) {
   Impl& i = *impl_;
   ImGui::SetCurrentContext(i.context);
@@ -74,11 +74,11 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
   ImGui::NewFrame();
   i.layout.begin(static_cast<float>(input.width), static_cast<float>(input.height));
   if (state.panels) {
-    drawTransport(i.layout, values, facts, state, requests);
-    drawViewPanel(i.layout, values, facts, state, requests);
-    drawTimesPanel(i.layout, facts, times);
+    drawTransport(i.layout, values, status, state, requests);
+    drawViewPanel(i.layout, values, status, state, requests);
+    drawTimesPanel(i.layout, status, times);
   }
-  drawWarnings(i.layout, values, facts);
+  drawWarnings(i.layout, values, status);
   if (state.help) drawHelp(i.layout);
   ImGui::Render();
   i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);

@@ -16,14 +16,14 @@ namespace lorica {
 namespace {
 
 constexpr double kUsualHeight = 1.7;
-constexpr double kLeastHeight = 0.5;
-constexpr double kMostHeight = 2.5;
+constexpr double kMinHeight = 0.5;
+constexpr double kMaxHeight = 2.5;
 
 struct Unit {
   std::string_view name;
   double metres;
 };
-/// The last is what the conversion of the CMU database left: inches over 0.45.
+/// The last unit is left over from the conversion of the CMU database: inches over 0.45.
 constexpr std::array<Unit, 6> kUnits = {{{"centimetres", 0.01},
                                          {"metres", 1.0},
                                          {"millimetres", 0.001},
@@ -31,16 +31,16 @@ constexpr std::array<Unit, 6> kUnits = {{{"centimetres", 0.01},
                                          {"decimetres", 0.1},
                                          {"units of the CMU database (5.644 cm)", 0.0254 / 0.45}}};
 
-/// Longest side of the box around the rest pose, in the file's unit.
+/// Longest side of the bounding box of the rest pose, in the file's unit.
 double sizeOf(const BvhText& text) {
-  std::vector<Vec3> places;
-  places.reserve(text.joints.size() + text.endSites.size());
+  std::vector<Vec3> positions;
+  positions.reserve(text.joints.size() + text.endSites.size());
   const auto under = [&](int parent, const Vec3& offset) {
-    places.push_back(parent < 0 ? offset : Vec3(places[static_cast<std::size_t>(parent)] + offset));
+    positions.push_back(parent < 0 ? offset : Vec3(positions[parent] + offset));
   };
   for (const BvhJoint& joint : text.joints) under(joint.parent, joint.offset);
   for (const auto& [parent, offset] : text.endSites) under(parent, offset);
-  const Aabb box = boundsOf(places);
+  const Aabb box = boundsOf(positions);
   return (box.max - box.min).maxCoeff();
 }
 
@@ -48,7 +48,7 @@ void guessUnit(const BvhText& text, BvhFile& out) {
   const double size = sizeOf(text);
   if (!(size > 0.0)) {
     out.unit = "metres";
-    out.notes.emplace_back("the skeleton has no size: taken as metres");
+    out.notes.emplace_back("the skeleton has no extent: metres assumed");
     return;
   }
   const auto offBy = [&](const Unit& unit) { return std::abs(std::log(unit.metres * size / kUsualHeight)); };
@@ -57,16 +57,16 @@ void guessUnit(const BvhText& text, BvhFile& out) {
   out.unit = unit.name;
   out.metresPerUnit = unit.metres;
   const double height = unit.metres * size;
-  const bool odd = height < kLeastHeight || height > kMostHeight;
-  out.notes.push_back(fmt::format("the rest pose is {:.4g} units large: taken as {}, {:.3g} m{}", size, unit.name,
-                                  height, odd ? "; no unit makes it 0.5 to 2.5 m" : ""));
+  const bool odd = height < kMinHeight || height > kMaxHeight;
+  out.notes.push_back(fmt::format("the rest pose measures {:.4g} units: {} assumed, {:.3g} m{}", size, unit.name,
+                                  height, odd ? "; no unit gives 0.5 to 2.5 m" : ""));
 }
 
 bool isPosition(BvhChannel channel) {
   return channel <= BvhChannel::kZPosition;
 }
 
-/// Which joints' position channels add to their offsets.
+/// Which joints' position channels are added to their offsets.
 std::vector<bool> positionsThatAdd(const BvhText& text, BvhFile& out) {
   constexpr std::size_t kSamples = 32;
   const std::size_t stride = std::max<std::size_t>(1, text.frameCount / kSamples);
@@ -99,15 +99,15 @@ std::vector<bool> positionsThatAdd(const BvhText& text, BvhFile& out) {
       zeroRoot = true;
     }
   }
-  if (zeroRoot) out.notes.emplace_back("the root's positions are all zero: it stays at its offset");
+  if (zeroRoot) out.notes.emplace_back("the root's positions are all zero: its offset is used");
   if (fromOffsets > fromZero) {
     for (std::size_t j = 0; j < adds.size(); ++j) adds[j] = adds[j] || text.joints[j].parent >= 0;
-    out.notes.emplace_back("positions of joints below the root are taken from their offsets, not from their parents");
+    out.notes.emplace_back("positions of joints below the root are relative to their offsets, not to their parents");
   }
   return adds;
 }
 
-/// The frames, in metres and the file's axes.
+/// The frames, in metres and in the file's axes.
 std::vector<JointTransform> posesOf(const BvhText& text, double metresPerUnit, const std::vector<bool>& adds) {
   constexpr double kHalfDegree = 0.5 * std::numbers::pi / 180.0;
   const std::size_t jointCount = text.joints.size();
@@ -118,7 +118,7 @@ std::vector<JointTransform> posesOf(const BvhText& text, double metresPerUnit, c
     for (std::size_t j = 0; j < jointCount; ++j) {
       const BvhJoint& joint = text.joints[j];
       JointTransform& pose = poses.emplace_back();
-      Vec3 place = joint.offset;
+      Vec3 position = joint.offset;
       double w = 1.0;
       double x = 0.0;
       double y = 0.0;
@@ -128,11 +128,11 @@ std::vector<JointTransform> posesOf(const BvhText& text, double metresPerUnit, c
         const BvhChannel channel = joint.channels[c];
         if (isPosition(channel)) {
           const auto axis = static_cast<int>(channel);
-          place[axis] = adds[j] ? joint.offset[axis] + value : value;
+          position[axis] = adds[j] ? joint.offset[axis] + value : value;
           continue;
         }
         if (value == 0.0) continue;
-        // The product with a turn about one axis, written out: this loop is most of the reader's time.
+        // Product with a rotation about one axis, written out: this loop takes most of the reader's time.
         const double half = kHalfDegree * value;
         const double cosine = std::cos(half);
         const double sine = std::sin(half);
@@ -161,14 +161,14 @@ std::vector<JointTransform> posesOf(const BvhText& text, double metresPerUnit, c
           z += w0 * sine;
         }
       }
-      pose.translation = metresPerUnit * place;
+      pose.translation = metresPerUnit * position;
       pose.rotation = Quat(w, x, y, z);
     }
   }
   return poses;
 }
 
-/// Middle of the feet to head, of unit length; nothing where the skeleton lacks them.
+/// Unit vector from the middle of the feet to the head; nullopt if the skeleton lacks them.
 std::optional<Vec3> uprightOf(const Skeleton& skeleton, std::span<const JointTransform> pose) {
   const auto firstOf = [&](std::initializer_list<HumanBone> bones) {
     for (const HumanBone bone : bones) {
@@ -182,14 +182,14 @@ std::optional<Vec3> uprightOf(const Skeleton& skeleton, std::span<const JointTra
   if (head == kNoJoint || left == kNoJoint || right == kNoJoint) return std::nullopt;
   std::vector<Affine3> world(static_cast<std::size_t>(skeleton.jointCount()));
   computeWorldFromJoint(skeleton, pose, world);
-  const auto at = [&](JointIndex joint) -> Vec3 { return world[static_cast<std::size_t>(joint)].translation(); };
+  const auto at = [&](JointIndex joint) -> Vec3 { return world[joint].translation(); };
   const Vec3 up = at(head) - 0.5 * (at(left) + at(right));
   const double length = up.norm();
   if (!(length > 0.0)) return std::nullopt;
   return Vec3(up / length);
 }
 
-/// The turn that brings the file's up to +Y.
+/// The rotation that maps the file's up axis to +Y.
 Quat turnToYUp(const SkeletalMotion& motion, BvhFile& out) {
   constexpr int kSamples = 64;
   constexpr double kClear = 0.8;
@@ -209,17 +209,17 @@ Quat turnToYUp(const SkeletalMotion& motion, BvhFile& out) {
     rest->cwiseAbs().maxCoeff(&axis);
     up = *rest;
   } else if (std::abs((*rest)[axis]) > kClear) {
-    up = *rest;  // one who walks on their hands
+    up = *rest;  // a person walking on their hands
   }
   const bool down = up[axis] < 0.0;
   if (axis == 1 && !down) return Quat::Identity();
   const Vec3 from = (down ? -1.0 : 1.0) * Vec3::Unit(axis);
-  out.notes.push_back(fmt::format("{}{} points up in the file: turned so that Y does", down ? "-" : "", "XYZ"[axis]));
+  out.notes.push_back(fmt::format("{}{} is up in the file: rotated so that Y is up", down ? "-" : "", "XYZ"[axis]));
   return axis == 1 ? Quat(0.0, 1.0, 0.0, 0.0) : rotationBetween(from, Vec3::UnitY());
 }
 
-/// A forearm or shin that ends in an end site, and not in a hand or foot, gets a joint there: else nothing says where
-/// it points.
+/// Adds a joint to a forearm or shin that ends in an end site instead of a hand or foot. Otherwise its direction would
+/// be undefined.
 Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, SkeletalMotion& motion) {
   std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
   const std::size_t before = joints.size();
@@ -235,7 +235,7 @@ Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, SkeletalMoti
                                    [&](const auto& s) { return s.first == lower && s.second.norm() > 0.0; });
     if (site == text.endSites.end()) continue;
     Joint joint;
-    joint.name = joints[static_cast<std::size_t>(lower)].name + " (end site)";
+    joint.name = joints[lower].name + " (end site)";
     joint.parent = lower;
     joint.rest.translation = metresPerUnit * site->second;
     joints.push_back(std::move(joint));
@@ -268,7 +268,7 @@ Result<Skeleton> skeletonOf(const BvhText& text, double metresPerUnit) {
   return Skeleton::create(std::move(joints));
 }
 
-/// Turns the roots of rest pose and frames.
+/// Rotates the roots of the rest pose and of all frames.
 Result<void> turnMotion(const Quat& turn, SkeletalMotion& motion) {
   std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
   const std::size_t count = joints.size();
@@ -308,7 +308,7 @@ Result<BvhFile> parseBvh(std::string_view text, std::string_view name) {
     motion.times.push_back(static_cast<double>(f) * parsed->frameSeconds);
   }
 
-  // Names tell head and feet in any axes; the shape does so only once Y is up, so it is asked again then.
+  // Names identify head and feet in any axes. Shape works only once Y is up, so it is evaluated again then.
   const auto findBones = [&] { motion.skeleton = withBones(motion.skeleton, guessHumanoid(motion.skeleton)); };
   findBones();
   if (const Quat turn = turnToYUp(motion, out); turn.w() < 1.0) {

@@ -14,12 +14,12 @@
 namespace lorica {
 namespace {
 
-constexpr std::size_t kMostJoints = 10000;
-/// A file that names more columns for one joint repeats itself.
-constexpr std::size_t kMostChannelsOfAJoint = 12;
-/// Larger numbers are no centimetres and no degrees; bounded ones keep later sums finite.
+constexpr std::size_t kMaxJoints = 10000;
+/// A file that names more channels for one joint repeats itself.
+constexpr std::size_t kMaxChannelsOfAJoint = 12;
+/// Larger numbers are neither centimetres nor degrees; the limit keeps later sums finite.
 constexpr double kLargestNumber = 1e9;
-/// Between these a frame's length is believed [s].
+/// Range of plausible frame durations [s].
 constexpr double kShortestFrame = 0.0005;
 constexpr double kLongestFrame = 2.0;
 constexpr double kUsualFrame = 1.0 / 30.0;
@@ -52,8 +52,8 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// The numbers that files hold, "-12.3456": exact, because digits and power of ten are exact in a double and one
-/// division rounds once. Moves past what it read; nothing, and no move, for any other number.
+/// Parses numbers of the usual form, "-12.3456". Exact: digits and power of ten are exact in a double, and one division
+/// rounds once. Advances the cursor past the number; for any other form returns false and leaves the cursor unchanged.
 bool readPlainNumber(const char*& cursor, const char* end, double& value) {
   static constexpr std::array<double, 19> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
                                                           1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
@@ -73,36 +73,36 @@ bool readPlainNumber(const char*& cursor, const char* end, double& value) {
     count += decimals;
   }
   if (count == 0 || count > 18 || digits > kLargestExact || (at != end && !isBlank(*at))) return false;
-  const double size = static_cast<double>(digits) / kPowersOfTen[static_cast<std::size_t>(decimals)];
+  const double size = static_cast<double>(digits) / kPowersOfTen[decimals];
   value = negative ? -size : size;
   cursor = at;
   return true;
 }
 
-/// Walks the words of a text and knows the line. Lines end with \n, \r\n or \r.
+/// Iterates over the words of a text and tracks the line number. Lines end with \n, \r\n or \r.
 class Words {
  public:
   Words(std::string_view text, std::string_view name)
       : cursor_(text.data()), end_(text.data() + text.size()), name_(name) {}
 
-  /// The next word on whatever line; a brace is a word of its own. Empty at the end of the text.
+  /// Returns the next word on any line; a brace is a word of its own. Empty at the end of the text.
   std::string_view next() {
     while (!atEnd() && isBlank(*cursor_)) step();
     return take();
   }
-  /// The next word on this line; empty at its end.
+  /// Returns the next word on this line; empty at the end of the line.
   std::string_view nextOnLine() {
     skipBlanksOnLine();
     if (atEnd() || isLineEnd(*cursor_)) return {};
     return take();
   }
-  /// The rest of this line up to a brace, trimmed.
+  /// Returns the rest of this line up to a brace, trimmed.
   std::string_view restOfLine() {
     const char* begin = cursor_;
     while (!atEnd() && !isLineEnd(*cursor_) && *cursor_ != '{') ++cursor_;
     return trimmed({begin, static_cast<std::size_t>(cursor_ - begin)});
   }
-  /// A plain number on this line, or nothing read.
+  /// Reads a plain number on this line; returns false and reads nothing for anything else.
   bool plainNumber(double& value) {
     skipBlanksOnLine();
     return readPlainNumber(cursor_, end_, value);
@@ -111,7 +111,7 @@ class Words {
     skipBlanksOnLine();
     return atEnd() || isLineEnd(*cursor_);
   }
-  /// Goes to the next line that has a word. @return false at the end of the text
+  /// Advances to the next line that has a word. @return false at the end of the text
   bool nextLine() {
     while (!atEnd() && isBlank(*cursor_)) step();
     return !atEnd();
@@ -162,22 +162,23 @@ class Parser {
     if (Result<void> done = parseHierarchy(); !done) return done.error();
     if (Result<void> done = parseMotionHead(); !done) return done.error();
     if (Result<void> done = parseRows(); !done) return done.error();
-    if (commas_ > 0) out_.notes.push_back(fmt::format("{} numbers have a decimal comma: read as a point", commas_));
+    if (commas_ > 0)
+      out_.notes.push_back(fmt::format("{} numbers have a decimal comma, read as a decimal point", commas_));
     return std::move(out_);
   }
 
  private:
-  /// A word as a number: with exponent, leading plus, decimal comma, or a comma behind it.
+  /// Parses a word as a number: with exponent, leading plus, decimal comma, or a comma after it.
   std::optional<double> numberOf(std::string_view word) {
     if (!word.empty() && word.back() == ',') word.remove_suffix(1);
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-    std::array<char, 64> mended{};
+    std::array<char, 64> repaired{};
     const std::size_t comma = word.find(',');
     if (comma != std::string_view::npos) {
-      if (word.size() > mended.size() || word.find('.') != std::string_view::npos) return std::nullopt;
-      std::copy(word.begin(), word.end(), mended.begin());
-      mended[comma] = '.';
-      word = {mended.data(), word.size()};
+      if (word.size() > repaired.size() || word.find('.') != std::string_view::npos) return std::nullopt;
+      std::copy(word.begin(), word.end(), repaired.begin());
+      repaired[comma] = '.';
+      word = {repaired.data(), word.size()};
     }
     double value = 0.0;
     if (!parseReal(word, value) || std::abs(value) > kLargestNumber) return std::nullopt;
@@ -201,10 +202,10 @@ class Parser {
   Result<void> parseChannels(BvhJoint& joint) {
     const std::string_view word = words_.next();
     std::int64_t count = 0;
-    if (!parseInteger(word, count) || count < 0 || count > static_cast<std::int64_t>(kMostChannelsOfAJoint)) {
-      return words_.found(word, fmt::format("a count of channels from 0 to {}", kMostChannelsOfAJoint));
+    if (!parseInteger(word, count) || count < 0 || count > static_cast<std::int64_t>(kMaxChannelsOfAJoint)) {
+      return words_.found(word, fmt::format("a channel count from 0 to {}", kMaxChannelsOfAJoint));
     }
-    if (!joint.channels.empty()) return words_.fail(words_.line(), "found CHANNELS a second time, expected them once");
+    if (!joint.channels.empty()) return words_.fail(words_.line(), "found a second CHANNELS, expected only one");
     static constexpr std::array<std::string_view, 6> kNames = {"xposition", "yposition", "zposition",
                                                                "xrotation", "yrotation", "zrotation"};
     joint.firstChannel = out_.channelCount;
@@ -213,7 +214,7 @@ class Parser {
       std::size_t kind = 0;
       while (kind < kNames.size() && !sameWord(channel, kNames[kind])) ++kind;
       if (kind == kNames.size()) {
-        return words_.found(channel, fmt::format("channel {} of {}, such as Xposition or Zrotation", i + 1, count));
+        return words_.found(channel, fmt::format("channel {} of {}, for example Xposition or Zrotation", i + 1, count));
       }
       joint.channels.push_back(static_cast<BvhChannel>(kind));
     }
@@ -221,23 +222,23 @@ class Parser {
     return {};
   }
 
-  /// ROOT, JOINT, End Site; each block's stack entry is its joint, or kEndSite.
+  /// Parses ROOT, JOINT and End Site. The stack holds the joint of each open block, or kEndSite.
   Result<void> parseHierarchy() {
     constexpr int kEndSite = -2;
     std::vector<int> open;
     std::string_view word = words_.next();
     if (word.substr(0, 3) == "\xef\xbb\xbf") word.remove_prefix(3);
     if (word.empty()) return words_.found(word, "HIERARCHY");
-    if (!sameWord(word, "hierarchy")) return words_.found(word, "HIERARCHY, with which a BVH file begins");
+    if (!sameWord(word, "hierarchy")) return words_.found(word, "HIERARCHY at the start of a BVH file");
     for (;;) {
       word = words_.next();
       const bool inside = !open.empty();
       const bool inEndSite = inside && open.back() == kEndSite;
       if (!inside && sameWord(word, "motion")) break;
       if ((!inside && sameWord(word, "root")) || (inside && !inEndSite && sameWord(word, "joint"))) {
-        if (out_.joints.size() == kMostJoints) {
+        if (out_.joints.size() == kMaxJoints) {
           return words_.fail(words_.line(),
-                             fmt::format("found joint {}, expected {} at most", kMostJoints + 1, kMostJoints));
+                             fmt::format("found joint {}, expected at most {}", kMaxJoints + 1, kMaxJoints));
         }
         BvhJoint joint;
         joint.parent = inside ? open.back() : -1;
@@ -254,27 +255,27 @@ class Parser {
       } else if (inside && sameWord(word, "offset")) {
         const Result<Vec3> offset = parseOffset();
         if (!offset) return offset.error();
-        (inEndSite ? out_.endSites.back().second : out_.joints[static_cast<std::size_t>(open.back())].offset) = *offset;
+        (inEndSite ? out_.endSites.back().second : out_.joints[open.back()].offset) = *offset;
       } else if (inside && !inEndSite && sameWord(word, "channels")) {
-        if (Result<void> done = parseChannels(out_.joints[static_cast<std::size_t>(open.back())]); !done) return done;
+        if (Result<void> done = parseChannels(out_.joints[open.back()]); !done) return done;
       } else if (inside && word == "}") {
         open.pop_back();
       } else if (inEndSite) {
-        return words_.found(word, "OFFSET or } of an end site");
+        return words_.found(word, "OFFSET or } of the end site");
       } else if (inside) {
         return words_.found(word, fmt::format("OFFSET, CHANNELS, JOINT, End Site or }} of the joint {}",
-                                              quotedWord(out_.joints[static_cast<std::size_t>(open.back())].name)));
+                                              quotedWord(out_.joints[open.back()].name)));
       } else {
         return words_.found(word, "ROOT or MOTION");
       }
     }
     if (out_.joints.empty()) return words_.fail(words_.line(), "found MOTION before any ROOT, expected a ROOT");
     if (out_.channelCount == 0)
-      return words_.fail(words_.line(), "found no CHANNELS, expected some joint to have them");
+      return words_.fail(words_.line(), "found no CHANNELS, expected them on at least one joint");
     return {};
   }
 
-  /// "Frames: 12" and "Frame Time: 0.03", whichever first, the colons apart or missing.
+  /// Parses "Frames: 12" and "Frame Time: 0.03" in either order, with the colons detached or missing.
   Result<void> parseMotionHead() {
     bool hasTime = false;
     while (!promisedFrames_ || !hasTime) {
@@ -292,11 +293,11 @@ class Parser {
       }
       hasTime = true;
       if (!number && !sameWord(value, "nan") && !sameWord(value, "inf")) {
-        return words_.found(value, "the seconds of a frame");
+        return words_.found(value, "the frame time in seconds");
       }
       out_.frameSeconds = number.value_or(0.0);
       if (out_.frameSeconds >= kShortestFrame && out_.frameSeconds <= kLongestFrame) continue;
-      out_.notes.push_back(fmt::format("a frame of {} s is taken for one of 1/30 s (believed: {} to {} s)",
+      out_.notes.push_back(fmt::format("a frame time of {} s is replaced by 1/30 s (plausible: {} to {} s)",
                                        quotedWord(value), kShortestFrame, kLongestFrame));
       out_.frameSeconds = kUsualFrame;
     }
@@ -308,7 +309,7 @@ class Parser {
     return sameWord(word.substr(0, 3), "nan");
   }
 
-  /// A channel that is not known is what it was last; before it is first known, what it is then; else 0.
+  /// An unknown channel keeps its last known value; before the first known value it gets that value; else 0.
   void fillUnknown() {
     std::size_t filled = 0;
     std::vector<double>& values = out_.values;
@@ -325,39 +326,40 @@ class Parser {
       }
     }
     if (filled > 0) {
-      out_.notes.push_back(fmt::format("{} numbers are NaN: their channels stay as they were", filled));
+      out_.notes.push_back(fmt::format("{} numbers are NaN: their channels keep the last known value", filled));
     }
   }
 
   Result<void> tooManyJoints() const {
-    return words_.fail(words_.line(), fmt::format("found {} joints in {} frames or more, expected numbers for them: "
-                                                  "that is too much for a file of {} bytes",
+    return words_.fail(words_.line(), fmt::format("found {} joints in at least {} frames, expected numbers for them: "
+                                                  "too many for a file of {} bytes",
                                                   out_.joints.size(), out_.frameCount, bytes_));
   }
 
-  /// One row a frame; or frames that go on over several lines, where the first row says so and the sum agrees.
+  /// Parses one row per frame. If the first row has another length, frames may span several lines and only the total
+  /// must fit.
   Result<void> parseRows() {
     const std::size_t channels = out_.channelCount;
     std::vector<double>& values = out_.values;
-    // A number takes two bytes at least, whatever the header promises.
-    const std::size_t most = bytes_ / 2;
+    // A number takes at least two bytes, whatever the header declares.
+    const std::size_t max = bytes_ / 2;
     values.reserve(static_cast<std::size_t>(
-        std::clamp(*promisedFrames_ * static_cast<double>(channels), 0.0, static_cast<double>(most))));
+        std::clamp(*promisedFrames_ * static_cast<double>(channels), 0.0, static_cast<double>(max))));
     bool wrapped = false;
     std::size_t rowLine = 0;
-    std::size_t missing = 0;  // of the last row
+    std::size_t missing = 0;  // in the last row
     while (words_.nextLine()) {
       const std::size_t before = values.size();
       if (missing > 0) {
         return words_.fail(rowLine,
-                           fmt::format("found {} numbers, expected {}: one a channel", channels - missing, channels));
+                           fmt::format("found {} numbers, expected {}: one per channel", channels - missing, channels));
       }
       rowLine = words_.line();
       while (!words_.atLineEnd()) {
         double value = 0.0;
         if (!words_.plainNumber(value)) {
           const std::string_view word = words_.nextOnLine();
-          if (word.front() == '\x1a' || word.front() == '\0') break;  // old editors end a text so
+          if (word.front() == '\x1a' || word.front() == '\0') break;  // end-of-text marker of old editors
           const std::optional<double> number = isNan(word) ? kUnknown : numberOf(word);
           if (!number) {
             return words_.fail(rowLine, fmt::format("found {} in column {}, expected {}", quotedWord(word),
@@ -378,7 +380,7 @@ class Parser {
       }
       if (!wrapped) {
         if (found > channels) {
-          return words_.fail(rowLine, fmt::format("found {} numbers, expected {}: one a channel", found, channels));
+          return words_.fail(rowLine, fmt::format("found {} numbers, expected {}: one per channel", found, channels));
         }
         missing = found == 0 ? 0 : channels - found;
       }
@@ -390,22 +392,22 @@ class Parser {
       const double frames = static_cast<double>(values.size()) / static_cast<double>(channels);
       if (std::abs(frames - *promisedFrames_) > 1.0) {
         return words_.fail(firstRowLine_,
-                           fmt::format("found {} numbers, expected {}: one a channel", firstRow_, channels));
+                           fmt::format("found {} numbers, expected {}: one per channel", firstRow_, channels));
       }
-      out_.notes.push_back("frames go on over several lines");
+      out_.notes.push_back("frames span several lines");
     }
     if (out_.frameCount == 0) {
       return words_.fail(words_.line(), fmt::format("the file ends here, expected a frame of {} numbers", channels));
     }
     if (missing > 0) {
       out_.notes.push_back(
-          fmt::format("line {}: the last frame lacks {} of {} numbers and is left out", rowLine, missing, channels));
+          fmt::format("line {}: the last frame lacks {} of {} numbers and is omitted", rowLine, missing, channels));
     }
     values.resize(out_.frameCount * channels);
     fillUnknown();
     if (static_cast<double>(out_.frameCount) != *promisedFrames_) {
       out_.notes.push_back(
-          fmt::format("the header says {} frames, the file has {}", *promisedFrames_, out_.frameCount));
+          fmt::format("the header declares {} frames, the file has {}", *promisedFrames_, out_.frameCount));
     }
     return {};
   }

@@ -11,10 +11,10 @@
 
 namespace lorica {
 
-/// What a column of the motion moves.
+/// The motion component that a column controls.
 enum class BvhChannel : std::uint8_t { kXPosition, kYPosition, kZPosition, kXRotation, kYRotation, kZRotation };
 
-/// A ROOT or JOINT as the file has it: in its own unit, axes and degrees.
+/// A ROOT or JOINT as stored in the file: in its own unit and axes, angles in degrees.
 struct BvhJoint {
   std::string name;
   int parent = -1;
@@ -23,8 +23,8 @@ struct BvhJoint {
   std::size_t firstChannel = 0;      ///< column of the first one
 };
 
-/// The words and numbers of a BVH file, nothing guessed but what its writer must have meant.
-/// Internal to the BVH reader.
+/// The parsed content of a BVH file. Nothing is guessed except obvious errors of the writer. Internal to the BVH
+/// reader.
 struct BvhText {
   std::vector<BvhJoint> joints;                ///< parents first
   std::vector<std::pair<int, Vec3>> endSites;  ///< parent, offset
@@ -35,9 +35,9 @@ struct BvhText {
   std::vector<std::string> notes;
 };
 
-/// Takes memory in proportion to the text: numbers that the header promises allocate nothing, and there are at most as
-/// many joints times frames as the text has bytes.
-/// @param name  what the sentences call the text
+/// Memory use is proportional to the text size: counts in the header allocate nothing, and joints times frames is at
+/// most the number of bytes in the text.
+/// @param name  name of the text in error messages
 [[nodiscard]] Result<BvhText> parseBvhText(std::string_view text, std::string_view name);
 
 }  // namespace lorica

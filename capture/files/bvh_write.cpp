@@ -14,7 +14,7 @@ namespace lorica {
 namespace {
 
 constexpr double kUnitsPerMetre = 100.0;
-/// Joints that move less than this in their parent need no position channels [m].
+/// Joints that translate less than this relative to their parent need no position channels [m].
 constexpr double kStill = 1e-6;
 constexpr double kUsualFrame = 1.0 / 30.0;
 
@@ -26,7 +26,7 @@ std::string wordOf(const std::string& name) {
   return out;
 }
 
-/// Angles about Z, X, Y in degrees, the turn being Rz * Rx * Ry.
+/// Angles about Z, X, Y in degrees; the rotation is Rz * Rx * Ry.
 Vec3 anglesZxy(const Quat& q) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const Mat3 m = q.toRotationMatrix();
@@ -36,26 +36,26 @@ Vec3 anglesZxy(const Quat& q) {
   return kDegrees * Vec3(std::atan2(-m(0, 1), m(1, 1)), x, std::atan2(-m(2, 0), m(2, 2)));
 }
 
-/// World places and rotations of all joints; scales act on places only.
+/// World positions and rotations of all joints; scales affect positions only.
 struct WorldPose {
-  std::vector<Vec3> place;
+  std::vector<Vec3> position;
   std::vector<Quat> rotation;
 
   void compute(const Skeleton& skeleton, std::span<const JointTransform> pose, std::vector<Affine3>& scratch) {
     scratch.resize(pose.size());
-    place.resize(pose.size());
+    position.resize(pose.size());
     rotation.resize(pose.size());
     computeWorldFromJoint(skeleton, pose, scratch);
     for (std::size_t j = 0; j < pose.size(); ++j) {
       const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
-      const Quat above = parent == kNoJoint ? Quat::Identity() : rotation[static_cast<std::size_t>(parent)];
+      const Quat above = parent == kNoJoint ? Quat::Identity() : rotation[parent];
       rotation[j] = (above * pose[j].rotation).normalized();
-      place[j] = scratch[j].translation();
+      position[j] = scratch[j].translation();
     }
   }
 };
 
-/// A joint as the file holds it: its axes are the world's at rest.
+/// A joint as written to the file: its axes are the world's at rest.
 struct FileJoint {
   Vec3 offset;  ///< [m]
   bool moves = false;
@@ -74,13 +74,13 @@ class Writer {
     for (std::size_t j = 0; j < count_; ++j) {
       const JointIndex parent = parentOf(j);
       joints_[j].moves = parent == kNoJoint;
-      joints_[j].offset = parent == kNoJoint ? rest_.place[j] : rest_.place[j] - rest_.place[index(parent)];
+      joints_[j].offset = parent == kNoJoint ? rest_.position[j] : rest_.position[j] - rest_.position[index(parent)];
       if (parent != kNoJoint) children_[index(parent)].push_back(j);
     }
     for (int f = 0; f < motion_.frameCount(); ++f) {
       world_.compute(skeleton_, motion_.pose(f), scratch_);
       for (std::size_t j = 0; j < count_; ++j) {
-        joints_[j].moves = joints_[j].moves || (placeInParent(j) - joints_[j].offset).norm() > kStill;
+        joints_[j].moves = joints_[j].moves || (positionInParent(j) - joints_[j].offset).norm() > kStill;
       }
     }
     writeHierarchy();
@@ -97,10 +97,10 @@ class Writer {
   [[nodiscard]] Quat turnOf(std::size_t joint) const {
     return world_.rotation[joint] * rest_.rotation[joint].conjugate();
   }
-  [[nodiscard]] Vec3 placeInParent(std::size_t joint) const {
+  [[nodiscard]] Vec3 positionInParent(std::size_t joint) const {
     const JointIndex parent = parentOf(joint);
-    if (parent == kNoJoint) return world_.place[joint];
-    return turnOf(index(parent)).conjugate() * (world_.place[joint] - world_.place[index(parent)]);
+    if (parent == kNoJoint) return world_.position[joint];
+    return turnOf(index(parent)).conjugate() * (world_.position[joint] - world_.position[index(parent)]);
   }
   template <typename... Values>
   void print(fmt::format_string<Values...> format, Values&&... values) {
@@ -108,7 +108,7 @@ class Writer {
   }
   void printVector(const Vec3& v) { print("{:.6f} {:.6f} {:.6f}", v.x(), v.y(), v.z()); }
 
-  /// Depth first, as the braces demand; on a stack of our own, for skeletons may be deep.
+  /// Depth first, as the braces require. Uses an explicit stack, because skeletons may be deep.
   void writeHierarchy() {
     struct Open {
       std::size_t joint;
@@ -144,7 +144,7 @@ class Writer {
     }
   }
 
-  /// The pose at a time, between the two frames around it.
+  /// The pose at a time, interpolated between the two surrounding frames.
   std::span<const JointTransform> poseAt(double time, int& frame) {
     while (frame + 2 < motion_.frameCount() && motion_.times[static_cast<std::size_t>(frame) + 1] <= time) ++frame;
     const auto f = static_cast<std::size_t>(frame);
@@ -176,7 +176,7 @@ class Writer {
       for (const std::size_t joint : order_) {
         if (joint != order_.front()) text_ += ' ';
         if (joints_[joint].moves) {
-          printVector(kUnitsPerMetre * placeInParent(joint));
+          printVector(kUnitsPerMetre * positionInParent(joint));
           text_ += ' ';
         }
         const JointIndex parent = parentOf(joint);
@@ -206,7 +206,7 @@ Result<void> writeBvh(const std::filesystem::path& file, const SkeletalMotion& m
   const auto joints = static_cast<std::size_t>(motion.skeleton.jointCount());
   if (motion.times.empty() || motion.poses.size() != motion.times.size() * joints) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: the motion has {} joint transforms, expected {} frames of {}, and one frame at least",
+                 fmt::format("{}: the motion has {} joint transforms, expected {} frames of {}, and at least one frame",
                              file.string(), motion.poses.size(), motion.times.size(), joints)};
   }
   return writeFileAtomically(file, Writer(motion).write());

@@ -19,9 +19,9 @@ constexpr int kFieldCount = kFieldsBeforeJoints + kBodyJointCount * kFieldsPerJo
 constexpr std::array<std::string_view, kFieldsPerJoint> kJointFields = {"x",  "y",  "z",  "qx",
                                                                         "qy", "qz", "qw", "confidence"};
 
-/// Positions beyond this are in another unit, most often millimetres; bounded numbers also keep later sums finite.
+/// Larger positions are in another unit, most often millimetres; the limit also keeps later sums finite.
 constexpr double kLargestCoordinate = 100.0;
-/// Seconds since 1970 fit; their microseconds do not.
+/// Seconds since 1970 fit; microseconds since 1970 do not.
 constexpr double kLargestTime = 1e12;
 constexpr double kQuaternionTolerance = 0.01;
 /// A quaternion this close to unit length is kept bit for bit, so that writing and reading change nothing.
@@ -32,10 +32,10 @@ std::string columnName(int column) {
   if (column == 1) return "user";
   const int joint = (column - kFieldsBeforeJoints) / kFieldsPerJoint;
   const int field = (column - kFieldsBeforeJoints) % kFieldsPerJoint;
-  return fmt::format("{}.{}", nameOf(static_cast<BodyJoint>(joint)), kJointFields[static_cast<std::size_t>(field)]);
+  return fmt::format("{}.{}", nameOf(static_cast<BodyJoint>(joint)), kJointFields[field]);
 }
 
-/// What stood in the file, fit for a sentence: quoted, short, printable.
+/// The file's text for use in an error message: quoted, short, printable.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   if (text.empty()) return "an empty field";
@@ -59,7 +59,7 @@ std::optional<double> parseNumber(std::string_view text) {
   return value;
 }
 
-/// One file being read: where we are, and the sentences that say so.
+/// Reads one file: tracks the current row and composes error messages.
 class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {}
@@ -201,7 +201,7 @@ class Reader {
     User& user = users_[entry->second];
     if (!user.frames.empty() && frame.time <= user.frames.back().time) {
       return badField(0, quoted(field(0)),
-                      fmt::format("more than {} of line {}: time must rise for user {}", user.frames.back().time,
+                      fmt::format("more than {} (line {}): time must increase for user {}", user.frames.back().time,
                                   user.lastLine, frame.user));
     }
     user.frames.push_back(frame);
@@ -219,7 +219,7 @@ class Reader {
     }
   }
 
-  [[nodiscard]] std::string_view field(int column) const { return fields_[static_cast<std::size_t>(column)]; }
+  [[nodiscard]] std::string_view field(int column) const { return fields_[column]; }
 
   std::string file_;
   int line_ = 0;
@@ -228,7 +228,7 @@ class Reader {
   std::map<int, std::size_t> indexOfUser_;
 };
 
-/// What readJointCsv would refuse, said of frames in memory.
+/// Applies the checks of readJointCsv to frames in memory.
 Result<void> checkFrames(std::span<const SkeletonFrame> frames) {
   const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
   if (frames.empty()) return refuse("found no frames to write, expected at least one");
@@ -240,12 +240,12 @@ Result<void> checkFrames(std::span<const SkeletonFrame> frames) {
     }
     const auto [last, isNew] = lastTimeOfUser.try_emplace(frame.user, frame.time);
     if (!isNew && frame.time <= last->second) {
-      return refuse(fmt::format("frame {}, time: found {}, expected more than {}: time must rise for user {}", f,
+      return refuse(fmt::format("frame {}, time: found {}, expected more than {}: time must increase for user {}", f,
                                 frame.time, last->second, frame.user));
     }
     last->second = frame.time;
     for (int j = 0; j < kBodyJointCount; ++j) {
-      const TrackedJoint& joint = frame.joints[static_cast<std::size_t>(j)];
+      const TrackedJoint& joint = frame.joints[j];
       const std::string_view name = nameOf(static_cast<BodyJoint>(j));
       for (int axis = 0; axis < 3; ++axis) {
         if (std::abs(joint.position[axis]) <= kLargestCoordinate) continue;
@@ -289,10 +289,10 @@ Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& fil
 Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name) {
   Result<std::vector<std::vector<SkeletonFrame>>> people = parseJointCsvOfAll(text, name);
   if (!people) return people.error();
-  // The first of equals.
-  auto most = std::max_element(people->begin(), people->end(),
-                               [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  return std::move(*most);
+  // On a tie, the first one.
+  auto max = std::max_element(people->begin(), people->end(),
+                              [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return std::move(*max);
 }
 
 Result<std::vector<std::vector<SkeletonFrame>>> parseJointCsvOfAll(std::string_view text, std::string_view name) {

@@ -11,29 +11,30 @@
 
 namespace lorica {
 
-/// Reads Lorica's joint CSV (recordings/FORMAT.md) whole and checks it whole, the rows of every user.
-/// @return frames of one user in time order, at least one: the user with the most frames, of equals the one seen
-///         first; or a sentence with file, line, column, found and expected
+/// Reads and checks all of a file in Lorica's joint CSV format (recordings/FORMAT.md), including the rows of every
+/// user.
+/// @return frames of one user in time order, at least one: the user with the most frames, or the first of them in the
+/// file if several have as many; or an error with file, line, column, found and expected
 [[nodiscard]] Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& file);
 
-/// The same of text in memory. @param name  what the sentences call it
+/// Reads joint CSV text in memory. @param name  name of the text in error messages
 [[nodiscard]] Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name);
 
-/// The frames of every user, in order of first appearance, each in time order.
+/// Returns the frames of every user, users in order of first appearance, frames in time order.
 [[nodiscard]] Result<std::vector<std::vector<SkeletonFrame>>> parseJointCsvOfAll(std::string_view text,
                                                                                  std::string_view name);
 
-/// Writes it, whole or not at all. Reading it again gives the same numbers to the last bit, unless a
-/// quaternion is off unit length by more than 1e-12: it is read normalised.
-/// @param frames  at least one; refused when readJointCsv would refuse the file
+/// Writes joint CSV, completely or not at all. Reading it back gives bit-identical numbers, except for quaternions
+/// whose length differs from 1 by more than 1e-12: these are normalised on reading.
+/// @param frames  at least one; rejected if readJointCsv would reject the file
 [[nodiscard]] Result<void> writeJointCsv(const std::filesystem::path& file, std::span<const SkeletonFrame> frames);
 
-/// The file's first line and one for a frame, each with its end, for whoever writes them as they come. A frame is not
-/// checked.
+/// The header line and the line of one frame, each with its line end, for writing frames as they arrive. The frame is
+/// not checked.
 [[nodiscard]] std::string jointCsvHeader();
 [[nodiscard]] std::string jointCsvRow(const SkeletonFrame& frame);
 
-/// A SkeletonSource over frames held in memory.
+/// A SkeletonSource that reads from frames in memory.
 [[nodiscard]] std::unique_ptr<SkeletonSource> makeRecordedSource(std::vector<SkeletonFrame> frames);
 
 }  // namespace lorica

@@ -33,7 +33,8 @@ Result<JointStream> parseLorica(std::string_view text, std::string_view name, co
     if (its.front().user == *chosen) stream.frames = std::move(its);
   }
   if (!settings.person && ways.size() > 1) {
-    stream.notes.push_back(fmt::format("Of {} persons the one that moves most was taken: {}.", ways.size(), *chosen));
+    stream.notes.push_back(
+        fmt::format("The file has {} people; person {} moves most and was selected.", ways.size(), *chosen));
   }
   return stream;
 }
@@ -60,10 +61,11 @@ Result<joints::RawStream> parseAs(JointFormat format, std::string_view text, std
     case JointFormat::kUiPrmd:
       break;
   }
-  return Error{ErrorCode::kUnsupported,
-               fmt::format("{}: UI-PRMD needs a second file, of angles: found text without one, expected a file beside "
-                           "which the angles lie",
-                           name)};
+  return Error{
+      ErrorCode::kUnsupported,
+      fmt::format("{}: UI-PRMD needs a second file with angles: found text only, expected a positions file with "
+                  "its angles file beside it",
+                  name)};
 }
 
 Result<JointFormat> formatOf(std::string_view text, std::string_view name, const JointStreamSettings& settings) {
@@ -71,7 +73,7 @@ Result<JointFormat> formatOf(std::string_view text, std::string_view name, const
   return joints::detectFormat(text, name);
 }
 
-/// "m01_s01_e01_positions.txt" and "m01_s01_e01_angles.txt" lie beside each other; either of them may be named.
+/// "m01_s01_e01_positions.txt" and "m01_s01_e01_angles.txt" are in the same folder; either may be given.
 Result<JointStream> readUiPrmd(const std::filesystem::path& file, std::string_view text,
                                const JointStreamSettings& settings) {
   constexpr std::string_view kPositions = "positions";
@@ -84,9 +86,10 @@ Result<JointStream> readUiPrmd(const std::filesystem::path& file, std::string_vi
   if (at == std::string::npos) {
     return Error{
         ErrorCode::kNotFound,
-        fmt::format("{}: UI-PRMD has positions and angles in two files, found no \"positions\" or \"angles\" in "
-                    "this one's name, expected it as in m01_s01_e01_positions.txt",
-                    file.string())};
+        fmt::format(
+            "{}: UI-PRMD stores positions and angles in two files: found neither \"positions\" nor \"angles\" in "
+            "the file name, expected a name like m01_s01_e01_positions.txt",
+            file.string())};
   }
   std::string otherName = name;
   otherName.replace(at, mine.size(), others);

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <utility>
 
-/// Which layout a file has, from its header or from how many numbers its rows have.
+/// Detects the layout of a file from its header or from the number of values per row.
 namespace lorica::joints {
 namespace {
 
-/// Rows that are looked at: enough for one frame of MSR Action3D.
+/// Rows to inspect: enough for one frame of MSR Action3D.
 constexpr std::size_t kRowsLookedAt = kKinect1JointCount;
 
 bool endsWithWord(std::string_view field, std::string_view word) {
@@ -21,7 +21,7 @@ bool endsWithWord(std::string_view field, std::string_view word) {
 std::optional<JointFormat> formatOfHeader(const RowReader& reader) {
   const auto fields = reader.fields();
   const auto has = [&](auto&& test) { return std::any_of(fields.begin(), fields.end(), test); };
-  // Two of the three will do: the format's own reader says better what is wrong with the third.
+  // Two of the three suffice: the format's own reader reports better what is wrong with the third.
   if (fields.size() > 5 &&
       sameWord(fields[0], "time") + sameWord(fields[1], "user") + sameWord(fields[2], "head.x") >= 2) {
     return sameWord(fields[5], "head.qx") ? JointFormat::kLorica : JointFormat::kNite2;
@@ -29,15 +29,16 @@ std::optional<JointFormat> formatOfHeader(const RowReader& reader) {
   const bool time = has([](std::string_view f) { return f.size() >= 4 && sameWord(f.substr(0, 4), "time"); });
   const bool x = has([](std::string_view f) { return endsWithWord(f, "x"); });
   if (time && x && has([](std::string_view f) { return sameWord(f, "JointType"); })) return JointFormat::kKinect1Long;
-  const auto isPlaceX = [](std::string_view f) {
+  const auto isPositionX = [](std::string_view f) {
     return endsWithWord(f, "PositionX") || endsWithWord(f, "Position.X");
   };
   const bool relative = has([](std::string_view f) { return endsWithWord(f, "time"); });
-  if ((time || relative) && std::count_if(fields.begin(), fields.end(), isPlaceX) > 1) return JointFormat::kKinect2Wide;
+  if ((time || relative) && std::count_if(fields.begin(), fields.end(), isPositionX) > 1)
+    return JointFormat::kKinect2Wide;
   return std::nullopt;
 }
 
-/// "sec|kb,time,6,25,..."
+/// Whether the row has the form "sec|kb,time,6,25,..."
 bool isBodyRow(const RowReader& reader) {
   if (reader.delimiter() == Delimiter::kBlanks || reader.count() < 5) return false;
   const std::string_view tag = reader.field(0);
@@ -46,14 +47,14 @@ bool isBodyRow(const RowReader& reader) {
   return bodies.size() == 1 && bodies[0] >= '1' && bodies[0] <= '6' && reader.field(3) == "25";
 }
 
-bool isNumberWithin(std::string_view field, double least, double most) {
+bool isNumberWithin(std::string_view field, double min, double max) {
   double value = 0.0;
-  return readNumber(field, value) == NumberKind::kNumber && value >= least && value <= most;
+  return readNumber(field, value) == NumberKind::kNumber && value >= min && value <= max;
 }
 
 enum class Fit : std::uint8_t { kNone, kFirst, kAll };
 
-/// Whether the first rows are such rows.
+/// Whether the first rows match the format.
 Fit fitOf(JointFormat format, std::string_view text, std::string_view file) {
   RowReader reader(text, file);
   std::size_t rows = 0;
@@ -137,18 +138,17 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
     if (fit == Fit::kFirst) beginning.push_back(format);
   }
   if (fitting.size() == 1) return fitting.front();
-  // A file with a bad row in it: reading it names the row.
+  // The file probably has a bad row: reading it in this format reports which one.
   if (fitting.empty() && beginning.size() == 1) return beginning.front();
   if (fitting.empty()) {
-    return Error{
-        ErrorCode::kBadFormat,
-        fmt::format("{}: found a first row of {} fields that begins with {}, expected recorded joints in a known "
-                    "layout; name it with --format if it is one: {}",
-                    file, reader.count(), quotedWord(reader.field(0)), listed(all, " or "))};
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: found a first row of {} fields starting with {}, expected recorded joints in a known "
+                             "layout; if it is one, specify it with --format: {}",
+                             file, reader.count(), quotedWord(reader.field(0)), listed(all, " or "))};
   }
   return Error{ErrorCode::kBadFormat,
-               fmt::format("{}: found rows that fit {}, expected only one to; name it with --format", file,
-                           listed(fitting, " and "))};
+               fmt::format("{}: found rows that match {}, expected a single match; specify the layout with --format",
+                           file, listed(fitting, " and "))};
 }
 
 }  // namespace lorica::joints

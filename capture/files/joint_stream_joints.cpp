@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-/// Which joints sensors know, and which of them are the 15.
+/// Sensor joint names and orders, and the mapping from sensor joints to the 15 body joints.
 namespace lorica::joints {
 namespace {
 
@@ -44,7 +44,7 @@ constexpr std::array<NamedJoint, 28> kNames = {{{"SpineBase", S::kSpineBase},
                                                 {"Spine", S::kSpineMid},
                                                 {"ShoulderCenter", S::kSpineShoulder}}};
 
-/// Where a body joint is taken from: the first one that is seen.
+/// Source candidates of a body joint: the first one that is seen is used.
 struct Source {
   BodyJoint joint;
   std::array<S, 2> from;
@@ -94,12 +94,12 @@ const std::array<SensorJoint, kKinect1JointCount>& msrOrder() {
   return kOrder;
 }
 
-void SensorBody::set(SensorJoint j, const std::optional<Vec3>& where, double confidenceIfSeen) {
-  place[static_cast<std::size_t>(j)] = where.value_or(Vec3::Zero());
+void SensorSkeleton::set(SensorJoint j, const std::optional<Vec3>& where, double confidenceIfSeen) {
+  position[static_cast<std::size_t>(j)] = where.value_or(Vec3::Zero());
   confidence[static_cast<std::size_t>(j)] = where ? confidenceIfSeen : 0.0;
 }
 
-Observation observe(const SensorBody& body, double time, int person) {
+Observation observe(const SensorSkeleton& body, double time, int person) {
   Observation row;
   row.frame.time = time;
   row.frame.user = person;
@@ -113,7 +113,7 @@ Observation observe(const SensorBody& body, double time, int person) {
   return row;
 }
 
-std::optional<Vec3> placeOf(const SkeletonFrame& frame) {
+std::optional<Vec3> positionOf(const SkeletonFrame& frame) {
   for (const BodyJoint j : {BodyJoint::kTorso, BodyJoint::kNeck}) {
     if (frame[j].confidence > 0.0) return frame[j].position;
   }
@@ -129,13 +129,14 @@ std::optional<Vec3> placeOf(const SkeletonFrame& frame) {
 }
 
 int PersonTracks::personAt(double time, const SkeletonFrame& frame) {
-  // The trunk of one person cannot be that far away from itself.
-  constexpr double kSamePlace = 0.4;
-  // More are never seen at once; a damaged file must not make a list that every row is compared with.
-  constexpr std::size_t kMostPersons = 16;
-  const std::optional<Vec3> place = placeOf(frame);
+  // Max distance between two readings of the same person's trunk [m].
+  constexpr double kSamePosition = 0.4;
+  // More people are never seen at once. The limit keeps a damaged file from creating a list that every row is compared
+  // with.
+  constexpr std::size_t kMaxPersons = 16;
+  const std::optional<Vec3> position = positionOf(frame);
   if (tracks_.empty()) {
-    tracks_.push_back({place.value_or(Vec3::Zero()), time});
+    tracks_.push_back({position.value_or(Vec3::Zero()), time});
     return 1;
   }
   std::size_t nearest = tracks_.size();
@@ -144,25 +145,25 @@ int PersonTracks::personAt(double time, const SkeletonFrame& frame) {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const bool seenNow = tracks_[i].time == time;
     someoneSeenNow = someoneSeenNow || seenNow;
-    const double distance = place ? (tracks_[i].place - *place).norm() : 0.0;
-    if (seenNow && distance > kSamePlace) continue;
+    const double distance = position ? (tracks_[i].position - *position).norm() : 0.0;
+    if (seenNow && distance > kSamePosition) continue;
     if (distance < nearestDistance) {
       nearestDistance = distance;
       nearest = i;
     }
   }
-  if (someoneSeenNow && nearestDistance > kSamePlace) {
-    // Whoever stands there and was not seen in this frame before, unless that one is far off: then it is someone new.
+  if (someoneSeenNow && nearestDistance > kSamePosition) {
+    // Take the nearest person not yet seen in this frame; beyond kReach it is a new person.
     constexpr double kReach = 1.0;
-    if (nearest == tracks_.size() || (nearestDistance > kReach && tracks_.size() < kMostPersons)) {
-      if (tracks_.size() < kMostPersons) {
-        tracks_.push_back({*place, time});
+    if (nearest == tracks_.size() || (nearestDistance > kReach && tracks_.size() < kMaxPersons)) {
+      if (tracks_.size() < kMaxPersons) {
+        tracks_.push_back({*position, time});
         return static_cast<int>(tracks_.size());
       }
       nearest = tracks_.size() - 1;
     }
   }
-  tracks_[nearest] = {place.value_or(tracks_[nearest].place), time};
+  tracks_[nearest] = {position.value_or(tracks_[nearest].position), time};
   return static_cast<int>(nearest + 1);
 }
 

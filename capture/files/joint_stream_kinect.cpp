@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-/// What recorders of Kinect v1 and v2 write with names or counts in it.
+/// Kinect v1 and v2 recordings whose rows contain names or counts.
 namespace lorica::joints {
 namespace {
 
@@ -16,7 +16,7 @@ constexpr double kLargestTick = 1e18;
 constexpr double kHundredNanoseconds = 1e-7;
 constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
 
-/// Kinect v2 gives every tracked body a new number of 17 digits: persons count from 1 in order of appearance instead.
+/// Kinect v2 gives every tracked body a new 17-digit number: people are renumbered from 1 in order of appearance.
 class PersonNumbers {
  public:
   int of(std::string_view id) {
@@ -30,7 +30,7 @@ class PersonNumbers {
   std::map<std::string, int> numbers_;
 };
 
-/// "Tracked", "INFERRED", "NotTracked", or their numbers 2, 1, 0.
+/// Parses "Tracked", "INFERRED", "NotTracked", or their numbers 2, 1, 0.
 std::optional<double> confidenceOf(std::string_view state) {
   for (const std::string_view name : {"2", "tracked"}) {
     if (sameWord(state, name)) return 1.0;
@@ -44,7 +44,7 @@ std::optional<double> confidenceOf(std::string_view state) {
   return std::nullopt;
 }
 
-/// "PositionX" or "Position.X" without the dot and in lower case.
+/// The name in lower case and without the dot in "Position.X".
 std::string plainName(std::string_view name) {
   std::string plain;
   for (const char c : name) {
@@ -57,19 +57,19 @@ std::string plainName(std::string_view name) {
   return plain;
 }
 
-/// What a column of the wide layout holds.
+/// Content of a column of the wide layout.
 struct WideColumn {
-  enum class Kind : std::uint8_t { kOther, kTime, kPerson, kJoint, kStatus, kPlace, kTurn } kind = Kind::kOther;
-  std::size_t group = 0;  ///< the n-th joint of the row
+  enum class Kind : std::uint8_t { kOther, kTime, kPerson, kJoint, kStatus, kPosition, kTurn } kind = Kind::kOther;
+  std::size_t group = 0;  ///< index of the joint in the row
   int axis = 0;
 };
 
 struct WideHeader {
   struct Group {
-    std::optional<SensorJoint> joint;  ///< where the header names it
+    std::optional<SensorJoint> joint;  ///< if the header names it
     std::size_t nameColumn = kNoColumn;
     std::size_t statusColumn = kNoColumn;
-    std::array<std::size_t, 3> placeColumn{kNoColumn, kNoColumn, kNoColumn};
+    std::array<std::size_t, 3> positionColumn{kNoColumn, kNoColumn, kNoColumn};
   };
   std::vector<WideColumn> columns;
   std::vector<Group> groups;
@@ -77,15 +77,15 @@ struct WideHeader {
   std::size_t personColumn = kNoColumn;
 };
 
-/// Columns are found by name in any order. Names without a joint in front ("PositionX") belong to the n-th joint when
-/// they come for the n-th time; the row says which joint that is.
+/// Columns are found by name in any order. The n-th occurrence of a name without a joint prefix ("PositionX") belongs
+/// to the n-th joint; the row specifies which joint that is.
 Result<WideHeader> readWideHeader(const RowReader& reader) {
   using Kind = WideColumn::Kind;
   WideHeader header;
   header.columns.resize(reader.count());
   std::map<std::string, std::size_t> timesSeen;
   std::map<std::string, std::size_t> groupOfJoint;
-  constexpr std::size_t kMostGroups = 64;
+  constexpr std::size_t kMaxGroups = 64;
   const auto groupAt = [&](std::size_t n) -> WideHeader::Group& {
     if (header.groups.size() <= n) header.groups.resize(n + 1);
     return header.groups[n];
@@ -107,9 +107,9 @@ Result<WideHeader> readWideHeader(const RowReader& reader) {
     };
     constexpr std::array<Ending, 9> kEndings = {{{"joint", Kind::kJoint, 0},
                                                  {"status", Kind::kStatus, 0},
-                                                 {"positionx", Kind::kPlace, 0},
-                                                 {"positiony", Kind::kPlace, 1},
-                                                 {"positionz", Kind::kPlace, 2},
+                                                 {"positionx", Kind::kPosition, 0},
+                                                 {"positiony", Kind::kPosition, 1},
+                                                 {"positionz", Kind::kPosition, 2},
                                                  {"rotationw", Kind::kTurn, 0},
                                                  {"rotationx", Kind::kTurn, 1},
                                                  {"rotationy", Kind::kTurn, 2},
@@ -121,44 +121,45 @@ Result<WideHeader> readWideHeader(const RowReader& reader) {
       if (!owner.empty() && !joint) continue;
       const std::size_t group =
           joint ? groupOfJoint.try_emplace(owner, groupOfJoint.size()).first->second : timesSeen[name]++;
-      if (group >= kMostGroups) return reader.badField(c, name, "at most 64 joints");
+      if (group >= kMaxGroups) return reader.badField(c, name, "at most 64 joints");
       column = {ending.kind, group, ending.axis};
       WideHeader::Group& g = groupAt(group);
       g.joint = joint;
       if (ending.kind == Kind::kJoint) g.nameColumn = c;
       if (ending.kind == Kind::kStatus) g.statusColumn = c;
-      if (ending.kind == Kind::kPlace) g.placeColumn[static_cast<std::size_t>(ending.axis)] = c;
+      if (ending.kind == Kind::kPosition) g.positionColumn[ending.axis] = c;
     }
   }
-  if (header.timeColumn == kNoColumn) return reader.fail("found a header without a column Time, expected one");
+  if (header.timeColumn == kNoColumn) return reader.fail("found a header without a Time column, expected one");
   for (std::size_t g = 0; g < header.groups.size(); ++g) {
     const WideHeader::Group& group = header.groups[g];
     if (!group.joint && group.nameColumn == kNoColumn) {
-      return reader.fail(fmt::format("found no column Joint for joint {}, expected one for each", g + 1));
+      return reader.fail(fmt::format("found no Joint column for joint {}, expected one for each joint", g + 1));
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (group.placeColumn[axis] != kNoColumn) continue;
+      if (group.positionColumn[axis] != kNoColumn) continue;
       return reader.fail(
-          fmt::format("found no column Position{} for joint {}, expected one for each", "XYZ"[axis], g + 1));
+          fmt::format("found no Position{} column for joint {}, expected one for each joint", "XYZ"[axis], g + 1));
     }
   }
-  if (header.groups.empty()) return reader.fail("found a header without PositionX, expected one for each joint");
+  if (header.groups.empty())
+    return reader.fail("found a header without PositionX columns, expected one for each joint");
   return header;
 }
 
-/// Puts numbers together again that decimal commas tore apart: every run of numbers ends where the next word stands.
-bool mendWideRow(RowReader& reader, const WideHeader& header) {
+/// Rejoins numbers that were split at decimal commas: every run of numbers ends at the position of the next word.
+bool repairWideRow(RowReader& reader, const WideHeader& header) {
   const std::span<const std::string_view> tokens = reader.fields();
-  std::vector<std::string_view> mended;
-  mended.reserve(header.columns.size());
+  std::vector<std::string_view> repaired;
+  repaired.reserve(header.columns.size());
   const auto isTorn = [&](std::size_t c) {
-    return header.columns[c].kind == WideColumn::Kind::kPlace || header.columns[c].kind == WideColumn::Kind::kTurn;
+    return header.columns[c].kind == WideColumn::Kind::kPosition || header.columns[c].kind == WideColumn::Kind::kTurn;
   };
   std::size_t token = 0;
   for (std::size_t c = 0; c < header.columns.size();) {
     if (!isTorn(c)) {
       if (token == tokens.size()) return false;
-      mended.push_back(tokens[token++]);
+      repaired.push_back(tokens[token++]);
       ++c;
       continue;
     }
@@ -168,25 +169,25 @@ bool mendWideRow(RowReader& reader, const WideHeader& header) {
     while (tokenEnd < tokens.size() && !isWord(tokens[tokenEnd])) ++tokenEnd;
     const auto numbers = joinDecimalCommas(tokens.subspan(token, tokenEnd - token), columnEnd - c);
     if (!numbers) return false;
-    mended.insert(mended.end(), numbers->begin(), numbers->end());
+    repaired.insert(repaired.end(), numbers->begin(), numbers->end());
     token = tokenEnd;
     c = columnEnd;
   }
   if (token != tokens.size()) return false;
-  reader.replaceFields(std::move(mended));
+  reader.replaceFields(std::move(repaired));
   return true;
 }
 
 }  // namespace
 
 Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view file) {
-  constexpr std::size_t kMostBodies = 6;
+  constexpr std::size_t kMaxBodies = 6;
   constexpr std::size_t kHands = 2;
   RawStream raw;
   raw.secondsPerTick = kHundredNanoseconds;
   RowReader reader(text, file);
   PersonNumbers persons;
-  std::vector<double> loggedSeconds;  // what stands before "|kb", one for each row
+  std::vector<double> loggedSeconds;  // value before "|kb", one per row
   std::size_t otherRows = 0;
   bool logged = true;
   bool ticksChange = false;
@@ -205,11 +206,11 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
     if (reader.count() < column) return reader.badCount("at least 4: tag, time, 6, 25, then six bodies");
     const Result<double> tick = reader.number(1, "time", kLargestTick);
     if (!tick) return tick.error();
-    const Result<double> bodies = reader.number(2, "bodies", kMostBodies);
+    const Result<double> bodies = reader.number(2, "bodies", kMaxBodies);
     if (!bodies || *bodies < 1.0 || *bodies != std::floor(*bodies)) {
-      return reader.badField(2, "bodies", "how many bodies follow, 1 to 6");
+      return reader.badField(2, "bodies", "the number of bodies that follow, 1 to 6");
     }
-    if (reader.field(3) != "25") return reader.badField(3, "joints", "25 joints a body");
+    if (reader.field(3) != "25") return reader.badField(3, "joints", "25 joints per body");
     ticksChange = ticksChange || (any && *tick != firstTick);
     if (!any) firstTick = *tick;
     any = true;
@@ -234,7 +235,7 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
         whole = false;
         break;
       }
-      SensorBody body;
+      SensorSkeleton body;
       for (std::size_t j = 0; j < kSensorJointCount; ++j) {
         const std::size_t first = column + 2 + 4 * j;
         const auto called = [&](std::string_view what) {
@@ -242,14 +243,14 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
         };
         const std::optional<double> confidence = confidenceOf(reader.field(first));
         if (!confidence) return reader.badField(first, called(" state"), "0, 1 or 2");
-        Result<std::optional<Vec3>> place = reader.place(first + 1, called(""), 1.0);
-        if (!place) return place.error();
-        body.set(static_cast<SensorJoint>(j), *place, *confidence);
+        Result<std::optional<Vec3>> position = reader.position(first + 1, called(""), 1.0);
+        if (!position) return position.error();
+        body.set(static_cast<SensorJoint>(j), *position, *confidence);
       }
       raw.rows.push_back(observe(body, *tick, persons.of(reader.field(column + 1))));
       loggedSeconds.push_back(seconds);
       column += kBody;
-      // The state of both hands, which some programs leave away at the end of a row.
+      // The state of both hands, which some programs omit at the end of a row.
       column += std::min(kHands, reader.count() - column);
     }
     if (!whole) {
@@ -263,11 +264,11 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
   if (raw.rows.empty()) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: found no body, expected at least one", file)};
   }
-  if (otherRows > 0) raw.notes.push_back(fmt::format("{} rows of other kinds than kb were passed over.", otherRows));
+  if (otherRows > 0) raw.notes.push_back(fmt::format("{} rows of other kinds than kb were skipped.", otherRows));
   if (!ticksChange && logged && loggedSeconds.front() != loggedSeconds.back()) {
     raw.secondsPerTick = 1.0;
     for (std::size_t i = 0; i < raw.rows.size(); ++i) raw.rows[i].frame.time = loggedSeconds[i];
-    raw.notes.emplace_back("The sensor's time stands still: the seconds before |kb were taken.");
+    raw.notes.emplace_back("The sensor's time does not advance: the seconds before |kb were used instead.");
   }
   return raw;
 }
@@ -283,7 +284,7 @@ Result<RawStream> parseKinect2Wide(std::string_view text, std::string_view file)
   bool torn = false;
   while (reader.next()) {
     const std::size_t columns = header->columns.size();
-    if (reader.count() > columns && reader.delimiter() == Delimiter::kComma && mendWideRow(reader, *header))
+    if (reader.count() > columns && reader.delimiter() == Delimiter::kComma && repairWideRow(reader, *header))
       torn = true;
     if (!reader.fit(columns)) {
       if (reader.cutOff()) break;
@@ -291,7 +292,7 @@ Result<RawStream> parseKinect2Wide(std::string_view text, std::string_view file)
     }
     const Result<double> time = reader.number(header->timeColumn, "time", kLargestTick);
     if (!time) return time.error();
-    SensorBody body;
+    SensorSkeleton body;
     for (const WideHeader::Group& group : header->groups) {
       std::optional<SensorJoint> joint = group.joint;
       if (!joint) joint = sensorJointNamed(reader.field(group.nameColumn));
@@ -302,10 +303,10 @@ Result<RawStream> parseKinect2Wide(std::string_view text, std::string_view file)
         if (!status) return reader.badField(group.statusColumn, "Status", "TRACKED, INFERRED or NOTTRACKED");
         confidence = *status;
       }
-      Vec3 place = Vec3::Zero();
+      Vec3 position = Vec3::Zero();
       bool missing = false;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::size_t column = group.placeColumn[axis];
+        const std::size_t column = group.positionColumn[axis];
         double value = 0.0;
         const NumberKind kind = readNumber(reader.field(column), value);
         if (kind == NumberKind::kBad) return reader.badField(column, "Position", "a number");
@@ -313,10 +314,10 @@ Result<RawStream> parseKinect2Wide(std::string_view text, std::string_view file)
           return reader.badField(column, "Position", "metres within +-40");
         }
         missing = missing || kind == NumberKind::kMissing;
-        place[static_cast<Eigen::Index>(axis)] = value;
+        position[static_cast<Eigen::Index>(axis)] = value;
       }
-      const bool seen = !missing && place != Vec3::Zero();
-      body.set(*joint, seen ? std::optional<Vec3>(place) : std::nullopt, confidence);
+      const bool seen = !missing && position != Vec3::Zero();
+      body.set(*joint, seen ? std::optional<Vec3>(position) : std::nullopt, confidence);
     }
     const int person = header->personColumn == kNoColumn ? 1 : persons.of(reader.field(header->personColumn));
     raw.rows.push_back(observe(body, *time, person));
@@ -324,12 +325,12 @@ Result<RawStream> parseKinect2Wide(std::string_view text, std::string_view file)
   if (raw.rows.empty()) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: found a header and no rows, expected at least one", file)};
   }
-  if (torn) raw.notes.emplace_back("Decimal commas between commas were put together again.");
+  if (torn) raw.notes.emplace_back("Numbers split at decimal commas were rejoined.");
   return raw;
 }
 
 Result<RawStream> parseKinect1Long(std::string_view text, std::string_view file) {
-  // A group of fewer tells nothing, and would let a small file become many frames.
+  // A smaller group carries no information and would let a small file expand into many frames.
   constexpr std::ptrdiff_t kFewestJoints = 3;
   RawStream raw;
   RowReader reader(text, file);
@@ -338,7 +339,7 @@ Result<RawStream> parseKinect1Long(std::string_view text, std::string_view file)
   std::size_t timeColumn = kNoColumn;
   std::size_t jointColumn = kNoColumn;
   std::size_t stateColumn = kNoColumn;
-  std::array<std::size_t, 3> placeColumn{kNoColumn, kNoColumn, kNoColumn};
+  std::array<std::size_t, 3> positionColumn{kNoColumn, kNoColumn, kNoColumn};
   const std::size_t columns = reader.count();
   for (std::size_t c = 0; c < columns; ++c) {
     const std::string name = plainName(reader.field(c));
@@ -348,17 +349,18 @@ Result<RawStream> parseKinect1Long(std::string_view text, std::string_view file)
     if (name == "jointtype" || name == "joint") jointColumn = c;
     if (name == "trackingstate" || name == "status" || name == "state") stateColumn = c;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (name == std::string(1, "xyz"[axis]) || name == std::string("position") + "xyz"[axis]) placeColumn[axis] = c;
+      if (name == std::string(1, "xyz"[axis]) || name == std::string("position") + "xyz"[axis])
+        positionColumn[axis] = c;
     }
   }
-  for (const std::size_t c : {timeColumn, jointColumn, placeColumn[0], placeColumn[1], placeColumn[2]}) {
+  for (const std::size_t c : {timeColumn, jointColumn, positionColumn[0], positionColumn[1], positionColumn[2]}) {
     if (c == kNoColumn) return reader.fail("found another header, expected the columns Time, JointType, X, Y and Z");
   }
-  const bool inOrder = jointColumn < placeColumn[0] && placeColumn[1] == placeColumn[0] + 1 &&
-                       placeColumn[2] == placeColumn[0] + 2 && columns == placeColumn[0] + 3;
+  const bool inOrder = jointColumn < positionColumn[0] && positionColumn[1] == positionColumn[0] + 1 &&
+                       positionColumn[2] == positionColumn[0] + 2 && columns == positionColumn[0] + 3;
 
   PersonTracks tracks;
-  SensorBody body;
+  SensorSkeleton body;
   std::bitset<kSensorJointCount> named;
   std::optional<double> groupTime;
   std::size_t incomplete = 0;
@@ -380,18 +382,18 @@ Result<RawStream> parseKinect1Long(std::string_view text, std::string_view file)
   };
   while (reader.next()) {
     if (reader.count() > columns && reader.delimiter() == Delimiter::kComma && inOrder) {
-      // "12,5,Head,0,1,0,2,2,5": what stands behind the name are three numbers.
+      // "12,5,Head,0,1,0,2,2,5": three numbers follow the name.
       const std::span<const std::string_view> tokens = reader.fields();
       std::size_t word = 0;
       while (word < tokens.size() && !isWord(tokens[word])) ++word;
-      const std::size_t between = placeColumn[0] - jointColumn;
+      const std::size_t between = positionColumn[0] - jointColumn;
       const auto before = joinDecimalCommas(tokens.first(word), jointColumn);
       if (before && word + between < tokens.size()) {
         if (const auto after = joinDecimalCommas(tokens.subspan(word + between), 3)) {
-          std::vector<std::string_view> mended = *before;
-          for (std::size_t i = word; i < word + between; ++i) mended.push_back(tokens[i]);
-          mended.insert(mended.end(), after->begin(), after->end());
-          reader.replaceFields(std::move(mended));
+          std::vector<std::string_view> repaired = *before;
+          for (std::size_t i = word; i < word + between; ++i) repaired.push_back(tokens[i]);
+          repaired.insert(repaired.end(), after->begin(), after->end());
+          reader.replaceFields(std::move(repaired));
         }
       }
     }
@@ -409,35 +411,35 @@ Result<RawStream> parseKinect1Long(std::string_view text, std::string_view file)
       if (!state) return reader.badField(stateColumn, "TrackingState", "Tracked, Inferred or NotTracked");
       confidence = *state;
     }
-    Vec3 place = Vec3::Zero();
+    Vec3 position = Vec3::Zero();
     bool missing = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double value = 0.0;
-      const NumberKind kind = readNumber(reader.field(placeColumn[axis]), value);
+      const NumberKind kind = readNumber(reader.field(positionColumn[axis]), value);
       const std::string name(1, "XYZ"[axis]);
-      if (kind == NumberKind::kBad) return reader.badField(placeColumn[axis], name, "a number");
+      if (kind == NumberKind::kBad) return reader.badField(positionColumn[axis], name, "a number");
       if (kind == NumberKind::kNumber && std::abs(value) > kLargestCoordinate) {
-        return reader.badField(placeColumn[axis], name, "metres within +-40");
+        return reader.badField(positionColumn[axis], name, "metres within +-40");
       }
       missing = missing || kind == NumberKind::kMissing;
-      place[static_cast<Eigen::Index>(axis)] = value;
+      position[static_cast<Eigen::Index>(axis)] = value;
     }
     const std::size_t which = static_cast<std::size_t>(*joint);
-    // The same joint once more at the same time is another person, or the same one written twice.
+    // The same joint again at the same time belongs to another person, or is a duplicate.
     if (groupTime && (*time != *groupTime || named[which])) endGroup();
     groupTime = *time;
     named.set(which);
-    body.set(*joint, missing || place == Vec3::Zero() ? std::optional<Vec3>() : place, confidence);
+    body.set(*joint, missing || position == Vec3::Zero() ? std::optional<Vec3>() : position, confidence);
   }
   if (groupTime) endGroup();
   if (raw.rows.empty()) {
     return Error{
         ErrorCode::kBadFormat,
-        fmt::format("{}: found no time with 3 joints or more, expected rows of Time, JointType, X, Y, Z", file)};
+        fmt::format("{}: found no time with at least 3 joints, expected rows of Time, JointType, X, Y, Z", file)};
   }
   if (incomplete > 0) {
     raw.notes.push_back(fmt::format("{} frames have fewer than 20 joints{}.", incomplete,
-                                    tooFew > 0 ? fmt::format(", {} fewer than 3 and were left out", tooFew) : ""));
+                                    tooFew > 0 ? fmt::format("; {} with fewer than 3 were omitted", tooFew) : ""));
   }
   return raw;
 }

@@ -11,7 +11,7 @@
 namespace lorica::joints {
 namespace {
 
-/// No number that means something is longer.
+/// Longer fields are not meaningful numbers.
 constexpr std::size_t kLongestNumber = 60;
 
 bool isDigit(char c) {
@@ -24,7 +24,7 @@ char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// Blanks and quotes around a field.
+/// Strips blanks and quotes around a field.
 std::string_view bare(std::string_view field) {
   const auto isPadding = [](char c) {
     return c == ' ' || c == '\t' || c == '"' || c == '\r' || c == '\v' || c == '\f';
@@ -34,7 +34,7 @@ std::string_view bare(std::string_view field) {
   return field;
 }
 
-/// What C, C#, Java, Python and MATLAB write for a number that there is not.
+/// What C, C#, Java, Python and MATLAB write for a missing number.
 bool isMissing(std::string_view field) {
   if (field.empty()) return true;
   if (field.size() > 1 && (field[0] == '-' || field[0] == '+')) field.remove_prefix(1);
@@ -52,13 +52,13 @@ bool isWhole(std::string_view token) {
   if (!token.empty() && (token[0] == '-' || token[0] == '+')) token.remove_prefix(1);
   return isUnsignedWhole(token);
 }
-/// The digits behind a decimal comma, with an exponent perhaps.
+/// The digits after a decimal comma, with an optional exponent.
 bool isFraction(std::string_view token) {
   const std::size_t e = token.find_first_of("eE");
   if (e == std::string_view::npos) return isUnsignedWhole(token);
   return isUnsignedWhole(token.substr(0, e)) && isWhole(token.substr(e + 1));
 }
-/// What stands for a number whose fraction is 0, or which is missing.
+/// A number that is written without a fraction, or a missing number.
 bool isNumberWithoutFraction(std::string_view token) {
   const std::size_t e = token.find_first_of("eE");
   return isMissing(bare(token)) || isWhole(token.substr(0, e));
@@ -69,7 +69,7 @@ bool isNumberWithoutFraction(std::string_view token) {
 Delimiter delimiterOf(std::string_view line) {
   if (line.find(';') != std::string_view::npos) return Delimiter::kSemicolon;
   if (line.find('\t') != std::string_view::npos) {
-    // Tabs that stand among blanks are blanks; alone they may have nothing between them.
+    // Tabs mixed with blanks count as blanks; a tab alone separates fields, which may be empty.
     std::size_t begin = 0;
     while (begin <= line.size()) {
       const std::size_t end = std::min(line.find('\t', begin), line.size());
@@ -78,7 +78,7 @@ Delimiter delimiterOf(std::string_view line) {
     }
     return Delimiter::kTab;
   }
-  // "1,5 2,5" has decimal commas, "1, 2" has not.
+  // "1,5 2,5" has decimal commas, "1, 2" does not.
   const std::size_t comma = line.find(',');
   if (comma == std::string_view::npos) return Delimiter::kBlanks;
   for (std::size_t i = line.find(' '); i != std::string_view::npos; i = line.find(' ', i + 1)) {
@@ -194,8 +194,8 @@ Result<double> RowReader::number(std::size_t column, std::string_view name, doub
   return value;
 }
 
-Result<std::optional<Vec3>> RowReader::place(std::size_t firstColumn, std::string_view name, double unit) const {
-  Vec3 place = Vec3::Zero();
+Result<std::optional<Vec3>> RowReader::position(std::size_t firstColumn, std::string_view name, double unit) const {
+  Vec3 position = Vec3::Zero();
   bool missing = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t column = firstColumn + axis;
@@ -205,25 +205,26 @@ Result<std::optional<Vec3>> RowReader::place(std::size_t firstColumn, std::strin
     if (kind == NumberKind::kBad) return badField(column, called(), "a number");
     missing = missing || kind == NumberKind::kMissing;
     if (kind == NumberKind::kNumber && std::abs(value * unit) > kLargestCoordinate) {
-      return badField(column, called(), fmt::format("a place within +-{:g}", kLargestCoordinate / unit));
+      return badField(column, called(), fmt::format("a position within +-{:g}", kLargestCoordinate / unit));
     }
-    place[static_cast<Eigen::Index>(axis)] = value * unit;
+    position[static_cast<Eigen::Index>(axis)] = value * unit;
   }
-  if (missing || place == Vec3::Zero()) return std::optional<Vec3>{};
-  return std::optional<Vec3>(place);
+  if (missing || position == Vec3::Zero()) return std::optional<Vec3>{};
+  return std::optional<Vec3>(position);
 }
 
 std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens,
                                                                std::size_t count) {
-  constexpr std::size_t kMostNumbers = 16;
-  if (count == 0 || count > kMostNumbers || tokens.size() < count || tokens.size() > 2 * count) return std::nullopt;
+  constexpr std::size_t kMaxNumbers = 16;
+  if (count == 0 || count > kMaxNumbers || tokens.size() < count || tokens.size() > 2 * count) return std::nullopt;
   const std::size_t joins = tokens.size() - count;
   std::optional<std::vector<std::string_view>> best;
   double bestCost = 0.0;
   std::vector<std::string_view> numbers(count);
-  std::array<double, kMostNumbers> values{};
+  std::array<double, kMaxNumbers> values{};
 
-  // Bit n says that number n has a fraction. Highest first, so that of equals the one wins that joins the first ones.
+  // Bit n means that number n has a fraction. Counts down from the highest value, so that on a tie the first numbers
+  // get the fractions.
   for (std::uint32_t joined = 1u << count; joined-- > 0;) {
     if (static_cast<std::size_t>(std::popcount(joined)) != joins) continue;
     double cost = 0.0;
@@ -236,7 +237,7 @@ std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const s
         const std::string_view fraction = tokens[token++];
         numbers[n] = {whole.data(), static_cast<std::size_t>(fraction.data() + fraction.size() - whole.data())};
         fits = isWhole(whole) && isFraction(fraction);
-        if (fraction.find_first_not_of('0') == std::string_view::npos) cost += 0.5;  // "1,0" is written "1"
+        if (fraction.find_first_not_of('0') == std::string_view::npos) cost += 0.5;  // "1,0" would be written "1"
       } else {
         fits = isNumberWithoutFraction(whole);
         if (whole != "0" && !isMissing(whole)) cost += 0.1;

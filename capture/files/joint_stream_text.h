@@ -11,12 +11,12 @@
 #include <string_view>
 #include <vector>
 
-/// Internal to the joint streams: rows of fields, whatever divides them.
+/// Internal to the joint stream readers: rows of fields with any delimiter.
 namespace lorica::joints {
 
 enum class Delimiter : std::uint8_t { kBlanks, kTab, kComma, kSemicolon };
 
-/// What divides the fields of a line.
+/// Detects the delimiter of a line.
 [[nodiscard]] Delimiter delimiterOf(std::string_view line);
 
 enum class NumberKind : std::uint8_t {
@@ -24,23 +24,23 @@ enum class NumberKind : std::uint8_t {
   kMissing,  ///< an empty field, NaN, infinity
   kBad,
 };
-/// A decimal comma is understood.
+/// Accepts a decimal comma.
 [[nodiscard]] NumberKind readNumber(std::string_view field, double& value);
 
-/// Starts with a letter and is no way to write a missing number.
+/// Whether a field starts with a letter and does not denote a missing number.
 [[nodiscard]] bool isWord(std::string_view field);
-[[nodiscard]] bool sameWord(std::string_view a, std::string_view b);  ///< in any case
+[[nodiscard]] bool sameWord(std::string_view a, std::string_view b);  ///< case-insensitive
 
-/// How far from the sensor a joint may be [m]: beyond it the unit is another one. Low enough that what is set on the
-/// floor afterwards stays within what recordings/FORMAT.md allows.
+/// Max distance of a joint from the sensor [m]; beyond it the unit must be different. Low enough that positions stay
+/// within the limits of recordings/FORMAT.md after placement on the floor.
 inline constexpr double kLargestCoordinate = 40.0;
 
-/// Walks the rows of a file. Lines that are blank or start with # are passed over; ends of lines may be any.
+/// Iterates over the rows of a file. Skips blank lines and lines that start with #; accepts any line endings.
 class RowReader {
  public:
   RowReader(std::string_view text, std::string_view file);
 
-  /// Goes to the next row. @return false at the end of the text
+  /// Advances to the next row. @return false at the end of the text
   bool next();
   [[nodiscard]] std::span<const std::string_view> fields() const { return fields_; }
   [[nodiscard]] std::string_view field(std::size_t column) const { return fields_[column]; }
@@ -48,11 +48,11 @@ class RowReader {
   [[nodiscard]] std::size_t line() const { return scanner_.line(); }
   [[nodiscard]] Delimiter delimiter() const { return delimiter_; }
 
-  /// Makes the row have `count` fields where it has them: twice as many between commas are numbers with decimal
-  /// commas, and an empty one at the end comes from a delimiter there.
-  /// @return false when the row has another number of fields
+  /// Adjusts the row to `count` fields if possible: twice as many comma-separated fields are numbers with decimal
+  /// commas, and an empty last field comes from a trailing delimiter.
+  /// @return false if the row has another number of fields
   [[nodiscard]] bool fit(std::size_t count);
-  /// The row is the last one and its line has no end: the recording was cut off while this was written.
+  /// Whether the row is the last one and its line has no end: the recording was truncated while writing it.
   [[nodiscard]] bool cutOff() const;
 
   /// "walk.csv, line 7: found 12 fields, expected 61 fields (...)".
@@ -61,13 +61,13 @@ class RowReader {
   [[nodiscard]] Error badField(std::size_t column, std::string_view name, std::string_view expected) const;
   [[nodiscard]] Error fail(std::string_view foundAndExpected) const;
 
-  /// A number that must be there, of at most `largest`.
+  /// Reads a required number of absolute value at most `largest`.
   [[nodiscard]] Result<double> number(std::size_t column, std::string_view name, double largest) const;
-  /// Three fields times `unit` as a place [m]; nothing when one is missing or all are 0: sensors write both for joints
-  /// that they do not see.
-  [[nodiscard]] Result<std::optional<Vec3>> place(std::size_t firstColumn, std::string_view name, double unit) const;
+  /// Reads three fields times `unit` as a position [m]; nullopt if one is missing or all are 0: sensors write both for
+  /// joints that they do not see.
+  [[nodiscard]] Result<std::optional<Vec3>> position(std::size_t firstColumn, std::string_view name, double unit) const;
 
-  /// Lets the caller put numbers together that a decimal comma tore apart.
+  /// Lets the caller rejoin numbers that were split at a decimal comma.
   void replaceFields(std::vector<std::string_view> fields) { fields_ = std::move(fields); }
 
  private:
@@ -81,9 +81,9 @@ class RowReader {
   std::vector<std::string_view> fields_;
 };
 
-/// Where numbers with decimal commas stand between commas, finds which tokens belong together: of all ways to make
-/// `count` numbers the one that looks most like places within 10 m, followed by a unit or zero quaternion where `count`
-/// is 7. @return the numbers, each as it stands in the text; nothing when there is no way
+/// Rejoins numbers with decimal commas that were split at the commas. Of all ways to form `count` numbers, returns the
+/// one most similar to positions within 10 m, followed by a unit or zero quaternion if `count` is 7.
+/// @return the numbers as in the text; nullopt if there is no way
 [[nodiscard]] std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens,
                                                                              std::size_t count);
 

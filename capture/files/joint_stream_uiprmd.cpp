@@ -6,20 +6,21 @@
 #include <limits>
 #include <numbers>
 
-/// UI-PRMD (https://webpages.uidaho.edu/ui-prmd/): a person's skeleton as offsets and angles, made from Kinect v2.
+/// UI-PRMD (https://webpages.uidaho.edu/ui-prmd/): a person's skeleton as offsets and angles, derived from Kinect v2.
 namespace lorica::joints {
 namespace {
 
 constexpr std::size_t kJoints = 22;
 constexpr std::size_t kFields = 3 * kJoints;
 
-/// waist, spine, chest, neck, head, head's tip; left collar, upper arm, forearm, hand; the same on the right; left
-/// upper leg, lower leg, foot, toes; the same on the right. Each one's parent; the waist is its own.
+/// Joint order: waist, spine, chest, neck, head, head tip; left collar, upper arm, forearm, hand; the same on the
+/// right; left upper leg, lower leg, foot, toes; the same on the right. Lists each joint's parent; the waist is its own
+/// parent.
 constexpr std::array<std::size_t, kJoints> kParent = {0,  0,  1,  2, 3,  4,  3,  6, 7,  8,  3,
                                                       10, 11, 12, 0, 14, 15, 16, 0, 18, 19, 20};
 constexpr std::size_t kHeadTip = 5;
 constexpr std::array<std::size_t, 2> kToes = {17, 21};
-/// Where the 15 joints are: the trunk's middle is "chest", where the spine bends.
+/// Source of each of the 15 joints: the middle of the trunk is "chest", where the spine bends.
 constexpr std::array<std::size_t, kBodyJointCount> kSource = {4, 3, 7, 11, 8, 12, 9, 13, 1, 14, 18, 15, 19, 16, 20};
 
 Quat about(const Vec3& axis, double degrees) {
@@ -28,7 +29,7 @@ Quat about(const Vec3& axis, double degrees) {
 
 using Row = std::array<Vec3, kJoints>;
 
-/// The next row of 22 x 3 numbers, NaN where one is missing; nothing at the end.
+/// Reads the next row of 22 x 3 numbers, NaN for missing ones; nullopt at the end.
 Result<std::optional<Row>> nextRow(RowReader& reader, double largest, std::string_view expected) {
   if (!reader.next()) return std::optional<Row>{};
   if (!reader.fit(kFields)) {
@@ -56,7 +57,7 @@ Result<RawStream> parseUiPrmd(std::string_view positions, std::string_view file,
   RawStream raw;
   raw.axes = Axes::kWorld;  // Y up, the left side at +X, toes towards +Z
   raw.secondsPerTick = 1.0 / 30.0;
-  raw.notes.emplace_back("The file has no times: 30 frames a second were taken, as UI-PRMD was recorded.");
+  raw.notes.emplace_back("The file has no times: 30 frames per second were assumed, the rate of UI-PRMD.");
   RowReader offsetRows(positions, file);
   RowReader angleRows(angles, anglesFile);
   while (true) {
@@ -67,40 +68,42 @@ Result<RawStream> parseUiPrmd(std::string_view positions, std::string_view file,
     if (!turns) return turns.error();
     if (!*offsets || !*turns) {
       if (offsets->has_value() != turns->has_value()) {
-        raw.notes.push_back(fmt::format("{} has fewer rows than {}: the others were left out.",
+        raw.notes.push_back(fmt::format("{} has fewer rows than {}: the extra rows were omitted.",
                                         *offsets ? anglesFile : file, *offsets ? file : anglesFile));
       }
       break;
     }
-    // A joint turns what hangs on it, first about Y, then X, then Z: the only order in which feet that stand stay put.
-    // NaN goes down the limb: what hangs on a joint that is not known is not known either.
-    std::array<Vec3, kJoints> place;
+    // A joint rotates its children, first about Y, then X, then Z: the only order in which standing feet stay in place.
+    // NaN propagates down the limb: the children of an unknown joint are unknown, too.
+    std::array<Vec3, kJoints> position;
     std::array<Quat, kJoints> turn;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const Vec3& angle = (**turns)[j];
       const Quat local =
           about(Vec3::UnitZ(), angle.z()) * about(Vec3::UnitX(), angle.x()) * about(Vec3::UnitY(), angle.y());
       const Vec3 offset = 0.01 * (**offsets)[j];
-      place[j] = j == 0 ? offset : Vec3(place[kParent[j]] + turn[kParent[j]] * offset);
+      position[j] = j == 0 ? offset : Vec3(position[kParent[j]] + turn[kParent[j]] * offset);
       turn[j] = j == 0 ? local : (turn[kParent[j]] * local).normalized();
-      if (place[j].allFinite() && place[j].cwiseAbs().maxCoeff() > kLargestCoordinate) {
-        return offsetRows.fail(fmt::format("found joint {} over 40 m away, expected offsets in centimetres", j + 1));
+      if (position[j].allFinite() && position[j].cwiseAbs().maxCoeff() > kLargestCoordinate) {
+        return offsetRows.fail(
+            fmt::format("found joint {} more than 40 m away, expected offsets in centimetres", j + 1));
       }
     }
     Observation row;
     row.frame.time = static_cast<double>(raw.rows.size());
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      if (place[kSource[j]].allFinite()) row.frame.joints[j] = {place[kSource[j]], std::nullopt, 1.0};
+      if (position[kSource[j]].allFinite()) row.frame.joints[j] = {position[kSource[j]], std::nullopt, 1.0};
     }
-    // Limbs carry no true twist: elbows bend about any axis, and hands, shins and feet flip from frame to frame.
+    // Limbs carry no real twist: elbows bend about arbitrary axes, and hands, shins and feet flip from frame to frame.
     for (const BodyJoint j : {BodyJoint::kHead, BodyJoint::kNeck, BodyJoint::kTorso}) {
       const Quat& its = turn[kSource[static_cast<std::size_t>(j)]];
       if (row.frame[j].confidence > 0.0 && its.coeffs().allFinite()) row.frame[j].orientation = its;
     }
     TrackedJoint& head = row.frame[BodyJoint::kHead];
-    if (head.confidence > 0.0 && place[kHeadTip].allFinite()) head.position = 0.5 * (head.position + place[kHeadTip]);
+    if (head.confidence > 0.0 && position[kHeadTip].allFinite())
+      head.position = 0.5 * (head.position + position[kHeadTip]);
     for (std::size_t side = 0; side < 2; ++side) {
-      if (place[kToes[side]].allFinite()) row.toes[side] = place[kToes[side]];
+      if (position[kToes[side]].allFinite()) row.toes[side] = position[kToes[side]];
     }
     raw.rows.push_back(std::move(row));
   }

@@ -8,31 +8,31 @@
 #include <map>
 #include <numbers>
 
-/// From what the parsers read to one person in Lorica's units and axes.
+/// Converts the parsers' output to one person in Lorica's units and axes.
 namespace lorica::joints {
 namespace {
 
 using J = BodyJoint;
 
-/// Ankles stand this high above the floor, of a sensor's person as of the shipped ones [m].
+/// Height of the ankles above the floor for the people in sensor recordings and in the shipped ones [m].
 constexpr double kAnkleHeight = 0.08;
-/// Where neither ankle is ever seen, hips or shoulders are set this high [m].
+/// Height of the hips or shoulders if no ankle is ever seen [m].
 constexpr double kHipHeight = 0.9;
 constexpr double kShoulderHeight = 1.4;
-/// Of all frames the share in which the lower ankle is under the floor: noise, and feet that sink.
+/// Fraction of frames in which the lower ankle is below the floor because of noise and sinking feet.
 constexpr double kFloorShare = 0.1;
-/// A trunk that leans by more over the whole recording comes from a tilted sensor, most often.
+/// A larger mean lean of the trunk over the whole recording most often comes from a tilted sensor.
 constexpr double kLeanDegrees = 15.0;
-/// A clock that goes back by more was started anew; by less, rows are out of order [s].
+/// A clock that goes back by more was restarted; by less, rows are out of order [s].
 constexpr double kClockRestart = 1.0;
-/// No recording is longer: some thirty years [s].
+/// No recording is longer: about thirty years [s].
 constexpr double kLongestRecording = 1e9;
 
 double degreesBetween(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-/// The value below which `share` of them are. @param values  at least one; reordered
+/// The value below which a fraction `share` of the values lies. @param values  at least one; reordered
 double percentile(std::vector<double>& values, double share) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), nth, values.end());
@@ -51,7 +51,7 @@ std::optional<Vec3> between(const SkeletonFrame& frame, J from, J to) {
   return Vec3(*b - *a);
 }
 
-/// Seconds of a tick such that the rows come nearest to 30 a second.
+/// Seconds per tick that make the row rate nearest to 30 per second.
 double guessedTick(std::span<const Observation> rows, std::vector<std::string>& notes) {
   std::vector<double> steps;
   steps.reserve(rows.size());
@@ -77,13 +77,14 @@ double guessedTick(std::span<const Observation> rows, std::vector<std::string>& 
       }
     }
   }
-  notes.push_back(fmt::format("Times were taken for {}, from how far apart they are.", best->name));
+  notes.push_back(fmt::format("Times are assumed to be in {}, based on their spacing.", best->name));
   return best->seconds;
 }
 
-/// Rows that share one time but not their data were read one after the other: they are spread up to the next time.
+/// Rows with the same time but different data were read one after the other: distributes them evenly up to the next
+/// time.
 void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& notes) {
-  const auto samePlaces = [](const SkeletonFrame& a, const SkeletonFrame& b) {
+  const auto samePositions = [](const SkeletonFrame& a, const SkeletonFrame& b) {
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
       if (a.joints[j].position != b.joints[j].position) return false;
     }
@@ -93,7 +94,7 @@ void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& not
   for (std::size_t begin = 0; begin < rows.size();) {
     const double time = rows[begin].frame.time;
     std::size_t end = begin + 1;
-    while (end < rows.size() && rows[end].frame.time == time && !samePlaces(rows[end].frame, rows[end - 1].frame))
+    while (end < rows.size() && rows[end].frame.time == time && !samePositions(rows[end].frame, rows[end - 1].frame))
       ++end;
     if (end - begin > 1 && end < rows.size() && rows[end].frame.time > time) {
       const double step = (rows[end].frame.time - time) / static_cast<double>(end - begin);
@@ -103,12 +104,13 @@ void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& not
     begin = end;
   }
   if (spread > 0) {
-    notes.push_back(fmt::format("{} rows repeat a time with other data: they were spread up to the next one.", spread));
+    notes.push_back(
+        fmt::format("{} rows repeat a time with different data: they were distributed up to the next time.", spread));
   }
 }
 
-/// Seconds from the first row on, rising.
-void mendTimes(std::vector<Observation>& rows, double secondsPerTick, std::vector<std::string>& notes) {
+/// Converts times to increasing seconds from the first row on.
+void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vector<std::string>& notes) {
   std::vector<double> steps;
   steps.reserve(rows.size());
   const double start = rows.front().frame.time;
@@ -137,17 +139,17 @@ void mendTimes(std::vector<Observation>& rows, double secondsPerTick, std::vecto
     ++kept;
   }
   if (kept < rows.size()) {
-    notes.push_back(fmt::format("{} rows repeat a time or go back in it and were left out.", rows.size() - kept));
+    notes.push_back(fmt::format("{} rows repeat a time or go back in time and were omitted.", rows.size() - kept));
     rows.resize(kept);
   }
   if (restarts > 0) {
-    notes.push_back(fmt::format("The time starts anew {} times: what follows was put behind.", restarts));
+    notes.push_back(fmt::format("The clock restarts {} times: the rows that follow were appended.", restarts));
   }
 }
 
-/// How much toes and knees point to the side that left, right and up make the front: 1 all, -1 all to the back.
+/// How well toes and knees agree with the front that left, right and up define: 1 all agree, -1 all point backwards.
 double frontAgreement(std::span<const Observation> rows) {
-  constexpr double kBentKnee = 0.05;  // a knee this far off the line of its leg has a direction [m]
+  constexpr double kBentKnee = 0.05;  // min offset of a knee from its leg's line for a usable direction [m]
   constexpr double kFewest = 5.0;
   double sum = 0.0;
   double count = 0.0;
@@ -178,7 +180,7 @@ double frontAgreement(std::span<const Observation> rows) {
   return count < kFewest ? 1.0 : sum / count;
 }
 
-/// x to the sensor's left, z away from it: half a turn about Y makes the person who looks at it face +Z.
+/// Sensor axes: x to the sensor's left, z away from it. Half a turn about Y makes a person who looks at it face +Z.
 void turnToWorld(std::vector<Observation>& rows) {
   const auto turned = [](const Vec3& p) { return Vec3(-p.x(), p.y(), -p.z()); };
   for (Observation& row : rows) {
@@ -195,7 +197,7 @@ void turnToWorld(std::vector<Observation>& rows) {
   }
 }
 
-void mirrorPlaces(std::vector<Observation>& rows) {
+void mirrorPositions(std::vector<Observation>& rows) {
   for (Observation& row : rows) {
     for (TrackedJoint& joint : row.frame.joints) {
       joint.position.x() = -joint.position.x();
@@ -209,9 +211,9 @@ void mirrorPlaces(std::vector<Observation>& rows) {
   }
 }
 
-/// Orientations that say another direction than the limb has are in another convention: then none is believed.
+/// Removes all orientations if they do not point along the limbs, because they follow another convention.
 void checkOrientations(std::vector<Observation>& rows, std::vector<std::string>& notes) {
-  constexpr double kMostDegrees = 25.0;
+  constexpr double kMaxDegrees = 25.0;
   struct Limb {
     J from, to;
     Vec3 axis;
@@ -231,14 +233,14 @@ void checkOrientations(std::vector<Observation>& rows, std::vector<std::string>&
       if (turn && direction) off.push_back(degreesBetween(*turn * limb.axis, *direction));
     }
   }
-  if (!any || (!off.empty() && percentile(off, 0.5) <= kMostDegrees)) return;
-  notes.emplace_back("Orientations do not point along the limbs and were left out.");
+  if (!any || (!off.empty() && percentile(off, 0.5) <= kMaxDegrees)) return;
+  notes.emplace_back("Orientations do not point along the limbs and were omitted.");
   for (Observation& row : rows) {
     for (TrackedJoint& joint : row.frame.joints) joint.orientation.reset();
   }
 }
 
-/// How much lower the frames have to be for the person to stand on y = 0 [m], and by which joints.
+/// How far the frames must be lowered so that the person stands on y = 0 [m], and from which joints this follows.
 double floorHeight(std::span<const Observation> rows, std::vector<std::string>& notes) {
   struct Guess {
     J left, right;
@@ -260,19 +262,19 @@ double floorHeight(std::span<const Observation> rows, std::vector<std::string>& 
     }
     if (heights.empty()) continue;
     const bool ankles = guess.left == J::kLeftFoot;
-    notes.push_back(fmt::format("The floor was set {:g} m below the {} {}.", guess.height,
-                                ankles ? "lowest" : "middle of the", guess.name));
+    notes.push_back(fmt::format("The floor was placed {:g} m below the {} {}.", guess.height,
+                                ankles ? "lowest" : "median height of the", guess.name));
     return percentile(heights, ankles ? kFloorShare : 0.5) - guess.height;
   }
   return 0.0;
 }
 
-/// On the floor, the middle of the ground that it covers over the origin.
+/// Places the person on the floor, with the centre of the covered ground at the origin.
 void placeOnFloor(std::vector<Observation>& rows, std::vector<std::string>& notes) {
   const double floor = floorHeight(rows, notes);
   Eigen::AlignedBox3d ground;
   for (const Observation& row : rows) {
-    if (const std::optional<Vec3> place = placeOf(row.frame)) ground.extend(*place);
+    if (const std::optional<Vec3> position = positionOf(row.frame)) ground.extend(*position);
   }
   if (ground.isEmpty()) return;
   const Vec3 origin(ground.center().x(), floor, ground.center().z());
@@ -300,13 +302,13 @@ void noteLean(std::span<const Observation> rows, std::vector<std::string>& notes
 void WayMeter::add(const SkeletonFrame& frame) {
   constexpr double kStep = 0.05;
   ++frames_;
-  const std::optional<Vec3> place = placeOf(frame);
-  if (!place) return;
-  if (!from_) from_ = place;
-  const double step = (*place - *from_).norm();
+  const std::optional<Vec3> position = positionOf(frame);
+  if (!position) return;
+  if (!from_) from_ = position;
+  const double step = (*position - *from_).norm();
   if (step < kStep) return;
   way_ += step;
-  from_ = place;
+  from_ = position;
 }
 
 Result<int> choosePerson(const std::map<int, WayMeter>& ways, std::string_view file,
@@ -341,25 +343,25 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   const int person = *chosen;
   if (!settings.person && stream.people.size() > 1) {
     stream.notes.push_back(
-        fmt::format("Of {} persons the one that moves most was taken: {}.", stream.people.size(), person));
+        fmt::format("The file has {} people; person {} moves most and was selected.", stream.people.size(), person));
   }
   std::vector<Observation> rows = std::move(raw.rows);
   std::erase_if(rows, [&](const Observation& row) { return row.frame.user != person; });
 
   const double tick = raw.secondsPerTick ? *raw.secondsPerTick : guessedTick(rows, stream.notes);
   spreadRepeats(rows, stream.notes);
-  mendTimes(rows, tick, stream.notes);
+  repairTimes(rows, tick, stream.notes);
   if (rows.back().frame.time > kLongestRecording) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: found times over {:.3g} s, expected at most {:g} s", file,
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: found times above {:.3g} s, expected at most {:g} s", file,
                                                     rows.back().frame.time, kLongestRecording)};
   }
 
   constexpr double kMirrored = -0.5;
   if (raw.axes == Axes::kSensor) turnToWorld(rows);
   if (frontAgreement(rows) < kMirrored) {
-    mirrorPlaces(rows);
+    mirrorPositions(rows);
     stream.notes.emplace_back(
-        "Toes and knees point to the back of left and right: the stream is mirrored and was mirrored back.");
+        "Toes and knees point backwards relative to left and right: the stream is mirrored and was mirrored back.");
   }
   checkOrientations(rows, stream.notes);
   placeOnFloor(rows, stream.notes);
@@ -368,10 +370,10 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   stream.frames.reserve(rows.size());
   for (Observation& row : rows) stream.frames.push_back(std::move(row.frame));
   const bool anyoneSeen = std::any_of(stream.frames.begin(), stream.frames.end(),
-                                      [](const SkeletonFrame& frame) { return placeOf(frame).has_value(); });
+                                      [](const SkeletonFrame& frame) { return positionOf(frame).has_value(); });
   if (!anyoneSeen) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: found no joint that is seen in {} frames, expected one", file, stream.frames.size())};
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: found no seen joint in {} frames, expected at least one", file,
+                                                    stream.frames.size())};
   }
   return stream;
 }

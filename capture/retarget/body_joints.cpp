@@ -20,7 +20,7 @@ struct TrackedBone {
   J joint;
   B bone;
 };
-/// All but the torso, which is no bone's joint.
+/// All except the torso, which is not the joint of a bone.
 constexpr std::array<TrackedBone, kBodyJointCount - 1> kTracked = {{{J::kHead, B::kHead},
                                                                     {J::kNeck, B::kNeck},
                                                                     {J::kLeftShoulder, B::kLeftUpperArm},
@@ -35,7 +35,7 @@ constexpr std::array<TrackedBone, kBodyJointCount - 1> kTracked = {{{J::kHead, B
                                                                     {J::kRightKnee, B::kRightLowerLeg},
                                                                     {J::kLeftFoot, B::kLeftFoot},
                                                                     {J::kRightFoot, B::kRightFoot}}};
-/// A floor nearer to y = 0 than this is where it belongs [m].
+/// A floor closer to y = 0 than this is left unchanged [m].
 constexpr double kFloorIsZero = 0.05;
 
 double medianOf(std::vector<double> values, double otherwise) {
@@ -45,12 +45,12 @@ double medianOf(std::vector<double> values, double otherwise) {
   return *middle;
 }
 
-/// Bone lengths of the person in frames.
+/// Bone lengths of the person in the frames.
 class Lengths {
  public:
   explicit Lengths(const std::vector<SkeletonFrame>& frames) : frames_(frames) {}
 
-  /// Median distance of two joints; `otherwise` where they are never both seen [m].
+  /// Median distance of two joints; `otherwise` if they are never seen together [m].
   [[nodiscard]] double between(J a, J b, double otherwise) const {
     std::vector<double> values;
     for (const SkeletonFrame& frame : frames_) {
@@ -58,7 +58,7 @@ class Lengths {
     }
     return atLeast(medianOf(std::move(values), otherwise));
   }
-  /// From the middle between two joints to a third.
+  /// Distance from the middle of two joints to a third.
   [[nodiscard]] double fromMiddle(J left, J right, J other, double otherwise) const {
     std::vector<double> values;
     for (const SkeletonFrame& frame : frames_) {
@@ -67,11 +67,11 @@ class Lengths {
     }
     return atLeast(medianOf(std::move(values), otherwise));
   }
-  /// Both sides of the body, as one.
+  /// Combined value for both sides of the body.
   [[nodiscard]] double ofBoth(J leftA, J leftB, J rightA, J rightB, double otherwise) const {
     return 0.5 * (between(leftA, leftB, otherwise) + between(rightA, rightB, otherwise));
   }
-  /// How far the shoulders are over the torso, seen along the trunk [m].
+  /// Height of the shoulders above the torso, measured along the trunk [m].
   [[nodiscard]] double shouldersOverTorso(double otherwise) const {
     std::vector<double> values;
     for (const SkeletonFrame& frame : frames_) {
@@ -102,7 +102,7 @@ class Lengths {
   const std::vector<SkeletonFrame>& frames_;
 };
 
-/// A T-pose that faces +Z; the middle of the hips is the root, and the other joints bear the tracked joints' names.
+/// A T-pose that faces +Z. The root is the middle of the hips; the other joints have the names of the tracked joints.
 Result<Skeleton> skeletonFrom(const Lengths& lengths) {
   std::vector<Joint> joints;
   const auto add = [&](std::string_view name, JointIndex parent, B bone, const Vec3& offset) {
@@ -156,7 +156,7 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
   const auto joints = static_cast<std::size_t>(motion.skeleton.jointCount());
   if (motion.times.empty() || motion.poses.size() != motion.times.size() * joints) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
+                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
                              motion.name, motion.poses.size(), motion.times.size(), joints)};
   }
   const Result<CompletedSkeleton> completed = CompletedSkeleton::create(motion.skeleton);
@@ -169,7 +169,7 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
     for (SkeletonFrame& frame : *frames) {
       for (const TrackedBone& tracked : kTracked) {
         TrackedJoint& joint = frame[tracked.joint];
-        if (!completed->knowsPlaceOf(tracked.bone)) joint = {};
+        if (!completed->knowsPositionOf(tracked.bone)) joint = {};
         if (!completed->speaksOf(tracked.bone)) {
           joint.orientation.reset();
           joint.confidence *= 0.5;
@@ -178,20 +178,21 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
     }
     return frames;
   }
-  Result<HumanBody> body = HumanBody::create(motion.skeleton);
+  Result<HumanRig> body = HumanRig::create(motion.skeleton);
   if (!body) return Error{body.error().code, fmt::format("the motion {}: {}", motion.name, body.error().message)};
   const auto has = [&](B bone) { return motion.skeleton.jointOf(bone) != kNoJoint; };
   std::vector<SkeletonFrame> frames(motion.times.size());
-  std::array<std::vector<FootPlace>, 2> feet;
+  std::array<std::vector<FootPosition>, 2> feet;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     SkeletonFrame& frame = frames[f];
     frame.time = motion.times[f];
     const HumanPose human = body->read(motion.pose(static_cast<int>(f)));
     for (const TrackedBone& tracked : kTracked) {
-      if (has(tracked.bone)) frame[tracked.joint] = {body->placeOf(tracked.bone), human[tracked.bone], 1.0};
+      if (has(tracked.bone)) frame[tracked.joint] = {body->positionOf(tracked.bone), human[tracked.bone], 1.0};
     }
-    const Vec3 neck = has(B::kNeck) ? body->placeOf(B::kNeck)
-                                    : Vec3(0.5 * (body->placeOf(B::kLeftUpperArm) + body->placeOf(B::kRightUpperArm)));
+    const Vec3 neck = has(B::kNeck)
+                          ? body->positionOf(B::kNeck)
+                          : Vec3(0.5 * (body->positionOf(B::kLeftUpperArm) + body->positionOf(B::kRightUpperArm)));
     frame[J::kTorso] = {0.5 * (human.middleHip + neck), body->spineTurnsOf(human).back(), 1.0};
     for (std::size_t side = 0; side < 2; ++side) feet[side].push_back(human.foot[side]);
   }
@@ -204,7 +205,7 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
 }
 
 Result<SkeletalMotion> skeletalMotionOf(const std::vector<SkeletonFrame>& frames) {
-  if (frames.empty()) return Error{ErrorCode::kInvalidArgument, "found no frames of joints, expected one at least"};
+  if (frames.empty()) return Error{ErrorCode::kInvalidArgument, "found no joint frames, expected at least one"};
   SkeletalMotion motion;
   Result<Skeleton> skeleton = skeletonFrom(Lengths(frames));
   if (!skeleton) return skeleton.error();
@@ -217,7 +218,7 @@ Result<SkeletalMotion> skeletalMotionOf(const std::vector<SkeletonFrame>& frames
   Vec3 middleHip = pose[0].translation;
   for (const SkeletonFrame& frame : frames) {
     retargeter->apply(frame, pose);
-    // The retargeter puts feet on the floor; here the body is where it was seen.
+    // The retargeter puts feet on the floor; here the body stays at the position where it was seen.
     if (Lengths::seen(frame, J::kLeftHip) && Lengths::seen(frame, J::kRightHip)) {
       middleHip = 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);
     }

@@ -14,7 +14,7 @@ namespace {
 
 using B = HumanBone;
 
-// An adult's proportions [m].
+// Adult proportions [m].
 constexpr double kThigh = 0.42;
 constexpr double kShin = 0.42;
 constexpr double kUpperArm = 0.28;
@@ -22,10 +22,10 @@ constexpr double kForearm = 0.25;
 constexpr double kHipHalfWidth = 0.09;
 constexpr double kShoulderHalfWidth = 0.18;
 constexpr double kShoulderDrop = 0.04;   // below the neck
-constexpr double kHipsBelowSpine = 0.1;  // of the lowest bone of the spine
+constexpr double kHipsBelowSpine = 0.1;  // below the lowest bone of the spine
 constexpr double kTrunk = 0.5;
 
-/// Shorter than this a bone has no direction [m].
+/// Bones shorter than this have no direction [m].
 constexpr double kShortestBone = 1e-3;
 
 std::size_t at(JointIndex joint) {
@@ -36,7 +36,7 @@ double sideOf(std::size_t limb) {
   return limb % 2 == 0 ? 1.0 : -1.0;
 }
 
-/// A completed skeleton while it is made: the first one's joints under their own numbers, then those that are added.
+/// A completed skeleton under construction: the original joints with their original indices, then the added ones.
 struct Draft {
   std::vector<Joint> joints;  ///< a parent may come after its child
   std::vector<Quat> rotation;
@@ -46,7 +46,7 @@ struct Draft {
   Vec3 left = Vec3::UnitX();
   Vec3 low = Vec3::Zero();
   Vec3 high = Vec3::Zero();
-  double size = 1.0;  ///< against an adult
+  double size = 1.0;  ///< relative to an adult
 
   explicit Draft(const Skeleton& skeleton)
       : joints(skeleton.joints().begin(), skeleton.joints().end()), rotation(joints.size()), world(joints.size()) {
@@ -56,8 +56,8 @@ struct Draft {
 
   [[nodiscard]] JointIndex operator[](B bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
   [[nodiscard]] bool has(B bone) const { return (*this)[bone] != kNoJoint; }
-  [[nodiscard]] Vec3 place(JointIndex joint) const { return world[at(joint)].translation(); }
-  [[nodiscard]] Vec3 place(B bone) const { return place((*this)[bone]); }
+  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[at(joint)].translation(); }
+  [[nodiscard]] Vec3 position(B bone) const { return position((*this)[bone]); }
 
   [[nodiscard]] bool isBelow(JointIndex joint, JointIndex ancestor) const {
     do {
@@ -65,10 +65,10 @@ struct Draft {
     } while (joint != kNoJoint && joint != ancestor);
     return joint == ancestor;
   }
-  /// Whether a bone hangs on another and is of some length.
+  /// Whether a bone descends from another and is not of zero length.
   [[nodiscard]] bool hangsOn(B bone, B above) const {
     return has(bone) && has(above) && isBelow((*this)[bone], (*this)[above]) &&
-           (place(bone) - place(above)).norm() >= kShortestBone;
+           (position(bone) - position(above)).norm() >= kShortestBone;
   }
 
   void forget(B bone) {
@@ -98,13 +98,13 @@ struct Draft {
   [[nodiscard]] JointIndex lowestSpine() const { return firstOf({B::kSpine, B::kChest, B::kUpperChest}); }
   [[nodiscard]] JointIndex highestSpine() const { return firstOf({B::kUpperChest, B::kChest, B::kSpine}); }
 
-  /// Where up and left are, and how large the body is. @return false where that cannot be told
+  /// Determines the up and left directions and the body's size. @return false if they are unknown
   [[nodiscard]] bool measure(const std::array<bool, kLimbCount>& known) {
     double sizes = 0.0;
     int count = 0;
     for (std::size_t i = 0; i < kLimbCount; ++i) {
       if (!known[i]) continue;
-      const double length = (place(limbs()[i].lower) - place(limbs()[i].upper)).norm();
+      const double length = (position(limbs()[i].lower) - position(limbs()[i].upper)).norm();
       sizes += length / (i < kFirstLeg ? kUpperArm : kThigh);
       ++count;
     }
@@ -113,26 +113,26 @@ struct Draft {
 
     const auto middleOf = [&](std::size_t limb) -> std::optional<Vec3> {
       if (known[limb] && known[limb + 1]) {
-        return Vec3(0.5 * (place(limbs()[limb].upper) + place(limbs()[limb + 1].upper)));
+        return Vec3(0.5 * (position(limbs()[limb].upper) + position(limbs()[limb + 1].upper)));
       }
       return std::nullopt;
     };
     const JointIndex trunk = has(B::kHips) ? (*this)[B::kHips] : lowestSpine();
-    low = place(trunk);
+    low = position(trunk);
     const std::optional<Vec3> shoulders = middleOf(0);
     const JointIndex neck = firstOf({B::kNeck, B::kHead});
-    const std::optional<Vec3> top = neck != kNoJoint ? std::optional<Vec3>(place(neck)) : shoulders;
+    const std::optional<Vec3> top = neck != kNoJoint ? std::optional<Vec3>(position(neck)) : shoulders;
     if (top && (*top - low).norm() >= kShortestBone) up = (*top - low).normalized();
     high = top.value_or(Vec3(low + kTrunk * size * up));
 
     Vec3 across = Vec3::Zero();
     for (const std::size_t limb : {std::size_t{kFirstLeg}, std::size_t{0}}) {
       if (across.norm() < kShortestBone && middleOf(limb)) {
-        across = place(limbs()[limb].upper) - place(limbs()[limb + 1].upper);
+        across = position(limbs()[limb].upper) - position(limbs()[limb + 1].upper);
       }
     }
     for (std::size_t limb = 0; limb < kLimbCount && across.norm() < kShortestBone; ++limb) {
-      if (known[limb]) across = sideOf(limb) * (place(limbs()[limb].upper) - low);
+      if (known[limb]) across = sideOf(limb) * (position(limbs()[limb].upper) - low);
     }
     across -= across.dot(up) * up;
     if (across.norm() < kShortestBone) return false;
@@ -152,7 +152,7 @@ struct Draft {
 
   void addSpine() {
     const JointIndex hips = (*this)[B::kHips];
-    const JointIndex spine = add(B::kSpine, hips, place(hips));
+    const JointIndex spine = add(B::kSpine, hips, position(hips));
     const auto carries = [&](JointIndex joint, std::initializer_list<B> bones) {
       return std::any_of(bones.begin(), bones.end(), [&](B bone) {
         return has(bone) && ((*this)[bone] == joint || isBelow((*this)[bone], joint));
@@ -172,7 +172,7 @@ struct Draft {
     const bool leg = i >= kFirstLeg;
     for (const B bone : {limb.upper, limb.lower, limb.end}) forget(bone);
     const Vec3 along = leg ? Vec3(-up) : Vec3(sideOf(i) * left);
-    const Vec3 begin = leg ? Vec3(place(B::kHips) + sideOf(i) * kHipHalfWidth * size * left)
+    const Vec3 begin = leg ? Vec3(position(B::kHips) + sideOf(i) * kHipHalfWidth * size * left)
                            : Vec3(high - size * kShoulderDrop * up + sideOf(i) * kShoulderHalfWidth * size * left);
     const double upper = size * (leg ? kThigh : kUpperArm);
     const double lower = size * (leg ? kShin : kForearm);
@@ -191,11 +191,12 @@ struct Draft {
       only = static_cast<JointIndex>(j);
       ++children;
     }
-    const bool known = children == 1 && !joints[at(only)].bone && (place(only) - place(lower)).norm() >= kShortestBone;
-    add(limb.end, lower, known ? place(only) : Vec3(2.0 * place(lower) - place(limb.upper)));
+    const bool known =
+        children == 1 && !joints[at(only)].bone && (position(only) - position(lower)).norm() >= kShortestBone;
+    add(limb.end, lower, known ? position(only) : Vec3(2.0 * position(lower) - position(limb.upper)));
   }
 
-  /// Parents before children, otherwise in their order.
+  /// Joint order: parents before children, otherwise unchanged.
   [[nodiscard]] std::vector<JointIndex> order() const {
     std::vector<JointIndex> ordered;
     ordered.reserve(joints.size());
@@ -261,7 +262,7 @@ Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
   }
   Result<Skeleton> whole = Skeleton::create(std::move(joints));
   if (!whole) return whole.error();
-  // What is wrong beside missing bones, such as limbs that hang on no hips, no added bone mends.
+  // Adding bones cannot fix other errors, for example limbs that do not descend from the hips.
   if (const Result<RetargetRig> rig = RetargetRig::create(*whole); !rig) return own.error();
   made.skeleton_ = std::move(*whole);
   made.indexOf_.assign(newIndex.begin(), newIndex.begin() + skeleton.jointCount());
@@ -271,7 +272,7 @@ Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
 
 SkeletalMotion CompletedSkeleton::complete(const SkeletalMotion& motion) const {
   if (isWhole()) return motion;
-  CHECK(indexOf_.size() == at(motion.skeleton.jointCount()), "a motion of another skeleton");
+  LORICA_CHECK(indexOf_.size() == at(motion.skeleton.jointCount()), "the motion must match the skeleton");
   SkeletalMotion out{motion.name, skeleton_, motion.times, {}};
   const Pose rest = restPose(skeleton_);
   out.poses.reserve(motion.times.size() * rest.size());
@@ -283,10 +284,10 @@ SkeletalMotion CompletedSkeleton::complete(const SkeletalMotion& motion) const {
     for (std::size_t j = 0; j < indexOf_.size(); ++j) pose[at(indexOf_[j])] = from[j];
     if (addedHips_ != kNoJoint) {
       computeWorldFromJoint(motion.skeleton, from, world);
-      const Vec3 place = world[at(trunk_)].translation();
-      if (f == 0) start = place;
+      const Vec3 position = world[at(trunk_)].translation();
+      if (f == 0) start = position;
       JointTransform& hips = pose[at(addedHips_)];
-      hips.translation += Vec3(place.x() - start.x(), 0.0, place.z() - start.z());
+      hips.translation += Vec3(position.x() - start.x(), 0.0, position.z() - start.z());
       for (std::size_t j = 0; j < indexOf_.size(); ++j) {
         if (motion.skeleton.joint(static_cast<JointIndex>(j)).parent == kNoJoint) {
           pose[at(indexOf_[j])].translation -= hips.translation;

@@ -8,38 +8,38 @@
 namespace lorica {
 namespace {
 
-/// Bounds for a person whose legs are 0.85 m long; others' grow with the legs.
+/// Limits are for a person with 0.85 m long legs and scale with leg length.
 constexpr double kUsualLeg = 0.85;
-/// A foot locks below the first and goes below the second [m/s].
+/// A foot locks below the first speed and stays locked below the second [m/s].
 constexpr double kSlow = 0.25;
 constexpr double kStillSlow = 0.45;
-/// Likewise of the ankle over its standing height [m].
+/// Likewise for the ankle height above its standing height [m].
 constexpr double kLow = 0.05;
 constexpr double kStillLow = 0.09;
-/// A sensor's jitter is faster than this and has no direction [s].
+/// A sensor's jitter is faster than this and has no preferred direction [s].
 constexpr double kSmoothing = 0.07;
-/// An ankle may be this far from where it stands: a leg that is nearly straight bends by degrees for millimetres [m].
+/// Max distance of an ankle from its anchor: a nearly straight leg bends by degrees for millimetres [m].
 constexpr double kTolerance = 0.005;
-/// Of a leg that was lost, see ConfidenceHoldSettings::returnSeconds [s].
+/// Time for a lost leg to return, see ConfidenceHoldSettings::returnSeconds [s].
 constexpr double kComesBack = 0.5;
 constexpr double kReleaseSeconds = 0.08;
-constexpr double kReleaseSpeed = 0.5;  // at most, for a leg of the usual length [m/s]
-/// The root goes along with the locked feet within this time, and little with the others [s].
+constexpr double kReleaseSpeed = 0.5;  // max, for a leg of the usual length [m/s]
+/// The root follows the locked feet with this time constant, and the other feet only a little [s].
 constexpr double kShiftSeconds = 0.08;
 constexpr double kWeightInAir = 0.02;
 constexpr double kSettleSeconds = 0.08;
-/// A lock that has to pull a foot further than this share of the leg is let go.
+/// A lock that has to pull a foot further than this fraction of the leg is released.
 constexpr double kLongestPull = 0.15;
-/// How fast the root comes up again [m/s].
+/// Speed at which the root rises again [m/s].
 constexpr double kRiseSpeed = 0.3;
-/// Corrections below this are none [m].
+/// Smaller corrections are ignored [m].
 constexpr double kNothing = 1e-9;
 
 std::size_t index(JointIndex joint) {
   return static_cast<std::size_t>(joint);
 }
 
-/// What is left of a vector when so much of its length is forgiven.
+/// The part of a vector beyond a tolerance.
 Vec3 beyond(const Vec3& v, double forgiven) {
   const double length = v.norm();
   return length > forgiven ? Vec3((1.0 - forgiven / length) * v) : Vec3::Zero();
@@ -51,13 +51,13 @@ double shareWithin(double step, double seconds) {
 
 }  // namespace
 
-/// Decides whether a foot is locked, and where.
+/// Decides whether a foot is locked, and updates its anchor.
 void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed, double size, double ratio,
                       double step) {
   if (!tracked.seen && foot.hasShown) foot.unsettled = kComesBack;
   if (tracked.seen) foot.unsettled = std::max(0.0, foot.unsettled - step);
   const bool known = tracked.seen && foot.seen && foot.hasShown && step > 0.0;
-  const Vec3 moved = known ? Vec3(tracked.place - foot.place) : Vec3::Zero();
+  const Vec3 moved = known ? Vec3(tracked.position - foot.position) : Vec3::Zero();
   bool locked = false;
   if (known) {
     const Vec3 velocity = moved / step;
@@ -71,20 +71,21 @@ void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed,
     foot.velocity.setZero();
   }
   if (locked) {
-    // At the lock's first frame too the foot goes on from where it was shown: it stood still from there on.
+    // In the first locked frame, too, the anchor starts from the previously shown position: the foot has stood still
+    // since then.
     foot.anchor = (foot.locked ? foot.anchor : foot.shown) + ratio * moved;
     const Vec3 pull = foot.anchor - posed;
     locked = std::hypot(pull.x(), pull.z()) < kLongestPull * kUsualLeg * size * ratio;
   }
   foot.locked = locked;
   foot.seen = tracked.seen;
-  foot.place = tracked.place;
+  foot.position = tracked.position;
 }
 
 void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
                      std::span<Quat> worldRotation, std::span<Affine3> worldFromJoint, std::span<JointTransform> pose) {
   const Skeleton& skeleton = rig.skeleton;
-  const double size = rig.legLength / (ratio * kUsualLeg);  // the person's
+  const double size = rig.legLength / (ratio * kUsualLeg);  // of the person
   const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(skeleton.jointOf(bone))].translation(); };
   const double tolerance = kTolerance * std::min(1.0, rig.legLength / kUsualLeg);
   std::array<Vec3, 2> posed;
@@ -107,7 +108,7 @@ void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& f
   for (std::size_t side = 0; side < 2; ++side) {
     const LimbBones& leg = limbs()[kFirstLeg + side];
     Foot& foot = feet_[side];
-    // Heights are right for the lower foot already; the other one comes to its own.
+    // Heights are already right for the lower foot; the other one is adjusted to its own.
     double lift = 0.0;
     if (foot.locked) {
       Vec3 away = posed[side] + shift_ - foot.anchor;
@@ -118,7 +119,7 @@ void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& f
       const double height = rig.restAnkleHeight[side] + ratio * std::max(0.0, feet[side].above);
       lift = -beyond(Vec3(0.0, posed[side].y() - height, 0.0), tolerance).y();
     } else {
-      // Each step takes back a part of the root's shift, so that it does not add up.
+      // Each step takes back a part of the root's shift, so that it does not accumulate.
       const Vec3 rest = beyond(shift_, std::max(tolerance, 0.4 * shift_.norm())) - foot.correction;
       const double length = std::max(std::hypot(rest.x(), rest.z()), kNothing);
       const double fastest = kReleaseSpeed * step * rig.legLength / kUsualLeg;

@@ -9,48 +9,48 @@ namespace lorica {
 
 /// A tracked foot in one frame.
 struct TrackedFoot {
-  bool seen = false;          ///< with the leg above it
-  Vec3 place = Vec3::Zero();  ///< of the ankle, in the person's world [m]
-  double above = 0.0;         ///< the ankle's height over where it is when the person stands [m]
+  bool seen = false;             ///< together with the leg above it
+  Vec3 position = Vec3::Zero();  ///< of the ankle, in the person's world [m]
+  double above = 0.0;            ///< ankle height relative to its height when the person stands [m]
 };
 
-/// Keeps a character's feet where they stand while the person's do, frame by frame and without looking ahead.
+/// Keeps a character's feet in place while the person's feet stand still, frame by frame without lookahead.
 ///
-/// A foot locks when it is low and slow, and stays locked until it is neither (bounds in the source, hysteresis between
-/// them). Its anchor moves by what the person's foot moves, scaled: so the anchor of a foot that stands still stands
-/// still, whatever the character's proportions. The root goes along with what the locked feet ask for in the mean, so
-/// that legs go on pointing as the person's; what is then left of more than 5 mm is bent away in hip and knee. When a
-/// leg is too short the root comes down. A foot that lifts off loses what was added to its place within a few tenths of
-/// a second. A leg that was lost is left alone until it has come back to where it is seen. Nothing jumps, and nothing
-/// is allocated.
+/// A foot locks when it is low and slow, and stays locked until it is no longer both (limits in the source, with
+/// hysteresis). The lock's anchor moves with the scaled motion of the person's foot: for a foot that stands still the
+/// anchor stands still, whatever the character's proportions. The root follows the mean correction of the locked feet,
+/// so that legs keep the direction of the person's; a remaining error above 5 mm is removed by bending hip and knee. If
+/// a leg is too short, the root is lowered. After lift-off a foot's correction decays within a few tenths of a second.
+/// A leg that was lost is left alone until it has returned to its tracked position. The result has no jumps; allocates
+/// nothing.
 class FootLock {
  public:
-  /// Moves the legs of a pose, and its root where a leg is too short.
+  /// Adjusts the legs of a pose, and its root if a leg is too short.
   /// @param ratio          the character's leg length over the person's
-  /// @param step           since the frame before [s]; 0 in the first
-  /// @param worldRotation  of the pose's joints, without scale; kept up to date
-  /// @param worldFromJoint of the pose's joints; kept up to date
-  /// @param pose           jointCount local transforms, changed
+  /// @param step           time since the previous frame [s]; 0 in the first
+  /// @param worldRotation  of the pose's joints, without scale; updated
+  /// @param worldFromJoint of the pose's joints; updated
+  /// @param pose           jointCount local transforms, updated
   void apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
              std::span<Quat> worldRotation, std::span<Affine3> worldFromJoint, std::span<JointTransform> pose);
 
  private:
   struct Foot {
     bool locked = false;
-    double unsettled = 0.0;        ///< a leg that was lost still comes back for so long [s]
-    bool seen = false;             ///< in the frame before
-    Vec3 place = Vec3::Zero();     ///< the person's, then
-    Vec3 velocity = Vec3::Zero();  ///< the person's, smoothed [m/s]
+    double unsettled = 0.0;        ///< remaining time in which a lost leg is still returning [s]
+    bool seen = false;             ///< in the previous frame
+    Vec3 position = Vec3::Zero();  ///< the person's foot, in the previous frame
+    Vec3 velocity = Vec3::Zero();  ///< the person's foot, smoothed [m/s]
     Vec3 anchor = Vec3::Zero();    ///< of the character's ankle while locked [m]
-    Vec3 shown = Vec3::Zero();     ///< the character's ankle in the frame before
+    Vec3 shown = Vec3::Zero();     ///< the character's ankle in the previous frame
     bool hasShown = false;
-    Vec3 correction = Vec3::Zero();  ///< added to the ankle's place [m]
+    Vec3 correction = Vec3::Zero();  ///< added to the ankle position [m]
   };
   static void follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed, double size, double ratio, double step);
 
   std::array<Foot, 2> feet_;
-  Vec3 shift_ = Vec3::Zero();  ///< of the root, level [m]
-  double nudge_ = 0.0;         ///< the root is down by this [m]
+  Vec3 shift_ = Vec3::Zero();  ///< of the root, horizontal [m]
+  double nudge_ = 0.0;         ///< amount by which the root is lowered [m]
 };
 
 }  // namespace lorica

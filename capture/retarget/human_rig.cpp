@@ -16,13 +16,13 @@ std::size_t index(JointIndex joint) {
 
 }  // namespace
 
-Result<HumanBody> HumanBody::create(const Skeleton& skeleton) {
+Result<HumanRig> HumanRig::create(const Skeleton& skeleton) {
   Result<RetargetRig> rig = RetargetRig::create(skeleton);
   if (!rig) return rig.error();
-  return HumanBody(std::move(*rig));
+  return HumanRig(std::move(*rig));
 }
 
-HumanBody::HumanBody(RetargetRig rig)
+HumanRig::HumanRig(RetargetRig rig)
     : rig_(std::move(rig)),
       tposeFromJoint_(rig_.tposeFromJoint),
       worldRotation_(tposeFromJoint_.size(), Quat::Identity()),
@@ -45,31 +45,31 @@ HumanBody::HumanBody(RetargetRig rig)
   }
 }
 
-void HumanBody::evaluate(std::span<const JointTransform> pose) {
+void HumanRig::evaluate(std::span<const JointTransform> pose) {
   evaluatePose(rig_.skeleton, pose, worldRotation_, worldFromJoint_);
 }
 
-Vec3 HumanBody::placeOf(HumanBone bone) const {
+Vec3 HumanRig::positionOf(HumanBone bone) const {
   return worldFromJoint_[index(rig_.skeleton.jointOf(bone))].translation();
 }
 
-Vec3 HumanBody::middleHip() const {
-  return 0.5 * (placeOf(HumanBone::kLeftUpperLeg) + placeOf(HumanBone::kRightUpperLeg));
+Vec3 HumanRig::middleHip() const {
+  return 0.5 * (positionOf(HumanBone::kLeftUpperLeg) + positionOf(HumanBone::kRightUpperLeg));
 }
 
-FootPlace HumanBody::footPlace(std::size_t side) const {
+FootPosition HumanRig::footPosition(std::size_t side) const {
   const Affine3& foot = worldFromJoint_[index(rig_.skeleton.jointOf(limbs()[kFirstLeg + side].end))];
   const JointIndex toesJoint = rig_.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
   const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[index(toesJoint)];
   const RetargetRig::Sole& sole = rig_.sole[side];
-  FootPlace place;
-  place.ankle = foot.translation();
-  place.ball = foot * sole.ball;
-  place.lowest = std::min({(foot * sole.heel).y(), place.ball.y(), (toes * sole.tip).y()});
-  return place;
+  FootPosition position;
+  position.ankle = foot.translation();
+  position.ball = foot * sole.ball;
+  position.lowest = std::min({(foot * sole.heel).y(), position.ball.y(), (toes * sole.tip).y()});
+  return position;
 }
 
-HumanPose HumanBody::read(std::span<const JointTransform> pose) {
+HumanPose HumanRig::read(std::span<const JointTransform> pose) {
   evaluate(pose);
   HumanPose human;
   const auto turnOf = [&](HumanBone bone) -> std::optional<Quat>& {
@@ -79,10 +79,11 @@ HumanPose HumanBody::read(std::span<const JointTransform> pose) {
     const std::optional<HumanBone> bone = rig_.skeleton.joint(static_cast<JointIndex>(j)).bone;
     if (bone) turnOf(*bone) = (worldRotation_[j] * tposeFromJoint_[j].conjugate()).normalized();
   }
-  // Joints between a limb's two ends, and joints that move in their parent, bend it too: its ends say where it points.
+  // Joints between a limb's two ends, and joints that translate relative to their parent, bend it too: use its ends for
+  // the direction.
   for (const LimbBones& limb : limbs()) {
     const auto point = [&](HumanBone bone, HumanBone next) {
-      const Vec3 along = placeOf(next) - placeOf(bone);
+      const Vec3 along = positionOf(next) - positionOf(bone);
       const double length = along.norm();
       if (length < kShortestLimb) return;
       turnOf(bone) = pointed(*turnOf(bone), limb.axis, along / length, limb.hinge);
@@ -91,21 +92,21 @@ HumanPose HumanBody::read(std::span<const JointTransform> pose) {
     point(limb.lower, limb.end);
   }
   human.middleHip = middleHip();
-  for (std::size_t side = 0; side < 2; ++side) human.foot[side] = footPlace(side);
+  for (std::size_t side = 0; side < 2; ++side) human.foot[side] = footPosition(side);
   return human;
 }
 
-std::vector<Quat> HumanBody::spineTurnsOf(const HumanPose& human) const {
+std::vector<Quat> HumanRig::spineTurnsOf(const HumanPose& human) const {
   std::vector<Quat> turns;
   turns.reserve(spine_.size());
   for (const HumanBone bone : spine_) turns.push_back(*human[bone]);
   return turns;
 }
 
-void HumanBody::pose(const HumanPose& human, std::span<const Quat> spineTurns, std::span<JointTransform> pose) {
+void HumanRig::pose(const HumanPose& human, std::span<const Quat> spineTurns, std::span<JointTransform> pose) {
   using B = HumanBone;
   const Skeleton& skeleton = rig_.skeleton;
-  CHECK(pose.size() == skeleton.joints().size() && !spineTurns.empty(), "a pose of another skeleton");
+  LORICA_CHECK(pose.size() == skeleton.joints().size() && !spineTurns.empty(), "the pose must match the skeleton");
   const auto spineTurn = [&](std::size_t i) {
     const double along = static_cast<double>(i * (spineTurns.size() - 1)) / static_cast<double>(spine_.size() - 1);
     const auto below = std::min(static_cast<std::size_t>(along), spineTurns.size() - 1);
@@ -133,12 +134,12 @@ void HumanBody::pose(const HumanPose& human, std::span<const Quat> spineTurns, s
   computeWorldFromJoint(skeleton, pose, worldFromJoint_);
 }
 
-void HumanBody::reach(std::size_t side, const Vec3& ankle, std::span<JointTransform> pose) {
+void HumanRig::reach(std::size_t side, const Vec3& ankle, std::span<JointTransform> pose) {
   bendLeg(rig_, side, ankle, worldRotation_, worldFromJoint_, pose);
   evaluate(pose);
 }
 
-void HumanBody::move(const Vec3& by, std::span<JointTransform> pose) {
+void HumanRig::move(const Vec3& by, std::span<JointTransform> pose) {
   pose[index(rig_.hips)].translation += rig_.hipsParentFromWorld.linear() * by;
   evaluate(pose);
 }

@@ -6,7 +6,7 @@
 namespace lorica {
 namespace {
 
-/// Of the leg's length. The knee is bent by 5 degrees there.
+/// Max reach as a fraction of leg length. There the knee is bent by 5 degrees.
 constexpr double kLongestReach = 0.999;
 constexpr double kShortest = 1e-6;
 
@@ -29,7 +29,7 @@ void evaluatePose(const Skeleton& skeleton, std::span<const JointTransform> pose
   computeWorldFromJoint(skeleton, pose, worldFromJoint);
   for (std::size_t j = 0; j < pose.size(); ++j) {
     const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[static_cast<std::size_t>(parent)];
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[parent];
     worldRotation[j] = (above * pose[j].rotation).normalized();
   }
 }
@@ -42,10 +42,10 @@ void bendLeg(const RetargetRig& rig, std::size_t side, const Vec3& ankle, std::s
   const Quat& thigh = worldRotation[index(leg.upper)];
   const Vec3 hinge = thigh * (rig.tposeFromJoint[index(leg.upper)].conjugate() * leg.hinge);
   const LegTurns turns = reachWithLeg(at(leg.upper), at(leg.lower), at(leg.end), hinge, ankle);
-  // What hangs between two of these joints turns with the upper one.
+  // Joints between two of these rotate with the upper one.
   const auto set = [&](HumanBone bone, const Quat& turnAbove, const Quat& turn) {
     const JointIndex parent = rig.skeleton.joint(rig.skeleton.jointOf(bone)).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[static_cast<std::size_t>(parent)];
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[parent];
     pose[index(bone)].rotation = ((turnAbove * above).conjugate() * turn * worldRotation[index(bone)]).normalized();
   };
   set(leg.upper, Quat::Identity(), turns.thigh);
@@ -66,17 +66,18 @@ LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, cons
   const Vec3 lineBefore = (ankle - hip) / before;
   const Vec3 line = (wanted - hip) / away;
 
-  // The axis of the bend there is; where there is little, or a bend backwards, the hinge's.
-  constexpr double kLeastBend = 0.15;  // sine
+  // The current bending axis; if the bend is small or backwards, the hinge axis.
+  constexpr double kMinBend = 0.15;  // sine
   const Vec3 bend = thighBefore.cross(shinBefore);
   const Vec3 straight = hinge - hinge.dot(lineBefore) * lineBefore;
-  const Vec3 axis = bend + std::max(0.0, kLeastBend - bend.dot(straight)) * straight;
+  const Vec3 axis = bend + std::max(0.0, kMinBend - bend.dot(straight)) * straight;
 
   const Quat swing = swingBetween(lineBefore, line, hinge);
   Vec3 turned = swing * axis;
   turned -= turned.dot(line) * line;
   if (turned.norm() < kShortest) return turns;
-  // A leg that is already longer than the usual reach may stay so: nothing moves where the place is the ankle's own.
+  // A leg that is already longer than the usual reach may stay so: nothing moves if the target is the current ankle
+  // position.
   const double longest = std::max(reachOfLeg(thigh, shin), std::min(before, (1.0 - 1e-9) * (thigh + shin)));
   const double shortest = std::abs(thigh - shin) + 1e-3 * (thigh + shin);
   const double reach = std::clamp(away, std::min(shortest, longest), longest);

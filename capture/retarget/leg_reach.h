@@ -6,32 +6,33 @@
 
 namespace lorica {
 
-/// World turns of thigh and shin that bring an ankle to a place; what hangs from a bone turns along.
+/// World rotations of thigh and shin that move an ankle to a position; child joints rotate along.
 struct LegTurns {
   Quat thigh = Quat::Identity();
   Quat shin = Quat::Identity();
-  Vec3 ankle = Vec3::Zero();  ///< where it comes to: the place, or as near as the leg's length allows [m]
+  Vec3 ankle = Vec3::Zero();  ///< reached position: the target, or the nearest point within the leg's length [m]
 };
 
-/// Bends a leg of two bones so that its ankle reaches a place. The plane of hip, knee and ankle turns along with the
-/// line from hip to ankle, and the twists change the least; a straight knee bends forwards.
-/// @param hinge   unit axis about which the knee bends: the thigh turned by a positive angle folds the shin back
-/// @param wanted  [m], world, as the others
+/// Bends a two-bone leg so that its ankle reaches a position. The plane of hip, knee and ankle rotates with the line
+/// from hip to ankle, with minimal change of twist; a straight knee bends forwards.
+/// @param hinge   unit axis about which the knee bends: rotating the thigh by a positive angle folds the shin back
+/// @param wanted  target position [m], in world space like the others
 [[nodiscard]] LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& hinge,
                                     const Vec3& wanted);
 
-/// How far straight down a hip must come so that its ankle reaches a place; 0 when it does, or never will. A leg
-/// reaches nearly its length, for a knee that is quite straight snaps; one that is straighter already may stay so [m].
+/// How far a hip must move straight down so that its ankle reaches a position [m]; 0 if it already does or never will.
+/// The max reach is slightly below the leg length, because a fully straight knee snaps; a leg that is already
+/// straighter may stay so.
 [[nodiscard]] double dropToReach(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& wanted);
 
-/// World rotations, scales left out, and world transforms of a pose. Allocates nothing.
-/// @param worldRotation, worldFromJoint  one a joint, written
+/// Computes world rotations, without scales, and world transforms of a pose. Allocates nothing.
+/// @param worldRotation, worldFromJoint  one per joint, written
 void evaluatePose(const Skeleton& skeleton, std::span<const JointTransform> pose, std::span<Quat> worldRotation,
                   std::span<Affine3> worldFromJoint);
 
-/// Brings the ankle of a character to a place by bending the leg; the foot keeps its turn in the world. Legs, their
-/// places known, may be bent one after the other before the pose is evaluated again.
-/// @param worldRotation, worldFromJoint  as evaluatePose wrote them
+/// Moves a character's ankle to a position by bending the leg; the foot keeps its world rotation. Several legs may be
+/// bent, with known target positions, before the pose is evaluated again.
+/// @param worldRotation, worldFromJoint  as written by evaluatePose
 void bendLeg(const RetargetRig& rig, std::size_t side, const Vec3& ankle, std::span<const Quat> worldRotation,
              std::span<const Affine3> worldFromJoint, std::span<JointTransform> pose);
 

@@ -34,26 +34,26 @@ RestMesh::RestMesh(const Character& character)
   computeWorldFromModel(character, world, world);
   skinLinearBlend(character, world, point_);
   for (std::size_t v = 0; v < point_.size(); ++v) {
-    double most = 0.0;
+    double max = 0.0;
     for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
-      if (character.influences[i].weight <= most) continue;
-      most = character.influences[i].weight;
+      if (character.influences[i].weight <= max) continue;
+      max = character.influences[i].weight;
       follows_[v] = character.influences[i].joint;
     }
-    if (follows_[v] != kNoJoint) carries_[static_cast<std::size_t>(follows_[v])] = true;
+    if (follows_[v] != kNoJoint) carries_[follows_[v]] = true;
   }
 }
 
 std::vector<Vec3> RestMesh::pointsOf(const std::vector<bool>& marked) const {
   std::vector<Vec3> points;
   for (std::size_t v = 0; v < point_.size(); ++v) {
-    if (follows_[v] != kNoJoint && marked[static_cast<std::size_t>(follows_[v])]) points.push_back(point_[v]);
+    if (follows_[v] != kNoJoint && marked[follows_[v]]) points.push_back(point_[v]);
   }
   return points;
 }
 
 bool RestMesh::carriesVertices(JointIndex joint) const {
-  return carries_[static_cast<std::size_t>(joint)];
+  return carries_[joint];
 }
 
 std::optional<Vec3> armEnd(std::span<const Vec3> points, const Vec3& lastJoint) {
@@ -65,10 +65,11 @@ std::optional<Vec3> armEnd(std::span<const Vec3> points, const Vec3& lastJoint) 
 }
 
 std::optional<Vec3> legEnd(std::span<const Vec3> points, const Vec3& lastJoint, double above) {
-  constexpr double kAnkleHeight = 0.1;     // of the leg
-  constexpr double kMostlyDown = 0.7;      // sine: a leg that stands
-  constexpr double kShaftAbove = 2.0;      // ankle heights above the sole the foot does not stick out
-  constexpr double kShortestShaft = 0.05;  // of the way to the sole
+  constexpr double kAnkleHeight = 0.1;     // fraction of the leg
+  constexpr double kMostlyDown = 0.7;      // sine: a standing leg
+  constexpr double kShaftAbove = 2.0;      // the foot does not protrude higher than this above the sole, in ankle
+                                           // heights
+  constexpr double kShortestShaft = 0.05;  // fraction of the distance to the sole
   if (points.empty()) return std::nullopt;
   Vec3 along = middleOf(points) - lastJoint;
   if (along.norm() < kShortest) return std::nullopt;

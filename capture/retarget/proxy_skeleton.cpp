@@ -13,7 +13,8 @@
 namespace lorica {
 namespace {
 
-constexpr double kNamedNear = 0.15;  // of the height: a hand or foot by its name lies no further from the limb's end
+constexpr double kNamedNear = 0.15;  // fraction of the height: max distance of a hand or foot found by name from the
+                                     // limb's end
 constexpr double kPlacedNear = 0.04;
 constexpr std::array<std::string_view, 4> kHandWords = {"hand", "palm", "wrist", "fist"};
 constexpr std::array<std::string_view, 3> kFootWords = {"foot", "feet", "ankle"};
@@ -29,7 +30,8 @@ bool hasWord(const JointName& name, std::span<const std::string_view> words) {
   });
 }
 
-/// Local transform of a joint in another, both given by world rotation, scales left out, and world transform.
+/// Local transform of a joint relative to another. Both are given by world rotation, without scale, and world
+/// transform.
 JointTransform relative(const Quat& parentRotation, const Affine3& worldFromParent, const Quat& rotation,
                         const Affine3& worldFromJoint) {
   JointTransform local;
@@ -40,16 +42,16 @@ JointTransform relative(const Quat& parentRotation, const Affine3& worldFromPare
   return local;
 }
 
-/// A stand-in while it is made: the character's joints under their own numbers, then those that are added.
+/// A proxy skeleton under construction: the character's joints with their original indices, then the added ones.
 struct Draft {
   const Character& character;
   RestMesh mesh;
   std::vector<JointName> names;
-  std::vector<Joint> joints;  ///< a parent may come after its child; rest is what it was
+  std::vector<Joint> joints;  ///< a parent may come after its child; rest is the original one
   std::vector<Quat> rotation;
   std::vector<Affine3> world;
   std::array<JointIndex, kHumanBoneCount> jointOf{};
-  std::vector<StandInSkeleton::Substitute> substitutes;
+  std::vector<ProxySkeleton::Substitute> substitutes;
 
   explicit Draft(const Character& of)
       : character(of),
@@ -63,7 +65,7 @@ struct Draft {
   }
 
   [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
-  [[nodiscard]] Vec3 place(JointIndex joint) const { return world[at(joint)].translation(); }
+  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[at(joint)].translation(); }
 
   [[nodiscard]] bool isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
     while (joint != kNoJoint && joint != ancestor) joint = joints[at(joint)].parent;
@@ -85,19 +87,19 @@ struct Draft {
     return joint;
   }
 
-  /// The vertices of a joint of the character and of those below it.
+  /// The vertices of a joint of the character and of its descendants.
   [[nodiscard]] std::vector<Vec3> pointsBelow(JointIndex top) const {
     std::vector<bool> marked(at(character.skeleton.jointCount()));
     for (std::size_t j = 0; j < marked.size(); ++j) marked[j] = isBelowOrSame(static_cast<JointIndex>(j), top);
     return mesh.pointsOf(marked);
   }
 
-  /// The joint that is a limb's hand or foot though it hangs elsewhere; kNoJoint where there is none.
+  /// The joint that is a limb's hand or foot although it is attached elsewhere; kNoJoint if there is none.
   [[nodiscard]] JointIndex findEnd(std::size_t limb, JointIndex last, const std::optional<Vec3>& meshEnd) const {
     const bool leg = limb >= kFirstLeg;
     const Side side = limb % 2 == 0 ? Side::kLeft : Side::kRight;
     const JointIndex hips = (*this)[HumanBone::kHips];
-    // Without a mesh on the limb, names alone must do.
+    // Without a mesh on the limb, only names are used.
     double nearest = (meshEnd ? kNamedNear : 1.0) * character.height;
     JointIndex found = kNoJoint;
     for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
@@ -108,7 +110,7 @@ struct Draft {
                                           : std::span<const std::string_view>(kHandWords));
       const bool outside = !isBelowOrSame(j, hips) || isBelowOrSame(j, last);
       if (!named && !(outside && meshEnd && mesh.carriesVertices(j))) continue;
-      const double away = (place(j) - meshEnd.value_or(place(last))).norm();
+      const double away = (position(j) - meshEnd.value_or(position(last))).norm();
       if (away > nearest || (!named && away > kPlacedNear * character.height)) continue;
       nearest = away;
       found = j;
@@ -116,7 +118,7 @@ struct Draft {
     return found;
   }
 
-  /// Gives one limb the bones that it lacks. @return whether it could
+  /// Adds the missing bones of one limb. @return whether it succeeded
   bool complete(std::size_t i) {
     const LimbBones& limb = limbs()[i];
     const bool leg = i >= kFirstLeg;
@@ -129,7 +131,8 @@ struct Draft {
     std::optional<Vec3> meshEnd;
     if (end == kNoJoint) {
       const std::vector<Vec3> points = pointsBelow(last);
-      meshEnd = leg ? legEnd(points, place(last), (place(last) - place(upper)).norm()) : armEnd(points, place(last));
+      meshEnd = leg ? legEnd(points, position(last), (position(last) - position(upper)).norm())
+                    : armEnd(points, position(last));
       end = findEnd(i, last, meshEnd);
       if (end != kNoJoint) {
         name(limb.end, end);
@@ -139,14 +142,14 @@ struct Draft {
       return false;
     }
     if (end == kNoJoint && !meshEnd) return false;
-    const Vec3 endPlace = end == kNoJoint ? *meshEnd : place(end);
+    const Vec3 endPosition = end == kNoJoint ? *meshEnd : position(end);
     JointIndex lower = last;
     if (last == upper) {
-      lower = add(limb.lower, upper, 0.5 * (place(upper) + endPlace));
+      lower = add(limb.lower, upper, 0.5 * (position(upper) + endPosition));
       substitutes.push_back({limb.lower, kNoJoint, upper});
     }
     if (end == kNoJoint) {
-      add(limb.end, lower, endPlace);
+      add(limb.end, lower, endPosition);
       substitutes.push_back({limb.end, kNoJoint, last});
     } else if (!isBelowOrSame(end, lower)) {
       if (!isBelowOrSame(end, last)) substitutes.push_back({limb.end, end, last});
@@ -165,7 +168,7 @@ struct Draft {
     }
   }
 
-  /// Parents before children, otherwise in their order; and where each joint went.
+  /// Joint order: parents before children, otherwise unchanged; and the new index of each joint.
   [[nodiscard]] std::vector<JointIndex> order() const {
     std::vector<JointIndex> ordered;
     ordered.reserve(joints.size());
@@ -185,8 +188,8 @@ struct Draft {
 
 }  // namespace
 
-Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
-  StandInSkeleton made;
+Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
+  ProxySkeleton made;
   made.own_ = character.skeleton;
   const auto ownCount = at(character.skeleton.jointCount());
   const Result<RetargetRig> own = RetargetRig::create(character.skeleton);
@@ -203,7 +206,7 @@ Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
     if (!draft.complete(i)) return own.error();
   }
 
-  // The joints in order, those that moved in their new parents' frames.
+  // The joints in the new order; reattached joints are expressed in their new parents' frames.
   const std::vector<JointIndex> order = draft.order();
   std::vector<JointIndex> newIndex(order.size());
   std::vector<Joint> joints;
@@ -215,12 +218,12 @@ Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
     const JointIndex parent = joint.parent;
     const bool moved = j >= ownCount || parent != character.skeleton.joint(order[k]).parent;
     if (moved) {
-      // Both ways: into the new parent now, and back into the old one in each frame.
+      // Must be invertible both ways: into the new parent now, and back into the old one in each frame.
       const JointIndex before = j < ownCount ? character.skeleton.joint(order[k]).parent : kNoJoint;
       for (const JointIndex above : {parent, before}) {
         if (above == kNoJoint || std::abs(draft.world[at(above)].linear().determinant()) > 1e-18) continue;
         return Error{ErrorCode::kInvalidArgument,
-                     fmt::format("the joint {} is scaled to nothing", draft.joints[at(above)].name)};
+                     fmt::format("the joint {} has zero scale", draft.joints[at(above)].name)};
       }
       joint.rest = relative(draft.rotation[at(parent)], draft.world[at(parent)], draft.rotation[j], draft.world[j]);
     }
@@ -235,7 +238,7 @@ Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
   made.hipsParentFromWorld_ = rig->hipsParentFromWorld;
   made.substitutes_ = std::move(draft.substitutes);
 
-  made.standInOf_.assign(newIndex.begin(), newIndex.begin() + static_cast<std::ptrdiff_t>(ownCount));
+  made.proxyOf_.assign(newIndex.begin(), newIndex.begin() + static_cast<std::ptrdiff_t>(ownCount));
   made.sameParent_.resize(ownCount);
   for (std::size_t j = 0; j < ownCount; ++j) {
     made.sameParent_[j] = draft.joints[j].parent == character.skeleton.joint(static_cast<JointIndex>(j)).parent;
@@ -247,7 +250,7 @@ Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
     const JointIndex lower = draft[limb.lower];
     const JointIndex end = draft[limb.end];
     if (isAdded(lower)) {
-      const Vec3 along = draft.place(end) - draft.place(upper);
+      const Vec3 along = draft.position(end) - draft.position(upper);
       made.stiff_.push_back({newIndex[at(upper)], newIndex[at(lower)], newIndex[at(end)],
                              draft.rotation[at(upper)].conjugate() * along.normalized()});
     }
@@ -262,62 +265,62 @@ Result<StandInSkeleton> StandInSkeleton::create(const Character& character) {
     }
   }
   made.shown_ = restPose(made.skeleton_);
-  made.standInRotation_.resize(order.size());
-  made.worldFromStandIn_.resize(order.size());
+  made.proxyRotation_.resize(order.size());
+  made.worldFromProxy_.resize(order.size());
   made.ownRotation_.resize(ownCount);
   made.worldFromOwn_.resize(ownCount);
   return made;
 }
 
-/// Fills shown_ and what it comes to in the world.
-void StandInSkeleton::stiffen(std::span<const JointTransform> standInPose) {
-  std::copy(standInPose.begin(), standInPose.end(), shown_.begin());
-  evaluatePose(skeleton_, shown_, standInRotation_, worldFromStandIn_);
+/// Fills shown_ and its world transforms.
+void ProxySkeleton::stiffen(std::span<const JointTransform> proxyPose) {
+  std::copy(proxyPose.begin(), proxyPose.end(), shown_.begin());
+  evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
   for (const StiffLimb& limb : stiff_) {
-    const Vec3 toEnd = worldFromStandIn_[at(limb.end)].translation() - worldFromStandIn_[at(limb.upper)].translation();
-    const Quat upper = standInRotation_[at(limb.upper)];
+    const Vec3 toEnd = worldFromProxy_[at(limb.end)].translation() - worldFromProxy_[at(limb.upper)].translation();
+    const Quat upper = proxyRotation_[at(limb.upper)];
     const Vec3 along = upper * limb.along;
     const double length = toEnd.norm();
     const Quat swung =
         length < 1e-9 ? upper : (swingBetween(along, toEnd / length, along.unitOrthogonal()) * upper).normalized();
     const JointIndex parent = skeleton_.joint(limb.upper).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : standInRotation_[at(parent)];
+    const Quat above = parent == kNoJoint ? Quat::Identity() : proxyRotation_[at(parent)];
     shown_[at(limb.upper)].rotation = (above.conjugate() * swung).normalized();
     shown_[at(limb.lower)].rotation = skeleton_.joint(limb.lower).rest.rotation;
     const Quat lower = swung * shown_[at(limb.lower)].rotation;
-    shown_[at(limb.end)].rotation = (lower.conjugate() * standInRotation_[at(limb.end)]).normalized();
+    shown_[at(limb.end)].rotation = (lower.conjugate() * proxyRotation_[at(limb.end)]).normalized();
   }
-  if (!stiff_.empty()) evaluatePose(skeleton_, shown_, standInRotation_, worldFromStandIn_);
+  if (!stiff_.empty()) evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
 
   double lowest = 0.0;
   for (const SolePoint& sole : soles_) {
-    lowest = std::min(lowest, (worldFromStandIn_[at(sole.joint)] * sole.place).y());
+    lowest = std::min(lowest, (worldFromProxy_[at(sole.joint)] * sole.position).y());
   }
   if (lowest < 0.0) {
     const JointIndex hips = skeleton_.jointOf(HumanBone::kHips);
     shown_[at(hips)].translation += hipsParentFromWorld_.linear() * Vec3(0.0, -lowest, 0.0);
-    evaluatePose(skeleton_, shown_, standInRotation_, worldFromStandIn_);
+    evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
   }
 }
 
-void StandInSkeleton::carryBack(std::span<const JointTransform> standInPose, std::span<JointTransform> pose) {
-  CHECK(at(skeleton_.jointCount()) == standInPose.size(), "a pose of the stand-in");
-  CHECK(at(own_.jointCount()) == pose.size(), "the caller sizes the pose: one transform a joint of the character");
-  if (standInOf_.empty()) {
-    std::copy(standInPose.begin(), standInPose.end(), pose.begin());
+void ProxySkeleton::mapBack(std::span<const JointTransform> proxyPose, std::span<JointTransform> pose) {
+  LORICA_CHECK(at(skeleton_.jointCount()) == proxyPose.size(), "the pose must match the proxy skeleton");
+  LORICA_CHECK(at(own_.jointCount()) == pose.size(), "the pose needs one transform per joint of the character");
+  if (proxyOf_.empty()) {
+    std::copy(proxyPose.begin(), proxyPose.end(), pose.begin());
     return;
   }
-  stiffen(standInPose);
+  stiffen(proxyPose);
   for (std::size_t j = 0; j < pose.size(); ++j) {
     const Joint& joint = own_.joint(static_cast<JointIndex>(j));
     const JointIndex parent = joint.parent;
-    const std::size_t standIn = at(standInOf_[j]);
+    const std::size_t proxy = at(proxyOf_[j]);
     const Quat above = parent == kNoJoint ? Quat::Identity() : ownRotation_[at(parent)];
     const Affine3 worldFromParent = parent == kNoJoint ? Affine3::Identity() : worldFromOwn_[at(parent)];
     if (sameParent_[j]) {
-      pose[j] = shown_[standIn];
+      pose[j] = shown_[proxy];
     } else {
-      pose[j] = relative(above, worldFromParent, standInRotation_[standIn], worldFromStandIn_[standIn]);
+      pose[j] = relative(above, worldFromParent, proxyRotation_[proxy], worldFromProxy_[proxy]);
       pose[j].scale = joint.rest.scale;
     }
     ownRotation_[j] = (above * pose[j].rotation).normalized();
@@ -325,20 +328,20 @@ void StandInSkeleton::carryBack(std::span<const JointTransform> standInPose, std
   }
 }
 
-SkeletalMotion StandInSkeleton::carryBack(SkeletalMotion motion) {
+SkeletalMotion ProxySkeleton::mapBack(SkeletalMotion motion) {
   SkeletalMotion carried{std::move(motion.name), own_, std::move(motion.times), {}};
-  const auto standInCount = at(skeleton_.jointCount());
+  const auto proxyCount = at(skeleton_.jointCount());
   const auto ownCount = at(own_.jointCount());
   carried.poses.resize(carried.times.size() * ownCount);
   for (std::size_t f = 0; f < carried.times.size(); ++f) {
-    carryBack(std::span(motion.poses).subspan(f * standInCount, standInCount),
-              std::span(carried.poses).subspan(f * ownCount, ownCount));
+    mapBack(std::span(motion.poses).subspan(f * proxyCount, proxyCount),
+            std::span(carried.poses).subspan(f * ownCount, ownCount));
   }
   return carried;
 }
 
 bool canPerform(const Character& character) {
-  return StandInSkeleton::create(character).ok();
+  return ProxySkeleton::create(character).ok();
 }
 
 }  // namespace lorica

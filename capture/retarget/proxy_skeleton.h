@@ -11,77 +11,75 @@
 
 namespace lorica {
 
-/// A skeleton that can be retargeted, in the place of one that cannot: of a game character whose feet hang on the root
-/// as targets, or whose limbs are one joint each.
+/// A retargetable skeleton that substitutes for one that is not: for example that of a game character whose feet are
+/// children of the root, used as IK targets, or whose limbs have one joint each.
 ///
-/// A hand or foot that hangs elsewhere hangs on the limb here, with all that is below it: a joint that is the bone, or
-/// bears its name and lies near the limb's end, or hangs outside the hips and lies at the limb's end. Where there is no
-/// such joint, one that moves nothing is added where the limb's mesh ends. A limb without a lower bone gets a joint
-/// halfway to its end; carried back, the limb is straight and points at where its end is in the stand-in, and the hips
-/// are lifted where that takes the sole under the floor, y = 0.
+/// A hand or foot attached elsewhere is attached to its limb here, with all joints below it. Candidates are the joint
+/// of that bone; a joint with a matching name near the limb's end; or a joint outside the hips at the limb's end. If
+/// there is none, a joint without influence is added at the end of the limb's mesh. A limb without a lower bone gets a
+/// joint halfway to its end. When mapped back, that limb is straight and points at its end in the proxy; the hips are
+/// raised if this would put the sole below the floor, y = 0.
 ///
-/// Of a skeleton that can be retargeted as it is, the stand-in is that skeleton.
-/// It remembers no frame, but has room for one: one instance a thread.
-class StandInSkeleton {
+/// If a skeleton can be retargeted as is, the proxy equals that skeleton. Keeps no state between frames but has buffers
+/// for one frame: use one instance per thread.
+class ProxySkeleton {
  public:
-  /// A bone of the stand-in that the character lacks, or has elsewhere.
+  /// A bone of the proxy that the character lacks or has elsewhere.
   struct Substitute {
     HumanBone bone;
-    JointIndex joint = kNoJoint;  ///< of the character: hung on the limb; kNoJoint where one is added
-    JointIndex on = kNoJoint;     ///< of the character: the limb's last joint of its own
+    JointIndex joint = kNoJoint;  ///< the character's joint that is attached to the limb; kNoJoint if one is added
+    JointIndex on = kNoJoint;     ///< the last joint of the character's limb
   };
 
   /// @param character  with its humanoid bones, checkCharacter() passed
-  /// @return the stand-in; or which bones are missing, where hips, spine or an upper limb is, or a limb without an end
-  ///         has no mesh
-  static Result<StandInSkeleton> create(const Character& character);
+  /// @return the proxy; or an error with the missing bones if hips, spine or an upper limb is missing, or if a limb
+  /// without an end has no mesh
+  static Result<ProxySkeleton> create(const Character& character);
 
   [[nodiscard]] const Skeleton& skeleton() const { return skeleton_; }
-  /// Empty where the stand-in is the character's own skeleton.
+  /// Empty if the proxy is the character's own skeleton.
   [[nodiscard]] std::span<const Substitute> substitutes() const { return substitutes_; }
 
-  /// The stand-in's joint that a joint of the character goes with.
-  [[nodiscard]] JointIndex standInOf(JointIndex own) const {
-    return standInOf_.empty() ? own : standInOf_[static_cast<std::size_t>(own)];
-  }
+  /// The proxy joint that corresponds to a joint of the character.
+  [[nodiscard]] JointIndex proxyOf(JointIndex own) const { return proxyOf_.empty() ? own : proxyOf_[own]; }
 
-  /// Writes the character's pose that looks as a stand-in's. Scales are those of the rest pose where a joint hangs
-  /// elsewhere. Allocates nothing.
-  /// @param standInPose  skeleton().jointCount() local transforms
-  /// @param pose         the character's jointCount local transforms, written
-  void carryBack(std::span<const JointTransform> standInPose, std::span<JointTransform> pose);
-  /// The same of a motion of skeleton(), frame for frame.
-  [[nodiscard]] SkeletalMotion carryBack(SkeletalMotion motion);
+  /// Writes the character's pose that looks like a pose of the proxy. Joints attached elsewhere keep their rest scale.
+  /// Allocates nothing.
+  /// @param proxyPose  skeleton().jointCount() local transforms
+  /// @param pose       the character's jointCount local transforms, written
+  void mapBack(std::span<const JointTransform> proxyPose, std::span<JointTransform> pose);
+  /// Maps back a motion of skeleton(), frame by frame.
+  [[nodiscard]] SkeletalMotion mapBack(SkeletalMotion motion);
 
  private:
   /// A limb whose lower joint the character lacks.
   struct StiffLimb {
-    JointIndex upper, lower, end;  ///< of the stand-in
-    Vec3 along;                    ///< unit, from upper to end at rest, in the upper joint's rotation
+    JointIndex upper, lower, end;  ///< of the proxy
+    Vec3 along;                    ///< unit, from upper to end at rest, in the upper joint's frame
   };
   struct SolePoint {
-    JointIndex joint;  ///< of the stand-in
-    Vec3 place;        ///< in the joint
+    JointIndex joint;  ///< of the proxy
+    Vec3 position;     ///< in the joint
   };
 
-  StandInSkeleton() = default;
-  void stiffen(std::span<const JointTransform> standInPose);
+  ProxySkeleton() = default;
+  void stiffen(std::span<const JointTransform> proxyPose);
 
   Skeleton own_;
   Skeleton skeleton_;
   std::vector<Substitute> substitutes_;
-  std::vector<JointIndex> standInOf_;  ///< one a joint of the character
-  std::vector<bool> sameParent_;       ///< one a joint of the character: its local transform is the stand-in's
+  std::vector<JointIndex> proxyOf_;  ///< one per joint of the character
+  std::vector<bool> sameParent_;     ///< one per joint of the character: its local transform equals the proxy's
   std::vector<StiffLimb> stiff_;
   std::vector<SolePoint> soles_;  ///< of legs without feet or shins of their own
   Affine3 hipsParentFromWorld_ = Affine3::Identity();
 
-  Pose shown_;  ///< of the stand-in, stiff limbs straight
-  std::vector<Quat> standInRotation_, ownRotation_;
-  std::vector<Affine3> worldFromStandIn_, worldFromOwn_;
+  Pose shown_;  ///< of the proxy, with stiff limbs straightened
+  std::vector<Quat> proxyRotation_, ownRotation_;
+  std::vector<Affine3> worldFromProxy_, worldFromOwn_;
 };
 
-/// Whether a character can perform any humanoid's motion, by a stand-in if need be.
+/// Whether a character can perform any humanoid's motion, if necessary through a proxy skeleton.
 [[nodiscard]] bool canPerform(const Character& character);
 
 }  // namespace lorica

@@ -7,28 +7,30 @@
 namespace lorica {
 namespace {
 
-/// Tracked joints closer than this give no direction [m].
+/// Tracked joints closer than this define no direction [m].
 constexpr double kShortestLimb = 0.01;
-/// Angle between the limb's two bones below which elbow or knee says nothing of twist, and above which all [rad].
-/// With 2 cm of noise the plane of a bend of 15 degrees is good to some 20 degrees only.
+/// Angle between the limb's two bones below which elbow or knee gives no twist, and above which it gives all [rad].
+/// With 2 cm of noise the plane of a 15-degree bend is accurate to only about 20 degrees.
 constexpr double kHingeFrom = 0.26;
 constexpr double kHingeFull = 1.05;
-/// How fast a twist may go to another source's [rad/s].
+/// Max speed of a twist while it changes to another source [rad/s].
 constexpr double kTwistSpeed = 8.0;
-/// An arm straight up is turned out by this much against the least twist from T-pose: palms forward [rad].
+/// Outward rotation of an arm that points straight up, relative to the least twist from T-pose: palms forward [rad].
 constexpr double kOverheadTurn = 0.5 * std::numbers::pi;
-/// Lift of the collar bone under an arm straight up [rad].
+/// Lift of the collar bone under an arm that points straight up [rad].
 constexpr double kClavicleLift = 0.35;
-/// A foot joint this far above its standing height is on the ground; from the second on it is in the air [m].
+/// A foot joint up to the first value above its standing height is on the ground; from the second value on it is in the
+/// air [m].
 constexpr double kFootGrounded = 0.03;
 constexpr double kFootInAir = 0.15;
-/// Toes bend up when the ball of the foot is nearer to the floor than the first, not at all above the second [m].
+/// Toes bend up fully if the ball of the foot is nearer to the floor than the first value, not at all above the second
+/// [m].
 constexpr double kBallGrounded = 0.02;
 constexpr double kBallInAir = 0.10;
 constexpr double kLargestToeBend = 1.05;
-/// A sole may be this far under the floor before it lifts the character [m].
+/// A sole may be this far below the floor before it lifts the character [m].
 constexpr double kSoleSlack = 0.01;
-/// How fast the root may be lifted or lowered to suit the feet [m/s].
+/// Max speed at which the root is raised or lowered to fit the feet [m/s].
 constexpr double kLiftSpeed = 1.5;
 constexpr double kLegRatioSeconds = 1.0;
 
@@ -36,12 +38,12 @@ Quat about(const Vec3& axis, double angle) {
   return Quat(Eigen::AngleAxisd(angle, axis));
 }
 
-/// Into [-pi, pi].
+/// Wraps to [-pi, pi].
 double wrapped(double angle) {
   return std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
-/// Rotation angle of q about a unit axis, q's own axis being that one or nearly [rad].
+/// Rotation angle of q about a unit axis that is, at least nearly, q's own axis [rad].
 double twistAbout(const Quat& q, const Vec3& axis) {
   return wrapped(2.0 * std::atan2(q.vec().dot(axis), q.w()));
 }
@@ -71,21 +73,20 @@ Retargeter::Retargeter(RetargetRig rig, const RetargetSettings& settings)
 
 void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pose) {
   const auto joints = rig_.skeleton.joints();
-  CHECK(pose.size() == joints.size(), "a pose of another skeleton");
+  LORICA_CHECK(pose.size() == joints.size(), "the pose must match the skeleton");
   hold_.beginFrame(frame.time);
   const Person person = readPerson(frame);
   measureLegs(person);
   measureFloor(person);
 
-  // Parents first, against what the parents show: a seen forearm points right under a held upper arm too.
+  // Parents first, relative to the parents' output: a seen forearm points right even under a held upper arm.
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto joint = static_cast<JointIndex>(j);
     const JointIndex parent = joints[j].parent;
-    const Quat worldFromParent =
-        parent == kNoJoint ? Quat::Identity() : worldRotation_[static_cast<std::size_t>(parent)];
+    const Quat worldFromParent = parent == kNoJoint ? Quat::Identity() : worldRotation_[parent];
     pose[j] = joints[j].rest;
     if (joints[j].bone && *joints[j].bone <= HumanBone::kRightHand) {
-      worldRotation_[j] = worldFromParent * joints[j].rest.rotation;  // where solve() finds the bone at rest
+      worldRotation_[j] = worldFromParent * joints[j].rest.rotation;  // solve() reads the bone at rest from here
       const std::optional<Quat> world = solve(*joints[j].bone, joint, person);
       const Quat local = world ? (worldFromParent.conjugate() * *world).normalized() : joints[j].rest.rotation;
       pose[j].rotation = hold_.rotation(joint, world.has_value(), local);
@@ -102,7 +103,7 @@ Retargeter::Person Retargeter::readPerson(const SkeletonFrame& frame) {
   for (std::size_t j = 0; j < kBodyJointCount; ++j) {
     const TrackedJoint& joint = frame.joints[j];
     person.seen[j] = joint.confidence > 0.0 && joint.position.allFinite();
-    person.place[j] = person.seen[j] ? joint.position : Vec3::Zero();
+    person.position[j] = person.seen[j] ? joint.position : Vec3::Zero();
     if (!person.seen[j] || !joint.orientation) continue;
     const double length = joint.orientation->norm();
     if (length > 0.5 && length < 2.0) person.orientation[j] = joint.orientation->normalized();
@@ -117,7 +118,7 @@ Retargeter::Person Retargeter::readPerson(const SkeletonFrame& frame) {
   }
   if (!person.hips) person.hips = torso;
 
-  // Reaching shifts the shoulders, so the torso's own orientation knows better where the chest faces.
+  // Reaching shifts the shoulders, so the torso's own orientation is a better estimate of the chest's facing.
   const bool trunk = person.has(J::kNeck) && (person.has(J::kTorso) || person.middleHip);
   if (trunk) {
     const Vec3 up = person.at(J::kNeck) - (person.has(J::kTorso) ? person.at(J::kTorso) : *person.middleHip);
@@ -140,7 +141,7 @@ Quat Retargeter::shown(JointIndex joint) const {
   return worldRotation_[j] * rig_.tposeFromJoint[j].conjugate();
 }
 
-/// The world rotation that the person asks of a bone; nothing when its joints are unknown.
+/// The world rotation of a bone according to the person; nullopt if its joints are unknown.
 std::optional<Quat> Retargeter::solve(HumanBone bone, JointIndex joint, const Person& person) {
   using B = HumanBone;
   std::optional<Quat> orientation;
@@ -182,17 +183,17 @@ std::optional<Quat> Retargeter::solve(HumanBone bone, JointIndex joint, const Pe
         } else if (i >= kFirstLeg) {
           orientation = solveFoot(i, person);
         } else if (person.direction(limb.lowerJoint, limb.endJoint)) {
-          orientation = shown(joint);  // at rest on the forearm
+          orientation = shown(joint);  // at rest relative to the forearm
         }
       }
   }
   if (!orientation) return std::nullopt;
-  return *orientation * rig_.tposeFromJoint[static_cast<std::size_t>(joint)];
+  return *orientation * rig_.tposeFromJoint[joint];
 }
 
 std::optional<Quat> Retargeter::solveSpine(JointIndex joint, const Person& person) const {
   if (!person.chest) return std::nullopt;
-  return shown(rig_.hips).slerp(rig_.spineShare[static_cast<std::size_t>(joint)], *person.chest);
+  return shown(rig_.hips).slerp(rig_.spineShare[joint], *person.chest);
 }
 
 std::optional<Quat> Retargeter::solveNeck(const Person& person) const {
@@ -209,8 +210,8 @@ std::optional<Quat> Retargeter::solveHead(const Person& person) const {
   if (person.turnOf(BodyJoint::kHead)) return person.turnOf(BodyJoint::kHead);
   const std::optional<Vec3> direction = person.direction(BodyJoint::kNeck, BodyJoint::kHead);
   if (!direction) return std::nullopt;
-  // Trackers put the head elsewhere over the neck than characters have it, so only half of the neck's tilt is looked
-  // at.
+  // Trackers position the head relative to the neck differently than characters do, so only half of the neck's tilt is
+  // used.
   if (rig_.skeleton.jointOf(HumanBone::kNeck) != kNoJoint) {
     return shown(rig_.chest).slerp(0.5, shown(HumanBone::kNeck));
   }
@@ -225,7 +226,7 @@ std::optional<Quat> Retargeter::solveClavicle(std::size_t limb, const Person& pe
   return chest * about(Vec3::UnitZ(), limb == 0 ? lift : -lift);
 }
 
-/// Direction of forearm or shin. What a shin has of a bend backwards is tracking noise and is taken out.
+/// Direction of forearm or shin. A backward bend of a shin is tracking noise and is removed.
 std::optional<Vec3> Retargeter::lowerDirection(std::size_t limb, const Person& person) const {
   const LimbBones& l = limbs()[limb];
   const std::optional<Vec3> lower = person.direction(l.lowerJoint, l.endJoint);
@@ -242,10 +243,10 @@ std::optional<Vec3> Retargeter::lowerDirection(std::size_t limb, const Person& p
   return Vec3(straightened.normalized());
 }
 
-/// Turns the least-twisted orientation of a bone to the wanted twist. A new source is approached at a bounded speed;
-/// orientations that keep coming are then followed as they are.
-Quat Retargeter::twisted(const Quat& least, const Vec3& direction, double wanted, TwistSource source, Twist& twist) {
-  // Near half a turn both ways round are the same: stay on the side where the limb is.
+/// Rotates the least-twisted orientation of a bone to the wanted twist. After a change of source the twist approaches
+/// at a limited speed; then orientations are followed directly.
+Quat Retargeter::twisted(const Quat& min, const Vec3& direction, double wanted, TwistSource source, Twist& twist) {
+  // Near half a turn both directions are equivalent: stay on the current side.
   wanted = twist.angle + wrapped(wanted - twist.angle);
   if (std::abs(wanted) > 1.25 * std::numbers::pi) wanted = wrapped(wanted);
   if (twist.source == TwistSource::kNone) {
@@ -263,7 +264,7 @@ Quat Retargeter::twisted(const Quat& least, const Vec3& direction, double wanted
     }
   }
   twist.source = source;
-  return (about(direction, twist.angle) * least).normalized();
+  return (about(direction, twist.angle) * min).normalized();
 }
 
 std::optional<Quat> Retargeter::solveUpper(std::size_t limb, const Person& person) {
@@ -272,54 +273,54 @@ std::optional<Quat> Retargeter::solveUpper(std::size_t limb, const Person& perso
   if (!direction) return std::nullopt;
   const bool leg = limb >= kFirstLeg;
   const Quat body = shown(leg ? rig_.hips : rig_.chest);
-  Quat least = pointed(body, l.axis, *direction, l.hinge);
+  Quat min = pointed(body, l.axis, *direction, l.hinge);
   if (!leg) {
     const double raised = smoothStep(0.0, 1.0, (body.conjugate() * *direction).y());
-    least = least * about(Vec3::UnitX(), -kOverheadTurn * raised);
+    min = min * about(Vec3::UnitX(), -kOverheadTurn * raised);
   }
 
   Twist& twist = upperTwist_[limb];
   if (const std::optional<Quat>& orientation = person.turnOf(l.upperJoint)) {
     const Quat measured = pointed(*orientation, l.axis, *direction, l.hinge);
-    return twisted(least, *direction, twistAbout(measured * least.conjugate(), *direction), TwistSource::kOrientation,
+    return twisted(min, *direction, twistAbout(measured * min.conjugate(), *direction), TwistSource::kOrientation,
                    twist);
   }
   const std::optional<Vec3> lower = lowerDirection(limb, person);
-  if (!lower) return twisted(least, *direction, twist.angle, TwistSource::kLeast, twist);  // keep what was shown
+  if (!lower) return twisted(min, *direction, twist.angle, TwistSource::kMin, twist);  // keep the previous output
   const Vec3 hinge = direction->cross(*lower);
   const double share = smoothStep(kHingeFrom, kHingeFull, std::atan2(hinge.norm(), direction->dot(*lower)));
   double wanted = 0.0;
   if (share > 0.0) {
-    const Vec3 from = least * l.hinge;
+    const Vec3 from = min * l.hinge;
     wanted = std::atan2(from.cross(hinge).dot(*direction), from.dot(hinge));
-    // Unwrapped before it is weighted: the weight must not tear the two ends of the circle apart.
+    // Unwrap before weighting: the weight must not separate the two ends of the circle.
     wanted = share * (twist.angle + wrapped(wanted - twist.angle));
   }
-  return twisted(least, *direction, wanted, TwistSource::kHinge, twist);
+  return twisted(min, *direction, wanted, TwistSource::kHinge, twist);
 }
 
 std::optional<Quat> Retargeter::solveLower(std::size_t limb, const Person& person) {
   const LimbBones& l = limbs()[limb];
   const std::optional<Vec3> direction = lowerDirection(limb, person);
   if (!direction) return std::nullopt;
-  const Quat least = pointed(shown(l.upper), l.axis, *direction, l.hinge);
+  const Quat min = pointed(shown(l.upper), l.axis, *direction, l.hinge);
   Twist& twist = lowerTwist_[limb];
   const auto twistOf = [&](const Quat& orientation) {
     const Quat measured = pointed(orientation, l.axis, *direction, l.hinge);
-    return twistAbout(measured * least.conjugate(), *direction);
+    return twistAbout(measured * min.conjugate(), *direction);
   };
   if (const std::optional<Quat>& own = person.turnOf(l.lowerJoint)) {
-    return twisted(least, *direction, twistOf(*own), TwistSource::kOrientation, twist);
+    return twisted(min, *direction, twistOf(*own), TwistSource::kOrientation, twist);
   }
-  // Radius and ulna cross: half of the hand's turn already shows in the forearm.
+  // Radius and ulna cross: half of the hand's rotation is already visible in the forearm.
   const std::optional<Quat>& hand = person.turnOf(l.endJoint);
   if (limb < kFirstLeg && hand) {
-    return twisted(least, *direction, 0.5 * twistOf(*hand), TwistSource::kHinge, twist);
+    return twisted(min, *direction, 0.5 * twistOf(*hand), TwistSource::kHinge, twist);
   }
-  return twisted(least, *direction, 0.0, TwistSource::kLeast, twist);
+  return twisted(min, *direction, 0.0, TwistSource::kMin, twist);
 }
 
-/// A foot without an orientation: in the air at its rest angle to the shin, on the ground flat and headed alike.
+/// A foot without an orientation: in the air at its rest angle to the shin, on the ground flat with the same heading.
 std::optional<Quat> Retargeter::solveFoot(std::size_t limb, const Person& person) const {
   const LimbBones& l = limbs()[limb];
   if (!person.direction(l.lowerJoint, l.endJoint)) return std::nullopt;
@@ -343,7 +344,7 @@ std::optional<Quat> Retargeter::solveToes(std::size_t side, const Person& person
   return foot * about(Vec3::UnitX(), -pitch * (1.0 - smoothStep(kBallGrounded, kBallInAir, ball)));
 }
 
-/// The ratio of leg lengths: the median of the first frames that show both legs, approached slowly.
+/// Estimates the ratio of leg lengths: the median of the first frames that show both legs, approached slowly.
 void Retargeter::measureLegs(const Person& person) {
   using J = BodyJoint;
   const auto legSeen = [&](J hip, J knee, J foot) { return person.has(hip) && person.has(knee) && person.has(foot); };
@@ -366,14 +367,14 @@ void Retargeter::measureLegs(const Person& person) {
   legRatio_ += share * (rig_.legLength / medianLegLength_ - legRatio_);
 }
 
-/// Follows the height of the lower foot: down at once, up slowly and only while it could still be standing.
+/// Tracks the height of the lower foot: fast downwards, slowly upwards and only while it could still be standing.
 void Retargeter::measureFloor(const Person& person) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const BodyJoint foot : {BodyJoint::kLeftFoot, BodyJoint::kRightFoot}) {
     if (person.has(foot)) lowest = std::min(lowest, person.at(foot).y());
   }
   if (!std::isfinite(lowest)) return;
-  lowest = std::clamp(lowest, -0.2, 0.25);  // beyond is no foot that stands
+  lowest = std::clamp(lowest, -0.2, 0.25);  // a foot outside this range is not standing
   if (!standingFoot_) standingFoot_ = lowest;
   const double above = lowest - *standingFoot_;
   if (above > 0.05) return;
@@ -384,19 +385,17 @@ void Retargeter::measureFloor(const Person& person) {
 void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose) {
   const auto hips = static_cast<std::size_t>(rig_.hips);
   computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
-  const auto at = [&](HumanBone bone) -> Vec3 {
-    return worldFromJoint_[static_cast<std::size_t>(rig_.skeleton.jointOf(bone))].translation();
-  };
+  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint_[rig_.skeleton.jointOf(bone)].translation(); };
   const Vec3 middleHip = 0.5 * (at(HumanBone::kLeftUpperLeg) + at(HumanBone::kRightUpperLeg));
   const Vec3 hipsFromMiddle = worldFromJoint_[hips].translation() - middleHip;
-  // Height of each foot over its rest height when the middle of the hips is at y = 0: about minus the leg's length.
+  // Height of each foot relative to its rest height, with the middle of the hips at y = 0: about minus the leg length.
   std::array<double, 2> footOverRest{};
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t side = 0; side < 2; ++side) {
     const LimbBones& leg = limbs()[kFirstLeg + side];
-    const Affine3& foot = worldFromJoint_[static_cast<std::size_t>(rig_.skeleton.jointOf(leg.end))];
+    const Affine3& foot = worldFromJoint_[rig_.skeleton.jointOf(leg.end)];
     const JointIndex toesJoint = rig_.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
-    const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[static_cast<std::size_t>(toesJoint)];
+    const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[toesJoint];
     const RetargetRig::Sole& sole = rig_.sole[side];
     footOverRest[side] = foot.translation().y() - middleHip.y() - rig_.restAnkleHeight[side];
     for (const Vec3& point : {Vec3(foot * sole.heel), Vec3(foot * sole.ball), Vec3(toes * sole.tip)}) {
@@ -404,7 +403,7 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
     }
   }
 
-  Vec3 place = Vec3::Zero();
+  Vec3 position = Vec3::Zero();
   if (person.middleHip) {
     if (!lastMiddleHip_) {
       root_ = *person.middleHip;
@@ -414,7 +413,7 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
     root_.y() = 0.0;
     lastMiddleHip_ = person.middleHip;
 
-    // The minimum over the feet of both is continuous, so stepping from one foot to the other shows no jump.
+    // The minimum over both feet is continuous, so stepping from one foot to the other causes no jump.
     double wanted = std::numeric_limits<double>::infinity();
     double actual = std::numeric_limits<double>::infinity();
     for (std::size_t side = 0; side < 2; ++side) {
@@ -429,10 +428,10 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
       const double largest = kLiftSpeed * hold_.step();
       footLift_ = footLift_ ? *footLift_ + std::clamp(lift - *footLift_, -largest, largest) : lift;
     }
-    place = root_ + Vec3(0.0, scaledHeight + footLift_.value_or(0.0), 0.0) + hipsFromMiddle;
+    position = root_ + Vec3(0.0, scaledHeight + footLift_.value_or(0.0), 0.0) + hipsFromMiddle;
   }
-  Vec3 shownHips = hold_.rootPlace(person.middleHip.has_value(), place, rig_.restHips);
-  // No sole goes under the floor, whatever is held or eases: legs may straighten while the hips stay low.
+  Vec3 shownHips = hold_.rootPosition(person.middleHip.has_value(), position, rig_.restHips);
+  // No sole goes below the floor, even while joints hold or ease: legs may straighten while the hips stay low.
   shownHips.y() = std::max(shownHips.y(), hipsFromMiddle.y() - lowest);
   pose[hips].translation = rig_.hipsParentFromWorld * shownHips;
 }
@@ -444,7 +443,7 @@ void Retargeter::plantFeet(const Person& person, std::span<JointTransform> pose)
     const BodyJoint joint = leg.endJoint;
     feet[side].seen = person.has(joint) && person.has(leg.lowerJoint) && person.middleHip;
     if (!feet[side].seen) continue;
-    feet[side].place = person.at(joint);
+    feet[side].position = person.at(joint);
     feet[side].above = person.at(joint).y() - standingFoot_.value_or(0.0);
   }
   computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);

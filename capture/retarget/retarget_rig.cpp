@@ -19,7 +19,7 @@ constexpr std::array kSpineBones = {HumanBone::kSpine, HumanBone::kChest, HumanB
 
 constexpr std::array kToes = {HumanBone::kLeftToes, HumanBone::kRightToes};
 
-/// Shorter than this a bone has no direction [m].
+/// Bones shorter than this have no direction [m].
 constexpr double kShortestBone = 1e-3;
 
 bool descends(const Skeleton& skeleton, JointIndex joint, JointIndex ancestor) {
@@ -31,7 +31,7 @@ Error refused(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message)};
 }
 
-Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> place) {
+Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> position) {
   std::string missing;
   for (const HumanBone bone : kNeeded) {
     if (skeleton.jointOf(bone) != kNoJoint) continue;
@@ -51,12 +51,10 @@ Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> place) {
     return {};
   };
   const auto checkLength = [&](HumanBone child, HumanBone parent) -> Result<void> {
-    const double length = (place[static_cast<std::size_t>(skeleton.jointOf(child))] -
-                           place[static_cast<std::size_t>(skeleton.jointOf(parent))])
-                              .norm();
+    const double length = (position[skeleton.jointOf(child)] - position[skeleton.jointOf(parent)]).norm();
     if (!(length >= kShortestBone)) {
-      return refused(fmt::format("the bone {} is {:.3g} m long in the rest pose, expected {} m or more", nameOf(parent),
-                                 length, kShortestBone));
+      return refused(fmt::format("the bone {} is {:.3g} m long in the rest pose, expected at least {} m",
+                                 nameOf(parent), length, kShortestBone));
     }
     return {};
   };
@@ -72,18 +70,16 @@ Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> place) {
 
 double legLengthOf(const RetargetRig& rig, std::span<const Affine3> worldFromJoint, std::size_t side) {
   const LimbBones& leg = limbs()[kFirstLeg + side];
-  const auto at = [&](HumanBone bone) -> Vec3 {
-    return worldFromJoint[static_cast<std::size_t>(rig.skeleton.jointOf(bone))].translation();
-  };
+  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[rig.skeleton.jointOf(bone)].translation(); };
   return (at(leg.lower) - at(leg.upper)).norm() + (at(leg.end) - at(leg.lower)).norm();
 }
 
-/// Where the sole is, of which a skeleton says only the joints above it. The floor is y = 0 in the rest pose, unless
-/// that is nowhere near the ankle or the rest pose does not stand; then it is under the toes.
+/// Estimates the sole, because a skeleton only contains the joints above it. The floor is y = 0 in the rest pose,
+/// unless that is implausible for the ankle height or the rest pose does not stand; then the floor is under the toes.
 /// @param ground  worldFromGround: +Y away from the floor, +Z ahead
 void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std::size_t side, const Quat& ground,
                  bool stands) {
-  // Shares of the distance from ankle to toes, and of the leg, as adults have them.
+  // Fractions of the distance from ankle to toes, and of the leg, for adults.
   constexpr double kHeelBehind = 0.45;
   constexpr double kTipAhead = 0.55;
   constexpr double kToesAhead = 0.16;
@@ -92,9 +88,9 @@ void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std:
   constexpr double kLowestAnkle = 0.05;
   constexpr double kHighestAnkle = 0.35;
   const Skeleton& skeleton = rig.skeleton;
-  const Affine3& foot = worldFromJoint[static_cast<std::size_t>(skeleton.jointOf(limbs()[kFirstLeg + side].end))];
+  const Affine3& foot = worldFromJoint[skeleton.jointOf(limbs()[kFirstLeg + side].end)];
   const JointIndex toesJoint = skeleton.jointOf(kToes[side]);
-  const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint[static_cast<std::size_t>(toesJoint)];
+  const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint[toesJoint];
   const Vec3 ankle = foot.translation();
   const double leg = legLengthOf(rig, worldFromJoint, side);
   Vec3 ahead = ground.conjugate() * (toes.translation() - ankle);
@@ -123,10 +119,10 @@ void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std:
   rig.sole[side].tip = toes.inverse() * below(1.0 + kTipAhead);
 }
 
-/// A rest pose's foot may point down, as in files whose limbs all lie on axes: the turn that makes it stand.
+/// Rotation that makes a rest pose's foot stand. It may point down, as in files whose limbs are all aligned with axes.
 Quat flatFoot(const Vec3& toesFromAnkle) {
   constexpr double kSteepest = 0.85;  // sine; high heels stay below
-  constexpr double kSlope = 0.45;     // of the line from ankle to toes in a foot that stands [rad]
+  constexpr double kSlope = 0.45;     // slope of the line from ankle to toes in a standing foot [rad]
   const double length = toesFromAnkle.norm();
   if (length < kShortestBone || std::abs(toesFromAnkle.y()) < kSteepest * length) return Quat::Identity();
   const Vec3 standing(0.0, -std::sin(kSlope), std::cos(kSlope));
@@ -231,24 +227,22 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   const Pose rest = restPose(skeleton);
   std::vector<Affine3> worldFromJoint(count);
   computeWorldFromJoint(skeleton, rest, worldFromJoint);
-  std::vector<Vec3> place(count);
+  std::vector<Vec3> position(count);
   std::vector<Quat> worldRotation(count);
   for (std::size_t j = 0; j < count; ++j) {
     const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[static_cast<std::size_t>(parent)];
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[parent];
     worldRotation[j] = (above * rest[j].rotation).normalized();
-    place[j] = worldFromJoint[j].translation();
+    position[j] = worldFromJoint[j].translation();
   }
-  if (Result<void> checked = checkBones(skeleton, place); !checked) return checked.error();
+  if (Result<void> checked = checkBones(skeleton, position); !checked) return checked.error();
 
   const auto has = [&](HumanBone bone) { return skeleton.jointOf(bone) != kNoJoint; };
-  const auto at = [&](HumanBone bone) -> const Vec3& {
-    return place[static_cast<std::size_t>(skeleton.jointOf(bone))];
-  };
+  const auto at = [&](HumanBone bone) -> const Vec3& { return position[skeleton.jointOf(bone)]; };
   const auto mid = [&](HumanBone a, HumanBone b) -> Vec3 { return 0.5 * (at(a) + at(b)); };
 
-  // The trunk's frames in the rest pose. A tracker's torso lies on the line from the hips to the neck, so the curve
-  // of the character's spine belongs to its rest pose and that line alone says where up is.
+  // The trunk's frames in the rest pose. A tracker's torso lies on the line from the hips to the neck, so the curve of
+  // the character's spine is part of its rest pose, and only that line defines the up direction.
   const Vec3 middleHip = mid(HumanBone::kLeftUpperLeg, HumanBone::kRightUpperLeg);
   const Vec3 middleShoulder = mid(HumanBone::kLeftUpperArm, HumanBone::kRightUpperArm);
   const Vec3 up = (has(HumanBone::kNeck) ? at(HumanBone::kNeck) : middleShoulder) - middleHip;
@@ -260,7 +254,7 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   const bool stands = up.y() > kUpright * up.norm();
   const std::optional<Quat> groundFrame = stands ? frameAlongUp(hipLine, Vec3::UnitY()) : hipsFrame;
   if (!hipsFrame || !chestFrame || !groundFrame) {
-    return refused("the skeleton's rest pose has no upright trunk: hips, shoulders and neck lie on a line");
+    return refused("the skeleton's rest pose does not define a trunk frame: hips, shoulders and neck are collinear");
   }
 
   RetargetRig rig;
@@ -272,7 +266,7 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
     if (has(bone)) rig.tposeFromJoint[index(bone)] = (tposeFromRest * worldRotation[index(bone)]).normalized();
   };
 
-  // Trunk: the bend from hips to chest is shared out, most of it at and above the waist.
+  // Trunk: the bend from hips to chest is distributed, most of it at and above the waist.
   rig.hips = skeleton.jointOf(HumanBone::kHips);
   set(HumanBone::kHips, hipsFrame->conjugate());
   std::vector<HumanBone> spine;
@@ -296,7 +290,7 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
     if (neck.norm() >= kShortestBone) rig.neckAxis = tposeFromRest * neck.normalized();
   }
 
-  // Limbs: swung into the T-pose one after the other, so that a bent rest elbow is straight there.
+  // Limbs: swung into the T-pose one after the other, so that an elbow bent at rest is straight in T-pose.
   for (std::size_t i = 0; i < kLimbCount; ++i) {
     const LimbBones& limb = limbs()[i];
     const bool leg = i >= kFirstLeg;
@@ -307,7 +301,7 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
     const Quat lowerSwing = swingBetween(upperSwing * lower, limb.axis, limb.hinge) * upperSwing;
     set(limb.upper, upperSwing);
     set(limb.lower, lowerSwing);
-    // A hand goes along with its forearm, and the fingers with the hand, but for what they are curled.
+    // A hand follows its forearm, and the fingers follow the hand except for their curl.
     if (!leg) {
       set(limb.end, lowerSwing);
       for (const HumanBone bone : kThumbs[i]) set(bone, lowerSwing);
@@ -341,9 +335,9 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   rig.restHips = at(HumanBone::kHips);
   const JointIndex hipsParent = skeleton.joint(rig.hips).parent;
   if (hipsParent != kNoJoint) {
-    const Affine3& worldFromParent = worldFromJoint[static_cast<std::size_t>(hipsParent)];
+    const Affine3& worldFromParent = worldFromJoint[hipsParent];
     if (!(std::abs(worldFromParent.linear().determinant()) > 1e-18)) {
-      return refused(fmt::format("the joints above {} are scaled to nothing", skeleton.joint(rig.hips).name));
+      return refused(fmt::format("the joints above {} have zero scale", skeleton.joint(rig.hips).name));
     }
     rig.hipsParentFromWorld = worldFromParent.inverse();
   }

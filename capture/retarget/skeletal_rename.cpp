@@ -10,23 +10,23 @@
 namespace lorica {
 namespace {
 
-/// A joint moves when it turns or shifts by more than this against the rest pose or the first frame [rad], [m].
+/// A joint moves if it rotates or translates by more than this relative to the rest pose or the first frame [rad], [m].
 constexpr double kStillTurn = 1e-3;
 constexpr double kStillShift = 1e-4;
-/// Skeletons whose sizes differ by less are of the same size.
+/// Skeletons whose sizes differ by less count as equally large.
 constexpr double kSameSize = 0.02;
 
 std::size_t index(JointIndex joint) {
   return static_cast<std::size_t>(joint);
 }
 
-/// "mixamorig:Hips" is "Hips": writers put the name of the scene in front.
+/// "mixamorig:Hips" is "Hips": exporters prepend the scene name.
 std::string_view ownName(std::string_view name) {
   const std::size_t colon = name.rfind(':');
   return colon == std::string_view::npos || colon + 1 == name.size() ? name : name.substr(colon + 1);
 }
 
-/// The source's joint of each target joint; kNoJoint where there is none.
+/// The source joint with the same name for each target joint; kNoJoint if there is none.
 std::vector<JointIndex> namesakes(const Skeleton& source, const Skeleton& target) {
   std::map<std::string_view, JointIndex> whole;
   std::map<std::string_view, JointIndex> own;
@@ -58,7 +58,7 @@ std::vector<bool> movingJoints(const SkeletalMotion& motion) {
   return moves;
 }
 
-/// World transforms, rotations apart: products of rotations stay rotations whatever the scales are.
+/// World transforms with separate rotations: products of rotations stay rotations whatever the scales are.
 struct World {
   std::vector<Affine3> matrix;
   std::vector<Quat> rotation;
@@ -75,7 +75,7 @@ struct World {
   }
 };
 
-/// Which joints move in their parents, by more than a hundredth of their bone.
+/// Which joints translate relative to their parents, by more than a hundredth of their bone.
 std::vector<bool> shiftingJoints(const SkeletalMotion& motion) {
   constexpr double kOfTheBone = 0.01;
   std::vector<bool> shifts(motion.skeleton.joints().size(), false);
@@ -90,7 +90,7 @@ std::vector<bool> shiftingJoints(const SkeletalMotion& motion) {
   return shifts;
 }
 
-/// Metres in a unit of a joint's translation.
+/// Metres per unit of a joint's translation.
 double metresAbove(const World& rest, const Skeleton& skeleton, JointIndex joint) {
   const JointIndex parent = skeleton.joint(joint).parent;
   if (parent == kNoJoint) return 1.0;
@@ -119,11 +119,10 @@ class Renamer {
       if (std::find(namesake_.begin(), namesake_.end(), static_cast<JointIndex>(s)) != namesake_.end()) ++found;
     }
     if (2 * found >= moving) return {};
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("the motion {}: {} of its {} moving joints have a namesake in the character, expected half "
-                    "or more",
-                    source_.name, found, moving)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the motion {}: {} of its {} moving joints match the character by name, expected at least "
+                             "half",
+                             source_.name, found, moving)};
   }
 
   SkeletalMotion run() {
@@ -146,7 +145,7 @@ class Renamer {
   }
 
  private:
-  /// The nearest joint above that has a namesake from which this one's namesake descends.
+  /// The nearest matched ancestor whose source joint is an ancestor of this joint's source joint.
   [[nodiscard]] JointIndex namedAbove(JointIndex joint) const {
     if (namesake_[index(joint)] == kNoJoint) return kNoJoint;
     for (JointIndex up = target_.joint(joint).parent; up != kNoJoint; up = target_.joint(up).parent) {
@@ -163,7 +162,7 @@ class Renamer {
            source_.skeleton.joint(namesake_[index(joint)]).parent == namesake_[index(up)];
   }
 
-  /// The target's size over the source's, by the joints that they share; 1 when they differ little.
+  /// The target's size over the source's, measured on shared joints; 1 if they differ little.
   [[nodiscard]] double sizeRatio() const {
     double target = 0.0;
     double source = 0.0;
@@ -187,8 +186,8 @@ class Renamer {
     if (directlyBelow(joint)) {
       const JointTransform& theirs = sourcePose_[index(from)];
       local.rotation = theirs.rotation.normalized();
-      // A character of other proportions keeps its bones' lengths; the hips, and joints that move in their parents, go
-      // where their namesakes are. The rest pose of a file that holds a clip may be any pose of it.
+      // A character of other proportions keeps its bone lengths; hips, and joints that translate relative to their
+      // parents, take the source's positions. The rest pose of a file with a clip may be any pose of the clip.
       if (mine.bone == HumanBone::kHips || shifts_[index(from)]) {
         const double unit = metresAbove(sourceRest_, source_.skeleton, from) / metresAbove(targetRest_, target_, joint);
         local.translation = sizeRatio_ * unit * theirs.translation;
@@ -197,17 +196,17 @@ class Renamer {
       if (!local.scale.allFinite()) local.scale = mine.rest.scale;
       return;
     }
-    // Joints lie between in one of the two, or it is the topmost: then what counts is where it is from the joint above
-    // that both have, or in the world.
+    // One of the skeletons has extra joints in between, or this is the topmost joint: use the transform relative to the
+    // shared ancestor, or in the world.
     const JointIndex up = above_[index(joint)];
     Quat rotation = sourceWorld_.rotation[index(from)];
-    Vec3 place = sourceWorld_.matrix[index(from)].translation();
+    Vec3 position = sourceWorld_.matrix[index(from)].translation();
     if (up != kNoJoint) {
       const auto theirUp = index(namesake_[index(up)]);
       rotation = sourceWorld_.rotation[theirUp].conjugate() * rotation;
-      place = sourceWorld_.rotation[theirUp].conjugate() * (place - sourceWorld_.matrix[theirUp].translation());
+      position = sourceWorld_.rotation[theirUp].conjugate() * (position - sourceWorld_.matrix[theirUp].translation());
     }
-    place *= sizeRatio_;
+    position *= sizeRatio_;
     Affine3 upFromParent = Affine3::Identity();
     Quat upTurn = Quat::Identity();
     for (JointIndex between = mine.parent; between != up; between = target_.joint(between).parent) {
@@ -215,14 +214,14 @@ class Renamer {
       upFromParent = step.matrix() * upFromParent;
       upTurn = step.rotation * upTurn;
     }
-    // Scales above the upper joint make its own axes shorter or longer than metres.
+    // Scales above the ancestor stretch or shrink its axes relative to metres.
     double metres = 1.0;
     for (JointIndex over = up; over != kNoJoint; over = target_.joint(over).parent) {
       metres *= std::cbrt(std::abs(target_.joint(over).rest.scale.prod()));
     }
     if (!(std::abs(upFromParent.linear().determinant()) > 1e-18) || !(metres > 1e-9)) return;
     local.rotation = (upTurn.conjugate() * rotation).normalized();
-    local.translation = upFromParent.inverse() * Vec3(place / metres);
+    local.translation = upFromParent.inverse() * Vec3(position / metres);
   }
 
   const SkeletalMotion& source_;
@@ -239,11 +238,11 @@ class Renamer {
 
 }  // namespace
 
-Result<SkeletalMotion> renameMotion(const SkeletalMotion& source, const Skeleton& target) {
+Result<SkeletalMotion> retargetByJointNames(const SkeletalMotion& source, const Skeleton& target) {
   const auto joints = static_cast<std::size_t>(source.skeleton.jointCount());
   if (source.times.empty() || source.poses.size() != source.times.size() * joints) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
+                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
                              source.name, source.poses.size(), source.times.size(), joints)};
   }
   Renamer renamer(source, target);

@@ -4,6 +4,7 @@
 #include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/leg_reach.h"
+#include "capture/retarget/proxy_skeleton.h"
 
 #include <fmt/format.h>
 
@@ -17,19 +18,21 @@
 namespace lorica {
 namespace {
 
-/// How long a foot takes from its own way to the place where it stands, and back [s].
+/// Blend time of a foot from its own path to its stance position, and back [s].
 constexpr double kBlendSeconds = 0.15;
-/// A standing sole may be this much too high or low, of the leg's length: 5 mm.
+/// A standing sole may be this much too high or low, as a fraction of leg length: 5 mm.
 constexpr double kSoleTolerance = 0.006;
-/// An ankle that moves by less from frame to frame does not roll on the ball of the foot, of the leg's length: 0.3 mm.
+/// An ankle that moves less than this per frame does not roll on the ball of the foot, as a fraction of leg length: 0.3
+/// mm.
 constexpr double kRollStill = 0.0004;
-/// The root's way is smoothed over this time, either side, twice [s].
+/// The root's path is smoothed over this time on either side, twice [s].
 constexpr double kShiftSeconds = 0.1;
-/// The root is lowered for legs that are too short within this time, either side [s].
+/// The root is lowered for legs that are too short within this time on either side [s].
 constexpr double kNudgeSeconds = 0.15;
-/// And at most by this share of the leg.
+/// Max lowering, as a fraction of leg length.
 constexpr double kLargestNudge = 0.15;
-/// Feet this far above the floor no longer say how high the body is, of the leg's length.
+/// Range of foot heights above the floor over which the feet's influence on the body's height fades out, as a fraction
+/// of leg length.
 constexpr double kFeetSayHeight = 0.3;
 constexpr double kFeetSayNothing = 0.8;
 
@@ -40,7 +43,7 @@ Quat mirrored(const Quat& q) {
   return {q.w(), q.x(), -q.y(), -q.z()};
 }
 
-FootPlace mirrored(const FootPlace& foot) {
+FootPosition mirrored(const FootPosition& foot) {
   return {mirrored(foot.ankle), mirrored(foot.ball), foot.lowest};
 }
 
@@ -55,13 +58,14 @@ HumanPose mirrored(const HumanPose& pose) {
   return out;
 }
 
-class MotionRetargeter {
+class SkeletalRetargeter {
  public:
   /// @param source  on the completed skeleton
-  MotionRetargeter(const SkeletalMotion& source, const CompletedSkeleton& completed, HumanBody from, HumanBody to,
-                   const MotionRetargetSettings& settings)
+  SkeletalRetargeter(const SkeletalMotion& source, const CompletedSkeleton& completed, HumanRig from, HumanRig to,
+                     const SkeletalRetargetSettings& settings)
       : source_(source), completed_(completed), from_(std::move(from)), to_(std::move(to)), settings_(settings) {
-    knowsFeet_ = completed_.knowsPlaceOf(limbs()[kFirstLeg].end) && completed_.knowsPlaceOf(limbs()[kFirstLeg + 1].end);
+    knowsFeet_ =
+        completed_.knowsPositionOf(limbs()[kFirstLeg].end) && completed_.knowsPositionOf(limbs()[kFirstLeg + 1].end);
   }
 
   SkeletalMotion run() {
@@ -78,14 +82,14 @@ class MotionRetargeter {
   }
 
  private:
-  using Feet = std::array<FootPlace, 2>;
+  using Feet = std::array<FootPosition, 2>;
 
   [[nodiscard]] std::span<JointTransform> pose(std::size_t frame) {
     return std::span(out_.poses).subspan(frame * jointCount_, jointCount_);
   }
   [[nodiscard]] std::size_t frameCount() const { return out_.times.size(); }
 
-  /// Bones take the source's turns; the hips stay at rest for now.
+  /// Bones take the source's rotations; the hips stay at rest for now.
   void takeTurns() {
     sourceHip_.reserve(frameCount());
     sourceFeet_.reserve(frameCount());
@@ -99,20 +103,20 @@ class MotionRetargeter {
       sourceFeet_.push_back(human.foot);
       to_.pose(human, from_.spineTurnsOf(human), pose(f));
       hipAsPosed_.push_back(to_.middleHip());
-      feetAsPosed_.push_back({to_.footPlace(0), to_.footPlace(1)});
+      feetAsPosed_.push_back({to_.footPosition(0), to_.footPosition(1)});
     }
-    std::array<std::vector<FootPlace>, 2> places;
+    std::array<std::vector<FootPosition>, 2> positions;
     for (std::size_t side = 0; side < 2; ++side) {
-      places[side].reserve(frameCount());
-      for (const Feet& feet : sourceFeet_) places[side].push_back(feet[side]);
+      positions[side].reserve(frameCount());
+      for (const Feet& feet : sourceFeet_) positions[side].push_back(feet[side]);
     }
-    floor_ = floorUnder(places[0], places[1]);
+    floor_ = floorUnder(positions[0], positions[1]);
     for (std::size_t side = 0; side < 2; ++side) {
-      contacts_[side] = contactsOf(places[side], source_.times, floor_, from_.rig().legLength);
+      contacts_[side] = contactsOf(positions[side], source_.times, floor_, from_.rig().legLength);
     }
   }
 
-  /// Height of a sole that the source asks for; of a source without legs, that of one who stands [m].
+  /// Height of a sole according to the source; for a source without legs, that of a standing person [m].
   [[nodiscard]] double wantedSole(std::size_t frame, std::size_t side) const {
     if (!knowsFeet_) return 0.0;
     return ratio_ * std::max(0.0, sourceFeet_[frame][side].lowest - floor_);
@@ -129,13 +133,13 @@ class MotionRetargeter {
     const Vec3 start = sourceHip_.front();
     root_.reserve(frameCount());
     for (std::size_t f = 0; f < frameCount(); ++f) {
-      Vec3 place = start + ratio_ * (sourceHip_[f] - start);
-      place.y() = ratio_ * (sourceHip_[f].y() - floor_);
-      root_.push_back(place);
+      Vec3 position = start + ratio_ * (sourceHip_[f] - start);
+      position.y() = ratio_ * (sourceHip_[f].y() - floor_);
+      root_.push_back(position);
       const auto soleOf = [&](std::size_t side) {
-        return place.y() + feetAsPosed_[f][side].lowest - hipAsPosed_[f].y();
+        return position.y() + feetAsPosed_[f][side].lowest - hipAsPosed_[f].y();
       };
-      // The minimum over the feet of both is continuous: stepping from foot to foot shows no jump.
+      // The minimum over both feet is continuous: stepping from foot to foot causes no jump.
       const double wanted = std::min(wantedSole(f, 0), wantedSole(f, 1));
       lift.push_back(wanted - std::min(soleOf(0), soleOf(1)));
       const double leg = to_.rig().legLength;
@@ -147,8 +151,8 @@ class MotionRetargeter {
     for (std::size_t f = 0; f < frameCount(); ++f) {
       root_[f].y() += weight[f] * lift[f] + (1.0 - weight[f]) * usual;
       const Vec3 by = root_[f] - hipAsPosed_[f];
-      pose(f)[static_cast<std::size_t>(to_.rig().hips)].translation += to_.rig().hipsParentFromWorld.linear() * by;
-      for (FootPlace& foot : feetAsPosed_[f]) {
+      pose(f)[to_.rig().hips].translation += to_.rig().hipsParentFromWorld.linear() * by;
+      for (FootPosition& foot : feetAsPosed_[f]) {
         foot.ankle += by;
         foot.ball += by;
         foot.lowest += by.y();
@@ -156,12 +160,13 @@ class MotionRetargeter {
     }
   }
 
-  /// Where an ankle goes in a stance: as the source's does, scaled, from where the stance has it in the mean. So a
-  /// foot that stands still there stands still here. Its height keeps the sole about as high as the source's, scaled.
+  /// Target position of an ankle in a stance: moves like the source's, scaled, around the mean position of the stance.
+  /// A foot that stands still in the source therefore stands still in the target. The sole is about as high as the
+  /// source's, scaled.
   [[nodiscard]] Vec3 standingAnkle(std::size_t frame, std::size_t side, const Vec3& meanOffset) const {
     Vec3 ankle = meanOffset + ratio_ * sourceFeet_[frame][side].ankle;
-    const FootPlace& foot = feetAsPosed_[frame][side];
-    // Legs that are nearly straight bend by degrees for millimetres, so a height that is about right stays.
+    const FootPosition& foot = feetAsPosed_[frame][side];
+    // Legs that are nearly straight bend by degrees for millimetres, so a height within the tolerance is kept.
     const double wanted = wantedSole(frame, side);
     const double tolerance = kSoleTolerance * to_.rig().legLength;
     const double sole = std::clamp(foot.lowest, std::max(0.0, wanted - tolerance), wanted + tolerance);
@@ -169,26 +174,26 @@ class MotionRetargeter {
     return ankle;
   }
 
-  /// How far the ankle goes in a step of a stance beyond the source's, scaled, so that the ball of the foot stands
-  /// where the source's does: feet of other lengths roll on it in other circles. As much of that as the source's foot
-  /// turns about its ball and not about its heel.
+  /// Extra motion of the ankle in one step of a stance, in addition to the source's scaled motion, so that the ball of
+  /// the foot stands still if the source's does: feet of other lengths roll on other circles. Weighted by how much the
+  /// source's foot rotates about its ball instead of its heel.
   [[nodiscard]] Vec3 rollOf(std::size_t frame, std::size_t side) const {
-    const FootPlace& before = sourceFeet_[frame - 1][side];
-    const FootPlace& now = sourceFeet_[frame][side];
+    const FootPosition& before = sourceFeet_[frame - 1][side];
+    const FootPosition& now = sourceFeet_[frame][side];
     const auto level = [](const Vec3& v) { return Vec3(v.x(), 0.0, v.z()); };
     const double ankleSq = level(now.ankle - before.ankle).squaredNorm();
     const double ballSq = level(now.ball - before.ball).squaredNorm();
     const double still = kRollStill * from_.rig().legLength;
     const double share = ankleSq / (ankleSq + ballSq + still * still);
     const auto behindBall = [&](std::size_t f) -> Vec3 {
-      const FootPlace& source = sourceFeet_[f][side];
-      const FootPlace& own = feetAsPosed_[f][side];
+      const FootPosition& source = sourceFeet_[f][side];
+      const FootPosition& own = feetAsPosed_[f][side];
       return level(ratio_ * (source.ball - source.ankle) - (own.ball - own.ankle));
     };
     return share * (behindBall(frame) - behindBall(frame - 1));
   }
 
-  /// What a stance adds to its ankle's place; nothing where the foot does not stand.
+  /// Offset that a stance adds to its ankle's position; nullopt if the foot does not stand.
   [[nodiscard]] std::vector<std::optional<Vec3>> pullsOf(std::size_t side) const {
     std::vector<std::optional<Vec3>> pulls(frameCount());
     for (const FootContact& contact : contacts_[side]) {
@@ -209,7 +214,7 @@ class MotionRetargeter {
     return pulls;
   }
 
-  /// For each frame, what a function makes of the values within a time around it, either side.
+  /// For each frame, applies a function to the values within a time window on either side.
   template <typename Value, typename Merge>
   [[nodiscard]] std::vector<Value> nearby(const std::vector<Value>& values, double seconds, Merge&& merge) const {
     std::vector<Value> out;
@@ -233,8 +238,8 @@ class MotionRetargeter {
     });
   }
 
-  /// Moves the root along with what the standing feet ask for in the mean, smoothly: legs then point as the source's,
-  /// and little is left for them to bend.
+  /// Moves the root with the mean correction of the standing feet, smoothly. Legs then point as the source's do and
+  /// bend little for the rest.
   [[nodiscard]] std::vector<Vec3> rootShifts(const std::array<std::vector<std::optional<Vec3>>, 2>& pulls) const {
     std::vector<Vec3> shifts(frameCount(), Vec3::Zero());
     std::optional<std::size_t> before;
@@ -244,7 +249,7 @@ class MotionRetargeter {
       if (!left && !right) continue;
       shifts[f] = left && right ? Vec3(0.5 * (*left + *right)) : left ? *left : *right;
       shifts[f].y() = 0.0;
-      // In the air on the straight line from one stance to the next.
+      // In the air: interpolate linearly from one stance to the next.
       for (std::size_t g = before ? *before + 1 : 0; g < f; ++g) {
         const double share =
             before ? (out_.times[g] - out_.times[*before]) / (out_.times[f] - out_.times[*before]) : 1.0;
@@ -257,8 +262,8 @@ class MotionRetargeter {
     return smoothed(smoothed(shifts, kShiftSeconds), kShiftSeconds);
   }
 
-  /// What is added to each ankle's place beyond the root's shift: in a stance what its pull asks for, between two
-  /// stances that of the one fades out and that of the next fades in; when there is little time, one into the other.
+  /// Correction of each ankle's position in addition to the root's shift. In a stance it is what its pull requires;
+  /// between two stances the first fades out and the next fades in, or they cross-fade if there is little time.
   [[nodiscard]] std::vector<Vec3> bendsOf(std::size_t side, const std::vector<std::optional<Vec3>>& pulls,
                                           const std::vector<Vec3>& shifts) const {
     std::vector<Vec3> bends(frameCount(), Vec3::Zero());
@@ -287,15 +292,15 @@ class MotionRetargeter {
     return bends;
   }
 
-  /// How far the root must come down so that both legs reach, smoothed: the largest need nearby, then its mean.
+  /// How far the root must be lowered so that both legs reach, smoothed: the nearby maximum, then its mean.
   [[nodiscard]] std::vector<double> nudges(const std::array<std::vector<Vec3>, 2>& ankles) {
     std::vector<double> need(frameCount(), 0.0);
     for (std::size_t f = 0; f < frameCount(); ++f) {
       to_.move(Vec3::Zero(), pose(f));
       for (std::size_t side = 0; side < 2; ++side) {
         const LimbBones& leg = limbs()[kFirstLeg + side];
-        need[f] = std::max(need[f], dropToReach(to_.placeOf(leg.upper), to_.placeOf(leg.lower), to_.placeOf(leg.end),
-                                                ankles[side][f]));
+        need[f] = std::max(need[f], dropToReach(to_.positionOf(leg.upper), to_.positionOf(leg.lower),
+                                                to_.positionOf(leg.end), ankles[side][f]));
       }
       need[f] = std::min(need[f], kLargestNudge * to_.rig().legLength);
     }
@@ -311,10 +316,10 @@ class MotionRetargeter {
     for (std::size_t side = 0; side < 2; ++side) {
       ankles[side] = bendsOf(side, pulls[side], shifts);
       for (std::size_t f = 0; f < frameCount(); ++f) {
-        const FootPlace& foot = feetAsPosed_[f][side];
+        const FootPosition& foot = feetAsPosed_[f][side];
         Vec3& ankle = ankles[side][f];
         ankle += foot.ankle + shifts[f];
-        // No sole goes under the floor: limbs of other lengths may have put it there.
+        // No sole goes below the floor: limbs of other lengths may have put it there.
         ankle.y() = std::max(ankle.y(), foot.ankle.y() - foot.lowest);
       }
     }
@@ -329,9 +334,9 @@ class MotionRetargeter {
   const SkeletalMotion& source_;
   const CompletedSkeleton& completed_;
   bool knowsFeet_ = true;
-  HumanBody from_;
-  HumanBody to_;
-  MotionRetargetSettings settings_;
+  HumanRig from_;
+  HumanRig to_;
+  SkeletalRetargetSettings settings_;
   SkeletalMotion out_;
   std::size_t jointCount_ = 0;
   double ratio_ = 1.0;
@@ -347,25 +352,34 @@ class MotionRetargeter {
 }  // namespace
 
 Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Skeleton& target,
-                                      const MotionRetargetSettings& settings) {
+                                      const SkeletalRetargetSettings& settings) {
   const auto joints = static_cast<std::size_t>(source.skeleton.jointCount());
   if (source.times.empty() || source.poses.size() != source.times.size() * joints) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and one frame at least",
+                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
                              source.name, source.poses.size(), source.times.size(), joints)};
   }
   const Result<CompletedSkeleton> completed = CompletedSkeleton::create(source.skeleton);
   if (!completed) {
     return Error{completed.error().code, fmt::format("the motion {}: {}", source.name, completed.error().message)};
   }
-  Result<HumanBody> from = HumanBody::create(completed->skeleton());
+  Result<HumanRig> from = HumanRig::create(completed->skeleton());
   if (!from) return Error{from.error().code, fmt::format("the motion {}: {}", source.name, from.error().message)};
-  Result<HumanBody> to = HumanBody::create(target);
+  Result<HumanRig> to = HumanRig::create(target);
   if (!to) return Error{to.error().code, fmt::format("the character: {}", to.error().message)};
   if (completed->isWhole()) {
-    return MotionRetargeter(source, *completed, std::move(*from), std::move(*to), settings).run();
+    return SkeletalRetargeter(source, *completed, std::move(*from), std::move(*to), settings).run();
   }
-  return MotionRetargeter(completed->complete(source), *completed, std::move(*from), std::move(*to), settings).run();
+  return SkeletalRetargeter(completed->complete(source), *completed, std::move(*from), std::move(*to), settings).run();
+}
+
+Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Character& target,
+                                      const SkeletalRetargetSettings& settings) {
+  Result<ProxySkeleton> proxy = ProxySkeleton::create(target);
+  if (!proxy) return proxy.error();
+  Result<SkeletalMotion> performed = retargetMotion(source, proxy->skeleton(), settings);
+  if (!performed) return performed.error();
+  return proxy->mapBack(std::move(*performed));
 }
 
 Result<std::vector<HumanBone>> bonesLeftAtRest(const Skeleton& source) {

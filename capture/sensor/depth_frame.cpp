@@ -11,7 +11,7 @@ double DepthCamera::focalY() const {
   return 0.5 * height / std::tan(0.5 * verticalFov);
 }
 
-Vec3 DepthCamera::placeOf(double column, double row, double depth) const {
+Vec3 DepthCamera::positionOf(double column, double row, double depth) const {
   const double x = (column + 0.5 - 0.5 * width) / focalX();
   const double y = (row + 0.5 - 0.5 * height) / focalY();
   return {x * depth, -y * depth, -depth};

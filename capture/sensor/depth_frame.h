@@ -7,11 +7,11 @@
 
 namespace lorica {
 
-/// A depth camera as a pinhole without distortion, the image's middle on its axis.
+/// A depth camera as an undistorted pinhole with the image centre on its axis.
 ///
 /// Camera frame: metres, right-handed, origin at the pinhole, +X to the right of the image, +Y up, +Z towards the
-/// viewer: all that is seen has z < 0. Images are as the camera sees the world, not mirrored: of a person who faces the
-/// camera the left hand is on the right side of the image. The frame of a row is the upper one first.
+/// viewer: everything visible has z < 0. Images are not mirrored: the left hand of a person who faces the camera is on
+/// the right side of the image. The top row comes first.
 struct DepthCamera {
   int width = 640;
   int height = 480;
@@ -23,16 +23,16 @@ struct DepthCamera {
 
   /// @param column,row  of the pixel; its centre is at + 0.5
   /// @param depth       along the axis, not along the ray [m]
-  /// @return the place in the camera frame [m]
-  [[nodiscard]] Vec3 placeOf(double column, double row, double depth) const;
+  /// @return the position in the camera frame [m]
+  [[nodiscard]] Vec3 positionOf(double column, double row, double depth) const;
 
   friend bool operator==(const DepthCamera&, const DepthCamera&) = default;
 };
 
 /// One depth image.
 struct DepthFrame {
-  double time = 0.0;                   ///< by the sensor's clock [s], rises from frame to frame
-  std::vector<std::uint16_t> depthMm;  ///< width x height, rows from above; along the axis [mm]; 0 = not measured
+  double time = 0.0;                   ///< in the sensor's clock [s], increases from frame to frame
+  std::vector<std::uint16_t> depthMm;  ///< width x height, rows from the top; along the axis [mm]; 0 = not measured
 };
 
 }  // namespace lorica

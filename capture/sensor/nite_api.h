@@ -1,6 +1,6 @@
 #pragma once
 
-/// The part of NiTE 2.2's C interface that is used, as far as its binary layout goes. Internal: not installed.
+/// The part of NiTE 2.2's C interface in use, with its binary layout. Internal: not installed.
 
 #include "capture/skeleton_frame.h"
 
@@ -60,17 +60,17 @@ struct Frame {
 };
 static_assert(sizeof(Frame) == 88 && offsetof(Frame, timeUs) == 48 && offsetof(Frame, floorPoint) == 64);
 
-/// What takes a camera takes a C++ object of OpenNI2, of which NiTE 2 reads the handle.
+/// Functions that accept a camera expect a C++ object of OpenNI2, from which NiTE 2 reads the handle.
 struct Device {
   void* playback;
   void* handle;
-  std::array<char, 4096> rest;  ///< more than the object has
+  std::array<char, 4096> rest;  ///< larger than the rest of the object
 };
 
 inline constexpr int kOk = 0;
 using Tracker = void*;
 
-/// Called from a thread of NiTE 2's.
+/// Called from a thread of NiTE 2.
 struct Callbacks {
   void (*frameIsReady)(void* cookie);
 };
@@ -84,7 +84,7 @@ struct Api {
   void (*stopSkeleton)(Tracker, std::int16_t user);
   int (*addCallbacks)(Tracker, Callbacks*, void* cookie);
   void (*removeCallbacks)(Tracker, Callbacks*);
-  int (*readFrame)(Tracker, Frame**);  ///< waits for ever where none is ready
+  int (*readFrame)(Tracker, Frame**);  ///< waits forever if no frame is ready
   int (*releaseFrame)(Tracker, Frame*);
 };
 

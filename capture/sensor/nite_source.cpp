@@ -25,10 +25,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMillimetre = 1e-3;
-constexpr double kFootHeight = 0.08;  ///< of the ankle over the floor [m]
+constexpr double kFootHeight = 0.08;  ///< of the ankle above the floor [m]
 constexpr float kSure = 0.5F;
-constexpr std::chrono::milliseconds kPause(100);    ///< between looks for an unplugged camera
-constexpr std::chrono::milliseconds kSilence(500);  ///< after which nobody is taken to be there
+constexpr std::chrono::milliseconds kPause(100);    ///< between checks for an unplugged camera
+constexpr std::chrono::milliseconds kSilence(500);  ///< after this time without a frame, nobody is assumed to be there
 
 template <typename Function>
 bool load(void* handle, const char* name, Function& function) {
@@ -36,8 +36,8 @@ bool load(void* handle, const char* name, Function& function) {
   return function != nullptr;
 }
 
-/// NiTE 2 looks from behind the camera: x to the left, y up, z away from it. Half a turn about y.
-Vec3 placeOf(const nite::Vector& p) {
+/// NiTE 2 looks from behind the camera: x to the left, y up, z away from it. Converted by half a turn about y.
+Vec3 positionOf(const nite::Vector& p) {
   return kMillimetre * Vec3(-p.x, p.y, -p.z);
 }
 Vec3 directionOf(const nite::Vector& p) {
@@ -52,7 +52,7 @@ class NiteSource final : public SkeletonSource {
     endTracker();
     if (initialized_) api_.shutdown();
     closeDevice();
-    // The library stays: its threads may need its code longer than it says.
+    // The library stays loaded: its threads may need its code after shutdown.
   }
   NiteSource(const NiteSource&) = delete;
   NiteSource& operator=(const NiteSource&) = delete;
@@ -77,7 +77,8 @@ class NiteSource final : public SkeletonSource {
         !load(handle, "niteReadUserTrackerFrame", api_.readFrame) ||
         !load(handle, "niteUserTrackerFrameRelease", api_.releaseFrame)) {
       ::dlclose(handle);
-      return Error{ErrorCode::kUnsupported, fmt::format("{}: found no NiTE 2, expected all of its functions", name_)};
+      return Error{ErrorCode::kUnsupported,
+                   fmt::format("{}: not a NiTE 2 library: some of its functions are missing", name_)};
     }
 
     const Result<std::vector<OpenNiCamera>> cameras = openNi_->cameras();
@@ -85,17 +86,18 @@ class NiteSource final : public SkeletonSource {
     const auto camera = std::find_if(cameras->begin(), cameras->end(),
                                      [&](const OpenNiCamera& c) { return uri.empty() || c.uri == uri; });
     if (camera == cameras->end()) {
-      return Error{ErrorCode::kNotFound, fmt::format("{}: found no camera {}, expected one for it", name_, uri)};
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{}: found no camera {}, expected a connected camera", name_, uri)};
     }
     camera_ = *camera;
     if (const Result<void> opened = openDevice(); !opened) return opened.error();
 
     const WorkingFolder keep;
-    fs::current_path(file.parent_path(), error);  // where it looks for its data
+    fs::current_path(file.parent_path(), error);  // NiTE 2 looks for its data in the working folder
     if (const int status = api_.initialize(); status != nite::kOk) {
       return Error{
           ErrorCode::kUnreadable,
-          fmt::format("{}: does not start (status {}): is its folder NiTE2 of data beside it?", name_, status)};
+          fmt::format("{}: cannot be started (status {}): is its data folder NiTE2 beside it?", name_, status)};
     }
     initialized_ = true;
     return beginTracker();
@@ -115,7 +117,7 @@ class NiteSource final : public SkeletonSource {
     }
     nite::Frame* frame = nullptr;
     if (const int status = api_.readFrame(tracker_, &frame); status != nite::kOk || frame == nullptr) {
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: gives no frame (status {})", name_, status)};
+      return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot read a frame (status {})", name_, status)};
     }
     SkeletonFrame skeleton = read(*frame);
     (void)api_.releaseFrame(tracker_, frame);
@@ -142,11 +144,11 @@ class NiteSource final : public SkeletonSource {
     if (status != nite::kOk || tracker_ == nullptr) {
       tracker_ = nullptr;
       return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: does not track with {} (status {})", name_, camera_.uri, status)};
+                   fmt::format("{}: cannot track with {} (status {})", name_, camera_.uri, status)};
     }
     if (api_.addCallbacks(tracker_, &callbacks_, this) != nite::kOk) {
       (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: does not say when a frame is ready", name_)};
+      return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot report when a frame is ready", name_)};
     }
     clockIsNew_ = true;
     return {};
@@ -170,7 +172,7 @@ class NiteSource final : public SkeletonSource {
     return false;
   }
 
-  /// @return whether one is ready; not where the camera is gone, or silent for long
+  /// @return whether a frame is ready; false if the camera is gone, or silent for long
   bool waitForFrame() {
     const auto until = std::chrono::steady_clock::now() + kSilence;
     std::unique_lock<std::mutex> lock(mutex_);
@@ -182,7 +184,7 @@ class NiteSource final : public SkeletonSource {
     return true;
   }
 
-  /// A frame in which nobody is tracked, at the present time.
+  /// A frame in which nobody is tracked, at the current time.
   SkeletonFrame nobody() {
     const auto now = std::chrono::steady_clock::now();
     SkeletonFrame skeleton;
@@ -202,13 +204,13 @@ class NiteSource final : public SkeletonSource {
     for (const nite::User& user : users) {
       here.insert(user.id);
       if (user.skeleton.state == nite::kNotAskedFor && asked_.insert(user.id).second) {
-        if (api_.startSkeleton(tracker_, user.id) != nite::kOk) asked_.erase(user.id);  // asked again next time
+        if (api_.startSkeleton(tracker_, user.id) != nite::kOk) asked_.erase(user.id);  // requested again next time
       }
       if (user.skeleton.state != nite::kTracked) continue;
       const bool isThePerson = user.id == person_;
       if (chosen == nullptr || isThePerson || (chosen->id != person_ && user.id < chosen->id)) chosen = &user;
     }
-    std::erase_if(asked_, [&](std::int16_t user) { return here.count(user) == 0; });  // numbers are given again
+    std::erase_if(asked_, [&](std::int16_t user) { return here.count(user) == 0; });  // numbers are reused
 
     SkeletonFrame skeleton;
     const auto now = std::chrono::steady_clock::now();
@@ -238,12 +240,12 @@ class NiteSource final : public SkeletonSource {
 
   static TrackedJoint jointOf(const nite::Joint& from) {
     TrackedJoint joint;
-    const Vec3 place = placeOf(from.position);
-    if (!place.allFinite() || !(from.positionConfidence > 0.0F)) return joint;
-    joint.position = place;
+    const Vec3 position = positionOf(from.position);
+    if (!position.allFinite() || !(from.positionConfidence > 0.0F)) return joint;
+    joint.position = position;
     joint.confidence = std::min(1.0, static_cast<double>(from.positionConfidence));
     const nite::Quaternion& q = from.orientation;
-    const Quat turned(q.w, -q.x, q.y, -q.z);  // by the same half turn
+    const Quat turned(q.w, -q.x, q.y, -q.z);  // the same half turn
     if (from.orientationConfidence >= kSure && std::abs(turned.norm() - 1.0) < 0.05)
       joint.orientation = turned.normalized();
     return joint;
@@ -251,7 +253,7 @@ class NiteSource final : public SkeletonSource {
 
   void findFloor(const nite::Frame& frame, const SkeletonFrame& skeleton) {
     const Vec3 normal = directionOf(frame.floorNormal);
-    const Vec3 point = placeOf(frame.floorPoint);
+    const Vec3 point = positionOf(frame.floorPoint);
     const bool upright =
         normal.allFinite() && point.allFinite() && normal.norm() > 0.5 && normal.normalized().y() > 0.7;
     if (frame.floorConfidence >= kSure && upright) {
@@ -285,10 +287,10 @@ class NiteSource final : public SkeletonSource {
   std::mutex mutex_;  ///< never held while NiTE 2 is called: its threads call the callback
   std::condition_variable frameCame_;
   bool frameIsReady_ = false;
-  std::set<std::int16_t> asked_;  ///< users whose skeletons were asked for
+  std::set<std::int16_t> asked_;  ///< users whose skeletons were requested
   std::int16_t person_ = 0;
   double lastTime_ = -1.0;
-  double timeOffset_ = 0.0;  ///< a tracker that begins anew may count from 0
+  double timeOffset_ = 0.0;  ///< a restarted tracker may count from 0
   bool clockIsNew_ = false;
   std::chrono::steady_clock::time_point lastRead_ = std::chrono::steady_clock::now();
   Isometry3 floorFromCamera_ = Isometry3::Identity();
@@ -301,7 +303,7 @@ class NiteSource final : public SkeletonSource {
 Result<std::unique_ptr<SkeletonSource>> makeNiteSource(std::shared_ptr<OpenNi> openNi, const fs::path& library,
                                                        const std::string& uri) {
   auto running = std::dynamic_pointer_cast<OpenNiLibrary>(std::move(openNi));
-  CHECK(running != nullptr, "NiTE 2 needs an OpenNI2 that runs");
+  LORICA_CHECK(running != nullptr, "NiTE 2 needs a running OpenNI2");
   auto source = std::make_unique<NiteSource>(std::move(running), library.string());
   if (const Result<void> started = source->start(library, uri); !started) return started.error();
   return std::unique_ptr<SkeletonSource>(std::move(source));

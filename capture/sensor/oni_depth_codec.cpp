@@ -9,8 +9,8 @@
 namespace lorica {
 namespace {
 
-// Half a byte: 0 to 12 is the last value less this one, plus 6; 13 fills up the image's last byte; 15 says that a value
-// of its own follows. A whole byte of 0xe1 to 0xef is that many pairs of pixels like the last one.
+// Half a byte: 0 to 12 is the previous value minus this one, plus 6; 13 pads the image's last byte; 15 means that an
+// explicit value follows. A whole byte of 0xe1 to 0xef is that many pairs of pixels equal to the last one.
 constexpr int kZeroDifference = 6;
 constexpr int kLargestDifference = 12;
 constexpr int kNoPixel = 13;
@@ -18,7 +18,7 @@ constexpr int kValueFollows = 15;
 constexpr int kFirstRun = 0xe0;
 constexpr int kLastRun = 0xef;
 constexpr int kValueByte = 0xff;
-// A value of its own: a byte of 0x80 and more is a difference, else two bytes are the value, the upper one first.
+// Explicit value: a byte of at least 0x80 is a difference, else two bytes are the value, high byte first.
 constexpr int kDifferenceBit = 0x80;
 constexpr int kZeroOfDifferenceByte = 192;
 
@@ -30,7 +30,7 @@ std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return loadLittleEndian<std::uint16_t>(reinterpret_cast<const char*>(bytes.data() + at));
 }
 
-/// @param depthOf  of a value: false where there is none
+/// @param depthOf  maps a value to a depth: false if there is none
 template <typename DepthOf>
 Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> depths, DepthOf depthOf) {
   std::size_t at = 0;
@@ -42,7 +42,7 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
     return true;
   };
   const auto subtract = [&](int difference) { value = static_cast<std::uint16_t>(value - difference); };
-  /// Two pixels of one value, and a value that follows: the only ways in which bytes run out.
+  /// Reads an explicit value; false if the bytes run out.
   const auto readValue = [&]() -> bool {
     if (at >= bytes.size()) return false;
     const int upper = bytes[at++];
@@ -92,7 +92,7 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
   }
   if (!good) {
     return damaged(
-        fmt::format("packed depth goes wrong near byte {} of {}: found value {} for pixel {}, expected one of the "
+        fmt::format("packed depth is damaged near byte {} of {}: found value {} for pixel {}, expected one of the "
                     "table and {} pixels",
                     at, bytes.size(), value, pixel, depths.size()));
   }
@@ -121,7 +121,7 @@ Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_
     case OniCodec::kTable: {
       const std::size_t count = packed.size() < 2 ? 0 : word(packed, 0);
       if (count == 0 || packed.size() < 2 + 2 * count) {
-        return damaged(fmt::format("found a table of {} depths in {} bytes, expected 1 or more and their bytes", count,
+        return damaged(fmt::format("found a table of {} depths in {} bytes, expected at least 1 and their bytes", count,
                                    packed.size()));
       }
       table_.resize(count);

@@ -9,22 +9,23 @@
 
 namespace lorica {
 
-/// How a depth image is packed in an .oni recording: the four letters of its name, the first lowest.
+/// Packing of a depth image in an .oni recording: the four letters of its name, the first in the lowest byte.
 enum class OniCodec : std::uint32_t {
-  kRaw = 0x454e4f4e,     ///< "NONE": 16 bits a pixel
-  kPacked = 0x507a3631,  ///< "16zP": differences from pixel to pixel, half a byte each where they are small
-  kTable = 0x547a3631,   ///< "16zT": the same of indices into a table of the depths that occur, which comes first
+  kRaw = 0x454e4f4e,     ///< "NONE": 16 bits per pixel
+  kPacked = 0x507a3631,  ///< "16zP": differences from pixel to pixel, half a byte each if they are small
+  kTable = 0x547a3631,   ///< "16zT": the same with indices into a table of the occurring depths, which is stored first
 };
 
-/// A run of 30 equal pixels is one byte, and nothing packs denser: what a small file can make large is bounded.
+/// A run of 30 equal pixels is one byte, and no packing is denser. This bounds the image size that a small file can
+/// produce.
 inline constexpr std::size_t kOniPixelsPerByte = 30;
 
-/// Unpacks depth images of .oni recordings. Whatever the bytes are, nothing is read or written beyond them.
+/// Unpacks depth images of .oni recordings. Never reads or writes out of bounds, whatever the input.
 class OniDepthDecoder {
  public:
-  /// @param packed  one image as it stands in the file
+  /// @param packed  one image as stored in the file
   /// @param depths  of all pixels, in the file's unit; undefined after an error
-  /// @return a sentence without a file's name when the bytes are damaged or do not make exactly the image
+  /// @return an error without a file name if the bytes are damaged or do not make exactly the image
   [[nodiscard]] Result<void> decode(OniCodec codec, std::span<const std::uint8_t> packed,
                                     std::span<std::uint16_t> depths);
 

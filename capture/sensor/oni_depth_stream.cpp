@@ -10,7 +10,7 @@ namespace {
 /// The largest sensor images are 1600 x 1200.
 constexpr std::uint32_t kLargestSide = 2048;
 
-// Pixel formats as OniCEnums.h numbers them.
+// Pixel formats as numbered in OniCEnums.h.
 constexpr std::uint64_t kMillimetres = 100;
 constexpr std::uint64_t kTenthsOfMillimetres = 101;
 
@@ -31,7 +31,7 @@ Result<void> OniDepthStream::setCodec(std::uint32_t codec) {
     case OniCodec::kTable:
       return {};
   }
-  return unsupported(fmt::format("depth packed as 0x{:08x}", codec), "NONE, 16zP or 16zT");
+  return unsupported(fmt::format("depth codec 0x{:08x}", codec), "NONE, 16zP or 16zT");
 }
 
 Result<void> OniDepthStream::setNumber(std::string_view name, std::uint64_t value) {
@@ -52,7 +52,8 @@ Result<void> OniDepthStream::setPixelFormat(std::uint64_t format) {
     return unsupported(fmt::format("depth in pixel format {}", format), "100 (millimetres) or 101 (tenths)");
   }
   const bool tenths = format == kTenthsOfMillimetres;
-  if (tenths != index_.tenths && !index_.frames.empty()) return bad("another unit of depth", "one for all frames");
+  if (tenths != index_.tenths && !index_.frames.empty())
+    return bad("a different depth unit", "the same for all frames");
   index_.tenths = tenths;
   return {};
 }
@@ -69,8 +70,8 @@ Result<void> OniDepthStream::setSize(OniFields value, std::uint32_t bytes) {
       static_cast<std::uint32_t>(camera.width) == width && static_cast<std::uint32_t>(camera.height) == height;
   if (!index_.frames.empty() && !same) {
     return unsupported(
-        fmt::format("images of {} x {} behind those of {} x {}", width, height, camera.width, camera.height),
-        "one size");
+        fmt::format("images of {} x {} after images of {} x {}", width, height, camera.width, camera.height),
+        "the same size");
   }
   camera.width = static_cast<int>(width);
   camera.height = static_cast<int>(height);
@@ -88,7 +89,7 @@ Result<void> OniDepthStream::setFieldOfView(OniFields value, std::uint32_t bytes
   }
   DepthCamera& camera = index_.info.camera;
   if (!index_.frames.empty() && (camera.horizontalFov != horizontal || camera.verticalFov != vertical)) {
-    return bad("another field of view", "one for all frames");
+    return bad("a different field of view", "the same for all frames");
   }
   camera.horizontalFov = horizontal;
   camera.verticalFov = vertical;
@@ -102,7 +103,7 @@ Result<void> OniDepthStream::setCrop(OniFields value, std::uint32_t bytes) {
   crop.top = value.take<std::uint16_t>().value_or(0);
   crop.width = value.take<std::uint16_t>().value_or(0);
   crop.height = value.take<std::uint16_t>().value_or(0);
-  if (bytes != 12) return bad(fmt::format("a cropping of {} bytes", bytes), "12");
+  if (bytes != 12) return bad(fmt::format("a cropping property of {} bytes", bytes), "12");
   crop_ = enabled ? std::optional(crop) : std::nullopt;
   return {};
 }
@@ -113,19 +114,19 @@ Result<void> OniDepthStream::addFrame(OniFields fields, OniPayload payload, std:
   if (!timeUs || !number) return bad("a frame with fewer than 12 bytes of fields", "its time and number");
   if (*timeUs > latestUs) return bad(fmt::format("a frame at {} us", *timeUs), fmt::format("at most {}", latestUs));
   if (!index_.frames.empty() && (*timeUs <= index_.frames.back().timeUs || *number <= lastNumber_)) {
-    return bad(fmt::format("frame {} at {} us behind frame {} at {} us", *number, *timeUs, lastNumber_,
+    return bad(fmt::format("frame {} at {} us after frame {} at {} us", *number, *timeUs, lastNumber_,
                            index_.frames.back().timeUs),
-               "rising numbers and times");
+               "increasing numbers and times");
   }
   lastNumber_ = *number;
-  if (!sized_) return bad("a depth frame", "the images' size before it");
+  if (!sized_) return bad("a depth frame", "the image size before it");
 
   const auto width = static_cast<std::uint16_t>(index_.info.camera.width);
   const auto height = static_cast<std::uint16_t>(index_.info.camera.height);
   OniFrameEntry entry = crop_.value_or(OniFrameEntry{.width = width, .height = height});
   if (entry.width == 0 || entry.height == 0 || entry.left + entry.width > width || entry.top + entry.height > height) {
     return bad(fmt::format("an image cropped to {} x {} at {}, {}", entry.width, entry.height, entry.left, entry.top),
-               fmt::format("a part of {} x {}", width, height));
+               fmt::format("a region within {} x {}", width, height));
   }
   const std::size_t pixels = std::size_t{entry.width} * entry.height;
   const bool fits =
@@ -134,7 +135,8 @@ Result<void> OniDepthStream::addFrame(OniFields fields, OniPayload payload, std:
   if (!fits || payload.bytes > 4 * pixels + kLargestTable) {
     return bad(fmt::format("{} bytes of depth", payload.bytes), fmt::format("an image of {} pixels", pixels));
   }
-  if (index_.frames.size() >= std::size_t{std::numeric_limits<int>::max()}) return bad("too many frames", "2^31");
+  if (index_.frames.size() >= std::size_t{std::numeric_limits<int>::max()})
+    return bad("too many frames", "at most 2^31");
   entry.timeUs = *timeUs;
   entry.payload = payload.at;
   entry.payloadBytes = payload.bytes;

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The depth node of an .oni recording, as its records tell it. Internal: not installed.
+/// The depth node of an .oni recording, built from its records. Internal: not installed.
 
 #include "capture/sensor/oni_records.h"
 #include "geometry/little_endian.h"
@@ -13,7 +13,7 @@
 
 namespace lorica {
 
-/// Little-endian numbers out of a record, never beyond its end.
+/// Reads little-endian numbers from a record, never beyond its end.
 class OniFields {
  public:
   explicit OniFields(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -37,25 +37,25 @@ class OniFields {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// Where a frame's payload lies in the file.
+/// Location of a frame's payload in the file.
 struct OniPayload {
   std::uint64_t at = 0;
   std::uint32_t bytes = 0;
 };
 
-/// Properties and frames of the depth node go into an index. Errors are clauses, "found ..., expected ...": who walks
-/// over the file knows where.
+/// Collects properties and frames of the depth node in an index. Errors are of the form "found ..., expected ..."; the
+/// caller adds the location in the file.
 class OniDepthStream {
  public:
-  /// @param index  grows; must outlive this
+  /// @param index  is extended; must outlive this
   explicit OniDepthStream(OniIndex& index) : index_(index) {}
 
   [[nodiscard]] Result<void> setCodec(std::uint32_t codec);
   [[nodiscard]] Result<void> setNumber(std::string_view name, std::uint64_t value);
-  /// @param bytes  that the record says the value has
+  /// @param bytes  size of the value according to the record
   [[nodiscard]] Result<void> setGeneral(std::string_view name, OniFields value, std::uint32_t bytes);
   /// @param fields    time and number
-  /// @param latestUs  no frame comes later
+  /// @param latestUs  max time of a frame
   [[nodiscard]] Result<void> addFrame(OniFields fields, OniPayload payload, std::uint64_t latestUs);
 
  private:

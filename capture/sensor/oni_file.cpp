@@ -66,7 +66,8 @@ Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return Error{ErrorCode::kUnreadable, fmt::format("{}: found no file, expected an .oni recording", file.string())};
+    return Error{ErrorCode::kUnreadable,
+                 fmt::format("{}: found no regular file, expected an .oni recording", file.string())};
   }
   return std::unique_ptr<OniBytes>(
       std::make_unique<FileBytes>(descriptor, static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0))));
@@ -117,14 +118,14 @@ const OniInfo& OniFile::info() const {
 }
 
 double OniFile::timeOf(int frame) const {
-  CHECK(frame >= 0 && frame < info().frameCount, "no such frame in this recording");
-  return 1e-6 * static_cast<double>(contents_->index.frames[static_cast<std::size_t>(frame)].timeUs);
+  LORICA_CHECK(frame >= 0 && frame < info().frameCount, "the frame index must be within the recording");
+  return 1e-6 * static_cast<double>(contents_->index.frames[frame].timeUs);
 }
 
 Result<void> OniFile::read(int frame, DepthFrame& out) {
   out.time = timeOf(frame);
   Contents& c = *contents_;
-  const OniFrameEntry& entry = c.index.frames[static_cast<std::size_t>(frame)];
+  const OniFrameEntry& entry = c.index.frames[frame];
   const auto width = static_cast<std::size_t>(c.index.info.camera.width);
   const auto height = static_cast<std::size_t>(c.index.info.camera.height);
   const std::size_t recorded = std::size_t{entry.width} * entry.height;
@@ -132,7 +133,7 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
   c.packed.resize(entry.payloadBytes);
   if (!c.bytes->read(entry.payload, c.packed)) {
     return Error{ErrorCode::kUnreadable,
-                 fmt::format("{}: depth frame {} cannot be read any more, expected {} bytes at byte {}", c.name, frame,
+                 fmt::format("{}: depth frame {} can no longer be read, expected {} bytes at byte {}", c.name, frame,
                              entry.payloadBytes, entry.payload)};
   }
   c.depths.resize(recorded);

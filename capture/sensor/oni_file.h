@@ -12,32 +12,33 @@
 
 namespace lorica {
 
-/// What an .oni recording holds.
+/// Properties of an .oni recording.
 struct OniInfo {
-  std::string version;         ///< of the format: "1.0.1.0"
-  std::string device;          ///< as the recorder named it; may be empty
+  std::string version;         ///< format version: "1.0.1.0"
+  std::string device;          ///< as named by the recorder; may be empty
   DepthCamera camera;          ///< of all depth frames
   OniCodec codec{};            ///< of the depth frames
   int frameCount = 0;          ///< depth frames, at least one
   int colorFrameCount = 0;     ///< not read
   int infraredFrameCount = 0;  ///< not read
   double duration = 0.0;       ///< from the first depth frame to the last [s]
-  bool mirrored = false;       ///< frames in the file are as in a mirror; those read are not
-  bool cutOff = false;         ///< the recorder was stopped hard: the file has no end, its whole frames are there
-  std::uint64_t end = 0;       ///< byte behind the last record: what follows is padding
+  bool mirrored = false;       ///< frames are mirrored in the file; read() returns them unmirrored
+  bool cutOff = false;         ///< the recorder was killed: the file has no end record, but its complete frames are
+                               ///< there
+  std::uint64_t end = 0;       ///< byte after the last record: the rest is padding
 };
 
-/// An .oni recording of OpenNI 1 or 2, opened and checked: every record but the depths themselves, which are checked as
-/// they are read. Reading needs no OpenNI2, which crashes on damaged files.
+/// An opened and checked .oni recording of OpenNI 1 or 2. All records are checked on opening except the depths
+/// themselves, which are checked when they are read. Does not need OpenNI2, which crashes on damaged files.
 ///
-/// docs/SENSORS.md describes the format. Of several depth streams the first is read. Nothing is taken from the file's
-/// tables of places, so they may be wrong.
+/// docs/SENSORS.md describes the format. If there are several depth streams, the first is read. The file's seek tables
+/// are not used, so they may be wrong.
 class OniFile {
  public:
-  /// Reads all record headers: milliseconds for a minute of recording.
-  /// @return or a sentence with the file, the byte, what was found and expected
+  /// Reads all record headers: takes milliseconds for a minute of recording.
+  /// @return the file, or an error with file, byte, found and expected
   [[nodiscard]] static Result<OniFile> open(const std::filesystem::path& file);
-  /// The same of a file in memory, whose bytes must outlive it. @param name  what the sentences call it
+  /// Opens a file in memory, whose bytes must outlive the result. @param name  name of the file in error messages
   [[nodiscard]] static Result<OniFile> parse(std::string_view bytes, std::string name);
 
   OniFile(OniFile&&) noexcept;
@@ -45,11 +46,11 @@ class OniFile {
   ~OniFile();
 
   [[nodiscard]] const OniInfo& info() const;
-  /// Time of a depth frame [s]: by the sensor's clock, rises from frame to frame.
+  /// Time of a depth frame [s]: in the sensor's clock, increases from frame to frame.
   [[nodiscard]] double timeOf(int frame) const;
-  /// Reads one depth frame. Any frame costs the same: each is packed by itself.
-  /// @param frame  below info().frameCount; a CHECK
-  /// @param out    all of it is written, its storage used again; undefined after an error
+  /// Reads one depth frame. All frames cost the same: each is packed independently.
+  /// @param frame  below info().frameCount; checked by LORICA_CHECK
+  /// @param out    overwritten completely, reusing its storage; undefined after an error
   [[nodiscard]] Result<void> read(int frame, DepthFrame& out);
 
  private:

@@ -47,8 +47,8 @@ JointCsvWriter::~JointCsvWriter() {
 }
 
 Result<void> JointCsvWriter::write(const std::string& text) {
-  CHECK(descriptor_ >= 0, "joints added to a finished file");
-  std::string_view rest = text;  // in one piece, mostly: a killed program then leaves no half row
+  LORICA_CHECK(descriptor_ >= 0, "joints cannot be added to a finished file");
+  std::string_view rest = text;  // usually in one piece, so that a killed program leaves no partial row
   while (!rest.empty()) {
     const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
     if (written < 0 && errno == EINTR) continue;
@@ -62,10 +62,10 @@ Result<void> JointCsvWriter::add(const SkeletonFrame& frame) {
   const auto last = lastTimes_.find(frame.user);
   if (last != lastTimes_.end() && !(frame.time > last->second)) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found a frame of user {} at {} s behind one at {} s, expected rising times",
+                 fmt::format("{}: found a frame of user {} at {} s after one at {} s, expected increasing times",
                              beside_.string(), frame.user, frame.time, last->second)};
   }
-  // Whoever reads the file decides what is right: one row that it refused would make the whole file unreadable.
+  // Check with the reader: a single row that it rejects would make the whole file unreadable.
   static const std::string kHeader = jointCsvHeader();
   const std::string row = jointCsvRow(frame);
   if (const auto read = parseJointCsv(kHeader + row, beside_.string()); !read) return read.error();

@@ -8,20 +8,20 @@
 
 namespace lorica {
 
-/// Joints as they come, into a joint CSV (recordings/FORMAT.md) that lies beside a recording. Each row is with the
-/// system before add() returns, so a program that is killed loses none.
+/// Writes joints as they arrive to a joint CSV (recordings/FORMAT.md) beside a recording. Each row is passed to the
+/// system before add() returns, so a killed program loses none.
 class JointCsvWriter {
  public:
-  /// Begins a file beside `file`, named x.part.csv. It can be read at any time.
+  /// Creates a file beside `file`, named x.part.csv. It can be read at any time.
   [[nodiscard]] static Result<JointCsvWriter> create(const std::filesystem::path& file);
   JointCsvWriter(JointCsvWriter&& other) noexcept;
   JointCsvWriter& operator=(JointCsvWriter&&) = delete;
-  /// What was written and not finished stays in x.part.csv.
+  /// Rows that were written but not finished stay in x.part.csv.
   ~JointCsvWriter();
 
-  /// @return an error when the format has no place for such a frame, which is then left out, or the disk is full
+  /// @return an error if the format cannot represent the frame, which is then left out, or if the disk is full
   [[nodiscard]] Result<void> add(const SkeletonFrame& frame);
-  /// Gives the file its name. @return number of rows; where it is 0 there is no file
+  /// Renames the file to its final name. @return number of rows; if 0, no file is left
   [[nodiscard]] Result<int> finish();
 
  private:

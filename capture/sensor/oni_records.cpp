@@ -15,10 +15,10 @@ namespace {
 constexpr std::uint64_t kFileHeader = 24;
 constexpr std::uint32_t kRecordMagic = 0x0052494e;  // "NIR\0"
 constexpr std::uint32_t kCountUnknown = 0xffffffff;
-/// What of a record is looked at: its header, a name and a value. Longer ones are tables of the sensor.
+/// Bytes of a record that are inspected: its header, a name and a value. Longer values are tables of the sensor.
 constexpr std::size_t kLookedAt = 600;
 constexpr std::uint32_t kLongestName = 256;
-constexpr std::uint32_t kMostNodes = 64;
+constexpr std::uint32_t kMaxNodes = 64;
 constexpr std::uint64_t kLatestTimeUs = 10'000'000'000'000'000;
 constexpr std::uint64_t kPaddingLookedAt = 1 << 16;
 
@@ -45,7 +45,7 @@ struct Node {
   bool removed = false;
 };
 
-/// For sentences: what a file says may be anything.
+/// For error messages: text in a file may contain anything.
 std::string printable(std::string_view text) {
   std::string out;
   for (const char c : text.substr(0, 80)) out += c >= 0x20 && c < 0x7f ? c : '?';
@@ -70,7 +70,7 @@ class Walk {
     return {ErrorCode::kBadFormat, fmt::format("{}, byte {}: found {}, expected {}", name_, at_, found, expected)};
   }
 
-  /// Of a clause, where in the file.
+  /// Adds the position in the file to an error.
   [[nodiscard]] Result<void> located(const Result<void>& result) const {
     if (result) return result;
     return Error{result.error().code, fmt::format("{}, byte {}: {}", name_, at_, result.error().message)};
@@ -79,11 +79,12 @@ class Walk {
   Result<void> readFileHeader() {
     std::array<std::uint8_t, kFileHeader> raw{};
     if (size_ < kFileHeader || !bytes_.read(0, raw)) {
-      return bad(fmt::format("{} bytes", size_), "an .oni recording, which has 24 bytes and more");
+      return bad(fmt::format("{} bytes", size_), "an .oni recording of at least 24 bytes");
     }
     OniFields fields(raw);
     const std::string_view magic = *fields.text(4);
-    if (magic != "NI10") return bad(fmt::format("\"{}\"", printable(magic)), "\"NI10\", as .oni recordings start");
+    if (magic != "NI10")
+      return bad(fmt::format("\"{}\"", printable(magic)), "\"NI10\" at the start of an .oni recording");
     const int major = *fields.take<std::uint8_t>();
     const int minor = *fields.take<std::uint8_t>();
     const int maintenance = *fields.take<std::uint16_t>();
@@ -104,7 +105,7 @@ class Walk {
     return {};
   }
 
-  /// A recording that its recorder did not finish: it counts its frames only then.
+  /// Whether the recorder did not finish: it writes the frame count only at the end.
   [[nodiscard]] bool unfinished() const { return depthNode_ && declaredFrames_ == kCountUnknown; }
 
   Result<void> cutOff(const std::string& found) {
@@ -114,8 +115,8 @@ class Walk {
     return {};
   }
 
-  [[nodiscard]] bool onlyZeros(std::uint64_t from, std::uint64_t most) const {
-    std::vector<std::uint8_t> raw(static_cast<std::size_t>(std::min(most, size_ - from)));
+  [[nodiscard]] bool onlyZeros(std::uint64_t from, std::uint64_t max) const {
+    std::vector<std::uint8_t> raw(static_cast<std::size_t>(std::min(max, size_ - from)));
     return bytes_.read(from, raw) && std::all_of(raw.begin(), raw.end(), [](std::uint8_t b) { return b == 0; });
   }
 
@@ -127,19 +128,19 @@ class Walk {
     if (!bytes_.read(at_, whole.first(look))) {
       return Error{ErrorCode::kUnreadable, fmt::format("{}, byte {}: cannot be read", name_, at_)};
     }
-    if (look < recordHeader_) return cutOff(fmt::format("{} bytes before the end of the file", look));
+    if (look < recordHeader_) return cutOff(fmt::format("only {} bytes before the end of the file", look));
     OniFields header(whole.first(recordHeader_));
     const std::uint32_t magic = *header.take<std::uint32_t>();
     if (magic != kRecordMagic) {
       if (magic == 0 && unfinished() && onlyZeros(at_, kPaddingLookedAt)) return cutOff("zeros");
-      return bad(fmt::format("0x{:08x}", magic), "0x0052494e, as records start");
+      return bad(fmt::format("0x{:08x}", magic), "0x0052494e at the start of a record");
     }
     const std::uint32_t type = *header.take<std::uint32_t>();
     const std::uint32_t node = *header.take<std::uint32_t>();
     const std::uint32_t fieldsBytes = *header.take<std::uint32_t>();
     const std::uint32_t payloadBytes = *header.take<std::uint32_t>();
     if (fieldsBytes < recordHeader_) {
-      return bad(fmt::format("a record of {} bytes", fieldsBytes), fmt::format("{} or more", recordHeader_));
+      return bad(fmt::format("a record of {} bytes", fieldsBytes), fmt::format("at least {}", recordHeader_));
     }
     const std::uint64_t total = std::uint64_t{fieldsBytes} + payloadBytes;
     if (total > size_ - at_) {
@@ -167,7 +168,7 @@ class Walk {
         return addNode(type, node, fields, bytes);
       case kEnd:
         return {};
-      case kSeekTable:  // comes when its node is gone already
+      case kSeekTable:  // may come after its node was removed
         return known(node, true);
       case kInt:
       case kReal:
@@ -194,7 +195,7 @@ class Walk {
     const auto found = nodes_.find(node);
     if (found == nodes_.end()) return bad(fmt::format("a record of node {}", node), "one of a node that was added");
     if (found->second.removed && !evenRemoved) {
-      return bad(fmt::format("a record of node {}", node), "none, since the node was removed");
+      return bad(fmt::format("a record of node {}", node), "none, because the node was removed");
     }
     return {};
   }
@@ -215,10 +216,10 @@ class Walk {
     const std::uint32_t frames = type == kNodeAdded4 ? kCountUnknown : fields.take<std::uint32_t>().value_or(0);
     const auto found = nodes_.find(node);
     if (found != nodes_.end() && !found->second.removed) {
-      return bad(fmt::format("node {} added again", node), "each node once");
+      return bad(fmt::format("node {} added again", node), "each node only once");
     }
-    if (found == nodes_.end() && nodes_.size() >= kMostNodes) {
-      return bad(fmt::format("more than {} nodes", kMostNodes), "a device and its streams");
+    if (found == nodes_.end() && nodes_.size() >= kMaxNodes) {
+      return bad(fmt::format("more than {} nodes", kMaxNodes), "a device and its streams");
     }
     nodes_[node] = {*nodeType, false};
     if (*nodeType == kDevice && index_.info.device.empty()) index_.info.device = printable(*name);
@@ -238,7 +239,7 @@ class Walk {
     const std::optional<std::string_view> name = fields.text(nameBytes);
     const std::optional<std::uint32_t> valueBytes = fields.take<std::uint32_t>();
     if (!name || !valueBytes || std::uint64_t{8} + nameBytes + *valueBytes != bytes) {
-      return bad(fmt::format("{} bytes of fields in a property", bytes), "its name, its size and as many bytes");
+      return bad(fmt::format("{} bytes of fields in a property", bytes), "its name, its size and that many bytes");
     }
     if ((type == kInt || type == kReal) && *valueBytes != 8) {
       return bad(fmt::format("{} bytes of number \"{}\"", *valueBytes, printable(*name)), "8");
@@ -266,11 +267,11 @@ class Walk {
 
   Result<void> end() {
     ended_ = true;
-    // An end record that was none before a bit flipped has records behind it.
-    if (at_ < size_ && !onlyZeros(at_, kPaddingLookedAt)) return bad("bytes behind the end record", "none, or zeros");
+    // After a bit flip a record can look like an end record; then other records follow.
+    if (at_ < size_ && !onlyZeros(at_, kPaddingLookedAt)) return bad("bytes after the end record", "none, or zeros");
     if (declaredFrames_ != kCountUnknown && declaredFrames_ != index_.frames.size()) {
       return bad(fmt::format("the end after {} depth frames", index_.frames.size()),
-                 fmt::format("{}, as the file says", declaredFrames_));
+                 fmt::format("{}, as declared in the file", declaredFrames_));
     }
     return {};
   }
@@ -280,7 +281,7 @@ class Walk {
     if (!depthNode_) {
       return Error{ErrorCode::kUnsupported, fmt::format("{}: found no depth stream, expected one", name_)};
     }
-    if (index_.frames.empty()) return bad("no whole depth frame", "one or more");
+    if (index_.frames.empty()) return bad("no complete depth frame", "at least one");
     OniInfo& info = index_.info;
     info.frameCount = static_cast<int>(index_.frames.size());
     info.duration = 1e-6 * static_cast<double>(index_.frames.back().timeUs - index_.frames.front().timeUs);

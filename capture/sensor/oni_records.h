@@ -14,12 +14,12 @@
 
 namespace lorica {
 
-/// The bytes of a file, anywhere in it.
+/// Random access to the bytes of a file.
 class OniBytes {
  public:
   virtual ~OniBytes() = default;
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  /// @return whether all of `out` could be filled
+  /// @return whether all of `out` was filled
   [[nodiscard]] virtual bool read(std::uint64_t at, std::span<std::uint8_t> out) const = 0;
 };
 
@@ -27,12 +27,12 @@ class OniBytes {
 /// @param bytes  must outlive the result
 [[nodiscard]] std::unique_ptr<OniBytes> oniBytesOf(std::string_view bytes);
 
-/// A depth frame in the file.
+/// Index entry of a depth frame in the file.
 struct OniFrameEntry {
   std::uint64_t timeUs = 0;
   std::uint64_t payload = 0;  ///< byte in the file
   std::uint32_t payloadBytes = 0;
-  std::uint16_t left = 0;  ///< what of the image was recorded
+  std::uint16_t left = 0;  ///< left edge of the recorded image region
   std::uint16_t top = 0;
   std::uint16_t width = 0;
   std::uint16_t height = 0;
@@ -45,7 +45,7 @@ struct OniIndex {
   std::vector<OniFrameEntry> frames;
 };
 
-/// Walks all records and checks them.
+/// Reads and checks all records.
 [[nodiscard]] Result<OniIndex> indexOni(const OniBytes& bytes, const std::string& name);
 
 }  // namespace lorica

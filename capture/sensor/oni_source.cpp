@@ -6,7 +6,7 @@ namespace lorica {
 
 Result<DepthRead> OniSource::next(DepthFrame& frame) {
   if (position_ >= info().frameCount) return DepthRead::kEnd;
-  // A frame that turns out damaged must not be half there, so it is read beside the caller's.
+  // A damaged frame must not be written partially to the caller's frame, so it is read into another one first.
   if (const Result<void> read = file_.read(position_, scratch_); !read) return read.error();
   std::swap(frame, scratch_);
   ++position_;

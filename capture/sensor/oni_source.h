@@ -8,7 +8,7 @@
 
 namespace lorica {
 
-/// The depth frames of an .oni recording, each once, in order, as fast as they are asked for.
+/// The depth frames of an .oni recording, each once, in order, as fast as they are requested.
 class OniSource : public DepthSource {
  public:
   explicit OniSource(OniFile file, std::string name) : file_(std::move(file)), name_(std::move(name)) {}
@@ -18,11 +18,11 @@ class OniSource : public DepthSource {
   [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
 
   [[nodiscard]] const OniInfo& info() const { return file_.info(); }
-  /// The frame that next() gives now; info().frameCount at the end.
+  /// Index of the frame that next() returns now; info().frameCount at the end.
   [[nodiscard]] int position() const { return position_; }
-  /// Goes to a frame, at no cost. @param frame  0 to info().frameCount; others are moved there
+  /// Moves to a frame; costs nothing. @param frame  clamped to 0 .. info().frameCount
   void seek(int frame);
-  /// Goes to the first frame at or after a time, counted from the first frame [s].
+  /// Moves to the first frame at or after a time, counted from the first frame [s].
   void seekTime(double seconds);
 
  private:
@@ -32,10 +32,10 @@ class OniSource : public DepthSource {
   DepthFrame scratch_;
 };
 
-/// Opens an .oni recording. @return or a sentence with the file, the byte, what was found and expected
+/// Opens an .oni recording. @return the source, or an error with file, byte, found and expected
 [[nodiscard]] Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file);
 
-/// The same as a source like others.
+/// As openOni(), but returns the general source type.
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> makeOniSource(const std::filesystem::path& file);
 
 }  // namespace lorica

@@ -11,70 +11,69 @@
 
 namespace lorica {
 
-/// A depth camera that OpenNI2 has found.
+/// A depth camera found by OpenNI2.
 struct OpenNiCamera {
-  std::string uri;     ///< what open() takes: "1d27/0609@1/4"
+  std::string uri;     ///< argument of open(): "1d27/0609@1/4"
   std::string vendor;  ///< "PrimeSense"
   std::string name;    ///< "PS1080"
   std::uint16_t usbVendor = 0;
   std::uint16_t usbProduct = 0;
-  std::string driver;  ///< file name of the driver that gives it, as far as can be told
+  std::string driver;  ///< file name of the driver that provides it, as far as known
 };
 
-/// A driver file that OpenNI2 was given.
+/// A driver file that is available to OpenNI2.
 struct OpenNiDriver {
   std::filesystem::path file;
-  bool packaged = false;  ///< lies beside libOpenNI2, else the user named it
-  std::string problem;    ///< why it cannot be used; empty where it can
+  bool packaged = false;  ///< stored beside libOpenNI2; else specified by the user
+  std::string problem;    ///< why it cannot be used; empty if it can
 };
 
 struct OpenNiSettings {
-  /// Driver files beside those that OpenNI2 comes with: for Kinects, or a maker's own.
+  /// Driver files in addition to those included with OpenNI2: for Kinects, or from a manufacturer.
   std::vector<std::filesystem::path> drivers;
-  /// libOpenNI2.so.0; empty: as the system finds it.
+  /// libOpenNI2.so.0; empty: located by the system.
   std::filesystem::path library;
 };
 
-/// OpenNI2, loaded when it is first asked for: Lorica runs where it is not installed. Drivers are found in a private
-/// folder of links, so that nothing is written into the system. OpenNI2 exists once a process: those who start it share
-/// it.
+/// OpenNI2, loaded on first use: Lorica also runs where it is not installed. Drivers are found in a private folder of
+/// links, so nothing is written to the system. A process has only one OpenNI2, which all callers of start() share.
 ///
 ///     Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start();
 ///     Result<std::unique_ptr<DepthSource>> source = (*openNi)->open();
 ///
-/// Starting leaves the working folder as it was, but for a moment it is another one for all threads.
+/// start() restores the working folder, but changes it temporarily for all threads.
 class OpenNi {
  public:
-  /// @return or why not: OpenNI2 is not installed, Lorica was built without it, a driver cannot be loaded, or OpenNI2
-  ///         runs with other drivers already
+  /// @return OpenNI2, or an error: OpenNI2 is not installed, Lorica was built without it, a driver cannot be loaded, or
+  /// OpenNI2 is already running with other drivers
   [[nodiscard]] static Result<std::shared_ptr<OpenNi>> start(const OpenNiSettings& settings = {});
   virtual ~OpenNi() = default;
 
   /// The cameras that are plugged in now, in OpenNI2's order.
   [[nodiscard]] virtual Result<std::vector<OpenNiCamera>> cameras() const = 0;
-  /// All drivers, those of the user last.
+  /// All drivers; the user's drivers come last.
   [[nodiscard]] virtual const std::vector<OpenNiDriver>& drivers() const = 0;
 
-  /// Opens a camera: 640 x 480 at 30 Hz in millimetres, not mirrored, or what comes nearest to it. Sources keep OpenNI2
-  /// running. While its camera is unplugged a source says kUnplugged; it goes on with the same camera, even in another
-  /// socket, and its times go on rising.
-  /// @param uri  of a camera; empty: the first that gives depth
+  /// Opens a camera: 640 x 480 at 30 Hz in millimetres, not mirrored, or the nearest available mode. Sources keep
+  /// OpenNI2 running. While its camera is unplugged, a source returns kUnplugged; it continues with the same camera,
+  /// even at another USB port, with increasing times.
+  /// @param uri  of a camera; empty: the first that provides depth
   [[nodiscard]] virtual Result<std::unique_ptr<DepthSource>> open(const std::string& uri = {}) = 0;
 };
 
-/// Records what a camera gives, by OpenNI2's own recorder, into an .oni file. One at a time in a process.
+/// Records a camera's depth stream to an .oni file with OpenNI2's own recorder. One recording at a time per process.
 class OpenNiRecorder {
  public:
-  /// Begins a file beside `file`, named x.part.oni. It can be played even when this program is killed. Images that the
-  /// camera gives from now on are recorded, whether they are read or not.
-  /// @param source  one of OpenNi::open(); it must outlive the recorder, and someone must read it
+  /// Creates a file beside `file`, named x.part.oni. It can be played even if this program is killed. From now on all
+  /// images of the camera are recorded, whether they are read or not.
+  /// @param source  from OpenNi::open(); it must outlive the recorder and must be read continuously
   [[nodiscard]] static Result<std::unique_ptr<OpenNiRecorder>> start(DepthSource& source,
                                                                      const std::filesystem::path& file);
-  /// Abandons the recording, if it was not finished, and keeps the file beside.
+  /// Abandons an unfinished recording and keeps the x.part.oni file.
   virtual ~OpenNiRecorder() = default;
 
-  /// Ends the recording, checks it, and gives it its name.
-  /// @return number of frames, or what is wrong with them
+  /// Ends the recording, checks it, and renames it to its final name.
+  /// @return number of frames, or an error if they are damaged
   [[nodiscard]] virtual Result<int> finish() = 0;
 };
 

@@ -1,13 +1,13 @@
 #include "capture/sensor/nite.h"
 #include "capture/sensor/openni.h"
 
-// What is built where OpenNI2's headers are absent.
+// Compiled if OpenNI2's headers are not available.
 
 namespace lorica {
 
 Result<std::shared_ptr<OpenNi>> OpenNi::start(const OpenNiSettings&) {
   return Error{ErrorCode::kUnsupported,
-               "this Lorica was built without OpenNI2, so it knows no depth cameras: build it with libopenni2-dev"};
+               "this Lorica was built without OpenNI2, so it supports no depth cameras: build it with libopenni2-dev"};
 }
 
 Result<std::unique_ptr<OpenNiRecorder>> OpenNiRecorder::start(DepthSource&, const std::filesystem::path&) {

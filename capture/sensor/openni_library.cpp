@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// libOpenNI2 in memory, with the folder that it was loaded from. It stays when OpenNI2 is shut down, and goes when
-/// other drivers are wanted: threads of its may need its code a little longer than it says.
+/// A loaded libOpenNI2, with the folder that it was loaded from. It stays loaded after OpenNI2 is shut down, because
+/// its threads may need its code a little longer, and is unloaded only when other drivers are requested.
 struct Loaded {
   ~Loaded() {
     if (handle != nullptr && unload) ::dlclose(handle);
   }
   void* handle = nullptr;
-  bool unload = false;  ///< not at the end of the process: others' destructors may still call into it
+  bool unload = false;  ///< not at the end of the process: other destructors may still call into it
   OpenNiApi api;
   std::unique_ptr<OpenNiStage> stage;
   OpenNiSettings settings;
@@ -40,7 +40,7 @@ Error notInstalled() {
                       why == nullptr ? "unknown" : why)};
 }
 
-/// Where the system's libOpenNI2 lies.
+/// Finds the system's libOpenNI2.
 Result<fs::path> findLibrary() {
   void* handle = ::dlopen("libOpenNI2.so.0", RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return notInstalled();
@@ -51,7 +51,8 @@ Result<fs::path> findLibrary() {
   ::dlclose(handle);
   std::error_code error;
   const fs::path whole = fs::canonical(path, error);
-  if (!found || error) return Error{ErrorCode::kNotFound, "libOpenNI2.so.0 was loaded, but nobody knows from where"};
+  if (!found || error)
+    return Error{ErrorCode::kNotFound, "libOpenNI2.so.0 was loaded, but its path cannot be determined"};
   return whole;
 }
 
@@ -89,19 +90,19 @@ Result<std::unique_ptr<Loaded>> loadLibrary(const OpenNiSettings& settings) {
   Result<std::unique_ptr<OpenNiStage>> stage = OpenNiStage::make(*library, settings.drivers);
   if (!stage) return stage.error();
   loaded->stage = std::move(*stage);
-  // Not local: NiTE 2 and drivers that use OpenNI2 must find this one.
+  // Global: NiTE 2 and drivers that use OpenNI2 must find this library.
   loaded->handle = ::dlopen(loaded->stage->library().c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (loaded->handle == nullptr) return notInstalled();
   if (!loadAll(loaded->handle, loaded->api)) {
     return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: found no OpenNI 2.2, expected all of its functions", library->string())};
+                 fmt::format("{}: not an OpenNI 2.2 library: some of its functions are missing", library->string())};
   }
   Dl_info where{};
   const void* symbol = ::dlsym(loaded->handle, "oniInitialize");
   if (::dladdr(symbol, &where) == 0 || loaded->stage->library() != where.dli_fname) {
     return Error{
         ErrorCode::kUnsupported,
-        "libOpenNI2 is in this process already, so no driver can be added: expected a program that does not link it"};
+        "libOpenNI2 is already loaded in this process, so no driver can be added: do not link the program with it"};
   }
   return loaded;
 }
@@ -118,7 +119,7 @@ OpenNiCamera cameraOf(const OniDeviceInfo& info) {
   return {text(info.uri), text(info.vendor), text(info.name), info.usbVendorId, info.usbProductId, {}};
 }
 
-/// OpenNI2 does not say which driver gives a camera; its own give PrimeSense's and no others.
+/// OpenNI2 does not report which driver provides a camera; its own drivers provide PrimeSense cameras and no others.
 std::string driverOf(const OpenNiCamera& camera, const std::vector<OpenNiDriver>& drivers) {
   constexpr std::uint16_t kPrimeSense = 0x1d27;
   const bool own = camera.usbVendor == kPrimeSense || camera.vendor == "PrimeSense";
@@ -132,7 +133,7 @@ std::string driverOf(const OpenNiCamera& camera, const std::vector<OpenNiDriver>
   return names;
 }
 
-/// Why OpenNI2 did not take one of its own drivers; empty where it did.
+/// Why OpenNI2 did not load one of its own drivers; empty if it did.
 std::string problemOf(const OpenNiDriver& driver) {
   if (void* there = ::dlopen(driver.file.c_str(), RTLD_NOW | RTLD_NOLOAD)) {
     ::dlclose(there);
@@ -144,7 +145,7 @@ std::string problemOf(const OpenNiDriver& driver) {
     return why == nullptr ? "cannot be loaded" : why;
   }
   ::dlclose(alone);
-  return "does not start";
+  return "cannot be started";
 }
 
 std::mutex g_mutex;
@@ -157,7 +158,7 @@ Result<std::shared_ptr<OpenNi>> OpenNi::start(const OpenNiSettings& settings) {
   const std::lock_guard<std::mutex> lock(g_mutex);
   if (std::shared_ptr<OpenNiLibrary> running = g_running.lock()) {
     if (same(running->settings(), settings)) return std::shared_ptr<OpenNi>(std::move(running));
-    return Error{ErrorCode::kInvalidArgument, "OpenNI2 runs with other drivers already, expected the same ones"};
+    return Error{ErrorCode::kInvalidArgument, "OpenNI2 is already running with other drivers, expected the same ones"};
   }
   if (g_loaded && !same(g_loaded->settings, settings)) {
     g_loaded->unload = true;
@@ -190,17 +191,17 @@ Result<void> OpenNiLibrary::initialize() {
     callbacks.deviceStateChanged = [](const OniDeviceInfo* device, OniDeviceState state, void* self) {
       static_cast<OpenNiLibrary*>(self)->note(device, state == ONI_DEVICE_STATE_ERROR);
     };
-    if (api_.initialize(ONI_API_VERSION) != ONI_STATUS_OK) return failure("OpenNI2 does not start");
+    if (api_.initialize(ONI_API_VERSION) != ONI_STATUS_OK) return failure("OpenNI2 cannot be started");
     initialized_ = true;
     if (api_.registerCallbacks(&callbacks, this, &callbacks_) != ONI_STATUS_OK) {
       callbacks_ = nullptr;
-      return failure("OpenNI2 does not say what is plugged in");
+      return failure("OpenNI2 cannot report which cameras are plugged in");
     }
     for (OpenNiDriver& driver : drivers_) {
       if (driver.packaged) driver.problem = problemOf(driver);
     }
   } catch (...) {
-    return Error{ErrorCode::kUnreadable, "OpenNI2 failed while it started, in one of its drivers"};
+    return Error{ErrorCode::kUnreadable, "OpenNI2 failed on startup, in one of its drivers"};
   }
   return {};
 }
@@ -211,7 +212,7 @@ OpenNiLibrary::~OpenNiLibrary() {
     if (callbacks_ != nullptr) api_.unregisterCallbacks(callbacks_);
     if (initialized_) api_.shutdown();
   } catch (...) {
-    std::fprintf(stderr, "lorica: OpenNI2 failed while it ended\n");
+    std::fprintf(stderr, "lorica: OpenNI2 failed on shutdown\n");
   }
 }
 
@@ -229,7 +230,7 @@ bool OpenNiLibrary::isGone(const std::string& uri) const {
 
 Error OpenNiLibrary::failure(const std::string& what) const {
   const char* said = api_.extendedError();
-  // OpenNI2 ends its lines with breaks and sets them in with tabs: ours is one sentence.
+  // OpenNI2 separates its messages with line breaks and tabs: join them into one sentence.
   std::string why;
   std::istringstream words(said == nullptr ? "" : said);
   for (std::string word; words >> word;) why += why.empty() ? word : " " + word;
@@ -240,9 +241,9 @@ Result<std::vector<OpenNiCamera>> OpenNiLibrary::cameras() const {
   try {
     OniDeviceInfo* devices = nullptr;
     int count = 0;
-    if (api_.deviceList(&devices, &count) != ONI_STATUS_OK) return failure("OpenNI2 does not list its cameras");
+    if (api_.deviceList(&devices, &count) != ONI_STATUS_OK) return failure("OpenNI2 cannot list its cameras");
     std::vector<OpenNiCamera> cameras;
-    cameras.reserve(static_cast<std::size_t>(count));
+    cameras.reserve(count);
     for (int i = 0; i < count; ++i) {
       cameras.push_back(cameraOf(devices[i]));
       cameras.back().driver = driverOf(cameras.back(), drivers_);
@@ -250,7 +251,7 @@ Result<std::vector<OpenNiCamera>> OpenNiLibrary::cameras() const {
     api_.releaseDeviceList(devices);
     return cameras;
   } catch (...) {
-    return Error{ErrorCode::kUnreadable, "OpenNI2 failed while it listed its cameras"};
+    return Error{ErrorCode::kUnreadable, "OpenNI2 failed while listing its cameras"};
   }
 }
 
@@ -265,11 +266,11 @@ Result<std::unique_ptr<DepthSource>> OpenNiLibrary::open(const std::string& uri)
     problems += (problems.empty() ? "" : "; ") + source.error().message;
   }
   if (!problems.empty()) return Error{ErrorCode::kUnreadable, problems};
-  if (uri.empty()) return Error{ErrorCode::kNotFound, "OpenNI2 sees no depth camera, expected one"};
+  if (uri.empty()) return Error{ErrorCode::kNotFound, "OpenNI2 found no depth camera, expected at least one"};
   std::string uris;
   for (const OpenNiCamera& camera : *listed) uris += (uris.empty() ? "" : ", ") + camera.uri;
   return Error{ErrorCode::kNotFound,
-               fmt::format("found no camera \"{}\", expected one of: {}", uri, uris.empty() ? "none is seen" : uris)};
+               fmt::format("found no camera \"{}\", available: {}", uri, uris.empty() ? "none" : uris)};
 }
 
 }  // namespace lorica

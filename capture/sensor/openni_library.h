@@ -1,6 +1,6 @@
 #pragma once
 
-/// libOpenNI2 as loaded at run time. Internal: not installed, the only header that includes OpenNI2's.
+/// libOpenNI2 loaded at run time. Internal: not installed, the only header that includes OpenNI2's headers.
 
 #include "capture/sensor/openni.h"
 #include "capture/sensor/openni_stage.h"
@@ -45,7 +45,7 @@ struct OpenNiApi {
   decltype(&oniRecorderDestroy) recorderDestroy = nullptr;
 };
 
-/// OpenNI2 while it runs.
+/// A running OpenNI2.
 class OpenNiLibrary : public OpenNi, public std::enable_shared_from_this<OpenNiLibrary> {
  public:
   OpenNiLibrary(const OpenNiApi& api, std::vector<OpenNiDriver> drivers, OpenNiSettings settings);
@@ -61,9 +61,9 @@ class OpenNiLibrary : public OpenNi, public std::enable_shared_from_this<OpenNiL
 
   [[nodiscard]] const OpenNiApi& api() const { return api_; }
   [[nodiscard]] const OpenNiSettings& settings() const { return settings_; }
-  /// Whether the device was unplugged, or reported broken, and is not back since.
+  /// Whether the device was unplugged, or reported broken, and has not come back.
   [[nodiscard]] bool isGone(const std::string& uri) const;
-  /// An error with what OpenNI2 itself says of the last failure.
+  /// An error with OpenNI2's own description of the last failure.
   [[nodiscard]] Error failure(const std::string& what) const;
 
  private:

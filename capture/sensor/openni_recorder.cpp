@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// OpenNI2's packer keeps a table that all recorders share.
+/// OpenNI2's packer uses a table that all recorders share.
 bool g_recording = false;
 
 class Recorder final : public OpenNiRecorder {
@@ -49,8 +49,8 @@ class Recorder final : public OpenNiRecorder {
     return {};
   }
 
-  /// OpenNI2 starts recording in a thread of its own and drops what comes before. It has begun once the record that
-  /// says so is in the file. Where that takes very long the first images are lost, which is no reason to fail.
+  /// OpenNI2 starts recording in a separate thread and drops earlier frames. Recording has started once the
+  /// corresponding record is in the file. If this takes too long, the first images are lost, which is not an error.
   void waitForBegin() const {
     constexpr std::string_view kDataBegin("NIR\0\x08\0\0\0", 8);
     constexpr auto kStep = std::chrono::milliseconds(2);
@@ -72,14 +72,13 @@ class Recorder final : public OpenNiRecorder {
       const Result<OniFile> file = OniFile::open(beside_);
       if (!file) return file.error();
       if (file->info().cutOff) {
-        return Error{
-            ErrorCode::kUnwritable,
-            fmt::format("{}: found no end of the recording, expected one: is the disk full?", beside_.string())};
+        return Error{ErrorCode::kUnwritable,
+                     fmt::format("{}: the recording has no end record: is the disk full?", beside_.string())};
       }
       frames = file->info().frameCount;
       end = file->info().end;
     }
-    // The recorder leaves as many zeros behind the end as there is recording.
+    // The recorder appends as many zeros to the file as the recording has bytes.
     std::error_code error;
     fs::resize_file(beside_, end, error);
     if (!error) fs::rename(beside_, target_, error);
@@ -95,7 +94,7 @@ class Recorder final : public OpenNiRecorder {
     if (handle_ == nullptr) return;
     try {
       library_.api().recorderStop(handle_);
-      (void)library_.api().recorderDestroy(&handle_);  // waits until all is written
+      (void)library_.api().recorderDestroy(&handle_);  // waits until everything is written
     } catch (...) {
       std::fprintf(stderr, "lorica: %s: OpenNI2's recorder failed\n", beside_.c_str());
     }
@@ -114,12 +113,14 @@ Result<std::unique_ptr<OpenNiRecorder>> OpenNiRecorder::start(DepthSource& sourc
   auto* const camera = dynamic_cast<OpenNiSource*>(&source);
   if (camera == nullptr) {
     return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: found no camera of OpenNI2, expected one to record", source.name())};
+                 fmt::format("{}: not an OpenNI2 camera, expected one to record", source.name())};
   }
   if (camera->stream() == nullptr) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: is unplugged, expected a camera to record", source.name())};
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("{}: is unplugged, expected a connected camera to record", source.name())};
   }
-  if (g_recording) return Error{ErrorCode::kInvalidArgument, "found a recording under way, expected one at a time"};
+  if (g_recording)
+    return Error{ErrorCode::kInvalidArgument, "a recording is already in progress, expected only one at a time"};
   fs::path beside = file;
   beside.replace_extension(".part.oni");
   auto recorder = std::make_unique<Recorder>(*camera, file, beside);

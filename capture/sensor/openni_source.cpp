@@ -19,13 +19,13 @@ bool isDepth(OniPixelFormat format) {
   return format == ONI_PIXEL_FORMAT_DEPTH_1_MM || format == ONI_PIXEL_FORMAT_DEPTH_100_UM;
 }
 
-/// Less is better: 640 x 480 at 30 Hz in millimetres, else what is near.
+/// Distance from the wanted mode, 640 x 480 at 30 Hz in millimetres; less is better.
 std::tuple<int, int, int> farFromWanted(const OniVideoMode& mode) {
   return {std::abs(mode.resolutionX - 640) + std::abs(mode.resolutionY - 480), std::abs(mode.fps - 30),
           mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_1_MM ? 0 : 1};
 }
 
-/// The best of a sensor's modes; none where it has no depth.
+/// The best of a sensor's modes; nullopt if it has no depth.
 std::optional<OniVideoMode> chooseMode(const OniSensorInfo& sensor) {
   std::optional<OniVideoMode> best;
   for (int i = 0; i < sensor.numSupportedVideoModes; ++i) {
@@ -52,7 +52,7 @@ Result<void> OpenNiSource::open() {
   Result<DepthCamera> camera = Error{ErrorCode::kUnreadable, name() + ": its driver failed"};
   try {
     camera = setUp();
-  } catch (...) {  // a driver in C++
+  } catch (...) {  // drivers written in C++ may throw
   }
   if (!camera) {
     close();
@@ -60,7 +60,7 @@ Result<void> OpenNiSource::open() {
   }
   if (known_ && !(*camera == camera_)) {
     close();
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: came back with images of {} x {}, expected {} x {}", name(),
+    return Error{ErrorCode::kUnsupported, fmt::format("{}: returned with images of {} x {}, expected {} x {}", name(),
                                                       camera->width, camera->height, camera_.width, camera_.height)};
   }
   camera_ = *camera;
@@ -76,12 +76,12 @@ Result<DepthCamera> OpenNiSource::setUp() {
     return library_->failure(name() + ": cannot be opened");
   }
   const OniSensorInfo* sensor = api.sensorInfo(device_, ONI_SENSOR_DEPTH);
-  if (sensor == nullptr) return Error{ErrorCode::kUnsupported, name() + ": gives no depth"};
+  if (sensor == nullptr) return Error{ErrorCode::kUnsupported, name() + ": provides no depth"};
   if (api.createStream(device_, ONI_SENSOR_DEPTH, &stream_) != ONI_STATUS_OK) {
     stream_ = nullptr;
-    return library_->failure(name() + ": gives no depth");
+    return library_->failure(name() + ": provides no depth");
   }
-  // A camera that refuses a mode stays in its own, which is looked at below.
+  // A camera that rejects a mode keeps its own, which is checked below.
   if (const std::optional<OniVideoMode> wanted = chooseMode(*sensor)) {
     (void)api.setProperty(stream_, ONI_STREAM_PROPERTY_VIDEO_MODE, &*wanted, sizeof *wanted);
   }
@@ -113,21 +113,22 @@ Result<DepthCamera> OpenNiSource::setUp() {
   angle(ONI_STREAM_PROPERTY_HORIZONTAL_FOV, camera.horizontalFov);
   angle(ONI_STREAM_PROPERTY_VERTICAL_FOV, camera.verticalFov);
 
-  if (api.streamStart(stream_) != ONI_STATUS_OK) return library_->failure(name() + ": does not start");
+  if (api.streamStart(stream_) != ONI_STATUS_OK) return library_->failure(name() + ": cannot be started");
   return camera;
 }
 
 void OpenNiSource::close() {
   const OpenNiApi& api = library_->api();
   try {
-    // A stream looks at its device as it goes. (The player of .oni files wants the other order; none is played here.)
+    // A stream accesses its device when destroyed. (The player of .oni files requires the other order; it is not used
+    // here.)
     if (stream_ != nullptr) {
       api.streamStop(stream_);
       api.streamDestroy(stream_);
     }
     if (device_ != nullptr) (void)api.deviceClose(device_);
   } catch (...) {
-    std::fprintf(stderr, "lorica: %s: its driver failed while it was closed\n", name().c_str());
+    std::fprintf(stderr, "lorica: %s: its driver failed on closing\n", name().c_str());
   }
   stream_ = nullptr;
   device_ = nullptr;
@@ -137,7 +138,7 @@ bool OpenNiSource::comeBack() {
   const Result<std::vector<OpenNiCamera>> cameras = library_->cameras();
   if (!cameras) return false;
   const auto is = [this](const OpenNiCamera& c) { return c.uri == which_.uri; };
-  // In another socket it has another name.
+  // At another USB port the camera has another URI.
   const auto isLike = [this](const OpenNiCamera& c) {
     return c.vendor == which_.vendor && c.name == which_.name && c.usbVendor == which_.usbVendor &&
            c.usbProduct == which_.usbProduct;
@@ -201,7 +202,7 @@ Result<void> OpenNiSource::copy(const OniFrame& from, DepthFrame& to) {
     timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
   }
   clockIsNew_ = false;
-  // Some drivers repeat a time: it still has to rise.
+  // Some drivers repeat a time; it must increase anyway.
   to.time = std::max(sensorTime + timeOffset_, std::nextafter(lastTime_, 1e300));
   lastTime_ = to.time;
   lastRead_ = now;

@@ -27,7 +27,7 @@ class OpenNiSource final : public DepthSource {
 
   [[nodiscard]] OpenNiLibrary& library() { return *library_; }
   [[nodiscard]] OniDeviceHandle device() const { return device_; }
-  /// Null while the camera is unplugged. Another one each time that it comes back.
+  /// Null while the camera is unplugged. A new handle each time the camera comes back.
   [[nodiscard]] OniStreamHandle stream() const { return stream_; }
 
  private:
@@ -43,13 +43,13 @@ class OpenNiSource final : public DepthSource {
   OpenNiCamera which_;
   DepthCamera camera_;
   bool tenths_ = false;   ///< the camera gives tenths of a millimetre
-  bool mirrors_ = false;  ///< the camera cannot leave it
+  bool mirrors_ = false;  ///< the camera cannot disable mirroring
   OniDeviceHandle device_ = nullptr;
   OniStreamHandle stream_ = nullptr;
 
   double lastTime_ = -1.0;
-  double timeOffset_ = 0.0;  ///< the camera's clock starts anew when it is plugged in
-  bool known_ = false;       ///< camera_ is what callers rely on
+  double timeOffset_ = 0.0;  ///< the camera's clock restarts when it is plugged in
+  bool known_ = false;       ///< camera_ is final: callers rely on it
   bool clockIsNew_ = false;
   std::chrono::steady_clock::time_point lastRead_;
 };

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDriverFolder = "OpenNI2/Drivers";
 
-/// lib*.so.0, the only names that OpenNI2 takes.
+/// lib*.so.0, the only names that OpenNI2 accepts.
 bool isDriverName(const std::string& name) {
   return name.size() > 8 && name.compare(0, 3, "lib") == 0 && name.compare(name.size() - 5, 5, ".so.0") == 0;
 }
@@ -29,7 +29,7 @@ std::string driverName(const fs::path& file) {
   return (name.compare(0, 3, "lib") == 0 ? name : "lib" + name) + ".so.0";
 }
 
-/// What dlopen says, without a machine's path in front where it repeats the file.
+/// The last error of dlopen.
 std::string loaderProblem() {
   const char* text = dlerror();
   return text == nullptr ? "unknown" : text;
@@ -51,9 +51,9 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
   std::error_code error;
   const fs::path temporary = fs::temp_directory_path(error);
   std::string folder = ((error ? fs::path("/tmp") : temporary) / "lorica-openni-XXXXXX").string();
-  if (::mkdtemp(folder.data()) == nullptr) {  // for nobody else: what is in it gets executed
+  if (::mkdtemp(folder.data()) == nullptr) {  // accessible only to this user: its content is executed
     return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: cannot be made, expected a folder for links to drivers", folder)};
+                 fmt::format("{}: cannot be created, expected a folder for links to drivers", folder)};
   }
   std::unique_ptr<OpenNiStage> stage(new OpenNiStage);
   stage->folder_ = folder;
@@ -61,8 +61,7 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
   fs::create_directories(stage->folder_ / kDriverFolder, error);
   if (const Result<void> linked = stage->link(library, stage->library()); !linked) return linked.error();
 
-  std::map<std::string, OpenNiDriver>
-      packaged;  // by the name of the link; sorted, so that the order is always the same
+  std::map<std::string, OpenNiDriver> packaged;  // by link name; sorted, so that the order is always the same
   for (fs::directory_iterator file(library.parent_path() / kDriverFolder, error), end; !error && file != end;
        file.increment(error)) {
     const std::string name = file->path().filename().string();
@@ -76,7 +75,7 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
       return Error{ErrorCode::kNotFound,
                    fmt::format("{}: found no such file, expected an OpenNI2 driver", driver.string())};
     }
-    // It stays: its threads may need its code longer than OpenNI2 does.
+    // It stays loaded: its threads may need its code after OpenNI2 has shut down.
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
       return Error{ErrorCode::kUnreadable,
@@ -88,7 +87,7 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
           fmt::format("{}: found a library without oniDriverCreate, expected an OpenNI2 driver", driver.string())};
     }
     const std::string name = driverName(file);
-    packaged.erase(name);  // the user's own goes before one of the same name
+    packaged.erase(name);  // the user's driver replaces one of the same name
     if (const Result<void> linked = stage->link(file, stage->folder_ / kDriverFolder / name); !linked) {
       return linked.error();
     }
@@ -104,7 +103,7 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
 }
 
 OpenNiStage::~OpenNiStage() {
-  if (owner_ != ::getpid()) return;  // a child of fork() has the parent's folder
+  if (owner_ != ::getpid()) return;  // a fork()ed child has the parent's folder
   std::error_code error;
   std::filesystem::remove_all(folder_, error);
 }

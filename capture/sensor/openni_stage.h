@@ -11,17 +11,17 @@
 
 namespace lorica {
 
-/// OpenNI2 looks for drivers in OpenNI2/Drivers beside the path by which it was itself loaded, links not followed, for
-/// files named lib*.so.0. So a private folder with links to the library, its own drivers and the user's makes it find
-/// them all, without an environment variable and without touching the system.
+/// OpenNI2 looks for drivers, files named lib*.so.0, in OpenNI2/Drivers beside the path from which it was itself
+/// loaded, without following links. A private folder with links to the library, its own drivers and the user's drivers
+/// therefore makes it find all of them, without an environment variable and without changes to the system.
 class OpenNiStage {
  public:
-  /// Makes the folder, where temporary files go. User's drivers are loaded once, so that what is wrong with one can be
-  /// said, and so that they find their own libraries beside the file they really are.
+  /// Creates the folder in the temporary directory. The user's drivers are loaded once, so that problems can be
+  /// reported, and so that they find their own libraries beside their real files.
   /// @param library  libOpenNI2.so.0
   [[nodiscard]] static Result<std::unique_ptr<OpenNiStage>> make(const std::filesystem::path& library,
                                                                  const std::vector<std::filesystem::path>& drivers);
-  /// Removes the folder, in the process that made it.
+  /// Removes the folder, but only in the process that created it.
   ~OpenNiStage();
   OpenNiStage(const OpenNiStage&) = delete;
   OpenNiStage& operator=(const OpenNiStage&) = delete;
@@ -34,7 +34,7 @@ class OpenNiStage {
   Result<void> link(const std::filesystem::path& from, const std::filesystem::path& to) const;
 
   std::filesystem::path folder_;
-  int owner_ = 0;  ///< process
+  int owner_ = 0;  ///< process ID
   std::vector<OpenNiDriver> drivers_;
 };
 

@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 
 struct KnownCamera {
   std::uint16_t vendor;
-  std::uint16_t product;  ///< 0: all of the vendor
+  std::uint16_t product;  ///< 0: all products of the vendor
   std::string_view name;
   std::string_view driver;
   bool packaged;
 };
 
-constexpr std::string_view kPs1080 = "libPS1080, which OpenNI2 comes with";
-constexpr std::string_view kPsLink = "libPSLink, which OpenNI2 comes with";
+constexpr std::string_view kPs1080 = "libPS1080 (included with OpenNI2)";
+constexpr std::string_view kPsLink = "libPSLink (included with OpenNI2)";
 constexpr std::string_view kFreenect = "libFreenectDriver of libfreenect";
 constexpr std::string_view kFreenect2 = "libfreenect2-openni2 of libfreenect2";
 constexpr std::string_view kOrbbec = "liborbbec of Orbbec's OpenNI2";
@@ -38,7 +38,7 @@ constexpr std::array<KnownCamera, 15> kKnown = {{
     {0x1d27, 0x0400, "PrimeSense sensor", kPs1080, true},
     {0x1d27, 0x0300, "PrimeSense sensor", kPs1080, true},
     {0x1d27, 0x0200, "PrimeSense sensor", kPs1080, true},
-    {0x1d27, 0, "PrimeSense sensor of a later kind", kPsLink, true},
+    {0x1d27, 0, "newer PrimeSense sensor", kPsLink, true},
     {0x045e, 0x02ae, "Kinect v1", kFreenect, false},
     {0x045e, 0x02bf, "Kinect v1 for Windows", kFreenect, false},
     {0x045e, 0x02c4, "Kinect v2", kFreenect2, false},
@@ -54,7 +54,7 @@ const KnownCamera* find(std::uint16_t vendor, std::uint16_t product) {
   return found == kKnown.end() ? nullptr : found;
 }
 
-/// The first line of a small file of the system.
+/// Parses the first line of a small system file.
 std::optional<int> number(const fs::path& file, int base) {
   std::ifstream in(file);
   std::string line;
@@ -68,7 +68,7 @@ std::optional<int> number(const fs::path& file, int base) {
   return value;
 }
 
-/// The kernel's driver of one of the camera's interfaces, where one is bound that keeps OpenNI2 out.
+/// The kernel driver of one of the camera's interfaces, if it is one that blocks OpenNI2.
 std::string kernelDriverOf(const fs::path& device) {
   std::vector<std::string> names;
   std::error_code error;
@@ -81,7 +81,7 @@ std::string kernelDriverOf(const fs::path& device) {
   }
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) {
-    // libusb's own way in, and sound, which a camera's microphones use.
+    // Skip libusb's own access, and sound, which the camera's microphones use.
     if (name != "usbfs" && name != "snd-usb-audio" && name != "usbhid") return name;
   }
   return {};
@@ -119,25 +119,26 @@ std::vector<UsbDepthCamera> usbDepthCameras(const fs::path& devices, const fs::p
 }
 
 std::vector<std::string> whyNoCamera(const std::vector<UsbDepthCamera>& plugged, bool userDrivers) {
-  if (plugged.empty()) return {"no depth camera that Lorica knows is plugged in"};
+  if (plugged.empty()) return {"no known depth camera is plugged in"};
   std::vector<std::string> sentences;
   sentences.reserve(plugged.size());
   for (const UsbDepthCamera& camera : plugged) {
     const std::string which = fmt::format("{} ({:04x}:{:04x})", camera.name, camera.vendor, camera.product);
     if (!camera.permitted) {
       sentences.push_back(
-          fmt::format("{}: no permission for {}: install the udev rules of its driver (of OpenNI2: "
+          fmt::format("{}: no permission for {}: install the udev rules of its driver (for OpenNI2: "
                       "package libopenni2-0) and plug it in again",
                       which, camera.node.string()));
     } else if (!camera.packaged && !userDrivers) {
-      sentences.push_back(fmt::format("{}: needs {}: name its file with --driver", which, camera.driver));
+      sentences.push_back(fmt::format("{}: needs {}: specify its file with --driver", which, camera.driver));
     } else if (!camera.kernelDriver.empty()) {
-      sentences.push_back(fmt::format("{}: the kernel's {} holds it: unload that module", which, camera.kernelDriver));
+      sentences.push_back(
+          fmt::format("{}: it is in use by the kernel driver {}: unload that module", which, camera.kernelDriver));
     } else {
       sentences.push_back(
-          fmt::format("{}: {} did not take it: another program may be using it, or it needs more power "
+          fmt::format("{}: {} did not open it: another program may be using it, or it needs more power "
                       "or another USB port",
-                      which, camera.packaged ? camera.driver : "the driver that was named"));
+                      which, camera.packaged ? camera.driver : "the specified driver"));
     }
   }
   return sentences;

@@ -9,14 +9,14 @@
 
 namespace lorica {
 
-/// Goes back to the working folder, however the block is left: OpenNI2 changes it while it looks for drivers, and NiTE
-/// 2 wants to start in its own.
+/// Restores the working folder at the end of the block, however it is left: OpenNI2 changes it while it looks for
+/// drivers, and NiTE 2 must be started in its own folder.
 class WorkingFolder {
  public:
   WorkingFolder() : descriptor_(::open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
   ~WorkingFolder() {
     if (descriptor_ < 0) return;
-    if (::fchdir(descriptor_) != 0) std::fprintf(stderr, "lorica: the working folder was lost\n");
+    if (::fchdir(descriptor_) != 0) std::fprintf(stderr, "lorica: the working folder could not be restored\n");
     ::close(descriptor_);
   }
   WorkingFolder(const WorkingFolder&) = delete;

@@ -2,7 +2,7 @@
 
 #include "capture/synthetic/motion_performance.h"
 
-/// The choreographies of the shipped motions. The person faces +Z, where the default camera stands.
+/// The choreographies of the shipped motions. The person faces +Z, towards the default camera.
 namespace lorica::motion {
 
 [[nodiscard]] Performance walk();
@@ -12,11 +12,11 @@ namespace lorica::motion {
 [[nodiscard]] Performance punchAndKick();
 [[nodiscard]] Performance turnAround();
 
-// Where hands and elbows usually are; arguments of reach() for a left arm.
+// Usual positions of hands and elbows; arguments of reach() for a left arm.
 inline const Vec3 kHang(0.065, -0.537, 0.055);
 inline const Vec3 kHangPole(0.25, 0.0, -1.0);
 
-/// Feet side by side, a little turned out.
+/// Feet side by side, slightly turned out.
 [[nodiscard]] inline Placement standing(Side side, double x = 0.0, double z = 0.0, double yaw = 0.0,
                                         double halfWidth = 0.095) {
   const double mirror = side == kLeft ? 1.0 : -1.0;

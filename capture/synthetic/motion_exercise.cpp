@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-/// Quintics through points that fix value, rate and acceleration: continuous in all three.
+/// Quintics through points with given value, rate and acceleration: continuous in all three.
 Curve through(std::vector<std::pair<double, CurvePoint>> points) {
   return [points = std::move(points)](double t) {
     if (t <= points.front().first) return points.front().second.value;
@@ -21,7 +21,7 @@ Curve through(std::vector<std::pair<double, CurvePoint>> points) {
   };
 }
 
-/// Height of the centre of mass at which the left leg is stretched to a share of its length.
+/// Height of the centre of mass at which the left leg is stretched to a fraction of its length.
 double massHeightAt(Performance p, double time, double stretch) {
   p.heightIsCentreOfMass = false;
   double height = 0.9;
@@ -52,15 +52,15 @@ Performance jumpingJacks() {
   std::vector<TrackKey> arms{{0.5, -0.12}, {1.1, 0.0}};  // 0 hangs, 1 is overhead
   std::vector<TrackKey> elbows{{0.6, degrees(16.0)}, {1.1, degrees(32.0)}};
   std::vector<TrackKey> wide{{takeoff(0), 0.0}};
-  SeededRandom random(34);
+  RandomNumbers random(34);
   for (int jump = 0; jump < kJumps; ++jump) {
     const bool out = jump % 2 == 0;
     for (const Side side : {kLeft, kRight}) {
       Step step;
       step.lift = takeoff(jump);
       step.land = takeoff(jump) + kFlight;
-      const double halfWidth = (out ? 0.33 : 0.095) + random.uniform(-0.012, 0.012);
-      step.to = standing(side, 0.0, random.uniform(-0.012, 0.012), 0.0, halfWidth);
+      const double halfWidth = (out ? 0.33 : 0.095) + random.between(-0.012, 0.012);
+      step.to = standing(side, 0.0, random.between(-0.012, 0.012), 0.0, halfWidth);
       step.apex = 0.035;
       step.offPitch = 0.55;
       step.landPitch = 0.42;
@@ -69,7 +69,7 @@ Performance jumpingJacks() {
       (side == kLeft ? left : right).push_back(step);
     }
     const double land = takeoff(jump) + kFlight;
-    arms.push_back({land + 0.05, out ? random.uniform(0.94, 1.0) : random.uniform(0.0, 0.04)});
+    arms.push_back({land + 0.05, out ? random.between(0.94, 1.0) : random.between(0.0, 0.04)});
     elbows.push_back({land - 0.12, degrees(out ? 24.0 : 30.0)});
     elbows.push_back({land + 0.08, degrees(out ? 14.0 : 18.0)});
     wide.push_back({land + 0.08, out ? 1.0 : 0.0});
@@ -82,14 +82,14 @@ Performance jumpingJacks() {
   const Track widthTrack(wide);
   p.kneesOut = [=](double t) { return 0.08 + 0.12 * widthTrack(t); };
 
-  // From hanging over level to overhead the upper arms roll outward, so that the hands meet above the head.
+  // From hanging through horizontal to overhead the upper arms roll outward, so that the hands meet above the head.
   const ArmPose hang = reach(kHang, kHangPole);
   const ArmPose low = reach({0.16, -0.51, 0.06}, kHangPole);
   const ArmPose level = reach({0.52, 0.10, 0.10}, {0.3, -1.0, -0.9});
   const ArmPose high = reach({-0.07, 0.53, 0.09}, {1.0, 0.0, -0.3});
   std::array<Track, 3> swing;
   for (int axis = 0; axis < 3; ++axis) {
-    swing[static_cast<std::size_t>(axis)] =
+    swing[axis] =
         Track{{-0.12, hang.swing[axis]}, {0.0, low.swing[axis]}, {0.5, level.swing[axis]}, {1.0, high.swing[axis]}};
   }
   const Track raise(arms);
@@ -101,7 +101,7 @@ Performance jumpingJacks() {
       a.swing = Vec3(swing[0](up), swing[1](up), swing[2](up));
       a.elbow = fold(t - lag);
       a.twist = 0.2;
-      a.bend = 0.8 * (raise(t - lag - 0.05) - up);  // the hands trail
+      a.bend = 0.8 * (raise(t - lag - 0.05) - up);  // the hands lag behind
       return a;
     };
   };
@@ -121,7 +121,7 @@ Performance jumpingJacks() {
   p.headPitch = [=](double t) { return 0.02 + 0.06 * crouch(t - 0.04); };
   p.z = Track{{0.5, 0.028}, {0.95, 0.06}, {landed, 0.06}, {landed + 0.8, 0.03}};
 
-  // The centre of mass flies in parabolas, and each stance joins one to the next without a jump in force.
+  // The centre of mass moves in parabolas during flights; each stance joins one to the next without a jump in force.
   p.heightIsCentreOfMass = true;
   const double stand = massHeightAt(p, 0.0, 0.994);
   std::vector<std::pair<double, CurvePoint>> height{{0.5, {stand, 0.0, 0.0}}, {0.95, {stand - 0.11, 0.0, 5.0}}};
@@ -196,7 +196,7 @@ Performance squatAndReach() {
       key.time = time + lag;
       keys.push_back(key);
     };
-    // Leaning left the right arm goes over the head; then the other way around.
+    // When leaning left the right arm goes over the head; then vice versa.
     at(9.8, side == kLeft ? along : over);
     at(10.2, side == kLeft ? along : over);
     at(10.85, between);

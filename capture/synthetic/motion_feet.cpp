@@ -8,7 +8,7 @@
 namespace lorica::motion {
 
 FootPath::FootPath(Placement start, std::vector<Step> steps, Track heelRaise)
-    : places_{start}, steps_(std::move(steps)), heelRaise_(std::move(heelRaise)) {
+    : positions_{start}, steps_(std::move(steps)), heelRaise_(std::move(heelRaise)) {
   std::vector<TrackKey> pitch{{-10.0, 0.0}};
   std::vector<TrackKey> follow{{-10.0, 0.0}};
   std::vector<TrackKey> followPitch{{-10.0, 0.0}};
@@ -17,7 +17,7 @@ FootPath::FootPath(Placement start, std::vector<Step> steps, Track heelRaise)
     pitch.push_back({step.lift, step.offPitch});
     follow.push_back({step.lift, 0.0});
     followPitch.push_back({step.lift, 0.0});
-    // The toes leave while the foot still turns, so the pitch peaks in the air.
+    // The toes leave while the foot still rotates, so the pitch peaks in the air.
     if (step.via.empty()) {
       pitch.push_back({step.lift + 0.17 * (step.land - step.lift), 1.12 * step.offPitch});
     }
@@ -30,25 +30,25 @@ FootPath::FootPath(Placement start, std::vector<Step> steps, Track heelRaise)
     pitch.push_back({step.land + step.settleTime, 0.0});
     follow.push_back({step.land, 0.0});
     followPitch.push_back({step.land, 0.0});
-    places_.push_back(step.to);
+    positions_.push_back(step.to);
   }
   pitch_ = Track(std::move(pitch));
   follow_ = Track(std::move(follow));
   followPitch_ = Track(std::move(followPitch));
 
-  // Swings leave and meet the rolling foot at its own velocity.
+  // At both ends a swing matches the velocity of the rolling foot.
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const Step& step = steps_[i];
     constexpr double kInstant = 1e-4;
     constexpr double kPush = 0.15;  // the toes clear the floor at once [m/s]
-    const Vec3 from = plantedAnkle(places_[i], step.lift);
-    const Vec3 fromRate = (from - plantedAnkle(places_[i], step.lift - kInstant)) / kInstant + kPush * Vec3::UnitY();
+    const Vec3 from = plantedAnkle(positions_[i], step.lift);
+    const Vec3 fromRate = (from - plantedAnkle(positions_[i], step.lift - kInstant)) / kInstant + kPush * Vec3::UnitY();
     const Vec3 to = plantedAnkle(step.to, step.land);
-    // Coming down, a foot meets the floor with a small impact; easing onto it would look like skating.
+    // A foot lands with a small impact; a soft landing would look like skating.
     const Vec3 toRate = (plantedAnkle(step.to, step.land + kInstant) - to) / kInstant - step.touchdown * Vec3::UnitY();
     std::array<std::vector<TrackKey>, 3> keys;
     for (int axis = 0; axis < 3; ++axis) {
-      auto& k = keys[static_cast<std::size_t>(axis)];
+      auto& k = keys[axis];
       k.push_back({step.lift, from[axis], fromRate[axis]});
       for (const FootVia& via : step.via) k.push_back({via.time, via.ankle[axis]});
       k.push_back({step.land, to[axis], toRate[axis]});
@@ -57,11 +57,11 @@ FootPath::FootPath(Placement start, std::vector<Step> steps, Track heelRaise)
   }
 }
 
-Vec3 FootPath::plantedAnkle(const Placement& place, double time) const {
+Vec3 FootPath::plantedAnkle(const Placement& position, double time) const {
   const double pitch = pitch_(time) + heelRaise_(time);
   const double pivot = pitch > 0.0 ? kBallAhead : -kHeelBehind;
-  return Vec3(place.x, 0.0, place.z) +
-         turned(place.yaw, 0.0, 0.0) * (Vec3(0.0, 0.0, pivot) + turned(0.0, pitch, 0.0) * Vec3(0.0, kAnkle, -pivot));
+  return Vec3(position.x, 0.0, position.z) +
+         turned(position.yaw, 0.0, 0.0) * (Vec3(0.0, 0.0, pivot) + turned(0.0, pitch, 0.0) * Vec3(0.0, kAnkle, -pivot));
 }
 
 FootPose FootPath::at(double time) const {
@@ -69,8 +69,8 @@ FootPose FootPath::at(double time) const {
   std::size_t i = 0;
   while (i < steps_.size() && time >= steps_[i].land) ++i;
   if (i == steps_.size() || time <= steps_[i].lift) {
-    pose.ankle = plantedAnkle(places_[i], time);
-    pose.rotation = turned(places_[i].yaw, pitch_(time) + heelRaise_(time), 0.0);
+    pose.ankle = plantedAnkle(positions_[i], time);
+    pose.rotation = turned(positions_[i].yaw, pitch_(time) + heelRaise_(time), 0.0);
     return pose;
   }
   const Step& step = steps_[i];
@@ -82,7 +82,7 @@ FootPose FootPath::at(double time) const {
   if (step.via.empty()) pose.ankle.y() += step.apex * bump * bump;
   const double gone = minimumJerk(u);
   pose.ankle += 4.0 * gone * (1.0 - gone) * step.bow;
-  pose.rotation = turned(places_[i].yaw + (step.to.yaw - places_[i].yaw) * minimumJerk(u), pitch_(time), 0.0);
+  pose.rotation = turned(positions_[i].yaw + (step.to.yaw - positions_[i].yaw) * minimumJerk(u), pitch_(time), 0.0);
   pose.follow = follow_(time);
   pose.followPitch = followPitch_(time);
   return pose;
@@ -91,8 +91,8 @@ FootPose FootPath::at(double time) const {
 Vec3 FootPath::support(double time) const {
   std::size_t i = 0;
   while (i < steps_.size() && time >= 0.5 * (steps_[i].lift + steps_[i].land)) ++i;
-  const Placement& place = places_[i];
-  return Vec3(place.x, 0.0, place.z) + turned(place.yaw, 0.0, 0.0) * Vec3(0.0, 0.0, 0.03);
+  const Placement& position = positions_[i];
+  return Vec3(position.x, 0.0, position.z) + turned(position.yaw, 0.0, 0.0) * Vec3(0.0, 0.0, 0.03);
 }
 
 bool FootPath::unloaded(double time, double early) const {
@@ -102,7 +102,8 @@ bool FootPath::unloaded(double time, double early) const {
 
 Curve balanceOver(const FootPath& left, const FootPath& right, double early, double spread, int axis) {
   return [=](double time) {
-    // A raised-cosine window over what bears weight: continuous as people shift, though contact is not.
+    // A raised-cosine window over the weight-bearing feet: continuous like a real weight shift, although contact is
+    // not.
     constexpr int kSamples = 48;
     double sum = 0.0;
     double weights = 0.0;

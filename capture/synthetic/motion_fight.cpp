@@ -7,9 +7,9 @@ namespace lorica::motion {
 
 namespace {
 
-/// A fist toward the camera side, as an arm of a turned chest sees it.
+/// A fist towards the camera side, in the arm coordinates of a rotated chest.
 /// @param chestYaw  of the chest in the world
-/// @param aim       from straight ahead toward the person's left [rad]
+/// @param aim       angle from straight ahead towards the person's left [rad]
 Vec3 fistAhead(Side side, double chestYaw, double distance, double up, double aim = 0.0) {
   const Vec3 direction = turned(aim - chestYaw, 0.0, 0.0) * Vec3::UnitZ();
   return {(side == kLeft ? 1.0 : -1.0) * distance * direction.x(), up, distance * direction.z()};
@@ -28,8 +28,8 @@ Performance punchAndKick() {
   const Placement rightStart = standing(kRight);
   const Placement leftGuard{0.10, 0.17, degrees(3.0)};
   const Placement rightGuard{-0.14, -0.21, degrees(-42.0)};
-  const Placement leftPivot{0.09, 0.16, degrees(32.0)};  // turned out, to stand on for the front kick
-  const Placement leftRound{0.07, 0.14, degrees(58.0)};  // farther, for the roundhouse
+  const Placement leftPivot{0.09, 0.16, degrees(32.0)};  // turned out, as the standing foot of the front kick
+  const Placement leftRound{0.07, 0.14, degrees(58.0)};  // turned farther, for the roundhouse
 
   const auto shuffle = [](double lift, double land, Placement to, double off = 0.35) {
     Step step{lift, land, to};
@@ -72,7 +72,7 @@ Performance punchAndKick() {
       rightStart, {shuffle(1.3, 1.65, rightGuard), frontKick, roundKick, shuffle(12.75, 13.1, rightStart)}, rearHeel);
   const Curve balanceX = balanceOver(p.leftFoot, p.rightFoot, 0.12, 0.2, 0);
   const Curve balanceZ = balanceOver(p.leftFoot, p.rightFoot, 0.12, 0.2, 2);
-  // Weight goes into the punches.
+  // Weight shifts into the punches.
   const Track shiftZ{{2.0, 0.0},   {2.3, 0.05}, {2.55, 0.02}, {2.78, 0.05}, {3.12, 0.09}, {3.5, 0.0},  {3.95, -0.02},
                      {4.25, 0.04}, {4.7, 0.08}, {5.2, 0.0},   {8.05, 0.0},  {8.35, 0.05}, {8.7, 0.09}, {9.1, 0.0}};
   p.x = balanceX;
@@ -83,7 +83,7 @@ Performance punchAndKick() {
                   {6.62, 0.9},  {7.1, 0.87},   {7.4, 0.85},   {7.9, 0.866},   {8.3, 0.855},  {8.7, 0.85},
                   {9.2, 0.868}, {10.1, 0.885}, {10.5, 0.9},   {11.05, 0.865}, {11.3, 0.85},  {11.8, 0.866},
                   {12.3, 0.88}, {13.3, 0.912}};
-  // The small bounce of someone on the balls of the feet.
+  // The small bounce of a person on the balls of the feet.
   p.height = [=](double t) { return low(t) + 0.005 * ready(t) * std::sin(2.0 * std::numbers::pi * 1.9 * t); };
 
   // Yaw of the hips [degrees]: guard -28; a jab turns them right, a cross left, a hook sharply right.

@@ -9,7 +9,7 @@ Performance wave() {
   Performance p;
   p.seed = 22;
   p.duration = 10.0;
-  // Up on the toes for the big wave.
+  // Rises on the toes for the big wave.
   const Track tiptoe{{5.1, 0.0}, {5.7, degrees(17.0)}, {7.5, degrees(15.0)}, {8.1, 0.0}};
   p.leftFoot = FootPath(standing(kLeft, 0.0, 0.0, 0.0, 0.105), {}, tiptoe);
   p.rightFoot = FootPath(standing(kRight, 0.0, 0.0, 0.0, 0.105), {}, tiptoe);
@@ -25,7 +25,7 @@ Performance wave() {
       return amplitude * envelope * std::sin(2.0 * std::numbers::pi * (t - from) / (2.0 * kBeat));
     };
   };
-  // One hand: upper arm out to the side, forearm up, and the forearm does the waving.
+  // One hand: upper arm out to the side, forearm up; the forearm waves.
   const Curve one = beats(1.55, 4.3, degrees(27.0));
   const Curve both = beats(5.75, 7.7, degrees(20.0));
   const Vec3 raised(0.27, 0.27, 0.10);
@@ -49,7 +49,7 @@ Performance wave() {
                                     {8.45, {0.12, -0.525, 0.08}, kHangPole},
                                     {8.85, kHang, kHangPole}});
   p.rightArm = [=](double t) {
-    // The upper arm gives way a little and the hand lags the forearm.
+    // The upper arm gives way slightly and the hand lags behind the forearm.
     ArmPose a = right(t);
     a.elbow += one(t);
     a.swing.z() += both(t) - 0.12 * one(t - 0.05);
@@ -77,8 +77,8 @@ Performance wave() {
 Performance turnAround() {
   Performance p;
   p.seed = 66;
-  // Left foot opens, right foot closes, around to the left in steps of about 45 degrees: all the way, a look
-  // about halfway, and a settling step.
+  // Left foot opens, right foot closes, around to the left in steps of about 45 degrees: a full turn, with a look about
+  // halfway and a settling step.
   constexpr double kHalfWidth = 0.105;
   const auto around = [=](Side side, double yawDegrees) {
     return standing(side, 0.0, 0.0, degrees(yawDegrees), kHalfWidth);
@@ -101,7 +101,7 @@ Performance turnAround() {
   add(kLeft, 2.2, 2.58, 128.0);
   add(kRight, 2.76, 3.16, 165.0);
   add(kLeft, 3.36, 3.74, 182.0);
-  // A moment with the back to the camera, then on around.
+  // A pause with the back to the camera, then the rest of the turn.
   add(kLeft, 5.0, 5.38, 235.0);
   add(kRight, 5.56, 5.96, 262.0);
   add(kLeft, 6.13, 6.5, 310.0);
@@ -130,7 +130,7 @@ Performance turnAround() {
   p.headPitch = [=](double t) { return 0.03 + 0.1 * moving(t); };
   p.height = [=](double t) { return 0.913 - 0.022 * moving(t); };
   p.chestPitch = [=](double t) { return 0.03 + 0.05 * moving(t); };
-  // Arms float out with the turn, the leading one more.
+  // Arms swing out with the turn, the leading one more.
   p.leftArm = [=](double t) {
     const double turnRate = heading(t) - heading(t - 0.25);
     ArmPose a = swungArm(degrees(3.0 - 14.0 * turnRate), degrees(8.0 + 9.0 * moving(t - 0.1)) + 0.1 * turnRate,

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kFrameRate = 30.0;
 
-/// How far the pelvis must come down for both planted feet to be in reach [m].
+/// How far the pelvis must be lowered for both planted feet to be in reach [m].
 double neededDrop(const SkeletonFrame& frame, const FootPath& left, const FootPath& right, double time) {
-  constexpr double kReach = 0.9975 * kLeg;  // a knee never quite locks
+  constexpr double kReach = 0.9975 * kLeg;  // a knee never locks completely
   double drop = 0.0;
   for (const bool isLeft : {true, false}) {
     const FootPose foot = (isLeft ? left : right).at(time);
@@ -78,7 +78,7 @@ SkeletonFrame performAt(const Performance& p, double time, double drop) {
   Vec3 target(p.x(time) + swayX, p.height(time) - drop, p.z(time) + swayZ);
   pose.pelvis = target;
   SkeletonFrame frame = solve(pose, time);
-  // Moving the pelvis moves the centre of mass nearly as far, so a few corrections settle it.
+  // Moving the pelvis moves the centre of mass nearly as far, so a few corrections converge.
   for (int i = 0; i < 8; ++i) {
     Vec3 error = target - centreOfMass(frame);
     if (!p.groundIsCentreOfMass) error.x() = error.z() = 0.0;
@@ -93,7 +93,7 @@ SkeletonFrame performAt(const Performance& p, double time, double drop) {
 std::vector<SkeletonFrame> perform(const Performance& p) {
   const int frameCount = static_cast<int>(std::lround(p.duration * kFrameRate)) + 1;
 
-  // First pass, finer than the frames: where must the pelvis give way?
+  // First pass, at a finer time step than the frames: find where the pelvis must be lowered.
   constexpr int kFine = 4;
   constexpr int kReachOut = 14;  // fine samples, 0.12 s
   const int fineCount = (frameCount - 1) * kFine + 1;
@@ -101,10 +101,10 @@ std::vector<SkeletonFrame> perform(const Performance& p) {
   if (!p.heightIsCentreOfMass) {
     for (int i = 0; i < fineCount; ++i) {
       const double time = i / (kFrameRate * kFine);
-      needed[static_cast<std::size_t>(i)] = neededDrop(performAt(p, time), p.leftFoot, p.rightFoot, time);
+      needed[i] = neededDrop(performAt(p, time), p.leftFoot, p.rightFoot, time);
     }
   }
-  // The largest need around, then averaged over the same width: smooth, and never less than needed.
+  // The nearby maximum, then averaged over the same width: smooth and never less than needed.
   const auto clamped = [&](int i) { return static_cast<std::size_t>(std::clamp(i, 0, fineCount - 1)); };
   std::vector<double> widest(needed.size());
   for (int i = 0; i < fineCount; ++i) {
@@ -113,7 +113,7 @@ std::vector<SkeletonFrame> perform(const Performance& p) {
     }
   }
   std::vector<SkeletonFrame> frames;
-  frames.reserve(static_cast<std::size_t>(frameCount));
+  frames.reserve(frameCount);
   for (int f = 0; f < frameCount; ++f) {
     double drop = 0.0;
     double weights = 0.0;

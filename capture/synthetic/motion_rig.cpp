@@ -47,7 +47,7 @@ void solveArm(const FigurePose& pose, Side side, const Vec3& neck, const Quat& w
   const double mirror = side == kLeft ? 1.0 : -1.0;
   const auto forSide = [&](const Quat& q) { return side == kLeft ? q : mirrored(q); };
 
-  // The shoulder girdle goes along: up with a raised arm, forward with a reaching one.
+  // The shoulder girdle follows the arm: up with a raised arm, forward with a reaching one.
   const Quat chestFromUpper = fromRotationVector(arm.swing);
   const Vec3 direction = chestFromUpper * Vec3::UnitX();
   const double raised = std::max(0.0, (direction.y() + 0.5) / 1.5);
@@ -62,7 +62,7 @@ void solveArm(const FigurePose& pose, Side side, const Vec3& neck, const Quat& w
   const Vec3 elbow = shoulder + worldFromUpper * Vec3(mirror * kUpperArm, 0.0, 0.0);
   const Vec3 hand = elbow + worldFromForearm * Vec3(mirror * kForearm, 0.0, 0.0);
   put(frame, kShoulders[side], shoulder, worldFromUpper);
-  // Half of the twist shows in the forearm, as radius and ulna cross.
+  // Half of the twist is visible in the forearm, because radius and ulna cross.
   put(frame, kElbows[side], elbow, worldFromForearm * forSide(about(Vec3::UnitX(), 0.5 * arm.twist)));
   put(frame, kHands[side], hand,
       worldFromForearm * forSide(about(Vec3::UnitX(), arm.twist) * about(Vec3::UnitZ(), -arm.bend)));
@@ -77,13 +77,13 @@ void solveLeg(const FigurePose& pose, Side side, SkeletonFrame& frame) {
   leg /= distance;
   constexpr double kSoft = 0.93 * kLeg;
   constexpr double kRoom = 0.066 * kLeg;
-  if (distance > kSoft) {  // a kick that asks for more than the leg has ends softly
+  if (distance > kSoft) {  // a kick beyond the leg's reach is limited softly
     const double soft = kSoft + kRoom * std::tanh((distance - kSoft) / kRoom);
     distance += std::min(1.0, 4.0 * foot.follow) * (soft - distance);
   }
   distance = std::min(distance, 0.9992 * kLeg);
 
-  // The knee points where pelvis and toes agree to point, carried along as the leg swings up from hanging.
+  // The knee points in the mean direction of pelvis and toes, and follows the leg as it swings up from hanging.
   const Vec3 toes = foot.rotation * Vec3::UnitZ();
   const Quat footYaw = turned(std::atan2(toes.x(), toes.z()), 0.0, 0.0);
   const Quat base = pose.worldFromPelvis.slerp(foot.planted ? 0.5 : 0.5 * (1.0 - foot.follow), footYaw) *
@@ -128,7 +128,7 @@ ArmPose reach(const Vec3& hand, const Vec3& elbowPole) {
   const double angle = std::acos(std::clamp(cosShoulder, -1.0, 1.0));
   Mat3 chestFromUpper;
   chestFromUpper.col(0) = std::cos(angle) * line + std::sin(angle) * pole;
-  chestFromUpper.col(2) = std::sin(angle) * line - std::cos(angle) * pole;  // the side toward which the elbow folds
+  chestFromUpper.col(2) = std::sin(angle) * line - std::cos(angle) * pole;  // the side towards which the elbow folds
   chestFromUpper.col(1) = chestFromUpper.col(2).cross(chestFromUpper.col(0));
   const double cosElbow =
       (kUpperArm * kUpperArm + kForearm * kForearm - distance * distance) / (2.0 * kUpperArm * kForearm);
@@ -177,7 +177,7 @@ Vec3 centreOfMass(const SkeletonFrame& frame) {
     sum += 0.0465 * (0.57 * at(kKnees[s]) + 0.43 * at(kFeet[s]));
     sum += 0.0145 * at(kFeet[s]);
   }
-  return sum;  // the shares add up to 1
+  return sum;  // the fractions add up to 1
 }
 
 }  // namespace lorica::motion

@@ -4,7 +4,7 @@
 
 #include <array>
 
-/// The figure behind the shipped motions: an adult of about 1.75 m as a chain of rigid bones.
+/// The figure used for the shipped motions: an adult of about 1.75 m as a chain of rigid bones.
 namespace lorica::motion {
 
 // Lengths in T-pose [m]; hips at kAnkle + kThigh + kShin = 0.925.
@@ -14,7 +14,7 @@ inline constexpr double kShin = 0.42;
 inline constexpr double kLeg = kThigh + kShin;
 inline constexpr double kAnkle = 0.085;      ///< height of the foot joint above the sole
 inline constexpr double kHeelBehind = 0.05;  ///< of the foot joint, along the sole
-inline constexpr double kBallAhead = 0.145;  ///< what a foot rolls over: between ball and tips, as toes bend
+inline constexpr double kBallAhead = 0.145;  ///< pivot of a rolling foot: between ball and toe tips, because toes bend
 inline constexpr double kToeAhead = 0.185;
 inline constexpr double kHipsToTorso = 0.25;
 inline constexpr double kTorsoToNeck = 0.285;
@@ -26,7 +26,7 @@ inline constexpr double kForearm = 0.26;
 
 enum Side { kLeft = 0, kRight = 1 };
 
-/// An arm, always written for the left: the right one is its mirror image.
+/// An arm pose, always written for the left arm; the right one is its mirror image.
 struct ArmPose {
   Vec3 swing = Vec3::Zero();  ///< rotation vector of the upper arm in the chest, zero in T-pose [rad]
   double elbow = 0.0;         ///< flexion [rad]
@@ -38,35 +38,35 @@ struct FootPose {
   Vec3 ankle = Vec3::Zero();  ///< world [m]
   Quat rotation = Quat::Identity();
   bool planted = true;       ///< some part of the sole carries weight
-  double follow = 0.0;       ///< 0: rotation holds; 1: the foot hangs from the shin instead
-  double followPitch = 0.0;  ///< then this far toes-down from square to the shin [rad]
+  double follow = 0.0;       ///< 0: rotation is used; 1: the foot is attached to the shin instead
+  double followPitch = 0.0;  ///< then its toes-down angle from perpendicular to the shin [rad]
 };
 
-/// All that fixes a figure at one instant.
+/// All parameters that define a figure at one instant.
 struct FigurePose {
   Vec3 pelvis = Vec3(0.0, kAnkle + kLeg, 0.0);  ///< midway between the hips, world [m]
   Quat worldFromPelvis = Quat::Identity();
   Quat pelvisFromChest = Quat::Identity();
   Quat worldFromHead = Quat::Identity();
-  double shrug = 0.0;  ///< lift of both shoulders beyond what the arms bring [rad]
+  double shrug = 0.0;  ///< lift of both shoulders in addition to that of the arms [rad]
   std::array<ArmPose, 2> arms;
   std::array<FootPose, 2> feet;
   std::array<double, 2> kneeOut{};  ///< turns the knees outward [rad]
 };
 
-/// Rotation by angles about Y, X and Z in this order from the outside: turn left, bend forward, lean right.
+/// Rotation by angles about Y, X and Z, applied as Ry * Rx * Rz: turn left, bend forward, lean right.
 [[nodiscard]] Quat turned(double yaw, double pitch, double roll);
 
-/// The arm whose hand reaches a point.
-/// @param hand       from the shoulder, in the chest frame of a left arm [m]; pulled in where the arm is too short
-/// @param elbowPole  where the elbow points, not parallel to hand
+/// The arm pose whose hand reaches a point.
+/// @param hand       from the shoulder, in the chest frame of a left arm [m]; pulled in if the arm is too short
+/// @param elbowPole  direction of the elbow, not parallel to hand
 [[nodiscard]] ArmPose reach(const Vec3& hand, const Vec3& elbowPole);
 
-/// The arm from angles [rad]: swung forward and out from hanging straight.
+/// The arm pose from angles [rad]: swung forward and out from hanging straight.
 [[nodiscard]] ArmPose swungArm(double forward, double out, double elbow);
 
-/// Forward kinematics of trunk and arms, two-bone inverse kinematics of the legs. Every confidence is 1.
-/// A planted foot out of reach is pulled in, so that bones keep their length; clips must not let that happen.
+/// Forward kinematics of trunk and arms, two-bone inverse kinematics of the legs. Every confidence is 1. A planted foot
+/// out of reach is pulled in, so that bones keep their length; clips must avoid this.
 [[nodiscard]] SkeletonFrame solve(const FigurePose& pose, double time);
 
 /// Centre of mass with the segment masses of an average adult (Winter, Biomechanics and Motor Control, table 4.1).

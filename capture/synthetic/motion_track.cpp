@@ -8,26 +8,14 @@
 
 namespace lorica::motion {
 
-std::uint64_t SeededRandom::next() {
-  state_ += 0x9e3779b97f4a7c15ULL;
-  std::uint64_t z = state_;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
-double SeededRandom::uniform() {
-  return static_cast<double>(next() >> 11) * 0x1.0p-53;
-}
-
-double SeededRandom::normal() {
+double normal(RandomNumbers& random) {
   double sum = -6.0;
-  for (int i = 0; i < 12; ++i) sum += uniform();
+  for (int i = 0; i < 12; ++i) sum += random.unit();
   return sum;
 }
 
 double quintic(const CurvePoint& from, const CurvePoint& to, double duration, double u) {
-  // Hermite form; the rates and accelerations are first brought to the unit interval.
+  // Hermite form; the rates and accelerations are first scaled to the unit interval.
   const double u2 = u * u;
   const double u3 = u2 * u;
   const double u4 = u3 * u;
@@ -47,10 +35,10 @@ double minimumJerk(double u) {
 }
 
 Track::Track(std::vector<TrackKey> keys) {
-  CHECK(!keys.empty(), "a track needs a key");
+  LORICA_CHECK(!keys.empty(), "a track needs at least one key");
   const std::size_t count = keys.size();
   for (std::size_t i = 0; i < count; ++i) {
-    CHECK(i == 0 || keys[i].time > keys[i - 1].time, "track keys must rise in time");
+    LORICA_CHECK(i == 0 || keys[i].time > keys[i - 1].time, "track key times must increase");
     CurvePoint point{keys[i].value, 0.0, 0.0};
     if (i > 0 && i + 1 < count) {
       const double before = keys[i].time - keys[i - 1].time;
@@ -85,13 +73,13 @@ double Track::operator()(double time) const {
 }
 
 Wander::Wander(std::uint64_t seed, double amplitude, double slowest, double fastest) {
-  SeededRandom random(seed);
+  RandomNumbers random(seed);
   constexpr int kWaves = 5;
   for (int i = 0; i < kWaves; ++i) {
-    const double frequency = slowest + (fastest - slowest) * (i + random.uniform()) / kWaves;
-    // Slow waves are the large ones, as in quiet standing.
+    const double frequency = slowest + (fastest - slowest) * (i + random.unit()) / kWaves;
+    // Slow waves have the largest amplitudes, as in quiet standing.
     const double share = 0.45 * slowest / frequency + 0.1;
-    waves_.push_back({amplitude * share, frequency, random.uniform(0.0, 2.0 * std::numbers::pi)});
+    waves_.push_back({amplitude * share, frequency, random.between(0.0, 2.0 * std::numbers::pi)});
   }
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "geometry/random_numbers.h"
+
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
 
-/// The small tools that the shipped motions are written with: keyed curves and seeded randomness.
+/// Tools for writing the shipped motions: keyed curves and seeded randomness.
 namespace lorica::motion {
 
 /// A channel of a motion over time [s].
@@ -15,20 +17,9 @@ using Curve = std::function<double(double)>;
   return value * 3.14159265358979323846 / 180.0;
 }
 
-/// Steele, Lea, Flood 2014 (SplitMix64): the same numbers on every machine.
-class SeededRandom {
- public:
-  explicit SeededRandom(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next();
-  /// Uniform in [0, 1).
-  double uniform();
-  double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// Nearly normal, mean 0, deviation 1: twelve uniforms, so no library function decides its bits.
-  double normal();
-
- private:
-  std::uint64_t state_;
-};
+/// Approximately normal, mean 0, standard deviation 1: a sum of twelve uniforms, so that the result does not depend on
+/// library functions.
+double normal(RandomNumbers& random);
 
 /// Position, velocity and acceleration of a curve at one time.
 struct CurvePoint {
@@ -37,7 +28,7 @@ struct CurvePoint {
   double acceleration = 0.0;
 };
 
-/// The quintic that leaves `from` and arrives at `to` after `duration`; u in [0, 1] is the share of it gone by.
+/// The quintic from `from` to `to` over `duration`; u in [0, 1] is the elapsed fraction.
 [[nodiscard]] double quintic(const CurvePoint& from, const CurvePoint& to, double duration, double u);
 
 /// 0 to 1 with no velocity or acceleration at either end (minimum jerk); clamped outside [0, 1].
@@ -46,13 +37,13 @@ struct CurvePoint {
 struct TrackKey {
   double time;
   double value;
-  std::optional<double> rate = {};  ///< left out: chosen so that the curve never overshoots its keys
+  std::optional<double> rate = {};  ///< if omitted, chosen so that the curve never overshoots its keys
 };
 
 /// A curve through keys, continuous up to acceleration, constant before the first key and after the last.
 ///
-/// Between keys that rise it flows through; at a turning point it swings over like a sine; where two keys are equal
-/// it holds.
+/// Between rising keys it flows through; at a turning point it reverses like a sine; between equal keys it stays
+/// constant.
 class Track {
  public:
   Track(double constant = 0.0) : keys_{{constant, 0.0, 0.0}}, times_{0.0} {}
@@ -67,11 +58,11 @@ class Track {
   std::vector<double> times_;
 };
 
-/// Slow, smooth, aperiodic wandering about zero: what keeps a standing person from being a statue.
+/// Slow, smooth, aperiodic wandering about zero, so that a standing person is not motionless.
 class Wander {
  public:
-  /// @param amplitude  about the largest excursion
-  /// @param slowest, fastest  range of its frequencies [Hz]
+  /// @param amplitude  approximate max excursion
+  /// @param slowest, fastest  frequency range [Hz]
   Wander(std::uint64_t seed, double amplitude, double slowest, double fastest);
   double operator()(double time) const;
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A loop by its length s [m]: straight ahead, a turn to the left through half a circle, straight back, another
-/// turn, and ahead to where it began. Curvature rises and falls smoothly in a turn.
+/// A loop parametrised by arc length s [m]: straight ahead, a left turn through half a circle, straight back, another
+/// turn, and ahead to the start. Curvature rises and falls smoothly in a turn.
 class Loop {
  public:
   static constexpr double kHalfStraight = 0.75;
@@ -19,7 +19,7 @@ class Loop {
   static constexpr double kLength = 4.0 * kHalfStraight + 2.0 * kTurn;
 
   Loop() {
-    // Integrated once, in fine steps; the loop is centred on the origin afterwards.
+    // Integrated once, in fine steps; then the loop is centred on the origin.
     Vec3 at = Vec3::Zero();
     double farthest = 0.0;
     for (int i = 0; i <= kSteps; ++i) {
@@ -42,9 +42,9 @@ class Loop {
   static double curvature(double s) { return (heading(s + 1e-3) - heading(s - 1e-3)) / 2e-3; }
 
   [[nodiscard]] Vec3 at(double s) const {
-    const double place = std::clamp(s, 0.0, kLength) / kStep;
-    const auto i = std::min(static_cast<std::size_t>(place), points_.size() - 2);
-    const double share = place - static_cast<double>(i);
+    const double position = std::clamp(s, 0.0, kLength) / kStep;
+    const auto i = std::min(static_cast<std::size_t>(position), points_.size() - 2);
+    const double share = position - static_cast<double>(i);
     return (1.0 - share) * points_[i] + share * points_[i + 1];
   }
 
@@ -54,7 +54,7 @@ class Loop {
   std::vector<Vec3> points_;
 };
 
-/// Distance walked over time: stands, speeds up, slows in the turns, stops. Tabulated, smooth between.
+/// Distance walked over time: stands, speeds up, slows in the turns, stops. Tabulated and interpolated smoothly.
 struct Pace {
   static constexpr double kStart = 0.9;
   static constexpr double kTick = 1.0 / 240.0;
@@ -66,7 +66,7 @@ struct Pace {
       distance.push_back(s);
       const double turning = std::abs(Loop::curvature(s));
       const double cruise = 1.22 - 0.13 * turning;
-      // Speed as a function of the way gone: smooth in both, and never quite zero until the end.
+      // Speed as a function of the distance walked: smooth, and never quite zero until the end.
       const double goneBy = s + 0.004;
       const double left = Loop::kLength - s;
       const double begin = std::min(1.0, std::sqrt(goneBy / 0.55));
@@ -88,24 +88,24 @@ struct Pace {
       for (int k = -reach; k <= reach; ++k) {
         const int j = std::clamp(i - reach + k, 0, static_cast<int>(distance.size()) - 1);
         const double weight = 1.0 + std::cos(kPi * k / (reach + 1));
-        sum += weight * distance[static_cast<std::size_t>(j)];
+        sum += weight * distance[j];
         weights += weight;
       }
-      soft[static_cast<std::size_t>(i)] = sum / weights;
+      soft[i] = sum / weights;
     }
     distance = std::move(soft);
   }
 
   [[nodiscard]] double operator()(double time) const {
-    const double place = (time - kStart) / kTick;
-    if (place <= 0.0) return 0.0;
-    const auto i = static_cast<std::size_t>(place);
+    const double position = (time - kStart) / kTick;
+    if (position <= 0.0) return 0.0;
+    const auto i = static_cast<std::size_t>(position);
     if (i + 1 >= distance.size()) return distance.back();
-    const double share = place - static_cast<double>(i);
+    const double share = position - static_cast<double>(i);
     return (1.0 - share) * distance[i] + share * distance[i + 1];
   }
   [[nodiscard]] double speed(double time) const { return ((*this)(time + 0.02) - (*this)(time - 0.02)) / 0.04; }
-  /// The first time by which s is walked.
+  /// The first time at which s is reached.
   [[nodiscard]] double when(double s) const {
     const auto at = std::lower_bound(distance.begin(), distance.end(), s);
     return kStart + kTick * static_cast<double>(at - distance.begin());
@@ -113,7 +113,8 @@ struct Pace {
   [[nodiscard]] double end() const { return kStart + kTick * static_cast<double>(distance.size()); }
 };
 
-/// Foot falls along the loop, right and left in turn, and the phase of the gait: k as foot fall k is passed over.
+/// Footfalls along the loop, alternating right and left, and the gait phase: equals k when the body passes over
+/// footfall k.
 struct Gait {
   FootPath left, right;
   Track phase;
@@ -123,7 +124,7 @@ struct Gait {
 Gait planGait(const Loop& loop, const Pace& pace) {
   constexpr double kStride = 0.6;
   const int count = static_cast<int>(std::lround(Loop::kLength / kStride));
-  // Fall k is at distance k * stride; one more brings the feet side by side.
+  // Footfall k is at distance k * stride; one more brings the feet side by side.
   struct Fall {
     double s, land, lift;
   };
@@ -131,21 +132,20 @@ Gait planGait(const Loop& loop, const Pace& pace) {
   const double stride = Loop::kLength / count;
   for (int k = 0; k <= count + 1; ++k) {
     const double s = std::min(k * stride, Loop::kLength);
-    // The last long stance ends early, before the slowing body leaves its foot too far behind.
+    // The last long stance ends early, before the decelerating body leaves the foot too far behind.
     const double lift = k == count - 1 ? s + 0.37 : s + 0.45;
     falls.push_back({s, pace.when(s - 0.29), pace.when(std::min(lift, Loop::kLength - 0.03))});
   }
-  // From standing, the right foot goes first and the weight is already over the left one.
+  // From standing, the right foot moves first and the weight is already over the left one.
   const double first = pace.when(0.02);
   falls[1].land = std::max(falls[1].land, first + 0.42);
   falls[0].lift = std::max(falls[0].lift, falls[1].land + 0.1);
   for (int k = 2; k <= count + 1; ++k) {
-    auto& fall = falls[static_cast<std::size_t>(k)];
-    const double lift = falls[static_cast<std::size_t>(k - 2)].lift;
-    fall.land =
-        std::max({fall.land, falls[static_cast<std::size_t>(k - 1)].land + 0.3, k == 2 ? falls[0].lift + 0.36 : 0.0});
+    auto& fall = falls[k];
+    const double lift = falls[k - 2].lift;
+    fall.land = std::max({fall.land, falls[k - 1].land + 0.3, k == 2 ? falls[0].lift + 0.36 : 0.0});
     if (k >= 3) fall.land = std::max(fall.land, lift + 0.36);
-    auto& before = falls[static_cast<std::size_t>(k - 1)];
+    auto& before = falls[k - 1];
     before.lift = std::max(before.lift, fall.land + 0.09);
   }
 
@@ -156,10 +156,10 @@ Gait planGait(const Loop& loop, const Pace& pace) {
   std::vector<TrackKey> phase{{first - 0.25, 0.0}};
   for (int k = 1; k <= count + 1; ++k) {
     const Side side = k % 2 == 1 ? kRight : kLeft;
-    const Fall& fall = falls[static_cast<std::size_t>(k)];
+    const Fall& fall = falls[k];
     const bool closing = k == count + 1;
     Step step;
-    step.lift = k == 1 ? first : falls[static_cast<std::size_t>(k - 2)].lift;
+    step.lift = k == 1 ? first : falls[k - 2].lift;
     step.land = fall.land;
     const Vec3 at = loop.at(fall.s);
     const bool lastTwo = k >= count;
@@ -171,8 +171,8 @@ Gait planGait(const Loop& loop, const Pace& pace) {
     step.rollTime = k == 1 ? 0.25 : 0.3;
     step.settleTime = 0.11;
     if (k >= 2 && !closing) {
-      // In a turn the foot follows the curve; straight ahead it would brush the other leg.
-      const double middle = falls[static_cast<std::size_t>(k - 1)].s;
+      // In a turn the foot follows the curve; on a straight line it would brush the other leg.
+      const double middle = falls[k - 1].s;
       const Vec3 onCurve = loop.at(middle);
       const Placement aside = standing(side, onCurve.x(), onCurve.z(), Loop::heading(middle), 0.075);
       const Placement from = steps[side].empty() ? start[side] : steps[side].back().to;
@@ -205,25 +205,25 @@ Performance walk() {
   p.liveliness = 0.7;
   const Track phase = gait.phase;
 
-  /// How much of a full gait is going on.
+  /// How far the gait has developed, 0 to 1.
   const double end = gait.end;
   const Curve going = [=](double t) {
     return minimumJerk((t - 0.75) / 0.9) * (1.0 - minimumJerk((t - end + 0.75) / 0.9));
   };
-  // phase k + 1/2 is a foot fall: the right one where the sine below is 1.
+  // Phase k + 1/2 is a footfall: the right one where the sine below is 1.
   const Curve rightAhead = [=](double t) { return going(t) * std::sin(kPi * phase(t)); };
   const Curve overLeft = [=](double t) { return going(t) * std::cos(kPi * phase(t)); };
-  const Curve inward = [=](double t) {  // the lean that a turn asks for: tan = v^2 kappa / g
+  const Curve inward = [=](double t) {  // the lean required by a turn: tan = v^2 kappa / g
     const double v = pace.speed(t);
     return 0.75 * v * v * Loop::curvature(pace(t)) / 9.81;
   };
-  const auto place = [=](double t) -> Vec3 {
+  const auto position = [=](double t) -> Vec3 {
     const double s = pace(t);
     const double aside = 0.022 * overLeft(t) + 0.75 * inward(t);
     return loop.at(s) + turned(Loop::heading(s), 0.0, 0.0) * Vec3(aside, 0.0, 0.015);
   };
-  p.x = [=](double t) { return place(t).x(); };
-  p.z = [=](double t) { return place(t).z(); };
+  p.x = [=](double t) { return position(t).x(); };
+  p.z = [=](double t) { return position(t).z(); };
   p.height = [=](double t) {
     return 0.915 - 0.02 * going(t) + 0.017 * going(t) * std::cos(2.0 * kPi * phase(t)) - 0.03 * std::abs(inward(t));
   };
@@ -233,14 +233,14 @@ Performance walk() {
   p.chestPitch = [=](double t) { return 0.03 + degrees(1.5) * going(t) * std::cos(2.0 * kPi * phase(t) + 1.0); };
   p.chestRoll = [=](double t) { return -0.5 * inward(t) - degrees(3.5) * going(t) * std::cos(kPi * phase(t) + 0.4); };
   p.chestTwist = [=](double t) { return -degrees(10.0) * rightAhead(t - 0.03); };
-  // The eyes lead into a turn.
+  // The gaze leads into a turn.
   p.headYaw = [=](double t) { return Loop::heading(std::min(pace(t) + 0.55 * going(t), Loop::kLength)); };
   p.headPitch = [=](double t) { return 0.06 * going(t) + 0.02 * std::cos(2.0 * kPi * phase(t)) * going(t); };
   p.headRoll = [=](double t) { return -0.35 * inward(t); };
   p.kneesOut = Track(0.03);
   const auto arm = [=](double mirror, double reachOut) -> ArmCurve {
     return [=](double t) {
-      // Arms lag the legs a little, swing farther forward than back, and bend more in front.
+      // Arms lag slightly behind the legs, swing farther forward than back, and bend more in front.
       const double swing = mirror * rightAhead(t - 0.04);
       const double later = mirror * rightAhead(t - 0.1);
       ArmPose a = swungArm(degrees(2.0 + 5.0 * going(t) + reachOut * swing), degrees(9.0) + 0.02 * swing,

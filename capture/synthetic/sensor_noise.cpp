@@ -9,17 +9,16 @@ namespace lorica {
 
 namespace {
 
-using motion::SeededRandom;
-
-/// Where the depth sensor of the noisy recordings stands: in front of the person, at chest height.
+/// Position of the depth sensor of the noisy recordings: in front of the person, at chest height.
 const Vec3 kSensor(0.0, 1.1, 3.2);
 
-/// A value that forgets slowly, as a tracker's smoothing makes noise do: deviation 1, correlation `memory` from frame
-/// to frame.
+/// Correlated noise, like noise after a tracker's smoothing: standard deviation 1, correlation `memory` from frame to
+/// frame.
 class Jitter {
  public:
-  double next(SeededRandom& random, double memory) {
-    value_ = started_ ? memory * value_ + std::sqrt(1.0 - memory * memory) * random.normal() : random.normal();
+  double next(RandomNumbers& random, double memory) {
+    value_ =
+        started_ ? memory * value_ + std::sqrt(1.0 - memory * memory) * motion::normal(random) : motion::normal(random);
     started_ = true;
     return value_;
   }
@@ -29,7 +28,7 @@ class Jitter {
   bool started_ = false;
 };
 
-/// How badly a joint is seen beside others: hands and feet are small and fast, the trunk is large.
+/// Tracking difficulty of a joint relative to others: hands and feet are small and fast, the trunk is large.
 double difficulty(BodyJoint joint) {
   switch (joint) {
     case BodyJoint::kLeftHand:
@@ -45,7 +44,7 @@ double difficulty(BodyJoint joint) {
   }
 }
 
-void addJitter(std::vector<SkeletonFrame>& frames, SeededRandom& random) {
+void addJitter(std::vector<SkeletonFrame>& frames, RandomNumbers& random) {
   std::array<std::array<Jitter, 6>, kBodyJointCount> jitters;
   for (SkeletonFrame& frame : frames) {
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
@@ -53,8 +52,8 @@ void addJitter(std::vector<SkeletonFrame>& frames, SeededRandom& random) {
       const double scale = difficulty(static_cast<BodyJoint>(j));
       const Vec3 view = joint.position - kSensor;
       const double distance = view.norm();
-      // A structured-light sensor's depth deviates with the square of distance (Khoshelham and Elberink 2012, about
-      // 1.4 mm at 1 m a pixel); a joint averages many pixels.
+      // The depth error of a structured-light sensor grows with the square of distance (Khoshelham and Elberink 2012,
+      // about 1.4 mm per pixel at 1 m); a joint averages many pixels.
       const double sigma = scale * (0.001 + 0.0006 * distance * distance);
       std::array<double, 6> n;
       for (std::size_t i = 0; i < 6; ++i) n[i] = jitters[j][i].next(random, i < 3 ? 0.55 : 0.75);
@@ -69,23 +68,23 @@ void addJitter(std::vector<SkeletonFrame>& frames, SeededRandom& random) {
 
 /// From `begin` on the tracker guesses, then has lost the joints, then guesses again until `end`.
 void lose(std::vector<SkeletonFrame>& frames, std::initializer_list<BodyJoint> joints, int begin, int lostBegin,
-          int lostEnd, int end, SeededRandom& random) {
+          int lostEnd, int end, RandomNumbers& random) {
   for (const BodyJoint j : joints) {
-    // Braces: their order of evaluation is fixed, that of a call's arguments is not.
-    const std::array<double, 3> n{random.uniform(-1.0, 1.0), random.uniform(-1.0, 0.6), random.uniform(-1.0, 1.0)};
+    // Braces fix the order of evaluation; that of call arguments is unspecified.
+    const std::array<double, 3> n{random.between(-1.0, 1.0), random.between(-1.0, 0.6), random.between(-1.0, 1.0)};
     const Vec3 drift(n[0], n[1], n[2]);
     Vec3 lastGuess = Vec3::Zero();
     for (int f = begin; f < end; ++f) {
-      TrackedJoint& joint = frames[static_cast<std::size_t>(f)][j];
+      TrackedJoint& joint = frames[f][j];
       if (f < lostBegin || f >= lostEnd) {
-        // A guess strays by up to 4 cm, more the closer to the loss.
+        // A guess deviates by up to 4 cm, more the closer to the loss.
         const double closeness =
             f < lostBegin ? (f - begin + 1.0) / (lostBegin - begin) : (end - f + 0.0) / (end - lostEnd);
         joint.position += 0.04 * closeness * drift;
         joint.confidence = 0.5;
         lastGuess = joint.position;
       } else {
-        // What trackers report then is stale; a reader must not trust it.
+        // Trackers then report a stale position; a reader must not trust it.
         joint.position = lastGuess;
         joint.orientation.reset();
         joint.confidence = 0.0;
@@ -97,7 +96,7 @@ void lose(std::vector<SkeletonFrame>& frames, std::initializer_list<BodyJoint> j
 }  // namespace
 
 std::vector<SkeletonFrame> addSensorNoise(std::vector<SkeletonFrame> frames, std::uint64_t seed) {
-  SeededRandom random(seed);
+  RandomNumbers random(seed);
   addJitter(frames, random);
 
   using enum BodyJoint;
@@ -105,14 +104,14 @@ std::vector<SkeletonFrame> addSensorNoise(std::vector<SkeletonFrame> frames, std
       {{kLeftElbow, kLeftHand}, {kRightElbow, kRightHand}, {kLeftKnee, kLeftFoot}, {kRightKnee, kRightFoot}}};
   const int count = static_cast<int>(frames.size());
   for (const auto& [middle, end] : limbs) {
-    const auto between = [&](int low, int high) { return low + static_cast<int>(random.uniform() * (high - low + 1)); };
+    const auto between = [&](int low, int high) { return low + static_cast<int>(random.unit() * (high - low + 1)); };
     int frame = between(20, 90);
     while (true) {
       const int guess = between(2, 6);
       const int lost = between(5, 27);
       const int again = between(2, 5);
       if (frame + guess + lost + again >= count) break;
-      const bool both = random.uniform() < 0.6;
+      const bool both = random.unit() < 0.6;
       const int lostBegin = frame + guess;
       const int lostEnd = lostBegin + lost;
       if (both) {

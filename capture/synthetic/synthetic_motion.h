@@ -8,7 +8,7 @@
 
 namespace lorica {
 
-/// A motion of the built-in figure, made by formula.
+/// A procedurally generated motion of the built-in figure.
 enum class SyntheticMotion : std::uint8_t {
   kWalk,
   kWave,
@@ -19,16 +19,16 @@ enum class SyntheticMotion : std::uint8_t {
 };
 inline constexpr int kSyntheticMotionCount = 6;
 
-/// Of the shipped *_noisy.csv.
+/// Seed of the shipped *_noisy.csv.
 inline constexpr std::uint64_t kSensorNoiseSeed = 2026;
 
 /// "walk", "jumping_jacks", ...: the stem of the shipped file.
 [[nodiscard]] std::string_view nameOf(SyntheticMotion motion);
 
-/// Joints of a person of about 1.75 m at 30 Hz, clean, every confidence 1. The same on every machine.
+/// Joints of a person of about 1.75 m at 30 Hz, without noise, every confidence 1. The same on every machine.
 [[nodiscard]] std::vector<SkeletonFrame> synthesizeMotion(SyntheticMotion motion);
 
-/// Adds what a depth sensor at (0, 1.1, 3.2) does: jitter that grows with distance, limbs lost for 0.1 to 1 s
+/// Adds the errors of a depth sensor at (0, 1.1, 3.2): jitter that increases with distance, limbs lost for 0.1 to 1 s
 /// (confidence 0, stale position, no orientation), guesses before and after (0.5). Same seed, same result.
 [[nodiscard]] std::vector<SkeletonFrame> addSensorNoise(std::vector<SkeletonFrame> frames, std::uint64_t seed);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t kFullTrust = 40;
 constexpr std::uint8_t kReplaceAfter = 45;  // frames that something nearer must stay
 constexpr std::uint8_t kDeeperAfter = 3;    // frames that something deeper must be seen
-constexpr int kFirstFrames = 5;             // all that is nobody's is learnt at once
+constexpr int kFirstFrames = 5;             // in these, everything that belongs to nobody is learnt at once
 constexpr float kNotKnown = 1e6F;
 
 }  // namespace
@@ -80,7 +80,7 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
     } else if (seen_[i] < 255) {
       ++seen_[i];
     }
-    // Behind the background there is nothing: what was taken for it has left.
+    // Nothing exists behind the background: what was taken for background has moved away.
     const bool left = depth_[i] != 0.0F && off > 0.0F;
     if (seen_[i] >= (left ? kDeeperAfter : kReplaceAfter)) absorb(grid, i);
   }

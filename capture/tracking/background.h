@@ -8,32 +8,32 @@
 
 namespace lorica {
 
-/// What a cell shows, before it is known whose it is.
+/// Content of a cell before it is assigned to a person.
 enum class CellKind : std::uint8_t {
   kNone,        ///< nothing measured
-  kFloor,       ///< or below it
-  kBackground,  ///< as far as what was seen there before, when nobody stood there
-  kUnknown,     ///< nothing is known of the background there
+  kFloor,       ///< floor, or below it
+  kBackground,  ///< as far as what was seen there before, without people
+  kUnknown,     ///< the background there is not known
   kNew,         ///< nearer than the background
 };
 
-/// The room without its people: for each cell how far it is to what stands there for long.
+/// Model of the room without people: for each cell the distance of what stays there for long.
 ///
-/// No empty room is asked for. Cells are learnt where nobody is; what appears deeper than the background replaces it
-/// within some frames; what stays nearer, in the same place for 1.5 s and is nobody's, becomes part of it: chairs that
-/// were moved, doors that were opened.
+/// An empty room is not required. Cells are learnt while no person covers them. Something deeper than the background
+/// replaces it within a few frames. Something nearer that belongs to nobody and stays in place for 1.5 s becomes part
+/// of it, such as a moved chair or an opened door.
 class Background {
  public:
   explicit Background(const DepthGrid& grid);
 
-  /// Tells background from the rest. Writes no kFloor, and leaves cells alone that are kFloor already.
+  /// Distinguishes background from the rest. Does not write kFloor; cells that are already kFloor stay unchanged.
   void classify(const DepthGrid& grid, std::span<CellKind> kinds) const;
 
   /// Learns from the cells that are not a person's.
-  /// @param taken  for each cell not 0 where a person is, or may be
+  /// @param taken  for each cell, nonzero if a person is or may be there
   void learn(const DepthGrid& grid, std::span<const CellKind> kinds, std::span<const std::uint8_t> taken);
 
-  /// Takes what the cell shows now for background from now on.
+  /// Makes the present content of the cell background.
   void absorb(const DepthGrid& grid, std::size_t cell);
 
  private:
@@ -41,10 +41,10 @@ class Background {
 
   int width_, height_;
   std::vector<float> depth_;              ///< [mm]; 0 = not known
-  std::vector<std::uint8_t> trust_;       ///< how well it is known, 0 to 40
-  std::vector<std::uint16_t> candidate_;  ///< [mm] what may replace it
-  std::vector<std::uint8_t> seen_;        ///< frames that the candidate was seen in
-  std::vector<float> nearest_;            ///< of the 3 x 3 cells around; edges move by a cell from frame to frame
+  std::vector<std::uint8_t> trust_;       ///< how certain the depth is, 0 to 40
+  std::vector<std::uint16_t> candidate_;  ///< [mm] possible replacement
+  std::vector<std::uint8_t> seen_;        ///< frames in which the candidate was seen
+  std::vector<float> nearest_;  ///< over the surrounding 3 x 3 cells; edges move by a cell from frame to frame
   std::vector<float> rowNearest_;
   DepthTable tolerance_;  ///< [m]
   int frameCount_ = 0;

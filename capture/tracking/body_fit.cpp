@@ -32,7 +32,7 @@ BodyFitter::BodyFitter() {
 
 void BodyFitter::addPull(int node, const V3& at, const V3& derivative, float residual, float weight) {
   Wrench f;
-  f.head<3>() = V3(at - body_.place[kPelvis]).cross(derivative);
+  f.head<3>() = V3(at - body_.position[kPelvis]).cross(derivative);
   f.tail<3>() = derivative;
   const auto n = static_cast<std::size_t>(node);
   Gram& gram = equations_.gram[n];
@@ -45,9 +45,9 @@ void BodyFitter::addPull(int node, const V3& at, const V3& derivative, float res
 
 SurfaceMatch BodyFitter::match(const BodyView::Point& point, int first) const {
   SurfaceMatch best;
-  matchCapsule(body_, first, point.place, point.normal, point.ray, best);
+  matchCapsule(body_, first, point.position, point.normal, point.ray, best);
   for (int i = 0; i < kCapsuleCount; ++i) {
-    if (i != first) matchCapsule(body_, i, point.place, point.normal, point.ray, best);
+    if (i != first) matchCapsule(body_, i, point.position, point.normal, point.ray, best);
   }
   return best;
 }
@@ -65,7 +65,7 @@ float BodyFitter::pointTerm(const BodyView& view, const FitStage& stage, bool li
     const Robust r = robust(m.costSq, widthSq);
     cost += r.cost;
     if (linearize) {
-      addPull(body_.capsule[static_cast<std::size_t>(m.capsule)].node, m.at, m.pull, m.residual, each * r.weight);
+      addPull(body_.capsule[m.capsule].node, m.at, m.pull, m.residual, each * r.weight);
     }
   }
   return each * cost;
@@ -75,9 +75,9 @@ float BodyFitter::freeSpaceTerm(const BodyView& view, bool linearize) {
   float cost = 0.0F;
   for (const Sample& sample : samplesOfBody()) {
     const SamplePulls pulls = pullsOf(view, body_, sample);
-    const int node = body_.capsule[static_cast<std::size_t>(sample.capsule)].node;
+    const int node = body_.capsule[sample.capsule].node;
     for (int i = 0; i < pulls.count; ++i) {
-      const Pull& pull = pulls.pull[static_cast<std::size_t>(i)];
+      const Pull& pull = pulls.pull[i];
       cost += pull.cost;
       if (linearize) addPull(node, pulls.at, pull.derivative, pull.residual, pull.weight);
     }
@@ -90,7 +90,7 @@ float BodyFitter::collisionTerm(bool linearize) {
   int known = -1;
   Ball ball{};
   for (const CollisionPair& pair : collisionPairs()) {
-    const Sample& sample = samplesOfBody()[static_cast<std::size_t>(pair.sample)];
+    const Sample& sample = samplesOfBody()[pair.sample];
     if (pair.sample != known) {
       ball = ballOf(body_, sample);
       known = pair.sample;
@@ -98,7 +98,7 @@ float BodyFitter::collisionTerm(bool linearize) {
     const Pull pull = collisionOf(body_, ball, pair.capsule);
     cost += pull.cost;
     if (linearize && pull.cost > 0.0F) {
-      const int node = body_.capsule[static_cast<std::size_t>(sample.capsule)].node;
+      const int node = body_.capsule[sample.capsule].node;
       addPull(node, ball.centre, pull.derivative, pull.residual, pull.weight);
     }
   }
@@ -140,7 +140,7 @@ float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
     const float usual = clavicle ? 0.2F : 0.35F;
     const float w = 1.0F / (usual * usual);
     for (int i = 0; i < 2; ++i) {
-      const float a = pose.angle[n][static_cast<std::size_t>(i)];
+      const float a = pose.angle[n][i];
       cost += w * a * a;
       if (!linearize) continue;
       equations_.matrix(def.firstDof + i, def.firstDof + i) += w;
@@ -173,20 +173,20 @@ void BodyFitter::assemble() {
     const Gram gram = equations_.gram[n].selfadjointView<Eigen::Lower>();
     for (int i = 0; i < def.dofCount; ++i) {
       const int dof = def.firstDof + i;
-      const Twist& twist = body_.twist[static_cast<std::size_t>(dof)];
+      const Twist& twist = body_.twist[dof];
       Wrench t;
       t.head<3>() = twist.turn;
       t.tail<3>() = twist.move;
       equations_.gradient[dof] += t.dot(equations_.force[n]);
       const Wrench pulled = gram * t;
       for (int j = 0; j <= i; ++j) {
-        const Twist& other = body_.twist[static_cast<std::size_t>(def.firstDof + j)];
+        const Twist& other = body_.twist[def.firstDof + j];
         equations_.matrix(dof, def.firstDof + j) += other.turn.dot(pulled.head<3>()) + other.move.dot(pulled.tail<3>());
       }
-      for (int above = def.parent; above >= 0; above = nodes[static_cast<std::size_t>(above)].parent) {
-        const NodeDef& upper = nodes[static_cast<std::size_t>(above)];
+      for (int above = def.parent; above >= 0; above = nodes[above].parent) {
+        const NodeDef& upper = nodes[above];
         for (int j = 0; j < upper.dofCount; ++j) {
-          const Twist& other = body_.twist[static_cast<std::size_t>(upper.firstDof + j)];
+          const Twist& other = body_.twist[upper.firstDof + j];
           equations_.matrix(dof, upper.firstDof + j) +=
               other.turn.dot(pulled.head<3>()) + other.move.dot(pulled.tail<3>());
         }
@@ -274,7 +274,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   matrix.topLeftCorner<kDofCount, kDofCount>() = equations_.matrix;
   gradient.head<kDofCount>() = equations_.gradient;
 
-  static thread_local std::array<PosedBody, kProportionCount> nudged;
+  static thread_local std::array<PosedModel, kProportionCount> nudged;
   for (std::size_t k = 0; k < kProportionCount; ++k) {
     Proportions other = proportions;
     other.factor[k] += kNudge;
@@ -290,19 +290,19 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
     const Robust r = robust(m.costSq, stage.width * stage.width);
     const float weight = each * r.weight;
     const auto c = static_cast<std::size_t>(m.capsule);
-    const float here = distanceTo(body_, body_.capsule[c], points[i].place).distance;
+    const float here = distanceTo(body_, body_.capsule[c], points[i].position).distance;
     Eigen::Matrix<float, kProportionCount, 1> row;
     for (std::size_t k = 0; k < kProportionCount; ++k) {
       row[static_cast<int>(k)] =
-          (distanceTo(nudged[k], nudged[k].capsule[c], points[i].place).distance - here) / kNudge;
+          (distanceTo(nudged[k], nudged[k].capsule[c], points[i].position).distance - here) / kNudge;
     }
     matrix.bottomRightCorner<kProportionCount, kProportionCount>() += weight * row * row.transpose();
     gradient.tail<kProportionCount>() += (weight * m.residual) * row;
-    const V3 moment = V3(m.at - body_.place[kPelvis]).cross(m.pull);
-    for (int node = body_.capsule[c].node; node >= 0; node = nodes[static_cast<std::size_t>(node)].parent) {
-      const NodeDef& def = nodes[static_cast<std::size_t>(node)];
+    const V3 moment = V3(m.at - body_.position[kPelvis]).cross(m.pull);
+    for (int node = body_.capsule[c].node; node >= 0; node = nodes[node].parent) {
+      const NodeDef& def = nodes[node];
       for (int d = def.firstDof; d < def.firstDof + def.dofCount; ++d) {
-        const Twist& twist = body_.twist[static_cast<std::size_t>(d)];
+        const Twist& twist = body_.twist[d];
         const float j = twist.turn.dot(moment) + twist.move.dot(m.pull);
         matrix.block<kProportionCount, 1>(kDofCount, d) += (weight * j) * row;
       }
@@ -310,7 +310,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   }
   for (std::size_t k = 0; k < kProportionCount; ++k) {
     const auto d = kDofCount + static_cast<int>(k);
-    // Bodies differ by about a tenth; girths and single lengths belong together with the whole.
+    // Bodies differ by about a tenth; girths and single lengths are tied to the overall size.
     const float usual = k == kSize || k == kHeadSize ? 0.15F : (k >= kTrunkGirth ? 0.10F : 0.06F);
     const float toUsual = 1.0F / (usual * usual);
     matrix(d, d) += 1.0F / (deviation[k] * deviation[k]) + toUsual;

@@ -9,24 +9,24 @@
 
 namespace lorica::fit {
 
-/// One stage of a fit: a robust width, how many points, how many steps at most.
+/// One stage of a fit: robust width, number of points, maximum number of steps.
 struct FitStage {
-  float width;  ///< residuals much larger than this count no further [m]
+  float width;  ///< residuals much larger than this have no further influence [m]
   int points;
   int steps;
 };
 
-/// What is expected before the image is looked at: a pose, and for each degree of freedom 1 / deviation^2.
+/// Prior knowledge, independent of the image: a pose, and 1 / deviation^2 for each degree of freedom.
 struct PosePrior {
   BodyPose pose;
   Step stiffness = Step::Zero();
 };
 
-/// What a pose costs. Each part is a sum of squares over squared deviations, robust where the image is concerned.
+/// Cost of a pose. Each part is a sum of squares over squared deviations; the image terms are robust.
 struct FitCost {
-  float points = 0.0F;     ///< distance of what was seen from the body, as if of 600 points
-  float freeSpace = 0.0F;  ///< body before what was seen, or beside the person's outline
-  float body = 0.0F;       ///< limits, self-collision, floor, usual poses
+  float points = 0.0F;     ///< distance of the seen points from the body, scaled to 600 points
+  float freeSpace = 0.0F;  ///< body in front of the seen surface, or outside the person's outline
+  float body = 0.0F;       ///< joint limits, self-collision, floor, usual poses
   float prior = 0.0F;
   [[nodiscard]] float image() const { return points + freeSpace; }
   [[nodiscard]] float plausible() const { return points + freeSpace + body; }
@@ -36,38 +36,40 @@ struct FitCost {
 /// What the camera saw of each capsule.
 struct CapsuleSupport {
   std::array<int, kCapsuleCount> points{};
-  std::array<float, kCapsuleCount> seen{};       ///< area of its points over that of its middle section
-  std::array<float, kCapsuleCount> distance{};   ///< mean absolute [m]
-  std::array<float, kCapsuleCount> violation{};  ///< mean over its samples of how far it is where it cannot be [m]
-  std::array<float, kCapsuleCount> hidden{};     ///< share of its samples behind something else
-  float meanDistance = 0.0F;                     ///< of all points, none further than 0.1 m [m]
-  float unexplained = 0.0F;                      ///< share of points further than 0.08 m
+  std::array<float, kCapsuleCount> seen{};      ///< area of its points divided by the area of its middle section
+  std::array<float, kCapsuleCount> distance{};  ///< mean absolute [m]
+  std::array<float, kCapsuleCount>
+      violation{};  ///< mean over its samples of how far they lie where the body cannot be [m]
+  std::array<float, kCapsuleCount> hidden{};  ///< fraction of its samples hidden behind something else
+  float meanDistance = 0.0F;                  ///< over all points, each clamped to 0.1 m [m]
+  float unexplained = 0.0F;                   ///< fraction of points farther than 0.08 m
 };
 
-/// Fits the body to a view: damped least squares (Levenberg-Marquardt) that takes a step only if the true cost falls.
+/// Fits the body to a view by damped least squares (Levenberg-Marquardt). Steps that do not lower the true cost are
+/// rejected.
 ///
-/// Every term pulls at places of the body along lines, so its part of the normal equations is a 6 x 6 matrix of
-/// wrenches at a node; those of a subtree are summed before they meet the degrees of freedom, as in the composite
-/// rigid body algorithm (Featherstone 1983). A point then costs 21 sums, not 43 * 43 / 2.
+/// Every term pulls at points of the body along lines, so its part of the normal equations is a 6 x 6 matrix of
+/// wrenches at a node. The matrices of a subtree are summed before they are projected onto the degrees of freedom, as
+/// in the composite rigid body algorithm (Featherstone 1983). A point then costs 21 sums, not 43 * 43 / 2.
 class BodyFitter {
  public:
   BodyFitter();
 
-  /// @param pose  where to start; written
+  /// @param pose  initial value; receives the result
   FitCost fit(const BodyView& view, const Proportions& proportions, const PosePrior& prior,
               std::span<const FitStage> stages, BodyPose& pose);
 
-  /// Of a pose as it is.
+  /// Evaluates a pose without changing it.
   FitCost costOf(const BodyView& view, const Proportions& proportions, const PosePrior& prior, const FitStage& stage,
                  const BodyPose& pose);
 
   /// One step of pose and proportions together.
-  /// @param deviation  how far each proportion may go from where it is
+  /// @param deviation  how far each proportion may move from its present value
   void refineProportions(const BodyView& view, const std::array<float, kProportionCount>& deviation, BodyPose& pose,
                          Proportions& proportions);
 
-  /// @param owner  of each of the view's points the capsule, or 255 where it is further than 0.1 m from all; may be
-  /// null
+  /// @param owner  receives the capsule of each point of the view, or 255 if it is farther than 0.1 m from all of them;
+  /// may be null
   CapsuleSupport supportOf(const BodyView& view, const Proportions& proportions, const BodyPose& pose,
                            std::vector<std::uint8_t>* owner = nullptr);
 
@@ -91,7 +93,7 @@ class BodyFitter {
   float priorTerm(const BodyPose& pose, const PosePrior& prior, bool linearize);
   void assemble();
 
-  PosedBody body_;
+  PosedModel body_;
   Equations equations_;
   std::vector<std::uint8_t> lastCapsule_;  ///< of each point
 };

@@ -10,14 +10,14 @@ namespace {
 
 constexpr float kDegree = 0.017453293F;
 
-V3 bonePlace(HumanBone bone) {
+V3 bonePosition(HumanBone bone) {
   return mannequinJoint(bone).cast<float>();
 }
 
 V3 mirroredX(const V3& v) {
   return {-v.x(), v.y(), v.z()};
 }
-/// Turns mirror as axes of rotation do.
+/// Rotation axes mirror as pseudovectors.
 V3 mirroredAxis(const V3& v) {
   return {v.x(), -v.y(), -v.z()};
 }
@@ -26,52 +26,52 @@ std::array<NodeDef, kNodeCount> makeNodes() {
   using B = HumanBone;
   std::array<NodeDef, kNodeCount> nodes;
   int dof = 0;
-  const auto set = [&](Node node, int parent, const V3& place, int dofs, std::array<std::int8_t, 3> lengths,
+  const auto set = [&](Node node, int parent, const V3& position, int dofs, std::array<std::int8_t, 3> lengths,
                        std::int8_t girth) -> NodeDef& {
     NodeDef& def = nodes[node];
-    def = {parent, place, dof, dofs, {V3::UnitX(), V3::UnitX()}, {0.0F, 0.0F}, {0.0F, 0.0F}, lengths, girth};
+    def = {parent, position, dof, dofs, {V3::UnitX(), V3::UnitX()}, {0.0F, 0.0F}, {0.0F, 0.0F}, lengths, girth};
     dof += dofs;
     return def;
   };
   const std::int8_t no = kNoProportion;
-  const V3 leftHip = bonePlace(B::kLeftUpperLeg);
+  const V3 leftHip = bonePosition(B::kLeftUpperLeg);
   set(kPelvis, -1, {0.0F, leftHip.y(), leftHip.z()}, 6, {kHipBreadth, kTrunkLength, no}, kTrunkGirth);
   set(kSpine, kPelvis, {0.0F, 1.07F, -0.017F}, 3, {no, kTrunkLength, no}, kTrunkGirth);
   set(kChest, kSpine, {0.0F, 1.21F, -0.022F}, 3, {no, kTrunkLength, no}, kTrunkGirth);
-  set(kNeck, kChest, bonePlace(B::kNeck), 3, {kHeadSize, kHeadSize, kHeadSize}, kHeadSize);
+  set(kNeck, kChest, bonePosition(B::kNeck), 3, {kHeadSize, kHeadSize, kHeadSize}, kHeadSize);
   for (const int side : {0, 1}) {
-    const auto at = [&](B bone) { return side == 0 ? bonePlace(bone) : mirroredX(bonePlace(bone)); };
+    const auto at = [&](B bone) { return side == 0 ? bonePosition(bone) : mirroredX(bonePosition(bone)); };
     const auto axis = [&](const V3& v) { return side == 0 ? v : mirroredAxis(v); };
     const auto node = [&](Node left) { return static_cast<Node>(left + side); };
     NodeDef& clavicle =
         set(node(kLeftClavicle), kChest, at(B::kLeftShoulder), 2, {kShoulderBreadth, no, no}, kTrunkGirth);
     clavicle.axis = {axis(V3::UnitZ()), axis(-V3::UnitY())};
-    clavicle.least = {-12 * kDegree, -18 * kDegree};
-    clavicle.most = {35 * kDegree, 28 * kDegree};
+    clavicle.min = {-12 * kDegree, -18 * kDegree};
+    clavicle.max = {35 * kDegree, 28 * kDegree};
     set(node(kLeftUpperArm), node(kLeftClavicle), at(B::kLeftUpperArm), 3, {kUpperArmLength, no, no}, kLimbGirth);
     NodeDef& forearm =
         set(node(kLeftForearm), node(kLeftUpperArm), at(B::kLeftLowerArm), 1, {kForearmLength, no, no}, kLimbGirth);
     forearm.axis[0] = axis(-V3::UnitY());
-    forearm.most[0] = 150 * kDegree;
-    forearm.least[0] = -3 * kDegree;
+    forearm.max[0] = 150 * kDegree;
+    forearm.min[0] = -3 * kDegree;
     NodeDef& hand = set(node(kLeftHand), node(kLeftForearm), at(B::kLeftHand), 2, {kForearmLength, no, no}, kLimbGirth);
     hand.axis = {axis(V3::UnitZ()), axis(-V3::UnitY())};
-    hand.least = {-70 * kDegree, -70 * kDegree};
-    hand.most = {70 * kDegree, 70 * kDegree};
+    hand.min = {-70 * kDegree, -70 * kDegree};
+    hand.max = {70 * kDegree, 70 * kDegree};
   }
   for (const int side : {0, 1}) {
-    const auto at = [&](B bone) { return side == 0 ? bonePlace(bone) : mirroredX(bonePlace(bone)); };
+    const auto at = [&](B bone) { return side == 0 ? bonePosition(bone) : mirroredX(bonePosition(bone)); };
     const auto axis = [&](const V3& v) { return side == 0 ? v : mirroredAxis(v); };
     const auto node = [&](Node left) { return static_cast<Node>(left + side); };
     set(node(kLeftThigh), kPelvis, at(B::kLeftUpperLeg), 3, {no, kThighLength, no}, kLimbGirth);
     NodeDef& shin = set(node(kLeftShin), node(kLeftThigh), at(B::kLeftLowerLeg), 1, {no, kShinLength, no}, kLimbGirth);
     shin.axis[0] = V3::UnitX();
-    shin.most[0] = 140 * kDegree;
-    shin.least[0] = -3 * kDegree;
+    shin.max[0] = 140 * kDegree;
+    shin.min[0] = -3 * kDegree;
     NodeDef& foot = set(node(kLeftFoot), node(kLeftShin), at(B::kLeftFoot), 2, {no, no, no}, no);
     foot.axis = {V3::UnitX(), axis(V3::UnitY())};
-    foot.least = {-30 * kDegree, -25 * kDegree};
-    foot.most = {50 * kDegree, 30 * kDegree};
+    foot.min = {-30 * kDegree, -25 * kDegree};
+    foot.max = {50 * kDegree, 30 * kDegree};
   }
   return nodes;
 }
@@ -105,7 +105,7 @@ std::array<Capsule, kCapsuleCount> makeCapsules() {
   std::array<Capsule, kCapsuleCount> capsules;
   std::size_t n = 0;
   for (const CapsuleRow& row : rows) {
-    const V3 origin = nodes[row.node].place;
+    const V3 origin = nodes[row.node].position;
     capsules[n++] = {row.node, row.a - origin, row.b - origin, row.radiusA, row.radiusB, row.flat};
     if (row.node < kLeftClavicle) continue;
     const V3 right = mirroredX(origin);
@@ -116,7 +116,7 @@ std::array<Capsule, kCapsuleCount> makeCapsules() {
                      row.radiusB,
                      row.flat};
   }
-  // The hands' flat shape is left to their width, a fist's; see the design note.
+  // Hands are not flattened: their capsules have the width of a fist.
   return capsules;
 }
 
@@ -158,7 +158,7 @@ BodyPose stepped(const BodyPose& pose, const Step& step) {
     }
     for (int i = 0; i < def.dofCount; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      out.angle[n][k] = std::clamp(out.angle[n][k] + step[first + i], def.least[k], def.most[k]);
+      out.angle[n][k] = std::clamp(out.angle[n][k] + step[first + i], def.min[k], def.max[k]);
     }
   }
   return out;
@@ -183,32 +183,33 @@ Step stepBetween(const BodyPose& from, const BodyPose& to) {
   return step;
 }
 
-void poseBody(const BodyPose& pose, const Proportions& proportions, PosedBody& body) {
+void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& body) {
   const auto& nodes = nodeDefs();
-  const auto factor = [&](int p) { return p < 0 ? 1.0F : proportions.factor[static_cast<std::size_t>(p)]; };
+  const auto factor = [&](int p) { return p < 0 ? 1.0F : proportions.factor[p]; };
   const float size = proportions.factor[kSize];
   for (std::size_t n = 0; n < kNodeCount; ++n) {
     const NodeDef& def = nodes[n];
     const float girth = factor(def.girth);
     for (int i = 0; i < 3; ++i) {
-      const std::int8_t along = def.lengthsAlong[static_cast<std::size_t>(i)];
+      const std::int8_t along = def.lengthsAlong[i];
       body.scale[n][i] = size * (along >= 0 ? factor(along) : (i == 2 ? girth : 1.0F));
     }
     body.girth[n] = size * girth;
     const bool isRoot = def.parent < 0;
-    const M3 above = isRoot ? M3::Identity() : body.rotation[static_cast<std::size_t>(def.parent)];
+    const M3 above = isRoot ? M3::Identity() : body.rotation[def.parent];
     if (isRoot) {
-      body.place[n] = pose.root;
+      body.position[n] = pose.root;
     } else {
       const auto parent = static_cast<std::size_t>(def.parent);
-      body.place[n] = body.place[parent] + above * body.scale[parent].cwiseProduct(def.place - nodes[parent].place);
+      body.position[n] =
+          body.position[parent] + above * body.scale[parent].cwiseProduct(def.position - nodes[parent].position);
     }
     int dof = def.firstDof;
     if (isRoot) {
-      for (int i = 0; i < 3; ++i) body.twist[static_cast<std::size_t>(dof++)] = {V3::Zero(), V3::Unit(i)};
+      for (int i = 0; i < 3; ++i) body.twist[dof++] = {V3::Zero(), V3::Unit(i)};
     }
     const auto turnAbout = [&](const V3& axis) {
-      body.twist[static_cast<std::size_t>(dof++)] = {axis, V3(body.place[n] - pose.root).cross(axis)};
+      body.twist[dof++] = {axis, V3(body.position[n] - pose.root).cross(axis)};
     };
     if (def.dofCount >= 3) {
       for (int i = 0; i < 3; ++i) turnAbout(above.col(i));
@@ -234,7 +235,7 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedBody& b
     out.radiusA = def.radiusA * body.girth[n];
     out.radiusAb = def.radiusB * body.girth[n] - out.radiusA;
     out.flat = def.flat;
-    out.middle = body.place[n] + body.rotation[n] * (0.5F * (a + b));
+    out.middle = body.position[n] + body.rotation[n] * (0.5F * (a + b));
     out.reach = 0.5F * (b - a).norm() + std::max(def.radiusA, def.radiusB) * body.girth[n] / std::min(def.flat, 1.0F);
     a.x() *= def.flat;
     b.x() *= def.flat;
@@ -244,21 +245,22 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedBody& b
   }
 }
 
-V3 placeIn(const PosedBody& body, Node node, const V3& modelPlace) {
-  return body.place[node] + body.rotation[node] * body.scale[node].cwiseProduct(modelPlace - nodeDefs()[node].place);
+V3 positionIn(const PosedModel& body, Node node, const V3& modelPosition) {
+  return body.position[node] +
+         body.rotation[node] * body.scale[node].cwiseProduct(modelPosition - nodeDefs()[node].position);
 }
 
-void readJoints(const PosedBody& body, SkeletonFrame& frame) {
+void readJoints(const PosedModel& body, SkeletonFrame& frame) {
   using J = BodyJoint;
-  const auto put = [&](J joint, const V3& place, const M3& rotation) {
+  const auto put = [&](J joint, const V3& position, const M3& rotation) {
     TrackedJoint& out = frame[joint];
-    out.position = place.cast<double>();
+    out.position = position.cast<double>();
     out.orientation = Quat(rotation.cast<double>()).normalized();
     out.confidence = 0.0;
   };
-  const auto node = [&](J joint, Node n) { put(joint, body.place[n], body.rotation[n]); };
+  const auto node = [&](J joint, Node n) { put(joint, body.position[n], body.rotation[n]); };
   node(J::kNeck, kNeck);
-  put(J::kHead, placeIn(body, kNeck, bonePlace(HumanBone::kHead)), body.rotation[kNeck]);
+  put(J::kHead, positionIn(body, kNeck, bonePosition(HumanBone::kHead)), body.rotation[kNeck]);
   node(J::kLeftShoulder, kLeftUpperArm);
   node(J::kRightShoulder, kRightUpperArm);
   node(J::kLeftElbow, kLeftForearm);
@@ -271,7 +273,7 @@ void readJoints(const PosedBody& body, SkeletonFrame& frame) {
   node(J::kRightKnee, kRightShin);
   node(J::kLeftFoot, kLeftFoot);
   node(J::kRightFoot, kRightFoot);
-  put(J::kTorso, 0.25F * (body.place[kLeftThigh] + body.place[kRightThigh]) + 0.5F * body.place[kNeck],
+  put(J::kTorso, 0.25F * (body.position[kLeftThigh] + body.position[kRightThigh]) + 0.5F * body.position[kNeck],
       body.rotation[kChest]);
 }
 

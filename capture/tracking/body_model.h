@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <span>
 
-/// The body that is fitted to depth: a tree of 18 nodes with 43 degrees of freedom, covered by tapered capsules whose
-/// measures are the built-in mannequin's, so that its joints are those of the humanoid bones. Single precision: a
-/// millimetre in five metres needs no more.
+/// The body that is fitted to depth: a tree of 18 nodes with 43 degrees of freedom, covered by tapered capsules. Its
+/// dimensions are those of the built-in mannequin, so its joints are those of the humanoid bones. Single precision is
+/// enough: the accuracy needed is a millimetre in five metres.
 namespace lorica::fit {
 
 using V3 = Eigen::Vector3f;
@@ -41,9 +41,9 @@ enum Node : std::uint8_t {
 inline constexpr int kNodeCount = 18;
 inline constexpr int kDofCount = 43;
 
-/// What of a body differs from the mannequin, as factors; symmetric left and right.
+/// How a body differs from the mannequin, as factors; symmetric left and right.
 enum Proportion : std::uint8_t {
-  kSize,  ///< of everything
+  kSize,  ///< of the whole body
   kTrunkLength,
   kShoulderBreadth,
   kHipBreadth,
@@ -63,20 +63,21 @@ struct Proportions {
   Proportions() { factor.fill(1.0F); }
 };
 
-/// How a node turns in its parent: freely, or about one or two axes in a row (rotation = about first * about second).
+/// How a node rotates in its parent: freely, or about one or two axes in sequence (rotation = about first * about
+/// second).
 struct NodeDef {
   int parent;
-  V3 place;  ///< in the mannequin's T-pose, model space [m]
+  V3 position;  ///< in the mannequin's T-pose, model space [m]
   int firstDof;
-  int dofCount;  ///< 3: free (the pelvis has 6: its place first); 2 and 1: axes
+  int dofCount;  ///< 3: free (the pelvis has 6, position first); 2 and 1: axes
   std::array<V3, 2> axis;
-  std::array<float, 2> least, most;         ///< of the angles [rad]
+  std::array<float, 2> min, max;            ///< of the angles [rad]
   std::array<std::int8_t, 3> lengthsAlong;  ///< Proportion that scales x, y, z in this node, or kNoProportion
   std::int8_t girth;
 };
 [[nodiscard]] const std::array<NodeDef, kNodeCount>& nodeDefs();
 
-/// A tapered capsule, flattened or widened along its node's x axis: a ball of radius r there reaches r / flat along x.
+/// A tapered capsule, flattened or widened along its node's x axis: a ball of radius r reaches r / flat along x.
 struct Capsule {
   Node node;
   V3 a, b;  ///< in the node, of the mannequin [m]
@@ -86,21 +87,22 @@ struct Capsule {
 inline constexpr int kCapsuleCount = 21;
 [[nodiscard]] const std::array<Capsule, kCapsuleCount>& capsuleDefs();
 
-/// Free nodes hold a rotation, the others their angles.
+/// Free nodes store a rotation, the others their angles.
 struct BodyPose {
-  V3 root = V3::Zero();                                  ///< the middle between the hips, floor frame [m]
-  std::array<Q, kNodeCount> turn;                        ///< parentFromNode; of the pelvis floorFromNode
+  V3 root = V3::Zero();                                  ///< midpoint between the hips, floor frame [m]
+  std::array<Q, kNodeCount> turn;                        ///< parentFromNode; for the pelvis floorFromNode
   std::array<std::array<float, 2>, kNodeCount> angle{};  ///< [rad]
   BodyPose() { turn.fill(Q::Identity()); }
 };
 
 using Step = Eigen::Matrix<float, kDofCount, 1>;
-/// Free nodes turn by a rotation vector in their parent's frame; angles add up, held within their limits.
+/// Applies a step: free nodes rotate by a rotation vector in their parent's frame; angles are added and clamped to
+/// their limits.
 [[nodiscard]] BodyPose stepped(const BodyPose& pose, const Step& step);
 /// The step that leads from one pose to another.
 [[nodiscard]] Step stepBetween(const BodyPose& from, const BodyPose& to);
 
-/// A capsule ready for distances: everything in floor frame units.
+/// A capsule prepared for distance queries: everything in floor frame units.
 struct ShapedCapsule {
   int node;
   V3 a, ab;  ///< in the node; x already flattened
@@ -111,28 +113,28 @@ struct ShapedCapsule {
   float reach;  ///< radius of its bounding ball
 };
 
-/// A degree of freedom as a twist: a point s of its subtree moves by turn x (s - root) + move for each unit, root being
-/// the pelvis' place: near to the body single precision has digits to spare.
+/// A degree of freedom as a twist: per unit, a point s of its subtree moves by turn x (s - root) + move, where root is
+/// the position of the pelvis. An origin close to the body keeps single precision accurate.
 struct Twist {
   V3 turn, move;
 };
 
-/// A pose worked out.
-struct PosedBody {
+/// A pose with all derived quantities.
+struct PosedModel {
   std::array<M3, kNodeCount> rotation;  ///< floorFromNode
-  std::array<V3, kNodeCount> place;
+  std::array<V3, kNodeCount> position;
   std::array<V3, kNodeCount> scale;  ///< of coordinates in the node
   std::array<float, kNodeCount> girth;
   std::array<ShapedCapsule, kCapsuleCount> capsule;
   std::array<Twist, kDofCount> twist;
 };
-void poseBody(const BodyPose& pose, const Proportions& proportions, PosedBody& body);
+void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& body);
 
-/// A place in a node, given in the mannequin's T-pose in model space.
-[[nodiscard]] V3 placeIn(const PosedBody& body, Node node, const V3& modelPlace);
+/// Position of a point in a node, given in the mannequin's T-pose in model space.
+[[nodiscard]] V3 positionIn(const PosedModel& body, Node node, const V3& modelPosition);
 
-/// The 15 joints, orientations as TrackedJoint has them; confidences 0.
-void readJoints(const PosedBody& body, SkeletonFrame& frame);
+/// The 15 joints, with orientations as in TrackedJoint; confidences are 0.
+void readJoints(const PosedModel& body, SkeletonFrame& frame);
 
 /// Signed distance of a point from a capsule's surface.
 struct SurfaceHit {
@@ -140,9 +142,9 @@ struct SurfaceHit {
   V3 normal;       ///< outward, floor frame
   float along;     ///< 0 at a, 1 at b
 };
-[[nodiscard]] inline SurfaceHit distanceTo(const PosedBody& body, const ShapedCapsule& c, const V3& p) {
+[[nodiscard]] inline SurfaceHit distanceTo(const PosedModel& body, const ShapedCapsule& c, const V3& p) {
   const auto node = static_cast<std::size_t>(c.node);
-  V3 q = body.rotation[node].transpose() * (p - body.place[node]);
+  V3 q = body.rotation[node].transpose() * (p - body.position[node]);
   q.x() *= c.flat;
   q -= c.a;
   float t = q.dot(c.ab) * c.inverseAbSq;

@@ -9,11 +9,11 @@
 namespace lorica::fit {
 namespace {
 
-constexpr float kNormalWeight = 0.06F;   ///< what opposite normals weigh, as a distance / sqrt(2) [m]
+constexpr float kNormalWeight = 0.06F;   ///< weight of opposite normals, as a distance / sqrt(2) [m]
 constexpr float kFreeDeviation = 0.02F;  ///< [m]
 constexpr float kFreeWidth = 0.30F;      ///< robust width of samples outside the outline [m]
-constexpr float kFrontWidth = 0.12F;     ///< ... before what was seen [m]
-constexpr float kOccluderGap = 0.15F;    ///< what is this much nearer hides a sample [m]
+constexpr float kFrontWidth = 0.12F;     ///< ... in front of the seen surface [m]
+constexpr float kOccluderGap = 0.15F;    ///< something nearer by this much hides a sample [m]
 constexpr float kCollisionDeviation = 0.03F;
 constexpr float kFloorDeviation = 0.02F;
 
@@ -21,7 +21,7 @@ std::vector<Sample> makeSamples() {
   std::vector<Sample> samples;
   const auto& capsules = capsuleDefs();
   for (int i = 0; i < kCapsuleCount; ++i) {
-    const Capsule& capsule = capsules[static_cast<std::size_t>(i)];
+    const Capsule& capsule = capsules[i];
     const bool wide = capsule.flat < 1.0F;
     const int count = wide ? 3 : (capsule.node == kLeftClavicle || capsule.node == kRightClavicle) ? 2 : 4;
     for (int k = 0; k < count; ++k) {
@@ -44,10 +44,10 @@ std::vector<CollisionPair> makePairs() {
     return std::any_of(left.begin(), left.end(), [&](Node n) { return node == n || node == n + 1; });
   };
   for (int s = 0; s < static_cast<int>(samples.size()); ++s) {
-    const Sample& sample = samples[static_cast<std::size_t>(s)];
-    const Node mine = capsules[static_cast<std::size_t>(sample.capsule)].node;
+    const Sample& sample = samples[s];
+    const Node mine = capsules[sample.capsule].node;
     for (int c = 0; c < kCapsuleCount; ++c) {
-      const Node other = capsules[static_cast<std::size_t>(c)].node;
+      const Node other = capsules[c].node;
       const bool otherSide = mine >= kLeftClavicle && other >= kLeftClavicle && ((mine ^ other) & 1) != 0;
       const bool arm = isOf(mine, {kLeftForearm, kLeftHand}) || (isOf(mine, {kLeftUpperArm}) && sample.along > 0.9F);
       const bool trunk = other <= kNeck;
@@ -71,8 +71,8 @@ std::vector<BallLimit> makeLimits() {
     l.firstAxis = r.firstAxis.cast<float>();
     l.secondAxis = r.secondAxis.cast<float>();
     const auto range = [&](std::array<float, 2>& to, const AngleRange& from) {
-      to[0] = static_cast<float>(from.least * times);
-      to[1] = static_cast<float>(from.most * times);
+      to[0] = static_cast<float>(from.min * times);
+      to[1] = static_cast<float>(from.max * times);
     };
     range(l.twist, r.twist);
     range(l.first, r.first);
@@ -104,28 +104,28 @@ std::span<const BallLimit> ballLimits() {
   return limits;
 }
 
-void matchCapsule(const PosedBody& body, int capsule, const V3& place, const V3& normal, const V3& ray,
+void matchCapsule(const PosedModel& body, int capsule, const V3& position, const V3& normal, const V3& ray,
                   SurfaceMatch& best) {
-  const ShapedCapsule& c = body.capsule[static_cast<std::size_t>(capsule)];
-  const float off = (place - c.middle).norm() - c.reach;
+  const ShapedCapsule& c = body.capsule[capsule];
+  const float off = (position - c.middle).norm() - c.reach;
   if (off > 0.0F && off * off > best.costSq) return;
-  SurfaceHit hit = distanceTo(body, c, place);
+  SurfaceHit hit = distanceTo(body, c, position);
   SurfaceMatch m;
   m.capsule = capsule;
   m.residual = hit.distance;
-  m.at = place - hit.distance * hit.normal;
+  m.at = position - hit.distance * hit.normal;
   m.pull = -hit.normal;
   const float facing = hit.normal.dot(ray);
   if (facing > 0.0F) {
-    // The camera sees no back: what lies behind the middle belongs to the capsule's outline at most.
+    // The camera sees no back faces: a point behind the middle belongs to the capsule's outline at most.
     V3 rim = hit.normal - facing * ray;
     const float length = rim.norm();
     if (length > 1e-3F) {
       rim /= length;
       const float r = c.radiusA + hit.along * c.radiusAb;
-      const V3 centre = place - (hit.distance + r) * hit.normal;
+      const V3 centre = position - (hit.distance + r) * hit.normal;
       m.at = centre + r * rim;
-      const V3 gap = place - m.at;
+      const V3 gap = position - m.at;
       m.residual = gap.norm();
       if (m.residual > 1e-5F) m.pull = -gap / m.residual;
       hit.normal = rim;
@@ -136,23 +136,23 @@ void matchCapsule(const PosedBody& body, int capsule, const V3& place, const V3&
   if (m.costSq < best.costSq) best = m;
 }
 
-Ball ballOf(const PosedBody& body, const Sample& sample) {
-  const ShapedCapsule& c = body.capsule[static_cast<std::size_t>(sample.capsule)];
+Ball ballOf(const PosedModel& body, const Sample& sample) {
+  const ShapedCapsule& c = body.capsule[sample.capsule];
   const auto node = static_cast<std::size_t>(c.node);
   V3 q = c.a + sample.along * c.ab;
   const float r = c.radiusA + sample.along * c.radiusAb;
   q.x() = q.x() / c.flat + sample.aside * (r / c.flat - r);
-  return {body.place[node] + body.rotation[node] * q, std::min(r, r / c.flat)};
+  return {body.position[node] + body.rotation[node] * q, std::min(r, r / c.flat)};
 }
 
-SamplePulls pullsOf(const BodyView& view, const PosedBody& body, const Sample& sample) {
+SamplePulls pullsOf(const BodyView& view, const PosedModel& body, const Sample& sample) {
   const Ball ball = ballOf(body, sample);
   SamplePulls out;
   out.at = ball.centre;
   const auto add = [&](const V3& derivative, float residual, float deviation, float width) {
     const Robust r = robust(residual * residual, width * width);
     const float each = 1.0F / (deviation * deviation);
-    out.pull[static_cast<std::size_t>(out.count++)] = {derivative, residual, each * r.weight, each * r.cost};
+    out.pull[out.count++] = {derivative, residual, each * r.weight, each * r.cost};
   };
   const float under = ball.radius - ball.centre.y() - 0.01F;
   if (under > 0.0F) add(-V3::UnitY(), under, kFloorDeviation, 0.2F);
@@ -168,8 +168,8 @@ SamplePulls pullsOf(const BodyView& view, const PosedBody& body, const Sample& s
   return out;
 }
 
-Pull collisionOf(const PosedBody& body, const Ball& ball, int capsule) {
-  const ShapedCapsule& other = body.capsule[static_cast<std::size_t>(capsule)];
+Pull collisionOf(const PosedModel& body, const Ball& ball, int capsule) {
+  const ShapedCapsule& other = body.capsule[capsule];
   const float reach = other.reach + ball.radius;
   if ((ball.centre - other.middle).squaredNorm() > reach * reach) return {};
   const SurfaceHit hit = distanceTo(body, other, ball.centre);

@@ -6,12 +6,12 @@
 #include <array>
 #include <span>
 
-/// The terms of a fit's cost, one point, ball or joint at a time; BodyFitter and LimbSearch add them up.
+/// The terms of a fit's cost, one point, ball or joint at a time. BodyFitter and LimbSearch sum them.
 namespace lorica::fit {
 
 inline constexpr float kPointDeviation = 0.02F;  ///< [m]
-inline constexpr float kPointCount = 600.0F;     ///< points weigh as if there were this many
-inline constexpr float kFrontSlack = 0.03F;      ///< the body may be this far before what was seen [m]
+inline constexpr float kPointCount = 600.0F;     ///< points are weighted as if there were this many
+inline constexpr float kFrontSlack = 0.03F;      ///< how far the body may lie in front of the seen surface [m]
 inline constexpr float kLimitDeviation = 0.08F;  ///< [rad]
 
 /// Geman and McClure's robust square, 0 to width^2, and its weight.
@@ -23,23 +23,23 @@ struct Robust {
   return {square * k, k * k};
 }
 
-/// A seen point on the body.
+/// A seen point matched to the body.
 struct SurfaceMatch {
   int capsule = 0;
   float residual = 0.0F;  ///< [m]
-  float costSq = 1e9F;    ///< residual, and what the normals differ by [m^2]
+  float costSq = 1e9F;    ///< squared residual, plus the difference of the normals [m^2]
   V3 at = V3::Zero();     ///< on the surface
-  V3 pull = V3::Zero();   ///< derivative of the residual by the motion of `at`
+  V3 pull = V3::Zero();   ///< derivative of the residual with respect to the motion of `at`
 };
-/// Takes a capsule as the match if it is better than the best so far.
-void matchCapsule(const PosedBody& body, int capsule, const V3& place, const V3& normal, const V3& ray,
+/// Replaces the best match so far if the capsule is a better one.
+void matchCapsule(const PosedModel& body, int capsule, const V3& position, const V3& normal, const V3& ray,
                   SurfaceMatch& best);
 
-/// A ball of a capsule, tested against what was seen.
+/// A ball of a capsule, tested against the image.
 struct Sample {
   int capsule;
   float along;  ///< 0 at a, 1 at b
-  float aside;  ///< -1, 0, 1: of a flat capsule the ball at that end of its width
+  float aside;  ///< -1, 0, 1: for a flat capsule, the ball at that end of its width
 };
 [[nodiscard]] std::span<const Sample> samplesOfBody();
 
@@ -47,9 +47,9 @@ struct Ball {
   V3 centre;
   float radius;
 };
-[[nodiscard]] Ball ballOf(const PosedBody& body, const Sample& sample);
+[[nodiscard]] Ball ballOf(const PosedModel& body, const Sample& sample);
 
-/// One squared residual and how it moves.
+/// One squared residual and its derivative.
 struct Pull {
   V3 derivative = V3::Zero();
   float residual = 0.0F;
@@ -61,26 +61,26 @@ struct SamplePulls {
   std::array<Pull, 3> pull;
   int count = 0;
 };
-/// Under the floor, beside the outline, before what was seen.
-[[nodiscard]] SamplePulls pullsOf(const BodyView& view, const PosedBody& body, const Sample& sample);
+/// Penalties for lying below the floor, outside the outline, or in front of the seen surface.
+[[nodiscard]] SamplePulls pullsOf(const BodyView& view, const PosedModel& body, const Sample& sample);
 
-/// Which samples may not be inside which capsules; by rising sample.
+/// Which samples must not be inside which capsules; sorted by sample.
 struct CollisionPair {
   int sample;
   int capsule;
 };
 [[nodiscard]] std::span<const CollisionPair> collisionPairs();
-[[nodiscard]] Pull collisionOf(const PosedBody& body, const Ball& ball, int capsule);
+[[nodiscard]] Pull collisionOf(const PosedModel& body, const Ball& ball, int capsule);
 
-/// Limits of a free node, after JointRange, and how far it usually is from rest.
+/// Limits of a free node, following JointRange, and its usual deviation from rest.
 struct BallLimit {
   int node;
   V3 twistAxis, firstAxis, secondAxis;
   std::array<float, 2> twist, first, second;
-  float usual;  ///< deviation from rest [rad]; 0 = anything goes
+  float usual;  ///< deviation from rest [rad]; 0 = no preference
 };
 [[nodiscard]] std::span<const BallLimit> ballLimits();
-/// How far a turn is beyond its range: three residuals [rad].
+/// How far a rotation exceeds its range: three residuals [rad].
 [[nodiscard]] V3 excessOf(const BallLimit& limit, const Q& turn);
 
 }  // namespace lorica::fit

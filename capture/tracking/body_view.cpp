@@ -7,15 +7,15 @@ namespace lorica::fit {
 namespace {
 
 constexpr int kMargin = 14;           ///< around the person [blocks]
-constexpr int kLeastPixels = 5;       ///< of the person for a block to be theirs
-constexpr float kLayer = 0.06F;       ///< depths this far behind a block's nearest one are another layer [m]
-constexpr float kNormalStep = 0.07F;  ///< neighbours further off in depth are another surface [m]
-constexpr int kCutBlocks = 6;         ///< of a person at the image's border for them to be cut by it
-constexpr std::size_t kMostPoints = 4000;
+constexpr int kMinPixels = 5;         ///< of the person for a block to count as theirs
+constexpr float kLayer = 0.06F;       ///< depths this far behind a block's nearest one belong to another layer [m]
+constexpr float kNormalStep = 0.07F;  ///< neighbours that differ by more in depth belong to another surface [m]
+constexpr int kCutBlocks = 6;         ///< blocks at the image border for the person to count as cut off
+constexpr std::size_t kMaxPoints = 4000;
 
 enum Kind : std::uint8_t { kElse, kPerson, kUnknown };
 
-/// The order of a cell in an 8 x 8 ordered dither (Bayer 1973): every beginning is spread evenly.
+/// Rank of a cell in an 8 x 8 ordered dither (Bayer 1973): every prefix is evenly distributed.
 int bayerRank(int x, int y) {
   int rank = 0;
   for (int bit = 0; bit < 3; ++bit) {
@@ -36,14 +36,14 @@ BodyView::BodyView(const DepthCamera& camera)
       rows_(camera.height / kBlock) {
   const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   blocks_.resize(count);
-  places_.resize(count);
+  positions_.resize(count);
   outside_.resize(count);
   scratch_.resize(count);
-  points_.reserve(kMostPoints);
+  points_.reserve(kMaxPoints);
   for (auto& list : byRank_) list.reserve(count / 64 + 64);
 }
 
-V3 BodyView::cameraPlaceOf(float column, float row, float depth) const {
+V3 BodyView::cameraPositionOf(float column, float row, float depth) const {
   return {(column - 0.5F * static_cast<float>(camera_.width)) * depth / focalX_,
           (0.5F * static_cast<float>(camera_.height) - row) * depth / focalY_, -depth};
 }
@@ -51,7 +51,7 @@ V3 BodyView::cameraPlaceOf(float column, float row, float depth) const {
 void BodyView::look(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label,
                     const Isometry3& floorFromCamera) {
   floorFromCamera_ = floorFromCamera.linear().cast<float>();
-  cameraPlace_ = floorFromCamera.translation().cast<float>();
+  cameraPosition_ = floorFromCamera.translation().cast<float>();
   gather(depthMm, labels, label);
   distances();
   makePoints();
@@ -91,7 +91,7 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       Block& block = blocks_[index];
       block.kind = kElse;
       block.depth = nearestElse == 0xffff ? 0.0F : 0.001F * static_cast<float>(nearestElse);
-      if (mine < kLeastPixels) {
+      if (mine < kMinPixels) {
         if (missing > kBlock * kBlock / 2) block.kind = kUnknown;
         continue;
       }
@@ -113,8 +113,8 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       const float share = 1.0F / static_cast<float>(count);
       block.kind = kPerson;
       block.depth = 0.001F * sum * share;
-      places_[index] = cameraPlaceOf(static_cast<float>(bx * kBlock) + 0.5F + sumX * share,
-                                     static_cast<float>(by * kBlock) + 0.5F + sumY * share, block.depth);
+      positions_[index] = cameraPositionOf(static_cast<float>(bx * kBlock) + 0.5F + sumX * share,
+                                           static_cast<float>(by * kBlock) + 0.5F + sumY * share, block.depth);
       left_ = std::min(left_, bx);
       right_ = std::max(right_, bx + 1);
       top_ = std::min(top_, by);
@@ -148,7 +148,7 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
 }
 
 void BodyView::distances() {
-  // Chamfer distances (Borgefors 1986), steps 1 and 1.4, both ways.
+  // Chamfer distances (Borgefors 1986), steps 1 and 1.4, two passes.
   const auto at = [&](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
   };
@@ -212,31 +212,31 @@ void BodyView::makePoints() {
     for (int x = left_; x < right_; ++x) {
       const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
       if (blocks_[i].kind == kPerson) {
-        byRank_[static_cast<std::size_t>(bayerRank(x & 7, y & 7))].push_back(static_cast<std::uint32_t>(i));
+        byRank_[bayerRank(x & 7, y & 7)].push_back(static_cast<std::uint32_t>(i));
       }
     }
   }
   const auto step = static_cast<std::size_t>(columns_);
   for (const auto& list : byRank_) {
     for (const std::uint32_t i : list) {
-      if (points_.size() >= kMostPoints) break;
+      if (points_.size() >= kMaxPoints) break;
       const int x = static_cast<int>(i) % columns_;
       const int y = static_cast<int>(i) / columns_;
-      const V3& place = places_[i];
-      // The difference of the neighbours on either side, or of one and the point itself.
+      const V3& position = positions_[i];
+      // Difference of the neighbours on either side, or of one neighbour and the point itself.
       const auto slope = [&](bool hasBefore, bool hasAfter, std::size_t by, V3& out) {
         const auto same = [&](std::size_t j) {
-          return blocks_[j].kind == kPerson && std::abs(places_[j].z() - place.z()) < kNormalStep;
+          return blocks_[j].kind == kPerson && std::abs(positions_[j].z() - position.z()) < kNormalStep;
         };
         const bool before = hasBefore && same(i - by);
         const bool after = hasAfter && same(i + by);
         if (!before && !after) return false;
-        out = (after ? places_[i + by] : place) - (before ? places_[i - by] : place);
+        out = (after ? positions_[i + by] : position) - (before ? positions_[i - by] : position);
         return true;
       };
       Point point;
-      point.place = floorFromCamera_ * place + cameraPlace_;
-      point.ray = floorFromCamera_ * place.normalized();
+      point.position = floorFromCamera_ * position + cameraPosition_;
+      point.ray = floorFromCamera_ * position.normalized();
       point.column = static_cast<std::uint16_t>(x);
       point.row = static_cast<std::uint16_t>(y);
       V3 across, down;
@@ -252,15 +252,15 @@ void BodyView::makePoints() {
   if (points_.empty()) return;
   const std::size_t n = points_.size();
   for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t k = 0; k < n; ++k) scratch_[k] = points_[k].place[axis];
+    for (std::size_t k = 0; k < n; ++k) scratch_[k] = points_[k].position[axis];
     const auto half = scratch_.begin() + static_cast<std::ptrdiff_t>(n / 2);
     std::nth_element(scratch_.begin(), half, scratch_.begin() + static_cast<std::ptrdiff_t>(n));
     middle_[axis] = *half;
   }
 }
 
-BodyView::Sight BodyView::sightOf(const V3& place) const {
-  const V3 p = floorFromCamera_.transpose() * (place - cameraPlace_);
+BodyView::Sight BodyView::sightOf(const V3& position) const {
+  const V3 p = floorFromCamera_.transpose() * (position - cameraPosition_);
   Sight sight{};
   sight.depth = -p.z();
   sight.axis = -floorFromCamera_.col(2);
@@ -271,7 +271,7 @@ BodyView::Sight BodyView::sightOf(const V3& place) const {
   sight.inside = column > -0.5F && row > -0.5F && column < static_cast<float>(columns_) - 0.5F &&
                  row < static_cast<float>(rows_) - 0.5F;
   if (!sight.inside || right_ - left_ < 2 || bottom_ - top_ < 2) return sight;
-  // Beyond the margin the distance to the margin's border is added.
+  // Beyond the margin, the distance to the margin's border is added.
   const float x = std::clamp(column, static_cast<float>(left_), static_cast<float>(right_) - 1.001F);
   const float y = std::clamp(row, static_cast<float>(top_), static_cast<float>(bottom_) - 1.001F);
   const int x0 = std::min(static_cast<int>(x), right_ - 2);

@@ -9,15 +9,15 @@
 
 namespace lorica::fit {
 
-/// What of a depth image one person's fit asks for: evenly spread surface points with normals, and, for each block of
-/// 4 x 4 pixels around the person, how far it is from the person's outline and what depth was seen there.
+/// The part of a depth image that one person's fit needs: evenly distributed surface points with normals, and for each
+/// block of 4 x 4 pixels around the person the distance from the person's outline and the depth seen there.
 class BodyView {
  public:
   static constexpr int kBlock = 4;  ///< pixels
 
   struct Point {
-    V3 place;                   ///< floor frame [m]
-    V3 normal;                  ///< out of the surface, floor frame; zero where unknown
+    V3 position;                ///< floor frame [m]
+    V3 normal;                  ///< out of the surface, floor frame; zero if unknown
     V3 ray;                     ///< unit, from the camera to the point
     std::uint16_t column, row;  ///< of the block
   };
@@ -31,31 +31,33 @@ class BodyView {
   void look(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label,
             const Isometry3& floorFromCamera);
 
-  /// In an order whose every beginning is spread evenly over the person.
+  /// Ordered such that every prefix is evenly distributed over the person.
   [[nodiscard]] std::span<const Point> points() const { return points_; }
-  /// That one point stands for, across the view [m^2].
+  /// Area that one point represents, perpendicular to the view [m^2].
   [[nodiscard]] float areaOf(const Point& point) const {
-    const float away = (point.place - cameraPlace_).norm();
+    const float away = (point.position - cameraPosition_).norm();
     return kBlock * kBlock * away * away / (focalX_ * focalY_);
   }
-  [[nodiscard]] const V3& cameraPlace() const { return cameraPlace_; }
-  /// Whether the person touches the image's border, more than just so.
+  [[nodiscard]] const V3& cameraPosition() const { return cameraPosition_; }
+  /// Whether the person clearly touches the image border.
   [[nodiscard]] bool cut() const { return cut_; }
   /// Floor frame, the median of each coordinate.
   [[nodiscard]] const V3& middle() const { return middle_; }
 
   struct Sight {
-    bool inside;    ///< the image
+    bool inside;    ///< whether the point projects into the image
     float outside;  ///< distance from the person's outline, negative inside it [blocks]
-    V3 gradient;  ///< of `outside` times metresPerBlock in place: the way out of the person, floor frame; unit or less
+    V3 gradient;    ///< of `outside` times metresPerBlock with respect to position: points away from the person; floor
+                    ///< frame; length <= 1
     float metresPerBlock;
     float depth;  ///< of the point, along the axis [m]
-    float seen;   ///< the depth there: of the person or of what is before them; 0 = none [m]
+    float seen;   ///< the depth measured there: the person or an occluder in front; 0 = none [m]
     bool person;  ///< the block shows the person
     V3 axis;      ///< unit, the camera's viewing direction, floor frame
   };
-  /// What the camera saw where a point projects to. @param place  floor frame
-  [[nodiscard]] Sight sightOf(const V3& place) const;
+  /// What the camera saw where a point projects to.
+  /// @param position  floor frame
+  [[nodiscard]] Sight sightOf(const V3& position) const;
 
  private:
   struct Block {
@@ -65,20 +67,20 @@ class BodyView {
   void gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label);
   void distances();
   void makePoints();
-  [[nodiscard]] V3 cameraPlaceOf(float column, float row, float depth) const;
+  [[nodiscard]] V3 cameraPositionOf(float column, float row, float depth) const;
 
   DepthCamera camera_;
   float focalX_, focalY_;
   int columns_, rows_;
   int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  ///< of the person with a margin [blocks]
   std::vector<Block> blocks_;
-  std::vector<V3> places_;      ///< camera frame, of person blocks
+  std::vector<V3> positions_;   ///< camera frame, of person blocks
   std::vector<float> outside_;  ///< [blocks]
   std::vector<float> scratch_;
   std::vector<Point> points_;
   std::array<std::vector<std::uint32_t>, 64> byRank_;
   M3 floorFromCamera_ = M3::Identity();
-  V3 cameraPlace_ = V3::Zero();
+  V3 cameraPosition_ = V3::Zero();
   V3 middle_ = V3::Zero();
   bool cut_ = false;
 };

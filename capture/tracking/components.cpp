@@ -10,8 +10,8 @@ namespace lorica {
 
 namespace {
 
-constexpr int kLeastCells = 12;
-constexpr std::size_t kMostComponents = 2048;
+constexpr int kMinCells = 12;
+constexpr std::size_t kMaxComponents = 2048;
 
 }  // namespace
 
@@ -27,12 +27,12 @@ float DepthComponent::thickness() const {
   return std::sqrt(std::max(0.0F, axes.eigenvalues()[0]));
 }
 
-FloorPlaces::FloorPlaces(const DepthGrid& grid)
+FloorPositions::FloorPositions(const DepthGrid& grid)
     : columns_(static_cast<std::size_t>(grid.width)), rows_(static_cast<std::size_t>(grid.height)) {
   set(grid, Isometry3::Identity());
 }
 
-void FloorPlaces::set(const DepthGrid& grid, const Isometry3& floorFromCamera) {
+void FloorPositions::set(const DepthGrid& grid, const Isometry3& floorFromCamera) {
   const Eigen::Matrix3f turn = floorFromCamera.linear().cast<float>();
   for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c] = turn.col(0) * grid.rayX[c];
   for (std::size_t r = 0; r < rows_.size(); ++r) rows_[r] = turn.col(1) * grid.rayY[r] - turn.col(2);
@@ -45,13 +45,13 @@ ComponentFinder::ComponentFinder(const DepthGrid& grid)
   parents_.reserve(grid.cellCount() / 2 + 1);
   sizes_.reserve(grid.cellCount() / 2 + 1);
   componentOf_.reserve(grid.cellCount() / 2 + 1);
-  components_.reserve(kMostComponents);
+  components_.reserve(kMaxComponents);
 }
 
 std::int32_t ComponentFinder::rootOf(std::int32_t label) {
-  while (parents_[static_cast<std::size_t>(label)] != label) {
-    std::int32_t& parent = parents_[static_cast<std::size_t>(label)];
-    parent = parents_[static_cast<std::size_t>(parent)];
+  while (parents_[label] != label) {
+    std::int32_t& parent = parents_[label];
+    parent = parents_[parent];
     label = parent;
   }
   return label;
@@ -62,19 +62,19 @@ void ComponentFinder::join(std::int32_t a, std::int32_t b) {
   b = rootOf(b);
   // The smaller label wins, so that labels follow the order of the image.
   if (a < b) {
-    parents_[static_cast<std::size_t>(b)] = a;
+    parents_[b] = a;
   } else {
-    parents_[static_cast<std::size_t>(a)] = b;
+    parents_[a] = b;
   }
 }
 
-void ComponentFinder::find(const DepthGrid& grid, const FloorPlaces& places, std::span<const CellKind> kinds,
+void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
                            const LastCells& last) {
   const auto w = static_cast<std::size_t>(grid.width);
   parents_.clear();
   components_.clear();
 
-  // Neighbours to the left and above that lie at about the same depth are of one surface.
+  // Neighbours to the left and above at about the same depth belong to one surface.
   for (std::size_t r = 0, i = 0; r < static_cast<std::size_t>(grid.height); ++r) {
     for (std::size_t c = 0; c < w; ++c, ++i) {
       if (kinds[i] < CellKind::kUnknown) {
@@ -97,18 +97,18 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPlaces& places, std
     }
   }
 
-  // Specks go; the rest is numbered in the order of the image.
+  // Remove specks; number the rest in image order.
   for (std::size_t k = 0; k < parents_.size(); ++k) {
     parents_[k] = rootOf(static_cast<std::int32_t>(k));
   }
   sizes_.assign(parents_.size(), 0);
   for (const std::int32_t label : labels_) {
-    if (label >= 0) ++sizes_[static_cast<std::size_t>(parents_[static_cast<std::size_t>(label)])];
+    if (label >= 0) ++sizes_[parents_[static_cast<std::size_t>(label)]];
   }
   componentOf_.assign(parents_.size(), -1);
   for (std::size_t k = 0; k < parents_.size(); ++k) {
     const auto root = static_cast<std::size_t>(parents_[k]);
-    if (root == k && sizes_[k] >= kLeastCells && components_.size() < kMostComponents) {
+    if (root == k && sizes_[k] >= kMinCells && components_.size() < kMaxComponents) {
       componentOf_[k] = static_cast<std::int32_t>(components_.size());
       components_.emplace_back();
     } else if (root != k) {
@@ -116,12 +116,12 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPlaces& places, std
     }
   }
 
-  // What each surface is like.
+  // Measure each surface.
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       const std::size_t i = grid.index(c, r);
       if (labels_[i] < 0) continue;
-      labels_[i] = componentOf_[static_cast<std::size_t>(labels_[i])];
+      labels_[i] = componentOf_[labels_[i]];
     }
   }
   for (int r = 0; r < grid.height; ++r) {
@@ -129,11 +129,11 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPlaces& places, std
       const std::size_t i = grid.index(c, r);
       const std::int32_t label = labels_[i];
       if (label < 0) continue;
-      DepthComponent& one = components_[static_cast<std::size_t>(label)];
+      DepthComponent& one = components_[label];
       const std::uint16_t depthMm = grid.depthMm[i];
-      const Vec3f place = places(grid, c, r);
+      const Vec3f position = positions(grid, c, r);
       if (one.cells++ == 0) {
-        one.origin = place;
+        one.origin = position;
         one.left = one.right = c;
         one.top = r;
       }
@@ -143,9 +143,9 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPlaces& places, std
       one.bottom = r;
       const float depth = 0.001F * static_cast<float>(depthMm);
       one.area += static_cast<double>(depth * depth);
-      one.least = one.least.cwiseMin(place);
-      one.most = one.most.cwiseMax(place);
-      const Vec3f p = place - one.origin;
+      one.min = one.min.cwiseMin(position);
+      one.max = one.max.cwiseMax(position);
+      const Vec3f p = position - one.origin;
       one.sum += p;
       one.products[0] += p.x() * p.x();
       one.products[1] += p.x() * p.y();
@@ -156,7 +156,7 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPlaces& places, std
       const std::uint8_t was = last.person[i];
       if (was != 0 && std::abs(depthMm - last.depthMm[i]) < 150) ++one.overlap[was - 1U];
 
-      // Its border: where it ends, and whether it ends at all or just goes on into what is known.
+      // Its border: where the surface ends, and whether it really ends or continues into known background.
       bool border = false, contact = false;
       const auto look = [&](bool inside, std::size_t other) {
         if (!inside) return;

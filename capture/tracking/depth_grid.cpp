@@ -18,10 +18,10 @@ DepthGrid::DepthGrid(const DepthCamera& camera)
       imageWidth_(camera.width),
       columnCount_(static_cast<std::size_t>(width)) {
   const double half = 0.5 * (step - 1);
-  rayX.reserve(static_cast<std::size_t>(width));
-  rayY.reserve(static_cast<std::size_t>(height));
-  for (int c = 0; c < width; ++c) rayX.push_back(static_cast<float>(camera.placeOf(c * step + half, 0, 1.0).x()));
-  for (int r = 0; r < height; ++r) rayY.push_back(static_cast<float>(camera.placeOf(0, r * step + half, 1.0).y()));
+  rayX.reserve(width);
+  rayY.reserve(height);
+  for (int c = 0; c < width; ++c) rayX.push_back(static_cast<float>(camera.positionOf(c * step + half, 0, 1.0).x()));
+  for (int r = 0; r < height; ++r) rayY.push_back(static_cast<float>(camera.positionOf(0, r * step + half, 1.0).y()));
 }
 
 void DepthGrid::fill(std::span<const std::uint16_t> image) {
@@ -37,7 +37,7 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
     for (int c = 0; c < width; ++c) {
       std::uint16_t d = 0;
       if (step == 2) {
-        // The upper left pixel; where it is missing, another one of the block.
+        // The upper left pixel; if it is missing, another one of the block.
         const std::uint16_t a = upper[2 * c], b = lower[2 * c + 1], e = upper[2 * c + 1], f = lower[2 * c];
         const std::uint16_t others = b != 0 ? b : (e != 0 ? e : f);
         d = a != 0 ? a : others;
@@ -46,8 +46,7 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
       }
       cells[c] = d;
       const auto one = static_cast<std::uint16_t>(d != 0);
-      columnCount_[static_cast<std::size_t>(c)] =
-          static_cast<std::uint16_t>(columnCount_[static_cast<std::size_t>(c)] + one);
+      columnCount_[c] = static_cast<std::uint16_t>(columnCount_[c] + one);
       measured += one;
     }
     if (measured * 20 >= width) {
@@ -58,7 +57,7 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
   firstColumn = width;
   lastColumn = -1;
   for (int c = 0; c < width; ++c) {
-    if (columnCount_[static_cast<std::size_t>(c)] * 20 < height) continue;
+    if (columnCount_[c] * 20 < height) continue;
     firstColumn = std::min(firstColumn, c);
     lastColumn = c;
   }

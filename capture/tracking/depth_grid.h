@@ -10,12 +10,12 @@
 
 namespace lorica {
 
-/// How far measured depth strays from the truth, about one standard deviation [m]: axial noise and quantisation of a
-/// Kinect-like sensor (Khoshelham & Elberink 2012; Nguyen et al. 2012).
+/// Noise of measured depth, about one standard deviation [m]: axial noise and quantisation of a Kinect-like sensor
+/// (Khoshelham & Elberink 2012; Nguyen et al. 2012).
 /// @param depth  [m]
 [[nodiscard]] float depthNoise(float depth);
 
-/// A function of depth, looked up. Steps of 16 mm, up to the largest depth that 16 bits hold.
+/// Lookup table of a function of depth. Steps of 16 mm, up to the largest depth that 16 bits hold.
 class DepthTable {
  public:
   template <typename Function>
@@ -30,34 +30,36 @@ class DepthTable {
   std::array<float, 4096> values_{};
 };
 
-/// A depth image at about half its size: what people are looked for in. A cell holds one measured pixel of its block.
+/// A depth image at about half its size, in which people are searched for. A cell holds one measured pixel of its
+/// block.
 struct DepthGrid {
-  /// Blocks of 2 x 2 pixels; of one pixel where the image is less than 400 wide.
+  /// Blocks of 2 x 2 pixels; of one pixel if the image is less than 400 wide.
   explicit DepthGrid(const DepthCamera& camera);
 
   /// @param depthMm  width x height of the camera
   void fill(std::span<const std::uint16_t> depthMm);
 
   /// @return camera frame [m]
-  [[nodiscard]] Vec3f placeOf(int column, int row) const {
+  [[nodiscard]] Vec3f positionOf(int column, int row) const {
     const float depth = 0.001F * static_cast<float>(depthMm[index(column, row)]);
-    return {depth * rayX[static_cast<std::size_t>(column)], depth * rayY[static_cast<std::size_t>(row)], -depth};
+    return {depth * rayX[column], depth * rayY[row], -depth};
   }
   [[nodiscard]] std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
   }
   [[nodiscard]] std::size_t cellCount() const { return depthMm.size(); }
-  /// Of the image that the cells are of; cells leave out its last column and row where they do not come out even.
+  /// Width of the original image; its last column and row are left out if the size is not a multiple of the block.
   [[nodiscard]] int imageWidth() const { return imageWidth_; }
 
   int step = 2;  ///< pixels to a cell, along either axis
   int width = 0;
   int height = 0;
-  double cellArea = 0.0;                ///< of a cell that faces the camera at a depth of 1 m [m^2]
-  std::vector<std::uint16_t> depthMm;   ///< width x height, rows from above; 0 = nothing measured in the block
-  std::vector<float> rayX;              ///< x of a column at depth 1
-  std::vector<float> rayY;              ///< y of a row at depth 1
-  int firstColumn = 0, lastColumn = 0;  ///< where the image has depth at all, inclusive: sensors leave margins out
+  double cellArea = 0.0;               ///< of a cell that faces the camera at a depth of 1 m [m^2]
+  std::vector<std::uint16_t> depthMm;  ///< width x height, top row first; 0 = nothing measured in the block
+  std::vector<float> rayX;             ///< x of a column at depth 1
+  std::vector<float> rayY;             ///< y of a row at depth 1
+  int firstColumn = 0,
+      lastColumn = 0;  ///< range in which the image has depth at all, inclusive: sensors leave margins empty
   int firstRow = 0, lastRow = 0;
 
  private:

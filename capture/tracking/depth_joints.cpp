@@ -5,12 +5,12 @@
 namespace lorica {
 namespace {
 
-/// How long a live source is waited for before unknown joints are given [s]; see DepthSource::next().
+/// How long to wait for a live source before unknown joints are returned [s]; see DepthSource::next().
 constexpr double kSilence = 0.1;
-/// What a clock that started anew is moved on by [s].
+/// Time step after a clock has restarted [s].
 constexpr double kFrameSeconds = 1.0 / 30.0;
 
-Vec3 placeOf(const TrackedPerson& person) {
+Vec3 positionOf(const TrackedPerson& person) {
   return person.skeleton[BodyJoint::kTorso].position;
 }
 
@@ -24,7 +24,7 @@ const TrackedPerson* DepthJoints::choose(std::span<const TrackedPerson> people) 
   const TrackedPerson* nearest = nullptr;
   for (const TrackedPerson& person : people) {
     if (person.skeleton.user == kept) return &person;
-    if (nearest == nullptr || placeOf(person).squaredNorm() < placeOf(*nearest).squaredNorm()) nearest = &person;
+    if (nearest == nullptr || positionOf(person).squaredNorm() < positionOf(*nearest).squaredNorm()) nearest = &person;
   }
   return wanted_ > 0 ? nullptr : nearest;
 }
@@ -60,7 +60,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   if (const TrackedPerson* person = choose(people)) {
     sight_.followed = true;
     following_ = person->skeleton.user;
-    if (!stage_) stage_ = Vec3(placeOf(*person).x(), 0.0, placeOf(*person).z());
+    if (!stage_) stage_ = Vec3(positionOf(*person).x(), 0.0, positionOf(*person).z());
     joints = person->skeleton;
     for (TrackedJoint& joint : joints.joints) joint.position -= *stage_;
   }

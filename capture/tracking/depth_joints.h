@@ -10,27 +10,28 @@
 
 namespace lorica {
 
-/// What a depth source showed when joints were last asked of it, and what came of it.
+/// What the depth source showed at the last request for joints, and the result.
 struct DepthSight {
   DepthRead read = DepthRead::kWaiting;
-  int people = 0;                                 ///< followed in the frame
-  bool followed = false;                          ///< whether the joints are a person's; else all are unknown
-  double trackSeconds = 0.0;                      ///< what the tracker took [s]
-  std::chrono::steady_clock::time_point arrived;  ///< when the frame was had, before it was tracked
-  DepthFrame image;                               ///< the last one that was had; empty before the first
-  SkeletonFrame joints;                           ///< what was given, world frame
+  int people = 0;                                 ///< tracked in the frame
+  bool followed = false;                          ///< whether the joints are a person's; otherwise all are unknown
+  double trackSeconds = 0.0;                      ///< time spent in the tracker [s]
+  std::chrono::steady_clock::time_point arrived;  ///< when the frame was received, before tracking
+  DepthFrame image;                               ///< the last one received; empty before the first
+  SkeletonFrame joints;                           ///< as returned, world frame
   Isometry3 cameraFromWorld = Isometry3::Identity();
 };
 
-/// The joints of one person before a depth camera.
+/// The joints of one person in front of a depth camera.
 ///
-/// World frame: the tracker's floor frame, moved over the floor so that the person first stood at its origin. Where
-/// nobody is seen, and about ten times a second while a live source is silent or unplugged, a frame of unknown joints
-/// comes, so that whatever follows them eases to rest. Times rise and begin with the source's own; a sensor whose clock
-/// starts anew goes on where it left off.
+/// World frame: the tracker's floor frame, moved along the floor such that the person's first position is its origin.
+/// If nobody is seen, and about ten times a second while a live source is silent or unplugged, a frame of unknown
+/// joints is returned, so that anything driven by them eases to rest. Times increase and start with the source's own;
+/// if the sensor's clock restarts, time continues where it left off.
 class DepthJoints final : public SkeletonSource {
  public:
-  /// @param person  the user number to follow, see TrackedPerson; 0 = the nearest, for as long as that one is followed
+  /// @param person  the user number to follow, see TrackedPerson; 0 = the nearest person, for as long as they are
+  /// tracked
   DepthJoints(std::unique_ptr<DepthSource> depth, Tracker tracker, int person = 0);
 
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
@@ -48,9 +49,9 @@ class DepthJoints final : public SkeletonSource {
   int wanted_;
   int following_ = 0;  ///< user number; 0 = nobody
   DepthSight sight_;
-  std::optional<double> time_;        ///< of the last frame given [s]
+  std::optional<double> time_;        ///< of the last returned frame [s]
   double worldFromSensorTime_ = 0.0;  ///< [s]
-  std::optional<Vec3> stage_;         ///< of the world's origin in the floor frame
+  std::optional<Vec3> stage_;         ///< the world's origin in the floor frame
 };
 
 }  // namespace lorica

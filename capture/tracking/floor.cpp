@@ -11,10 +11,10 @@ namespace lorica {
 
 namespace {
 
-constexpr int kSpacing = 4;         // cells between samples
-constexpr int kArm = 4;             // cells from a sample to those that its normal is taken from
-constexpr int kTries = 96;          // planes tried
-constexpr double kLeastLevel = 60;  // samples that a floor must have
+constexpr int kSpacing = 4;       // cells between samples
+constexpr int kArm = 4;           // cells from a sample to the cells that define its normal
+constexpr int kTries = 96;        // planes tried
+constexpr double kMinLevel = 60;  // min samples on a floor
 constexpr double kMaxTilt = 40.0 * EIGEN_PI / 180.0;
 constexpr double kMaxRoll = 20.0 * EIGEN_PI / 180.0;
 
@@ -33,12 +33,12 @@ void FloorFinder::takeSamples(const DepthGrid& grid) {
   for (int r = kArm; r + kArm < grid.height; r += kSpacing) {
     for (int c = kArm; c + kArm < grid.width; c += kSpacing) {
       if (grid.depthMm[grid.index(c, r)] == 0) continue;
-      const Vec3f place = grid.placeOf(c, r);
-      const float depth = -place.z();
-      // Heights err by what depths err, times the slope of the ray, which is the camera's height by the depth.
-      Sample sample{place, 2.5F * depthNoise(depth) / depth, false};
-      const auto left = grid.placeOf(c - kArm, r), right = grid.placeOf(c + kArm, r);
-      const auto above = grid.placeOf(c, r - kArm), below = grid.placeOf(c, r + kArm);
+      const Vec3f position = grid.positionOf(c, r);
+      const float depth = -position.z();
+      // The height error is the depth error times the slope of the ray, which is the camera's height over the depth.
+      Sample sample{position, 2.5F * depthNoise(depth) / depth, false};
+      const auto left = grid.positionOf(c - kArm, r), right = grid.positionOf(c + kArm, r);
+      const auto above = grid.positionOf(c, r - kArm), below = grid.positionOf(c, r + kArm);
       if (left.z() != 0.0F && right.z() != 0.0F && above.z() != 0.0F && below.z() != 0.0F) {
         const Vec3f normal = (right - left).cross(above - below);
         const bool smooth =
@@ -61,12 +61,12 @@ double FloorFinder::score(const Plane& plane) const {
   const auto height = static_cast<float>(plane.height);
   int on = 0, under = 0;
   for (const Sample& s : samples_) {
-    const float above = up.dot(s.place) + height;
+    const float above = up.dot(s.position) + height;
     const float tolerance = 0.015F + s.tolerance * height;
     on += static_cast<int>(s.level && std::abs(above) < tolerance);
     under += static_cast<int>(above < -0.06F - 2.0F * tolerance);
   }
-  // Mirrors and windows show a little under any floor.
+  // Mirrors and windows show a few points below any floor.
   return on - 40.0 * std::max(0.0, under - 0.003 * static_cast<double>(samples_.size()));
 }
 
@@ -77,19 +77,19 @@ bool FloorFinder::refine(Plane& plane) const {
   Mat3 products = Mat3::Zero();
   for (const std::uint32_t i : level_) {
     const Sample& s = samples_[i];
-    const Vec3 place = s.place.cast<double>();
+    const Vec3 position = s.position.cast<double>();
     const double tolerance = 0.015 + s.tolerance * height;
-    if (std::abs(plane.up.dot(place) + height) >= tolerance) continue;
+    if (std::abs(plane.up.dot(position) + height) >= tolerance) continue;
     const double weight = 1.0 / (tolerance * tolerance);
     weights += weight;
     count += 1.0;
-    sum += weight * place;
-    products += weight * place * place.transpose();
+    sum += weight * position;
+    products += weight * position * position.transpose();
   }
-  if (count < kLeastLevel) return false;
+  if (count < kMinLevel) return false;
   const Vec3 middle = sum / weights;
   const SymmetricAxes axes = symmetricAxes(Mat3(products / weights - middle * middle.transpose()));
-  // Less than that is the top of something.
+  // A smaller extent is the top of an object.
   if (std::sqrt(std::max(0.0, axes.values[1])) < 0.1) return false;
   Vec3 up = axes.vectors.col(0);
   if (up.y() < 0.0) up = -up;
@@ -99,13 +99,12 @@ bool FloorFinder::refine(Plane& plane) const {
 
 bool FloorFinder::detect(Plane& plane) {
   const auto count = static_cast<std::uint32_t>(level_.size());
-  if (count < kLeastLevel) return false;
+  if (count < kMinLevel) return false;
   RandomNumbers random(static_cast<std::uint64_t>(frameCount_) + 1);
   double best = 0.0;
   for (int i = 0; i < kTries; ++i) {
     std::array<Vec3, 3> p;
-    for (Vec3& place : p)
-      place = samples_[level_[static_cast<std::size_t>(random.unit() * count)]].place.cast<double>();
+    for (Vec3& position : p) position = samples_[level_[random.unit() * count]].position.cast<double>();
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
     if (normal.norm() < 0.01) continue;
     Plane tried{normal.normalized(), 0.0};
@@ -117,18 +116,18 @@ bool FloorFinder::detect(Plane& plane) {
     best = value;
     plane = tried;
   }
-  if (best < 0.5 * kLeastLevel) return false;
+  if (best < 0.5 * kMinLevel) return false;
   for (int i = 0; i < 3; ++i) {
     if (!refine(plane)) return false;
   }
-  return score(plane) >= kLeastLevel;
+  return score(plane) >= kMinLevel;
 }
 
 void FloorFinder::update(const DepthGrid& grid) {
   takeSamples(grid);
   const int frame = frameCount_++;
   if (!found_) {
-    // A floor may come into view at any time; looking for it costs more than all the rest.
+    // A floor may come into view at any time; searching for it costs more than everything else.
     if (frame >= 10 && frame % 10 != 0) return;
     found_ = detect(plane_);
     followed_ = 1;
@@ -142,9 +141,9 @@ void FloorFinder::update(const DepthGrid& grid) {
     ++followed_;
   }
   if (frame % 15 != 0) return;
-  // The camera was moved, or what was taken for the floor turns out to have something below it.
+  // The camera was moved, or the plane taken for the floor turns out to have something below it.
   Plane other;
-  const bool better = detect(other) && score(other) > 1.5 * std::max(0.0, score(plane_)) + kLeastLevel;
+  const bool better = detect(other) && score(other) > 1.5 * std::max(0.0, score(plane_)) + kMinLevel;
   doubts_ = better ? doubts_ + 1 : 0;
   if (doubts_ < 3) return;
   plane_ = other;

@@ -5,7 +5,7 @@
 namespace lorica::fit {
 namespace {
 
-/// The capsules of capsuleDefs() by name; the left ones, the right one follows each.
+/// Names for the capsules of capsuleDefs(); names of paired ones are the left ones, each followed by the right one.
 enum CapsuleName : std::uint8_t {
   kPelvisCapsule,
   kWaistCapsule,
@@ -22,26 +22,24 @@ enum CapsuleName : std::uint8_t {
   kFootCapsule = 19,
 };
 
-constexpr double kRise = 0.2;   ///< confidence comes back by so much a view
-constexpr double kLeast = 0.1;  ///< of a joint that nothing speaks for
+constexpr double kRise = 0.2;  ///< max increase of confidence per view
+constexpr double kMin = 0.1;   ///< of a joint without evidence
 constexpr double kSeenFully = 2.0;
 
 }  // namespace
 
 void JointConfidence::restart() {
-  confidence_.fill(kLeast);
+  confidence_.fill(kMin);
 }
 
 void JointConfidence::update(const CapsuleSupport& support) {
   using J = BodyJoint;
-  // 0.5 where as much of the capsule was seen as is needed, 1 at twice that.
+  // 0.5 if as much of the capsule was seen as needed, 1 at twice that.
   const auto shown = [&](int capsule, double needed) {
     const auto c = static_cast<std::size_t>(capsule);
     return std::clamp(static_cast<double>(support.seen[c]) / (kSeenFully * needed), 0.0, 1.0);
   };
-  const auto violated = [&](int capsule, float most) {
-    return support.violation[static_cast<std::size_t>(capsule)] > most;
-  };
+  const auto violated = [&](int capsule, float max) { return support.violation[capsule] > max; };
   std::array<double, kBodyJointCount> now{};
   const auto set = [&](J joint, double value) { now[static_cast<std::size_t>(joint)] = value; };
   set(J::kHead, shown(kHeadCapsule, 0.15));
@@ -65,12 +63,12 @@ void JointConfidence::update(const CapsuleSupport& support) {
     const double calf = std::max(shown(kCalfCapsule + side, 0.2), shown(kShinCapsule + side, 0.2));
     set(of(J::kLeftKnee), std::max(calf, shown(kThighCapsule + side, 0.3)));
     set(of(J::kLeftFoot), std::max(shown(kFootCapsule + side, 0.2), shown(kShinCapsule + side, 0.4)));
-    const auto seen = [&](int capsule) { return support.seen[static_cast<std::size_t>(capsule + side)]; };
-    hidden_[static_cast<std::size_t>(side)] = seen(kForearmCapsule) < 0.15F && seen(kHandCapsule) < 0.2F;
-    hidden_[static_cast<std::size_t>(2 + side)] = seen(kShinCapsule) < 0.15F && seen(kCalfCapsule) < 0.15F;
+    const auto seen = [&](int capsule) { return support.seen[capsule + side]; };
+    hidden_[side] = seen(kForearmCapsule) < 0.15F && seen(kHandCapsule) < 0.2F;
+    hidden_[2 + side] = seen(kShinCapsule) < 0.15F && seen(kCalfCapsule) < 0.15F;
   }
   for (std::size_t j = 0; j < now.size(); ++j) {
-    confidence_[j] = std::max(kLeast, std::min(now[j], confidence_[j] + kRise));
+    confidence_[j] = std::max(kMin, std::min(now[j], confidence_[j] + kRise));
   }
 }
 

@@ -18,8 +18,8 @@ V3 unitAcross(const V3& v, const V3& along) {
 }
 
 V3 anyAcross(const V3& along) {
-  const V3 least = std::abs(along.x()) < 0.6F ? V3::UnitX() : V3::UnitY();
-  return unitAcross(least, along);
+  const V3 min = std::abs(along.x()) < 0.6F ? V3::UnitX() : V3::UnitY();
+  return unitAcross(min, along);
 }
 
 }  // namespace
@@ -40,12 +40,12 @@ bool isOf(Limb limb, int node) {
   return node == upperNodeOf(limb) || node == lowerNodeOf(limb) || node == endNodeOf(limb);
 }
 
-void layLimb(Limb limb, const PosedBody& body, const V3& upper, const V3& lower, BodyPose& pose) {
+void layLimb(Limb limb, const PosedModel& body, const V3& upper, const V3& lower, BodyPose& pose) {
   const Node node = upperNodeOf(limb);
   const auto& def = nodeDefs()[node];
-  const M3& above = body.rotation[static_cast<std::size_t>(def.parent)];
+  const M3& above = body.rotation[def.parent];
   const float bend = std::acos(std::clamp(upper.dot(lower), -1.0F, 1.0F));
-  // The lower limb bends forward of an arm's line and behind a leg's; a straight limb turns the shortest way.
+  // The lower limb bends forward for an arm, backward for a leg; a straight limb takes the shortest rotation.
   V3 side = unitAcross(isArm(limb) ? lower : V3(-lower), upper);
   if (bend < 0.15F || side.squaredNorm() < 0.5F) {
     const V3 rest = isArm(limb) ? V3(limb == kLeftArm ? 1.0F : -1.0F, 0.0F, 0.0F) : V3(0.0F, -1.0F, 0.0F);
@@ -66,7 +66,7 @@ void layLimb(Limb limb, const PosedBody& body, const V3& upper, const V3& lower,
   }
   pose.turn[node] = Q(M3(above.transpose() * rotation)).normalized();
   const Node low = lowerNodeOf(limb);
-  pose.angle[low][0] = std::clamp(bend, nodeDefs()[low].least[0], nodeDefs()[low].most[0]);
+  pose.angle[low][0] = std::clamp(bend, nodeDefs()[low].min[0], nodeDefs()[low].max[0]);
   pose.angle[endNodeOf(limb)] = {0.0F, 0.0F};
 }
 
@@ -92,11 +92,11 @@ LimbLine reachFor(const V3& origin, float upperLength, float lowerLength, const 
 }
 
 BodyPose turnedAbout(const BodyPose& pose, const Proportions& proportions) {
-  PosedBody body;
+  PosedModel body;
   poseBody(pose, proportions, body);
   BodyPose out = pose;
-  // Half a turn about the vertical; what the trunk bends forward it then bends back, so straighten it by mirroring:
-  // the new front is the old back, and its lean in the world is the same.
+  // Half a turn about the vertical would turn the trunk's forward bend into a backward bend, so mirror it: the new
+  // front is the old back, and its lean in the world is the same.
   const Q half(Eigen::AngleAxisf(3.14159265F, V3::UnitY()));
   out.turn[kPelvis] = pose.turn[kPelvis] * half;
   for (const Node node : {kSpine, kChest, kNeck}) out.turn[node] = half.conjugate() * pose.turn[node] * half;
@@ -104,16 +104,16 @@ BodyPose turnedAbout(const BodyPose& pose, const Proportions& proportions) {
   for (const int limb : {0, 1, 2, 3}) {
     const auto mine = static_cast<Limb>(limb);
     const auto other = static_cast<Limb>(limb ^ 1);
-    PosedBody turned;
+    PosedModel turned;
     poseBody(out, proportions, turned);
     const auto up = upperNodeOf(mine);
     const auto low = lowerNodeOf(mine);
     const auto end = endNodeOf(mine);
-    const V3 origin = turned.place[up];
-    const V3 mid = body.place[lowerNodeOf(other)];
-    const V3 tip = body.place[endNodeOf(other)];
-    const float a = (turned.place[low] - origin).norm();
-    const float b = (turned.place[end] - turned.place[low]).norm();
+    const V3 origin = turned.position[up];
+    const V3 mid = body.position[lowerNodeOf(other)];
+    const V3 tip = body.position[endNodeOf(other)];
+    const float a = (turned.position[low] - origin).norm();
+    const float b = (turned.position[end] - turned.position[low]).norm();
     V3 pole = mid - origin;
     if (mine == kLeftLeg || mine == kRightLeg) pole = turned.rotation[kPelvis].col(2);
     const LimbLine line = reachFor(origin, a, b, tip, pole);
@@ -126,7 +126,7 @@ BodyPose standingPose(const V3& root, float heading, float aside, float forward,
   BodyPose pose;
   pose.root = root;
   pose.turn[kPelvis] = Q(Eigen::AngleAxisf(heading, V3::UnitY()));
-  PosedBody body;
+  PosedModel body;
   poseBody(pose, Proportions(), body);
   const M3& turn = body.rotation[kPelvis];
   for (const Limb limb : {kLeftArm, kRightArm}) {

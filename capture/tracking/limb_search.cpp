@@ -7,14 +7,14 @@ namespace lorica::fit {
 namespace {
 
 constexpr float kWidthSq = 0.08F * 0.08F;  ///< robust width of points [m^2]
-constexpr std::size_t kMostNear = 160;     ///< points looked at
-constexpr float kLoose = 0.05F;            ///< points this far from the rest of the body ask for a limb [m]
+constexpr std::size_t kMaxNear = 160;      ///< max points considered
+constexpr float kLoose = 0.05F;            ///< points this far from the rest of the body suggest a limb [m]
 constexpr float kUnlike = 0.12F;           ///< candidates differ by this much at elbow or hand [m]
 
-/// Directions of the upper limb in the frame that it hangs on: of a left limb; x is outward.
+/// Directions of the upper limb in its parent's frame, for a left limb; x is outward.
 constexpr int kDirections = 22;
 std::array<V3, kDirections> makeDirections(bool arm) {
-  // Rings about the vertical: heights and how many on each, those that the joint allows.
+  // Rings about the vertical that the joint allows: height and number of directions.
   std::array<V3, kDirections> directions;
   std::size_t n = 0;
   const auto add = [&](float up, float from, float to, int count) {
@@ -46,8 +46,8 @@ std::array<V3, kDirections> makeDirections(bool arm) {
 }  // namespace
 
 LimbSearch::LimbSearch() {
-  near_.reserve(kMostNear);
-  loose_.reserve(kMostNear);
+  near_.reserve(kMaxNear);
+  loose_.reserve(kMaxNear);
 }
 
 float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Proportions& proportions, Limb limb) {
@@ -58,39 +58,38 @@ float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Propo
   std::array<int, 4> mine{};
   std::size_t count = 0;
   for (int c = 0; c < kCapsuleCount; ++c) {
-    if (isOf(limb, body_.capsule[static_cast<std::size_t>(c)].node)) mine[count++] = c;
+    if (isOf(limb, body_.capsule[c].node)) mine[count++] = c;
   }
   float cost = 0.0F;
   for (const Near& point : near_) {
     SurfaceMatch m;
     m.costSq = point.otherSq;
-    for (std::size_t k = 0; k < count; ++k) matchCapsule(body_, mine[k], point.place, point.normal, point.ray, m);
+    for (std::size_t k = 0; k < count; ++k) matchCapsule(body_, mine[k], point.position, point.normal, point.ray, m);
     cost += each * robust(m.costSq, kWidthSq).cost;
   }
   const auto samples = samplesOfBody();
   for (const Sample& sample : samples) {
-    if (!isOf(limb, body_.capsule[static_cast<std::size_t>(sample.capsule)].node)) continue;
+    if (!isOf(limb, body_.capsule[sample.capsule].node)) continue;
     const SamplePulls pulls = pullsOf(view, body_, sample);
-    for (int i = 0; i < pulls.count; ++i) cost += pulls.pull[static_cast<std::size_t>(i)].cost;
+    for (int i = 0; i < pulls.count; ++i) cost += pulls.pull[i].cost;
   }
   for (const CollisionPair& pair : collisionPairs()) {
-    const Sample& sample = samples[static_cast<std::size_t>(pair.sample)];
-    if (!isOf(limb, body_.capsule[static_cast<std::size_t>(sample.capsule)].node)) continue;
-    const int other = body_.capsule[static_cast<std::size_t>(pair.capsule)].node;
+    const Sample& sample = samples[pair.sample];
+    if (!isOf(limb, body_.capsule[sample.capsule].node)) continue;
+    const int other = body_.capsule[pair.capsule].node;
     if (without_ != limb && isOf(without_, other)) continue;
     cost += collisionOf(body_, ballOf(body_, sample), pair.capsule).cost;
   }
   for (const BallLimit& limit : ballLimits()) {
     if (limit.node != upperNodeOf(limb)) continue;
-    cost += excessOf(limit, pose.turn[static_cast<std::size_t>(limit.node)]).squaredNorm() /
-            (kLimitDeviation * kLimitDeviation);
+    cost += excessOf(limit, pose.turn[limit.node]).squaredNorm() / (kLimitDeviation * kLimitDeviation);
   }
   return cost;
 }
 
 void LimbSearch::offer(const BodyPose& pose, float cost, Limb limb) {
-  if (count_ == kMostCandidates && cost >= candidates_[count_ - 1].cost) return;
-  // Unlike by what the limb's turns do, about 0.3 m at the end of an arm of a metre.
+  if (count_ == kMaxCandidates && cost >= candidates_[count_ - 1].cost) return;
+  // Measured by the limb's rotations: about 0.3 m at the end of a one-metre arm.
   const auto unlike = [&](const BodyPose& other) {
     const Node up = upperNodeOf(limb);
     const float turn = pose.turn[up].angularDistance(other.turn[up]);
@@ -104,7 +103,7 @@ void LimbSearch::offer(const BodyPose& pose, float cost, Limb limb) {
     --count_;
     break;
   }
-  if (count_ < kMostCandidates) ++count_;
+  if (count_ < kMaxCandidates) ++count_;
   std::size_t at = count_ - 1;
   while (at > 0 && candidates_[at - 1].cost > cost) {
     candidates_[at] = candidates_[at - 1];
@@ -118,12 +117,12 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
   static const std::array<std::array<V3, kDirections>, 2> directions = {makeDirections(true), makeDirections(false)};
   const bool arm = limb == kLeftArm || limb == kRightArm;
   const float mirror = (limb & 1) == 0 ? 1.0F : -1.0F;
-  PosedBody body;
+  PosedModel body;
   poseBody(pose, proportions, body);
   const Node up = upperNodeOf(limb), low = lowerNodeOf(limb), end = endNodeOf(limb);
-  const V3 origin = body.place[up];
-  const float upperLength = (body.place[low] - origin).norm();
-  const float lowerLength = (body.place[end] - body.place[low]).norm();
+  const V3 origin = body.position[up];
+  const float upperLength = (body.position[low] - origin).norm();
+  const float lowerLength = (body.position[end] - body.position[low]).norm();
   const float handLength = (arm ? 0.12F : 0.04F) * body.girth[kPelvis];
   const float reach = upperLength + lowerLength + handLength + 0.15F;
 
@@ -131,32 +130,32 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
   near_.clear();
   loose_.clear();
   const auto points = view.points();
-  const std::size_t most = std::min<std::size_t>(points.size(), 600);
-  for (std::size_t i = 0; i < most && near_.size() < kMostNear; ++i) {
+  const std::size_t max = std::min<std::size_t>(points.size(), 600);
+  for (std::size_t i = 0; i < max && near_.size() < kMaxNear; ++i) {
     const BodyView::Point& point = points[i];
-    if ((point.place - origin).squaredNorm() > reach * reach) continue;
+    if ((point.position - origin).squaredNorm() > reach * reach) continue;
     SurfaceMatch m;
     for (int c = 0; c < kCapsuleCount; ++c) {
-      const int node = body.capsule[static_cast<std::size_t>(c)].node;
+      const int node = body.capsule[c].node;
       if (!isOf(limb, node) && !isOf(without, node)) {
-        matchCapsule(body, c, point.place, point.normal, point.ray, m);
+        matchCapsule(body, c, point.position, point.normal, point.ray, m);
       }
     }
-    // Points that the rest of the body explains well cannot ask for the limb.
+    // Points that the rest of the body explains well cannot suggest the limb.
     if (m.costSq < 0.02F * 0.02F) continue;
-    near_.push_back({point.place, point.normal, point.ray, m.costSq});
-    if (m.costSq > kLoose * kLoose) loose_.push_back(point.place);
+    near_.push_back({point.position, point.normal, point.ray, m.costSq});
+    if (m.costSq > kLoose * kLoose) loose_.push_back(point.position);
   }
   count_ = 0;
   presentCost_ = costOf(view, pose, proportions, limb);
 
   BodyPose tried = pose;
-  const M3& above = body.rotation[static_cast<std::size_t>(nodeDefs()[up].parent)];
+  const M3& above = body.rotation[nodeDefs()[up].parent];
   const auto attempt = [&](const V3& upper, const V3& lower) {
     layLimb(limb, body, upper, lower, tried);
     offer(tried, costOf(view, tried, proportions, limb), limb);
   };
-  // Reaching for what nothing else explains: the furthest such point, then others spread over them.
+  // Reach for points that nothing else explains: first the farthest, then others distributed over them.
   if (!loose_.empty()) {
     std::size_t furthest = 0;
     for (std::size_t i = 1; i < loose_.size(); ++i) {
@@ -167,7 +166,7 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
     for (std::size_t k = 0; k < kTargets; ++k) {
       const std::size_t i = k * loose_.size() / kTargets;
       if (k > 0 && i == 0) continue;
-      const V3 target = loose_[i] + 0.03F * (loose_[i] - view.cameraPlace()).normalized();
+      const V3 target = loose_[i] + 0.03F * (loose_[i] - view.cameraPosition()).normalized();
       const V3 line = (target - origin).normalized();
       const V3 wrist = target - handLength * line;
       const V3 side = (std::abs(line.y()) < 0.9F ? V3::UnitY() : V3::UnitZ()).cross(line).normalized();

@@ -35,9 +35,11 @@ Result<std::optional<SkeletonFrame>> LiveJoints::next() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return latest_.has_value(); });
   Result<std::optional<SkeletonFrame>> given = *latest_;
-  // The end and errors stay: they are given to whoever asks again.
-  if (given && given->has_value()) latest_.reset();
-  std::swap(sight_, latestSight_);  // the other's storage is written anew with the next image
+  // The end and errors stay: later calls return them again.
+  if (given && given->has_value()) {
+    latest_.reset();
+    std::swap(sight_, latestSight_);  // the other's storage is reused for the next image
+  }
   frameCount_ = latestFrameCount_;
   followedCount_ = latestFollowedCount_;
   return given;

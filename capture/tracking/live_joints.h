@@ -9,42 +9,42 @@
 
 namespace lorica {
 
-/// DepthJoints on a thread of its own: every image of a live camera is followed, however long whoever asks takes to
-/// draw. Asking gives the latest joints; those that nobody asked for in time are passed over.
+/// Runs DepthJoints on its own thread: every image of a live camera is tracked, however long the caller takes to draw.
+/// next() returns the latest joints; joints not fetched in time are skipped.
 class LiveJoints final : public SkeletonSource {
  public:
-  /// Begins to follow.
+  /// Starts tracking.
   explicit LiveJoints(DepthJoints joints);
   ~LiveJoints() override;
   LiveJoints(const LiveJoints&) = delete;
   LiveJoints& operator=(const LiveJoints&) = delete;
 
-  /// Waits for joints later than those of the last call.
+  /// Waits for joints newer than those of the last call.
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
 
-  /// Whether next() would not wait.
+  /// Whether next() would return without waiting.
   [[nodiscard]] bool ready() const;
 
   [[nodiscard]] const DepthSource& source() const { return joints_.source(); }
   /// Of the last next().
   [[nodiscard]] const DepthSight& sight() const { return sight_; }
-  /// How many images were followed up to the last next(), and in how many of them there was a person.
+  /// Number of images tracked up to the last next(), and of those that showed a person.
   [[nodiscard]] int frameCount() const { return frameCount_; }
   [[nodiscard]] int followedCount() const { return followedCount_; }
 
  private:
   void run();
 
-  DepthJoints joints_;  ///< the thread's
+  DepthJoints joints_;  ///< used by the thread only
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Result<std::optional<SkeletonFrame>>> latest_;  ///< nothing while it was given already
+  std::optional<Result<std::optional<SkeletonFrame>>> latest_;  ///< empty once it was returned
   DepthSight latestSight_;
   int latestFrameCount_ = 0, latestFollowedCount_ = 0;
   bool stop_ = false;
 
-  DepthSight sight_;  ///< the asker's
+  DepthSight sight_;  ///< used by the caller only
   int frameCount_ = 0, followedCount_ = 0;
   std::thread thread_;
 };

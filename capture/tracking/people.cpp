@@ -20,17 +20,17 @@ namespace lorica {
 
 namespace {
 
-constexpr double kRemembered = 2.0;      // seconds that a person keeps the number out of sight
-constexpr int kLeastCells = 20;          // of a person who is seen
-constexpr float kLeastHeight = 1.1F;     // of whoever does not move, over the floor [m]
-constexpr int kMovingFrames = 3;         // in a row, until someone has moved
-constexpr double kStillSeconds = 3.0;    // that furniture may be taken for a person
-constexpr double kPersonSeconds = 20.0;  // that someone with head and shoulders may stand like a post
+constexpr double kRemembered = 2.0;      // how long a person out of sight keeps their number [s]
+constexpr int kMinCells = 20;            // of a person who is seen
+constexpr float kMinHeight = 1.1F;       // of a person who does not move, over the floor [m]
+constexpr int kMovingFrames = 3;         // consecutive moving frames until a person counts as moved
+constexpr double kStillSeconds = 3.0;    // how long furniture may be taken for a person
+constexpr double kPersonSeconds = 20.0;  // how long someone with head and shoulders may stand motionless
 
 }  // namespace
 
 struct PeopleFinder::Impl {
-  Impl(const DepthCamera& depthCamera, int most);
+  Impl(const DepthCamera& depthCamera, int max);
 
   void classify();
   void measure();
@@ -45,7 +45,7 @@ struct PeopleFinder::Impl {
   int maxPeople;
   DepthGrid grid;
   FloorFinder floor;
-  FloorPlaces places;
+  FloorPositions positions;
   Background background;
   ComponentFinder finder;
   PersonOwners owners;
@@ -66,12 +66,12 @@ struct PeopleFinder::Impl {
   Isometry3 floorFromCamera = Isometry3::Identity();
 };
 
-PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int most)
+PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
     : camera(depthCamera),
-      maxPeople(std::clamp(most, 1, kPersonSlots - 2)),
+      maxPeople(std::clamp(max, 1, kPersonSlots - 2)),
       grid(depthCamera),
       floor(grid),
-      places(grid),
+      positions(grid),
       background(grid),
       finder(grid),
       owners(grid, depthCamera),
@@ -90,12 +90,12 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int most)
 void PeopleFinder::Impl::classify() {
   std::ranges::fill(kinds, CellKind::kNone);
   if (floor.found()) {
-    const float height = places.cameraHeight();
+    const float height = positions.cameraHeight();
     for (int r = 0; r < grid.height; ++r) {
       for (int c = 0; c < grid.width; ++c) {
         const std::size_t i = grid.index(c, r);
         const std::uint16_t depthMm = grid.depthMm[i];
-        const float above = 0.001F * static_cast<float>(depthMm) * places.slope(c, r) + height;
+        const float above = 0.001F * static_cast<float>(depthMm) * positions.slope(c, r) + height;
         if (depthMm != 0 && above < 0.008F + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
       }
     }
@@ -115,23 +115,22 @@ void PeopleFinder::Impl::measure() {
       const std::size_t i = grid.index(c, r);
       if (person[i] == 0) continue;
       PersonSlot& slot = slots[person[i] - 1U];
-      const Vec3f place = places(grid, c, r);
+      const Vec3f position = positions(grid, c, r);
       ++slot.cells;
       slot.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
-      slot.sum += place;
+      slot.sum += position;
       slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
       slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
-      ++slot.heights[static_cast<std::size_t>(
-          std::clamp(static_cast<int>((place.y() + 0.5F) * 50.0F), 0, kHeightBins - 1))];
+      ++slot.heights[std::clamp(static_cast<int>((position.y() + 0.5F) * 50.0F), 0, kHeightBins - 1)];
     }
   }
   for (int k = 0; k < kPersonSlots; ++k) {
-    PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    PersonSlot& slot = slots[k];
     if (!slot.used) continue;
-    slot.seen = slot.cells >= kLeastCells;
+    slot.seen = slot.cells >= kMinCells;
     if (slot.seen) {
       int above = 0, bin = kHeightBins;
-      while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[static_cast<std::size_t>(--bin)];
+      while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
       slot.top = 0.02F * static_cast<float>(bin + 1) - 0.5F;
       const Vec3f middle = slot.sum / static_cast<float>(slot.cells);
       const double since = time - slot.lastSeen;
@@ -155,16 +154,16 @@ void PeopleFinder::Impl::measure() {
   }
 }
 
-/// What never moves is no person, nor is what proves to be low once the floor is known.
+/// Something that never moves, or proves to be low once the floor is known, is not a person.
 void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
   for (int k = 0; k < kPersonSlots; ++k) {
-    PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    PersonSlot& slot = slots[k];
     if (!slot.seen || slot.moved) continue;
     const double age = time - slot.born;
     const bool low =
-        floorIsNew && !slot.cutAbove && slot.top < kLeastHeight && slot.cells * 25 < static_cast<int>(person.size());
-    const bool likely = age < kStillSeconds ||
-                        (age < kPersonSeconds && hasHeadAndShoulders(grid, places, person, k, slot.top, slot.cutAside));
+        floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * 25 < static_cast<int>(person.size());
+    const bool likely = age < kStillSeconds || (age < kPersonSeconds && hasHeadAndShoulders(grid, positions, person, k,
+                                                                                            slot.top, slot.cutAside));
     if (!low && likely) continue;
     for (std::size_t i = 0; i < person.size(); ++i) {
       if (person[i] != k + 1) continue;
@@ -175,20 +174,20 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
   }
 }
 
-/// Whoever has moved, or stands free. What is cut off by the image's top or sides may be a shelf as well: it must show
-/// head and shoulders.
+/// True for a person who has moved or stands free. Something cut off by the image's top or sides may also be a shelf:
+/// it must show head and shoulders.
 bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
   if (slot.moved || (!slot.cutAbove && !slot.cutAside)) return true;
-  return hasHeadAndShoulders(grid, places, person, static_cast<int>(&slot - slots.data()), slot.top, slot.cutAside);
+  return hasHeadAndShoulders(grid, positions, person, static_cast<int>(&slot - slots.data()), slot.top, slot.cutAside);
 }
 
-/// The nearest ones, those who move first; whoever is reported stays so.
+/// Reports the nearest people, moving ones first; people already reported are kept.
 void PeopleFinder::Impl::report() {
   int reported = 0;
   for (const PersonSlot& slot : slots) reported += static_cast<int>(slot.used && slot.reported);
   for (;;) {
     PersonSlot* next = nullptr;
-    PersonSlot* least = nullptr;
+    PersonSlot* min = nullptr;
     const auto before = [](const PersonSlot& a, const PersonSlot& b) {
       if (a.moved != b.moved) return a.moved;
       return std::hypot(a.middle.x(), a.middle.z()) < std::hypot(b.middle.x(), b.middle.z());
@@ -196,7 +195,7 @@ void PeopleFinder::Impl::report() {
     for (PersonSlot& slot : slots) {
       if (!slot.used) continue;
       if (slot.reported) {
-        if (least == nullptr || before(*least, slot)) least = &slot;
+        if (min == nullptr || before(*min, slot)) min = &slot;
       } else if (slot.seen && (next == nullptr || before(slot, *next)) && looksLikePerson(slot)) {
         next = &slot;
       }
@@ -204,9 +203,9 @@ void PeopleFinder::Impl::report() {
     if (next == nullptr) return;
     if (reported == maxPeople) {
       // Furniture gives way to people.
-      if (least == nullptr || least->moved || !next->moved) return;
-      least->reported = false;
-      least->user = 0;
+      if (min == nullptr || min->moved || !next->moved) return;
+      min->reported = false;
+      min->user = 0;
     } else {
       ++reported;
     }
@@ -219,7 +218,7 @@ void PeopleFinder::Impl::report() {
   }
 }
 
-/// What the caller sees: people by rising number.
+/// The output: people by increasing number.
 void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
   people.clear();
   std::array<std::uint8_t, kPersonSlots> numbers{};
@@ -238,7 +237,7 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
     segment.middle = next->middle.cast<double>();
     segment.topHeight = next->top;
     people.push_back(segment);
-    numbers[static_cast<std::size_t>(next - slots.data())] = static_cast<std::uint8_t>(people.size());
+    numbers[next - slots.data()] = static_cast<std::uint8_t>(people.size());
   }
   paintPeople(grid, finder, depthMm, numbers, person, people, labels);
 }
@@ -252,16 +251,16 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   floor.update(grid);
   const bool floorIsNew = floor.found() && !floorBefore;
   floorFromCamera = floor.floorFromCamera();
-  places.set(grid, floorFromCamera);
+  positions.set(grid, floorFromCamera);
   classify();
-  finder.find(grid, places, kinds, LastCells{lastPerson, lastDepthMm});
-  owners.share(
-      {grid, places, finder, kinds, LastCells{lastPerson, lastDepthMm}, floorFromCamera, floor.found(), time, elapsed},
-      slots);
+  finder.find(grid, positions, kinds, LastCells{lastPerson, lastDepthMm});
+  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, floorFromCamera, floor.found(),
+                time, elapsed},
+               slots);
   measure();
   giveUpFurniture(floorIsNew);
 
-  // The room is learnt from what is nobody's for sure.
+  // The background is learnt from what certainly belongs to nobody.
   const std::span<const std::int32_t> label = finder.labels();
   for (std::size_t i = 0; i < taken.size(); ++i) {
     const bool maybe = label[i] >= 0 && owners.mayBeSomeone(static_cast<std::size_t>(label[i]));
@@ -279,7 +278,7 @@ PeopleFinder::PeopleFinder(const DepthCamera& camera, int maxPeople)
 PeopleFinder::~PeopleFinder() = default;
 
 void PeopleFinder::find(const DepthFrame& frame) {
-  CHECK(frame.depthMm.size() == impl_->labels.size(), "a depth image must have the camera's size");
+  LORICA_CHECK(frame.depthMm.size() == impl_->labels.size(), "the depth image must have the camera's size");
   impl_->find(frame);
 }
 std::span<const PersonSegment> PeopleFinder::people() const {

@@ -12,17 +12,17 @@ namespace lorica {
 
 /// One person's pixels in one frame.
 struct PersonSegment {
-  int user = 1;  ///< stays from frame to frame while the person is seen, and for two seconds after
+  int user = 1;  ///< kept from frame to frame while the person is seen, and for two seconds after
   int left = 0, top = 0, right = 0, bottom = 0;  ///< bounding box [pixels], right and bottom exclusive
   int pixelCount = 0;
   Vec3 middle = Vec3::Zero();  ///< of its points, floor frame [m]
   double topHeight = 0.0;      ///< the highest point over the floor [m]
-  bool cutByBorder = false;    ///< touches the image's border
+  bool cutByBorder = false;    ///< touches the image border
 };
 
-/// Finds the floor, takes away the background and separates people from it and from each other. See Tracker for frames.
+/// Finds the floor, removes the background, and separates people from it and from each other. See Tracker for frames.
 ///
-/// One instance a camera: it remembers. Allocates nothing after the first frames.
+/// Use one instance per camera, because it keeps state. Does not allocate after the first frames.
 class PeopleFinder {
  public:
   explicit PeopleFinder(const DepthCamera& camera, int maxPeople);
@@ -31,7 +31,7 @@ class PeopleFinder {
   /// @param frame  width x height of the camera
   void find(const DepthFrame& frame);
 
-  /// By rising user number.
+  /// By increasing user number.
   [[nodiscard]] std::span<const PersonSegment> people() const;
   /// width x height: 0 background, 255 not measured, else the index in people() + 1.
   [[nodiscard]] std::span<const std::uint8_t> labels() const;

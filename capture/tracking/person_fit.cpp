@@ -9,38 +9,38 @@ namespace lorica::fit {
 namespace {
 
 constexpr float kMannequinHeight = 1.752F;  ///< [m]
-constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is found anew
-constexpr float kLostShare = 0.20F;         ///< of points that the body does not explain: the person is lost
-constexpr int kLostViews = 3;               ///< so many times in a row
-constexpr float kLostLimb = 0.06F;          ///< a limb this far where it cannot be is searched for [m]
-constexpr float kPassing = 0.45F;           ///< feet this near to each other may be exchanged [m]
-constexpr float kWorse = 1.25F;             ///< times the usual cost at which that is looked into
-constexpr int kPairPause = 2;               ///< views between two such looks
-constexpr float kUsualRise = 0.03F;         ///< by which the usual cost follows the present one, each view
-constexpr int kMostSearched = 1;            ///< lost limbs searched for in a view beside the one whose turn it is
-constexpr float kEase = 0.04F;              ///< of the way to rest, each view, by arms that are not seen
-constexpr float kMomentum = 0.7F;           ///< of the last step, in the prediction of the next
+constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is searched for again
+constexpr float kLostShare = 0.20F;  ///< fraction of points not explained by the body at which the person is lost
+constexpr int kLostViews = 3;        ///< consecutive views
+constexpr float kLostLimb = 0.06F;   ///< a limb that violates the image by this much is searched for [m]
+constexpr float kPassing = 0.45F;    ///< feet closer than this may be swapped [m]
+constexpr float kWorse = 1.25F;      ///< multiple of the usual cost at which a swap is checked
+constexpr int kPairPause = 2;        ///< views between two such checks
+constexpr float kUsualRise = 0.03F;  ///< how fast the usual cost follows the present one, per view
+constexpr int kMaxSearched = 1;      ///< lost limbs searched for per view, besides the one whose turn it is
+constexpr float kEase = 0.04F;       ///< fraction of the way to rest per view, for arms that are not seen
+constexpr float kMomentum = 0.7F;    ///< fraction of the last step, in the prediction of the next
 
-// By how much a proportion may change in a view. Later hardly: in poses that the body explains badly, such as a deep
-// squat, proportions drift to what is wrong for all others.
+// How much a proportion may change in a view. Hardly at all later: in poses that the body explains badly, such as a
+// deep squat, proportions drift to values that are wrong for all other poses.
 constexpr int kLearningViews = 30;
 constexpr float kLearning = 0.01F;
 constexpr float kLearningCut = 0.001F;  // while the image has not shown the whole body for long enough
 constexpr float kLearnt = 0.0003F;
 
-constexpr int kEarlyViews = 60;        ///< in which rivals are sought without pause
-constexpr int kChallengePause = 60;    ///< views between searches for rivals later
-constexpr int kRivalViews = 6;         ///< that a rival is followed before it can win
-constexpr float kRivalShare = 0.93F;   ///< of the own cost that a rival must stay under
-constexpr float kStartEffort = 12.0F;  ///< milliseconds a view, about
+constexpr int kEarlyViews = 60;        ///< during which rivals are searched for without pause
+constexpr int kChallengePause = 60;    ///< views between later searches for rivals
+constexpr int kRivalViews = 6;         ///< views that a rival is tracked before it can win
+constexpr float kRivalShare = 0.93F;   ///< fraction of the present cost that a rival must stay below
+constexpr float kStartEffort = 12.0F;  ///< milliseconds per view, approximately
 constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
-constexpr std::size_t kLeastPoints = 40;
+constexpr std::size_t kMinPoints = 40;
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
 constexpr std::array<FitStage, 1> kRivalFollow = {{{0.08F, 400, 4}}};
 
-/// Deviation of each degree of freedom from what is predicted, in one frame.
+/// Deviation of each degree of freedom from the prediction, in one frame.
 Step followStiffness() {
   Step deviation;
   const auto& nodes = nodeDefs();
@@ -58,7 +58,7 @@ Step followStiffness() {
   return deviation.cwiseAbs2().cwiseInverse();
 }
 
-/// An arm that is not seen most likely comes to hang.
+/// An arm that is not seen most likely moves to hang down.
 void easeDown(Limb arm, BodyPose& pose) {
   static const BodyPose rest = standingPose(V3::Zero(), 0.0F, 0.15F, 0.1F, 0.25F);
   const Node up = upperNodeOf(arm), low = lowerNodeOf(arm), end = endNodeOf(arm);
@@ -70,11 +70,11 @@ void easeDown(Limb arm, BodyPose& pose) {
 }  // namespace
 
 float PersonFit::height() const {
-  // Feet to crown of the body standing straight.
-  PosedBody body;
+  // Sole to crown of the body standing straight.
+  PosedModel body;
   poseBody(BodyPose(), proportions_, body);
-  const float sole = body.place[kLeftFoot].y() - 0.09F * body.girth[kLeftFoot];
-  const float crown = placeIn(body, kNeck, {0.0F, kMannequinHeight, 0.0F}).y();
+  const float sole = body.position[kLeftFoot].y() - 0.09F * body.girth[kLeftFoot];
+  const float crown = positionIn(body, kNeck, {0.0F, kMannequinHeight, 0.0F}).y();
   return crown - sole;
 }
 
@@ -116,7 +116,7 @@ bool PersonFit::start(const BodyView& view) {
 }
 
 void PersonFit::resume(const BodyView& view) {
-  // The pose is old: go to where the person is now, and look for another pose beside.
+  // The pose is old: move it to the person's present position, and search for another pose as well.
   pose_.root += V3(view.middle().x() - oldMiddle_.x(), 0.0F, view.middle().z() - oldMiddle_.z());
   velocity_.setZero();
   confidence_.restart();
@@ -136,16 +136,16 @@ void PersonFit::searchLimbs(const BodyView& view) {
     for (std::size_t c = 0; c < kCapsuleCount; ++c) {
       if (isOf(limb, capsuleDefs()[c].node)) worst = std::max(worst, support_.violation[c]);
     }
-    if (i != turn_ && (worst <= kLostLimb || searched >= kMostSearched)) continue;
+    if (i != turn_ && (worst <= kLostLimb || searched >= kMaxSearched)) continue;
     improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
     searched += i != turn_ ? 1 : 0;
   }
-  // Legs that pass each other may have been exchanged; then the image is explained worse than it was.
+  // Legs that pass each other may have been swapped; the image is then explained worse than before.
   ++sincePair_;
   if (sincePair_ < kPairPause || cost_.image() < kWorse * usualCost_) return;
-  PosedBody body;
+  PosedModel body;
   poseBody(pose_, proportions_, body);
-  if ((body.place[kLeftFoot] - body.place[kRightFoot]).norm() > kPassing * proportions_.factor[kSize]) return;
+  if ((body.position[kLeftFoot] - body.position[kRightFoot]).norm() > kPassing * proportions_.factor[kSize]) return;
   improvePair(fitter_, limbs_, view, proportions_, kLeftLeg, pose_);
   sincePair_ = 0;
 }
@@ -179,7 +179,7 @@ void PersonFit::challenge(const BodyView& view) {
   if (!search_.busy()) {
     const int pause = lost ? 0 : (views_ < kEarlyViews ? 4 : kChallengePause);
     if (sinceChallenge_ < pause) return;
-    // At first the proportions are in doubt too.
+    // At first the proportions are uncertain too.
     fresh_ = views_ < 2 * kEarlyViews && !fresh_;
     search_.begin(view, fresh_ ? std::optional<Figure>() : Figure{pose_, proportions_});
   }
@@ -192,7 +192,7 @@ void PersonFit::challenge(const BodyView& view) {
 }
 
 bool PersonFit::follow(const BodyView& view, float seconds) {
-  if (view.points().size() < kLeastPoints) return false;
+  if (view.points().size() < kMinPoints) return false;
   if (!started_) {
     oldMiddle_ = view.middle();
     if (!start(view)) return false;
@@ -239,7 +239,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
 }
 
 void PersonFit::report(SkeletonFrame& frame) const {
-  PosedBody body;
+  PosedModel body;
   poseBody(pose_, proportions_, body);
   readJoints(body, frame);
   for (std::size_t j = 0; j < frame.joints.size(); ++j) {

@@ -11,10 +11,10 @@
 
 namespace lorica::fit {
 
-/// Follows one person from view to view.
+/// Tracks one person from view to view.
 class PersonFit {
  public:
-  /// @param seconds  since the last view; at the first one ignored
+  /// @param seconds  since the last view; ignored in the first
   /// @return whether there is a pose
   bool follow(const BodyView& view, float seconds);
 
@@ -23,15 +23,15 @@ class PersonFit {
   [[nodiscard]] const Proportions& proportions() const { return proportions_; }
   [[nodiscard]] const CapsuleSupport& support() const { return support_; }
   [[nodiscard]] const FitCost& cost() const { return cost_; }
-  /// Standing [m].
+  /// Standing height [m].
   [[nodiscard]] float height() const;
   [[nodiscard]] bool proportionsKnown() const { return views_ > 30; }
 
-  /// The 15 joints with confidences, floor frame; time and user are left.
+  /// The 15 joints with confidences, floor frame; time and user are left unchanged.
   void report(SkeletonFrame& frame) const;
 
   void forget();
-  /// The floor frame moved.
+  /// To be called when the floor frame changed.
   void move(const Eigen::Isometry3f& newFromOld);
 
  private:
@@ -46,9 +46,9 @@ class PersonFit {
   LimbSearch limbs_;
   PersonSearch search_;
   bool started_ = false;
-  int views_ = 0;              ///< followed since the person came
-  int wholeViews_ = 0;         ///< of those, that showed all of the body
-  int lost_ = 0;               ///< views in a row that the body does not explain
+  int views_ = 0;              ///< since the person appeared
+  int wholeViews_ = 0;         ///< those that showed the whole body
+  int lost_ = 0;               ///< consecutive views not explained by the body
   V3 oldMiddle_ = V3::Zero();  ///< of the last view
   BodyPose pose_;
   Step velocity_ = Step::Zero();
@@ -56,16 +56,16 @@ class PersonFit {
   CapsuleSupport support_;
   JointConfidence confidence_;
   FitCost cost_;
-  float usualCost_ = 0.0F;  ///< of the image, of late
-  int turn_ = 0;            ///< whose limb is searched for next
-  int sincePair_ = 1;       ///< views since both legs were placed anew
+  float usualCost_ = 0.0F;  ///< of the image, recent average
+  int turn_ = 0;            ///< limb to be searched for next
+  int sincePair_ = 1;       ///< views since both legs were searched for again
 
-  /// Another figure that may be the true one, followed beside for some views.
+  /// Another figure that may be the true one, tracked in parallel for some views.
   std::optional<Figure> rival_;
   int rivalViews_ = 0;
   float rivalCost_ = 0.0F, ownCost_ = 0.0F;  ///< sums over those views
   int sinceChallenge_ = 0;
-  bool fresh_ = false;  ///< the search under way asks nothing of what is believed
+  bool fresh_ = false;  ///< the search in progress does not use the current estimate
 };
 
 }  // namespace lorica::fit

@@ -16,7 +16,7 @@ void paintPeople(const DepthGrid& grid, const ComponentFinder& finder, std::span
   const auto stride = static_cast<std::size_t>(grid.imageWidth());
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
-      // Most cells have only themselves around.
+      // Most cells are surrounded by cells of the same label.
       const int left = std::max(c - 1, 0), right = std::min(c + 1, grid.width - 1);
       const int above = std::max(r - 1, 0), below = std::min(r + 1, grid.height - 1);
       const std::size_t cell = grid.index(c, r);
@@ -46,7 +46,7 @@ void paintPeople(const DepthGrid& grid, const ComponentFinder& finder, std::span
               }
             }
           }
-          // Noise within a person is still the person's; a hole in the middle is not.
+          // Noise within a person still belongs to the person; a hole in the middle does not.
           if (static_cast<float>(nearest) > (same ? 3.0F : 1.0F) * step) slot = 0;
           if (slot == 0 || numbers[slot - 1U] == 0) continue;
           labels[pixel] = numbers[slot - 1U];

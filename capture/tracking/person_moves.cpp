@@ -4,8 +4,8 @@ namespace lorica {
 
 namespace {
 
-constexpr int kMovedShare = 60;  ///< of what was covered: a forearm that comes forward is twice that
-constexpr int kEdgeCells = 2;    ///< at either end of a row of cells that show something else, noise may have done it
+constexpr int kMovedShare = 60;  ///< min changed fraction is 1 / this; a forearm moved forward changes twice that
+constexpr int kEdgeCells = 2;    ///< at either end of a run of changed cells, possibly caused by noise
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void PersonMoves::remember(const DepthGrid& grid, std::span<const std::uint8_t> 
 }
 
 bool PersonMoves::hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot) const {
-  const std::vector<std::uint16_t>& was = depthMm_[static_cast<std::size_t>(slot)];
+  const std::vector<std::uint16_t>& was = depthMm_[slot];
   int changed = 0;
   for (int r = 0; r < grid.height; ++r) {
     int run = 0;
@@ -33,14 +33,14 @@ bool PersonMoves::hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> 
       const std::size_t i = grid.index(c, r);
       const float off = static_cast<float>(grid.depthMm[i]) - static_cast<float>(was[i]);
       const float tolerance = 1000.0F * tolerance_[was[i]];
-      // Something nearer may be someone else before the person.
+      // Something nearer may be someone else in front of the person.
       const bool differs =
           was[i] != 0 && grid.depthMm[i] != 0 && (off > tolerance || (off < -tolerance && person[i] == slot + 1));
       run = differs ? run + 1 : 0;
       changed += static_cast<int>(run > 2 * kEdgeCells);
     }
   }
-  return changed * kMovedShare > cells_[static_cast<std::size_t>(slot)];
+  return changed * kMovedShare > cells_[slot];
 }
 
 }  // namespace lorica

@@ -10,8 +10,8 @@
 
 namespace lorica {
 
-/// Tells people from furniture that is taken for a person: it remembers what each one covered when found, and sees
-/// whether that changes. Needs no background to be known, so that sitting down counts as much as an arm raised.
+/// Distinguishes people from furniture mistaken for a person: remembers what each one covered when found, and detects
+/// changes. No known background is needed, so sitting down counts as much as raising an arm.
 class PersonMoves {
  public:
   explicit PersonMoves(const DepthGrid& grid);
@@ -20,12 +20,12 @@ class PersonMoves {
   /// @param person  slot + 1 of each cell
   void remember(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot);
 
-  /// @return whether so much of what the person covered when remembered shows another depth now that it moved: deeper,
-  ///         or nearer and the person's. Edges, which noise moves by a cell, do not count
+  /// @return whether enough of the area that the person covered when remembered shows another depth now: deeper, or
+  /// nearer and the person's. Edges, which noise moves by a cell, do not count
   [[nodiscard]] bool hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot) const;
 
  private:
-  std::array<std::vector<std::uint16_t>, kPersonSlots> depthMm_;  ///< 0 where the person was not
+  std::array<std::vector<std::uint16_t>, kPersonSlots> depthMm_;  ///< 0 outside the person
   std::array<int, kPersonSlots> cells_{};
   DepthTable tolerance_;  ///< [m]
 };

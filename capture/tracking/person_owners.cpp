@@ -10,22 +10,22 @@ namespace lorica {
 
 namespace {
 
-constexpr float kReach = 0.9F;        // from the middle of a person to that of any piece, horizontally [m]
+constexpr float kReach = 0.9F;        // max distance from the middle of a person to that of any piece, horizontally [m]
 constexpr float kGapNew = 0.35F;      // between pieces of a person in front of known background [m]
-constexpr float kGapUnknown = 0.25F;  // and where it is not known [m]
-constexpr int kGapCells = 10;         // that noise and shadows may take out between pieces
+constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
+constexpr int kGapCells = 10;         // max gap that noise and shadows may cause between pieces
 
-// Owners of surfaces that are no slots.
+// Owners of surfaces that are not slots.
 constexpr int kNobody = -1;
-constexpr int kMaybe = -2;    // a person for whom there is no room
-constexpr int kSeveral = -3;  // shared out between people already
-constexpr int kScenery = -4;  // goes on into the background
+constexpr int kMaybe = -2;    // a person for whom no slot is free
+constexpr int kSeveral = -3;  // already shared between people
+constexpr int kScenery = -4;  // continues into the background
 
 Vec3f expected(const PeopleScene& scene, const PersonSlot& slot) {
   return slot.middle + static_cast<float>(scene.elapsed) * slot.velocity;
 }
 
-/// Along the floor, from the middle of a surface to where a person's is expected [m].
+/// Distance along the floor from the middle of a surface to the expected middle of a person [m].
 float awayFrom(const PeopleScene& scene, const DepthComponent& one, const PersonSlot& slot) {
   const Vec3f apart = one.middle() - expected(scene, slot);
   return std::hypot(apart.x(), apart.z());
@@ -33,7 +33,7 @@ float awayFrom(const PeopleScene& scene, const DepthComponent& one, const Person
 
 int freeSlot(const PersonSlots& slots) {
   for (int k = 0; k < kPersonSlots; ++k) {
-    if (!slots[static_cast<std::size_t>(k)].used) return k;
+    if (!slots[k].used) return k;
   }
   return -1;
 }
@@ -42,7 +42,7 @@ int rememberedSlot(const PeopleScene& scene, const PersonSlots& slots, const Dep
   int best = -1;
   float bestDistance = 0.0F;
   for (int k = 0; k < kPersonSlots; ++k) {
-    const PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    const PersonSlot& slot = slots[k];
     if (!slot.used || slot.seen) continue;
     const auto away = static_cast<float>(scene.time - slot.lastSeen);
     const Vec3f apart = one.middle() - slot.middle;
@@ -75,17 +75,17 @@ void PersonOwners::share(const PeopleScene& scene, PersonSlots& slots) {
 void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots) {
   const DepthComponent& one = scene.surfaces.components()[component];
   owner_[component] = slot;
-  slots[static_cast<std::size_t>(slot)].seen = true;
+  slots[slot].seen = true;
   const std::span<const std::int32_t> label = scene.surfaces.labels();
   const bool whole = !isOversize(one);
-  const Vec3f middle = expected(scene, slots[static_cast<std::size_t>(slot)]);
+  const Vec3f middle = expected(scene, slots[slot]);
   for (int r = one.top; r <= one.bottom; ++r) {
     for (int c = one.left; c <= one.right; ++c) {
       const std::size_t i = scene.grid.index(c, r);
       if (label[i] != static_cast<std::int32_t>(component)) continue;
       if (!whole) {
-        // Grown together with something large: what is near the person, in front of known background, is the person's.
-        const Vec3f apart = scene.places(scene.grid, c, r) - middle;
+        // Merged with something large: the part near the person and in front of known background is the person's.
+        const Vec3f apart = scene.positions(scene.grid, c, r) - middle;
         if (std::hypot(apart.x(), apart.z()) > 1.2F || (scene.last.person[i] == 0 && scene.kinds[i] != CellKind::kNew))
           continue;
       }
@@ -113,12 +113,12 @@ void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component,
   std::array<SplitShare, kPersonSlots> shares{};
   for (int k = 0; k < kPersonSlots; ++k) {
     if ((slotMask & (1U << static_cast<unsigned>(k))) == 0) continue;
-    PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+    PersonSlot& slot = slots[k];
     slot.seen = true;
-    shares[static_cast<std::size_t>(k)] = shareOf(scene, slot);
+    shares[k] = shareOf(scene, slot);
   }
   owner_[component] = kSeveral;
-  split_.apply(scene.grid, scene.surfaces, scene.places, component, slotMask, shares, scene.last, person_);
+  split_.apply(scene.grid, scene.surfaces, scene.positions, component, slotMask, shares, scene.last, person_);
 }
 
 void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
@@ -134,17 +134,16 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
     int best = -1;
     unsigned mask = 0;
     for (int k = 0; k < kPersonSlots; ++k) {
-      const int overlap = one.overlap[static_cast<std::size_t>(k)];
+      const int overlap = one.overlap[k];
       if (overlap == 0) continue;
-      if (best < 0 || overlap > one.overlap[static_cast<std::size_t>(best)]) best = k;
-      const PersonSlot& slot = slots[static_cast<std::size_t>(k)];
+      if (best < 0 || overlap > one.overlap[best]) best = k;
+      const PersonSlot& slot = slots[k];
       if (overlap * 12 > one.cells || overlap * 4 > slot.cells) mask |= 1U << static_cast<unsigned>(k);
     }
-    if (best < 0 || one.overlap[static_cast<std::size_t>(best)] < std::max(6, one.cells / 50)) continue;
+    if (best < 0 || one.overlap[best] < std::max(6, one.cells / 50)) continue;
     if ((mask & (mask - 1)) != 0) {
       splitBetween(scene, i, mask, slots);
-    } else if (isMainPiece(one, slots[static_cast<std::size_t>(best)].cells, best) ||
-               awayFrom(scene, one, slots[static_cast<std::size_t>(best)]) < kReach) {
+    } else if (isMainPiece(one, slots[best].cells, best) || awayFrom(scene, one, slots[best]) < kReach) {
       give(scene, i, best, slots);
     }
   }
@@ -156,7 +155,7 @@ void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
     int best = -1;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (owner_[i] != kNobody) continue;
-      if (best >= 0 && all[i].area <= all[static_cast<std::size_t>(best)].area) continue;
+      if (best >= 0 && all[i].area <= all[best].area) continue;
       const bool whole = mayBePerson(all[i], scene.grid, scene.floorFound);
       if (!whole && (rememberedSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
       best = static_cast<int>(i);
@@ -171,7 +170,7 @@ void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
     const int free = freeSlot(slots);
     owner_[component] = kMaybe;
     if (free < 0) continue;
-    PersonSlot& slot = slots[static_cast<std::size_t>(free)];
+    PersonSlot& slot = slots[free];
     slot = PersonSlot{};
     slot.used = true;
     slot.born = slot.lastSeen = scene.time;
@@ -189,8 +188,8 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
     const DepthComponent& one = all[component];
     if (owner_[component] != kNobody || one.area > 0.4) continue;
     const bool isNew = 2 * one.newCells > one.cells;
-    // Where the background is not known, what stands on the floor may be a chair as well as a leg.
-    if (!isNew && scene.floorFound && one.least.y() < 0.15F) continue;
+    // If the background is not known, a piece that stands on the floor may be a chair as well as a leg.
+    if (!isNew && scene.floorFound && one.min.y() < 0.15F) continue;
     float bestGap = isNew ? kGapNew : kGapUnknown;
     int best = -1;
     for (int r = one.top; r <= one.bottom; ++r) {
@@ -203,9 +202,9 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
             if (label[j] == static_cast<std::int32_t>(component)) return;
             if (person_[j] == 0) continue;
             const int slot = person_[j] - 1;
-            const Vec3f there = scene.places(scene.grid, static_cast<int>(j % static_cast<std::size_t>(w)),
-                                             static_cast<int>(j / static_cast<std::size_t>(w)));
-            const float gap = (there - scene.places(scene.grid, c, r)).norm();
+            const Vec3f there = scene.positions(scene.grid, static_cast<int>(j % static_cast<std::size_t>(w)),
+                                                static_cast<int>(j / static_cast<std::size_t>(w)));
+            const float gap = (there - scene.positions(scene.grid, c, r)).norm();
             if (gap < bestGap) {
               bestGap = gap;
               best = slot;
@@ -220,13 +219,12 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
       }
     }
     if (best < 0) continue;
-    // Someone who has gone behind another one looks out beside him.
+    // A person who has gone behind another one may show beside them.
     const int hidden = isNew ? rememberedSlot(scene, slots, one) : -1;
-    if (hidden >= 0 && awayFrom(scene, one, slots[static_cast<std::size_t>(hidden)]) <
-                           awayFrom(scene, one, slots[static_cast<std::size_t>(best)])) {
+    if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < awayFrom(scene, one, slots[best])) {
       best = hidden;
     }
-    if (awayFrom(scene, one, slots[static_cast<std::size_t>(best)]) < kReach) give(scene, component, best, slots);
+    if (awayFrom(scene, one, slots[best]) < kReach) give(scene, component, best, slots);
   }
 }
 

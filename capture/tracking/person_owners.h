@@ -16,10 +16,10 @@ namespace lorica {
 
 using PersonSlots = std::array<PersonSlot, kPersonSlots>;
 
-/// What a frame shows, before it is known whose it is.
+/// The content of a frame before its surfaces are assigned to people.
 struct PeopleScene {
   const DepthGrid& grid;
-  const FloorPlaces& places;
+  const FloorPositions& positions;
   const ComponentFinder& surfaces;
   std::span<const CellKind> kinds;
   LastCells last;
@@ -28,18 +28,18 @@ struct PeopleScene {
   double time = 0.0, elapsed = 0.0;  ///< of the frame, and since the last one [s]
 };
 
-/// Says which surface is whose from frame to frame: of those who were there, of those who come, of those who come back.
+/// Assigns surfaces to people from frame to frame: to those already present, to newcomers, and to those who return.
 class PersonOwners {
  public:
   PersonOwners(const DepthGrid& grid, const DepthCamera& camera);
 
-  /// @param slots  `seen` is set anew; slots of who comes are taken
+  /// @param slots  `seen` is reset; newcomers occupy free slots
   void share(const PeopleScene& scene, PersonSlots& slots);
 
-  /// Slot + 1 of each cell; cells may be taken from someone.
+  /// Slot + 1 of each cell; the caller may remove cells from a person.
   [[nodiscard]] std::span<const std::uint8_t> person() const { return person_; }
   [[nodiscard]] std::span<std::uint8_t> person() { return person_; }
-  /// Whether a surface may be a person for whom there is no room.
+  /// Whether a surface may be a person for whom no slot is free.
   [[nodiscard]] bool mayBeSomeone(std::size_t component) const;
 
  private:
@@ -53,7 +53,7 @@ class PersonOwners {
   DepthCamera camera_;
   PersonSplit split_;
   std::vector<std::uint8_t> person_;
-  std::vector<int> owner_;  ///< of components: slot, or what person_owners.cpp says
+  std::vector<int> owner_;  ///< of components: slot, or a special value of person_owners.cpp
 };
 
 }  // namespace lorica

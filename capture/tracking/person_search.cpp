@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kPi = 3.14159265F;
 constexpr float kMannequinHeight = 1.752F;  ///< [m]
-constexpr float kUnusualWeight = 5.0F;      ///< of proportions unlike the mannequin's
+constexpr float kUnusualWeight = 5.0F;      ///< of proportions that differ from the mannequin's
 constexpr float kReachHeight = 2.15F;       ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;        ///< [m]
 
@@ -18,11 +18,11 @@ constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
 constexpr std::array<FitStage, 2> kMedium = {{{0.15F, 200, 6}, {0.08F, 400, 6}}};
 constexpr std::array<FitStage, 1> kClose = {{{0.08F, 400, 4}}};
 
-// What steps cost, in milliseconds of a desktop core.
+// Cost of steps in milliseconds on a desktop core.
 constexpr float kRoughEffort = 1.0F;
 constexpr float kFinalEffort = 2.5F;
 
-// Phases of a finalist: fitted, proportions refined twice, four limbs, fitted again.
+// Phases of a finalist: fit, refine proportions twice, four limbs, fit again.
 constexpr int kLimbPhase = 3;
 constexpr int kLastPhase = kLimbPhase + kFitLimbCount;
 
@@ -80,7 +80,7 @@ bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
 }
 
 void PersonSearch::add(const BodyPose& pose, const Proportions& proportions) {
-  if (count_ < kMost) candidates_[count_++] = {{pose, proportions}, 0.0F};
+  if (count_ < kMax) candidates_[count_++] = {{pose, proportions}, 0.0F};
 }
 
 void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& present) {
@@ -91,11 +91,11 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
   busy_ = true;
   middle_ = view.middle();
   float top = -1e9F;
-  for (const BodyView::Point& point : view.points()) top = std::max(top, point.place.y());
-  const V3 away(middle_.x() - view.cameraPlace().x(), 0.0F, middle_.z() - view.cameraPlace().z());
+  for (const BodyView::Point& point : view.points()) top = std::max(top, point.position.y());
+  const V3 away(middle_.x() - view.cameraPosition().x(), 0.0F, middle_.z() - view.cameraPosition().z());
   const V3 back = away.normalized();
   const float towards = std::atan2(-back.x(), -back.z());
-  const V3 place = middle_ + 0.10F * back;
+  const V3 position = middle_ + 0.10F * back;
 
   const auto sized = [&](float size) {
     Proportions proportions;
@@ -105,14 +105,14 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
   const Proportions standing = present ? present->proportions : sized(top / kMannequinHeight);
   const Proportions usual = present ? present->proportions : Proportions();
   const Proportions reaching = present ? present->proportions : sized(top / kReachHeight);
-  // Children and comic figures: a large head.
+  // Children and cartoon figures: a large head.
   Proportions comic = sized(0.86F * top / kMannequinHeight);
   comic.factor[kHeadSize] = 1.6F;
   if (present) {
     add(turnedAbout(present->pose, present->proportions), present->proportions);
     add(present->pose, present->proportions);
   }
-  const auto hips = [&](float height) { return V3(place.x(), height, place.z()); };
+  const auto hips = [&](float height) { return V3(position.x(), height, position.z()); };
   for (const float turn : {0.0F, kPi, 0.5F * kPi, -0.5F * kPi}) {
     const float heading = towards + turn;
     const float size = standing.factor[kSize];
@@ -129,7 +129,8 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
       add(sittingPose(hips(top - 0.80F * s), heading), usual);
     }
     if (view.cut()) {
-      // The feet or the head may be out of sight: a usual body with its head on top, or with its feet on the floor.
+      // The feet or the head may be out of sight: a standard body with its head at the top, or with its feet on the
+      // floor.
       const float s = usual.factor[kSize];
       add(standingPose(hips(top - 0.84F * s), heading, 0.15F, 0.2F, 0.4F), usual);
       add(standingPose(hips(kHipHeight * s), heading, 0.15F, 0.2F, 0.4F), usual);
@@ -178,8 +179,9 @@ void PersonSearch::pickFinalists() {
   const auto begin = candidates_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
   const auto finalists = begin + static_cast<std::ptrdiff_t>(kFinal);
   const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
-  for (auto place = begin; place != finalists; ++place) std::iter_swap(place, std::min_element(place, end, cheaper));
-  // Other proportions show their worth only once they are fitted: the best such figure goes on in any case.
+  for (auto position = begin; position != finalists; ++position)
+    std::iter_swap(position, std::min_element(position, end, cheaper));
+  // Unusual proportions pay off only after fitting, so the best such figure always becomes a finalist.
   const auto isComic = [](const Candidate& candidate) { return candidate.figure.proportions.factor[kHeadSize] > 1.3F; };
   if (std::none_of(begin, finalists, isComic)) {
     auto best = end;
@@ -222,7 +224,7 @@ float PersonSearch::oneStep(const BodyView& view) {
 
 bool PersonSearch::work(const BodyView& view, float effort) {
   if (!busy_) return true;
-  // The candidates go along with the person.
+  // The candidates move with the person.
   const V3 by = view.middle() - middle_;
   middle_ = view.middle();
   for (std::size_t i = 0; i < count_; ++i) candidates_[i].figure.pose.root += by;

@@ -6,17 +6,17 @@
 
 namespace lorica {
 
-/// People that a finder remembers at once, reported or not.
+/// Maximum number of people remembered at once, reported or not.
 inline constexpr int kPersonSlots = 8;
 
 inline constexpr int kHeightBins = 256;  ///< of 2 cm, from 0.5 m under the floor
 
-/// A person who is followed, or remembered.
+/// A person who is tracked or remembered.
 struct PersonSlot {
   bool used = false;
   bool seen = false;      ///< in this frame
-  bool reported = false;  ///< and to be told of
-  bool moved = false;     ///< since found; furniture does not
+  bool reported = false;  ///< included in the output
+  bool moved = false;     ///< since found; furniture does not move
   int user = 0;           ///< 0 until reported
   int movingFrames = 0;
   int cells = 0;
@@ -24,9 +24,9 @@ struct PersonSlot {
   double born = 0.0, lastSeen = 0.0;  ///< [s]
   Vec3f middle = Vec3f::Zero();       ///< floor frame [m]
   Vec3f velocity = Vec3f::Zero();     ///< [m/s]
-  float top = 0.0F;                   ///< height of the highest cells but a few [m]
-  bool cutAbove = false;              ///< by the image's upper border
-  bool cutAside = false;              ///< by one of its sides
+  float top = 0.0F;                   ///< height of the highest cells, without a few outliers [m]
+  bool cutAbove = false;              ///< by the upper image border
+  bool cutAside = false;              ///< by one of the side borders
   Vec3f sum = Vec3f::Zero();
   std::array<int, kHeightBins> heights{};  ///< cells at each height
 };

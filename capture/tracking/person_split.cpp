@@ -7,8 +7,8 @@ namespace lorica {
 
 namespace {
 
-constexpr float kCore = 0.2F;    // from a person's axis to what can be no one else's [m]
-constexpr float kAlien = 0.35F;  // nearer by that to another's axis than to his own: not his any more [m]
+constexpr float kCore = 0.2F;    // within this distance of a person's axis, a cell is certainly theirs [m]
+constexpr float kAlien = 0.35F;  // nearer to another's axis by this: no longer the person's [m]
 constexpr int kSameDepth = 120;  // [mm]
 
 bool holds(unsigned slotMask, int slot) {
@@ -17,7 +17,7 @@ bool holds(unsigned slotMask, int slot) {
 
 }  // namespace
 
-void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, const FloorPlaces& places,
+void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, const FloorPositions& positions,
                         std::size_t component, unsigned slotMask, std::span<const SplitShare> shares,
                         const LastCells& last, std::span<std::uint8_t> person) {
   const DepthComponent& one = finder.components()[component];
@@ -29,31 +29,31 @@ void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, co
       const std::size_t i = grid.index(c, r);
       if (labels[i] != label) continue;
 
-      const Vec3f place = places(grid, c, r);
+      const Vec3f position = positions(grid, c, r);
       std::array<float, kPersonSlots> away{};
       int closest = -1;
-      float next = 1e9F;  // how far the second closest axis is
+      float next = 1e9F;  // distance of the second closest axis
       for (int k = 0; k < kPersonSlots; ++k) {
         if (!holds(slotMask, k)) continue;
-        const Vec3f apart = place - shares[static_cast<std::size_t>(k)].middle;
-        const float distance = away[static_cast<std::size_t>(k)] = std::hypot(apart.x(), apart.z());
-        if (closest < 0 || distance < away[static_cast<std::size_t>(closest)]) {
-          if (closest >= 0) next = away[static_cast<std::size_t>(closest)];
+        const Vec3f apart = position - shares[k].middle;
+        const float distance = away[k] = std::hypot(apart.x(), apart.z());
+        if (closest < 0 || distance < away[closest]) {
+          if (closest >= 0) next = away[closest];
           closest = k;
         } else if (distance < next) {
           next = distance;
         }
       }
-      const float least = away[static_cast<std::size_t>(closest)];
-      if (least < kCore && least < 0.5F * next) {
+      const float min = away[closest];
+      if (min < kCore && min < 0.5F * next) {
         person[i] = static_cast<std::uint8_t>(closest + 1);
         queue_.push_back(static_cast<std::uint32_t>(i));
         continue;
       }
       int nearest = kSameDepth;
       for (int k = 0; k < kPersonSlots; ++k) {
-        if (!holds(slotMask, k) || away[static_cast<std::size_t>(k)] > least + kAlien) continue;
-        const SplitShare& share = shares[static_cast<std::size_t>(k)];
+        if (!holds(slotMask, k) || away[k] > min + kAlien) continue;
+        const SplitShare& share = shares[k];
         const int column = c - share.columns, row = r - share.rows;
         if (column < 0 || column >= grid.width || row < 0 || row >= grid.height) continue;
         const std::size_t before = grid.index(column, row);

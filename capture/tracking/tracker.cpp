@@ -11,12 +11,12 @@
 namespace lorica {
 namespace {
 
-/// Someone unseen for this long is followed no more [s].
+/// A person unseen for this long is no longer tracked [s].
 constexpr double kForgetSeconds = 2.0;
 /// Fewer pixels than this show no pose.
-constexpr int kLeastPixels = 1200;
+constexpr int kMinPixels = 1200;
 
-/// A person's fit, kept from person to person for its memory.
+/// The fit of one person; reused for later people to keep its memory.
 struct Seat {
   int user = 0;  ///< 0 = free
   double lastTime = 0.0;
@@ -39,7 +39,7 @@ struct Tracker::Impl {
     for (Seat& seat : seats) {
       if (seat.user == person.user) return &seat;
     }
-    if (person.pixelCount < kLeastPixels) return nullptr;
+    if (person.pixelCount < kMinPixels) return nullptr;
     for (Seat& seat : seats) {
       if (seat.user != 0) continue;
       seat.user = person.user;
@@ -67,7 +67,7 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 Result<Tracker> Tracker::create(const DepthCamera& camera, const TrackerSettings& settings) {
   if (settings.maxPeople < 1 || settings.maxPeople > 6) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the tracker was asked for {} people, expected 1 to 6", settings.maxPeople)};
+                 fmt::format("the number of people to track is {}, expected 1 to 6", settings.maxPeople)};
   }
   if (camera.width < 80 || camera.height < 60 || camera.width > 4096 || camera.height > 4096) {
     return Error{ErrorCode::kInvalidArgument,
@@ -101,13 +101,13 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
 
   for (Seat& seat : t.seats) {
     seat.seen = false;
-    // Before anyone is looked at: who comes now may have the number of who has gone.
+    // Before anyone is processed: a newcomer may have the number of someone who left.
     if (seat.user != 0 && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
   }
   const auto people = t.finder.people();
   for (std::size_t i = 0; i < people.size(); ++i) {
     Seat* seat = t.seatOf(people[i], frame.time);
-    if (!seat || people[i].pixelCount < kLeastPixels / 3) continue;
+    if (!seat || people[i].pixelCount < kMinPixels / 3) continue;
     t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor);
     seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
     if (seat->seen) seat->lastTime = frame.time;

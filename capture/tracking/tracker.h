@@ -16,30 +16,31 @@ struct TrackerSettings {
 
 /// A person as seen in one frame.
 struct TrackedPerson {
-  /// In the floor frame; `user` stays while the person is followed and is given anew, counting from 1, after that.
+  /// In the floor frame. `user` stays while the person is tracked; after that it is reused, counting from 1.
   SkeletonFrame skeleton;
-  double height = 0.0;    ///< standing, as estimated so far [m]; 0 = not yet known
+  double height = 0.0;    ///< standing, current estimate [m]; 0 = not yet known
   double residual = 0.0;  ///< mean distance of the person's depth points from the fitted body [m]
   bool proportionsKnown = false;
 };
 
-/// Finds people in depth images and follows their 15 joints; no pose is demanded of them. See docs/TRACKING.md.
+/// Finds people in depth images and tracks their 15 joints; no initial pose is required. See docs/TRACKING.md.
 ///
 /// Floor frame: metres, right-handed, Y up, y = 0 on the floor, origin straight below the camera, the camera looks
-/// along -Z (its axis, projected onto the floor). Until a floor was seen, and where there is none, it is the camera
-/// frame moved up by 1.2 m.
+/// along -Z (its axis, projected onto the floor). Until a floor is found, or if there is none, it is the camera frame
+/// moved up by 1.2 m.
 ///
-/// One instance a camera: it remembers. The same frames give the same joints. After some frames nothing is allocated.
+/// Use one instance per camera, because it keeps state. The same frames give the same joints. Does not allocate after
+/// the first frames.
 class Tracker {
  public:
-  /// @return the tracker, or which of camera and settings is out of range
+  /// @return the tracker, or an error naming the camera or settings value that is out of range
   static Result<Tracker> create(const DepthCamera& camera, const TrackerSettings& settings = {});
   ~Tracker();
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
 
-  /// @param frame  width x height of the camera; times rise
-  /// @return everyone who is followed, by rising user number; valid until the next call
+  /// @param frame  width x height of the camera; times increase
+  /// @return everyone who is tracked, by increasing user number; valid until the next call
   [[nodiscard]] std::span<const TrackedPerson> track(const DepthFrame& frame);
 
   [[nodiscard]] const Isometry3& floorFromCamera() const;

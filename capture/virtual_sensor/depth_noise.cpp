@@ -8,20 +8,20 @@
 namespace lorica {
 namespace {
 
-/// Steps of disparity in a pixel, as the Kinect v1 reports them.
+/// Disparity steps per pixel, as reported by the Kinect v1.
 constexpr double kStepsPerPixel = 8.0;
-/// The baseline that depth is measured over, also where shadows are turned off [m].
+/// The baseline used to measure depth, even if shadows are disabled [m].
 constexpr double kMeasuringBaseline = 0.075;
-/// Of the variance of axial noise, what neighbouring pixels share: they look at overlapping windows.
+/// Fraction of the variance of axial noise that neighbouring pixels share: their matching windows overlap.
 constexpr float kSharedVariance = 0.64F;
 constexpr int kSmoothCell = 4;  ///< [pixels]
 constexpr int kClumpCell = 6;   ///< [pixels]
-constexpr int kJitterCell = 3;  ///< edges move by pieces of this size [pixels]
-/// Cosines of the angle from the normal between which more and more of a surface is missing: 70 and 83 degrees.
+constexpr int kJitterCell = 3;  ///< edges are displaced in blocks of this size [pixels]
+/// Cosines of the angle from the normal between which a surface disappears gradually: 70 and 83 degrees.
 constexpr float kGrazingCosine = 0.342F;
 constexpr float kLostCosine = 0.122F;
 
-/// Four 16-bit numbers, added: nearly normal, of variance 1, at most 3.46 (Irwin 1927, Hall 1927).
+/// Sum of four 16-bit numbers: approximately normal, variance 1, at most 3.46 (Irwin 1927, Hall 1927).
 float deviate(std::uint64_t bits) {
   const auto sum =
       static_cast<std::int32_t>((bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48));
@@ -34,7 +34,8 @@ std::uint64_t seedOf(std::uint64_t seed, std::uint64_t frame, std::uint64_t use)
   return numbers.bits();
 }
 
-/// The deviate that a part of all deviates exceeds, for parts below a half: Abramowitz and Stegun 26.2.23, 4.5e-4.
+/// The value that a fraction of all deviates exceeds, for fractions below a half: Abramowitz and Stegun 26.2.23,
+/// 4.5e-4.
 float deviateExceededBy(double part) {
   if (part <= 0.0) return 1e9F;
   const double t = std::sqrt(-2.0 * std::log(part));
@@ -83,8 +84,8 @@ void DepthNoise::Field::draw(std::uint64_t seed) {
 
 void DepthNoise::Field::readRow(int row, std::span<float> out) const {
   const int cellRow = row / cell;
-  const float* corner = &values[static_cast<std::size_t>(cellRow * columns)];
-  const float* rowWeights = &weights[static_cast<std::size_t>((row - cellRow * cell) * cell * 4)];
+  const float* corner = &values[cellRow * columns];
+  const float* rowWeights = &weights[(row - cellRow * cell) * cell * 4];
   for (std::size_t begin = 0; begin < out.size(); begin += static_cast<std::size_t>(cell), ++corner) {
     const std::size_t count = std::min(out.size() - begin, static_cast<std::size_t>(cell));
     const float* w = rowWeights;
@@ -105,20 +106,20 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
   smoothRow_.assign(static_cast<std::size_t>(camera.width), 0.0F);
   clumpsRow_ = rayX_ = smoothRow_;
   for (int column = 0; column < camera.width; ++column) {
-    rayX_[static_cast<std::size_t>(column)] = static_cast<float>(camera.placeOf(column, 0.0, 1.0).x());
+    rayX_[column] = static_cast<float>(camera.positionOf(column, 0.0, 1.0).x());
   }
   jitter_.assign(static_cast<std::size_t>(camera.width / kJitterCell + 1) *
                      static_cast<std::size_t>(camera.height / kJitterCell + 1) * 2,
                  0);
-  // Without steps depth is still kept as a disparity, in steps so small that none is over 0.1 mm.
-  const double steps = settings.steps > 0.0 ? settings.steps : 1e-4 / (2.9e-3 * settings.most * settings.most);
+  // Without steps depth is still stored as a disparity, in steps so small that none exceeds 0.1 mm.
+  const double steps = settings.steps > 0.0 ? settings.steps : 1e-4 / (2.9e-3 * settings.max * settings.max);
   const double whole = kStepsPerPixel / steps * camera.focalX() * kMeasuringBaseline;
   disparityOfInverse_ = static_cast<float>(whole);
   if (settings.steps <= 0.0) return;
-  millimetres_.resize(static_cast<std::size_t>(whole / settings.least) + 2, 0);
+  millimetres_.resize(static_cast<std::size_t>(whole / settings.min) + 2, 0);
   for (std::size_t step = 1; step < millimetres_.size(); ++step) {
     const double depth = whole / static_cast<double>(step);
-    if (depth >= settings.least && depth <= settings.most) {
+    if (depth >= settings.min && depth <= settings.max) {
       millimetres_[step] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
     }
   }
@@ -129,24 +130,24 @@ void DepthNoise::findLit(std::span<const float> inverseDepth) {
     std::copy(inverseDepth.begin(), inverseDepth.end(), lit_.begin());
     return;
   }
-  // The projector sees a point further left the nearer it is. From the right, a point is lit if it lies, for the
-  // projector, left of all points before it; half a pixel is granted.
+  // The nearer a point is, the further left the projector sees it. Scanning from the right, a point is lit if the
+  // projector sees it left of all previous points, with half a pixel of tolerance.
   const auto shift = static_cast<float>(camera_.focalX() * settings_.baseline);
   const auto width = static_cast<std::size_t>(camera_.width);
   for (std::size_t row = 0; row < lit_.size(); row += width) {
     auto leftmost = static_cast<float>(2 * camera_.width);
     for (std::size_t i = width; i-- > 0;) {
       const float inverse = inverseDepth[row + i];
-      const float place = static_cast<float>(i) - shift * inverse;
-      lit_[row + i] = place <= leftmost + 0.5F ? inverse : 0.0F;
-      if (inverse > 0.0F) leftmost = std::min(leftmost, place);
+      const float position = static_cast<float>(i) - shift * inverse;
+      lit_[row + i] = position <= leftmost + 0.5F ? inverse : 0.0F;
+      if (inverse > 0.0F) leftmost = std::min(leftmost, position);
     }
   }
 }
 
 void DepthNoise::findSurface(std::span<const float> inverseDepth) {
-  // The slope of the surface follows from the gradient of inverse depth; of the two differences to neighbours the
-  // smaller one counts, so that an edge does not look like a slope.
+  // The slope of the surface follows from the gradient of inverse depth. Of the two differences to neighbours the
+  // smaller one is used, so that an edge does not look like a slope.
   const auto width = static_cast<std::size_t>(camera_.width);
   const auto fx = static_cast<float>(camera_.focalX());
   const auto fy = static_cast<float>(camera_.focalY());
@@ -159,7 +160,7 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
   for (int row = 0; row < camera_.height; ++row) {
     const std::size_t begin = static_cast<std::size_t>(row) * width;
     const float* here = &inverseDepth[begin];
-    // At the border the one neighbour counts: the other one is its mirror image.
+    // At the border only one neighbour exists: the other one is replaced by its mirror image.
     const float* above = row > 0 ? here - width : here + width;
     const float* below = row + 1 < camera_.height ? here + width : here - width;
     const float upwards = row > 0 ? 1.0F : -1.0F;
@@ -191,7 +192,7 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
       // Nguyen et al.: sigma = 0.0012 + 0.0019 (z - 0.4)^2 + 0.0001 / sqrt(z) * theta^2 / (pi / 2 - theta)^2.
       const float inverse = w > 0.01F ? w : 0.01F;
       const float beyond = 1.0F / inverse - 0.4F;
-      const float fromGrazing = cosine * (1.0F + cosine * cosine * (1.0F / 6.0F));  // pi / 2 - theta, nearly
+      const float fromGrazing = cosine * (1.0F + cosine * cosine * (1.0F / 6.0F));  // pi / 2 - theta, approximately
       const float rest = 1.5707963F - fromGrazing;
       const float theta = rest > 0.0F ? rest : 0.0F;
       const float ratio = theta / (fromGrazing > 0.05F ? fromGrazing : 0.05F);
@@ -200,7 +201,7 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
       const float variance = inSteps * inSteps - quantisation;
       spread[i] = std::sqrt(variance > 0.0F ? variance : 0.0F);
 
-      // From the usual deviate down to the one that nearly all exceed.
+      // From the usual deviate down to one that nearly all deviates exceed.
       const float lost = perGrazing * (kGrazingCosine - cosine) / (kGrazingCosine - kLostCosine);
       const float seldom = 3.5F - 7.0F * lost;
       const float grazing = lost > 0.0F ? seldom : usual;
@@ -210,7 +211,8 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
 }
 
 void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame, std::span<std::uint16_t> depthMm) {
-  CHECK(inverseDepth.size() == lit_.size() && depthMm.size() == lit_.size(), "images are of the camera's size");
+  LORICA_CHECK(inverseDepth.size() == lit_.size() && depthMm.size() == lit_.size(),
+               "images must have the camera's size");
   findLit(inverseDepth);
   const bool noisy = settings_.axial > 0.0;
   const bool losing = settings_.grazing || settings_.dropout > 0.0;
@@ -225,8 +227,8 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
   }
   const float shared = std::sqrt(kSharedVariance);
   const float own = std::sqrt(1.0F - kSharedVariance);
-  const auto least = static_cast<float>(settings_.least);
-  const auto most = static_cast<float>(settings_.most);
+  const auto min = static_cast<float>(settings_.min);
+  const auto max = static_cast<float>(settings_.max);
   const int width = camera_.width;
   const int height = camera_.height;
   const int jitterColumns = width / kJitterCell + 1;
@@ -242,21 +244,20 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
       const auto from = static_cast<std::size_t>(fromRow * width + fromColumn);
       const float inverse = lit_[from];
       depthMm[at] = 0;
-      if (inverse <= 0.0F || (losing && clumpsRow_[static_cast<std::size_t>(column)] > threshold_[from])) continue;
+      if (inverse <= 0.0F || (losing && clumpsRow_[column] > threshold_[from])) continue;
       float disparity = disparityOfInverse_ * inverse;
       if (noisy) {
-        disparity +=
-            spread_[from] * (shared * smoothRow_[static_cast<std::size_t>(column)] + own * deviate(white.bits()));
+        disparity += spread_[from] * (shared * smoothRow_[column] + own * deviate(white.bits()));
       }
       if (disparity <= 0.0F) continue;
       if (!millimetres_.empty()) {
-        const float upToHalf = disparity + 0.5F;  // cut, this is rounded
+        const float upToHalf = disparity + 0.5F;  // truncation rounds this to nearest
         const auto step = static_cast<std::size_t>(upToHalf);
         if (step < millimetres_.size()) depthMm[at] = millimetres_[step];
       } else {
         const float depth = disparityOfInverse_ / disparity;
         const float upToHalf = 1000.0F * depth + 0.5F;
-        if (depth >= least && depth <= most) depthMm[at] = static_cast<std::uint16_t>(upToHalf);
+        if (depth >= min && depth <= max) depthMm[at] = static_cast<std::uint16_t>(upToHalf);
       }
     }
   }

@@ -8,32 +8,33 @@
 
 namespace lorica {
 
-/// How a structured-light camera of 2010 errs. Each part can be turned off by a zero; clean() turns off all.
+/// Error model of a structured-light camera of 2010. Each error can be disabled with a zero; clean() disables all.
 struct DepthNoiseSettings {
   std::uint64_t seed = 2026;
-  /// Times the axial noise 0.0012 + 0.0019 (z - 0.4)^2 m (Nguyen et al. 2012), quantisation included; more at grazing
-  /// angles.
+  /// Factor of the axial noise 0.0012 + 0.0019 (z - 0.4)^2 m (Nguyen et al. 2012), including quantisation; more at
+  /// grazing angles.
   double axial = 1.0;
-  double lateral = 0.8;     ///< standard deviation of where edges lie [pixels]
-  double baseline = 0.075;  ///< projector, to the right of the camera; what it cannot light up is missing [m]
-  /// Times the steps of depth, 1/8 pixel of disparity (Khoshelham and Elberink 2012): 2.9e-3 z^2 m. 0 = whole mm.
+  double lateral = 0.8;     ///< standard deviation of edge positions [pixels]
+  double baseline = 0.075;  ///< projector position to the right of the camera; areas that it does not illuminate are
+                            ///< missing [m]
+  /// Factor of the depth steps, 1/8 pixel of disparity (Khoshelham and Elberink 2012): 2.9e-3 z^2 m. 0 = whole mm.
   double steps = 1.0;
-  double dropout = 0.02;  ///< part of the pixels that are missing at random, in clumps
-  bool grazing = true;    ///< surfaces seen under more than about 70 degrees go missing
-  double least = 0.5;     ///< range; nearer is missing [m]
-  double most = 8.0;      ///< range; further is missing [m]
+  double dropout = 0.02;  ///< fraction of pixels missing at random, in clumps
+  bool grazing = true;    ///< surfaces at more than about 70 degrees from their normal are missing
+  double min = 0.5;       ///< min range; nearer pixels are missing [m]
+  double max = 8.0;       ///< max range; farther pixels are missing [m]
 
-  /// Depth rounded to whole millimetres, nothing missing within the range.
+  /// Depth rounded to whole millimetres; nothing is missing within the range.
   [[nodiscard]] static DepthNoiseSettings clean();
-  /// All of the kinds, but a fifth of the axial noise and of the dropout: what compresses well.
+  /// All kinds of errors, but a fifth of the axial noise and of the dropout: compresses well.
   [[nodiscard]] static DepthNoiseSettings mild();
 
   friend bool operator==(const DepthNoiseSettings&, const DepthNoiseSettings&) = default;
 };
 
-/// Makes of clean depth what a Kinect v1 would give. See docs/VIRTUAL_SENSOR.md for the model and its sources.
+/// Converts ideal depth to the depth of a Kinect v1. See docs/VIRTUAL_SENSOR.md for the model and its sources.
 ///
-/// The same seed and frame number give the same image, on every machine. Allocates nothing per frame.
+/// The same seed and frame number give the same image on every machine. Allocates nothing per frame.
 class DepthNoise {
  public:
   DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& settings);
@@ -41,19 +42,19 @@ class DepthNoise {
   [[nodiscard]] const DepthNoiseSettings& settings() const { return settings_; }
 
   /// @param inverseDepth  width x height, see DepthRenderer [1/m]
-  /// @param frame         number of the frame: chooses the noise
+  /// @param frame         frame number: selects the noise
   /// @param depthMm       width x height, written [mm]
   void apply(std::span<const float> inverseDepth, std::uint64_t frame, std::span<std::uint16_t> depthMm);
 
  private:
-  /// Normal deviates on a lattice of square cells; four values a cell, read bilinearly, variance 1 everywhere.
+  /// Normal deviates on a lattice of square cells; bilinear interpolation of four values, normalised to variance 1.
   struct Field {
     int cell = 4, columns = 0, rows = 0;
     std::vector<float> values;   ///< columns x rows
     std::vector<float> weights;  ///< cell x cell x 4
     void resize(const DepthCamera& camera, int cellSize);
     void draw(std::uint64_t seed);
-    /// The values of a row of pixels.
+    /// Writes the values of one pixel row.
     void readRow(int row, std::span<float> out) const;
   };
 
@@ -62,15 +63,15 @@ class DepthNoise {
 
   DepthCamera camera_;
   DepthNoiseSettings settings_;
-  float disparityOfInverse_;                ///< steps of disparity per 1/m
+  float disparityOfInverse_;                ///< disparity steps per 1/m
   std::vector<float> lit_;                  ///< inverse depth; 0 where the projector does not reach
   std::vector<float> spread_;               ///< standard deviation of the disparity [steps]
-  std::vector<float> threshold_;            ///< deviate above which the pixel is missing
-  std::vector<std::int8_t> jitter_;         ///< a lattice of offsets: columns, rows
-  std::vector<std::uint16_t> millimetres_;  ///< depth of a disparity [mm], one a step
+  std::vector<float> threshold_;            ///< the pixel is missing if its deviate exceeds this
+  std::vector<std::int8_t> jitter_;         ///< lattice of offsets: columns, rows
+  std::vector<std::uint16_t> millimetres_;  ///< depth of a disparity [mm], one per step
   Field smooth_, clumps_;
   std::vector<float> smoothRow_, clumpsRow_;
-  std::vector<float> rayX_;  ///< of a ray of depth 1, one a column
+  std::vector<float> rayX_;  ///< x of a ray at depth 1, one per column
 };
 
 }  // namespace lorica

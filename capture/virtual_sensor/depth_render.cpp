@@ -8,10 +8,10 @@
 namespace lorica {
 namespace {
 
-/// Surfaces nearer to the pinhole's plane are cut away [m].
+/// Geometry nearer to the pinhole's plane is clipped [m].
 constexpr double kNearest = 0.05;
 
-/// The first and last pixel whose centre is in [from, to], within 0 .. count - 1; none where an end is not a number.
+/// The first and last pixel whose centre is in [from, to], within 0 .. count - 1; empty if an end is not a number.
 std::pair<int, int> pixelsIn(double from, double to, int count) {
   if (!(from <= to)) return {0, -1};
   const double first = std::clamp(std::ceil(from - 0.5), 0.0, static_cast<double>(count));
@@ -33,17 +33,17 @@ void DepthRenderer::clear() {
   std::fill(labels_.begin(), labels_.end(), std::uint8_t{0});
 }
 
-DepthRenderer::Seen DepthRenderer::project(const Vec3& place) const {
-  const double inverse = -1.0 / place.z();
-  return {0.5 * camera_.width + focalX_ * place.x() * inverse, 0.5 * camera_.height - focalY_ * place.y() * inverse,
-          inverse};
+DepthRenderer::Seen DepthRenderer::project(const Vec3& position) const {
+  const double inverse = -1.0 / position.z();
+  return {0.5 * camera_.width + focalX_ * position.x() * inverse,
+          0.5 * camera_.height - focalY_ * position.y() * inverse, inverse};
 }
 
-void DepthRenderer::draw(std::span<const Vec3> places, std::span<const Triangle> triangles, SurfaceSides sides,
+void DepthRenderer::draw(std::span<const Vec3> positions, std::span<const Triangle> triangles, SurfaceSides sides,
                          std::uint8_t label) {
-  seen_.resize(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    seen_[i] = places[i].z() <= -kNearest ? project(places[i]) : Seen{0.0, 0.0, 0.0};
+  seen_.resize(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    seen_[i] = positions[i].z() <= -kNearest ? project(positions[i]) : Seen{0.0, 0.0, 0.0};
   }
   for (const Triangle& triangle : triangles) {
     const auto a = static_cast<std::size_t>(triangle[0]);
@@ -52,13 +52,13 @@ void DepthRenderer::draw(std::span<const Vec3> places, std::span<const Triangle>
     if (seen_[a].inverse > 0.0 && seen_[b].inverse > 0.0 && seen_[c].inverse > 0.0) {
       drawSeen(seen_[a], seen_[b], seen_[c], sides, label);
     } else {
-      drawClipped({places[a], places[b], places[c]}, sides, label);
+      drawClipped({positions[a], positions[b], positions[c]}, sides, label);
     }
   }
 }
 
 void DepthRenderer::drawClipped(const std::array<Vec3, 3>& corners, SurfaceSides sides, std::uint8_t label) {
-  // What lies in front of the near plane is a triangle or a quadrangle.
+  // The part beyond the near plane is a triangle or a quadrilateral.
   std::array<Seen, 4> kept{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -78,12 +78,12 @@ void DepthRenderer::drawClipped(const std::array<Vec3, 3>& corners, SurfaceSides
 }
 
 void DepthRenderer::drawSeen(const Seen& a, const Seen& b, const Seen& c, SurfaceSides sides, std::uint8_t label) {
-  // Rows run downwards, so what is counter-clockwise from the camera has a negative area here.
+  // Rows increase downwards, so triangles that are counter-clockwise from the camera have a negative area here.
   const double area = (b.column - a.column) * (c.row - a.row) - (c.column - a.column) * (b.row - a.row);
   if (!std::isfinite(area) || area == 0.0 || (sides == SurfaceSides::kOuter && area > 0.0)) return;
 
-  // From the upper corner to the lower one. Neighbours see a common edge with the same two ends in the same order, so
-  // both compute the same crossings, bit for bit, and no pixel falls between.
+  // Sort from the top corner to the bottom one. Adjacent triangles process a common edge with the same two ends in the
+  // same order, so both compute bit-identical crossings, and no pixel is left out between them.
   std::array<const Seen*, 3> sorted = {&a, &b, &c};
   const auto above = [](const Seen* p, const Seen* q) {
     return p->row < q->row || (p->row == q->row && p->column < q->column);
@@ -102,13 +102,13 @@ void DepthRenderer::drawSeen(const Seen& a, const Seen& b, const Seen& c, Surfac
   const double upper = slope(top, middle);
   const double lower = slope(middle, bottom);
 
-  // Inverse depth is affine over the image. Slivers have no sound gradient: their corners bound it.
+  // Inverse depth is affine in the image. Slivers have no reliable gradient: clamp to the values at the corners.
   const double perColumn =
       ((b.inverse - a.inverse) * (c.row - a.row) - (c.inverse - a.inverse) * (b.row - a.row)) / area;
   const double perRow =
       ((c.inverse - a.inverse) * (b.column - a.column) - (b.inverse - a.inverse) * (c.column - a.column)) / area;
-  const auto least = static_cast<float>(std::min({a.inverse, b.inverse, c.inverse}));
-  const auto most = static_cast<float>(std::max({a.inverse, b.inverse, c.inverse}));
+  const auto min = static_cast<float>(std::min({a.inverse, b.inverse, c.inverse}));
+  const auto max = static_cast<float>(std::max({a.inverse, b.inverse, c.inverse}));
   const auto step = static_cast<float>(perColumn);
 
   for (int row = firstRow; row <= lastRow; ++row) {
@@ -121,7 +121,7 @@ void DepthRenderer::drawSeen(const Seen& a, const Seen& b, const Seen& c, Surfac
     const std::size_t at =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(first);
     for (int i = 0; i <= last - first; ++i) {
-      const float inverse = std::clamp(start + step * static_cast<float>(i), least, most);
+      const float inverse = std::clamp(start + step * static_cast<float>(i), min, max);
       float& held = inverseDepth_[at + static_cast<std::size_t>(i)];
       if (inverse > held) {
         held = inverse;
@@ -132,7 +132,7 @@ void DepthRenderer::drawSeen(const Seen& a, const Seen& b, const Seen& c, Surfac
 }
 
 void DepthRenderer::drawPlane(const Vec3& normal, double offset, std::uint8_t label) {
-  CHECK(offset != 0.0, "a plane through the pinhole is seen as a line");
+  LORICA_CHECK(offset != 0.0, "a plane through the pinhole cannot be drawn");
   // A ray (x, y, -1) meets the plane at depth offset / (normal . ray).
   const double perColumn = normal.x() / offset / focalX_;
   const double perRow = -normal.y() / offset / focalY_;

@@ -9,7 +9,7 @@ namespace {
 
 using B = HumanBone;
 
-/// A bone that is stretched, and the bone that it ends at.
+/// A stretched bone, and the bone at its end.
 struct Stretch {
   B bone, end;
   double BodyProportions::*along;
@@ -22,10 +22,10 @@ constexpr std::array kStretches = {Stretch{B::kLeftUpperArm, B::kLeftLowerArm, &
                                    Stretch{B::kRightUpperLeg, B::kRightLowerLeg, &BodyProportions::legs},
                                    Stretch{B::kLeftLowerLeg, B::kLeftFoot, &BodyProportions::legs},
                                    Stretch{B::kRightLowerLeg, B::kRightFoot, &BodyProportions::legs}};
-/// From the hips up; each ends at the next one that there is.
+/// From the hips up; each ends at the next existing one.
 constexpr std::array kTrunk = {B::kHips, B::kSpine, B::kChest, B::kUpperChest, B::kNeck};
 
-/// How one joint's part of the mesh changes: by `whole` around the joint. Joints below it go by `lengths` only.
+/// Change of one joint's part of the mesh: `whole` is applied around the joint. Child joints move by `lengths` only.
 struct Change {
   Mat3 lengths = Mat3::Identity();      ///< model axes
   Mat3 whole = Mat3::Identity();        ///< model axes
@@ -36,13 +36,13 @@ Mat3 along(const Vec3& axis, double lengthwise, double across) {
   return across * Mat3::Identity() + (lengthwise - across) * axis * axis.transpose();
 }
 
-/// Where a joint further down lies in a joint at rest.
-Vec3 restPlace(const Skeleton& skeleton, JointIndex joint, JointIndex below) {
-  Vec3 place = Vec3::Zero();
+/// Position of a descendant joint relative to a joint at rest.
+Vec3 restPosition(const Skeleton& skeleton, JointIndex joint, JointIndex below) {
+  Vec3 position = Vec3::Zero();
   for (JointIndex j = below; j != joint && j != kNoJoint; j = skeleton.joint(j).parent) {
-    place = skeleton.joint(j).rest.matrix() * place;
+    position = skeleton.joint(j).rest.matrix() * position;
   }
-  return place;
+  return position;
 }
 
 double lowestOf(const TriMesh& mesh) {
@@ -64,11 +64,10 @@ Character withProportions(const Character& character, const BodyProportions& pro
     const JointIndex joint = skeleton.jointOf(bone);
     const JointIndex tip = skeleton.jointOf(end);
     if (joint == kNoJoint || tip == kNoJoint) return;
-    const Vec3 axis = modelFromJoint[static_cast<std::size_t>(tip)].translation() -
-                      modelFromJoint[static_cast<std::size_t>(joint)].translation();
-    const Vec3 restAxis = restPlace(skeleton, joint, tip);
+    const Vec3 axis = modelFromJoint[tip].translation() - modelFromJoint[joint].translation();
+    const Vec3 restAxis = restPosition(skeleton, joint, tip);
     if (axis.norm() < 1e-6 || restAxis.norm() < 1e-9) return;
-    Change& made = changes[static_cast<std::size_t>(joint)];
+    Change& made = changes[joint];
     made.lengths = along(axis.normalized(), lengthwise, 1.0);
     made.whole = along(axis.normalized(), lengthwise, proportions.girth);
     made.restLengths = along(restAxis.normalized(), lengthwise, 1.0);
@@ -80,16 +79,16 @@ Character withProportions(const Character& character, const BodyProportions& pro
     change(kTrunk[from], kTrunk[to], proportions.trunk);
   }
 
-  // Parents precede children: each joint goes where its parent's change takes it. Where the bind pose is a pose of the
-  // same skeleton, so is the changed bind pose of the changed one.
-  std::vector<Vec3> place(jointCount);
+  // Parents precede children: each joint moves with its parent's change. If the bind pose is a pose of the skeleton,
+  // the changed bind pose is a pose of the changed skeleton.
+  std::vector<Vec3> position(jointCount);
   std::vector<Joint> joints(skeleton.joints().begin(), skeleton.joints().end());
   for (std::size_t j = 0; j < jointCount; ++j) {
     const JointIndex parent = joints[j].parent;
-    place[j] = modelFromJoint[j].translation();
+    position[j] = modelFromJoint[j].translation();
     if (parent == kNoJoint) continue;
     const auto p = static_cast<std::size_t>(parent);
-    place[j] = place[p] + changes[p].lengths * (place[j] - modelFromJoint[p].translation());
+    position[j] = position[p] + changes[p].lengths * (position[j] - modelFromJoint[p].translation());
     joints[j].rest.translation = changes[p].restLengths * joints[j].rest.translation;
   }
 
@@ -99,7 +98,7 @@ Character withProportions(const Character& character, const BodyProportions& pro
     for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
       const auto j = static_cast<std::size_t>(character.influences[i].joint);
       const Vec3 from = character.mesh.vertices[v] - modelFromJoint[j].translation();
-      sum += character.influences[i].weight * (place[j] + changes[j].whole * from);
+      sum += character.influences[i].weight * (position[j] + changes[j].whole * from);
     }
     changed.mesh.vertices[v] = sum;
   }
@@ -107,13 +106,13 @@ Character withProportions(const Character& character, const BodyProportions& pro
   const Vec3 lift(0.0, lowestOf(character.mesh) - lowestOf(changed.mesh), 0.0);
   for (Vec3& v : changed.mesh.vertices) v = proportions.height * (v + lift);
   for (std::size_t j = 0; j < jointCount; ++j) {
-    modelFromJoint[j].translation() = proportions.height * (place[j] + lift);
+    modelFromJoint[j].translation() = proportions.height * (position[j] + lift);
     changed.jointFromModel[j] = modelFromJoint[j].inverse();
     if (joints[j].parent == kNoJoint) joints[j].rest.translation += lift;
     joints[j].rest.translation *= proportions.height;
   }
   Result<Skeleton> made = Skeleton::create(std::move(joints));
-  CHECK(made.ok(), "the joints' order is the character's own");
+  LORICA_CHECK(made.ok(), "the joint order must match the character's");
   changed.skeleton = std::move(*made);
   const Aabb bounds = boundsOf(changed.mesh.vertices);
   changed.height = bounds.empty() ? 0.0 : bounds.max.y() - bounds.min.y();

@@ -14,7 +14,7 @@ namespace {
 using B = HumanBone;
 using J = BodyJoint;
 
-/// The bone at whose joint a tracked joint lies; the torso is at none.
+/// The bone whose joint position is used for a tracked joint; the torso has none.
 constexpr std::array<std::optional<B>, kBodyJointCount> kBoneOfJoint = {
     B::kHead,          B::kNeck,         B::kLeftUpperArm,  B::kRightUpperArm, B::kLeftLowerArm,
     B::kRightLowerArm, B::kLeftHand,     B::kRightHand,     std::nullopt,      B::kLeftUpperLeg,
@@ -28,13 +28,13 @@ bool sameNames(const Skeleton& a, const Skeleton& b) {
 }  // namespace
 
 Result<VirtualPerformer> VirtualPerformer::create(Character character, std::span<const SkeletonFrame> recording) {
-  if (recording.empty()) return Error{ErrorCode::kInvalidArgument, "found no frames of joints, expected one at least"};
+  if (recording.empty()) return Error{ErrorCode::kInvalidArgument, "found no joint frames, expected at least one"};
   if (const Result<void> checked = checkCharacter(character); !checked) return checked.error();
-  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-  if (!standIn) return standIn.error();
-  Result<Retargeter> retargeter = Retargeter::create(standIn->skeleton());
+  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  if (!proxy) return proxy.error();
+  Result<Retargeter> retargeter = Retargeter::create(proxy->skeleton());
   if (!retargeter) return retargeter.error();
-  SkeletalMotion motion{"", standIn->skeleton(), {}, {}};
+  SkeletalMotion motion{"", proxy->skeleton(), {}, {}};
   Pose pose = restPose(motion.skeleton);
   motion.times.reserve(recording.size());
   motion.poses.reserve(recording.size() * pose.size());
@@ -43,25 +43,25 @@ Result<VirtualPerformer> VirtualPerformer::create(Character character, std::span
     motion.times.push_back(frame.time);
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
   }
-  motion = standIn->carryBack(std::move(motion));
+  motion = proxy->mapBack(std::move(motion));
   return VirtualPerformer(std::move(character), std::move(motion));
 }
 
 Result<VirtualPerformer> VirtualPerformer::create(Character character, const SkeletalMotion& motion) {
   if (motion.times.empty() || motion.poses.size() != motion.times.size() * motion.skeleton.joints().size()) {
-    return Error{ErrorCode::kInvalidArgument, "the motion has no frames, or not one transform for each joint in each"};
+    return Error{ErrorCode::kInvalidArgument, "the motion has no frames, or frames without one transform per joint"};
   }
   if (const Result<void> checked = checkCharacter(character); !checked) return checked.error();
   if (sameNames(motion.skeleton, character.skeleton)) {
-    Result<SkeletalMotion> own = renameMotion(motion, character.skeleton);
+    Result<SkeletalMotion> own = retargetByJointNames(motion, character.skeleton);
     if (!own) return own.error();
     return VirtualPerformer(std::move(character), std::move(*own));
   }
-  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-  if (!standIn) return standIn.error();
-  Result<SkeletalMotion> carried = retargetMotion(motion, standIn->skeleton());
+  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  if (!proxy) return proxy.error();
+  Result<SkeletalMotion> carried = retargetMotion(motion, proxy->skeleton());
   if (!carried) return carried.error();
-  SkeletalMotion own = standIn->carryBack(std::move(*carried));
+  SkeletalMotion own = proxy->mapBack(std::move(*carried));
   return VirtualPerformer(std::move(character), std::move(own));
 }
 
@@ -74,8 +74,8 @@ VirtualPerformer::VirtualPerformer(Character character, SkeletalMotion motion)
       pose_(restPose(character_.skeleton)),
       targetFromJoint_(pose_.size()),
       targetFromModel_(pose_.size()),
-      places_(character_.mesh.vertices.size()) {
-  // Orientations need the whole body read; that is done here, once, and interpolated later.
+      positions_(character_.mesh.vertices.size()) {
+  // Orientations require reading the whole body; this is done once here, and the result is interpolated later.
   if (const Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(motion_); frames) {
     orientations_.resize(frames->size());
     for (std::size_t f = 0; f < frames->size(); ++f) {
@@ -86,7 +86,7 @@ VirtualPerformer::VirtualPerformer(Character character, SkeletalMotion motion)
 }
 
 void VirtualPerformer::pose(double time, const Isometry3& targetFromWorld) {
-  // The frames around the time.
+  // The frames before and after the time.
   const double wanted = std::clamp(motion_.times.front() + time, motion_.times.front(), motion_.times.back());
   const auto after = std::upper_bound(motion_.times.begin(), motion_.times.end(), wanted);
   const auto last = static_cast<std::size_t>(motion_.frameCount() - 1);
@@ -105,12 +105,12 @@ void VirtualPerformer::pose(double time, const Isometry3& targetFromWorld) {
   computeWorldFromJoint(character_.skeleton, pose_, targetFromJoint_);
   for (Affine3& joint : targetFromJoint_) joint = targetFromWorld * joint;
   computeWorldFromModel(character_, targetFromJoint_, targetFromModel_);
-  skinLinearBlend(character_, targetFromModel_, places_);
+  skinLinearBlend(character_, targetFromModel_, positions_);
 
-  const auto place = [&](B bone) -> std::optional<Vec3> {
+  const auto position = [&](B bone) -> std::optional<Vec3> {
     const JointIndex joint = character_.skeleton.jointOf(bone);
     if (joint == kNoJoint) return std::nullopt;
-    return Vec3(targetFromJoint_[static_cast<std::size_t>(joint)].translation());
+    return Vec3(targetFromJoint_[joint].translation());
   };
   joints_ = {};
   joints_.time = time;
@@ -119,13 +119,13 @@ void VirtualPerformer::pose(double time, const Isometry3& targetFromWorld) {
     TrackedJoint& joint = joints_.joints[j];
     std::optional<Vec3> at;
     if (kBoneOfJoint[j]) {
-      at = place(*kBoneOfJoint[j]);
+      at = position(*kBoneOfJoint[j]);
     } else {
-      const std::optional<Vec3> left = place(B::kLeftUpperLeg);
-      const std::optional<Vec3> right = place(B::kRightUpperLeg);
-      std::optional<Vec3> neck = place(B::kNeck);
-      if (!neck && place(B::kLeftUpperArm) && place(B::kRightUpperArm)) {
-        neck = 0.5 * (*place(B::kLeftUpperArm) + *place(B::kRightUpperArm));
+      const std::optional<Vec3> left = position(B::kLeftUpperLeg);
+      const std::optional<Vec3> right = position(B::kRightUpperLeg);
+      std::optional<Vec3> neck = position(B::kNeck);
+      if (!neck && position(B::kLeftUpperArm) && position(B::kRightUpperArm)) {
+        neck = 0.5 * (*position(B::kLeftUpperArm) + *position(B::kRightUpperArm));
       }
       if (left && right && neck) at = 0.25 * (*left + *right) + 0.5 * *neck;
     }

@@ -15,35 +15,35 @@ namespace lorica {
 
 /// A character that performs a motion: its surface and the 15 joints of its body at any time.
 ///
-/// The motion is carried to the character once; between its frames poses are interpolated. One thread.
+/// The motion is retargeted to the character once; poses are interpolated between its frames. Single-threaded.
 class VirtualPerformer {
  public:
-  /// @param character  with its humanoid bones; its `shown` triangles are what is seen
-  /// @param recording  joints, at least one frame, times rising; carried by Retargeter
-  /// @return the performer, or which humanoid bones are missing
+  /// @param character  with its humanoid bones; its `shown` triangles are the visible surface
+  /// @param recording  joints, at least one frame, times increasing; retargeted by Retargeter
+  /// @return the performer, or an error with the missing humanoid bones
   static Result<VirtualPerformer> create(Character character, std::span<const SkeletonFrame> recording);
-  /// @param motion  of any humanoid skeleton, carried by retargetMotion(), or by renameMotion() where the joints bear
-  ///                the same names as the character's
+  /// @param motion  of any humanoid skeleton, retargeted by retargetMotion(), or by retargetByJointNames() if the
+  /// joints have the same names as the character's
   static Result<VirtualPerformer> create(Character character, const SkeletalMotion& motion);
 
-  /// Of the motion, from its first frame to its last [s].
+  /// Duration of the motion, from its first frame to its last [s].
   [[nodiscard]] double seconds() const { return motion_.times.back() - motion_.times.front(); }
   [[nodiscard]] const Character& character() const { return character_; }
 
-  /// Takes the pose of a time; allocates nothing.
-  /// @param time            from the first frame [s]; before and after the motion its first and last pose
-  /// @param targetFromWorld where the motion's world lies in the frame that is asked for
+  /// Evaluates the pose at a time; allocates nothing.
+  /// @param time            from the first frame [s]; clamped to the first and last pose
+  /// @param targetFromWorld transform from the motion's world to the target frame
   void pose(double time, const Isometry3& targetFromWorld);
 
-  /// Of pose(), target frame [m].
-  [[nodiscard]] std::span<const Vec3> places() const { return places_; }
+  /// From the last pose(), target frame [m].
+  [[nodiscard]] std::span<const Vec3> positions() const { return positions_; }
   [[nodiscard]] std::span<const Triangle> triangles() const {
     return character_.shown.empty() ? character_.mesh.triangles : character_.shown;
   }
   [[nodiscard]] SurfaceSides sides() const { return sides_; }
 
-  /// The true joints of pose(), target frame, as bodyJointsOf() defines them: confidence 1, or 0 where the character
-  /// lacks the bone. Orientations turn from the T-pose of someone who faces the target frame's +Z.
+  /// The true joints of the last pose(), target frame, as defined by bodyJointsOf(): confidence 1, or 0 if the
+  /// character lacks the bone. Orientations are relative to the T-pose of a person who faces the target frame's +Z.
   [[nodiscard]] const SkeletonFrame& joints() const { return joints_; }
 
  private:
@@ -52,10 +52,10 @@ class VirtualPerformer {
   Character character_;
   SkeletalMotion motion_;  ///< of the character's skeleton
   SurfaceSides sides_ = SurfaceSides::kBoth;
-  std::vector<std::array<std::optional<Quat>, kBodyJointCount>> orientations_;  ///< one a frame; world
+  std::vector<std::array<std::optional<Quat>, kBodyJointCount>> orientations_;  ///< one per frame; world
   Pose pose_;
   std::vector<Affine3> targetFromJoint_, targetFromModel_;
-  std::vector<Vec3> places_;
+  std::vector<Vec3> positions_;
   SkeletonFrame joints_;
 };
 

@@ -21,9 +21,9 @@ constexpr std::array<Triangle, 12> kBoxTriangles = {{{0, 4, 6},
 
 }  // namespace
 
-Isometry3 worldFromCameraAt(const Vec3& place, double tiltDown, double heading) {
+Isometry3 worldFromCameraAt(const Vec3& position, double tiltDown, double heading) {
   Isometry3 worldFromCamera = Isometry3::Identity();
-  worldFromCamera.translate(place);
+  worldFromCamera.translate(position);
   worldFromCamera.rotate(Eigen::AngleAxisd(heading, Vec3::UnitY()));
   worldFromCamera.rotate(Eigen::AngleAxisd(-tiltDown, Vec3::UnitX()));
   return worldFromCamera;
@@ -49,12 +49,12 @@ std::vector<Aabb> chairAt(const Vec3& middle) {
 
 void drawRoom(const VirtualRoom& room, DepthRenderer& renderer) {
   const Isometry3 cameraFromWorld = room.worldFromCamera.inverse();
-  const Vec3 place = room.worldFromCamera.translation();
-  if (room.floor && place.y() != 0.0) {
-    renderer.drawPlane(cameraFromWorld.linear() * Vec3::UnitY(), -place.y(), 0);
+  const Vec3 position = room.worldFromCamera.translation();
+  if (room.floor && position.y() != 0.0) {
+    renderer.drawPlane(cameraFromWorld.linear() * Vec3::UnitY(), -position.y(), 0);
   }
-  if (room.wall && place.z() != *room.wall) {
-    renderer.drawPlane(cameraFromWorld.linear() * Vec3::UnitZ(), *room.wall - place.z(), 0);
+  if (room.wall && position.z() != *room.wall) {
+    renderer.drawPlane(cameraFromWorld.linear() * Vec3::UnitZ(), *room.wall - position.z(), 0);
   }
   for (const Aabb& box : room.boxes) {
     std::array<Vec3, 8> corners;

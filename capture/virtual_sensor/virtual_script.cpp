@@ -16,11 +16,11 @@
 namespace lorica {
 namespace {
 
-/// How far apart two people stand [m].
+/// Distance between two people [m].
 constexpr double kApart = 1.3;
 
 Error badScript(std::string message) {
-  return Error{ErrorCode::kInvalidArgument, "the virtual sensor's script: " + std::move(message)};
+  return Error{ErrorCode::kInvalidArgument, "virtual sensor script: " + std::move(message)};
 }
 
 std::vector<std::string_view> split(std::string_view text, char by) {
@@ -33,13 +33,13 @@ std::vector<std::string_view> split(std::string_view text, char by) {
   }
 }
 
-/// The whole text as a number within bounds.
+/// Parses the whole text as a number within bounds.
 template <typename Number>
-std::optional<Number> numberOf(std::string_view text, Number least, Number most) {
+std::optional<Number> numberOf(std::string_view text, Number min, Number max) {
   Number number{};
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if (!(number >= least && number <= most)) return std::nullopt;
+  if (!(number >= min && number <= max)) return std::nullopt;
   return number;
 }
 
@@ -59,12 +59,12 @@ std::optional<SyntheticMotion> motionNamed(std::string_view name) {
   return std::nullopt;
 }
 
-/// Applies one setting. @return what was expected where the value is wrong
+/// Applies one setting. @return what was expected if the value is wrong
 std::optional<std::string> apply(std::string_view key, std::string_view value, VirtualScript& script) {
   VirtualSensorSettings& settings = script.settings;
-  const auto number = [&](double& to, double least, double most) -> std::optional<std::string> {
-    const std::optional<double> read = numberOf(value, least, most);
-    if (!read) return fmt::format("a number from {} to {}", least, most);
+  const auto number = [&](double& to, double min, double max) -> std::optional<std::string> {
+    const std::optional<double> read = numberOf(value, min, max);
+    if (!read) return fmt::format("a number from {} to {}", min, max);
     to = *read;
     return std::nullopt;
   };
@@ -75,7 +75,7 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   };
   const auto span = [&](std::vector<TimeSpan>& to) -> std::optional<std::string> {
     const std::optional<TimeSpan> read = spanOf(value);
-    if (!read) return "from:to in seconds, such as 2:4.5";
+    if (!read) return "from:to in seconds, for example 2:4.5";
     to.push_back(*read);
     return std::nullopt;
   };
@@ -110,7 +110,7 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   }
   if (key == "seed") {
     const std::optional<std::uint64_t> seed = numberOf<std::uint64_t>(value, 0, ~std::uint64_t{0});
-    if (!seed) return "a whole number from 0";
+    if (!seed) return "a whole number of at least 0";
     settings.noise.seed = *seed;
     return std::nullopt;
   }
@@ -118,9 +118,9 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   if (key == "height") return number(script.height, 0.5, 2.0);
   if (key == "girth") return number(script.girth, 0.5, 2.0);
   if (key == "distance") {
-    Vec3 place = settings.room.worldFromCamera.translation();
-    std::optional<std::string> expected = number(place.z(), 1.0, 7.0);
-    settings.room.worldFromCamera.translation() = place;
+    Vec3 position = settings.room.worldFromCamera.translation();
+    std::optional<std::string> expected = number(position.z(), 1.0, 7.0);
+    settings.room.worldFromCamera.translation() = position;
     return expected;
   }
   if (key == "unplug") return span(settings.unplugged);
@@ -140,7 +140,7 @@ Result<VirtualScript> parseVirtualScript(std::string_view text) {
     if (equals == std::string_view::npos) return badScript(fmt::format("found '{}', expected key=value", setting));
     const std::string_view key = setting.substr(0, equals);
     if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
-      return badScript(fmt::format("found {} twice, expected it once", key));
+      return badScript(fmt::format("found {} twice, expected it only once", key));
     }
     seen.push_back(key);
     if (const std::optional<std::string> expected = apply(key, setting.substr(equals + 1), script)) {
@@ -166,8 +166,8 @@ Result<VirtualSensor> makeVirtualSensor(const VirtualScript& script) {
     Result<VirtualPerformer> performer = VirtualPerformer::create(body, frames);
     if (!performer) return performer.error();
     VirtualPerson person{std::move(*performer)};
-    const auto place = static_cast<double>(people.size()) - 0.5 * static_cast<double>(script.motions.size() - 1);
-    person.worldFromMotion.translate(Vec3(kApart * place, 0.0, 0.0));
+    const auto position = static_cast<double>(people.size()) - 0.5 * static_cast<double>(script.motions.size() - 1);
+    person.worldFromMotion.translate(Vec3(kApart * position, 0.0, 0.0));
     person.start = script.start;
     person.absent = script.absent;
     people.push_back(std::move(person));

@@ -8,37 +8,37 @@
 
 namespace lorica {
 
-/// A virtual sensor said in one line of text, as the driver takes it from the environment variable LORICA_VIRTUAL.
+/// A virtual sensor described in one line of text, as the driver reads it from the environment variable LORICA_VIRTUAL.
 ///
-/// Settings are `key=value`, parted by blanks, each at most once:
+/// Settings are `key=value`, separated by blanks, each at most once:
 ///
-/// - `motion`: a shipped motion (nameOf(SyntheticMotion)) or a joint CSV file that ends in .csv; two of them, parted by
-///   a comma, for two people side by side [wave]
+/// - `motion`: a shipped motion (nameOf(SyntheticMotion)) or a joint CSV file that ends in .csv; two of them, separated
+///   by a comma, for two people side by side [wave]
 /// - `loop`: yes or no [yes]
 /// - `pace`: live or fast [live]
 /// - `noise`: kinect, mild or none [kinect]
 /// - `seed`: of the noise, from 0 [2026]
 /// - `height`, `girth`: of the people, 0.5 to 2 [1]
-/// - `start`: where in the motions the sensor's time 0 is [0 s]
+/// - `start`: time in the motions at the sensor's time 0 [0 s]
 /// - `distance`: of the camera from the people, 1 to 7 [3 m]
-/// - `unplug`, `absent`: from:to, when the sensor or the people are away [never, s]
+/// - `unplug`, `absent`: from:to, when the sensor is unplugged or the people are away [never, s]
 struct VirtualScript {
   std::vector<std::string> motions = {"wave"};
   double height = 1.0;
   double girth = 1.0;
-  double start = 0.0;  ///< where in the motions the sensor's time 0 is [s]
+  double start = 0.0;  ///< time in the motions at the sensor's time 0 [s]
   std::vector<TimeSpan> absent;
-  VirtualSensorSettings settings;  ///< live and looped, unless said otherwise
+  VirtualSensorSettings settings;  ///< live and looped, unless specified otherwise
 };
 
 /// The environment variable that the driver reads.
 inline constexpr const char* kVirtualScriptVariable = "LORICA_VIRTUAL";
 
-/// @return the script, or which part of the text is wrong and what was expected; files are not yet opened
+/// @return the script, or an error with the wrong part of the text and what was expected; files are not opened yet
 [[nodiscard]] Result<VirtualScript> parseVirtualScript(std::string_view text);
 
-/// The people and their room, by the mannequin.
-/// @return the sensor, or why a motion cannot be had
+/// Creates the sensor with room and people, using the mannequin.
+/// @return the sensor, or an error if a motion cannot be loaded
 [[nodiscard]] Result<VirtualSensor> makeVirtualSensor(const VirtualScript& script);
 
 }  // namespace lorica

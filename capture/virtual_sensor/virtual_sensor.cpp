@@ -10,47 +10,47 @@
 namespace lorica {
 namespace {
 
-constexpr std::size_t kMostPeople = 6;
-constexpr int kMostPixels = 4096;  ///< a side
-/// next() waits no longer than this at a time.
+constexpr std::size_t kMaxPeople = 6;
+constexpr int kMaxPixels = 4096;  ///< per side
+/// next() waits at most this long per call.
 constexpr std::chrono::milliseconds kPatience{100};
 
-/// See Tracker: below the camera, looking along -Z.
+/// See Tracker: origin below the camera, looking along -Z.
 Isometry3 floorFromWorld(const Isometry3& worldFromCamera) {
   const Vec3 looks = worldFromCamera.linear() * -Vec3::UnitZ();
   const double heading = std::atan2(-looks.x(), -looks.z());
-  const Vec3 place = worldFromCamera.translation();
+  const Vec3 position = worldFromCamera.translation();
   Isometry3 floorFromWorld(Eigen::AngleAxisd(-heading, Vec3::UnitY()));
-  floorFromWorld.translate(-Vec3(place.x(), 0.0, place.z()));
+  floorFromWorld.translate(-Vec3(position.x(), 0.0, position.z()));
   return floorFromWorld;
 }
 
 Result<void> check(std::size_t people, const VirtualSensorSettings& settings) {
   const auto bad = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
-  if (people > kMostPeople) {
-    return bad(fmt::format("{} people before the virtual sensor, expected {} at most", people, kMostPeople));
+  if (people > kMaxPeople) {
+    return bad(fmt::format("{} people in front of the virtual sensor, expected at most {}", people, kMaxPeople));
   }
   const DepthCamera& camera = settings.camera;
-  if (std::min(camera.width, camera.height) < 2 || std::max(camera.width, camera.height) > kMostPixels) {
-    return bad(fmt::format("the virtual sensor's image is {} x {} pixels, expected 2 to {} a side", camera.width,
-                           camera.height, kMostPixels));
+  if (std::min(camera.width, camera.height) < 2 || std::max(camera.width, camera.height) > kMaxPixels) {
+    return bad(fmt::format("the virtual sensor's image has {} x {} pixels, expected 2 to {} per side", camera.width,
+                           camera.height, kMaxPixels));
   }
   for (const double view : {camera.horizontalFov, camera.verticalFov}) {
     if (!(view > 0.01 && view < 3.0)) return bad(fmt::format("a field of view of {} rad, expected 0.01 to 3", view));
   }
   if (!(settings.framesPerSecond >= 1.0 && settings.framesPerSecond <= 1000.0)) {
-    return bad(fmt::format("{} frames a second, expected 1 to 1000", settings.framesPerSecond));
+    return bad(fmt::format("{} frames per second, expected 1 to 1000", settings.framesPerSecond));
   }
   const DepthNoiseSettings& noise = settings.noise;
   for (const double part : {noise.axial, noise.lateral, noise.baseline, noise.steps, noise.dropout}) {
-    if (!(part >= 0.0 && part <= 100.0)) return bad(fmt::format("a part of the noise is {}, expected 0 to 100", part));
+    if (!(part >= 0.0 && part <= 100.0)) return bad(fmt::format("a noise setting of {}, expected 0 to 100", part));
   }
   if (noise.steps > 0.0 && noise.steps < 0.01) {
-    return bad(fmt::format("steps of depth of {}, expected 0 or 0.01 and more", noise.steps));
+    return bad(fmt::format("a depth step factor of {}, expected 0 or at least 0.01", noise.steps));
   }
   if (noise.dropout > 0.5) return bad(fmt::format("a dropout of {}, expected 0 to 0.5", noise.dropout));
-  if (!(noise.least >= 0.1 && noise.least < noise.most && noise.most <= 60.0)) {
-    return bad(fmt::format("a range of {} to {} m, expected one within 0.1 to 60 m", noise.least, noise.most));
+  if (!(noise.min >= 0.1 && noise.min < noise.max && noise.max <= 60.0)) {
+    return bad(fmt::format("a range of {} to {} m, expected one within 0.1 to 60 m", noise.min, noise.max));
   }
   return {};
 }
@@ -113,7 +113,7 @@ void VirtualSensor::render(std::uint64_t number, DepthFrame& frame) {
     truth.joints.time = time;
     truth.joints.user = static_cast<int>(i) + 1;
     if (!truth.present) continue;
-    renderer_.draw(person.performer.places(), person.performer.triangles(), person.performer.sides(),
+    renderer_.draw(person.performer.positions(), person.performer.triangles(), person.performer.sides(),
                    static_cast<std::uint8_t>(i + 1));
   }
   for (VirtualTruth& truth : truth_) truth.pixelCount = 0;

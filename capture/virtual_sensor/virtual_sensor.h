@@ -15,25 +15,25 @@
 
 namespace lorica {
 
-/// From a time to another, the end not included; by the sensor's clock [s].
+/// Interval from one time to another, end excluded; in the sensor's clock [s].
 struct TimeSpan {
   double from = 0.0, to = 0.0;
   [[nodiscard]] bool holds(double time) const { return from <= time && time < to; }
 };
 
-/// Someone before the virtual sensor.
+/// A person in front of the virtual sensor.
 struct VirtualPerson {
   VirtualPerformer performer;
-  /// Where the motion's world lies in the room: moved over the floor and turned about the vertical, or more.
+  /// Pose of the motion's world in the room: usually moved on the floor and rotated about the vertical.
   Isometry3 worldFromMotion = Isometry3::Identity();
-  double start = 0.0;                 ///< where in the motion the sensor's time 0 is [s]
+  double start = 0.0;                 ///< time in the motion at the sensor's time 0 [s]
   std::vector<TimeSpan> absent = {};  ///< when the person is away
-  /// 0 = the person vanishes for the whole span and is back at its end; else slides out to the camera's right at its
-  /// begin and back so as to stand in place at its end [m/s].
+  /// 0 = the person vanishes for the whole span and is back at its end; else moves out to the camera's right at its
+  /// start and back so as to be in position at its end [m/s].
   double leaveSpeed = 0.0;
 };
 
-/// A box that stands in the room for a while, such as a screen that hides people.
+/// A box that is in the room temporarily, for example a screen that hides people.
 struct VirtualScreen {
   Aabb box;  ///< world [m]
   TimeSpan when;
@@ -44,23 +44,24 @@ struct VirtualSensorSettings {
   VirtualRoom room;
   DepthNoiseSettings noise;
   double framesPerSecond = 30.0;
-  /// Frames come by the wall clock, and those that nobody fetched in time are lost; else as fast as they are asked for.
+  /// Frames arrive in real time, and frames that are not fetched in time are dropped; else as fast as they are
+  /// requested.
   bool live = false;
-  /// Each person begins anew after the motion's end; else the source ends when the last one has.
+  /// Each person repeats the motion after its end; else the source ends when the last motion ends.
   bool loop = false;
-  std::vector<TimeSpan> unplugged;  ///< when frames are lost and next() says kUnplugged
+  std::vector<TimeSpan> unplugged;  ///< when frames are lost and next() returns kUnplugged
   std::vector<VirtualScreen> screens;
 };
 
-/// What is true of a person in a frame.
+/// Ground truth of a person in a frame.
 struct VirtualTruth {
   bool present = false;
-  SkeletonFrame joints;  ///< camera frame; `user` is the person's place in the list, from 1; time of the frame
-  int pixelCount = 0;    ///< of the clean image that show the person
+  SkeletonFrame joints;  ///< camera frame; `user` is the person's number in the list, from 1; time of the frame
+  int pixelCount = 0;    ///< number of pixels of the clean image that show the person
 };
 
-/// A depth camera before people who perform recorded motions: what Lorica is tried and tested with where there is no
-/// camera. Depth is rendered, then spoilt as a Kinect v1 spoils it; and the truth is known.
+/// A depth camera in front of people who perform recorded motions, for trying and testing Lorica without a camera.
+/// Depth is rendered, then degraded like that of a Kinect v1; the ground truth is known.
 ///
 ///     std::vector<VirtualPerson> people;
 ///     people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
@@ -73,29 +74,29 @@ struct VirtualTruth {
 ///       const SkeletonFrame truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
 ///     }
 ///
-/// Other bodies: withProportions(makeMannequin(), {.height = 1.1}), {.girth = 1.25}. Clean depth:
-/// settings.noise = DepthNoiseSettings::clean(). Same settings, same frames. Where nothing is live, next() allocates
-/// nothing after the first frame.
+/// Other bodies: withProportions(makeMannequin(), {.height = 1.1}), {.girth = 1.25}. Clean depth: settings.noise =
+/// DepthNoiseSettings::clean(). The same settings give the same frames. If not live, next() allocates nothing after the
+/// first frame.
 class VirtualSensor final : public DepthSource {
  public:
-  /// @param people  up to 6; may be none
-  /// @return the sensor, or which setting is out of range
+  /// @param people  up to 6; may be empty
+  /// @return the sensor, or an error with the setting that is out of range
   static Result<VirtualSensor> create(std::vector<VirtualPerson> people, const VirtualSensorSettings& settings = {});
 
   [[nodiscard]] const DepthCamera& camera() const override { return settings_.camera; }
   [[nodiscard]] std::string name() const override { return "virtual sensor"; }
   [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
 
-  /// Any frame, out of order. @param number  from 0; its time is number / framesPerSecond
+  /// Renders any frame, in any order. @param number  from 0; its time is number / framesPerSecond
   void render(std::uint64_t number, DepthFrame& frame);
-  /// Frames until the end where nothing is looped; by the longest motion.
+  /// Number of frames if not looped, determined by the longest motion.
   [[nodiscard]] std::uint64_t frameCount() const { return frameCount_; }
 
-  /// Of the last frame: one a person, as given to create().
+  /// Of the last frame: one per person, in the order given to create().
   [[nodiscard]] std::span<const VirtualTruth> truth() const { return truth_; }
-  /// Of the last frame before noise: 0 the room, else the person's place in the list, from 1.
+  /// Of the last frame before noise: 0 the room, else the person's number in the list, from 1.
   [[nodiscard]] std::span<const std::uint8_t> labels() const { return renderer_.labels(); }
-  /// The true floor frame as Tracker defines it.
+  /// The true floor frame as defined by Tracker.
   [[nodiscard]] const Isometry3& floorFromCamera() const { return floorFromCamera_; }
 
  private:
@@ -113,7 +114,7 @@ class VirtualSensor final : public DepthSource {
   std::vector<VirtualTruth> truth_;
 };
 
-/// Joints in another frame: positions and orientations. @param otherFromThis  of the frame that they are in
+/// Transforms joints to another frame: positions and orientations. @param otherFromThis  from their current frame
 [[nodiscard]] SkeletonFrame moved(SkeletonFrame joints, const Isometry3& otherFromThis);
 
 }  // namespace lorica

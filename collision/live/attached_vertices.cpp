@@ -1,7 +1,7 @@
 #include "collision/live/attached_vertices.h"
 
-#include "acd/nearest_triangle.h"
 #include "geometry/convex_hull.h"
+#include "geometry/triangle_tree.h"
 
 #include <tbb/parallel_for.h>
 
@@ -15,24 +15,24 @@ namespace {
 
 /// The bone that moves a point most; the first of several.
 JointIndex strongest(const LiftedPoint& point) {
-  const auto most = std::max_element(point.begin(), point.end(),
-                                     [](const LiftedTerm& a, const LiftedTerm& b) { return a.weight < b.weight; });
-  return most == point.end() ? 0 : most->joint;
+  const auto max = std::max_element(point.begin(), point.end(),
+                                    [](const LiftedTerm& a, const LiftedTerm& b) { return a.weight < b.weight; });
+  return max == point.end() ? 0 : max->joint;
 }
 
-/// The points of one part that one bone moves most, in the bind pose.
+/// The points of one part that are moved most by one bone, in the bind pose.
 struct Share {
   std::size_t part = 0;
   JointIndex joint = 0;
   std::vector<Vec3> points;
   ConvexHull hull;
 
-  /// How far outside of the hull a point is, at least; of a flat one, from its nearest point [m].
+  /// Lower bound of a point's distance outside the hull; for a flat hull, distance from its nearest point [m].
   [[nodiscard]] double distance(const Vec3& p) const {
     if (!hull.degenerate()) return largestViolation(hull, {&p, 1});
-    double leastSq = std::numeric_limits<double>::infinity();
-    for (const Vec3& own : points) leastSq = std::min(leastSq, (own - p).squaredNorm());
-    return std::sqrt(leastSq);
+    double minSq = std::numeric_limits<double>::infinity();
+    for (const Vec3& own : points) minSq = std::min(minSq, (own - p).squaredNorm());
+    return std::sqrt(minSq);
   }
 };
 
@@ -44,12 +44,12 @@ std::vector<Share> sharesOf(const Decomposition& decomposition, std::span<const 
     std::vector<std::pair<JointIndex, PointIndex>> order;
     order.reserve(decomposition.parts[i].points.size());
     for (const PointIndex p : decomposition.parts[i].points) {
-      order.emplace_back(strongest(lifted[static_cast<std::size_t>(p)]), p);
+      order.emplace_back(strongest(lifted[p]), p);
     }
     std::sort(order.begin(), order.end());
     for (std::size_t k = 0; k < order.size(); ++k) {
       if (k == 0 || order[k].first != order[k - 1].first) shares.push_back({i, order[k].first, {}, {}});
-      shares.back().points.push_back(bind[static_cast<std::size_t>(order[k].second)]);
+      shares.back().points.push_back(bind[order[k].second]);
     }
   }
   std::stable_sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) { return a.joint < b.joint; });
@@ -58,10 +58,10 @@ std::vector<Share> sharesOf(const Decomposition& decomposition, std::span<const 
   return shares;
 }
 
-/// The surfaces of all parts in the bind pose, and which part each triangle is of.
+/// The surfaces of all parts in the bind pose, and the part of each triangle.
 struct Surface {
   std::vector<std::size_t> partOf;
-  NearestTriangle nearest;
+  TriangleTree nearest;
 };
 
 Surface surfaceOf(const Decomposition& decomposition, std::span<const Vec3> bind) {
@@ -70,33 +70,32 @@ Surface surfaceOf(const Decomposition& decomposition, std::span<const Vec3> bind
   for (std::size_t i = 0; i < decomposition.parts.size(); ++i) {
     for (const Triangle& t : decomposition.parts[i].triangles) {
       partOf.push_back(i);
-      corners.push_back({bind[static_cast<std::size_t>(t[0])], bind[static_cast<std::size_t>(t[1])],
-                         bind[static_cast<std::size_t>(t[2])]});
+      corners.push_back({bind[t[0]], bind[t[1]], bind[t[2]]});
     }
   }
-  return {std::move(partOf), NearestTriangle(std::move(corners))};
+  return {std::move(partOf), TriangleTree(std::move(corners))};
 }
 
-/// The vertices that no part has.
+/// The vertices that no part contains.
 std::vector<PointIndex> unusedVertices(const Decomposition& decomposition) {
   std::vector<bool> used(static_cast<std::size_t>(decomposition.pointCount()), false);
   for (const Part& part : decomposition.parts) {
-    for (const PointIndex p : part.points) used[static_cast<std::size_t>(p)] = true;
+    for (const PointIndex p : part.points) used[p] = true;
   }
   std::vector<PointIndex> unused;
   for (PointIndex p = 0; p < decomposition.vertexCount; ++p) {
-    if (!used[static_cast<std::size_t>(p)]) unused.push_back(p);
+    if (!used[p]) unused.push_back(p);
   }
   return unused;
 }
 
 }  // namespace
 
-std::vector<std::vector<PointIndex>> passengersOf(const Decomposition& decomposition,
-                                                  std::span<const LiftedPoint> lifted) {
-  std::vector<std::vector<PointIndex>> passengers(decomposition.parts.size());
+std::vector<std::vector<PointIndex>> attachedVerticesOf(const Decomposition& decomposition,
+                                                        std::span<const LiftedPoint> lifted) {
+  std::vector<std::vector<PointIndex>> attached(decomposition.parts.size());
   const std::vector<PointIndex> unused = unusedVertices(decomposition);
-  if (unused.empty() || passengers.empty()) return passengers;
+  if (unused.empty() || attached.empty()) return attached;
 
   std::vector<Vec3> bind;
   bind.reserve(lifted.size());
@@ -111,19 +110,19 @@ std::vector<std::vector<PointIndex>> passengersOf(const Decomposition& decomposi
     auto share =
         std::lower_bound(shares.begin(), shares.end(), joint, [](const Share& s, JointIndex j) { return s.joint < j; });
     if (share == shares.end() || share->joint != joint) {
-      partOf[k] = surface.partOf[static_cast<std::size_t>(surface.nearest.nearest(bind[own]).given)];
+      partOf[k] = surface.partOf[surface.nearest.nearest(bind[own]).triangle];
       return;
     }
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (; share != shares.end() && share->joint == joint; ++share) {
       const double distance = share->distance(bind[own]);
-      if (distance >= least) continue;
-      least = distance;
+      if (distance >= min) continue;
+      min = distance;
       partOf[k] = share->part;
     }
   });
-  for (std::size_t k = 0; k < unused.size(); ++k) passengers[partOf[k]].push_back(unused[k]);
-  return passengers;
+  for (std::size_t k = 0; k < unused.size(); ++k) attached[partOf[k]].push_back(unused[k]);
+  return attached;
 }
 
 }  // namespace lorica

@@ -2,34 +2,90 @@
 
 #include "acd/transfer.h"
 #include "collision/live/choose_cover.h"
-#include "geometry/result.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
 #include <utility>
 
 namespace lorica {
 
-BodyPlan::BodyPlan(Decomposition decomposition, const Character& character) : decomposition_(std::move(decomposition)) {
-  const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition_);
-  cover_ = coverExactly(decomposition_, lifted);
-  lift(lifted);
+namespace {
+
+Error refused(std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message)};
 }
 
-BodyPlan::BodyPlan(Decomposition decomposition, const Character& character, CoverPromise cover)
-    : decomposition_(std::move(decomposition)), cover_(std::move(cover)) {
-  CHECK(cover_.points.size() == decomposition_.parts.size(), "a promise says for each part which points it is made of");
-  lift(liftPoints(character, decomposition_));
-}
-
-BodyPlan::BodyPlan(Decomposition decomposition) : decomposition_(std::move(decomposition)) {
-  parts_.reserve(decomposition_.parts.size());
-  for (const Part& part : decomposition_.parts) {
-    PartPlan& plan = parts_.emplace_back();
-    plan.candidates = spanningPoints(decomposition_, part);
-    CHECK(!plan.candidates.empty(), "a decomposition has a part without points");
-    std::vector<CoverPoint>& chosen = cover_.points.emplace_back();
-    chosen.reserve(plan.candidates.size());
-    for (const PointIndex p : plan.candidates) chosen.push_back({p, Vec3::Zero()});
+Result<void> check(const Decomposition& decomposition) {
+  for (std::size_t i = 0; i < decomposition.parts.size(); ++i) {
+    const std::vector<PointIndex>& points = decomposition.parts[i].points;
+    if (points.empty()) return refused(fmt::format("part {} of the decomposition has no points", i));
+    const auto [min, max] = std::minmax_element(points.begin(), points.end());
+    if (*min < 0 || *max >= decomposition.pointCount()) {
+      return refused(fmt::format("part {} of the decomposition has point {}, expected 0 to {}", i,
+                                 *min < 0 ? *min : *max, decomposition.pointCount() - 1));
+    }
   }
+  return {};
+}
+
+Result<void> check(const Decomposition& decomposition, const Character& character) {
+  const std::size_t vertices = character.mesh.vertices.size(), triangles = character.mesh.triangles.size();
+  if (std::cmp_not_equal(decomposition.vertexCount, vertices) ||
+      std::cmp_not_equal(decomposition.triangleCount, triangles)) {
+    return refused(
+        fmt::format("the decomposition was made from a mesh of {} vertices and {} triangles; {} has {} and {}",
+                    decomposition.vertexCount, decomposition.triangleCount, character.name, vertices, triangles));
+  }
+  return check(decomposition);
+}
+
+Result<void> check(const HullCover& cover, const Decomposition& decomposition) {
+  if (cover.points.size() != decomposition.parts.size()) {
+    return refused(fmt::format("the hull cover lists the points of {} parts, expected {}", cover.points.size(),
+                               decomposition.parts.size()));
+  }
+  for (std::size_t i = 0; i < cover.points.size(); ++i) {
+    if (cover.points[i].empty()) return refused(fmt::format("the hull cover has no points of part {}", i));
+    for (const CoverPoint& p : cover.points[i]) {
+      if (p.point >= 0 && p.point < decomposition.pointCount() && p.outward.allFinite()) continue;
+      return refused(
+          fmt::format("the hull cover of part {} has point {}, displaced by ({}, {}, {}) m, expected points 0 "
+                      "to {} and finite displacements",
+                      i, p.point, p.outward.x(), p.outward.y(), p.outward.z(), decomposition.pointCount() - 1));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposition, const Character& character,
+                                                         std::optional<HullCover> cover) {
+  if (Result<void> fits = check(decomposition, character); !fits) return fits.error();
+  if (cover) {
+    if (Result<void> fits = check(*cover, decomposition); !fits) return fits.error();
+  }
+  const std::shared_ptr<BodyPlan> plan(new BodyPlan(std::move(decomposition)));
+  const std::vector<LiftedPoint> lifted = liftPoints(character, plan->decomposition_);
+  plan->cover_ = cover ? std::move(*cover) : coverExactly(plan->decomposition_, lifted);
+  plan->lift(lifted);
+  return std::shared_ptr<const BodyPlan>(plan);
+}
+
+Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposition) {
+  if (Result<void> fits = check(decomposition); !fits) return fits.error();
+  const std::shared_ptr<BodyPlan> plan(new BodyPlan(std::move(decomposition)));
+  plan->parts_.reserve(plan->decomposition_.parts.size());
+  for (const Part& part : plan->decomposition_.parts) {
+    PartPlan& own = plan->parts_.emplace_back();
+    own.candidates = spanningPoints(plan->decomposition_, part);
+    std::vector<CoverPoint>& chosen = plan->cover_.points.emplace_back();
+    chosen.reserve(own.candidates.size());
+    for (const PointIndex p : own.candidates) chosen.push_back({p, Vec3::Zero()});
+  }
+  return std::shared_ptr<const BodyPlan>(plan);
 }
 
 void BodyPlan::lift(std::span<const LiftedPoint> lifted) {
@@ -37,12 +93,12 @@ void BodyPlan::lift(std::span<const LiftedPoint> lifted) {
   for (const std::vector<CoverPoint>& chosen : cover_.points) {
     std::vector<LiftedPoint> points;
     points.reserve(chosen.size());
-    for (const CoverPoint& p : chosen) points.push_back(pushed(lifted[static_cast<std::size_t>(p.point)], p.outward));
+    for (const CoverPoint& p : chosen) points.push_back(pushed(lifted[p.point], p.outward));
     PartPlan& plan = parts_.emplace_back();
     plan.lifted.emplace(points);
     plan.candidates.reserve(chosen.size());
     for (const std::int32_t i : plan.lifted->order()) {
-      plan.candidates.push_back(chosen[static_cast<std::size_t>(i)].point);
+      plan.candidates.push_back(chosen[i].point);
     }
   }
 }

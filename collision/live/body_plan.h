@@ -3,43 +3,49 @@
 #include "acd/decomposition.h"
 #include "acd/hull_cover.h"
 #include "collision/live/lifted_part.h"
+#include "geometry/result.h"
 #include "skinning/character.h"
 
+#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lorica {
 
-/// What all live bodies of one decomposition have in common: made once, never changed, shared by any number of
-/// LiveBody. What a body costs beside it is what follows its own pose.
+/// Data common to all live bodies of one decomposition: created once, immutable, shared by any number of LiveBody. A
+/// body itself holds only what depends on its own pose.
 class BodyPlan {
  public:
-  /// For a character whose posed surface is to be covered exactly, in every pose: coverExactly().
+  /// For a character.
   /// @param decomposition  made from the character's mesh
-  BodyPlan(Decomposition decomposition, const Character& character);
-  /// For a character's body of few points, which keeps what a promise says.
-  /// @param cover  made from the same decomposition and character
-  BodyPlan(Decomposition decomposition, const Character& character, CoverPromise cover);
+  /// @param cover          made from the same decomposition and character; none = the posed surface is covered exactly
+  ///                       in every pose, coverExactly()
+  /// @return the plan; or kInvalidArgument if the decomposition or the cover does not fit the character
+  static Result<std::shared_ptr<const BodyPlan>> create(Decomposition decomposition, const Character& character,
+                                                        std::optional<HullCover> cover = std::nullopt);
   /// For a mesh sequence.
-  explicit BodyPlan(Decomposition decomposition);
+  /// @return the plan; or kInvalidArgument if the decomposition is inconsistent
+  static Result<std::shared_ptr<const BodyPlan>> create(Decomposition decomposition);
 
   struct PartPlan {
-    std::vector<PointIndex> candidates;  ///< points that the hull is made of, in the order of the frame's rows
-    std::optional<LiftedPart> lifted;    ///< of a character
+    std::vector<PointIndex> candidates;  ///< points that form the hull, in the order of the frame's rows
+    std::optional<LiftedPart> lifted;    ///< characters only
   };
 
   [[nodiscard]] const Decomposition& decomposition() const { return decomposition_; }
-  [[nodiscard]] const CoverPromise& coverage() const { return cover_; }
+  [[nodiscard]] const HullCover& coverage() const { return cover_; }
   [[nodiscard]] std::span<const PartPlan> parts() const { return parts_; }
-  /// Bytes held, beside the decomposition and the promise.
+  /// Memory in bytes, without the decomposition and the hull cover.
   [[nodiscard]] std::size_t memory() const;
 
  private:
+  explicit BodyPlan(Decomposition decomposition) : decomposition_(std::move(decomposition)) {}
   void lift(std::span<const LiftedPoint> lifted);
 
   Decomposition decomposition_;
-  CoverPromise cover_;
+  HullCover cover_;
   std::vector<PartPlan> parts_;
 };
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/live/bone_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -15,7 +15,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, 4>;  // a column, or half of one
 using Double = hn::Vec<Doubles>;
 
-// Nothing is fused, so that every instruction set rounds alike.
+// No fused multiply-add, so that every instruction set rounds alike.
 HWY_INLINE Double sumOfThree(Double a, double x, Double b, double y, Double c, double z) {
   const Doubles d;
   return hn::Add(hn::Add(hn::Mul(a, hn::Set(d, x)), hn::Mul(b, hn::Set(d, y))), hn::Mul(c, hn::Set(d, z)));
@@ -33,7 +33,7 @@ FourColumns<double> sumBones(std::span<const Affine3> worldFromModel, const Vec3
     auto sum2 = hn::Zero(d);
     auto sum3 = hn::Zero(d);
     for (std::size_t b = 0; b < joints.size(); ++b) {
-      const double* m = worldFromModel[static_cast<std::size_t>(joints[b])].data() + row;
+      const double* m = worldFromModel[joints[b]].data() + row;
       const auto m0 = hn::LoadU(d, m);
       const auto m1 = hn::LoadU(d, m + 4);
       const auto m2 = hn::LoadU(d, m + 8);
@@ -57,7 +57,7 @@ FourColumns<double> sumBones(std::span<const Affine3> worldFromModel, const Vec3
 /// What to do with a bone.
 enum class View { kCompare, kWrite };
 
-// Compares or writes how a part sees a bone.
+// Compares or writes a part's view of a bone.
 // @return whether no point would move
 template <View kView>
 HWY_INLINE bool viewBone(const Affine3& worldFromModel, const BoneView& view, const FourColumns<double>& steps,
@@ -88,8 +88,8 @@ HWY_INLINE bool viewBone(const Affine3& worldFromModel, const BoneView& view, co
       const auto change = [&](auto now, std::size_t c)
                               HWY_ATTR { return hn::Abs(hn::Sub(now, hn::Load(f, matrix.column[c].data() + row))); };
       const auto turned = hn::Add(hn::Add(change(now0, 0), change(now1, 1)), change(now2, 2));
-      const auto most = hn::Add(hn::Mul(turned, hn::Set(f, view.radius)), change(now3, 3));
-      if (!hn::AllTrue(f, hn::Le(most, hn::Set(f, view.still)))) return false;
+      const auto max = hn::Add(hn::Mul(turned, hn::Set(f, view.radius)), change(now3, 3));
+      if (!hn::AllTrue(f, hn::Le(max, hn::Set(f, view.still)))) return false;
     }
   }
   return true;
@@ -103,9 +103,7 @@ bool viewAllBones(std::span<const Affine3> worldFromModel, const BoneView& view,
       steps.column[c][r] = view.stepsFromWorld(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
     }
   }
-  const auto bone = [&](std::size_t b) -> const Affine3& {
-    return worldFromModel[static_cast<std::size_t>(joints[b])];
-  };
+  const auto bone = [&](std::size_t b) -> const Affine3& { return worldFromModel[joints[b]]; };
   std::size_t same = 0;
   while (same < joints.size() && viewBone<View::kCompare>(bone(same), view, steps, matrices[same])) ++same;
   if (same == joints.size()) return false;

@@ -8,8 +8,8 @@
 
 namespace lorica {
 
-/// What a LiftedPart does with the matrices of its bones, with vector instructions. Internal, as all here. The same on
-/// every instruction set.
+/// What a LiftedPart computes from the matrices of its bones, with vector instructions. Everything here is internal.
+/// Results are the same on every instruction set.
 
 /// Four columns of x, y, z and a fourth number.
 template <class Number>
@@ -23,17 +23,17 @@ struct alignas(4 * sizeof(Number)) FourColumns {
                                                std::span<const JointIndex> joints,
                                                std::span<const FourColumns<double>> constants);
 
-/// How a part sees its bones: stepsFromWorld * (worldFromModel about a center in the model - origin).
+/// Parameters of a part's view of its bones: stepsFromWorld * (worldFromModel about a center in the model - origin).
 struct BoneView {
   Mat3 stepsFromWorld;
   Vec3 origin;         ///< world
   Vec3 center;         ///< model
-  float radius = 0;    ///< points lie no farther from the center [m]
-  float still = 0.0F;  ///< motion of points up to this is none [steps]
+  float radius = 0;    ///< max distance of the points from the center [m]
+  float still = 0.0F;  ///< motion of points up to this counts as none [steps]
 };
 
-/// Writes how the part sees its bones, unless no point would move.
-/// @param matrices  one for each joint; as they were seen last, no numbers at first
+/// Writes the part's view of its bones, unless no point would move.
+/// @param matrices  one for each joint; in: the last view, NaN at first
 /// @return whether they were written
 bool viewBones(std::span<const Affine3> worldFromModel, const BoneView& view, std::span<const JointIndex> joints,
                std::span<FourColumns<float>> matrices);

@@ -19,13 +19,14 @@
 namespace lorica {
 namespace {
 
-constexpr int kSweeps = 60;         // over all sampled poses, while pushing points outward
-constexpr double kTurn = 0.05;      // by which pushes turn from the faces' normals to outward, with every sweep
-constexpr int kShortSweeps = 10;    // with pushes along the faces' normals only
-constexpr int kPushes = 20;         // in one pose, before the next one has its turn
-constexpr double kHeld = 1e-7;      // of the part's size: farther outside than this is outside
-constexpr double kSteepest = 0.2;   // cosine: pushes that lean more from a face's normal count as if they leant so
-constexpr double kMore = 1.0 / 64;  // pushes are longer by this share, so that they end
+constexpr int kSweeps = 60;       // over all sampled poses, while pushing points outward
+constexpr double kTurn = 0.05;    // per sweep, the rotation of pushes from the faces' normals to outward
+constexpr int kShortSweeps = 10;  // with pushes along the faces' normals only
+constexpr int kPushes = 20;       // in one pose, before the next one is processed
+constexpr double kHeld = 1e-7;    // times the part's size: protruding by more than this counts as outside
+constexpr double kSteepest =
+    0.2;  // min cosine of the angle between a push and a face's normal that is used in the push length
+constexpr double kMore = 1.0 / 64;  // relative extra length of pushes, so that the iteration ends
 
 /// Planes of a hull: unit normals pointing outward, and offsets.
 struct Planes {
@@ -38,9 +39,9 @@ Planes planesOf(const ConvexHull& hull) {
   planes.normals.resize(static_cast<Eigen::Index>(hull.triangles.size()), 3);
   planes.offsets.resize(planes.normals.rows());
   for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
-    const Vec3& a = hull.vertices[static_cast<std::size_t>(hull.triangles[f][0])];
-    const Vec3& b = hull.vertices[static_cast<std::size_t>(hull.triangles[f][1])];
-    const Vec3& c = hull.vertices[static_cast<std::size_t>(hull.triangles[f][2])];
+    const Vec3& a = hull.vertices[hull.triangles[f][0]];
+    const Vec3& b = hull.vertices[hull.triangles[f][1]];
+    const Vec3& c = hull.vertices[hull.triangles[f][2]];
     const Vec3 normal = (b - a).cross(c - a).stableNormalized();
     planes.normals.row(static_cast<Eigen::Index>(f)) = normal.transpose();
     planes.offsets[static_cast<Eigen::Index>(f)] = normal.dot(a);
@@ -59,21 +60,22 @@ class PartCover {
     for (int s = 0; s < sampled.poseCount(); ++s) {
       const std::vector<Vec3> all = positions(sampled, s);
       size_ = std::max(size_, boundsOf(all).diagonal());
-      // What sticks out farthest is a vertex of the hull of all: only those are looked at from now on.
+      // The point that protrudes farthest is a vertex of the hull of all points, so only those are considered from here
+      // on.
       std::vector<VertexIndex> corners = convexHullOutline(all).points;
-      Columns& at = lookAt_[static_cast<std::size_t>(s)].at;
+      Columns& at = lookAt_[s].at;
       at.resize(3, static_cast<Eigen::Index>(corners.size()));
       for (std::size_t i = 0; i < corners.size(); ++i) {
-        at.col(static_cast<Eigen::Index>(i)) = all[static_cast<std::size_t>(corners[i])];
+        at.col(static_cast<Eigen::Index>(i)) = all[corners[i]];
       }
-      lookAt_[static_cast<std::size_t>(s)].candidate = std::move(corners);
+      lookAt_[s].candidate = std::move(corners);
     }
   }
 
-  /// Takes points until nothing sticks out farther than the tolerance, or there are enough of them.
+  /// Adds points until nothing protrudes by more than the tolerance, or the maximum is reached.
   void choose(double tolerance, std::size_t atMost) {
     takeFirst();
-    // What sticks out in a pose only shrinks while points are added, so what was measured before bounds it from above.
+    // Protrusion in a pose only shrinks while points are added, so an earlier measurement is an upper bound.
     struct Outside {
       double bound;
       int pose;
@@ -98,9 +100,9 @@ class PartCover {
     for (int s = 0; s < sampled_.poseCount(); ++s) shortfall_ = std::max(shortfall_, farthestOut(s).first);
   }
 
-  /// Pushes the points outward until in no sampled pose anything sticks out. What short pushes cannot hold becomes a
-  /// point itself, as long as there may be more.
-  /// @return false when that did not come to an end
+  /// Pushes the points outward until nothing protrudes in any sampled pose. A point that short pushes cannot cover is
+  /// added to the chosen points, as long as the maximum allows.
+  /// @return false if this did not converge
   [[nodiscard]] bool grow(std::size_t atMost) {
     findDirections();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -119,7 +121,7 @@ class PartCover {
 
   [[nodiscard]] double shortfall() const { return shortfall_; }
 
-  /// How far the surface sticks out in poses [m].
+  /// How far the surface protrudes in poses [m].
   [[nodiscard]] double farthestOut(BonePoseView poses) const {
     double farthest = 0.0;
     for (int p = 0; p < poses.poseCount(); ++p) {
@@ -138,7 +140,7 @@ class PartCover {
     std::vector<CoverPoint> points;
     points.reserve(chosen_.size());
     for (const Chosen& c : chosen_) {
-      points.push_back({candidates_[static_cast<std::size_t>(c.candidate)], c.push});
+      points.push_back({candidates_[c.candidate], c.push});
     }
     std::sort(points.begin(), points.end(), [](const CoverPoint& a, const CoverPoint& b) { return a.point < b.point; });
     return points;
@@ -162,7 +164,7 @@ class PartCover {
   };
 
   [[nodiscard]] const LiftedPoint& point(VertexIndex candidate) const {
-    return lifted_[static_cast<std::size_t>(candidates_[static_cast<std::size_t>(candidate)])];
+    return lifted_[candidates_[static_cast<std::size_t>(candidate)]];
   }
 
   [[nodiscard]] std::vector<Vec3> positions(BonePoseView poses, int p) const {
@@ -174,10 +176,10 @@ class PartCover {
     return at;
   }
 
-  /// How a point's bones turn what is fixed to its surface.
+  /// Linear map that a point's bones apply to anything fixed to its surface.
   [[nodiscard]] static Mat3 turnOf(const LiftedPoint& point, std::span<const Affine3> worldFromModel) {
     Mat3 turn = Mat3::Zero();
-    for (const LiftedTerm& t : point) turn += t.weight * worldFromModel[static_cast<std::size_t>(t.joint)].linear();
+    for (const LiftedTerm& t : point) turn += t.weight * worldFromModel[t.joint].linear();
     return turn;
   }
 
@@ -193,18 +195,18 @@ class PartCover {
 
   void take(VertexIndex candidate) { chosen_.push_back({candidate, Vec3::Zero()}); }
 
-  /// Four points that span a volume in the first pose, or all there are.
+  /// Takes four points that span a volume in the first pose, or all if there are fewer.
   void takeFirst() {
     const std::vector<Vec3> at = positions(sampled_, 0);
     const auto takeFarthest = [&](const auto& distance) {
       VertexIndex best = 0;
       for (std::size_t i = 1; i < at.size(); ++i) {
-        if (distance(at[i]) > distance(at[static_cast<std::size_t>(best)])) best = static_cast<VertexIndex>(i);
+        if (distance(at[i]) > distance(at[best])) best = static_cast<VertexIndex>(i);
       }
       const bool known =
           std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == best; });
       if (!known) take(best);
-      return at[static_cast<std::size_t>(best)];
+      return at[best];
     };
     const Vec3 middle = boundsOf(at).center();
     const Vec3 a = takeFarthest([&](const Vec3& p) { return (p - middle).norm(); });
@@ -214,31 +216,31 @@ class PartCover {
     takeFarthest([&](const Vec3& p) { return std::abs(normal.dot(p - a)); });
   }
 
-  /// What sticks out farthest of the chosen points' hull in a sampled pose [m], and which candidate it is.
+  /// The largest protrusion from the chosen points' hull in a sampled pose [m], and its candidate.
   [[nodiscard]] std::pair<double, VertexIndex> farthestOut(int pose) const {
-    const LookAt& look = lookAt_[static_cast<std::size_t>(pose)];
+    const LookAt& look = lookAt_[pose];
     const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
     if (hull.degenerate()) {
-      // Flat so far: the point farthest from the chosen ones comes next.
+      // Flat so far: take the point farthest from the chosen ones next.
       const Vec3 from = hull.vertices.empty() ? Vec3(look.at.col(0)) : boundsOf(hull.vertices).center();
       Eigen::Index farthest = 0;
       const double distance = (look.at.colwise() - from).colwise().norm().maxCoeff(&farthest);
-      return {isChosen(look.candidate[static_cast<std::size_t>(farthest)]) ? 0.0 : distance,
-              look.candidate[static_cast<std::size_t>(farthest)]};
+      return {isChosen(look.candidate[farthest]) ? 0.0 : distance, look.candidate[farthest]};
     }
     const Planes planes = planesOf(hull);
     Eigen::Index face = 0;
     Eigen::Index farthest = 0;
     const double distance = ((planes.normals * look.at).colwise() - planes.offsets).maxCoeff(&face, &farthest);
-    return {std::max(0.0, distance), look.candidate[static_cast<std::size_t>(farthest)]};
+    return {std::max(0.0, distance), look.candidate[farthest]};
   }
 
   [[nodiscard]] bool isChosen(VertexIndex candidate) const {
     return std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == candidate; });
   }
 
-  /// Sets the direction of each point's push: outward in the bind pose, of about unit length. All points pushed alike
-  /// stretch the part by as much along each of its principal axes, so no face loses what another one gains.
+  /// Sets the direction of each point's push: outward in the bind pose, of about unit length. Equal pushes of all
+  /// points stretch the part by the same length along each of its principal axes, so no face loses what another one
+  /// gains.
   void findDirections() {
     Vec3 mean = Vec3::Zero();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -262,13 +264,13 @@ class PartCover {
     return axes_ * (axes_.transpose() * bindPositionOf(point(candidate)) - box_.center()).cwiseQuotient(reach);
   }
 
-  /// Takes what sticks out in one pose, farthest first. @return whether nothing did from the start
+  /// Adds the points that protrude in one pose, farthest first. @return whether nothing protruded at the start
   bool takeOutside(int pose, std::size_t atMost) {
     bool held = true;
     for (auto [distance, candidate] = farthestOut(pose); distance > kHeld * size_ && chosen_.size() < atMost;
          std::tie(distance, candidate) = farthestOut(pose)) {
       held = false;
-      // One that was taken already has been pushed the wrong way.
+      // A point that was already chosen has been pushed the wrong way.
       const auto known = std::find_if(chosen_.begin(), chosen_.end(),
                                       [c = candidate](const Chosen& chosen) { return chosen.candidate == c; });
       if (known != chosen_.end()) {
@@ -281,32 +283,32 @@ class PartCover {
     return held;
   }
 
-  /// Pushes points until nothing sticks out in one pose. A push along the normal of the face that something sticks out
-  /// of is the shortest; but where two faces meet at a sharp edge, one loses what the other gains, and only pushes
-  /// outward come to an end.
+  /// Pushes points until nothing protrudes in one pose. The shortest push is along the normal of the face from which a
+  /// point protrudes. But if two faces meet at a sharp edge, one loses what the other gains, and only pushes outward
+  /// converge.
   /// @param outward  share of the outward direction in a push, 0 to 1
-  /// @return whether nothing stuck out from the start
+  /// @return whether nothing protruded at the start
   bool holdIn(int pose, double outward) {
-    const LookAt& look = lookAt_[static_cast<std::size_t>(pose)];
+    const LookAt& look = lookAt_[pose];
     std::vector<Mat3> turns;
     turns.reserve(chosen_.size());
     for (const Chosen& c : chosen_) turns.push_back(turnOf(point(c.candidate), sampled_.pose(pose)));
     std::vector<Vec3> moves(chosen_.size());
     for (int push = 0; push < kPushes; ++push) {
       const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
-      if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // nothing is held by a plane
+      if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // a plane covers no volume
       const Planes planes = planesOf(hull);
       const Eigen::MatrixXd above = (planes.normals * look.at).colwise() - planes.offsets;
       if (above.maxCoeff() <= kHeld * size_) return push == 0;
 
-      // For each point that sticks out, the corners of the face below it move outward, most the nearest ones, by no
-      // more than those before it have moved them already.
+      // For each protruding point, move the corners of the face below it outward, the nearest ones most, minus what
+      // earlier points have moved them already.
       std::fill(moves.begin(), moves.end(), Vec3::Zero());
       for (Eigen::Index i = 0; i < above.cols(); ++i) {
         Eigen::Index face = 0;
         const double distance = above.col(i).maxCoeff(&face);
         if (distance <= 0.0) continue;
-        const Triangle& t = hull.triangles[static_cast<std::size_t>(face)];
+        const Triangle& t = hull.triangles[face];
         const Vec3 normal = planes.normals.row(face).transpose();
         Vec3 gains = sharesOf(look.at.col(i), hull, t);
         double missing = (1.0 + kMore) * distance;
@@ -331,14 +333,14 @@ class PartCover {
   }
 
   [[nodiscard]] static std::size_t chosenOf(const ConvexHull& hull, const Triangle& t, int corner) {
-    return static_cast<std::size_t>(hull.pointOfVertex[static_cast<std::size_t>(t[static_cast<std::size_t>(corner)])]);
+    return static_cast<std::size_t>(hull.pointOfVertex[t[static_cast<std::size_t>(corner)]]);
   }
 
-  /// Barycentric coordinates of the place on a triangle below a point; of one beside it, without what is negative.
+  /// Barycentric coordinates of the projection of a point onto a triangle; negative ones are clamped to 0.
   [[nodiscard]] static Vec3 sharesOf(const Vec3& p, const ConvexHull& hull, const Triangle& t) {
-    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
-    const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
+    const Vec3& a = hull.vertices[t[0]];
+    const Vec3& b = hull.vertices[t[1]];
+    const Vec3& c = hull.vertices[t[2]];
     const Vec3 normal = (b - a).cross(c - a);
     const Vec3 areas((b - p).cross(c - p).dot(normal), (c - p).cross(a - p).dot(normal),
                      (a - p).cross(b - p).dot(normal));
@@ -351,38 +353,39 @@ class PartCover {
   BonePoseView sampled_;
   std::vector<LookAt> lookAt_;  ///< for each sampled pose
   std::vector<Chosen> chosen_;
-  Mat3 axes_ = Mat3::Identity();  ///< principal ones of the bind pose
-  Aabb box_;                      ///< along them
+  Mat3 axes_ = Mat3::Identity();  ///< principal axes of the bind pose
+  Aabb box_;                      ///< along these axes
   double size_ = 0.0;
   double shortfall_ = 0.0;
 };
 
 }  // namespace
 
-CoverPromise coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted) {
-  CoverPromise promise;
+HullCover coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted) {
+  HullCover promise;
   promise.points.resize(decomposition.parts.size());
-  const std::vector<std::vector<PointIndex>> passengers = passengersOf(decomposition, lifted);
+  const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(decomposition, lifted);
   for (std::size_t i = 0; i < promise.points.size(); ++i) {
-    for (const PointIndex p : hullCandidates(decomposition, decomposition.parts[i], lifted, passengers[i])) {
+    for (const PointIndex p : hullCandidates(decomposition, decomposition.parts[i], lifted, attached[i])) {
       promise.points[i].push_back({p, Vec3::Zero()});
     }
   }
   return promise;
 }
 
-Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<const LiftedPoint> lifted,
-                                 BonePoseView sampled, BonePoseView heldOut, const CoverSettings& settings) {
-  CHECK(sampled.poseCount() > 0, "points are chosen in one pose or more");
+Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<const LiftedPoint> lifted,
+                              BonePoseView sampled, BonePoseView heldOut, const CoverSettings& settings) {
+  LORICA_CHECK(sampled.poseCount() > 0, "choosing a hull cover needs at least one sampled pose");
   if (!(settings.tolerance >= 0.0) || !std::isfinite(settings.tolerance)) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("a cover tolerance of {} m, expected 0 or more", settings.tolerance)};
+                 fmt::format("the cover tolerance is {} m, expected 0 or more", settings.tolerance)};
   }
   if (settings.maxHullVertices != 0 && settings.maxHullVertices < 4) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("hulls of {} vertices, expected 4 or more", settings.maxHullVertices)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("the maximum number of hull vertices is {}, expected 4 or more", settings.maxHullVertices)};
   }
-  CoverPromise promise = coverExactly(decomposition, lifted);
+  HullCover promise = coverExactly(decomposition, lifted);
   promise.tolerance = settings.tolerance;
   promise.maxHullVertices = settings.maxHullVertices;
   if (settings.tolerance == 0.0 && settings.maxHullVertices == 0) return promise;
@@ -424,11 +427,10 @@ Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<c
   if (cancelled) return Error{ErrorCode::kCancelled, "cancelled"};
   for (std::size_t i = 0; i < partCount; ++i) {
     if (!outcomes[i].held) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("part {}: {} points cannot hold the body in all {} sampled poses, expected more vertices "
-                      "or a smaller tolerance",
-                      i, promise.points[i].size(), sampled.poseCount())};
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("part {}: {} points cannot cover the body in all {} sampled poses; allow more vertices "
+                               "or reduce the tolerance",
+                               i, promise.points[i].size(), sampled.poseCount())};
     }
     promise.growth = std::max(promise.growth, outcomes[i].growth);
     promise.sampledShortfall = std::max(promise.sampledShortfall, outcomes[i].shortfall);

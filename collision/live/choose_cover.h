@@ -9,7 +9,7 @@
 
 namespace lorica {
 
-/// Bones of a character in several poses, borrowed: poseCount x jointCount transforms worldFromModel, pose-major.
+/// Bones of a character in several poses, not owned: poseCount x jointCount transforms worldFromModel, pose-major.
 struct BonePoseView {
   std::span<const Affine3> worldFromModel;
   int jointCount = 0;
@@ -24,31 +24,32 @@ struct BonePoseView {
 };
 
 struct CoverSettings {
-  double tolerance = 0.0;   ///< what may stick out of the chosen points' hulls before they grow [m]; 0 = nothing
-  int maxHullVertices = 0;  ///< points of each part at most, whatever sticks out; 0 = no bound, else 4 or more
-  int threads = 0;          ///< 0 = as many as the machine has; the result does not depend on it
-  std::function<bool(int partsDone, int parts)> progress = {};  ///< one call at a time; return false to cancel
+  double tolerance = 0.0;  ///< max protrusion from the chosen points' hulls before they are enlarged [m]; 0 = exact
+  int maxHullVertices =
+      0;            ///< max points per part, which takes precedence over the tolerance; 0 = no limit, else 4 or more
+  int threads = 0;  ///< 0 = as many as the machine has; the result does not depend on it
+  std::function<bool(int partsDone, int parts)> progress =
+      {};  ///< called by one thread at a time; return false to cancel
 };
 
-/// Every point that can be on a hull: the surface is inside the hulls in every pose, by construction, and so is every
-/// vertex that people see beside it, passengersOf().
-[[nodiscard]] CoverPromise coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted);
+/// Uses every point that can be on a hull. By construction the surface is inside the hulls in every pose, and so is
+/// every visible vertex outside the parts, attachedVerticesOf().
+[[nodiscard]] HullCover coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted);
 
-/// Few points of each part, whose hulls, grown a little, hold the surface in all sampled poses.
+/// Chooses few points of each part, whose slightly enlarged hulls cover the surface in all sampled poses.
 ///
-/// Always the point that sticks out farthest in any sampled pose is taken next. Then points are pushed until in no
-/// sampled pose anything sticks out. A push turns with the bones as the surface does and is part of the lifted point,
-/// so growing costs a frame nothing. Held-out poses only measure.
+/// First, points are added one by one: always the one that protrudes farthest in any sampled pose. Then points are
+/// pushed outward until nothing protrudes in any sampled pose. A push rotates with the bones as the surface does and is
+/// part of the lifted point, so enlarging costs nothing per frame. Held-out poses are only measured.
 /// @param decomposition  made from a character's mesh
 /// @param lifted         its points, liftPoints()
 /// @param sampled        1 pose or more
-/// @param heldOut        may be none
-/// @return the promise, or that a setting is wrong (kInvalidArgument), or kCancelled
-[[nodiscard]] Result<CoverPromise> chooseCover(const Decomposition& decomposition, std::span<const LiftedPoint> lifted,
-                                               BonePoseView sampled, BonePoseView heldOut,
-                                               const CoverSettings& settings);
+/// @param heldOut        may be empty
+/// @return the hull cover, or an error if a setting is wrong (kInvalidArgument), or kCancelled
+[[nodiscard]] Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<const LiftedPoint> lifted,
+                                            BonePoseView sampled, BonePoseView heldOut, const CoverSettings& settings);
 
-/// A lifted point pushed outward: the push turns with the bones as the surface does.
+/// A lifted point pushed outward: the push rotates with the bones as the surface does.
 [[nodiscard]] LiftedPoint pushed(LiftedPoint point, const Vec3& outward);
 
 }  // namespace lorica

@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/live/lifted_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -16,11 +16,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, LiftedPart::kBlock>;  // any smaller power of two divides a block too
 using Float = hn::Vec<Floats>;
 
-// Both sums are fused where there is such an instruction: alike from AVX2 and NEON on, and within rounding elsewhere.
+// Both sums use fused multiply-add where available: results are identical from AVX2 and NEON on, and within rounding
+// elsewhere.
 
-// Adds a block's points: weights times the bones' matrices times (place, 1).
-HWY_INLINE void addPlaces(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
-                          const float* lanes, Float& x, Float& y, Float& z) {
+// Adds a block's points: weights times the bones' matrices times (position, 1).
+HWY_INLINE void addPositions(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
+                             const float* lanes, Float& x, Float& y, Float& z) {
   const Floats f;
   constexpr std::size_t kBlock = LiftedPart::kBlock;
   const auto px = hn::Load(f, lanes);
@@ -68,7 +69,7 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
   auto largest = hn::Zero(f);
   for (const LiftedPart::Group& group : groups) {
     const std::uint32_t* bones = &groupBones[group.firstBone];
-    const std::size_t lanesOfOne = LiftedPart::lanesOfBlock(group.bones, group.onePlace);
+    const std::size_t lanesOfOne = LiftedPart::lanesOfBlock(group.bones, group.onePosition);
     const float* block = lanes[group.firstLane].of.data();
     float* out = &rows[group.firstRow].x;
     for (std::uint32_t k = 0; k < group.blocks; ++k) {
@@ -76,8 +77,8 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
         auto x = hn::Zero(f);
         auto y = hn::Zero(f);
         auto z = hn::Zero(f);
-        if (group.onePlace) {
-          addPlaces(bones, group.bones, matrices, block + lane, x, y, z);
+        if (group.onePosition) {
+          addPositions(bones, group.bones, matrices, block + lane, x, y, z);
         } else {
           addMoments(bones, group.bones, matrices, block + lane, x, y, z);
         }
@@ -122,17 +123,17 @@ std::int32_t farthestOfRows(std::span<const PointRow> rows, const Vec3f& directi
   std::array<std::int32_t, LiftedPart::kBlock> at;
   hn::StoreU(best, f, value.data());
   hn::StoreU(which, n, at.data());
-  float most = value[0];
+  float max = value[0];
   std::int32_t row = at[0];
   for (std::size_t lane = 1; lane < lanes; ++lane) {
-    if (value[lane] < most || (value[lane] == most && at[lane] > row)) continue;
-    most = value[lane];
+    if (value[lane] < max || (value[lane] == max && at[lane] > row)) continue;
+    max = value[lane];
     row = at[lane];
   }
   for (; i < rows.size(); ++i) {
     const float along = (direction.x() * rows[i].x + direction.y() * rows[i].y) + direction.z() * rows[i].z;
-    if (!(along > most)) continue;
-    most = along;
+    if (!(along > max)) continue;
+    max = along;
     row = static_cast<std::int32_t>(i);
   }
   return row;

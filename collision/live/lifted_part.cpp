@@ -10,13 +10,13 @@
 namespace lorica {
 namespace {
 
-constexpr double kStill = 0.25;       // of a step: closer than this to the pose taken last, a pose is the same
-constexpr double kSamePlace = 1e-12;  // of a metre, and of the distance from the model's origin
+constexpr double kStill = 0.25;          // of a step: a pose closer than this to the last one taken is the same
+constexpr double kSamePosition = 1e-12;  // of a metre, and of the distance from the model's origin
 
-/// Which points can share blocks.
+/// The bones of a point; points of the same layout can share blocks.
 struct Layout {
   std::vector<JointIndex> bones;  ///< ascending
-  bool onePlace = false;          ///< each bone moves the same place of the bind pose
+  bool onePosition = false;       ///< each bone moves the same position of the bind pose
 
   auto operator<=>(const Layout&) const = default;
 };
@@ -24,27 +24,28 @@ struct Layout {
 Layout layoutOf(const LiftedPoint& point) {
   Layout layout;
   layout.bones.reserve(point.size());
-  layout.onePlace = true;
-  const Vec3 place = bindPositionOf(point);
+  layout.onePosition = true;
+  const Vec3 position = bindPositionOf(point);
   for (const LiftedTerm& t : point) {
     layout.bones.push_back(t.joint);
-    layout.onePlace = layout.onePlace && (t.moment - t.weight * place).norm() <= kSamePlace * (1.0 + place.norm());
+    layout.onePosition =
+        layout.onePosition && (t.moment - t.weight * position).norm() <= kSamePosition * (1.0 + position.norm());
   }
   return layout;
 }
 
-/// Whether points of one layout can be in blocks of another: unused bones weigh nothing there.
+/// Whether points of one layout can be in blocks of another: unused bones get weight 0.
 bool fits(const Layout& small, const Layout& large) {
-  return (small.onePlace || !large.onePlace) &&
+  return (small.onePosition || !large.onePosition) &&
          std::includes(large.bones.begin(), large.bones.end(), small.bones.begin(), small.bones.end());
 }
 
-/// Points by their layout. A few points that would leave most of a block empty join others.
+/// Groups points by layout. A few points that would leave most of a block empty join other groups.
 std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const LiftedPoint> points) {
   std::map<Layout, std::vector<std::int32_t>> groups;
   for (std::size_t i = 0; i < points.size(); ++i) groups[layoutOf(points[i])].push_back(static_cast<std::int32_t>(i));
   const auto lanesOf = [](const Layout& layout) {
-    return LiftedPart::lanesOfBlock(layout.bones.size(), layout.onePlace);
+    return LiftedPart::lanesOfBlock(layout.bones.size(), layout.onePosition);
   };
   for (auto small = groups.begin(); small != groups.end();) {
     auto home = groups.end();
@@ -67,7 +68,7 @@ std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const Lifted
 }  // namespace
 
 LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
-  CHECK(!points.empty(), "a part has points");
+  LORICA_CHECK(!points.empty(), "a part must have points");
   const double share = 1.0 / static_cast<double>(points.size());
 
   // Bind positions and the bones of the whole part.
@@ -104,7 +105,7 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
     }
   }
 
-  // Blocks of points that are moved alike, places and moments about the part's mean.
+  // Blocks of points with the same layout, positions and moments about the part's mean.
   order_.reserve(points.size());
   for (const auto& [layout, members] : groupByLayout(points)) {
     Group group;
@@ -113,8 +114,8 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
     group.firstLane = static_cast<std::uint32_t>(lanes_.size());
     group.firstBone = static_cast<std::uint32_t>(groupBones_.size());
     group.bones = static_cast<std::uint32_t>(layout.bones.size());
-    group.onePlace = layout.onePlace;
-    const std::size_t lanesOfOne = lanesOfBlock(group.bones, group.onePlace);
+    group.onePosition = layout.onePosition;
+    const std::size_t lanesOfOne = lanesOfBlock(group.bones, group.onePosition);
     lanes_.resize(lanes_.size() + group.blocks * lanesOfOne);
     for (std::size_t i = 0; i < members.size(); ++i) {
       Lane* block = &lanes_[group.firstLane + i / kBlock * lanesOfOne];
@@ -124,12 +125,12 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
           block[first + static_cast<std::size_t>(axis)].of[lane] = static_cast<float>(v[axis]);
       };
       const auto member = static_cast<std::size_t>(members[i]);
-      if (layout.onePlace) write(0, bind[member] - bindMean_);
+      if (layout.onePosition) write(0, bind[member] - bindMean_);
       for (const LiftedTerm& t : points[member]) {
         const auto bone = static_cast<std::size_t>(std::lower_bound(layout.bones.begin(), layout.bones.end(), t.joint) -
                                                    layout.bones.begin());
-        if (!layout.onePlace) write(4 * bone, t.moment - t.weight * bindMean_);
-        block[layout.onePlace ? 3 + bone : 4 * bone + 3].of[lane] = static_cast<float>(t.weight);
+        if (!layout.onePosition) write(4 * bone, t.moment - t.weight * bindMean_);
+        block[layout.onePosition ? 3 + bone : 4 * bone + 3].of[lane] = static_cast<float>(t.weight);
       }
       order_.push_back(members[i]);
     }
@@ -140,11 +141,11 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
 }
 
 LiftedPart::Moments LiftedPart::momentsOf(std::span<const Affine3> worldFromModel) const {
-  // Far from the world's origin digits are kept by looking from where one of the bones is.
-  const Vec3 origin = worldFromModel[static_cast<std::size_t>(joints_.front())].translation();
+  // Far from the world's origin, working relative to one of the bones keeps precision.
+  const Vec3 origin = worldFromModel[joints_.front()].translation();
   const FourColumns<double> sums = sumOverBones(worldFromModel, origin, joints_, sums_);
   const Eigen::Map<const Eigen::Matrix4d> sum(sums.column[0].data());
-  // Offsets are from the bind mean, so what they sum to, and with it the mean, nearly drops out of the covariance.
+  // Offsets are from the bind mean, so their sum, and with it the mean, nearly cancels in the covariance.
   const Vec3 mean = sum.col(3).head<3>();
   return {mean + weightMean_ * origin, sum.topLeftCorner<3, 3>() - mean * offsetSum_.transpose()};
 }
@@ -165,7 +166,7 @@ bool LiftedPart::take(std::span<const Affine3> worldFromModel, const Isometry3& 
 }
 
 float LiftedPart::evaluate(const TakenPose& taken, std::span<PointRow> rows) const {
-  CHECK(rows.size() >= rowCount_, "the caller sizes rows: rowCount() of them");
+  LORICA_CHECK(rows.size() >= rowCount_, "rows must have at least rowCount() elements");
   return evaluateLifted(groups_, groupBones_, lanes_.data(), taken.data(), rows.data());
 }
 

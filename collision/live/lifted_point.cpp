@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-/// Adds `scale` times another lifted point. Both have their joints in ascending order, and so has the sum.
+/// Adds `scale` times another lifted point. Joints are ascending in both, and stay so in the sum.
 void add(LiftedPoint& sum, const LiftedPoint& other, double scale) {
   for (const LiftedTerm& term : other) {
     auto at = std::lower_bound(sum.begin(), sum.end(), term.joint,
@@ -22,7 +22,8 @@ void add(LiftedPoint& sum, const LiftedPoint& other, double scale) {
   }
 }
 
-/// Points with the same key are moved by one affine map. Weights of cut points carry rounding; 1e-12 of it is dropped.
+/// Points with the same key are moved by the same affine map. Weights of cut points contain rounding errors, so
+/// differences of 1e-12 are ignored.
 using BoneKey = std::vector<std::pair<JointIndex, std::int64_t>>;
 
 BoneKey boneKeyOf(const LiftedPoint& point) {
@@ -32,7 +33,7 @@ BoneKey boneKeyOf(const LiftedPoint& point) {
   return key;
 }
 
-/// Whether the point moves as a mesh vertex does, all its bones taking one bind position along. A cut point between
+/// Whether the point moves as a mesh vertex does, with one bind position for all its bones. A cut point between
 /// vertices of different weights does not.
 bool hasOneBindPosition(const LiftedPoint& point) {
   const Vec3 bind = bindPositionOf(point);
@@ -50,8 +51,8 @@ Vec3 bindPositionOf(const LiftedPoint& point) {
 }
 
 std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposition& decomposition) {
-  CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
-        "the decomposition was made from the character's mesh");
+  LORICA_CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
+               "the decomposition must have been made from the character's mesh");
   std::vector<LiftedPoint> lifted;
   lifted.reserve(static_cast<std::size_t>(decomposition.pointCount()));
   for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
@@ -65,8 +66,8 @@ std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposit
   }
   for (const CutPoint& cut : decomposition.cutPoints) {
     LiftedPoint point;
-    add(point, lifted[static_cast<std::size_t>(cut.first)], cut.lambda);
-    add(point, lifted[static_cast<std::size_t>(cut.second)], 1.0 - cut.lambda);
+    add(point, lifted[cut.first], cut.lambda);
+    add(point, lifted[cut.second], 1.0 - cut.lambda);
     lifted.push_back(std::move(point));
   }
   return lifted;
@@ -75,20 +76,20 @@ std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposit
 Vec3 positionOf(const LiftedPoint& point, std::span<const Affine3> worldFromModel) {
   Vec3 sum = Vec3::Zero();
   for (const LiftedTerm& t : point) {
-    const Affine3& bone = worldFromModel[static_cast<std::size_t>(t.joint)];
+    const Affine3& bone = worldFromModel[t.joint];
     sum += bone.linear() * t.moment + t.weight * bone.translation();
   }
   return sum;
 }
 
 std::vector<PointIndex> hullCandidates(const Decomposition& decomposition, const Part& part,
-                                       std::span<const LiftedPoint> lifted, std::span<const PointIndex> passengers) {
+                                       std::span<const LiftedPoint> lifted, std::span<const PointIndex> attached) {
   std::map<BoneKey, std::vector<PointIndex>> together;
   std::vector<PointIndex> candidates;
   std::vector<PointIndex> spanning = spanningPoints(decomposition, part);
-  spanning.insert(spanning.end(), passengers.begin(), passengers.end());
+  spanning.insert(spanning.end(), attached.begin(), attached.end());
   for (const PointIndex p : spanning) {
-    const LiftedPoint& point = lifted[static_cast<std::size_t>(p)];
+    const LiftedPoint& point = lifted[p];
     if (hasOneBindPosition(point)) {
       together[boneKeyOf(point)].push_back(p);
     } else {
@@ -98,7 +99,7 @@ std::vector<PointIndex> hullCandidates(const Decomposition& decomposition, const
   std::vector<Vec3> positions;
   for (const auto& [key, points] : together) {
     positions.clear();
-    for (const PointIndex p : points) positions.push_back(bindPositionOf(lifted[static_cast<std::size_t>(p)]));
+    for (const PointIndex p : points) positions.push_back(bindPositionOf(lifted[p]));
     for (const VertexIndex i : convexHullOutline(positions).points) candidates.push_back(points[i]);
   }
   std::sort(candidates.begin(), candidates.end());

@@ -8,7 +8,7 @@
 
 namespace lorica {
 
-/// What one bone adds to a lifted point: worldFromModel * moment + weight * translation of worldFromModel.
+/// The contribution of one bone to a lifted point: worldFromModel * moment + weight * translation of worldFromModel.
 struct LiftedTerm {
   JointIndex joint = 0;
   Vec3 moment = Vec3::Zero();  ///< sum of (blend weight x bind position) [m], model space
@@ -16,29 +16,29 @@ struct LiftedTerm {
 };
 
 /// A point of the body as a linear function of the bones' matrices: one constant 4-vector (moment, weight) for each
-/// bone that moves it, joints ascending. For a mesh vertex that is linear blend skinning written down; a cut point is
-/// a fixed blend of older points, so it is lifted too, and its recursion is gone.
+/// bone that moves it, joints ascending. For a mesh vertex this is linear blend skinning. A cut point is a fixed blend
+/// of earlier points, so it can be lifted too, which removes the recursion.
 using LiftedPoint = std::vector<LiftedTerm>;
 
 /// Lifts every point of a decomposition: vertices, then cut points, pointCount() of them.
 /// @param decomposition  made from the character's mesh
 [[nodiscard]] std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposition& decomposition);
 
-/// Where a lifted point is [m]. The scalar reference of LiftedPart.
-/// @param worldFromModel  for each joint: where it takes the bind pose, worldFromJoint * jointFromModel
+/// Position of a lifted point [m]. The scalar reference of LiftedPart.
+/// @param worldFromModel  for each joint the transform from the bind pose, worldFromJoint * jointFromModel
 [[nodiscard]] Vec3 positionOf(const LiftedPoint& point, std::span<const Affine3> worldFromModel);
 
-/// Where the bind pose has a lifted point [m], model space.
+/// Position of a lifted point in the bind pose [m], model space.
 [[nodiscard]] Vec3 bindPositionOf(const LiftedPoint& point);
 
 /// The points of a part that can be on its hull in some pose, ascending. The others are inside it in every pose:
-///   - cut points between points that are in the part themselves, as where parts were joined again;
+///   - cut points between points that are in the part themselves, for example where parts were joined again;
 ///   - points inside the hull of others that follow the same bones with the same weights: one affine map moves them
 ///   all.
-/// @param lifted      of all points of the decomposition
-/// @param passengers  vertices that the part is to hold besides its own, see collision/live/attached_vertices.h
+/// @param lifted    of all points of the decomposition
+/// @param attached  vertices that the part has to cover besides its own, see collision/live/attached_vertices.h
 [[nodiscard]] std::vector<PointIndex> hullCandidates(const Decomposition& decomposition, const Part& part,
                                                      std::span<const LiftedPoint> lifted,
-                                                     std::span<const PointIndex> passengers = {});
+                                                     std::span<const PointIndex> attached = {});
 
 }  // namespace lorica

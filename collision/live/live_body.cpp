@@ -19,13 +19,13 @@ double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::micro>(end - begin).count();
 }
 
-// A part reaches 2^20 to 2^21 ticks from its mean: less than a millionth of its size is one. MovingHull takes up to
-// 2^22. Coarser ticks round more points onto each other's planes, which makes work.
+// A part extends 2^20 to 2^21 ticks from its mean: a tick is less than a millionth of its size. MovingHull accepts up
+// to 2^22. Coarser ticks would round more points onto each other's planes, which costs time.
 constexpr int kTickBits = 21;
 constexpr float kLargest = 4194304.0f;  // 2^22
-constexpr float kSmallest = 65536.0f;   // 2^16: below, ticks are made finer
+constexpr float kSmallest = 65536.0f;   // 2^16: below this, ticks are refined
 
-/// The tick for a part that reaches so far from its mean; a power of two.
+/// The tick for a part that extends this far from its mean; a power of two.
 double tickFor(double reach) {
   return reach > 0.0 && std::isfinite(reach) ? std::ldexp(1.0, std::ilogb(reach) + 1 - kTickBits) : 0.0;
 }
@@ -37,7 +37,7 @@ bool isFinite(const Isometry3& motion) {
 }  // namespace
 
 LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : plan_(std::move(plan)), detail_(detail) {
-  CHECK(plan_ != nullptr, "a body has a plan");
+  LORICA_CHECK(plan_ != nullptr, "a live body needs a plan");
   tracks_.resize(plan_->parts().size());
   parts_.resize(tracks_.size());
   covariances_.resize(tracks_.size());
@@ -66,7 +66,7 @@ LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : pl
   }
 }
 
-// What is assigned to keeps its room; what is copied by default has none to spare.
+// The constructor reserves capacity and assignment keeps it; a default copy would have none to spare.
 LiveBody::LiveBody(const LiveBody& other) : LiveBody(other.plan_, other.detail_) {
   tracks_ = other.tracks_;
   parts_ = other.parts_;
@@ -80,25 +80,31 @@ LiveBody& LiveBody::operator=(const LiveBody& other) {
   return *this;
 }
 
-LiveBody::LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail)
-    : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition), character), detail) {}
+Result<LiveBody> LiveBody::create(Decomposition decomposition, const Character& character,
+                                  std::optional<HullCover> cover, LiveDetail detail) {
+  Result<std::shared_ptr<const BodyPlan>> plan =
+      BodyPlan::create(std::move(decomposition), character, std::move(cover));
+  if (!plan) return plan.error();
+  return LiveBody(std::move(*plan), detail);
+}
 
-LiveBody::LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover, LiveDetail detail)
-    : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition), character, std::move(cover)), detail) {}
-
-LiveBody::LiveBody(Decomposition decomposition) : LiveBody(std::make_shared<BodyPlan>(std::move(decomposition))) {}
+Result<LiveBody> LiveBody::create(Decomposition decomposition) {
+  Result<std::shared_ptr<const BodyPlan>> plan = BodyPlan::create(std::move(decomposition));
+  if (!plan) return plan.error();
+  return LiveBody(std::move(*plan));
+}
 
 Vec3 LiveBody::support(PartIndex part, const Vec3& direction) const {
-  const Track& track = tracks_[static_cast<std::size_t>(part)];
-  const Isometry3& worldFromPart = parts_[static_cast<std::size_t>(part)].worldFromPart;
+  const Track& track = tracks_[part];
+  const Isometry3& worldFromPart = parts_[part].worldFromPart;
   const Vec3f own = (worldFromPart.linear().transpose() * direction).cast<float>();
   const std::span<const PointRow> rows = std::span(track.rows).first(candidateCount(part));
-  const PointRow& row = rows[static_cast<std::size_t>(farthestRow(rows, own))];
+  const PointRow& row = rows[farthestRow(rows, own)];
   return worldFromPart * (track.tick * Vec3(row.x, row.y, row.z));
 }
 
 std::size_t LiveBody::candidateCount(PartIndex part) const {
-  return plan_->parts()[static_cast<std::size_t>(part)].candidates.size();
+  return plan_->parts()[part].candidates.size();
 }
 
 std::size_t LiveBody::memory() const {
@@ -116,7 +122,7 @@ std::size_t LiveBody::memory() const {
 }
 
 void LiveBody::update(std::span<const Affine3> worldFromModel) {
-  CHECK(meshPoints_.empty(), "a mesh sequence's body is moved by its vertices");
+  LORICA_CHECK(meshPoints_.empty(), "the body of a mesh sequence must be updated with vertex positions");
   const Clock::time_point begin = Clock::now();
 
   for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -138,7 +144,7 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const LiftedPart& lifted = *plan_->parts()[i].lifted;
     Track& track = tracks_[i];
-    // A few rounds, where a pose is so much larger or smaller than the last one that it needs other ticks.
+    // Several rounds, in case a pose is so much larger or smaller than the last one that it needs other ticks.
     for (int round = 0; round < 4; ++round) {
       const bool taken = lifted.take(worldFromModel, parts_[i].worldFromPart, track.tick, track.taken);
       if (round == 0) track.moved = taken;
@@ -159,14 +165,14 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
 }
 
 void LiveBody::update(std::span<const Vec3> posed) {
-  CHECK(!meshPoints_.empty(), "a character's body is moved by its bones");
+  LORICA_CHECK(!meshPoints_.empty(), "the body of a character must be updated with bone transforms");
   const Clock::time_point begin = Clock::now();
 
   transfer(decomposition(), posed, meshPoints_);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const std::vector<PointIndex>& candidates = plan_->parts()[i].candidates;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-      tracks_[i].points[k] = meshPoints_[static_cast<std::size_t>(candidates[k])];
+      tracks_[i].points[k] = meshPoints_[candidates[k]];
     }
   }
   const Clock::time_point carried = Clock::now();
@@ -194,7 +200,7 @@ void LiveBody::update(std::span<const Vec3> posed) {
              microsecondsBetween(placed, end)};
 }
 
-/// Points of a mesh sequence into the part's own frame, in ticks.
+/// Transforms points of a mesh sequence to the part's own frame, in ticks.
 void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
   const Isometry3 partFromWorld = worldFromPart.inverse();
   double reach = 0.0;
@@ -217,7 +223,7 @@ void LiveBody::reshapeAll() {
   started_ = true;
 }
 
-/// Lets the hull follow the rows.
+/// Updates the hull from the rows.
 void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part) {
   part.reshaped = track.moved;
   if (!track.moved) return;
@@ -241,7 +247,7 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
   }
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const auto& [a, b, c] = faces[f];
-    part.shape.triangles[f] = {hull->placeOf(a), hull->placeOf(b), hull->placeOf(c)};
+    part.shape.triangles[f] = {hull->positionOf(a), hull->positionOf(b), hull->positionOf(c)};
   }
 }
 

@@ -6,6 +6,7 @@
 #include "collision/live/live_part.h"
 #include "collision/live/moving_hull.h"
 #include "geometry/math.h"
+#include "geometry/result.h"
 #include "skinning/character.h"
 
 #include <memory>
@@ -21,15 +22,16 @@ enum class LiveDetail : std::uint8_t {
   kSupport,  ///< points only, for support(): LivePart::shape stays empty
 };
 
-/// The body that physics can touch: a decomposition carried to each frame. Updating allocates nothing.
+/// The body that physics can touch: a decomposition moved to each frame. Updating does not allocate.
 ///
-/// A skinned character's body is carried by its bones alone: the mesh need not be skinned. A mesh sequence without
-/// bones is carried by its vertex positions. How: docs/LIVE_HULLS.md.
+/// A skinned character's body is moved by its bones alone, so the mesh need not be skinned. A mesh sequence without
+/// bones is moved by its vertex positions. Method: docs/LIVE_HULLS.md.
 ///
-/// Copies share the plan, so a hundred characters of one kind hold its constants once, and have room for any frame too.
+/// Copies share the plan, so a hundred characters of one kind store its constants once. A copy has capacity for any
+/// frame too.
 class LiveBody {
  public:
-  /// A body in no pose yet.
+  /// A body without a pose.
   /// @param plan  not null
   explicit LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail = LiveDetail::kFaces);
   LiveBody(const LiveBody& other);
@@ -37,38 +39,35 @@ class LiveBody {
   LiveBody(LiveBody&&) noexcept = default;
   LiveBody& operator=(LiveBody&&) noexcept = default;
   ~LiveBody() = default;
-  /// A character's body that covers the posed surface exactly, in every pose: coverExactly().
-  /// @param decomposition  made from the character's mesh
-  LiveBody(Decomposition decomposition, const Character& character, LiveDetail detail = LiveDetail::kFaces);
-  /// A character's body of few points, which keeps what a promise says.
-  /// @param cover  made from the same decomposition and character
-  LiveBody(Decomposition decomposition, const Character& character, CoverPromise cover,
-           LiveDetail detail = LiveDetail::kFaces);
+  /// A character's body: BodyPlan::create(), then a body without a pose.
+  static Result<LiveBody> create(Decomposition decomposition, const Character& character,
+                                 std::optional<HullCover> cover = std::nullopt, LiveDetail detail = LiveDetail::kFaces);
   /// A body of a mesh sequence.
-  explicit LiveBody(Decomposition decomposition);
+  static Result<LiveBody> create(Decomposition decomposition);
 
-  /// Carries a character's body to a pose.
-  /// @param worldFromModel  for each joint: where it takes the bind pose, worldFromJoint * jointFromModel
+  /// Moves a character's body to a pose.
+  /// @param worldFromModel  for each joint the transform from the bind pose, worldFromJoint * jointFromModel
   void update(std::span<const Affine3> worldFromModel);
-  /// Carries a mesh sequence's body to a frame. The first one gives the parts their own frames, with the world's axes.
+  /// Moves a mesh sequence's body to a frame. The first frame defines the parts' own frames, with the world's axes.
   /// @param posed  vertexCount positions of the mesh [m]
   void update(std::span<const Vec3> posed);
 
-  /// Sets LivePart::trust, until it is set again.
-  void setTrust(PartIndex part, double trust) { parts_[static_cast<std::size_t>(part)].trust = trust; }
+  /// Sets LivePart::trust; it stays until set again.
+  void setTrust(PartIndex part, double trust) { parts_[part].trust = trust; }
 
   [[nodiscard]] const Decomposition& decomposition() const { return plan_->decomposition(); }
   [[nodiscard]] std::span<const LivePart> parts() const { return parts_; }
-  /// What is promised of the surface being inside the hulls. A mesh sequence is covered exactly.
-  [[nodiscard]] const CoverPromise& coverage() const { return plan_->coverage(); }
-  /// The point of a part's hull farthest along a direction, in world space [m], whatever the detail. A scan of all the
-  /// part's points with vector instructions: 64 take 10 ns, 1,000 take 0.1 us, and no answer of before can mislead it.
+  /// The hull cover: how far the surface is guaranteed to be inside the hulls. A mesh sequence is covered exactly.
+  [[nodiscard]] const HullCover& coverage() const { return plan_->coverage(); }
+  /// The point of a part's hull farthest along a direction, in world space [m], for any LiveDetail. Scans all the
+  /// part's points with vector instructions (64 take 10 ns, 1,000 take 0.1 us), so the result does not depend on
+  /// earlier queries.
   /// @param direction  world, of any length
   [[nodiscard]] Vec3 support(PartIndex part, const Vec3& direction) const;
-  /// How many points of a part are looked at for its hull.
+  /// Number of points considered for a part's hull.
   [[nodiscard]] std::size_t candidateCount(PartIndex part) const;
 
-  /// Time of the steps of the last update [us].
+  /// Durations of the steps of the last update [us].
   struct Timing {
     double motion = 0;  ///< best-fit rigid motions
     double points = 0;  ///< bones or vertices to hull candidates
@@ -76,18 +75,18 @@ class LiveBody {
   };
   [[nodiscard]] const Timing& timing() const { return timing_; }
   [[nodiscard]] const std::shared_ptr<const BodyPlan>& plan() const { return plan_; }
-  /// Bytes held, beside the plan: room for any frame, most of which is never touched.
+  /// Memory in bytes, without the plan. It suffices for any frame; most of it is never touched.
   [[nodiscard]] std::size_t memory() const;
 
  private:
-  /// What is kept of a part from frame to frame.
+  /// State of a part that is kept from frame to frame.
   struct Track {
     std::vector<PointRow> rows;             ///< of the candidates, in the part's own frame, in whole ticks
     double tick = 0.0;                      ///< [m]
-    bool moved = false;                     ///< the rows are not those of the frame before
-    std::optional<MovingHull> hull;         ///< where faces are wanted
-    LiftedPart::TakenPose taken;            ///< of a character
-    std::vector<Vec3> firstPoints, points;  ///< of a mesh sequence: in the first frame about their mean, and now
+    bool moved = false;                     ///< the rows differ from the previous frame's
+    std::optional<MovingHull> hull;         ///< if faces are wanted
+    LiftedPart::TakenPose taken;            ///< characters only
+    std::vector<Vec3> firstPoints, points;  ///< mesh sequences only: in the first frame about their mean, and now
   };
   static void readRows(Track& track, const Isometry3& worldFromPart);
   void reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part);
@@ -97,8 +96,8 @@ class LiveBody {
   LiveDetail detail_ = LiveDetail::kFaces;
   std::vector<Track> tracks_;
   std::vector<LivePart> parts_;
-  std::vector<Vec3> meshPoints_;               ///< of a mesh sequence: vertices and cut points [m]
-  std::vector<Mat3> covariances_, rotations_;  ///< scratch, of the parts
+  std::vector<Vec3> meshPoints_;               ///< mesh sequences only: vertices and cut points [m]
+  std::vector<Mat3> covariances_, rotations_;  ///< scratch, per part
   Timing timing_;
   bool started_ = false;
 };

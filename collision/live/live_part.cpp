@@ -5,13 +5,18 @@
 namespace lorica {
 
 ConvexHull worldHull(const LivePart& part) {
-  ConvexHull hull = part.shape;
-  for (Vec3& v : hull.vertices) v = part.worldFromPart * v;
+  ConvexHull hull;
+  worldHull(part, hull);
   return hull;
 }
 
+void worldHull(const LivePart& part, ConvexHull& hull) {
+  hull = part.shape;
+  for (Vec3& v : hull.vertices) v = part.worldFromPart * v;
+}
+
 Vec3 velocityAt(const LivePart& part, const Vec3& point, double seconds) {
-  CHECK(seconds > 0.0, "a velocity needs time");
+  LORICA_CHECK(seconds > 0.0, "the time between frames must be above 0");
   const Vec3 own = part.worldFromPart.inverse() * point;
   return (point - part.previousWorldFromPart * own) / seconds;
 }

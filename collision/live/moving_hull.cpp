@@ -17,23 +17,23 @@ MovingHull::Scratch& MovingHull::scratchOfThisThread() {
 }
 
 void MovingHull::Scratch::fit(std::size_t pointCount) {
-  const std::size_t mostFaces = std::max<std::size_t>(4, 2 * pointCount);
-  if (isNear.size() >= mostFaces) return;
+  const std::size_t maxFaces = std::max<std::size_t>(4, 2 * pointCount);
+  if (isNear.size() >= maxFaces) return;
   start.fit(pointCount);
-  doubts.resize(mostFaces);
-  queue.reserve(3 * mostFaces);
-  queued.resize(3 * mostFaces);
-  turned.reserve(mostFaces);
-  pierced.reserve(mostFaces);
-  near.reserve(mostFaces);
-  isNear.resize(mostFaces);
+  doubts.resize(maxFaces);
+  queue.reserve(3 * maxFaces);
+  queued.resize(3 * maxFaces);
+  turned.reserve(maxFaces);
+  pierced.reserve(maxFaces);
+  near.reserve(maxFaces);
+  isNear.resize(maxFaces);
   unsettled.reserve(pointCount);
   link.reserve(pointCount);
   cuts.reserve(pointCount);
 }
 
 MovingHull::MovingHull(int pointCount) : surface_(pointCount) {
-  CHECK(pointCount > 0, "a hull needs points");
+  LORICA_CHECK(pointCount > 0, "a hull needs at least one point");
   const auto n = static_cast<std::size_t>(pointCount);
   scratchOfThisThread().fit(n);
   vertices_.reserve(n);
@@ -46,12 +46,12 @@ MovingHull::MovingHull(int pointCount) : surface_(pointCount) {
   }
   insideCount_ = n;
 
-  // Without common divisor, and far from simple fractions of the count.
+  // Without common divisor, and not near simple fractions of the count.
   stride_ = std::max<std::size_t>(1, (n * 618) / 1000);
   while (std::gcd(stride_, n) != 1) ++stride_;
 }
 
-// All points once, neighbours far apart.
+// Visits all points once, with neighbours far apart.
 template <class Visit>
 void MovingHull::visitScrambled(const Visit& visit) const {
   const std::size_t n = slot_.size();
@@ -59,7 +59,7 @@ void MovingHull::visitScrambled(const Visit& visit) const {
 }
 
 void MovingHull::update(std::span<const PointRow> points) {
-  CHECK(points.size() == slot_.size(), "as many points as the hull was made for");
+  LORICA_CHECK(points.size() == slot_.size(), "the number of points must be that of the constructor");
   points_ = points;
   counts_ = {};
   scratch_ = &scratchOfThisThread();
@@ -89,7 +89,7 @@ VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) co
     return highest;
   }
   VertexIndex best = isVertex(startHint) ? startHint : vertices_.front();
-  double most = along(best);
+  double max = along(best);
   while (true) {
     const HalfEdge first = surface_.outOf(best);
     VertexIndex higher = best;
@@ -97,8 +97,8 @@ VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) co
     do {
       const VertexIndex candidate = surface_.end(h);
       const double value = along(candidate);
-      if (value > most) {
-        most = value;
+      if (value > max) {
+        max = value;
         higher = candidate;
       }
       h = surface_.turn(h);
@@ -107,22 +107,22 @@ VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) co
       best = higher;
       continue;
     }
-    // The edges of a vertex span the cone in which the hull lies, so that nothing is higher. That is not so within a
-    // flat face that looks the other way; then, and only then, is this place lower than s.
-    if (most > 0.0) return best;
+    // The edges of a vertex span the cone that contains the hull, so nothing is higher. The exception is a vertex
+    // within a flat face that faces the other way; only then is its position lower than s.
+    if (max > 0.0) return best;
     return std::accumulate(vertices_.begin(), vertices_.end(), best, higherOf);
   }
 }
 
 bool MovingHull::repair() {
-  // Faces that lost their side come first: all else takes for granted that s sees the whole surface from inside.
+  // Turned faces come first: everything else assumes that s sees the whole surface from inside.
   constexpr int kRounds = 8;
   scanFaces();
   for (int round = 0; !scratch_->turned.empty(); ++round) {
     if (round == kRounds || !turnFaces()) return false;
     lookAgain();
   }
-  // All faces may look outwards on a surface that winds round s twice, like a star pentagon.
+  // All faces may look outwards on a surface that winds around s twice, like a star pentagon.
   if (scratch_->pierced.size() != 1) return false;
   return legalise() && checkCertificates();
 }
@@ -132,7 +132,7 @@ bool MovingHull::build() {
   const std::span<const Triangle> first = scratch_->start.find(points_);
   if (first.empty()) return false;
 
-  // Last frame's vertices are likely to be vertices again, and then the others are inside at once.
+  // Last frame's vertices are likely to be vertices again; the others are then inside immediately.
   scratch_->unsettled.clear();
   for (const bool wasVertex : {true, false}) {
     visitScrambled([&](VertexIndex p) {
@@ -154,11 +154,11 @@ bool MovingHull::build() {
   return settleAll();
 }
 
-// Leaves no faces and no vertices. Certificates stay: they hold nothing now, but tell where to look. So do a vertex's
-// neighbours: they are likely to be near again, though all has moved.
+// Removes all faces and vertices. Certificates stay: they prove nothing now but serve as hints for the search. The same
+// holds for a vertex's neighbours, which are likely to be near again even after a large motion.
 void MovingHull::startOver() {
   while (!scratch_->queue.empty()) {
-    scratch_->queued[static_cast<std::size_t>(scratch_->queue.back())] = 0;
+    scratch_->queued[scratch_->queue.back()] = 0;
     scratch_->queue.pop_back();
   }
   while (!vertices_.empty()) {
@@ -171,22 +171,22 @@ void MovingHull::startOver() {
 }
 
 double MovingHull::faceDet(std::int32_t face) const {
-  const Triangle& t = surface_.faces()[static_cast<std::size_t>(face)];
+  const Triangle& t = surface_.faces()[face];
   return det(at(t[0]), at(t[1]), at(t[2]));
 }
 
-// Each flip adds volume to the solid and each vertex that is taken out stays out, so this ends.
+// Each flip adds volume to the solid and each removed vertex stays out, so this ends.
 bool MovingHull::legalise() {
   while (!scratch_->queue.empty()) {
     const HalfEdge h = scratch_->queue.back();
     scratch_->queue.pop_back();
-    scratch_->queued[static_cast<std::size_t>(h)] = 0;
+    scratch_->queued[h] = 0;
     if (h >= 3 * surface_.faceCount()) continue;
     const HalfEdge k = surface_.twin(h);
     const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
     if (side(at(a), at(b), at(c), at(d)) <= 0.0) continue;
-    // Seen from s, the quadrilateral a d b c has at most one corner that is not convex, a or b: with s and the other
-    // three corners as a tetrahedron, the edge would be convex if both were.
+    // Seen from s, the quadrilateral a d b c has at most one non-convex corner, a or b. If both were non-convex, the
+    // edge would be convex: consider the tetrahedron of s and the other three corners.
     if (det(at(a), at(d), at(c)) <= 0.0) {
       if (!takeOut(a, Link::kSeenFromVertex, {d, b, c})) return false;
     } else if (det(at(d), at(b), at(c)) <= 0.0) {
@@ -215,7 +215,7 @@ bool MovingHull::checkCertificates() {
   const int found =
       findDoubtfulCertificates(points_.data(), inside_.data(), static_cast<int>(insideCount_), scratch_->doubts.data());
   for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
-    const HullCertificate& certificate = inside_[static_cast<std::size_t>(doubt)];
+    const HullCertificate& certificate = inside_[doubt];
     if (!holds(certificate)) scratch_->unsettled.push_back(certificate.point);
   }
   counts_.failedCertificates = static_cast<int>(scratch_->unsettled.size());
@@ -229,11 +229,11 @@ bool MovingHull::settleAll() {
 
 // A vertex that may be near a point.
 VertexIndex MovingHull::hintFor(VertexIndex p) const {
-  const HullCertificate& last = inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])];
+  const HullCertificate& last = inside_[slot_[static_cast<std::size_t>(p)]];
   for (const VertexIndex v : {last.a, last.b, last.c}) {
     if (isVertex(v)) return v;
   }
-  // Of a few vertices, that whose direction is nearest, or about so.
+  // Of a few vertices, approximately the one with the nearest direction.
   constexpr std::size_t kTries = 12;
   const std::size_t step = 1 + vertices_.size() / kTries;
   const PointRow& q = at(p);
@@ -245,30 +245,30 @@ VertexIndex MovingHull::hintFor(VertexIndex p) const {
   return nearest;
 }
 
-// Gives a point a new certificate, or makes it a vertex where it is outside.
+// Gives a point a new certificate, or makes it a vertex if it is outside.
 bool MovingHull::settle(VertexIndex p) {
-  const Place place = locate(p, hintFor(p));
-  const Triangle t = faces()[static_cast<std::size_t>(place.face)];
+  const Position position = locate(p, hintFor(p));
+  const Triangle t = faces()[position.face];
   if (side(at(t[0]), at(t[1]), at(t[2]), at(p)) <= 0.0) {
-    inside_[static_cast<std::size_t>(slot_[static_cast<std::size_t>(p)])] = {t[0], t[1], t[2], p};
+    inside_[slot_[static_cast<std::size_t>(p)]] = {t[0], t[1], t[2], p};
     return true;
   }
   ++counts_.insertions;
   becomeVertex(p);
-  const int zeros = (place.ab == 0.0) + (place.bc == 0.0) + (place.ca == 0.0);
-  const HalfEdge first = 3 * place.face;
+  const int zeros = (position.ab == 0.0) + (position.bc == 0.0) + (position.ca == 0.0);
+  const HalfEdge first = 3 * position.face;
   if (zeros == 0) {
-    surface_.splitFace(place.face, p);
+    surface_.splitFace(position.face, p);
   } else if (zeros == 1) {
-    surface_.splitEdge(place.ab == 0.0 ? first : place.bc == 0.0 ? first + 1 : first + 2, p);
+    surface_.splitEdge(position.ab == 0.0 ? first : position.bc == 0.0 ? first + 1 : first + 2, p);
   } else {
-    // Straight above a corner, which goes inside: it lies between s and p.
-    const VertexIndex v = place.ab != 0.0 ? t[2] : place.bc != 0.0 ? t[0] : t[1];
+    // Straight above a corner. The corner goes inside, because it lies between s and p.
+    const VertexIndex v = position.ab != 0.0 ? t[2] : position.bc != 0.0 ? t[0] : t[1];
     surface_.replaceVertex(v, p);
-    const Triangle& over = faces()[static_cast<std::size_t>(place.face)];
+    const Triangle& over = faces()[position.face];
     becomeInside(v, over);
   }
-  // Edges at a point that was put on top of a face or an edge are convex; at one on top of a vertex they need not be.
+  // Edges at a point put on top of a face or an edge are convex; at one on top of a vertex they need not be.
   const HalfEdge out = surface_.outOf(p);
   HalfEdge h = out;
   do {
@@ -280,19 +280,19 @@ bool MovingHull::settle(VertexIndex p) {
 }
 
 // Walks along the arc from a vertex to the point's direction. Seen from s, the arc leaves each face that it enters
-// through an edge of the face's third corner, so one product a step tells where it goes on.
+// through an edge of the face's third corner, so one product per step decides where it continues.
 //
-//      L ----- q       The arc comes in over the edge from L to R. With q on its right it leaves between q and L, else
-//       \     /        between R and q.
+//      L ----- q       The arc enters over the edge from L to R. If q is on its right, it leaves between q and L,
+//       \     /        otherwise between R and q.
 //        \  /
 //         R
-MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
+MovingHull::Position MovingHull::locate(VertexIndex p, VertexIndex from) const {
   const PointRow& point = at(p);
   const exact::Row across = exact::cross(exact::rowOf(point), exact::rowOf(at(from)));
   const auto rightOfArc = [&](VertexIndex q) { return exact::dot(across, exact::rowOf(at(q))); };
   const auto edge = [&](HalfEdge h) { return det(at(surface_.start(h)), at(surface_.end(h)), point); };
 
-  // The face at the vertex into which the arc sets out: that with its second corner on the right and its third not.
+  // The face at the vertex in which the arc starts: its second corner is on the right and its third is not.
   const HalfEdge out = surface_.outOf(from);
   HalfEdge h = out;
   double first = rightOfArc(surface_.end(h));
@@ -313,7 +313,7 @@ MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
   HalfEdge rim = HullSurface::next(h);
   double beyond = edge(rim);
   if (beyond >= 0.0) {
-    if (first >= 0.0 && second <= 0.0) return placeAt(h, first, beyond, -second);
+    if (first >= 0.0 && second <= 0.0) return positionAt(h, first, beyond, -second);
   } else {
     for (int step = 0; step < surface_.faceCount(); ++step) {
       const HalfEdge entry = surface_.twin(rim);
@@ -324,20 +324,20 @@ MovingHull::Place MovingHull::locate(VertexIndex p, VertexIndex from) const {
       if (beyond < 0.0) continue;
       const double beside = edge(right ? HullSurface::next(entry) : HullSurface::previous(entry));
       if (beside < 0.0) break;
-      return right ? placeAt(entry, entered, beside, beyond) : placeAt(entry, entered, beyond, beside);
+      return right ? positionAt(entry, entered, beside, beyond) : positionAt(entry, entered, beyond, beside);
     }
   }
-  // Only where the point lies in the direction straight away from the vertex there is no arc.
+  // There is no arc only if the point's direction is exactly opposite to the vertex.
   for (std::int32_t face = 0; face < surface_.faceCount(); ++face) {
-    const Place place{face, edge(3 * face), edge(3 * face + 1), edge(3 * face + 2)};
-    if (place.ab >= 0.0 && place.bc >= 0.0 && place.ca >= 0.0) return place;
+    const Position position{face, edge(3 * face), edge(3 * face + 1), edge(3 * face + 2)};
+    if (position.ab >= 0.0 && position.bc >= 0.0 && position.ca >= 0.0) return position;
   }
-  CHECK(false, "the faces of a star-shaped surface cover all directions");
+  LORICA_CHECK(false, "the faces of a star-shaped surface must cover all directions");
   return {};
 }
 
-// The place in the face of h, beside h, the next half-edge and the one before.
-MovingHull::Place MovingHull::placeAt(HalfEdge h, double beside, double besideNext, double besidePrevious) {
+// The position in the face of h, given the values at h, the next half-edge and the previous one.
+MovingHull::Position MovingHull::positionAt(HalfEdge h, double beside, double besideNext, double besidePrevious) {
   const std::int32_t face = HullSurface::faceOf(h);
   switch (h - 3 * face) {
     case 0:
@@ -349,30 +349,30 @@ MovingHull::Place MovingHull::placeAt(HalfEdge h, double beside, double besideNe
   }
 }
 
-// Takes a point from its place in inside_; the surface must hold it.
+// Removes a point from inside_; the surface must contain it.
 void MovingHull::becomeVertex(VertexIndex p) {
-  std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
+  std::int32_t& slot = slot_[p];
   const HullCertificate last = inside_[--insideCount_];
-  inside_[static_cast<std::size_t>(slot)] = last;
-  slot_[static_cast<std::size_t>(last.point)] = slot;
+  inside_[slot] = last;
+  slot_[last.point] = slot;
   slot = static_cast<std::int32_t>(vertices_.size());
   vertices_.push_back(p);
 }
 
-// Takes a point from its place in vertices_.
+// Removes a point from vertices_.
 void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
-  std::int32_t& slot = slot_[static_cast<std::size_t>(p)];
+  std::int32_t& slot = slot_[p];
   const VertexIndex last = vertices_.back();
-  vertices_[static_cast<std::size_t>(slot)] = last;
-  slot_[static_cast<std::size_t>(last)] = slot;
+  vertices_[slot] = last;
+  slot_[last] = slot;
   vertices_.pop_back();
   slot = static_cast<std::int32_t>(insideCount_);
   inside_[insideCount_++] = {certificate[0], certificate[1], certificate[2], p};
 }
 
-// Most edges beside a change are convex; those need no place in the queue.
+// Most edges beside a change are convex; these are not queued.
 void MovingHull::queueConcave(std::int32_t face, HalfEdge h, HalfEdge k) {
-  const Triangle& t = faces()[static_cast<std::size_t>(face)];
+  const Triangle& t = faces()[face];
   const PointRow& a = at(t[0]);
   const exact::Row normal = exact::cross(exact::between(a, at(t[1])), exact::between(a, at(t[2])));
   const auto above = [&](HalfEdge edge) {
@@ -384,7 +384,7 @@ void MovingHull::queueConcave(std::int32_t face, HalfEdge h, HalfEdge k) {
 
 void MovingHull::queueEdge(HalfEdge h) {
   h = std::min(h, surface_.twin(h));
-  std::uint8_t& queued = scratch_->queued[static_cast<std::size_t>(h)];
+  std::uint8_t& queued = scratch_->queued[h];
   if (queued != 0) return;
   queued = 1;
   scratch_->queue.push_back(h);

@@ -13,80 +13,83 @@
 
 namespace lorica {
 
-/// Convex hull, with faces, of points that move from frame to frame: last frame's triangulation is mended.
+/// Convex hull, with faces, of points that move from frame to frame: the last frame's triangulation is repaired.
 ///
-/// All is seen from the origin s, which the caller keeps inside by giving points relative to their mean. The faces are
-/// a triangulation of the sphere of directions around s. Motion can spoil three things, and each has its repair:
-///  - a face no longer turns its outside away from s: flip an edge of it, or take a vertex out and put it back later;
-///  - an edge has become concave: flip it, or take out the vertex that sank below the others;
-///  - a point that was inside has come out. Each point inside keeps a certificate, three points whose tetrahedron with
-///    s holds it; when that fails it is located anew and, if it is outside, becomes a vertex.
-/// What cannot be mended is built anew, by the same steps from a first small hull.
+/// The origin s serves as view point; the caller keeps it inside by giving points relative to their mean. The faces are
+/// a triangulation of the sphere of directions around s. Motion can cause three defects, each with its own repair:
+///  - a face is turned: its outside no longer points away from s. Flip one of its edges, or remove a vertex and add it
+///    again later;
+///  - an edge has become concave: flip it, or remove the vertex that sank below the others;
+///  - an inner point has come out. Each inner point keeps a certificate, three points whose tetrahedron with s contains
+///    it. If the certificate fails, the point is located again, and becomes a vertex if it is outside.
 ///
-/// Every decision is exact, so a frame's hull is the hull, whatever came before; among coplanar points the choice of
-/// diagonals may depend on earlier frames. Same frames, same faces, on every machine.
+/// What cannot be repaired is rebuilt by the same steps, from a small initial hull.
+///
+/// Every decision is exact, so the result is the convex hull regardless of earlier frames; among coplanar points the
+/// choice of diagonals may depend on earlier frames. The same frames give the same faces on every machine.
 class MovingHull {
  public:
-  /// Takes all memory that any frame can need; some of it is shared by all hulls that one thread updates, so that only
-  /// the first update on another thread allocates.
+  /// Allocates all memory that any frame can need. Part of it is shared by all hulls that one thread updates, so that
+  /// only the first update on another thread allocates.
   /// @param pointCount  1 or more
   explicit MovingHull(int pointCount);
 
-  /// Follows the points. Any motion is allowed.
-  /// @param points  pointCount points [ticks], whole, at most kMostTicks either way; read again by volume() and
-  /// support()
+  /// Updates the hull to new positions. Any motion is allowed.
+  /// @param points  pointCount points [ticks], whole numbers from -kMaxTicks to kMaxTicks; must stay valid for volume()
+  /// and support()
   void update(std::span<const PointRow> points);
 
-  /// The origin is not strictly inside the points' hull (there may be no volume): no faces and vertices this frame.
+  /// Whether the origin is not strictly inside the points' hull (there may be no volume): no faces and vertices this
+  /// frame.
   [[nodiscard]] bool flat() const { return surface_.faceCount() == 0; }
 
   /// Point ids, counter-clockwise from outside. Closed; coplanar faces occur, faces without area do not.
   [[nodiscard]] std::span<const Triangle> faces() const { return surface_.faces(); }
 
-  /// Ids of the points on those faces. Some may lie within a plane or edge of the hull; no two are at the same place.
+  /// Ids of the points on those faces. Some may lie within a plane or edge of the hull; no two have the same position.
   [[nodiscard]] std::span<const VertexIndex> vertices() const { return vertices_; }
 
-  /// Where in vertices() a vertex is.
-  [[nodiscard]] std::int32_t placeOf(VertexIndex vertex) const { return slot_[static_cast<std::size_t>(vertex)]; }
+  /// Index of a vertex in vertices().
+  [[nodiscard]] std::int32_t positionOf(VertexIndex vertex) const { return slot_[vertex]; }
 
   /// [ticks^3]; 0 when flat.
   [[nodiscard]] double volume() const;
 
-  /// The vertex farthest along a direction, found by climbing over neighbours; of all points when flat. Needs an
-  /// update.
-  /// @param startHint  a point id, best the answer for a direction or frame nearby; others only cost time
+  /// The vertex farthest along a direction, found by climbing over neighbours; searched among all points when flat.
+  /// Requires an update.
+  /// @param startHint  a point id, ideally the answer for a direction or frame nearby; others only cost time
   [[nodiscard]] VertexIndex support(const Vec3& direction, VertexIndex startHint) const;
 
   /// What the last update did.
   struct Counts {
-    int turnedFaces = 0;         ///< faces that had lost their side
-    int flips = 0;               ///< edges turned
-    int deletions = 0;           ///< vertices taken out
+    int turnedFaces = 0;         ///< faces whose outside no longer pointed away from s
+    int flips = 0;               ///< flipped edges
+    int deletions = 0;           ///< removed vertices
     int insertions = 0;          ///< points that became vertices
-    int failedCertificates = 0;  ///< points located anew
-    int rebuilds = 0;            ///< 1 when the hull was built from nothing
+    int failedCertificates = 0;  ///< points located again
+    int rebuilds = 0;            ///< 1 if the hull was built from scratch
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }
 
-  /// Bytes held, without what a thread's hulls share.
+  /// Memory in bytes, without what a thread's hulls share.
   [[nodiscard]] std::size_t memory() const;
 
  private:
   using HalfEdge = HullSurface::HalfEdge;
 
   /// Where a point's direction pierces the surface.
-  struct Place {
+  struct Position {
     std::int32_t face = 0;
-    double ab = 0, bc = 0, ca = 0;  ///< 0 on that edge of the face, above 0 beside it
+    double ab = 0, bc = 0, ca = 0;  ///< 0 on that edge of the face, above 0 inside of it
   };
 
-  /// How the link of a vertex that is taken out lies around it, as s sees it.
+  /// The link of a vertex to be removed, as seen from s.
   enum class Link : std::uint8_t {
     kSeenFromVertex,  ///< the vertex sees all of it
-    kSimple,          ///< does not cross itself, or the vertex stays
+    kSimple,          ///< must not cross itself; otherwise the vertex stays
   };
 
-  /// What an update needs and leaves empty: one for all hulls of a thread.
+  /// Working memory of an update, empty between updates: one for all hulls of a thread.
   struct Scratch {
     struct Corner {
       VertexIndex vertex;
@@ -95,22 +98,22 @@ class MovingHull {
       std::int32_t before, after;
     };
     HullStart start;
-    std::vector<std::int32_t> doubts;    ///< what a pass hands back
+    std::vector<std::int32_t> doubts;    ///< output of a pass
     std::vector<HalfEdge> queue;         ///< edges that may be concave
-    std::vector<std::uint8_t> queued;    ///< of each half-edge: it is in the queue
-    std::vector<std::int32_t> turned;    ///< faces that have lost their side
-    std::vector<std::int32_t> pierced;   ///< faces in whose cones one certain direction lies
+    std::vector<std::uint8_t> queued;    ///< for each half-edge: whether it is in the queue
+    std::vector<std::int32_t> turned;    ///< faces whose outside does not point away from s
+    std::vector<std::int32_t> pierced;   ///< faces whose cones contain one certain direction
     std::vector<std::int32_t> near;      ///< faces at edges in the queue
-    std::vector<std::uint8_t> isNear;    ///< of each face, whether it is among those
+    std::vector<std::uint8_t> isNear;    ///< for each face, whether it is in `near`
     std::vector<VertexIndex> unsettled;  ///< points to be located
-    std::vector<Corner> link;            ///< around the vertex that is taken out
+    std::vector<Corner> link;            ///< around the vertex to be removed
     std::vector<std::int32_t> cuts;      ///< its corners in the order in which they are cut off
 
     void fit(std::size_t pointCount);
   };
   static Scratch& scratchOfThisThread();
 
-  [[nodiscard]] const PointRow& at(VertexIndex p) const { return points_[static_cast<std::size_t>(p)]; }
+  [[nodiscard]] const PointRow& at(VertexIndex p) const { return points_[p]; }
   [[nodiscard]] double faceDet(std::int32_t face) const;
   [[nodiscard]] bool isVertex(VertexIndex p) const { return surface_.outOf(p) != HullSurface::kNone; }
 
@@ -131,8 +134,8 @@ class MovingHull {
   void startOver();
   [[nodiscard]] bool holds(const HullCertificate& certificate) const;
   [[nodiscard]] bool isPierced(std::int32_t face) const;
-  [[nodiscard]] Place locate(VertexIndex p, VertexIndex from) const;
-  [[nodiscard]] static Place placeAt(HalfEdge h, double beside, double besideNext, double besidePrevious);
+  [[nodiscard]] Position locate(VertexIndex p, VertexIndex from) const;
+  [[nodiscard]] static Position positionAt(HalfEdge h, double beside, double besideNext, double besidePrevious);
 
   bool takeOut(VertexIndex v, Link link, const Triangle& certificate);
   [[nodiscard]] bool planCuts(VertexIndex v, Link link, int corners);
@@ -148,8 +151,8 @@ class MovingHull {
   std::vector<VertexIndex> vertices_;
   std::vector<HullCertificate> inside_;  ///< insideCount_, and padding
   std::size_t insideCount_ = 0;
-  std::vector<std::int32_t> slot_;  ///< of each point, in vertices_ or inside_
-  std::size_t stride_ = 1;          ///< from point to point, in a fixed order of all without pattern
+  std::vector<std::int32_t> slot_;  ///< index of each point in vertices_ or inside_
+  std::size_t stride_ = 1;          ///< from point to point, in a fixed order of all points without pattern
   Counts counts_;
 
   Scratch* scratch_ = nullptr;  ///< of this thread; valid within update()

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <cstdint>
 
-/// Predicates without doubt, for whole coordinates of at most 2^22 either way, as seen from the origin s.
+/// Exact predicates for whole coordinates of at most 2^22 in absolute value, as seen from the origin s.
 ///
-/// Differences are exact, and in double precision so are products of two of them (2^46) and their differences (2^47);
-/// only the last sum of three products rounds. Where that rounding could hide the sign, 128-bit integers decide.
+/// Differences are exact. In double precision, products of two differences (2^46) and their differences (2^47) are
+/// exact too; only the last sum of three products is rounded. If that rounding could change the sign, 128-bit integers
+/// decide.
 namespace lorica::exact {
 
 struct Row {
@@ -20,7 +21,7 @@ struct Row {
   return {p.x, p.y, p.z};
 }
 
-/// At most 2^23 either way, so single precision holds it.
+/// At most 2^23 in absolute value, so single precision holds it.
 [[nodiscard]] inline Row between(const PointRow& from, const PointRow& to) {
   return {to.x - from.x, to.y - from.y, to.z - from.z};
 }
@@ -39,25 +40,26 @@ struct Row {
   return static_cast<double>(product(normal.x, w.x) + product(normal.y, w.y) + product(normal.z, w.z));
 }
 
-/// Normal times w with the right sign, zero included.
+/// Normal times w with the correct sign, including zero.
 [[nodiscard]] inline double dot(const Row& normal, const Row& w) {
   const double x = normal.x * w.x;
   const double y = normal.y * w.y;
   const double z = normal.z * w.z;
   const double value = x + y + z;
-  // Three products and two sums round by at most 2^-53 of themselves each: 3.1 * 2^-53 of the sum of sizes.
+  // Three products and two sums have a relative rounding error of at most 2^-53 each: 3.1 * 2^-53 of the sum of
+  // absolute values.
   constexpr double kBound = 4.0 * 0x1p-53;
   if (std::abs(value) > kBound * (std::abs(x) + std::abs(y) + std::abs(z))) return value;
   return wideDot(normal, w);
 }
 
-/// det(a, b, c): its sign is exact, its size good to a few roundings. Positive when the triangle a, b, c runs
-/// counter-clockwise seen from outside a hull that holds the origin.
+/// det(a, b, c): the sign is exact, the value accurate to a few roundings. Positive if the triangle a, b, c is
+/// counter-clockwise as seen from outside a hull that contains the origin.
 [[nodiscard]] inline double det(const PointRow& a, const PointRow& b, const PointRow& c) {
   return dot(cross(rowOf(a), rowOf(b)), rowOf(c));
 }
 
-/// det(b - a, c - a, d - a), in the same way: positive when d lies outside the plane of the face a, b, c.
+/// det(b - a, c - a, d - a), with the same accuracy: positive if d lies outside the plane of the face a, b, c.
 [[nodiscard]] inline double side(const PointRow& a, const PointRow& b, const PointRow& c, const PointRow& d) {
   return dot(cross(between(a, b), between(a, c)), between(a, d));
 }

@@ -1,4 +1,4 @@
-// How MovingHull takes a vertex out and closes the hole.
+// How MovingHull removes a vertex and closes the hole.
 
 #include "collision/live/moving_hull.h"
 #include "collision/live/moving_hull_exact.h"
@@ -9,7 +9,7 @@ namespace lorica {
 
 using exact::det;
 
-// Takes a vertex out and triangulates the hole by cutting ears off its link, as s sees it.
+// Removes a vertex and triangulates the hole by cutting ears off its link, as seen from s.
 bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) {
   if (vertices_.size() <= 4) return false;
   scratch_->link.clear();
@@ -17,7 +17,7 @@ bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) 
   HalfEdge h = first;
   do {
     const HalfEdge rim = HullSurface::next(h);
-    if (surface_.opposite(rim) == v) return false;  // while faces are turned, a surface may lie back to back
+    if (surface_.opposite(rim) == v) return false;  // while faces are turned, parts of the surface may lie back to back
     const auto i = static_cast<std::int32_t>(scratch_->link.size());
     scratch_->link.push_back({surface_.start(rim), surface_.twin(rim), HullSurface::faceOf(h), i - 1, i + 1});
     h = surface_.turn(h);
@@ -28,16 +28,16 @@ bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) 
   scratch_->link.back().after = 0;
   if (!planCuts(v, link, corners)) return false;
 
-  // The cuts as planned, in the place of the faces around the vertex; two of these are left over.
+  // Make the planned cuts in the memory of the faces around the vertex; two of these are left over.
   for (std::size_t i = 0; i < scratch_->link.size(); ++i) {
     scratch_->link[i].before = static_cast<std::int32_t>(i == 0 ? scratch_->link.size() - 1 : i - 1);
     scratch_->link[i].after = static_cast<std::int32_t>(i + 1 == scratch_->link.size() ? 0 : i + 1);
   }
   std::size_t used = 0;
   for (const std::int32_t tip : scratch_->cuts) {
-    const Scratch::Corner& corner = scratch_->link[static_cast<std::size_t>(tip)];
-    Scratch::Corner& before = scratch_->link[static_cast<std::size_t>(corner.before)];
-    Scratch::Corner& after = scratch_->link[static_cast<std::size_t>(corner.after)];
+    const Scratch::Corner& corner = scratch_->link[tip];
+    Scratch::Corner& before = scratch_->link[corner.before];
+    Scratch::Corner& after = scratch_->link[corner.after];
     const std::int32_t face = scratch_->link[used++].face;
     surface_.setFace(face, before.vertex, corner.vertex, after.vertex);
     surface_.glue(3 * face, before.rim);
@@ -55,7 +55,7 @@ bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) 
   std::int32_t other = scratch_->link[used + 1].face;
   if (spare < other) std::swap(spare, other);
   for (const std::int32_t gone : {spare, other}) {
-    // The face that moves may have had edges in the queue under its old name.
+    // The face that moves may have had edges in the queue under its old number.
     if (surface_.eraseFace(gone)) queueFace(gone);
   }
   surface_.forget(v);
@@ -69,11 +69,11 @@ bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
   std::int32_t tip = 0;
   int refused = 0;
   for (int left = corners; left > 3;) {
-    Scratch::Corner& corner = scratch_->link[static_cast<std::size_t>(tip)];
+    Scratch::Corner& corner = scratch_->link[tip];
     if (isEar(v, link, corner.before, tip, corner.after)) {
       scratch_->cuts.push_back(tip);
-      scratch_->link[static_cast<std::size_t>(corner.before)].after = corner.after;
-      scratch_->link[static_cast<std::size_t>(corner.after)].before = corner.before;
+      scratch_->link[corner.before].after = corner.after;
+      scratch_->link[corner.after].before = corner.before;
       --left;
       refused = 0;
     } else if (++refused > left) {
@@ -81,18 +81,19 @@ bool MovingHull::planCuts(VertexIndex v, Link link, int corners) {
     }
     tip = corner.after;
   }
-  const Scratch::Corner& corner = scratch_->link[static_cast<std::size_t>(tip)];
+  const Scratch::Corner& corner = scratch_->link[tip];
   scratch_->cuts.push_back(tip);
-  return det(at(scratch_->link[static_cast<std::size_t>(corner.before)].vertex), at(corner.vertex),
-             at(scratch_->link[static_cast<std::size_t>(corner.after)].vertex)) > 0.0;
+  return det(at(scratch_->link[corner.before].vertex), at(corner.vertex), at(scratch_->link[corner.after].vertex)) >
+         0.0;
 }
 
-// An ear turns its outside away from s and leaves a link of the same kind. Where the vertex sees its whole link, it
-// must not lie strictly within the ear; on its border is well, as in a square whose diagonals cross at the vertex.
+// An ear's outside points away from s, and cutting it leaves a link of the same kind. If the vertex sees its whole
+// link, it must not lie strictly within the ear. It may lie on the ear's border, as in a square whose diagonals cross
+// at the vertex.
 bool MovingHull::isEar(VertexIndex v, Link link, int before, int tip, int after) const {
-  const VertexIndex ib = scratch_->link[static_cast<std::size_t>(before)].vertex;
-  const VertexIndex it = scratch_->link[static_cast<std::size_t>(tip)].vertex;
-  const VertexIndex ia = scratch_->link[static_cast<std::size_t>(after)].vertex;
+  const VertexIndex ib = scratch_->link[before].vertex;
+  const VertexIndex it = scratch_->link[tip].vertex;
+  const VertexIndex ia = scratch_->link[after].vertex;
   const PointRow &b = at(ib), &t = at(it), &a = at(ia);
   if (det(b, t, a) <= 0.0) return false;
   if (link == Link::kSeenFromVertex) return det(b, a, at(v)) >= 0.0;

@@ -5,8 +5,8 @@
 #include <array>
 #include <numeric>
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
-// Not for vectors whose size only the machine knows: such cannot be members of a struct.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set. Not for
+// vectors whose size is known only at run time: such vectors cannot be members of a struct.
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -17,7 +17,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {
 
-// The corners' determinant, rounded as vectors round it.
+// The determinant of the corners, rounded as in the vector version.
 HWY_INLINE double determinant(const PointRow* points, const Triangle& face) {
   const PointRow& a = points[face[0]];
   const exact::Row n = exact::cross(exact::between(a, points[face[1]]), exact::between(a, points[face[2]]));
@@ -26,7 +26,7 @@ HWY_INLINE double determinant(const PointRow* points, const Triangle& face) {
 
 #if HWY_TARGET == HWY_SCALAR
 
-// A machine without vectors decides exactly at once: all are in doubt.
+// Without vector instructions, everything is decided exactly at once: all faces are in doubt.
 int doubtfulFaces(const PointRow*, const Triangle*, const VertexIndex*, int count, std::int32_t* doubts) {
   for (int face = 0; face < count; ++face) doubts[face] = face * kFaceBits + kFaceBits - 1;
   return count;
@@ -40,7 +40,7 @@ int doubtfulCertificates(const PointRow*, const HullCertificate*, int count, std
 double sumDeterminants(const PointRow* points, const Triangle* faces, int count) {
   std::array<double, kPassWidth> sums{};
   for (int face = 0; face < count; ++face) {
-    sums[static_cast<std::size_t>(face % kPassWidth)] += determinant(points, faces[face]);
+    sums[face % kPassWidth] += determinant(points, faces[face]);
   }
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
@@ -58,8 +58,7 @@ struct Rows {
   Float x, y, z;
 };
 
-// Block k of the result is the row of the point that ids[4 * k * stride] names. Gather instructions are slower than
-// this.
+// Block k of the result is the row of point ids[4 * k * stride]. Gather instructions are slower than this.
 template <class D>
 HWY_INLINE hn::Vec<D> blocksOfRows(D d, const PointRow* points, const std::int32_t* ids, int stride) {
   if constexpr (hn::MaxLanes(d) == 4) {
@@ -72,7 +71,7 @@ HWY_INLINE hn::Vec<D> blocksOfRows(D d, const PointRow* points, const std::int32
   }
 }
 
-// Lane i is the point that ids[i * stride] names.
+// Lane i is the point ids[i * stride].
 HWY_INLINE Rows rowsOf(const PointRow* points, const std::int32_t* ids, int stride) {
   const Floats f;
   const hn::RepartitionToWide<Floats> pairs;
@@ -93,7 +92,7 @@ HWY_INLINE Rows operator-(const Rows& a, const Rows& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 
-/// A cross product, and for each coordinate the sum of the sizes of its two products.
+/// A cross product, and for each coordinate the sum of the absolute values of its two products.
 struct Cross {
   Rows value;
   Rows size;
@@ -113,9 +112,9 @@ struct Bounded {
   Float error;
 };
 
-// With unit roundoff e = 2^-24 and factors u, v, w without error: products and their difference put up to 2 e of the
-// size into a coordinate of the normal; the product with w, and two sums, 3 e more; e^2 terms and the rounding of the
-// size itself are far below the one e that is left to 6.
+// With unit roundoff e = 2^-24 and exact factors u, v, w: products and their difference add up to 2 e of the absolute
+// sum to a coordinate of the normal; the product with w and two sums add 3 e more. The e^2 terms and the rounding of
+// the absolute sum itself are far below the remaining one e of the 6.
 HWY_INLINE Bounded dot(const Cross& n, const Rows& w) {
   const Floats f;
   const Float size =
@@ -148,7 +147,7 @@ int doubtfulFaces(const PointRow* points, const Triangle* faces, const VertexInd
     const Rows c = rowsOf(points, ids + 2, 3);
     const Cross normal = cross(b - a, c - a);
     auto doubt = bitWhereNot(surelyAbove(dot(normal, a)), kMayBeTurned);
-    // z of a x b and so on: rounding keeps the order of two products.
+    // z of a x b and so on: rounding preserves the order of two products.
     const auto pierced =
         hn::And(hn::Ge(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)),
                 hn::And(hn::Ge(hn::Mul(b.x, c.y), hn::Mul(b.y, c.x)), hn::Ge(hn::Mul(c.x, a.y), hn::Mul(c.y, a.x))));
@@ -178,7 +177,7 @@ int doubtfulCertificates(const PointRow* points, const HullCertificate* certific
     const Rows b = rowsOf(points, ids + 1, 4);
     const Rows c = rowsOf(points, ids + 2, 4);
     const Rows p = rowsOf(points, ids + 3, 4);
-    // Within the cone of a, b, c, as det(a, b, p), det(c, a, p) and det(b, c, p) say, and below their plane.
+    // Within the cone of a, b, c, by det(a, b, p), det(c, a, p) and det(b, c, p), and below their plane.
     const Cross pa = cross(p, a);
     const auto beside = hn::And(surelyAbove(dot(pa, b)), surelyBelow(dot(pa, c)));
     const auto inside = hn::And(surelyAbove(dot(cross(b, c), p)), surelyBelow(dot(cross(b - a, c - a), p - a)));
@@ -195,7 +194,7 @@ int doubtfulCertificates(const PointRow* points, const HullCertificate* certific
   return found;
 }
 
-// Lanes of a sum for faces whose numbers are alike modulo kPassWidth, whatever the vectors' width.
+// Lane sums over faces whose numbers are equal modulo kPassWidth, for any vector width.
 HWY_INLINE void addDeterminants(const Rows& a, const Rows& ab, const Rows& ac, bool upper, double* sums) {
   const hn::Rebind<double, hn::Half<Floats> > d;
   const hn::Half<Floats> h;
@@ -223,8 +222,7 @@ double sumDeterminants(const PointRow* points, const Triangle* faces, int count)
     addDeterminants(a, b - a, c - a, false, here);
     addDeterminants(a, b - a, c - a, true, here);
   }
-  for (; first < count; ++first)
-    sums[static_cast<std::size_t>(first % kPassWidth)] += determinant(points, faces[first]);
+  for (; first < count; ++first) sums[first % kPassWidth] += determinant(points, faces[first]);
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 

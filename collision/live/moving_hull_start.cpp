@@ -7,17 +7,17 @@
 namespace lorica {
 namespace {
 
-// The point with the largest measure, the first of equals; kNobody when none is above zero.
+// The point with the largest measure, the first of equals; kNobody if none is above zero.
 constexpr VertexIndex kNobody = -1;
 
 template <class Measure>
 VertexIndex farthest(std::span<const PointRow> points, const Measure& measure) {
   VertexIndex best = kNobody;
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double value = measure(points[i]);
-    if (value > most) {
-      most = value;
+    if (value > max) {
+      max = value;
       best = static_cast<VertexIndex>(i);
     }
   }
@@ -31,17 +31,18 @@ double squared(const exact::Row& r) {
 }  // namespace
 
 void HullStart::fit(std::size_t pointCount) {
-  const std::size_t most = std::max<std::size_t>(4, 2 * pointCount);
-  faces_.reserve(most);
-  kept_.reserve(most);
-  visible_.reserve(most);
+  const std::size_t max = std::max<std::size_t>(4, 2 * pointCount);
+  faces_.reserve(max);
+  kept_.reserve(max);
+  visible_.reserve(max);
 }
 
 std::span<const Triangle> HullStart::find(std::span<const PointRow> points) {
   if (!spanTetrahedron(points)) return {};
-  const auto at = [&](VertexIndex i) -> const PointRow& { return points[static_cast<std::size_t>(i)]; };
+  const auto at = [&](VertexIndex i) -> const PointRow& { return points[i]; };
   while (true) {
-    // A face that the origin is not strictly below; the point farthest out over it brings the origin nearer.
+    // If the origin is not strictly below a face, adding the point farthest above the face brings the hull nearer to
+    // it.
     const auto wrong = std::find_if(faces_.begin(), faces_.end(),
                                     [&](const Triangle& t) { return exact::det(at(t[0]), at(t[1]), at(t[2])) <= 0.0; });
     if (wrong == faces_.end()) return faces_;
@@ -54,7 +55,7 @@ std::span<const Triangle> HullStart::find(std::span<const PointRow> points) {
 }
 
 bool HullStart::spanTetrahedron(std::span<const PointRow> points) {
-  const auto at = [&](VertexIndex i) -> const PointRow& { return points[static_cast<std::size_t>(i)]; };
+  const auto at = [&](VertexIndex i) -> const PointRow& { return points[i]; };
   const VertexIndex a = farthest(points, [](const PointRow& p) { return squared(exact::rowOf(p)); });
   if (a == kNobody) return false;
   const VertexIndex b = farthest(points, [&](const PointRow& p) { return squared(exact::between(at(a), p)); });
@@ -66,15 +67,16 @@ bool HullStart::spanTetrahedron(std::span<const PointRow> points) {
   const auto height = [&](const PointRow& p) { return exact::side(at(a), at(b), at(c), p); };
   VertexIndex d = farthest(points, [&](const PointRow& p) { return std::abs(height(p)); });
   if (d == kNobody) return false;
-  if (height(at(d)) > 0.0) std::swap(c, d);  // the fourth point below the face of the first three
+  if (height(at(d)) > 0.0) std::swap(c, d);  // the fourth point must be below the face of the first three
   faces_.assign({Triangle{a, b, c}, Triangle{a, d, b}, Triangle{b, d, c}, Triangle{c, d, a}});
   return true;
 }
 
-// A point outside: the faces that see it or hold it in their plane go, and a cone over their border comes. Coplanar
-// faces go together, so no face without area can arise. The faces are few: their border is found by comparing all.
+// Adds an outside point: faces that see it or contain it in their plane are removed, and a cone over their border is
+// added. Coplanar faces are removed together, so no face without area can arise. There are few faces, so their border
+// is found by comparing all of them.
 void HullStart::add(std::span<const PointRow> points, VertexIndex p) {
-  const auto at = [&](VertexIndex i) -> const PointRow& { return points[static_cast<std::size_t>(i)]; };
+  const auto at = [&](VertexIndex i) -> const PointRow& { return points[i]; };
   kept_.clear();
   visible_.clear();
   for (const Triangle& t : faces_) {

@@ -8,14 +8,14 @@
 
 namespace lorica {
 
-/// A first small hull of some of the points with the origin strictly inside, where there is one; most often it has 4 to
-/// 12 faces. Exact for coordinates as PointRow has them.
+/// A first small hull of some of the points with the origin strictly inside, if one exists; usually it has 4 to 12
+/// faces. Exact for coordinates as in PointRow.
 class HullStart {
  public:
-  /// Makes room, so that finding allocates nothing for so many points.
+  /// Reserves memory, so that finding does not allocate for this number of points.
   void fit(std::size_t pointCount);
 
-  /// @return the faces, counter-clockwise from outside; none when the origin is not strictly inside the points' hull
+  /// @return the faces, counter-clockwise from outside; none if the origin is not strictly inside the points' hull
   [[nodiscard]] std::span<const Triangle> find(std::span<const PointRow> points);
 
  private:
@@ -24,7 +24,7 @@ class HullStart {
 
   std::vector<Triangle> faces_;
   std::vector<Triangle> kept_;     ///< scratch: faces that a new point does not see
-  std::vector<Triangle> visible_;  ///< scratch: faces that it does
+  std::vector<Triangle> visible_;  ///< scratch: faces that it sees
 };
 
 }  // namespace lorica

@@ -5,15 +5,15 @@
 namespace lorica {
 
 HullSurface::HullSurface(int pointCount) {
-  const auto most = static_cast<std::size_t>(std::max(4, 2 * pointCount - 4));
-  faces_.reserve(most + kPadding + 1);
+  const auto max = static_cast<std::size_t>(std::max(4, 2 * pointCount - 4));
+  faces_.reserve(max + kPadding + 1);
   opposites_.reserve(3 * faces_.capacity());
   twins_.reserve(3 * faces_.capacity());
   outOf_.resize(static_cast<std::size_t>(pointCount), kNone);
   touchMore();
 }
 
-// The vectors grow within what they have reserved.
+// The vectors grow within their reserved capacity.
 void HullSurface::touchMore() {
   constexpr std::size_t kMore = 4 * kPadding;
   const std::size_t size = std::min(faces_.size() + kMore, faces_.capacity());
@@ -35,7 +35,7 @@ std::size_t HullSurface::memory() const {
 bool HullSurface::eraseFace(std::int32_t face) {
   const std::int32_t last = --faceCount_;
   if (face == last) return false;
-  const auto [a, b, c] = faces_[static_cast<std::size_t>(last)];
+  const auto [a, b, c] = faces_[last];
   setFace(face, a, b, c);
   for (int i = 0; i < 3; ++i) glue(3 * face + i, twin(3 * last + i));
   return true;
@@ -62,7 +62,7 @@ void HullSurface::flip(HalfEdge h) {
 }
 
 void HullSurface::splitFace(std::int32_t face, VertexIndex p) {
-  const auto [a, b, c] = faces_[static_cast<std::size_t>(face)];
+  const auto [a, b, c] = faces_[face];
   const HalfEdge bc = twin(3 * face + 1), ca = twin(3 * face + 2);
   const std::int32_t second = addFace(b, c, p);
   const std::int32_t third = addFace(c, a, p);
@@ -105,11 +105,11 @@ void HullSurface::replaceVertex(VertexIndex v, VertexIndex p) {
   const HalfEdge first = outOf(v);
   HalfEdge h = first;
   do {
-    faces_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)] = p;
-    opposites_[static_cast<std::size_t>(twin(next(h)))] = p;
+    faces_[h / 3][h % 3] = p;
+    opposites_[twin(next(h))] = p;
     h = turn(h);
   } while (h != first);
-  outOf_[static_cast<std::size_t>(p)] = first;
+  outOf_[p] = first;
   forget(v);
 }
 

@@ -1,4 +1,4 @@
-// How MovingHull finds and mends faces that no longer turn their outside away from the origin s.
+// How MovingHull finds and repairs faces whose outside no longer points away from the origin s.
 
 #include "collision/live/moving_hull.h"
 #include "collision/live/moving_hull_exact.h"
@@ -8,10 +8,10 @@ namespace lorica {
 using exact::det;
 using exact::side;
 
-// Whether the direction (e, e^2, 1) for an infinitely small e lies in the cone of a face that looks outwards. It is
-// never on an edge: an edge's plane through s would need a normal of zero.
+// Whether the direction (e, e^2, 1) for an infinitesimal e lies in the cone of a face that looks outwards. It is never
+// on an edge: an edge's plane through s would need a normal of zero.
 bool MovingHull::isPierced(std::int32_t face) const {
-  const Triangle& t = faces()[static_cast<std::size_t>(face)];
+  const Triangle& t = faces()[face];
   for (std::size_t i = 0; i < 3; ++i) {
     const exact::Row n = exact::cross(exact::rowOf(at(t[i])), exact::rowOf(at(t[(i + 1) % 3])));
     const double first = n.z != 0.0 ? n.z : n.x != 0.0 ? n.x : n.y;
@@ -20,7 +20,7 @@ bool MovingHull::isPierced(std::int32_t face) const {
   return true;
 }
 
-// Queues concave edges and lists faces that lost their side or are pierced.
+// Queues concave edges and lists turned and pierced faces.
 void MovingHull::scanFaces() {
   scratch_->turned.clear();
   scratch_->pierced.clear();
@@ -28,7 +28,7 @@ void MovingHull::scanFaces() {
                                       scratch_->doubts.data());
   for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
     const std::int32_t face = doubt / kFaceBits;
-    const Triangle& t = faces()[static_cast<std::size_t>(face)];
+    const Triangle& t = faces()[face];
     const PointRow &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
     if ((doubt & kMayBeTurned) != 0 && det(a, b, c) <= 0.0) {
       scratch_->turned.push_back(face);
@@ -44,23 +44,22 @@ void MovingHull::scanFaces() {
   }
 }
 
-// The same lists after some faces were changed: these have all their edges in the queue.
+// Updates these lists after some faces were changed: all edges of such faces are in the queue.
 void MovingHull::lookAgain() {
   scratch_->near.clear();
   for (const HalfEdge h : scratch_->queue) {
     if (h >= 3 * surface_.faceCount()) continue;
     for (const std::int32_t face : {HullSurface::faceOf(h), HullSurface::faceOf(surface_.twin(h))}) {
-      if (scratch_->isNear[static_cast<std::size_t>(face)] != 0) continue;
-      scratch_->isNear[static_cast<std::size_t>(face)] = 1;
+      if (scratch_->isNear[face] != 0) continue;
+      scratch_->isNear[face] = 1;
       scratch_->near.push_back(face);
     }
   }
-  std::erase_if(scratch_->pierced, [&](std::int32_t face) {
-    return face >= surface_.faceCount() || scratch_->isNear[static_cast<std::size_t>(face)] != 0;
-  });
+  std::erase_if(scratch_->pierced,
+                [&](std::int32_t face) { return face >= surface_.faceCount() || scratch_->isNear[face] != 0; });
   scratch_->turned.clear();
   for (const std::int32_t face : scratch_->near) {
-    scratch_->isNear[static_cast<std::size_t>(face)] = 0;
+    scratch_->isNear[face] = 0;
     if (faceDet(face) <= 0.0) {
       scratch_->turned.push_back(face);
     } else if (isPierced(face)) {
@@ -79,7 +78,7 @@ bool MovingHull::turnFaces() {
 }
 
 bool MovingHull::turnFace(std::int32_t face) {
-  // Most often a corner has slipped over the edge across from it.
+  // Usually a corner has slipped over the edge opposite to it.
   for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h) {
     const HalfEdge k = surface_.twin(h);
     const VertexIndex a = surface_.start(h), b = surface_.end(h), c = surface_.apex(h), d = surface_.apex(k);
@@ -91,8 +90,8 @@ bool MovingHull::turnFace(std::int32_t face) {
     queueFace(HullSurface::faceOf(k));
     return true;
   }
-  // Else a corner goes, first the one with most faces amiss, if its hole can be closed well.
-  Triangle corners = faces()[static_cast<std::size_t>(face)];
+  // Otherwise remove a corner if its hole can be closed properly, trying first the one with most turned faces.
+  Triangle corners = faces()[face];
   std::array<int, 3> turned{};
   for (std::size_t i = 0; i < 3; ++i) turned[i] = turnedAround(corners[i]);
   for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{0}}) {

@@ -13,13 +13,14 @@ namespace lorica {
 
 namespace {
 
-constexpr double kThin = 1e-4;     // of the norm cubed: below this determinant, points are nearly flat, or mirrored
-constexpr double kSettled = 1e-9;  // change of a step after which the next one, its square, is below rounding
+constexpr double kThin = 1e-4;     // times the cubed norm: below this determinant, points are nearly flat, or mirrored
+constexpr double kSettled = 1e-9;  // size of a step after which the next one, its square, is below rounding
 constexpr int kSteps = 30;
 
-/// By singular values, for any covariance.
+/// By singular value decomposition, for any covariance.
 Mat3 fitThin(const Mat3& covariance, const Mat3& previous) {
-  // A pull towards the previous rotation, a billion times weaker than the points, decides only what they leave open.
+  // A pull towards the previous rotation, a billion times weaker than the points, decides only what they leave
+  // undetermined.
   const double pull = std::max(1e-9 * covariance.norm(), std::numeric_limits<double>::min());
   const Eigen::JacobiSVD<Mat3> svd(covariance + pull * previous, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 u = svd.matrixU();
@@ -28,7 +29,7 @@ Mat3 fitThin(const Mat3& covariance, const Mat3& previous) {
   return u * svd.matrixV().transpose();
 }
 
-/// From afar: polar decomposition by Newton's method, with scaling (Higham 1986).
+/// For a distant start: polar decomposition by Newton's method, with scaling (Higham 1986).
 Mat3 fitFar(const Mat3& covariance, const Mat3& previous) {
   const double norm = covariance.norm();
   if (!(covariance.determinant() > kThin * norm * norm * norm)) return fitThin(covariance, previous);
@@ -47,7 +48,7 @@ Mat3 fitFar(const Mat3& covariance, const Mat3& previous) {
 }  // namespace
 
 void fitRotations(std::span<const Mat3> covariances, std::span<Mat3> rotations) {
-  CHECK(covariances.size() == rotations.size(), "a rotation for each covariance");
+  LORICA_CHECK(covariances.size() == rotations.size(), "there must be one rotation per covariance");
   constexpr std::size_t kAtOnce = MatrixBlock::kMatrices;
   for (std::size_t first = 0; first < covariances.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, covariances.size() - first);
@@ -89,10 +90,10 @@ Vec3 centroidOf(std::span<const Vec3> points) {
 }
 
 Isometry3 fitRigidMotion(std::span<const Vec3> from, std::span<const Vec3> to, const Mat3& previous) {
-  CHECK(from.size() == to.size() && !to.empty(), "a rigid fit needs two point sets of the same size");
+  LORICA_CHECK(from.size() == to.size() && !to.empty(), "a rigid fit needs two non-empty point sets of the same size");
 
-  // The best R maximises trace(R^T C). The centroid of `to` drops out because `from` has mean zero, but subtracting
-  // it keeps the digits of a small body that is far from the origin.
+  // The best R maximises trace(R^T C). The centroid of `to` cancels because `from` has mean zero, but subtracting it
+  // keeps the precision of a small body far from the origin.
   const Vec3 center = centroidOf(to);
   Mat3 covariance = Mat3::Zero();
   for (std::size_t i = 0; i < from.size(); ++i) covariance += (to[i] - center) * from[i].transpose();

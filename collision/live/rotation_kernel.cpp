@@ -1,7 +1,7 @@
 #include "collision/live/rotation_kernel.h"
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
-// Not for vectors whose size only the machine knows: such cannot be members of an array.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set. Not for
+// vectors whose size is known only at run time: such vectors cannot be members of an array.
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -16,11 +16,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, MatrixBlock::kMatrices>;
 using Double = hn::Vec<Doubles>;
 
-constexpr double kThin = 1e-4;     // of the norm cubed: below this determinant, points are nearly flat, or mirrored
-constexpr double kSettled = 1e-8;  // a turn after which the next one, its square, is below rounding
+constexpr double kThin = 1e-4;     // times the cubed norm: below this determinant, points are nearly flat, or mirrored
+constexpr double kSettled = 1e-8;  // a rotation after which the next one, its square, is below rounding
 constexpr int kSteps = 5;
 
-/// A matrix for each lane. Nothing is fused, so that every instruction set rounds alike.
+/// A matrix for each lane. No fused multiply-add, so that every instruction set rounds alike.
 struct Matrix {
   Double m[3][3];
 };
@@ -65,7 +65,7 @@ HWY_INLINE Matrix straightened(const Matrix& r) {
   return product(r, half);
 }
 
-// The turn by a small vector t: of the quaternion (2, t).
+// The rotation by a small vector t: that of the quaternion (2, t).
 HWY_INLINE Matrix turnBy(Double x, Double y, Double z) {
   const Doubles d;
   const Double two = hn::Set(d, 2.0);
@@ -80,9 +80,9 @@ HWY_INLINE Matrix turnBy(Double x, Double y, Double z) {
            {hn::Sub(xz, wy), hn::Add(yz, wx), hn::Sub(one, hn::Add(xx, yy))}}};
 }
 
-// Newton's steps to the rotation R that makes R^T covariance symmetric. It is the best one if that is positive definite
-// too.
-// @return bits of the lanes where it is found
+// Newton's steps to the rotation R that makes R^T covariance symmetric. It is the best one if that product is also
+// positive definite.
+// @return bits of the lanes in which it was found
 HWY_INLINE std::uint32_t fitLanes(const Matrix& covariance, Matrix& r) {
   const Doubles d;
   const Double det = determinant(covariance);
@@ -96,7 +96,7 @@ HWY_INLINE std::uint32_t fitLanes(const Matrix& covariance, Matrix& r) {
   const Double tiny = hn::Mul(hn::Set(d, kThin), norm);
   const Double tinySq = hn::Mul(tiny, tiny);
   auto going = hn::Gt(det, hn::Mul(tiny, squares));
-  auto found = hn::Lt(det, det);  // nowhere yet
+  auto found = hn::Lt(det, det);  // none yet
   r = straightened(r);
   for (int step = 0; step < kSteps && !hn::AllFalse(d, going); ++step) {
     const Matrix a = product(transposed(r), covariance);

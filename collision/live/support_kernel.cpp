@@ -1,6 +1,6 @@
 #include "collision/live/support_kernel.h"
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/live/support_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -40,7 +40,7 @@ int findSupport(const float* x, const float* y, const float* z, int count, float
   const auto farthest = hn::Eq(best, hn::MaxOfLanes(f, best));
   const auto none = hn::Set(n, std::numeric_limits<std::int32_t>::max());
   const int first = hn::GetLane(hn::MinOfLanes(n, hn::IfThenElse(hn::RebindMask(n, farthest), where, none)));
-  return first < count ? first : 0;  // a direction that is no number compares with nothing
+  return first < count ? first : 0;  // a NaN direction makes every comparison false
 }
 
 }  // namespace lorica::HWY_NAMESPACE

@@ -11,16 +11,16 @@ namespace lorica {
 namespace {
 
 constexpr double kReach = 1.7;       // of the kernels, in spacings
-constexpr int kSubstepsPerSort = 2;  // for which lists of neighbours are good
-constexpr float kListed = 1.06f;     // reach of the lists, in the kernels'
+constexpr int kSubstepsPerSort = 2;  // during which lists of neighbours stay valid
+constexpr float kListed = 1.06f;     // reach of the lists, as a multiple of the kernels'
 constexpr int kSubstepsPerPush = 2;
-constexpr int kRows = 3;               // of the grid: a run has a dozen particles, most of a vector
-constexpr int kMostNeighbours = 64;    // at rest there are 18 to 30
+constexpr int kRows = 3;               // of the grid: a run has a dozen particles, which fills most of a vector
+constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
-constexpr float kRelaxation = 0.7f;    // of what a pressure corrects
-constexpr float kKeptPressure = 0.6f;  // from one substep to the next
+constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
+constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
-constexpr float kFastest = 5.0f;       // in a substep, in spacings
+constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
 
 /// Density 1 for particles on a cubic lattice.
 FluidKernels makeKernels(double spacing) {
@@ -41,11 +41,10 @@ FluidKernels makeKernels(double spacing) {
     }
   }
   const double density = 1.0 / sum;
-  // The slopes are those of a sharper kernel, of the same integral, that does not vanish where particles are close:
-  // 315 / (64 pi reach^9) stands before the one, 45 / (pi reach^6) before the other.
+  // The slopes are those of a sharper kernel with the same integral that does not vanish where particles are close: the
+  // factors are 315 / (64 pi reach^9) for the first, 45 / (pi reach^6) for the second.
   const double slope = density * (45.0 * 64.0 / 315.0) * reach * reach * reach;
-  // A wall is half a spacing from the outermost particles, and stands for as much fluid as the lattice would have
-  // there.
+  // A wall is half a spacing from the outermost particles, and counts as much fluid as the lattice would have there.
   const double q = 1.0 - 0.5 / kReach;
   const double wall = std::pow(q, 5.0) * (16.0 / 5.0 - q * (16.0 / 3.0 - q * (24.0 / 7.0 - q * (1.0 - q / 9.0))));
   const double wallSlope = std::pow(q, 4.0) * (1.0 / 6.0 - 2.0 / 15.0 * q);
@@ -57,8 +56,8 @@ FluidKernels makeKernels(double spacing) {
           .softening = static_cast<float>(kSoftening * slope * slope * squares),
           .wallDensity = static_cast<float>(density * behind / wall),
           .wallSlope = static_cast<float>(slope * slopeBehind / wallSlope),
-          .least = {},
-          .most = {}};
+          .min = {},
+          .max = {}};
 }
 
 }  // namespace
@@ -68,54 +67,54 @@ Fluid::Fluid(const FluidSettings& settings)
       room_(particleRoom(settings.floor, settings.walls, 0.5 * settings.spacing)),
       spacing_(static_cast<float>(settings.spacing)),
       kernels_(makeKernels(settings.spacing)),
-      place_(paddedCount(settings.capacity)),
-      before_(place_.size()),
-      motion_(place_.size()),
-      nextPlace_(place_.size()),
-      nextMotion_(place_.size()),
+      position_(paddedCount(settings.capacity)),
+      before_(position_.size()),
+      motion_(position_.size()),
+      nextPosition_(position_.size()),
+      nextMotion_(position_.size()),
       id_(settings.capacity),
       nextId_(settings.capacity),
-      x_(place_.size()),
-      y_(place_.size()),
-      z_(place_.size()),
-      pressure_(place_.size()),
-      nextPressure_(place_.size()),
-      none_(place_.size()),
+      x_(position_.size()),
+      y_(position_.size()),
+      z_(position_.size()),
+      pressure_(position_.size()),
+      nextPressure_(position_.size()),
+      none_(position_.size()),
       nearBody_(settings.capacity),
       grid_(settings.capacity),
-      lists_(settings.capacity, kMostNeighbours),
+      lists_(settings.capacity, kMaxNeighbours),
       body_(0.5 * settings.spacing),
-      places_(settings.capacity),
+      positions_(settings.capacity),
       velocities_(settings.capacity) {
-  CHECK(settings.spacing > 0.0 && settings.substepSeconds > 0.0 && settings.iterations > 0,
-        "particles have a size, and substeps a length");
+  LORICA_CHECK(settings.spacing > 0.0 && settings.substepSeconds > 0.0 && settings.iterations > 0,
+               "particle spacing, substep length and iterations must be above 0");
   candidates_.reserve(settings.capacity);
   candidateOf_.reserve(settings.capacity);
   const float half = 0.5f * spacing_;
-  kernels_.least = {room_.least.x() - half, room_.least.y() - half, room_.least.z() - half, 0.0f};
-  kernels_.most = {room_.most.x() + half, room_.most.y() + half, room_.most.z() + half, 0.0f};
+  kernels_.min = {room_.min.x() - half, room_.min.y() - half, room_.min.z() - half, 0.0f};
+  kernels_.max = {room_.max.x() + half, room_.max.y() + half, room_.max.z() + half, 0.0f};
 }
 
-std::size_t Fluid::add(std::span<const Vec3f> places, const Vec3& velocity) {
+std::size_t Fluid::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   const std::size_t before = count_;
   const Vec3f speed = velocity.cast<float>();
-  for (const Vec3f& given : places) {
+  for (const Vec3f& given : positions) {
     if (count_ == settings_.capacity) break;
     if (!given.allFinite()) continue;
-    const Vec3f place = given.cwiseMax(room_.least).cwiseMin(room_.most);
+    const Vec3f position = given.cwiseMax(room_.min).cwiseMin(room_.max);
     const std::size_t i = count_++;
-    place_[i] = {place.x(), place.y(), place.z(), 0.0f};
+    position_[i] = {position.x(), position.y(), position.z(), 0.0f};
     motion_[i] = {speed.x(), speed.y(), speed.z(), 0.0f};
     id_[i] = static_cast<std::uint32_t>(i);
     pressure_[i] = 0.0f;
-    places_[i] = place;
+    positions_[i] = position;
     velocities_[i] = speed;
   }
   return count_ - before;
 }
 
 void Fluid::step(std::span<const LivePart> parts, double seconds) {
-  CHECK(seconds > 0.0 && std::isfinite(seconds), "a fluid cannot step back in time");
+  LORICA_CHECK(seconds > 0.0 && std::isfinite(seconds), "the length of a fluid step must be finite and above 0");
   if (count_ == 0) return;
   const int substeps = std::max(1, static_cast<int>(std::ceil(seconds / settings_.substepSeconds - 1e-6)));
   const auto length = static_cast<float>(seconds / substeps);
@@ -125,17 +124,17 @@ void Fluid::step(std::span<const LivePart> parts, double seconds) {
     keepVolume(length);
     forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        motion_[i] = {(place_[i].x - before_[i].x) / length, (place_[i].y - before_[i].y) / length,
-                      (place_[i].z - before_[i].z) / length, 0.0f};
+        motion_[i] = {(position_[i].x - before_[i].x) / length, (position_[i].y - before_[i].y) / length,
+                      (position_[i].z - before_[i].z) / length, 0.0f};
       }
     });
     const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
     forRanges(blocks, kParticlesAtOnce / kParticleBlock, [&](std::size_t begin, std::size_t end) {
-      blendMotions(kernels_, place_.data(), motion_.data(), lists_, static_cast<float>(settings_.viscosity), begin, end,
-                   nextMotion_.data());
+      blendMotions(kernels_, position_.data(), motion_.data(), lists_, static_cast<float>(settings_.viscosity), begin,
+                   end, nextMotion_.data());
     });
     std::swap(motion_, nextMotion_);
-    // The body comes in every second substep and in the last.
+    // The body is applied in every second substep and in the last.
     if ((substeps - substep) % kSubstepsPerPush == 1) {
       body_.advance(substep);
       pushOut(length);
@@ -143,13 +142,14 @@ void Fluid::step(std::span<const LivePart> parts, double seconds) {
   }
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      places_[id_[i]] = Vec3f(place_[i].x, place_[i].y, place_[i].z);
+      positions_[id_[i]] = Vec3f(position_[i].x, position_[i].y, position_[i].z);
       velocities_[id_[i]] = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z);
     }
   });
 }
 
-// All fall and go on; in every second substep they are sorted where they come to, and find their neighbours there.
+// Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
+// neighbours there.
 void Fluid::predict(float seconds, bool sorts) {
   const Vec3f fall = settings_.gravity.cast<float>() * seconds;
   const float fastest = kFastest * spacing_ / seconds;
@@ -158,26 +158,27 @@ void Fluid::predict(float seconds, bool sorts) {
       const Vec3f speed = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z) + fall;
       const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
       const float rate = length > fastest ? fastest / length * seconds : seconds;
-      const Vec3f to =
-          (Vec3f(place_[i].x, place_[i].y, place_[i].z) + rate * speed).cwiseMax(room_.least).cwiseMin(room_.most);
-      nextPlace_[i] = {to.x(), to.y(), to.z(), 0.0f};
+      const Vec3f to = (Vec3f(position_[i].x, position_[i].y, position_[i].z) + rate * speed)
+                           .cwiseMax(room_.min)
+                           .cwiseMin(room_.max);
+      nextPosition_[i] = {to.x(), to.y(), to.z(), 0.0f};
     }
   });
   if (!sorts) {
-    std::swap(before_, place_);
-    std::swap(place_, nextPlace_);
+    std::swap(before_, position_);
+    std::swap(position_, nextPosition_);
     return;
   }
   const float listed = kListed * kernels_.reach;
-  grid_.sort({nextPlace_.data(), count_}, listed, kRows);
+  grid_.sort({nextPosition_.data(), count_}, listed, kRows);
   const std::uint32_t* order = grid_.order().data();
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const ParticleRow& to = nextPlace_[order[i]];
+      const ParticleRow& to = nextPosition_[order[i]];
       x_[i] = to.x;
       y_[i] = to.y;
       z_[i] = to.z;
-      before_[i] = place_[order[i]];
+      before_[i] = position_[order[i]];
       nextId_[i] = id_[order[i]];
       nextPressure_[i] = pressure_[order[i]];
     }
@@ -185,19 +186,20 @@ void Fluid::predict(float seconds, bool sorts) {
   std::swap(id_, nextId_);
   std::swap(pressure_, nextPressure_);
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) place_[i] = {x_[i], y_[i], z_[i], 0.0f};
+    for (std::size_t i = begin; i < end; ++i) position_[i] = {x_[i], y_[i], z_[i], 0.0f};
   });
   lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, listed, none_);
 }
 
-// Pressures begin with those of the substep before: what carries a column of water is found over many substeps.
+// Pressures start from those of the previous substep: the pressure that supports a column of water takes many substeps
+// to build up.
 void Fluid::keepVolume(float seconds) {
   const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
   const std::size_t atOnce = kParticlesAtOnce / kParticleBlock;
-  const ParticleRow least{room_.least.x(), room_.least.y(), room_.least.z(), 0.0f};
-  const ParticleRow most{room_.most.x(), room_.most.y(), room_.most.z(), 0.0f};
+  const ParticleRow min{room_.min.x(), room_.min.y(), room_.min.z(), 0.0f};
+  const ParticleRow max{room_.max.x(), room_.max.y(), room_.max.z(), 0.0f};
   const float rate = pressureSeconds_ > 0.0f ? seconds / pressureSeconds_ : 0.0f;
-  const float kept = kKeptPressure * rate * rate;  // pressures are of ways
+  const float kept = kKeptPressure * rate * rate;  // pressures are in units of displacement
   pressureSeconds_ = seconds;
   forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) pressure_[i] *= kept;
@@ -205,26 +207,27 @@ void Fluid::keepVolume(float seconds) {
   for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
     forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
-      findPressures(kernels_, place_.data(), lists_, begin, end, pressure_.data(), pressed, nextPlace_.data());
+      findPressures(kernels_, position_.data(), lists_, begin, end, pressure_.data(), pressed, nextPosition_.data());
     });
     forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
-      movePressed(kernels_, nextPlace_.data(), lists_, least, most, kLongestMove * spacing_, begin, end, place_.data());
+      movePressed(kernels_, nextPosition_.data(), lists_, min, max, kLongestMove * spacing_, begin, end,
+                  position_.data());
     });
   }
 }
 
 void Fluid::pushOut(float seconds) {
-  // As far as all can go since they were sorted.
+  // The farthest that any particle can move since the sorting.
   const float margin = (1.0f + (kSubstepsPerSort - 1) * kFastest +
                         kSubstepsPerSort * kLongestMove * static_cast<float>(settings_.iterations)) *
                        spacing_;
   bool any = false;
-  for (ParticleBody::Sweep box : body_.sweeps()) {
+  for (ParticleObstacle::Sweep box : body_.sweeps()) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.least[axis] -= margin;
-      box.most[axis] += margin;
+      box.min[axis] -= margin;
+      box.max[axis] += margin;
     }
-    grid_.visitRuns(box.least, box.most, [&](std::uint32_t first, std::uint32_t last) {
+    grid_.visitRuns(box.min, box.max, [&](std::uint32_t first, std::uint32_t last) {
       std::fill(nearBody_.begin() + first, nearBody_.begin() + last, std::uint8_t{1});
       any = true;
     });
@@ -235,18 +238,18 @@ void Fluid::pushOut(float seconds) {
   for (std::size_t i = 0; i < count_; ++i) {
     if (nearBody_[i] == 0) continue;
     nearBody_[i] = 0;
-    candidates_.emplace_back(place_[i].x, place_[i].y, place_[i].z);
+    candidates_.emplace_back(position_[i].x, position_[i].y, position_[i].z);
     candidateOf_.push_back(static_cast<std::uint32_t>(i));
   }
   const float fastest = kFastest * spacing_ / seconds;
   for (const ParticleTouch& touch : body_.push(candidates_, room_)) {
     const std::size_t i = candidateOf_[touch.particle];
-    const Vec3f& place = candidates_[touch.particle];
+    const Vec3f& position = candidates_[touch.particle];
     Vec3f velocity(motion_[i].x, motion_[i].y, motion_[i].z);
     velocity += velocityChange(touch, velocity);
     const float speed = velocity.norm();
     if (speed > fastest) velocity *= fastest / speed;
-    place_[i] = {place.x(), place.y(), place.z(), 0.0f};
+    position_[i] = {position.x(), position.y(), position.z(), 0.0f};
     motion_[i] = {velocity.x(), velocity.y(), velocity.z(), 0.0f};
   }
 }

@@ -16,38 +16,38 @@
 namespace lorica {
 
 struct FluidSettings {
-  std::size_t capacity = 100'000;       ///< most particles
+  std::size_t capacity = 100'000;       ///< max number of particles
   double spacing = 0.02;                ///< of particles at rest: each has the volume of a cube of this side [m]
-  double viscosity = 0.1;               ///< 0 to 1: how far neighbours' velocities become one in a substep
+  double viscosity = 0.1;               ///< 0 to 1: how much neighbours' velocities are equalised in a substep
   Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
   bool floor = true;                    ///< at y = 0
-  std::optional<Aabb> walls;            ///< the fluid stays within its x and z; its y is of no matter
-  double substepSeconds = 1.0 / 120.0;  ///< longest substep; a frame is cut into equal ones
-  int iterations = 2;                   ///< over the density, in each substep
+  std::optional<Aabb> walls;            ///< the fluid stays within its x and z range; y is ignored
+  double substepSeconds = 1.0 / 120.0;  ///< max substep; a frame is divided into equal substeps
+  int iterations = 2;                   ///< density iterations per substep
 };
 
 /// A fluid that keeps its volume: position-based fluid (Macklin and Mueller 2013) with viscosity. The avatar's parts
-/// push it. How, and where it departs: docs/PARTICLES.md.
+/// push it. For the method and how it differs from the paper, see docs/PARTICLES.md.
 ///
 /// After a step no particle is deeper than 1 mm in a part, below the floor or beyond a wall. None is faster than 12 m/s
 /// with the default settings: five spacings in a substep. The same bits for any number of threads and on every
-/// instruction set. Stepping allocates nothing after the first frame with a body.
+/// instruction set. Stepping does not allocate after the first frame with a body.
 class Fluid {
  public:
   explicit Fluid(const FluidSettings& settings);
 
-  /// Adds particles while there is room; at best they are a spacing apart.
-  /// @param places  world [m]; those that are no numbers are left out
+  /// Adds particles up to the capacity; ideally they are one spacing apart.
+  /// @param positions  world [m]; non-finite ones are skipped
   /// @return how many were added
-  std::size_t add(std::span<const Vec3f> places, const Vec3& velocity = Vec3::Zero());
+  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity = Vec3::Zero());
 
-  /// Moves the fluid from the last frame to this one; the parts go from their previous to their present motion.
+  /// Moves the fluid from the last frame to this one; the parts move from their previous to their present pose.
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
 
   [[nodiscard]] std::size_t size() const { return count_; }
   /// In the order in which they were added [m].
-  [[nodiscard]] std::span<const Vec3f> places() const { return {places_.data(), count_}; }
+  [[nodiscard]] std::span<const Vec3f> positions() const { return {positions_.data(), count_}; }
   [[nodiscard]] std::span<const Vec3f> velocities() const { return {velocities_.data(), count_}; }
   [[nodiscard]] const FluidSettings& settings() const { return settings_; }
 
@@ -61,20 +61,20 @@ class Fluid {
   float spacing_;
   FluidKernels kernels_;
   std::size_t count_ = 0;
-  // In the order of the last sorting, and room to work.
-  std::vector<ParticleRow> place_, before_, motion_, nextPlace_, nextMotion_;  // motions in m/s
+  // In the order of the last sorting, and working memory.
+  std::vector<ParticleRow> position_, before_, motion_, nextPosition_, nextMotion_;  // motions in m/s
   std::vector<std::uint32_t> id_, nextId_;
   std::vector<float> x_, y_, z_;
   std::vector<float> pressure_, nextPressure_;
-  float pressureSeconds_ = 0.0f;    // of the substep that the pressures are of
-  std::vector<std::uint8_t> none_;  // that is left out of lists
+  float pressureSeconds_ = 0.0f;    // of the substep that the pressures belong to
+  std::vector<std::uint8_t> none_;  // excludes no particle from the lists
   std::vector<std::uint8_t> nearBody_;
   ParticleGrid grid_;
   NeighbourLists lists_;
-  ParticleBody body_;
+  ParticleObstacle body_;
   std::vector<Vec3f> candidates_;
   std::vector<std::uint32_t> candidateOf_;
-  std::vector<Vec3f> places_, velocities_;  // by id
+  std::vector<Vec3f> positions_, velocities_;  // by id
 };
 
 }  // namespace lorica

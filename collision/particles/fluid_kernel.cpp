@@ -1,7 +1,7 @@
 #include "collision/particles/fluid_kernel.h"
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
-// Not for vectors whose size only the machine knows: such cannot be members of a struct.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set. Not for
+// vectors whose size is known only at run time: such vectors cannot be members of a struct.
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -39,15 +39,15 @@ HWY_INLINE Float densityOf(const FluidKernels& k, const Pairs& pairs) {
   return hn::IfThenElseZero(pairs.near, hn::Mul(hn::Set(f, k.density), hn::Mul(left, hn::Mul(left, left))));
 }
 
-/// What particles have of the floor and the walls, were there as much fluid behind them: density, and its slopes away
-/// from them.
+/// Contribution of the floor and the walls as if the fluid continued behind them: density, and its slopes away from
+/// them.
 struct Walls {
   Float density, x, y, z;
 };
 
-/// Integrals of the kernels over the half space behind a wall; q is how much of the reach is behind it.
-/// (1 - r^2)^3 over it is pi/4 q^5 (16/5 - 16/3 q + 24/7 q^2 - q^3 + q^4/9); the part of (1 - r)^2 that is along the
-/// normal is pi q^4 (1/6 - 2/15 q).
+/// Integrals of the kernels over the half space behind a wall; q is the fraction of the reach behind it. For (1 -
+/// r^2)^3 it is pi/4 q^5 (16/5 - 16/3 q + 24/7 q^2 - q^3 + q^4/9); for the component of (1 - r)^2 along the normal it
+/// is pi q^4 (1/6 - 2/15 q).
 HWY_INLINE void addWall(const FluidKernels& k, Float distance, Float away, Float& density, Float& slope) {
   const Floats f;
   const auto q = hn::Max(hn::Zero(f), hn::Sub(hn::Set(f, 1.0f), hn::Mul(distance, hn::Set(f, 1.0f / k.reach))));
@@ -66,11 +66,11 @@ HWY_INLINE Walls wallsOf(const FluidKernels& k, const Rows& own) {
   const Floats f;
   const auto zero = hn::Zero(f), one = hn::Set(f, 1.0f), minus = hn::Set(f, -1.0f);
   Walls walls{zero, zero, zero, zero};
-  addWall(k, hn::Sub(own.x, hn::Set(f, k.least.x)), one, walls.density, walls.x);
-  addWall(k, hn::Sub(hn::Set(f, k.most.x), own.x), minus, walls.density, walls.x);
-  addWall(k, hn::Sub(own.y, hn::Set(f, k.least.y)), one, walls.density, walls.y);
-  addWall(k, hn::Sub(own.z, hn::Set(f, k.least.z)), one, walls.density, walls.z);
-  addWall(k, hn::Sub(hn::Set(f, k.most.z), own.z), minus, walls.density, walls.z);
+  addWall(k, hn::Sub(own.x, hn::Set(f, k.min.x)), one, walls.density, walls.x);
+  addWall(k, hn::Sub(hn::Set(f, k.max.x), own.x), minus, walls.density, walls.x);
+  addWall(k, hn::Sub(own.y, hn::Set(f, k.min.y)), one, walls.density, walls.y);
+  addWall(k, hn::Sub(own.z, hn::Set(f, k.min.z)), one, walls.density, walls.z);
+  addWall(k, hn::Sub(hn::Set(f, k.max.z), own.z), minus, walls.density, walls.z);
   return walls;
 }
 
@@ -86,17 +86,17 @@ HWY_INLINE void forVectors(const NeighbourLists& lists, std::size_t firstBlock, 
   }
 }
 
-void pressures(const FluidKernels& k, const ParticleRow* places, const NeighbourLists& lists, std::size_t firstBlock,
+void pressures(const FluidKernels& k, const ParticleRow* positions, const NeighbourLists& lists, std::size_t firstBlock,
                std::size_t lastBlock, float* pressure, float pressed, ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
     const auto zero = hn::Zero(f), reach = hn::Set(f, k.reach);
-    Rows own = loadRows(places + i);
+    Rows own = loadRows(positions + i);
     const Walls walls = wallsOf(k, own);
     auto density = hn::Add(hn::Set(f, k.ownDensity), walls.density);
     auto sumX = walls.x, sumY = walls.y, sumZ = walls.z, squares = zero;
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
-      const Pairs pairs = pairsOf(own, gatherRows(places, slot), slot, i, k.reach);
+      const Pairs pairs = pairsOf(own, gatherRows(positions, slot), slot, i, k.reach);
       density = hn::Add(density, densityOf(k, pairs));
       const auto inverse = inverseRoot(pairs.distanceSq);
       const auto left = hn::Sub(reach, hn::Mul(pairs.distanceSq, inverse));
@@ -118,8 +118,8 @@ void pressures(const FluidKernels& k, const ParticleRow* places, const Neighbour
   });
 }
 
-void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLists& lists, const ParticleRow& least,
-           const ParticleRow& most, float longest, std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next) {
+void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLists& lists, const ParticleRow& min,
+           const ParticleRow& max, float longest, std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
     const Numbers u;
@@ -138,29 +138,30 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
       const auto along = hn::Mul(way, inverse);
       sumX = hn::Add(sumX, hn::Mul(along, pairs.dx));
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
-      // Two particles in one place part upwards and downwards, by their numbers.
+      // Two particles in the same position are separated upwards and downwards, by their numbers.
       const auto first = hn::RebindMask(f, hn::Lt(hn::LoadU(u, slot), hn::Iota(u, static_cast<std::uint32_t>(i))));
       const auto upOrDown = hn::IfThenElse(first, way, hn::Neg(way));
       sumY = hn::Add(sumY, hn::IfThenElse(hn::Gt(distance, tiny), hn::Mul(along, pairs.dy), upOrDown));
     }
     const auto length = hn::Sqrt(dotOf(sumX, sumY, sumZ, sumX, sumY, sumZ));
     const auto rate = hn::Min(one, hn::Div(hn::Set(f, longest), hn::Max(length, tiny)));
-    own.x = hn::Min(hn::Max(hn::Add(own.x, hn::Mul(rate, sumX)), hn::Set(f, least.x)), hn::Set(f, most.x));
-    own.y = hn::Min(hn::Max(hn::Add(own.y, hn::Mul(rate, sumY)), hn::Set(f, least.y)), hn::Set(f, most.y));
-    own.z = hn::Min(hn::Max(hn::Add(own.z, hn::Mul(rate, sumZ)), hn::Set(f, least.z)), hn::Set(f, most.z));
+    own.x = hn::Min(hn::Max(hn::Add(own.x, hn::Mul(rate, sumX)), hn::Set(f, min.x)), hn::Set(f, max.x));
+    own.y = hn::Min(hn::Max(hn::Add(own.y, hn::Mul(rate, sumY)), hn::Set(f, min.y)), hn::Set(f, max.y));
+    own.z = hn::Min(hn::Max(hn::Add(own.z, hn::Mul(rate, sumZ)), hn::Set(f, min.z)), hn::Set(f, max.z));
     storeRows(own, next + i);
   });
 }
 
-void blends(const FluidKernels& k, const ParticleRow* places, const ParticleRow* motions, const NeighbourLists& lists,
-            float viscosity, std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next) {
+void blends(const FluidKernels& k, const ParticleRow* positions, const ParticleRow* motions,
+            const NeighbourLists& lists, float viscosity, std::size_t firstBlock, std::size_t lastBlock,
+            ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
-    const Rows own = loadRows(places + i);
+    const Rows own = loadRows(positions + i);
     Rows motion = loadRows(motions + i);
     auto sumX = hn::Zero(f), sumY = sumX, sumZ = sumX;
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
-      const Pairs pairs = pairsOf(own, gatherRows(places, slot), slot, i, k.reach);
+      const Pairs pairs = pairsOf(own, gatherRows(positions, slot), slot, i, k.reach);
       const Rows other = gatherRows(motions, slot);
       const auto weight = densityOf(k, pairs);
       sumX = hn::Add(sumX, hn::Mul(weight, hn::Sub(other.x, motion.x)));
@@ -187,21 +188,21 @@ HWY_EXPORT(moves);
 HWY_EXPORT(blends);
 }  // namespace
 
-void findPressures(const FluidKernels& kernels, const ParticleRow* places, const NeighbourLists& lists,
+void findPressures(const FluidKernels& kernels, const ParticleRow* positions, const NeighbourLists& lists,
                    std::size_t firstBlock, std::size_t lastBlock, float* pressures, float pressed, ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(pressures)(kernels, places, lists, firstBlock, lastBlock, pressures, pressed, next);
+  HWY_DYNAMIC_DISPATCH(pressures)(kernels, positions, lists, firstBlock, lastBlock, pressures, pressed, next);
 }
 
 void movePressed(const FluidKernels& kernels, const ParticleRow* pressed, const NeighbourLists& lists,
-                 const ParticleRow& least, const ParticleRow& most, float longest, std::size_t firstBlock,
+                 const ParticleRow& min, const ParticleRow& max, float longest, std::size_t firstBlock,
                  std::size_t lastBlock, ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(moves)(kernels, pressed, lists, least, most, longest, firstBlock, lastBlock, next);
+  HWY_DYNAMIC_DISPATCH(moves)(kernels, pressed, lists, min, max, longest, firstBlock, lastBlock, next);
 }
 
-void blendMotions(const FluidKernels& kernels, const ParticleRow* places, const ParticleRow* motions,
+void blendMotions(const FluidKernels& kernels, const ParticleRow* positions, const ParticleRow* motions,
                   const NeighbourLists& lists, float viscosity, std::size_t firstBlock, std::size_t lastBlock,
                   ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(blends)(kernels, places, motions, lists, viscosity, firstBlock, lastBlock, next);
+  HWY_DYNAMIC_DISPATCH(blends)(kernels, positions, motions, lists, viscosity, firstBlock, lastBlock, next);
 }
 
 }  // namespace lorica

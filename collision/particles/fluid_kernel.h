@@ -6,36 +6,36 @@
 
 namespace lorica {
 
-/// Constants of the fluid's two kernels, of reach `reach`: densities are shares of the density at rest.
+/// Constants of the fluid's two kernels, of reach `reach`: densities are relative to the density at rest.
 struct FluidKernels {
-  float reach;        ///< [m]
-  float density;      ///< times (reach^2 - r^2)^3
-  float ownDensity;   ///< of a particle alone
-  float slope;        ///< times (reach - r)^2: change of density over a way [1/m]
-  float relaxation;   ///< share of a wrong density that is corrected at once
-  float softening;    ///< added to the sum of squared slopes [1/m^2]
-  float wallDensity;  ///< of what would be behind a wall, times a polynomial of the distance: see fluid_kernel.cpp
-  float wallSlope;    ///< likewise [1/m]
-  ParticleRow least, most;  ///< where the floor and the walls are
+  float reach;           ///< [m]
+  float density;         ///< times (reach^2 - r^2)^3
+  float ownDensity;      ///< of a particle alone
+  float slope;           ///< times (reach - r)^2: change of density per distance [1/m]
+  float relaxation;      ///< fraction of a density error that is corrected at once
+  float softening;       ///< added to the sum of squared slopes [1/m^2]
+  float wallDensity;     ///< of the fluid replaced by a wall, times a polynomial of the distance: see fluid_kernel.cpp
+  float wallSlope;       ///< likewise [1/m]
+  ParticleRow min, max;  ///< positions of the floor and the walls
 };
 
-/// How much each particle of some blocks must press along its slopes, beside what it pressed: next.w, and next has the
-/// places too.
-/// @param pressures  what each presses, never below 0: updated
-/// @param pressed    1 where the places are those that these pressures led to, 0 where they have not been applied yet
-void findPressures(const FluidKernels& kernels, const ParticleRow* places, const NeighbourLists& lists,
+/// Computes how much pressure each particle of some blocks has to add to its previous one: next.w. The positions are
+/// copied to next too.
+/// @param pressures  of each particle, never below 0: updated
+/// @param pressed    1 if the positions already include these pressures, 0 if they have not been applied yet
+void findPressures(const FluidKernels& kernels, const ParticleRow* positions, const NeighbourLists& lists,
                    std::size_t firstBlock, std::size_t lastBlock, float* pressures, float pressed, ParticleRow* next);
 
 /// Moves particles apart along those slopes.
-/// @param longest  most that one is moved [m]
-/// @param least, most  where places are kept
+/// @param longest   max displacement of a particle [m]
+/// @param min, max  bounds of the positions
 void movePressed(const FluidKernels& kernels, const ParticleRow* pressed, const NeighbourLists& lists,
-                 const ParticleRow& least, const ParticleRow& most, float longest, std::size_t firstBlock,
+                 const ParticleRow& min, const ParticleRow& max, float longest, std::size_t firstBlock,
                  std::size_t lastBlock, ParticleRow* next);
 
 /// Makes the velocities of neighbours more alike (XSPH).
-/// @param viscosity  0 to 1: share of the weighted mean difference
-void blendMotions(const FluidKernels& kernels, const ParticleRow* places, const ParticleRow* motions,
+/// @param viscosity  0 to 1: fraction of the weighted mean difference
+void blendMotions(const FluidKernels& kernels, const ParticleRow* positions, const ParticleRow* motions,
                   const NeighbourLists& lists, float viscosity, std::size_t firstBlock, std::size_t lastBlock,
                   ParticleRow* next);
 

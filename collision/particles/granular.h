@@ -15,38 +15,37 @@
 namespace lorica {
 
 struct GranularSettings {
-  std::size_t capacity = 200'000;       ///< most grains
+  std::size_t capacity = 200'000;       ///< max number of grains
   double radius = 0.01;                 ///< of a grain [m]
   double friction = 0.4;                ///< Coulomb's coefficient, among grains, with the floor and the body
   Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
   bool floor = true;                    ///< at y = 0
-  std::optional<Aabb> walls;            ///< the grains stay within its x and z; its y is of no matter
-  double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame is cut into equal ones
+  std::optional<Aabb> walls;            ///< the grains stay within its x and z range; y is ignored
+  double substepSeconds = 1.0 / 240.0;  ///< max substep; a frame is divided into equal substeps
 };
 
 /// Dry grains of one size, with contacts and friction among each other: position-based dynamics. The avatar's parts
-/// push them. How, and how far it is from sand: docs/PARTICLES.md.
+/// push them. For the method and how it differs from real sand, see docs/PARTICLES.md.
 ///
 /// After a step no grain is deeper than 1 mm in a part, below the floor or beyond a wall. None is faster than a
-/// diameter in a substep (4.8 m/s with the default settings). Grains that have come to rest cost little. The same bits
-/// for any number of threads and on every instruction set. Stepping allocates nothing after the first frame with a
-/// body.
+/// diameter in a substep (4.8 m/s with the default settings). Grains at rest cost little. The same bits for any number
+/// of threads and on every instruction set. Stepping does not allocate after the first frame with a body.
 class Granular {
  public:
   explicit Granular(const GranularSettings& settings);
 
-  /// Adds grains while there is room; at best they do not overlap.
-  /// @param places  centres, world [m]; those that are no numbers are left out
+  /// Adds grains up to the capacity; ideally they do not overlap.
+  /// @param positions  centres, world [m]; non-finite ones are skipped
   /// @return how many were added
-  std::size_t add(std::span<const Vec3f> places, const Vec3& velocity = Vec3::Zero());
+  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity = Vec3::Zero());
 
-  /// Moves the grains from the last frame to this one; the parts go from their previous to their present motion.
+  /// Moves the grains from the last frame to this one; the parts move from their previous to their present pose.
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
 
   [[nodiscard]] std::size_t size() const { return count_; }
   /// Centres, in the order in which they were added [m].
-  [[nodiscard]] std::span<const Vec3f> places() const { return {places_.data(), count_}; }
+  [[nodiscard]] std::span<const Vec3f> positions() const { return {positions_.data(), count_}; }
   [[nodiscard]] std::span<const Vec3f> velocities() const { return {velocities_.data(), count_}; }
   [[nodiscard]] const GranularSettings& settings() const { return settings_; }
   /// Grains that were not at rest in the last substep.
@@ -64,18 +63,18 @@ class Granular {
   ParticleRoom room_;  // of centres
   float diameter_;
   std::size_t count_ = 0;
-  float motionSeconds_;  // of the substeps that the motions are of
-  // In the order of the last sorting, the next substep's, and room to change the order.
-  std::vector<ParticleRow> place_, motion_, nextPlace_, nextMotion_;
+  float motionSeconds_;  // of the substeps that the motions belong to
+  // In the order of the last sorting, those of the next substep, and working memory for sorting.
+  std::vector<ParticleRow> position_, motion_, nextPosition_, nextMotion_;
   std::vector<std::uint32_t> id_, nextId_;
-  std::vector<float> x_, y_, z_;  // where neighbours are looked for
+  std::vector<float> x_, y_, z_;  // positions for the neighbour search
   std::vector<std::uint8_t> asleep_, woken_, nearBody_;
   ParticleGrid grid_;
   NeighbourLists lists_;
-  ParticleBody body_;
-  std::vector<Vec3f> candidates_;  // what the body may touch
+  ParticleObstacle body_;
+  std::vector<Vec3f> candidates_;  // grains that the body may touch
   std::vector<std::uint32_t> candidateOf_;
-  std::vector<Vec3f> places_, velocities_;  // by id
+  std::vector<Vec3f> positions_, velocities_;  // by id
 };
 
 }  // namespace lorica

@@ -2,8 +2,8 @@
 
 #include <array>
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
-// Not for vectors whose size only the machine knows: such cannot be members of a struct.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set. Not for
+// vectors whose size is known only at run time: such vectors cannot be members of a struct.
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {
 
-// How much more of a correction the upper of two grains takes, beside half of it.
+// Additional share of a correction for the upper of two grains, besides one half.
 constexpr float kUpper = 0.5f;
 
 // A vector of grains, from the block's slots on.
@@ -30,20 +30,20 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   const auto self = hn::Iota(u, static_cast<std::uint32_t>(i));
   const auto marked = hn::Set(u, NeighbourLists::kMarked);
 
-  const Rows place = loadRows(p.places + i);
+  const Rows position = loadRows(p.positions + i);
   const Rows motion = loadRows(p.motions + i);
-  const auto rests = hn::Gt(place.w, zero);
+  const auto rests = hn::Gt(position.w, zero);
   const auto wayX = hn::Add(motion.x, hn::IfThenZeroElse(rests, fallX));
   const auto wayY = hn::Add(motion.y, hn::IfThenZeroElse(rests, fallY));
   const auto wayZ = hn::Add(motion.z, hn::IfThenZeroElse(rests, fallZ));
-  const auto x = hn::Add(place.x, wayX), y = hn::Add(place.y, wayY), z = hn::Add(place.z, wayZ);
+  const auto x = hn::Add(position.x, wayX), y = hn::Add(position.y, wayY), z = hn::Add(position.z, wayZ);
   auto brakeX = zero, brakeY = zero, brakeZ = zero;
   auto touches = zero;
   for (int s = 0; s < slotCount; ++s, slot += kParticleBlock) {
     const auto listed = hn::LoadU(u, slot);
     const auto number = hn::AndNot(marked, listed);
     const auto asleep = hn::RebindMask(f, hn::Ne(number, listed));
-    const Rows other = gatherRows(p.places, slot);
+    const Rows other = gatherRows(p.positions, slot);
     const auto otherRests = hn::Gt(other.w, zero);
     const Rows otherMotion = gatherRows(p.motions, slot);
     const auto otherWayX = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.x, hn::IfThenZeroElse(otherRests, fallX)));
@@ -57,7 +57,7 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
     if (hn::AllFalse(f, touching)) continue;
     const auto distance = hn::Sqrt(distanceSq);
     const auto overlap = hn::Sub(diameter, distance);
-    // Two grains in one place part upwards and downwards, by their numbers.
+    // Two grains in the same position are separated upwards and downwards, by their numbers.
     const auto apart = hn::Gt(distanceSq, tiny);
     const auto scale = hn::Div(one, hn::IfThenElse(apart, distance, one));
     const auto upOrDown = hn::IfThenElse(hn::RebindMask(f, hn::Lt(number, self)), one, hn::Neg(one));
@@ -65,7 +65,7 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
     const auto ny = hn::IfThenElse(apart, hn::Mul(dy, scale), upOrDown);
     const auto slipX = hn::Sub(wayX, otherWayX), slipY = hn::Sub(wayY, otherWayY), slipZ = hn::Sub(wayZ, otherWayZ);
     const auto along = dotOf(slipX, slipY, slipZ, nx, ny, nz);
-    // A gap closes no further than to nothing. What overlapped before opens slowly, so that nothing is flung away.
+    // A gap closes to zero at most. An earlier overlap opens slowly, so that grains are not thrown apart.
     const auto before = hn::Max(zero, hn::Add(overlap, along));
     const auto deep = hn::Max(zero, hn::Sub(before, deepFrom));
     const auto opening = hn::Min(before, hn::Add(hn::Set(f, p.opening), hn::Mul(hn::Set(f, p.deepShare), deep)));
@@ -77,7 +77,8 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
     auto held = one;
     const auto slides = hn::And(touching, hn::Gt(slipSq, hn::Mul(grip, grip)));
     if (!hn::AllFalse(f, slides)) held = hn::IfThenElse(slides, hn::Div(grip, hn::Sqrt(hn::Max(slipSq, tiny))), one);
-    // A sleeping neighbour gives no way. Else the upper grain gives more: so a pile carries itself in few substeps.
+    // A sleeping neighbour does not yield. Otherwise the upper grain yields more, so that a pile supports itself within
+    // few substeps.
     const auto share = hn::IfThenElse(asleep, one, hn::Add(hn::Set(f, 0.5f), hn::Mul(hn::Set(f, kUpper), ny)));
     const auto weight = hn::IfThenElseZero(touching, share);
     brakeX = hn::Add(brakeX, hn::Mul(weight, hn::Sub(hn::Mul(closing, nx), hn::Mul(held, tx))));
@@ -89,14 +90,14 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   auto toX = hn::Add(wayX, hn::Mul(rate, brakeX));
   auto toY = hn::Add(wayY, hn::Mul(rate, brakeY));
   auto toZ = hn::Add(wayZ, hn::Mul(rate, brakeZ));
-  // The floor stops what comes to it, and holds it as far as its friction goes.
-  const auto below = hn::Max(zero, hn::Sub(hn::Set(f, p.least.y), hn::Add(place.y, toY)));
+  // The floor stops grains that reach it, and holds them as far as its friction allows.
+  const auto below = hn::Max(zero, hn::Sub(hn::Set(f, p.min.y), hn::Add(position.y, toY)));
   toY = hn::Add(toY, below);
   const auto slide = hn::Sqrt(hn::Max(hn::Add(hn::Mul(toX, toX), hn::Mul(toZ, toZ)), tiny));
   const auto held = hn::Min(one, hn::Div(hn::Mul(friction, below), slide));
   toX = hn::Sub(toX, hn::Mul(held, toX));
   toZ = hn::Sub(toZ, hn::Mul(held, toZ));
-  // Static friction holds what hardly moves; nothing is faster than the lists can follow.
+  // Static friction holds slow grains; the speed is limited to what the lists can follow.
   const auto way = hn::Sqrt(hn::Max(dotOf(toX, toY, toZ, toX, toY, toZ), tiny));
   const auto isQuiet = hn::Lt(way, hn::Set(f, p.quiet));
   const auto go = hn::IfThenZeroElse(isQuiet, hn::Min(one, hn::Div(hn::Set(f, p.fastest), way)));
@@ -104,21 +105,21 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   toY = hn::Mul(go, toY);
   toZ = hn::Mul(go, toZ);
   const auto quietCount = hn::IfThenElseZero(isQuiet, hn::Min(hn::Add(motion.w, one), hn::Set(f, p.mostQuiet)));
-  const auto endX = hn::Add(place.x, toX);
-  const auto endY = hn::Add(place.y, toY);
-  const auto endZ = hn::Add(place.z, toZ);
-  const auto inX = hn::Min(hn::Max(endX, hn::Set(f, p.least.x)), hn::Set(f, p.most.x));
-  const auto inY = hn::Min(hn::Max(endY, hn::Set(f, p.least.y)), hn::Set(f, p.most.y));
-  const auto inZ = hn::Min(hn::Max(endZ, hn::Set(f, p.least.z)), hn::Set(f, p.most.z));
+  const auto endX = hn::Add(position.x, toX);
+  const auto endY = hn::Add(position.y, toY);
+  const auto endZ = hn::Add(position.z, toZ);
+  const auto inX = hn::Min(hn::Max(endX, hn::Set(f, p.min.x)), hn::Set(f, p.max.x));
+  const auto inY = hn::Min(hn::Max(endY, hn::Set(f, p.min.y)), hn::Set(f, p.max.y));
+  const auto inZ = hn::Min(hn::Max(endZ, hn::Set(f, p.min.z)), hn::Set(f, p.max.z));
   toX = hn::IfThenElseZero(hn::Eq(inX, endX), toX);  // a wall stops it
   toZ = hn::IfThenElseZero(hn::Eq(inZ, endZ), toZ);
 
   std::array<float, kParticleBlock> sleeping;
   for (std::size_t k = 0; k < hn::Lanes(f); ++k) sleeping[k] = p.asleep[i + k];
   const auto stays = hn::Ne(hn::LoadU(f, sleeping.data()), zero);
-  storeRows({hn::IfThenElse(stays, place.x, inX), hn::IfThenElse(stays, place.y, inY),
-             hn::IfThenElse(stays, place.z, inZ), place.w},
-            p.nextPlaces + i);
+  storeRows({hn::IfThenElse(stays, position.x, inX), hn::IfThenElse(stays, position.y, inY),
+             hn::IfThenElse(stays, position.z, inZ), position.w},
+            p.nextPositions + i);
   storeRows({hn::IfThenZeroElse(stays, toX), hn::IfThenZeroElse(stays, toY), hn::IfThenZeroElse(stays, toZ),
              hn::IfThenElse(stays, motion.w, quietCount)},
             p.nextMotions + i);

@@ -8,26 +8,28 @@
 
 namespace lorica {
 
-/// What one substep of grains needs, in the order of the grid and in whole blocks.
+/// Input and output of one substep of grains, in the order of the grid and in whole blocks.
 struct GrainPass {
-  const ParticleRow* places;   ///< where the grains are [m]; w: above 0, it rests on the body and does not fall
-  const ParticleRow* motions;  ///< their way in the last substep [m]; w: for how many substeps they have been quiet
-  ParticleRow* nextPlaces;
+  const ParticleRow*
+      positions;  ///< positions of the grains [m]; w: above 0 if the grain rests on the body and does not fall
+  const ParticleRow*
+      motions;  ///< displacements in the last substep [m]; w: number of substeps for which they have been quiet
+  ParticleRow* nextPositions;
   ParticleRow* nextMotions;
-  const std::uint8_t* asleep;  ///< not 0: the grain stays where it is
+  const std::uint8_t* asleep;  ///< not 0: the grain stays in place
   ParticleRow fall;            ///< what gravity adds to a motion in a substep [m]
   float diameter, friction;
-  float relaxation;           ///< of the corrections, beside their mean
+  float relaxation;           ///< multiple of the mean correction
   float opening;              ///< how far an overlap opens in a substep [m] ...
-  float deepFrom, deepShare;  ///< ... and the share of what is deeper than this that does too [m]
-  float fastest;              ///< longest motion [m]
-  float quiet;                ///< a shorter motion is none: the grain is held [m]
-  float mostQuiet;            ///< w counts no further
-  ParticleRow least, most;    ///< of places: floor and walls
+  float deepFrom, deepShare;  ///< ... plus this share of an overlap's excess over deepFrom [m]
+  float fastest;              ///< max motion [m]
+  float quiet;                ///< a grain that would move less than this is held [m]
+  float mostQuiet;            ///< max value of w
+  ParticleRow min, max;       ///< bounds of positions: floor and walls
 };
 
-/// One substep of some blocks of grains: they go on, fall, and their contacts take from their motions what brings them
-/// closer and what friction holds, and move them apart where they overlap. See docs/PARTICLES.md.
+/// One substep of some blocks of grains: they move on and fall; contacts remove the approaching motion and the motion
+/// that friction holds, and separate overlapping grains. See docs/PARTICLES.md.
 void stepGrains(const GrainPass& pass, const NeighbourLists& lists, std::size_t firstBlock, std::size_t lastBlock);
 
 }  // namespace lorica

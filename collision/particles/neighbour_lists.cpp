@@ -8,7 +8,7 @@
 #include <array>
 #include <numeric>
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/particles/neighbour_lists.cpp"
 #include <hwy/foreach_target.h>
@@ -19,11 +19,11 @@ namespace lorica::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Sets the numbers of the particles within the radius, in order. Not fused, so that every instruction set finds the
-// same ones. `found` has room for a vector more than `most`.
-// @return how many; more than `most` says that there are too many
+// Writes the numbers of the particles within the radius, in order. Not fused, so that every instruction set finds the
+// same ones. `found` has space for one vector more than `max`.
+// @return how many; more than `max` means that there are too many
 int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const float* y, const float* z,
-             std::uint32_t self, float radiusSq, int most, std::uint32_t* found) {
+             std::uint32_t self, float radiusSq, int max, std::uint32_t* found) {
   const hn::CappedTag<float, kParticleBlock> f;
   const hn::RebindToUnsigned<decltype(f)> u;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
@@ -41,10 +41,10 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
       const auto number = hn::Iota(u, j);
       const auto inRun = hn::And(hn::Lt(number, hn::Set(u, last)), hn::Ne(number, own));
       const auto near = hn::And(hn::RebindMask(u, hn::Lt(distanceSq, limit)), inRun);
-      // Not in one instruction: on some machines that takes a hundred cycles.
+      // Not a single compress-store: on some machines that takes a hundred cycles.
       hn::StoreU(hn::Compress(number, near), u, found + count);
       count += hn::CountTrue(u, near);
-      if (count > static_cast<std::size_t>(most)) return most + 1;
+      if (count > static_cast<std::size_t>(max)) return max + 1;
     }
   }
   return static_cast<int>(count);
@@ -52,9 +52,9 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
 
 void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
                  float radiusSq, const std::uint8_t* skipped, std::size_t firstBlock, std::size_t lastBlock,
-                 int mostNeighbours, std::uint32_t* slots, std::size_t firstSlot, std::size_t* firstSlots,
+                 int maxNeighbours, std::uint32_t* slots, std::size_t firstSlot, std::size_t* firstSlots,
                  std::uint8_t* slotCounts, std::uint8_t* overflows) {
-  constexpr auto kRoom = static_cast<std::size_t>(NeighbourLists::kMostNeighbours) + 1 + kParticleBlock;
+  constexpr auto kRoom = static_cast<std::size_t>(NeighbourLists::kMaxNeighbours) + 1 + kParticleBlock;
   std::array<std::array<std::uint32_t, kRoom>, kParticleBlock> found;
   std::array<int, kParticleBlock> counts;
   ParticleGrid::Runs runs;
@@ -72,10 +72,10 @@ void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const
       }
       if (lane == 0 || !runsKnown || !grid.sameCellAsBefore(i)) runCount = grid.runsAround(i, runs);
       runsKnown = true;
-      counts[lane] = findNear(runs.data(), runCount, x, y, z, static_cast<std::uint32_t>(i), radiusSq, mostNeighbours,
+      counts[lane] = findNear(runs.data(), runCount, x, y, z, static_cast<std::uint32_t>(i), radiusSq, maxNeighbours,
                               found[lane].data());
-      if (counts[lane] > mostNeighbours) {
-        counts[lane] = mostNeighbours;
+      if (counts[lane] > maxNeighbours) {
+        counts[lane] = maxNeighbours;
         ++overflows[block];
       }
       longest = std::max(longest, counts[lane]);
@@ -108,13 +108,13 @@ namespace {
 HWY_EXPORT(buildBlocks);
 }  // namespace
 
-NeighbourLists::NeighbourLists(std::size_t capacity, int mostNeighbours)
-    : mostNeighbours_(mostNeighbours),
-      slots_(paddedCount(capacity) * static_cast<std::size_t>(mostNeighbours)),
+NeighbourLists::NeighbourLists(std::size_t capacity, int maxNeighbours)
+    : maxNeighbours_(maxNeighbours),
+      slots_(paddedCount(capacity) * static_cast<std::size_t>(maxNeighbours)),
       firstSlots_(paddedCount(capacity) / kParticleBlock),
       slotCounts_(firstSlots_.size()),
       overflows_(firstSlots_.size()) {
-  CHECK(mostNeighbours > 0 && mostNeighbours <= kMostNeighbours, "lists are built in room for so many neighbours");
+  LORICA_CHECK(maxNeighbours > 0 && maxNeighbours <= kMaxNeighbours, "maxNeighbours must be from 1 to kMaxNeighbours");
 }
 
 void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
@@ -126,8 +126,8 @@ void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
     const std::size_t first = chunk * kBlocksInChunk, last = std::min(blocks, first + kBlocksInChunk);
     HWY_DYNAMIC_DISPATCH(buildBlocks)
-    (grid, x, y, z, count, radius * radius, skipped.data(), first, last, mostNeighbours_, slots_.data(),
-     first * kParticleBlock * static_cast<std::size_t>(mostNeighbours_), firstSlots_.data(), slotCounts_.data(),
+    (grid, x, y, z, count, radius * radius, skipped.data(), first, last, maxNeighbours_, slots_.data(),
+     first * kParticleBlock * static_cast<std::size_t>(maxNeighbours_), firstSlots_.data(), slotCounts_.data(),
      overflows_.data());
   });
 }

@@ -8,78 +8,80 @@
 
 namespace lorica {
 
-/// Four numbers of a particle, which are loaded at once.
+/// Four numbers of a particle, loaded at once.
 struct alignas(16) ParticleRow {
   float x = 0, y = 0, z = 0, w = 0;
 };
 
-/// Particles sorted by cell, so that neighbours lie together in memory.
+/// Particles sorted by cell, so that neighbours are close together in memory.
 ///
-/// Cells are squares of cellSize from above, and stand in columns along y, in rows of a whole share of that height. A
-/// column has cells only from its lowest particle to its highest: few cells, however far a few particles fly. Sorted by
-/// z, then x, then y of the cell, stable within a cell; so cells above each other are one run of particles. Same order
-/// for any number of threads. Sorting allocates nothing.
+/// Seen from above, cells are squares of side cellSize, arranged in columns along y. Their height is cellSize divided
+/// by the number of rows. A column has cells only from its lowest particle to its highest, so there are few cells
+/// however far single particles fly. Sorted by z, then x, then y of the cell, stable within a cell; so cells above each
+/// other are one run of particles. Same order for any number of threads. Sorting does not allocate.
 class ParticleGrid {
  public:
-  /// @param capacity  most particles
+  /// @param capacity  max number of particles
   explicit ParticleGrid(std::size_t capacity);
 
-  /// @param places    finite, within a million cells of the origin [m]; w is not looked at
-  /// @param cellSize  above 0 [m]
-  /// @param rows      of cells in the height of cellSize: more make shorter runs, of fewer particles that are not near
-  void sort(std::span<const ParticleRow> places, float cellSize, int rows = 1);
+  /// @param positions  finite, within a million cells of the origin [m]; w is ignored
+  /// @param cellSize   above 0 [m]
+  /// @param rows       cells per cellSize in height: more rows make shorter runs, with fewer particles that are not
+  /// near
+  void sort(std::span<const ParticleRow> positions, float cellSize, int rows = 1);
 
-  /// The particle, of those that were sorted, which now stands at each place.
+  /// For each sorted position, the index of the particle before sorting.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return {order_.data(), count_}; }
 
-  /// Sorted particles, from first to before last.
+  /// A range of sorted particles; `last` is one past the end.
   struct Run {
     std::uint32_t first = 0, last = 0;
   };
-  /// A superset of those within cellSize of a sorted particle: it may hold the particle itself.
+  /// A superset of the particles within cellSize of a sorted particle; may contain the particle itself.
   using Runs = std::array<Run, 9>;
-  /// @param place  of a sorted particle
+  /// @param position  of a sorted particle
   /// @return how many runs were set; none is empty
-  [[nodiscard]] int runsAround(std::size_t place, Runs& runs) const;
-  /// Whether the runs around a sorted particle, not the first, are those around the one before.
-  [[nodiscard]] bool sameCellAsBefore(std::size_t place) const {
-    return columnOf_[place] == columnOf_[place - 1] && rowOf_[place] == rowOf_[place - 1];
+  [[nodiscard]] int runsAround(std::size_t position, Runs& runs) const;
+  /// Whether the runs around a sorted particle, other than the first, equal those around the previous one.
+  [[nodiscard]] bool sameCellAsBefore(std::size_t position) const {
+    return columnOf_[position] == columnOf_[position - 1] && rowOf_[position] == rowOf_[position - 1];
   }
 
-  /// Visits runs of sorted particles that together hold all in a box, and more.
-  /// @param visit  called with the first particle and the one behind the last
+  /// Visits runs of sorted particles that together contain all particles in a box, and possibly more.
+  /// @param visit  called with the first particle and one past the last
   template <class Visit>
-  void visitRuns(const std::array<float, 3>& least, const std::array<float, 3>& most, const Visit& visit) const {
+  void visitRuns(const std::array<float, 3>& min, const std::array<float, 3>& max, const Visit& visit) const {
     if (count_ == 0) return;
-    const std::array<int, 3> from = cellAt(least), to = cellAt(most);
+    const std::array<int, 3> from = cellAt(min), to = cellAt(max);
     for (int z = clampTo(from[2] - originZ_, columnsZ_); z <= clampTo(to[2] - originZ_, columnsZ_); ++z) {
       for (int x = clampTo(from[0] - originX_, columnsX_); x <= clampTo(to[0] - originX_, columnsX_); ++x) {
-        const Run run = runOf(columns_[static_cast<std::size_t>(z * columnsX_ + x)], from[1], to[1]);
+        const Run run = runOf(columns_[z * columnsX_ + x], from[1], to[1]);
         if (run.first != run.last) visit(run.first, run.last);
       }
     }
   }
 
  private:
-  static constexpr int kMostColumns = 512;              // along x and along z; the outer ones hold what is farther out
-  static constexpr int kChunks = 16;                    // of particles, for threads; fixed, so that their count is not
-  static constexpr std::size_t kCellsPerParticle = 10;  // most, and one to end each column
+  static constexpr int kMaxColumns = 512;  // along x and along z; the outer ones contain everything farther out
+  static constexpr int kChunks =
+      16;  // of particles, for threads; fixed, so that the result does not depend on the number of threads
+  static constexpr std::size_t kCellsPerParticle = 10;  // max, including one that ends each column
   struct Column {
     std::int32_t firstY = 0;
     std::int32_t cells = 0;
     std::uint32_t firstCell = 0;
   };
   [[nodiscard]] static int clampTo(int value, int count) { return value < 0 ? 0 : value < count ? value : count - 1; }
-  [[nodiscard]] std::array<int, 3> cellAt(const std::array<float, 3>& place) const;
-  /// What a column holds from one row of cells to another.
+  [[nodiscard]] std::array<int, 3> cellAt(const std::array<float, 3>& position) const;
+  /// The particles of a column in a range of cell rows.
   [[nodiscard]] Run runOf(const Column& column, int fromY, int toY) const {
     if (column.cells == 0 || toY < column.firstY) return {};
     const auto from = static_cast<std::uint32_t>(clampTo(fromY - column.firstY, column.cells));
     const auto to = static_cast<std::uint32_t>(clampTo(toY - column.firstY, column.cells));
     return {cellFirst_[column.firstCell + from], cellFirst_[column.firstCell + to + 1]};
   }
-  void placeWindow(const ParticleRow* places);
-  void sortSlab(int slab, const ParticleRow* places);
+  void placeWindow(const ParticleRow* positions);
+  void sortSlab(int slab, const ParticleRow* positions);
 
   std::size_t count_ = 0;
   float perCell_ = 1.0f, perRow_ = 1.0f;
@@ -89,11 +91,11 @@ class ParticleGrid {
   std::vector<std::uint16_t> slabOf_;
   std::vector<std::int32_t> columnInSlab_, yOf_;  // in the order of the slabs
   std::vector<std::uint32_t> columnOf_;           // sorted
-  std::vector<std::int32_t> rowOf_;               // sorted: of the cell, or above the column's last one
+  std::vector<std::int32_t> rowOf_;               // sorted: row of the cell, or above the column's last one
   std::vector<Column> columns_;
-  std::vector<std::uint32_t> cellFirst_;    // sorted particle that begins each cell
+  std::vector<std::uint32_t> cellFirst_;    // first sorted particle of each cell
   std::vector<std::uint32_t> slabFirst_;    // and the end
-  std::vector<std::uint32_t> chunkSlabs_;   // chunk by slab: counts, then where the chunk's particles go
+  std::vector<std::uint32_t> chunkSlabs_;   // chunk by slab: counts, then start positions of the chunk's particles
   std::vector<std::uint32_t> columnCount_;  // scratch, by column
   std::vector<std::int32_t> columnLow_, columnHigh_;
 };

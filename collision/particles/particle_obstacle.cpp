@@ -10,10 +10,11 @@ namespace lorica {
 namespace {
 
 constexpr double kFastestPart = 25.0;  // as in World [m/s]
-constexpr double kOutside = 1e-5;      // beyond a surface that was left along a ray [m]
+constexpr double kOutside = 1e-5;      // distance beyond a surface after leaving along a ray [m]
 constexpr std::size_t kTouchesAtOnce = 64;
 
-/// Straight along, and turning evenly enough. Without trigonometry, so that every machine has the same.
+/// Interpolates a rigid motion: linear translation and nearly uniform rotation. Without trigonometry, so that every
+/// machine gives the same result.
 Isometry3 between(const Isometry3& from, const Isometry3& to, double fraction) {
   const Quat a(from.linear());
   Quat b(to.linear());
@@ -27,36 +28,36 @@ Isometry3 between(const Isometry3& from, const Isometry3& to, double fraction) {
   return result;
 }
 
-void extend(ParticleBody::Sweep& bounds, const LivePart& part, const Isometry3& worldFromPart) {
+void extend(ParticleObstacle::Sweep& bounds, const LivePart& part, const Isometry3& worldFromPart) {
   for (const Vec3& v : part.shape.vertices) {
     const Vec3f p = (worldFromPart * v).cast<float>();
     for (std::size_t i = 0; i < 3; ++i) {
-      bounds.least[i] = std::min(bounds.least[i], p[static_cast<Eigen::Index>(i)]);
-      bounds.most[i] = std::max(bounds.most[i], p[static_cast<Eigen::Index>(i)]);
+      bounds.min[i] = std::min(bounds.min[i], p[static_cast<Eigen::Index>(i)]);
+      bounds.max[i] = std::max(bounds.max[i], p[static_cast<Eigen::Index>(i)]);
     }
   }
 }
 
-constexpr ParticleBody::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}, false};
+constexpr ParticleObstacle::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}, false};
 
 }  // namespace
 
 ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius) {
   ParticleRoom room;
   const auto away = static_cast<float>(radius);
-  if (floor) room.least.y() = away;
+  if (floor) room.min.y() = away;
   if (walls) {
     for (const Eigen::Index axis : {0, 2}) {
-      room.least[axis] = static_cast<float>(walls->min[axis]) + away;
-      room.most[axis] = std::max(room.least[axis], static_cast<float>(walls->max[axis]) - away);
+      room.min[axis] = static_cast<float>(walls->min[axis]) + away;
+      room.max[axis] = std::max(room.min[axis], static_cast<float>(walls->max[axis]) - away);
     }
   }
   return room;
 }
 
-ParticleBody::ParticleBody(double radius) : radius_(radius), push_(ParticlePushSettings{.radius = radius}) {}
+ParticleObstacle::ParticleObstacle(double radius) : radius_(radius), push_(ParticlePushSettings{.radius = radius}) {}
 
-void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int substeps) {
+void ParticleObstacle::begin(std::span<const LivePart> parts, double seconds, int substeps) {
   substeps_ = substeps;
   done_ = 0;
   substepSeconds_ = seconds / substeps;
@@ -69,7 +70,7 @@ void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int su
   for (std::size_t i = 0; i < parts.size(); ++i) {
     LivePart& own = parts_[i];
     const LivePart& part = parts[i];
-    // Not all of it: what was one frame ago is of no use here.
+    // Copies only what is needed: the previous frame's data is not used here.
     own.shape.vertices.assign(part.shape.vertices.begin(), part.shape.vertices.end());
     own.shape.triangles.assign(part.shape.triangles.begin(), part.shape.triangles.end());
     if (!part.worldFromPart.matrix().allFinite() || !part.previousWorldFromPart.matrix().allFinite()) {
@@ -92,17 +93,16 @@ void ParticleBody::begin(std::span<const LivePart> parts, double seconds, int su
     sweep.moves = part.reshaped || part.worldFromPart.matrix() != part.previousWorldFromPart.matrix();
     extend(sweep, part, part.previousWorldFromPart);
     extend(sweep, part, motion.to);
-    if (sweep.least[0] <= sweep.most[0]) sweeps_.push_back(sweep);
+    if (sweep.min[0] <= sweep.max[0]) sweeps_.push_back(sweep);
   }
 }
 
-void ParticleBody::takeFaces(const LivePart& part) {
+void ParticleObstacle::takeFaces(const LivePart& part) {
   Faces& faces = faces_.emplace_back();
   faces.first = planes_.size();
   for (const Triangle& t : part.shape.triangles) {
-    const Vec3& corner = part.shape.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3 area = (part.shape.vertices[static_cast<std::size_t>(t[1])] - corner)
-                          .cross(part.shape.vertices[static_cast<std::size_t>(t[2])] - corner);
+    const Vec3& corner = part.shape.vertices[t[0]];
+    const Vec3 area = (part.shape.vertices[t[1]] - corner).cross(part.shape.vertices[t[2]] - corner);
     const double length = area.norm();
     if (!(length > 1e-12)) continue;
     const Vec3 normal = area / length;
@@ -112,7 +112,7 @@ void ParticleBody::takeFaces(const LivePart& part) {
   for (const Vec3& v : part.shape.vertices) faces.box.extend(v);
 }
 
-void ParticleBody::advance(int substep) {
+void ParticleObstacle::advance(int substep) {
   const double fraction = static_cast<double>(substep + 1) / substeps_;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     LivePart& part = parts_[i];
@@ -124,20 +124,20 @@ void ParticleBody::advance(int substep) {
   done_ = substep + 1;
 }
 
-std::span<const ParticleTouch> ParticleBody::push(std::span<Vec3f> places, const ParticleRoom& room) {
-  const std::span<const ParticleTouch> touches = push_.push(places);
+std::span<const ParticleTouch> ParticleObstacle::push(std::span<Vec3f> positions, const ParticleRoom& room) {
+  const std::span<const ParticleTouch> touches = push_.push(positions);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, touches.size(), kTouchesAtOnce), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      Vec3f& place = places[touches[t].particle];
-      const Vec3f inRoom = place.cwiseMax(room.least).cwiseMin(room.most);
-      if (inRoom != place) place = wayOut(inRoom, room);
+      Vec3f& position = positions[touches[t].particle];
+      const Vec3f inRoom = position.cwiseMax(room.min).cwiseMin(room.max);
+      if (inRoom != position) position = wayOut(inRoom, room);
     }
   });
   return touches;
 }
 
-/// Of a ray from within a part: how far it is to the outside. 0 where it begins outside.
-double ParticleBody::exitOf(const Faces& faces, const Vec3& from, const Vec3& along) const {
+/// Length of a ray from inside a part to the outside; 0 if it starts outside.
+double ParticleObstacle::exitOf(const Faces& faces, const Vec3& from, const Vec3& along) const {
   if (((from - faces.box.min).array() < -radius_).any() || ((from - faces.box.max).array() > radius_).any()) return 0.0;
   double exit = 1e9;
   for (std::size_t p = faces.first; p < faces.end; ++p) {
@@ -150,14 +150,14 @@ double ParticleBody::exitOf(const Faces& faces, const Vec3& from, const Vec3& al
   return exit;
 }
 
-// A ray leaves a hull once and for ever, so following it out of one hull after the other ends outside of all of them.
-Vec3f ParticleBody::wayOut(const Vec3f& place, const ParticleRoom& room) const {
+// A ray leaves a convex hull only once, so following it out of one hull after the other ends outside of all of them.
+Vec3f ParticleObstacle::wayOut(const Vec3f& position, const ParticleRoom& room) const {
   static constexpr std::array<std::array<double, 3>, 21> kWays{
       {{0, 1, 0},       {1, 0, 0},      {-1, 0, 0},      {0, 0, 1},     {0, 0, -1},     {0.6, 0, 0.8},
        {0.6, 0, -0.8},  {-0.6, 0, 0.8}, {-0.6, 0, -0.8}, {0.8, 0, 0.6}, {0.8, 0, -0.6}, {-0.8, 0, 0.6},
        {-0.8, 0, -0.6}, {0.6, 0.8, 0},  {-0.6, 0.8, 0},  {0, 0.8, 0.6}, {0, 0.8, -0.6}, {0.8, 0.6, 0},
        {-0.8, 0.6, 0},  {0, 0.6, 0.8},  {0, 0.6, -0.8}}};
-  const Vec3 from = place.cast<double>();
+  const Vec3 from = position.cast<double>();
   double shortest = 1e9;
   Vec3 best = from;
   for (const std::array<double, 3>& way : kWays) {
@@ -180,7 +180,7 @@ Vec3f ParticleBody::wayOut(const Vec3f& place, const ParticleRoom& room) const {
     if (length >= shortest) continue;
     const Vec3 end = from + length * direction;
     const Vec3f rounded = end.cast<float>();
-    if (rounded != rounded.cwiseMax(room.least).cwiseMin(room.most)) continue;
+    if (rounded != rounded.cwiseMax(room.min).cwiseMin(room.max)) continue;
     shortest = length;
     best = end;
   }

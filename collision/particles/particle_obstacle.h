@@ -13,49 +13,49 @@
 
 namespace lorica {
 
-/// Where particles' centres may be: above the floor and between walls.
+/// Allowed positions of particles' centres: above the floor and between walls.
 struct ParticleRoom {
-  Vec3f least = Vec3f::Constant(-1e3f);
-  Vec3f most = Vec3f::Constant(1e3f);
+  Vec3f min = Vec3f::Constant(-1e3f);
+  Vec3f max = Vec3f::Constant(1e3f);
 };
 /// @param floor   at y = 0
-/// @param walls   its x and z count, not its y
-/// @param radius  how far centres stay away from both [m]
+/// @param walls   only its x and z range is used
+/// @param radius  min distance of centres from both [m]
 [[nodiscard]] ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius);
 
-/// The avatar as simulated particles meet it: its parts go through a frame in substeps, and push what they meet.
-/// Allocates nothing but for more or larger parts than ever before.
-class ParticleBody {
+/// The avatar as an obstacle to simulated particles: its parts move through a frame in substeps and push particles out.
+/// Allocates only for more or larger parts than ever before.
+class ParticleObstacle {
  public:
   /// @param radius  of the particles [m]
-  explicit ParticleBody(double radius);
+  explicit ParticleObstacle(double radius);
 
-  /// Begins a frame. A part faster than 25 m/s (a tracker's jump) is in its new place at once.
+  /// Starts a frame. A part faster than 25 m/s (a tracker's jump) is moved to its new pose at once.
   void begin(std::span<const LivePart> parts, double seconds, int substeps);
-  /// Takes the parts to where they are at the end of a substep, a later one than before.
+  /// Moves the parts to their poses at the end of a substep; substeps must increase.
   void advance(int substep);
 
-  /// Box around what a part sweeps in the frame.
+  /// Box around the volume that a part sweeps in the frame.
   struct Sweep {
-    std::array<float, 3> least, most;  ///< world [m]
-    bool moves;                        ///< else the part is as it was in the frame before
+    std::array<float, 3> min, max;  ///< world [m]
+    bool moves;                     ///< whether the part differs from the previous frame
   };
-  /// Of the parts that have a place and a shape.
+  /// Of the parts that have a valid pose and a shape.
   [[nodiscard]] std::span<const Sweep> sweeps() const { return sweeps_; }
 
-  /// Pushes particles out of the parts and keeps them in the room: those that find a wall or the floor where they are
-  /// pushed to go the shortest of some other ways out.
-  /// @param places  world [m]
+  /// Pushes particles out of the parts and keeps them in the room: a particle that would be pushed into a wall or the
+  /// floor takes the shortest of several other ways out.
+  /// @param positions  world [m]
   /// @return those that were moved, see ParticlePush::push()
-  std::span<const ParticleTouch> push(std::span<Vec3f> places, const ParticleRoom& room);
+  std::span<const ParticleTouch> push(std::span<Vec3f> positions, const ParticleRoom& room);
 
  private:
-  [[nodiscard]] Vec3f wayOut(const Vec3f& place, const ParticleRoom& room) const;
+  [[nodiscard]] Vec3f wayOut(const Vec3f& position, const ParticleRoom& room) const;
 
   struct Motion {
     Isometry3 from = Isometry3::Identity(), to = Isometry3::Identity();
   };
-  /// A part's faces, grown by the radius, in the part's frame.
+  /// A part's faces, moved outward by the radius, in the part's frame.
   struct Faces {
     std::size_t first = 0, end = 0;  // of planes_
     Aabb box;
@@ -70,7 +70,7 @@ class ParticleBody {
   double radius_;
   double substepSeconds_ = 0.0;
   int substeps_ = 1;
-  int done_ = 0;  // substeps of the frame
+  int done_ = 0;  // finished substeps of the frame
   ParticlePush push_;
   std::vector<LivePart> parts_;
   std::vector<Motion> motions_;

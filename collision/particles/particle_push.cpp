@@ -16,11 +16,11 @@
 namespace lorica {
 namespace {
 
-/// Particles that are looked at in one go.
+/// Particles processed at once.
 constexpr std::size_t kChunk = 4096;
-/// Cells in the box of all hulls: more take longer to make, fewer have more planes each.
+/// Min number of cells in the box of all hulls. More take longer to build; with fewer, each has more planes.
 constexpr double kFewestCells = 500.0;
-constexpr double kMostCells = 10000.0;
+constexpr double kMaxCells = 10000.0;
 constexpr double kParticlesOfCell = 8.0;
 
 }  // namespace
@@ -35,22 +35,22 @@ struct ParticlePush::State {
   tbb::task_arena arena;
   PushHulls hulls;
   PushGrid grid;
-  double cells = 0.0;    ///< of the grid, about; 0: it is not built yet
-  std::size_t room = 0;  ///< of `touches`
-  /// Each chunk writes where its particles begin: only what is written is ever touched.
+  double cells = 0.0;    ///< of the grid, approximately; 0: it is not built yet
+  std::size_t room = 0;  ///< capacity of `touches`
+  /// Each chunk writes at the index of its first particle, so only memory that is written is ever touched.
   std::unique_ptr<ParticleTouch[]> touches;
   std::vector<std::size_t> countOfChunk;
 };
 
 ParticlePush::ParticlePush(const ParticlePushSettings& settings) : state_(std::make_unique<State>(settings)) {
-  CHECK(settings.radius >= 0.0, "particles have a radius of 0 or more");
+  LORICA_CHECK(settings.radius >= 0.0, "the particle radius must be 0 or more");
 }
 ParticlePush::~ParticlePush() = default;
 ParticlePush::ParticlePush(ParticlePush&&) noexcept = default;
 ParticlePush& ParticlePush::operator=(ParticlePush&&) noexcept = default;
 
 void ParticlePush::prepare(std::span<const LivePart> parts, double seconds, bool again) {
-  CHECK(seconds > 0.0, "a velocity needs time");
+  LORICA_CHECK(seconds > 0.0, "the time between frames must be above 0");
   state_->hulls.prepare(parts, seconds, state_->settings.radius, again);
   state_->cells = 0.0;
 }
@@ -63,9 +63,10 @@ std::size_t ParticlePush::State::pushChunk(std::span<Vec3f> positions, std::size
 
 std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
   State& s = *state_;
-  CHECK(positions.size() <= std::numeric_limits<std::uint32_t>::max(), "particles are counted in 32 bits");
+  LORICA_CHECK(positions.size() <= std::numeric_limits<std::uint32_t>::max(),
+               "the number of particles must fit in 32 bits");
   if (s.hulls.hulls().empty() || positions.empty()) return {};
-  const double cells = std::clamp(static_cast<double>(positions.size()) / kParticlesOfCell, kFewestCells, kMostCells);
+  const double cells = std::clamp(static_cast<double>(positions.size()) / kParticlesOfCell, kFewestCells, kMaxCells);
   if (s.cells < 0.5 * cells) {
     s.cells = cells;
     s.grid.build(s.hulls, cells);

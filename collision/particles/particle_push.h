@@ -10,10 +10,10 @@
 namespace lorica {
 
 struct ParticlePushSettings {
-  /// How far particles are kept from the hulls [m]: 0 for points, else the radius of a grain. Measured from the planes
-  /// of the faces, so a little more beside sharp edges.
+  /// Min distance of particles from the hulls [m]: 0 for points, else the radius of a grain. Measured from the planes
+  /// of the faces, so it is slightly larger at sharp edges.
   double radius = 0.0;
-  int threads = 0;  ///< at most so many; 0: as many as the machine has. The result does not depend on it.
+  int threads = 0;  ///< max number of threads; 0: as many as the machine has. The result does not depend on it.
 };
 
 /// What happened to a particle that was inside.
@@ -25,17 +25,16 @@ struct ParticleTouch {
   Vec3f surfaceVelocity;   ///< of the part's material there [m/s], by its rigid motion; times LivePart::trust
 };
 
-/// Pushes particles of somebody's own simulation out of the live parts. See docs/PARTICLES.md.
+/// Pushes the particles of your own simulation out of the live parts. See docs/PARTICLES.md.
 ///
-///     push.prepare(body.parts(), seconds);                          // once a frame
-///     for (const ParticleTouch& touch : push.push(positions)) {     // as often as the simulation likes
+///     push.prepare(body.parts(), seconds);                          // once per frame
+///     for (const ParticleTouch& touch : push.push(positions)) {     // as often as your simulation needs
 ///       velocities[touch.particle] += velocityChange(touch, velocities[touch.particle], friction);
 ///     }
 ///
-/// A particle that is inside the union of the hulls is put on its surface, near where it was. Afterwards none is inside
-/// any hull by more than a few thousandths of a millimetre (for a body of human size). The same bits for any number of
-/// threads and on every instruction set. Nothing is allocated but when there are more parts, faces or particles than
-/// ever before.
+/// A particle inside the union of the hulls is moved to its surface, near its previous position. Afterwards none is
+/// inside any hull by more than a few thousandths of a millimetre (for a body of human size). The same bits for any
+/// number of threads and on every instruction set. Allocates only for more parts, faces or particles than ever before.
 class ParticlePush {
  public:
   explicit ParticlePush(const ParticlePushSettings& settings = {});
@@ -43,16 +42,16 @@ class ParticlePush {
   ParticlePush(ParticlePush&&) noexcept;
   ParticlePush& operator=(ParticlePush&&) noexcept;
 
-  /// Takes the parts as they are now; keeps no reference. Parts without triangles (flat ones), in no finite
-  /// place or a thousand kilometres away push nothing.
+  /// Takes the present state of the parts; keeps no reference. Parts without triangles (flat ones), with non-finite
+  /// poses, or a thousand kilometres away push nothing.
   /// @param seconds  since the last call, above 0
-  /// @param again    these are the parts of the last call, moved on by a part of a frame: which faces lead into other
-  ///                 parts is taken from there. That only guides, and saves most of the time for hulls of many faces.
+  /// @param again    these are the parts of the last call, moved on by a fraction of a frame: reuses the information
+  /// which faces lead into other parts. It only guides the search, and saves most of the time for hulls of many faces.
   void prepare(std::span<const LivePart> parts, double seconds, bool again = false);
 
-  /// Moves the particles that are inside. Positions that are no numbers are left as they are.
+  /// Moves the particles that are inside. Non-finite positions are left unchanged.
   /// @param positions  world [m]
-  /// @return the particles that were moved, by ascending index; good until the next call
+  /// @return the particles that were moved, by ascending index; valid until the next call
   std::span<const ParticleTouch> push(std::span<Vec3f> positions);
 
  private:
@@ -60,8 +59,8 @@ class ParticlePush {
   std::unique_ptr<State> state_;
 };
 
-/// What touching does to a particle's velocity [m/s]: it goes no slower along the normal than the surface does, and
-/// friction takes from its sliding up to `friction` times that change.
+/// Velocity change of a touched particle [m/s]: along the normal it becomes at least as fast as the surface, and
+/// friction reduces its sliding by up to `friction` times that change.
 /// @param velocity  before [m/s]
 /// @param friction  Coulomb's coefficient; 0 slides freely
 [[nodiscard]] Vec3f velocityChange(const ParticleTouch& touch, const Vec3f& velocity, float friction = 0.0F);

@@ -11,12 +11,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// The hulls that hold a particle at a time, at most: more are not looked at for a near way out.
-constexpr std::size_t kMostHulls = 8;
-/// Ways out of one hull that are tried, each looking another way.
-constexpr std::size_t kMostWays = 8;
-/// Planes that are met on the way into a crease, at most; and which of the older ones are tried with the newest.
-constexpr std::size_t kMostSides = 4;
+/// Max number of hulls around a particle that are considered in the search for a near way out.
+constexpr std::size_t kMaxHulls = 8;
+/// Ways out of one hull that are tried, each in a different direction.
+constexpr std::size_t kMaxWays = 8;
+/// Max number of planes met on the way into a crease; and which of the older ones are tried with the newest.
+constexpr std::size_t kMaxSides = 4;
 constexpr std::array<std::array<std::size_t, 3>, 7> kSubsets = {
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 0, 1}, {2, 0, 2}, {2, 1, 2}}};
 
@@ -37,20 +37,20 @@ class Search {
  private:
   [[nodiscard]] std::optional<Vec3f> ontoAll(std::span<const Side> sides) const;
   [[nodiscard]] bool onSurfaces(const Vec3f& p, std::span<const Side> sides) const;
-  std::optional<Side> tryPlace(std::span<const Side> sides);
+  std::optional<Side> tryPosition(std::span<const Side> sides);
   void tryCreases();
   void tryAlong(const Vec3f& direction);
 
   const PushHulls& hulls_;
   const PushGrid& grid_;
   Vec3f start_;
-  std::array<Side, kMostSides> sides_;
+  std::array<Side, kMaxSides> sides_;
   std::size_t sideCount_ = 0;
   PushExit best_{};
   float length_ = kInfinity;  ///< from the start to the best
 };
 
-/// The point nearest to the start that is a margin above all of up to three planes; none where they are too parallel.
+/// The point nearest to the start that is a margin above all of up to three planes; none if they are too parallel.
 std::optional<Vec3f> Search::ontoAll(std::span<const Side> sides) const {
   std::array<Vec3, 3> normals;
   Vec3 lift;
@@ -76,7 +76,7 @@ std::optional<Vec3f> Search::ontoAll(std::span<const Side> sides) const {
   return (from + moved).cast<float>();
 }
 
-/// Whether a point that is on these planes is where they are faces.
+/// Whether a point on these planes is on the faces of their hulls.
 bool Search::onSurfaces(const Vec3f& p, std::span<const Side> sides) const {
   return std::all_of(sides.begin(), sides.end(), [&](const Side& side) {
     const PushHulls::Hull& hull = hulls_.hulls()[side.hull];
@@ -87,23 +87,23 @@ bool Search::onSurfaces(const Vec3f& p, std::span<const Side> sides) const {
   });
 }
 
-/// Tries the point of some planes that is nearest to the start, and keeps it if none is nearer.
+/// Tries the point of some planes that is nearest to the start, and keeps it if it is the nearest so far.
 /// @param sides  the newest first
-/// @return the side of another hull that it is inside of
-std::optional<Side> Search::tryPlace(std::span<const Side> sides) {
-  const std::optional<Vec3f> place = ontoAll(sides);
-  if (!place) return {};
-  const float distance = (*place - start_).norm();
+/// @return the side of another hull in which it lies
+std::optional<Side> Search::tryPosition(std::span<const Side> sides) {
+  const std::optional<Vec3f> position = ontoAll(sides);
+  if (!position) return {};
+  const float distance = (*position - start_).norm();
   if (distance >= length_) return {};
-  const PushDepth met = deepestAt(hulls_, grid_, *place);
+  const PushDepth met = deepestAt(hulls_, grid_, *position);
   if (met.height < 0.0F) return Side{met.hull, met.plane};
-  if (!onSurfaces(*place, sides)) return {};
+  if (!onSurfaces(*position, sides)) return {};
   length_ = distance;
-  best_ = {*place, sides[0].hull, sides[0].plane};
+  best_ = {*position, sides[0].hull, sides[0].plane};
   return {};
 }
 
-/// Out of one hull, out of those that this leads into, and into the creases between some of them.
+/// Tries to leave one hull, then the hulls that this leads into, and tries the creases between some of them.
 void Search::tryCreases() {
   while (length_ == kInfinity) {
     std::optional<Side> next;
@@ -115,18 +115,18 @@ void Search::tryCreases() {
         used[i] = sides_[others[i]];
       }
       if (!known) continue;
-      const std::optional<Side> met = tryPlace(std::span(used).first(1 + others[0]));
+      const std::optional<Side> met = tryPosition(std::span(used).first(1 + others[0]));
       if (!next) next = met;
     }
-    if (!next || sideCount_ == kMostSides) return;
+    if (!next || sideCount_ == kMaxSides) return;
     for (std::size_t i = 0; i < sideCount_; ++i) {
-      if (sides_[i].plane == next->plane) return;  // to and fro
+      if (sides_[i].plane == next->plane) return;  // back and forth
     }
     sides_[sideCount_++] = *next;
   }
 }
 
-/// Straight on until outside of all. A ray leaves each convex hull once, so that this comes to an end.
+/// Follows a ray until it is outside of all hulls. It leaves each convex hull once, so this ends.
 void Search::tryAlong(const Vec3f& direction) {
   float length = 0.0F;
   Side side;
@@ -145,7 +145,7 @@ void Search::tryAlong(const Vec3f& direction) {
   }
 }
 
-/// Where to try when all hints lead far.
+/// Directions to try if everything else leads far.
 const std::array<Vec3f, 14>& anyDirections() {
   static const std::array<Vec3f, 14> directions = [] {
     const float third = std::sqrt(1.0F / 3.0F);
@@ -162,27 +162,27 @@ const std::array<Vec3f, 14>& anyDirections() {
 }
 
 PushExit Search::run(const PushDepth& inside) {
-  // Nobody gets out on a shorter way than out of the hull that holds him deepest.
-  const float least = hulls_.margin() - inside.height;
+  // The shortest way out is never shorter than the way out of the hull in which the particle is deepest.
+  const float min = hulls_.margin() - inside.height;
   best_ = {start_, inside.hull, inside.plane};
 
-  // The nearest way out of any other hull that holds the start.
-  std::array<PushDepth, kMostHulls> depths;
+  // The nearest way out of any other hull that contains the start.
+  std::array<PushDepth, kMaxHulls> depths;
   const std::size_t held = depthsAt(hulls_, grid_, start_, depths);
   for (std::size_t i = 0; i < held; ++i) {
     const Side side{depths[i].hull, depths[i].plane};
-    if (side.plane != inside.plane) (void)tryPlace(std::span(&side, 1));
+    if (side.plane != inside.plane) (void)tryPosition(std::span(&side, 1));
   }
   sides_[sideCount_++] = {inside.hull, inside.plane};
   tryCreases();
-  if (length_ <= 2.0F * least) return best_;
+  if (length_ <= 2.0F * min) return best_;
 
-  std::array<PushDepth, kMostWays> ways;
+  std::array<PushDepth, kMaxWays> ways;
   for (std::size_t i = 0; i < held; ++i) {
     const std::size_t count = waysOut(hulls_, depths[i].hull, start_, ways);
     for (std::size_t k = 1; k < count; ++k) {
       const Side side{ways[k].hull, ways[k].plane};
-      (void)tryPlace(std::span(&side, 1));
+      (void)tryPosition(std::span(&side, 1));
     }
   }
   if (length_ < kInfinity) return best_;

@@ -4,16 +4,16 @@
 
 namespace lorica {
 
-/// Where a particle goes that was inside.
+/// The new position of a particle that was inside.
 struct PushExit {
-  Vec3f place;        ///< local, outside all hulls
-  std::size_t hull;   ///< on whose surface it is, an index into hulls()
+  Vec3f position;     ///< local, outside all hulls
+  std::size_t hull;   ///< hull on whose surface it is, an index into hulls()
   std::size_t plane;  ///< the plane on which it is
 };
 
-/// A way out of the union of the hulls, near if not nearest. How: docs/PARTICLES.md.
+/// A way out of the union of the hulls, not necessarily the nearest. Method: docs/PARTICLES.md.
 /// @param start   local, inside a hull
-/// @param inside  the one that it is deepest inside of
+/// @param inside  the hull in which it is deepest
 [[nodiscard]] PushExit findExit(const PushHulls& hulls, const PushGrid& grid, const Vec3f& start,
                                 const PushDepth& inside);
 

@@ -1,6 +1,6 @@
 #include "collision/particles/particle_push_grid.h"
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/particles/particle_push_grid.cpp"
 #include <hwy/foreach_target.h>
@@ -35,10 +35,10 @@ struct Highest {
   float x, y, z;  ///< normal
 };
 
-/// Chooses the planes that can be the highest above some point of a cube, of those that may lead out and of all.
+/// Chooses the planes that can be the highest above some point of a cube, among those that may lead out and among all.
 ///
-/// A plane p cannot be where another one, q, is higher all over the cube: where the difference of their heights at the
-/// center is more than the difference of their normals can make up for. Here q is the highest above the center.
+/// A plane p is excluded if another one, q, is higher in the whole cube: if the difference of their heights at the
+/// center is more than the difference of their normals can compensate. Here q is the highest above the center.
 /// @return whether the hull reaches into the cube; only then is all of `out` written
 HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float slack, PushGrid::Chosen& out) {
   const Floats f;
@@ -135,14 +135,14 @@ HWY_INLINE void append(const PushGrid::Chosen& from, bool last, PushGrid& grid) 
 }
 
 void fillGrid(const PushHulls& hulls, PushGrid& grid) {
-  constexpr std::int32_t kGroup = 4;  // cells on an edge of a group: planes are chosen for it first
+  constexpr std::int32_t kGroup = 4;  // cells on an edge of a group: planes are first chosen per group
   const std::size_t hullCount = hulls.hulls().size();
   const float slack = hulls.margin();
   PushGrid::Chosen& ofCell = grid.chosen[hullCount];
   const auto middle = [&](std::int32_t first, std::int32_t cells) {
     return (static_cast<float>(first) + 0.5F * static_cast<float>(cells)) * grid.size;
   };
-  const float halfCell = 0.5F * grid.size + slack;  // rounding may take a point for its neighbour cell's
+  const float halfCell = 0.5F * grid.size + slack;  // rounding may assign a point to the neighbouring cell
   const float halfGroup = 0.5F * static_cast<float>(kGroup) * grid.size + slack;
 
   for (std::int32_t z0 = 0; z0 < grid.count[2]; z0 += kGroup) {
@@ -201,12 +201,13 @@ namespace lorica {
 namespace {
 HWY_EXPORT(fillGrid);
 
-constexpr double kMostAlong = 400.0;
+constexpr double kMaxAlong = 400.0;
 
 }  // namespace
 
-void PushGrid::Chosen::makeRoom(std::size_t planeCount) {
-  const std::size_t room = planeCount + 3 * PushHulls::kBlock;  // whole vectors are written, and two kinds rounded up
+void PushGrid::Chosen::reserveRows(std::size_t planeCount) {
+  const std::size_t room =
+      planeCount + 3 * PushHulls::kBlock;  // whole vectors are written, and two kinds are rounded up
   if (x.size() >= room) return;
   for (std::vector<float>* v : {&x, &y, &z, &offset, &height}) v->resize(room);
   plane.resize(room);
@@ -216,11 +217,11 @@ void PushGrid::build(const PushHulls& hulls, double cells) {
   lists.clear();
   blocks.clear();
   planes.clear();
-  lists.emplace_back();  // 0 stands for no list
+  lists.emplace_back();  // 0 means no list
   const Eigen::Array3d extent = hulls.boxMax().cast<double>().array();
   const double longest = extent.maxCoeff();
   const Eigen::Array3d thick = extent.max(1e-3 * longest);
-  size = static_cast<float>(std::max(std::cbrt(thick.prod() / cells), longest / kMostAlong));
+  size = static_cast<float>(std::max(std::cbrt(thick.prod() / cells), longest / kMaxAlong));
   inverseSize = 1.0F / size;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     count[axis] = static_cast<std::int32_t>(hulls.boxMax()[static_cast<Eigen::Index>(axis)] * inverseSize) + 1;
@@ -230,10 +231,10 @@ void PushGrid::build(const PushHulls& hulls, double cells) {
   firstList.assign(cellCount, 0);
   occupied.assign(cellCount / 32 + 1, 0);
 
-  std::size_t most = 0;
-  for (const PushHulls::Hull& hull : hulls.hulls()) most = std::max(most, hull.planeCount);
+  std::size_t max = 0;
+  for (const PushHulls::Hull& hull : hulls.hulls()) max = std::max(max, hull.planeCount);
   if (chosen.size() < hulls.hulls().size() + 1) chosen.resize(hulls.hulls().size() + 1);
-  for (Chosen& c : chosen) c.makeRoom(most);
+  for (Chosen& c : chosen) c.reserveRows(max);
   HWY_DYNAMIC_DISPATCH(fillGrid)(hulls, *this);
 }
 

@@ -9,16 +9,16 @@
 
 namespace lorica {
 
-/// Which planes matter where: cubic cells over the box of all hulls. Internal to ParticlePush.
+/// Lists which planes matter where: cubic cells over the box of all hulls. Internal to ParticlePush.
 ///
 /// For each hull that reaches into a cell, the cell has the planes that can be the highest one above some point of the
-/// cell, of those that may lead out and of all. So the highest of them is the highest of all the hull's planes, for
-/// every point of the cell: nothing is lost.
+/// cell: among the planes that may lead out, and among all planes. So for every point of the cell, the highest of them
+/// is the highest of all the hull's planes, and the result is exact.
 class PushGrid {
  public:
   static constexpr std::size_t kWidth = 8;
 
-  /// Planes side by side; what a block has too much is infinitely far away.
+  /// Planes side by side; surplus entries of a block are infinitely far away.
   struct alignas(32) Block {
     std::array<float, kWidth> x, y, z, offset;
   };
@@ -28,12 +28,12 @@ class PushGrid {
   struct List {
     std::uint32_t hull = 0;
     std::uint32_t firstBlock = 0;
-    std::uint32_t exitCount = 0;   ///< blocks of planes that may lead out: the first
+    std::uint32_t exitCount = 0;   ///< blocks of planes that may lead out; these come first
     std::uint32_t blockCount = 0;  ///< of all
     bool last = true;              ///< of the cell
   };
 
-  /// @param cells  about so many: any number gives the same result
+  /// @param cells  approximate number of cells: any number gives the same result
   void build(const PushHulls& hulls, double cells);
 
   /// The cell of a point in the box of all hulls.
@@ -47,11 +47,11 @@ class PushGrid {
   float size = 1.0F;  ///< edge of a cell [m]
   float inverseSize = 1.0F;
   std::array<std::int32_t, 3> count = {1, 1, 1};
-  std::vector<std::uint32_t> firstList;  ///< for each cell; 0: no hull reaches in
+  std::vector<std::uint32_t> firstList;  ///< for each cell; 0: no hull reaches into it
   std::vector<std::uint32_t> occupied;   ///< a bit for each cell
   std::vector<List> lists;
   std::vector<Block> blocks;
-  std::vector<PlanesOfBlock> planes;  ///< of the hulls, for each block
+  std::vector<PlanesOfBlock> planes;  ///< plane numbers in the hulls, for each block
 
   /// Planes of one hull that matter in a group of cells: scratch.
   struct Chosen {
@@ -60,10 +60,10 @@ class PushGrid {
     std::size_t count = 0;
     std::vector<float> x, y, z, offset;
     std::vector<std::uint32_t> plane;
-    std::vector<float> height;  ///< of the planes that were chosen from
-    void makeRoom(std::size_t planeCount);
+    std::vector<float> height;  ///< of the planes to choose from
+    void reserveRows(std::size_t planeCount);
   };
-  std::vector<Chosen> chosen;  ///< one for each hull, and one for the cell at hand
+  std::vector<Chosen> chosen;  ///< one for each hull, and one for the current cell
 };
 
 }  // namespace lorica

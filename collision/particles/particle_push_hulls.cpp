@@ -7,10 +7,10 @@
 namespace lorica {
 namespace {
 
-/// Farther from the origin than this, a float is no place any more [m].
+/// Farther from the origin than this, a float is too coarse for a position [m].
 constexpr double kFarthest = 1e6;
 
-/// The box of a part that pushes; empty of one that does not.
+/// The box of a part; empty if the part does not push.
 Aabb boxOf(const LivePart& part) {
   if (part.shape.degenerate() || !part.worldFromPart.matrix().allFinite() ||
       !part.previousWorldFromPart.matrix().allFinite()) {
@@ -43,7 +43,8 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
     box.extend(own.max);
   }
   if (box.empty()) return;
-  // Rounding of a height: a few units in the last place of a local coordinate, and of a world one where it is written.
+  // Rounding of a height: a few units in the last place of a local coordinate, and of the world coordinate when it is
+  // written.
   const double farthest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
   margin_ = static_cast<float>(0x1p-20 * (box.diagonal() + farthest));
   const double grown = radius + 4.0 * static_cast<double>(margin_);
@@ -64,9 +65,7 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
 void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
   Raw raw{&part, index, vertices_.size(), 0, faces_.size(), 0, {}, {}};
   const Vec3 origin = origin_.cast<double>();
-  const auto local = [&](VertexIndex v) -> Vec3 {
-    return part.worldFromPart * part.shape.vertices[static_cast<std::size_t>(v)] - origin;
-  };
+  const auto local = [&](VertexIndex v) -> Vec3 { return part.worldFromPart * part.shape.vertices[v] - origin; };
   raw.boxMin = boxMax_;
   raw.boxMax = Vec3f::Zero();
   for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
@@ -84,7 +83,7 @@ void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
     if (!(twiceArea > 0.0)) continue;
     const Vec3 normal = cross / twiceArea;
     double offset = normal.dot(a);
-    // The normal of a sliver is uncertain. A plane that all vertices are below cuts nothing off, whatever its normal.
+    // The normal of a sliver is uncertain. A plane with all vertices below it cuts nothing off, whatever its normal.
     const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
     if (twiceArea < 1e-3 * longestSq) {
       for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
@@ -99,9 +98,9 @@ void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
   if (raw.endFace > raw.firstFace) raw_.push_back(raw);
 }
 
-/// Marks faces with another hull before all of them: who goes out there gets in there. Hulls that were cut apart only
-/// touch, and skins that lie on each other do not hide each other, so this asks a little before the face, and roughly.
-/// A wrong mark does no harm but that a particle takes a longer way.
+/// Marks faces that are completely covered by another hull: leaving there leads into that hull. Hulls that were cut
+/// apart only touch, and surfaces that coincide do not hide each other, so the test is made slightly in front of the
+/// face, with a tolerance. A wrong mark only makes a particle take a longer way.
 void PushHulls::findCovered() {
   const float size = boxMax_.norm();
   const float before = 2.5e-3F * size;
@@ -113,7 +112,7 @@ void PushHulls::findCovered() {
       const Vec3f upper = by.boxMax.array() + rough;
       if (&of == &by || (of.boxMin.array() > upper.array()).any() || (lower.array() > of.boxMax.array()).any())
         continue;
-      std::size_t above = by.firstFace;  // the face that the last point was above: the next one is, too, mostly
+      std::size_t above = by.firstFace;  // the face above which the last point was: usually true for the next one too
       const auto isAbove = [&](std::size_t f, const Vec3f& p) {
         return faces_[f].normal.dot(p) - faces_[f].offset >= rough;
       };
@@ -174,18 +173,18 @@ void PushHulls::addHull(const Raw& raw, double seconds, double radius) {
   hull.boxMin = raw.boxMin - grown;
   hull.boxMax = raw.boxMax + grown;
 
-  // The material that is at a place now was at previous * place one frame ago.
+  // Material that is at a position now was at previous * position one frame ago.
   const LivePart& part = *raw.part;
   const Isometry3 previous = part.previousWorldFromPart * part.worldFromPart.inverse();
   const double rate = part.trust / seconds;
-  const Mat3 velocityOfPlace = rate * (Mat3::Identity() - previous.linear());
-  hull.velocityOfPlace = velocityOfPlace.cast<float>();
-  hull.velocity = (velocityOfPlace * origin_.cast<double>() - rate * previous.translation()).cast<float>();
+  const Mat3 velocityOfPosition = rate * (Mat3::Identity() - previous.linear());
+  hull.velocityOfPosition = velocityOfPosition.cast<float>();
+  hull.velocity = (velocityOfPosition * origin_.cast<double>() - rate * previous.translation()).cast<float>();
   hulls_.push_back(hull);
 }
 
 Vec3f PushHulls::surfaceVelocity(const Hull& hull, const Vec3f& p) const {
-  return hull.velocityOfPlace * p + hull.velocity;
+  return hull.velocityOfPosition * p + hull.velocity;
 }
 
 }  // namespace lorica

@@ -9,25 +9,25 @@
 
 namespace lorica {
 
-/// The planes of the live parts, ready to be asked in single precision. Internal to ParticlePush, as all here.
+/// The planes of the live parts, prepared for queries in single precision. Everything here is internal to ParticlePush.
 ///
-/// Local coordinates are world ones less `origin`, the lower corner of the box of all: small, so that float is fine to
-/// some tenths of a micron, and above 0 wherever a hull is.
+/// Local coordinates are world coordinates minus `origin`, the lower corner of the box of all hulls. They are small, so
+/// that float is accurate to some tenths of a micron, and above 0 inside the hulls.
 class PushHulls {
  public:
-  /// Planes lie in whole blocks; what a block has too much is infinitely far away, so that no point is above it.
+  /// Planes are stored in whole blocks; surplus entries are infinitely far away, so that no point is above them.
   static constexpr std::size_t kBlock = 16;
 
   struct Hull {
     std::uint32_t part = 0;
-    /// First those of faces that may lead out, then those of faces with another hull before them; each kind in whole
+    /// First the planes of faces that may lead out, then those of faces with another hull in front; each kind in whole
     /// blocks.
     std::size_t firstPlane = 0;
     std::size_t exitCount = 0;   ///< of the first kind
     std::size_t planeCount = 0;  ///< of both
-    Vec3f boxMin, boxMax;        ///< local, grown by the radius
-    /// A place's velocity [m/s]: velocityOfPlace * place + velocity.
-    Eigen::Matrix3f velocityOfPlace;
+    Vec3f boxMin, boxMax;        ///< local, enlarged by the radius
+    /// Velocity at a position [m/s]: velocityOfPosition * position + velocity.
+    Eigen::Matrix3f velocityOfPosition;
     Vec3f velocity;
   };
 
@@ -38,7 +38,7 @@ class PushHulls {
   [[nodiscard]] std::span<const Hull> hulls() const { return hulls_; }
   [[nodiscard]] const Vec3f& origin() const { return origin_; }
   [[nodiscard]] const Vec3f& boxMax() const { return boxMax_; }  ///< local, of all hulls; the lower corner is 0
-  /// Particles are put this far above a plane, so that no rounding leaves them below [m].
+  /// Particles are placed this far above a plane, so that rounding cannot leave them below [m].
   [[nodiscard]] float margin() const { return margin_; }
   [[nodiscard]] Vec3f normal(std::size_t plane) const { return {x_[plane], y_[plane], z_[plane]}; }
   /// How far a point is above a plane [m].
@@ -53,14 +53,14 @@ class PushHulls {
   [[nodiscard]] Vec3f surfaceVelocity(const Hull& hull, const Vec3f& p) const;
 
  private:
-  /// A face as it comes.
+  /// A face as read from the part.
   struct Face {
     Vec3f normal;
     float offset = 0.0F;  ///< without the radius
-    Triangle corners;     ///< among vertices_
+    Triangle corners;     ///< indices into vertices_
     bool covered = false;
   };
-  /// A hull as it comes: ranges of vertices_ and faces_.
+  /// A hull as read from the part: ranges of vertices_ and faces_.
   struct Raw {
     const LivePart* part = nullptr;
     std::uint32_t index = 0;

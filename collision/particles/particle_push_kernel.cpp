@@ -2,7 +2,7 @@
 
 #include "collision/particles/particle_push_exit.h"
 
-// Highway compiles what lies between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
+// Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/particles/particle_push_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -19,7 +19,7 @@ using Floats = hn::CappedTag<float, 16>;
 using Ints = hn::RebindToSigned<Floats>;
 using PlaneFloats = hn::CappedTag<float, PushGrid::kWidth>;
 
-// Nothing is fused, so that every instruction set rounds alike.
+// Not fused, so that every instruction set rounds alike.
 HWY_INLINE hn::Vec<PlaneFloats> heights(const PushGrid::Block& block, std::size_t i, hn::Vec<PlaneFloats> x,
                                         hn::Vec<PlaneFloats> y, hn::Vec<PlaneFloats> z) {
   const PlaneFloats f;
@@ -30,25 +30,25 @@ HWY_INLINE hn::Vec<PlaneFloats> heights(const PushGrid::Block& block, std::size_
 }
 
 /// A point, and its cell's lists.
-struct Place {
+struct Position {
   hn::Vec<PlaneFloats> x, y, z;
-  const PushGrid::List* list;  ///< null where there is none
+  const PushGrid::List* list;  ///< null if there is none
 };
 
-HWY_INLINE Place placeOf(const PushGrid& grid, const Vec3f& p) {
+HWY_INLINE Position positionOf(const PushGrid& grid, const Vec3f& p) {
   const PlaneFloats f;
   const std::uint32_t first = grid.firstList[grid.cellOf(p)];
   return {hn::Set(f, p.x()), hn::Set(f, p.y()), hn::Set(f, p.z()), first != 0 ? &grid.lists[first] : nullptr};
 }
 
-/// The height of a point above the highest plane of a list that may lead out; 0 where it is not inside the hull.
-HWY_INLINE float heightIn(const PushGrid& grid, const PushGrid::List& list, const Place& place) {
+/// The height of a point above the highest plane of a list that may lead out; 0 if it is not inside the hull.
+HWY_INLINE float heightIn(const PushGrid& grid, const PushGrid::List& list, const Position& position) {
   const PlaneFloats f;
   auto highest = hn::Set(f, -std::numeric_limits<float>::infinity());
   std::uint32_t b = list.firstBlock;
   for (; b < list.firstBlock + list.exitCount; ++b) {
     for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
-      highest = hn::Max(highest, heights(grid.blocks[b], i, place.x, place.y, place.z));
+      highest = hn::Max(highest, heights(grid.blocks[b], i, position.x, position.y, position.z));
     }
   }
   const float height = hn::GetLane(hn::MaxOfLanes(f, highest));
@@ -56,19 +56,20 @@ HWY_INLINE float heightIn(const PushGrid& grid, const PushGrid::List& list, cons
   const auto zero = hn::Zero(f);
   for (; b < list.firstBlock + list.blockCount; ++b) {
     for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
-      if (!hn::AllFalse(f, hn::Ge(heights(grid.blocks[b], i, place.x, place.y, place.z), zero))) return 0.0F;
+      if (!hn::AllFalse(f, hn::Ge(heights(grid.blocks[b], i, position.x, position.y, position.z), zero))) return 0.0F;
     }
   }
   return height;
 }
 
-/// Which of a list's planes is the first so high.
-HWY_INLINE PushDepth depthOf(const PushGrid& grid, const PushGrid::List& list, float height, const Place& place) {
+/// The first of a list's planes with this height.
+HWY_INLINE PushDepth depthOf(const PushGrid& grid, const PushGrid::List& list, float height, const Position& position) {
   const PlaneFloats f;
   const auto wanted = hn::Set(f, height);
   for (std::uint32_t b = list.firstBlock; b < list.firstBlock + list.exitCount; ++b) {
     for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
-      const auto lane = hn::FindFirstTrue(f, hn::Eq(heights(grid.blocks[b], i, place.x, place.y, place.z), wanted));
+      const auto lane =
+          hn::FindFirstTrue(f, hn::Eq(heights(grid.blocks[b], i, position.x, position.y, position.z), wanted));
       if (lane >= 0) return {height, list.hull, grid.planes[b][i + static_cast<std::size_t>(lane)]};
     }
   }
@@ -81,27 +82,27 @@ HWY_INLINE bool isNear(const PushHulls& hulls, const Vec3f& p) {
 
 /// @param p  in the box of all hulls
 HWY_INLINE PushDepth deepestInCell(const PushGrid& grid, const Vec3f& p) {
-  const Place place = placeOf(grid, p);
-  if (place.list == nullptr) return {};
+  const Position position = positionOf(grid, p);
+  if (position.list == nullptr) return {};
   const PushGrid::List* found = nullptr;
   float lowest = 0.0F;
-  for (const PushGrid::List* list = place.list;; ++list) {
-    const float height = heightIn(grid, *list, place);
+  for (const PushGrid::List* list = position.list;; ++list) {
+    const float height = heightIn(grid, *list, position);
     if (height < lowest) {
       lowest = height;
       found = list;
     }
     if (list->last) break;
   }
-  return found != nullptr ? depthOf(grid, *found, lowest, place) : PushDepth{};
+  return found != nullptr ? depthOf(grid, *found, lowest, position) : PushDepth{};
 }
 
 /// @param p  in the box of all hulls
 HWY_INLINE bool insideAny(const PushGrid& grid, const Vec3f& p) {
-  const Place place = placeOf(grid, p);
-  if (place.list == nullptr) return false;
-  for (const PushGrid::List* list = place.list;; ++list) {
-    if (heightIn(grid, *list, place) < 0.0F) return true;
+  const Position position = positionOf(grid, p);
+  if (position.list == nullptr) return false;
+  for (const PushGrid::List* list = position.list;; ++list) {
+    if (heightIn(grid, *list, position) < 0.0F) return true;
     if (list->last) return false;
   }
 }
@@ -112,25 +113,25 @@ PushDepth deepest(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) 
 
 std::size_t allDepths(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths) {
   if (!isNear(hulls, p)) return 0;
-  const Place place = placeOf(grid, p);
-  if (place.list == nullptr) return 0;
+  const Position position = positionOf(grid, p);
+  if (position.list == nullptr) return 0;
   std::size_t count = 0;
-  for (const PushGrid::List* list = place.list; count < depths.size(); ++list) {
-    const float height = heightIn(grid, *list, place);
-    if (height < 0.0F) depths[count++] = depthOf(grid, *list, height, place);
+  for (const PushGrid::List* list = position.list; count < depths.size(); ++list) {
+    const float height = heightIn(grid, *list, position);
+    if (height < 0.0F) depths[count++] = depthOf(grid, *list, height, position);
     if (list->last) break;
   }
   return count;
 }
 
 std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, std::span<PushDepth> faces) {
-  constexpr std::size_t kMostPlanes = 2048;
+  constexpr std::size_t kMaxPlanes = 2048;
   constexpr float kSimilar = 0.9F;  // cosine
   const Floats f;
   const PushHulls::Hull& hull = hulls.hulls()[which];
-  if (hull.exitCount > kMostPlanes) return 0;
+  if (hull.exitCount > kMaxPlanes) return 0;
   const std::size_t first = hull.firstPlane;
-  alignas(64) std::array<float, kMostPlanes> height;  // NOLINT: written before it is read
+  alignas(64) std::array<float, kMaxPlanes> height;  // NOLINT: written before it is read
   const auto dot = [&](std::size_t i, const Vec3f& v) HWY_ATTR {
     return hn::Add(hn::Add(hn::Mul(hn::LoadU(f, hulls.x() + first + i), hn::Set(f, v.x())),
                            hn::Mul(hn::LoadU(f, hulls.y() + first + i), hn::Set(f, v.y()))),
@@ -256,16 +257,16 @@ std::size_t pushAll(const PushHulls& hulls, const PushGrid& grid, float* xyz, st
     const Vec3f start = Vec3f(at[0], at[1], at[2]) - hulls.origin();
     const PushDepth inside = deepestInCell(grid, start);
     if (!(inside.height < 0.0F)) continue;
-    // Nearly always the nearest way out of the one hull leads out of all.
+    // The nearest way out of the one hull nearly always leads out of all.
     PushExit exit{start + (hulls.margin() - inside.height) * hulls.normal(inside.plane), inside.hull, inside.plane};
-    if (isNear(hulls, exit.place) && insideAny(grid, exit.place)) exit = findExit(hulls, grid, start, inside);
+    if (isNear(hulls, exit.position) && insideAny(grid, exit.position)) exit = findExit(hulls, grid, start, inside);
     const PushHulls::Hull& hull = hulls.hulls()[exit.hull];
-    const Vec3f place = exit.place + hulls.origin();
-    at[0] = place.x();
-    at[1] = place.y();
-    at[2] = place.z();
-    touches[touched++] = {first + scratch[k], hull.part, (exit.place - start).norm(), hulls.normal(exit.plane),
-                          hulls.surfaceVelocity(hull, exit.place)};
+    const Vec3f position = exit.position + hulls.origin();
+    at[0] = position.x();
+    at[1] = position.y();
+    at[2] = position.z();
+    touches[touched++] = {first + scratch[k], hull.part, (exit.position - start).norm(), hulls.normal(exit.plane),
+                          hulls.surfaceVelocity(hull, exit.position)};
   }
   return touched;
 }

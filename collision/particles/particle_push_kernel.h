@@ -11,43 +11,44 @@
 
 namespace lorica {
 
-/// What ParticlePush does with its particles, with vector instructions. The same on every instruction set.
+/// Vectorised operations of ParticlePush on its particles. The same on every instruction set.
 
-/// A hull that a point is inside of, and the nearest of its planes that may lead out.
+/// A hull that contains a point, and the nearest of its planes that may lead out.
 struct PushDepth {
-  float height = 0.0F;  ///< of the point above that plane [m]: below 0 inside, 0 where it is inside of no hull
+  float height = 0.0F;  ///< of the point above that plane [m]: below 0 inside, 0 if it is inside no hull
   std::uint32_t hull = 0;
   std::uint32_t plane = 0;
 };
 
-/// That which it is deepest inside of.
+/// The hull in which the point is deepest.
 /// @param p  local
 [[nodiscard]] PushDepth deepestAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p);
 
-/// All that it is inside of, by index; as many as there is room for.
+/// All hulls that contain the point, by index; as many as `depths` has space for.
 /// @return how many
 std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p, std::span<PushDepth> depths);
 
-/// Planes of a hull that may lead out, the nearest to a point first, each looking another way than those before it.
+/// Planes of a hull that may lead out, the nearest to a point first, each with a normal that differs from those before
+/// it.
 /// @param p      local
-/// @param faces  as many as there is room for
-/// @return how many; none of a hull with very many planes
+/// @param faces  receives as many as it has space for
+/// @return how many; none for a hull with very many planes
 std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, std::span<PushDepth> faces);
 
 /// Where a ray leaves a hull.
 struct PushLeave {
-  float length = 0.0F;  ///< infinite where it does not
+  float length = 0.0F;  ///< infinite if it does not
   std::uint32_t plane = 0;
 };
 
 /// @param p          local, inside the hull
 /// @param direction  of length 1
-/// @return where the ray is a margin above a plane, the nearest
+/// @return the nearest point of the ray that is a margin above a plane
 [[nodiscard]] PushLeave leaveHull(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, const Vec3f& direction);
 
 /// Moves the particles of one chunk that are inside.
 /// @param xyz      `count` particles, world
-/// @param scratch  room for `count` and 16 more
+/// @param scratch  space for `count` + 16
 /// @param first    added to the indices of the particles
 /// @return how many were touched
 std::size_t pushParticles(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count,

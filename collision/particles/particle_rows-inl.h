@@ -25,13 +25,13 @@ struct Rows {
   Float x, y, z, w;
 };
 
-// Nothing is fused, so that every instruction set rounds alike.
+// Not fused, so that every instruction set rounds alike.
 HWY_INLINE Float dotOf(Float ax, Float ay, Float az, Float bx, Float by, Float bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-/// 1 / sqrt(x) to a few units in the last place, by Newton's method from a guess at the exponent: a third of the time
-/// of a root and a division, and the same bits on every machine. Of 0 it is a large number.
+/// 1 / sqrt(x) to a few units in the last place, by Newton's method from an initial guess by the exponent. Takes a
+/// third of the time of a root and a division, and gives the same bits on every machine. For 0 it is a large number.
 HWY_INLINE Float inverseRoot(Float x) {
   const Floats f;
   const hn::RebindToUnsigned<Floats> u;
@@ -64,7 +64,7 @@ HWY_INLINE Rows gatherRows(const ParticleRow* rows, const std::uint32_t* ids) {
 
 #else
 
-// Block k of the result is the row that ids[4 * k] names.
+// Block k of the result is the row ids[4 * k].
 template <class D>
 HWY_INLINE hn::Vec<D> blocksOfRows(D d, const ParticleRow* rows, const std::uint32_t* ids) {
   if constexpr (hn::MaxLanes(d) == 4) {
@@ -76,7 +76,7 @@ HWY_INLINE hn::Vec<D> blocksOfRows(D d, const ParticleRow* rows, const std::uint
   }
 }
 
-/// Lane i is the row that ids[i] names, marked or not. Faster than gather instructions.
+/// Lane i is the row ids[i], marked or not. Faster than gather instructions.
 HWY_INLINE Rows gatherRows(const ParticleRow* rows, const std::uint32_t* ids) {
   const Floats f;
   hwy::Prefetch(ids + 24 * kParticleBlock);

@@ -10,12 +10,12 @@
 namespace lorica {
 namespace {
 
-constexpr double kApart = 1.02;  // of new particles, in diameters
+constexpr double kApart = 1.02;  // spacing of new particles, in diameters
 constexpr double kJitter = 0.02;
 constexpr std::uint64_t kSeed = 20;
 constexpr double kSettlingFrame = 1.0 / 30.0;
 
-/// How many a box takes: along each axis, and at most so many in all.
+/// How many particles a box takes: along each axis, and in total.
 struct Lattice {
   std::array<int, 3> counts{};
   int count = 0;
@@ -27,10 +27,10 @@ Lattice latticeIn(const ParticleSettings& settings, const ParticleSettings::Fill
   double count = 1.0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double along = std::clamp(std::floor(fill.size[axis] / step), 1.0, 1e5);
-    lattice.counts[static_cast<std::size_t>(axis)] = static_cast<int>(along);
+    lattice.counts[axis] = static_cast<int>(along);
     count *= along;
   }
-  lattice.count = static_cast<int>(std::min(count, static_cast<double>(fill.most)));
+  lattice.count = static_cast<int>(std::min(count, static_cast<double>(fill.max)));
   return lattice;
 }
 
@@ -40,13 +40,13 @@ std::size_t countOf(const ParticleSettings& settings) {
     count += static_cast<std::size_t>(latticeIn(settings, fill).count);
   }
   for (const ParticleSettings::Pour& pour : settings.pours) count += static_cast<std::size_t>(std::max(pour.count, 0));
-  return std::clamp<std::size_t>(count, 1, ParticleSettings::kMostParticles);
+  return std::clamp<std::size_t>(count, 1, ParticleSettings::kMaxParticles);
 }
 
 }  // namespace
 
 Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
-  CHECK(settings.radius > 0.0, "particles have a size");
+  LORICA_CHECK(settings.radius > 0.0, "the particle radius must be above 0");
   const std::size_t capacity = countOf(settings);
   if (settings.kind == ParticleSettings::Kind::kSand) {
     GranularSettings sand;
@@ -72,10 +72,10 @@ Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
   sources_.resize(settings.pours.size());
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const double step = 2.0 * settings.radius * kApart, radius = settings.pours[i].radius;
-    const int most = static_cast<int>(std::min(radius / step, 200.0));
-    for (int z = -most; z <= most; ++z) {
-      for (int x = -most; x <= most; ++x) {
-        if (x * x + z * z > most * most) continue;
+    const int max = static_cast<int>(std::min(radius / step, 200.0));
+    for (int z = -max; z <= max; ++z) {
+      for (int x = -max; x <= max; ++x) {
+        if (x * x + z * z > max * max) continue;
         sources_[i].disc.emplace_back(static_cast<float>(x * step), 0.0f, static_cast<float>(z * step));
       }
     }
@@ -90,11 +90,11 @@ void Particles::fill(const ParticleSettings::Fill& fill) {
   for (int i = 0; i < lattice.count; ++i) {
     const int x = i % lattice.counts[0], z = i / lattice.counts[0] % lattice.counts[2];
     const int y = i / lattice.counts[0] / lattice.counts[2];
-    Vec3 place = step * Vec3(x - 0.5 * (lattice.counts[0] - 1), y - 0.5 * (lattice.counts[1] - 1),
-                             z - 0.5 * (lattice.counts[2] - 1));
-    // Grains that lie exactly on each other would stand as columns.
-    for (Eigen::Index axis = 0; axis < 3; ++axis) place[axis] += kJitter * step * random.between(-0.5, 0.5);
-    added_.push_back((fill.middle + place).cast<float>());
+    Vec3 position = step * Vec3(x - 0.5 * (lattice.counts[0] - 1), y - 0.5 * (lattice.counts[1] - 1),
+                                z - 0.5 * (lattice.counts[2] - 1));
+    // Exactly stacked grains would stand as columns.
+    for (Eigen::Index axis = 0; axis < 3; ++axis) position[axis] += kJitter * step * random.between(-0.5, 0.5);
+    added_.push_back((fill.middle + position).cast<float>());
   }
   add(added_, Vec3::Zero());
 }
@@ -109,26 +109,27 @@ void Particles::pour(std::size_t index, double seconds) {
   const auto layer = static_cast<float>(2.0 * settings_.radius * kApart);
   RandomNumbers random(kSeed + static_cast<std::uint64_t>(source.poured));
   added_.clear();
-  // Side by side on the disc, and above each other where it is full; each as if it came at another time of the frame.
-  const auto places = static_cast<int>(source.disc.size());
+  // Side by side on the disc, and above each other once it is full; each as if released at a different time of the
+  // frame.
+  const auto positions = static_cast<int>(source.disc.size());
   const auto begin = static_cast<int>(random.bits() % source.disc.size());
   for (int i = 0; i < count; ++i) {
-    Vec3f place = source.disc[static_cast<std::size_t>((begin + i) % places)];
-    place.x() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
-    place.z() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
-    const int turn = i / places;
-    place.y() = layer * static_cast<float>(turn) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
-    added_.push_back(pour.middle.cast<float>() + place);
+    Vec3f position = source.disc[(begin + i) % positions];
+    position.x() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
+    position.z() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
+    const int turn = i / positions;
+    position.y() = layer * static_cast<float>(turn) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
+    added_.push_back(pour.middle.cast<float>() + position);
   }
   source.poured += count;
   add(added_, pour.velocity);
 }
 
-void Particles::add(std::span<const Vec3f> places, const Vec3& velocity) {
+void Particles::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   if (sand_) {
-    sand_->add(places, velocity);
+    sand_->add(positions, velocity);
   } else {
-    water_->add(places, velocity);
+    water_->add(positions, velocity);
   }
 }
 
@@ -155,8 +156,8 @@ void Particles::step(std::span<const LivePart> parts, double seconds) {
   move(parts, seconds);
 }
 
-std::span<const Vec3f> Particles::places() const {
-  return sand_ ? sand_->places() : water_->places();
+std::span<const Vec3f> Particles::positions() const {
+  return sand_ ? sand_->positions() : water_->positions();
 }
 
 std::span<const Vec3f> Particles::velocities() const {

@@ -12,7 +12,7 @@
 
 namespace lorica {
 
-/// The grains or the drops of a scene, and where they come from.
+/// The grains or water particles of a scene, and their sources.
 struct ParticleSettings {
   enum class Kind : std::uint8_t { kSand, kWater };
   Kind kind = Kind::kSand;
@@ -21,27 +21,27 @@ struct ParticleSettings {
   double viscosity = 0.1;  ///< of water
   Vec3 gravity{0.0, -9.81, 0.0};
   bool floor = true;
-  std::optional<Aabb> walls;                 ///< they stay within its x and z
+  std::optional<Aabb> walls;                 ///< they stay within its x and z range
   Vec3f color = Vec3f(0.60f, 0.45f, 0.26f);  ///< linear RGB
-  /// A box that is full of them at the begin.
+  /// A box that is full of them at the start.
   struct Fill {
     Vec3 middle = Vec3::Zero(), size = Vec3::Ones();  ///< world [m]
-    int most = kMostParticles;
+    int max = kMaxParticles;
   };
   std::vector<Fill> fills;
   /// A level disc that they fall from.
   struct Pour {
     Vec3 middle = Vec3::Zero();  ///< world [m]
     double radius = 0.2;         ///< of the disc [m]
-    double rate = 5000.0;        ///< a second
-    int count = 10'000;          ///< until so many came
+    double rate = 5000.0;        ///< particles per second
+    int count = 10'000;          ///< total number to pour
     Vec3 velocity{0.0, -1.0, 0.0};
   };
   std::vector<Pour> pours;
-  /// So long they move, around the body as it is in the first step, before that step begins [s].
+  /// Time for which they settle around the body's first pose, before the first step [s].
   double settleSeconds = 0.0;
 
-  static constexpr int kMostParticles = 300'000;
+  static constexpr int kMaxParticles = 300'000;
 };
 
 /// Sand or water with its sources, moved frame by frame. The same settings and parts give the same bits.
@@ -49,26 +49,26 @@ class Particles {
  public:
   explicit Particles(const ParticleSettings& settings);
 
-  /// Moves on by a frame; the first also settles, which takes as long as all the frames that it is.
+  /// Advances by a frame. The first call also settles the particles, which costs as much as that many frames.
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
 
   [[nodiscard]] const ParticleSettings& settings() const { return settings_; }
-  /// World [m]; a particle keeps its number.
-  [[nodiscard]] std::span<const Vec3f> places() const;
+  /// World [m]; a particle keeps its index.
+  [[nodiscard]] std::span<const Vec3f> positions() const;
   [[nodiscard]] std::span<const Vec3f> velocities() const;
 
  private:
   void fill(const ParticleSettings::Fill& fill);
   void pour(std::size_t source, double seconds);
-  void add(std::span<const Vec3f> places, const Vec3& velocity);
+  void add(std::span<const Vec3f> positions, const Vec3& velocity);
   void move(std::span<const LivePart> parts, double seconds);
 
   ParticleSettings settings_;
   std::optional<Granular> sand_;
   std::optional<Fluid> water_;
   struct Source {
-    std::vector<Vec3f> disc;  // places side by side
+    std::vector<Vec3f> disc;  // positions side by side
     double due = 0.0;         // particles
     int poured = 0;
   };

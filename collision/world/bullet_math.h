@@ -6,7 +6,7 @@
 
 namespace lorica {
 
-/// Ours in double precision, Bullet's in single. Internal.
+/// Conversions between Lorica's double-precision types and Bullet's single-precision ones. Internal.
 
 inline btVector3 toBullet(const Vec3& v) {
   return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};

@@ -8,7 +8,7 @@ namespace {
 
 constexpr btScalar kSlow = 0.05f;  // [m/s]
 
-/// Velocity of the second body as the first one sees it, at a contact.
+/// Velocity of the second body relative to the first at a contact.
 btVector3 velocityBetween(const btPersistentManifold& manifold, const btManifoldPoint& contact) {
   const auto& a = static_cast<const btRigidBody&>(*manifold.getBody0());
   const auto& b = static_cast<const btRigidBody&>(*manifold.getBody1());
@@ -25,7 +25,7 @@ bool isSlow(const btPersistentManifold& manifold) {
 
 }  // namespace
 
-/// Marks all that rests on a moving body, directly or on top of each other.
+/// Marks all bodies that rest on a kinematic body, directly or through other bodies.
 void ContactSolver::markCarried(btPersistentManifold** manifolds, int count) {
   ++mark_;
   const auto carries = [&](const btCollisionObject* object) {

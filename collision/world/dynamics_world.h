@@ -5,11 +5,11 @@
 
 namespace lorica {
 
-/// Bullet's solver, with friction that holds. Internal.
+/// Bullet's solver with friction that keeps resting bodies in position. Internal.
 ///
-/// Bullet lets friction work along one direction at each contact, that of sliding, and resists nothing across it: what
-/// lies on something drifts by up to a millimetre a second, and stacks creep apart. On the floor they fall asleep
-/// before it shows; on a live part nothing sleeps. There slow contacts get both directions, along fixed axes.
+/// Bullet applies friction along one direction per contact, the direction of sliding, and none across it. Resting
+/// bodies therefore drift by up to a millimetre per second, and stacks creep apart. On the floor bodies fall asleep
+/// before this shows; on a live part nothing sleeps. There, slow contacts get two friction directions along fixed axes.
 class ContactSolver : public btSequentialImpulseConstraintSolver {
  protected:
   void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
@@ -17,22 +17,22 @@ class ContactSolver : public btSequentialImpulseConstraintSolver {
  private:
   void markCarried(btPersistentManifold** manifolds, int count);
 
-  int mark_ = 0;  ///< second user index of what is carried in this substep
+  int mark_ = 0;  ///< second user index of the bodies that are carried in this substep
 };
 
-/// Bullet's world, mended where things hit fast and where bodies are moved from outside. Internal.
+/// Bullet's world with corrections for fast impacts and for kinematic bodies. Internal.
 class DynamicsWorld : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
-  /// Contacts that will close within the substep count as closed where things bounce. Bullet would else take from the
-  /// bounce the speed that closes them, so that it would depend on where in the substep things meet.
+  /// Contacts with restitution that will close within the substep count as closed. Otherwise Bullet would subtract the
+  /// speed that closes the gap from the bounce, so the bounce would depend on when in the substep the bodies meet.
   void performDiscreteCollisionDetection() override;
 
  protected:
-  /// Bullet would take the velocities of kinematic bodies from the difference of single-precision transforms over one
-  /// substep, where a turn slower than 10 degrees a second drowns in rounding. Ours are set before each substep
-  /// instead.
+  /// Does nothing. Bullet would compute the velocities of kinematic bodies from the difference of single-precision
+  /// transforms over one substep, where a rotation slower than 10 degrees per second is lost in rounding. World sets
+  /// these velocities before each substep instead.
   void saveKinematicState(btScalar /*seconds*/) override {}
 };
 

@@ -20,7 +20,7 @@ bool isPart(const btCollisionObject* object) {
   return object->isKinematicObject();
 }
 
-/// Whether a box b, seen in a frame, is apart from a box along the axes of that frame.
+/// Whether a box b, given in some frame, is separated from a box aligned with that frame along one of its axes.
 bool apartAlongAxes(const btVector3& low, const btVector3& high, const btVector3& centerOfB, const btVector3& halfOfB) {
   const btVector3 lowOfB = centerOfB - halfOfB;
   const btVector3 highOfB = centerOfB + halfOfB;
@@ -30,13 +30,13 @@ bool apartAlongAxes(const btVector3& low, const btVector3& high, const btVector3
   return false;
 }
 
-/// Whether a part and a convex shape are farther apart than `gap`, beside both margins. False where that is not sure.
+/// Whether a part and a convex shape are farther apart than `gap` plus both margins. False if that is uncertain.
 bool areApart(const btCollisionObject& part, const btConvexInternalShape& shape, const btTransform& worldFromShape,
               btScalar gap) {
   const auto& hull = static_cast<const PartShape&>(*part.getCollisionShape());
   gap += hull.getMargin() + shape.getMargin();
 
-  // First by the boxes around both, each along its own axes.
+  // First test the boxes around both, each along its own axes.
   btVector3 low, high;
   shape.getAabb(btTransform::getIdentity(), low, high);
   const btVector3 half = btScalar(0.5) * (high - low);
@@ -55,11 +55,11 @@ bool areApart(const btCollisionObject& part, const btConvexInternalShape& shape,
   const bool measured =
       btGjkEpaSolver2::Distance(&hull, part.getWorldTransform(), &shape, worldFromShape,
                                 part.getWorldTransform() * centerOfHull - worldFromShape.getOrigin(), results);
-  // The distance comes from an iteration that stops within a ten-thousandth.
+  // The distance comes from an iteration with a relative tolerance of 1e-4.
   return measured && results.distance > btScalar(1.001) * gap;
 }
 
-/// Whether a part and a prop are surely farther apart than `gap`, beside their margins.
+/// Whether a part and a prop are certainly farther apart than `gap` plus their margins.
 bool areApart(const btCollisionObject& part, const btCollisionObject& prop, btScalar gap) {
   const btCollisionShape* shape = prop.getCollisionShape();
   const btTransform& worldFromProp = prop.getWorldTransform();
@@ -85,7 +85,7 @@ bool PartDispatcher::canTouch(const btBroadphasePair& pair) {
   const btCollisionObject* b = objectOf(pair.m_pProxy1);
   if (isPart(a) == isPart(b)) return true;
   if (pair.m_algorithm != nullptr) {
-    // Contacts that a pair has must be followed until they are given up.
+    // A pair that has contacts must be processed until Bullet drops them.
     manifolds_.resizeNoInitialize(0);
     pair.m_algorithm->getAllContactManifolds(manifolds_);
     for (int i = 0; i < manifolds_.size(); ++i) {

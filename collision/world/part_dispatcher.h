@@ -5,11 +5,11 @@
 
 namespace lorica {
 
-/// Bullet's narrow phase, except that pairs of a part and a prop are passed over where they are surely apart. Internal.
+/// Bullet's narrow phase, except that pairs of a part and a prop are skipped if they are certainly apart. Internal.
 ///
-/// For two shapes whose bounds overlap Bullet measures the distance eight times: twice in each of four attitudes,
-/// tilted a little to find several contacts at once. Most pairs are centimetres apart, and then boxes or one
-/// measurement tell.
+/// For two shapes whose bounds overlap, Bullet measures the distance eight times: twice in each of four orientations,
+/// tilted slightly to find several contacts at once. Most pairs are centimetres apart; a test of oriented boxes or one
+/// distance measurement rejects them.
 class PartDispatcher : public btCollisionDispatcher {
  public:
   explicit PartDispatcher(btCollisionConfiguration* configuration);

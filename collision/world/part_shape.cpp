@@ -17,7 +17,7 @@ void PartShape::reserve(std::size_t count) {
 }
 
 void PartShape::setPoints(std::span<const Vec3> points) {
-  CHECK(!points.empty(), "a shape has points");
+  LORICA_CHECK(!points.empty(), "a shape needs at least one point");
   const int count = static_cast<int>(points.size());
   stride_ = (count + kSupportBlock - 1) / kSupportBlock * kSupportBlock;
   coordinates_.resize(3 * static_cast<std::size_t>(stride_));
@@ -26,7 +26,7 @@ void PartShape::setPoints(std::span<const Vec3> points) {
     float low = static_cast<float>(points[0][axis]);
     float high = low;
     for (int i = 0; i < count; ++i) {
-      row[i] = static_cast<float>(points[static_cast<std::size_t>(i)][axis]);
+      row[i] = static_cast<float>(points[i][axis]);
       low = std::min(low, row[i]);
       high = std::max(high, row[i]);
     }
@@ -52,7 +52,7 @@ void PartShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector
 }
 
 void PartShape::calculateLocalInertia(btScalar /*mass*/, btVector3& inertia) const {
-  inertia.setZero();  // nothing pushes a part
+  inertia.setZero();  // parts are kinematic
 }
 
 }  // namespace lorica

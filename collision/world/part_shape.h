@@ -9,19 +9,19 @@
 
 namespace lorica {
 
-/// A part's hull for Bullet: the convex hull of points that may all change in every frame. What Bullet asks for most,
-/// the farthest point along a direction, is answered with vector instructions and exactly. Internal.
+/// A part's hull for Bullet: the convex hull of points that may all change in every frame. The most frequent query, the
+/// support point of a direction, is answered exactly, with SIMD instructions. Internal.
 class PartShape : public btConvexInternalAabbCachingShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// The type that Bullet knows these shapes by.
+  /// The shape type in Bullet.
   static constexpr int kType = CUSTOM_CONVEX_SHAPE_TYPE;
 
-  /// @param margin  the hull is inflated by this [m]
+  /// @param margin  inflation of the hull [m]
   explicit PartShape(btScalar margin);
 
-  /// Room for so many points, so that setPoints() allocates nothing.
+  /// Reserves memory so that setPoints() with up to `count` points allocates nothing.
   void reserve(std::size_t count);
   /// @param points  in the part's frame, at least one [m]
   void setPoints(std::span<const Vec3> points);

@@ -22,7 +22,7 @@ double boundingRadius(const Prop& prop) {
 }
 
 Prop meshProp(std::shared_ptr<const PropMeshShape> mesh) {
-  CHECK(mesh != nullptr && !mesh->hulls.empty(), "a mesh prop has hulls");
+  LORICA_CHECK(mesh != nullptr && !mesh->hulls.empty(), "a mesh prop needs hulls");
   Vec3 half = Vec3::Zero();
   for (const ConvexHull& hull : mesh->hulls) {
     for (const Vec3& v : hull.vertices) half = half.cwiseMax(v.cwiseAbs());

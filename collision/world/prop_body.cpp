@@ -11,20 +11,20 @@
 namespace lorica {
 namespace {
 
-// Hulls shrink by this and are inflated by as much again: shapes that overlap less are told apart sharply. Thin ones
-// shrink by at most that share of their inner radius.
+// Hulls are shrunk by this margin and inflated by it again: distances of shapes that overlap by less are exact. Thin
+// hulls shrink by at most the given share of their inner radius.
 constexpr btScalar kHullMargin = 0.005f;
-constexpr btScalar kMostShrunk = 0.3f;
+constexpr btScalar kMaxShrunk = 0.3f;
 
-/// A hull for Bullet, rounded off at edges and corners by at most kHullMargin.
+/// A hull for Bullet, with edges and corners rounded by at most kHullMargin.
 std::unique_ptr<PartShape> hullShape(const ConvexHull& hull, const Isometry3& massFromProp) {
-  CHECK(!hull.degenerate(), "a mesh prop's hulls have a volume");
+  LORICA_CHECK(!hull.degenerate(), "a mesh prop's hulls need a volume");
   std::vector<Vec3> points;
   points.reserve(hull.vertices.size());
   for (const Vec3& v : hull.vertices) points.emplace_back(massFromProp * v);
   btConvexHullComputer shrunk;
   const btScalar margin =
-      shrunk.compute(points[0].data(), 3 * sizeof(double), static_cast<int>(points.size()), kHullMargin, kMostShrunk);
+      shrunk.compute(points[0].data(), 3 * sizeof(double), static_cast<int>(points.size()), kHullMargin, kMaxShrunk);
   if (margin > 0.0f && shrunk.vertices.size() >= 4) {
     points.clear();
     points.reserve(static_cast<std::size_t>(shrunk.vertices.size()));
@@ -37,8 +37,8 @@ std::unique_ptr<PartShape> hullShape(const ConvexHull& hull, const Isometry3& ma
 
 /// @return moments of inertia along the axes of the body [kg m^2]
 Vec3 takeMesh(const Prop& prop, PropBody& body) {
-  CHECK(prop.mesh != nullptr && !prop.mesh->hulls.empty() && prop.mesh->solid.volume > 0.0,
-        "a prop of shape kMesh has a mesh with hulls and a volume");
+  LORICA_CHECK(prop.mesh != nullptr && !prop.mesh->hulls.empty() && prop.mesh->solid.volume > 0.0,
+               "a prop of shape kMesh needs a mesh with hulls and a volume");
   const PropMeshShape& mesh = *prop.mesh;
   const PrincipalInertia principal = principalInertia(mesh.solid.inertia);
   Isometry3 propFromMass = Isometry3::Identity();
@@ -71,7 +71,7 @@ btVector3 takeShape(const Prop& prop, PropBody& body) {
       break;
     case PropShape::kCapsule: {
       const double straight = 2.0 * (prop.halfExtents.y() - prop.halfExtents.x());
-      CHECK(straight >= 0.0, "a capsule is at least as high as wide");
+      LORICA_CHECK(straight >= 0.0, "a capsule must be at least as high as wide");
       body.shape = std::make_unique<btCapsuleShape>(radius, static_cast<btScalar>(straight));
       break;
     }
@@ -97,7 +97,8 @@ void PropBody::read(Prop& prop) const {
 }
 
 PropBody makePropBody(const Prop& prop, int index) {
-  CHECK(prop.mass >= 0.0 && prop.halfExtents.minCoeff() > 0.0, "a prop needs extents above zero, and no negative mass");
+  LORICA_CHECK(prop.mass >= 0.0 && prop.halfExtents.minCoeff() > 0.0,
+               "a prop needs extents above zero and a mass of at least zero");
   PropBody body;
   const btVector3 inertia = takeShape(prop, body);
   btRigidBody::btRigidBodyConstructionInfo construction(static_cast<btScalar>(prop.mass), nullptr, body.shape.get(),
@@ -106,10 +107,10 @@ PropBody makePropBody(const Prop& prop, int index) {
   construction.m_restitution = static_cast<btScalar>(prop.restitution);
   const Isometry3 worldFromMass = prop.worldFromProp * body.massFromProp.inverse();
   construction.m_startWorldTransform = toBullet(Quat(worldFromMass.linear()), worldFromMass.translation());
-  // Bullet lets things sleep below 0.8 m/s, which freezes what still visibly drifts.
+  // Bullet's default threshold of 0.8 m/s would freeze bodies that still visibly drift.
   construction.m_linearSleepingThreshold = 0.03f;
   construction.m_angularSleepingThreshold = 0.1f;
-  if (prop.shape != PropShape::kBox) construction.m_rollingFriction = 0.002f;  // else what is round never stops
+  if (prop.shape != PropShape::kBox) construction.m_rollingFriction = 0.002f;  // otherwise round props never stop
   body.body = std::make_unique<btRigidBody>(construction);
   body.body->setLinearVelocity(toBullet(prop.velocity));
   body.body->setAngularVelocity(toBullet(prop.angularVelocity));

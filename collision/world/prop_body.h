@@ -11,12 +11,12 @@
 
 namespace lorica {
 
-/// A prop's body in Bullet. Internal.
+/// A prop's rigid body in Bullet. Internal.
 ///
-/// Bullet has a body's origin at its centre of mass and its axes along the principal ones. For all props but meshes
-/// that is the prop's own frame already.
+/// In Bullet, a body's origin is its centre of mass and its axes are the principal axes. For all props except meshes
+/// this is the prop's own frame.
 struct PropBody {
-  std::vector<std::unique_ptr<PartShape>> hulls;  ///< of a mesh, in the frame of its mass
+  std::vector<std::unique_ptr<PartShape>> hulls;  ///< of a mesh, in the frame of its principal axes
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
   Isometry3 massFromProp = Isometry3::Identity();
@@ -24,15 +24,15 @@ struct PropBody {
   bool round = false;
   bool centered = true;  ///< massFromProp is the identity
 
-  /// How fast the surface goes about the middle [m/s]; that of a ball stays in its place.
+  /// Bound on the speed that rotation gives the surface [m/s]; 0 for a ball, whose rotation does not change its shape.
   [[nodiscard]] double spin() const { return round ? 0.0 : radius * body->getAngularVelocity().length(); }
-  /// No point is faster [m/s].
+  /// Upper bound on the speed of any point [m/s].
   [[nodiscard]] double speed() const { return body->getLinearVelocity().length() + spin(); }
-  /// Writes where the body is, and how it moves.
+  /// Writes the body's pose and velocities to the prop.
   void read(Prop& prop) const;
 };
 
-/// @param index  of the prop, for contacts
+/// @param index  of the prop, reported in contacts
 [[nodiscard]] PropBody makePropBody(const Prop& prop, int index);
 
 }  // namespace lorica

@@ -12,9 +12,9 @@ namespace {
 using Box = Eigen::AlignedBox3d;
 
 constexpr double kStep = 0.05;         // [m]
-constexpr int kMostSteps = 400;        // 20 m
+constexpr int kMaxSteps = 400;         // 20 m
 constexpr double kClear = 0.01;        // [m]
-constexpr double kTouching = 0.005;    // props this close are one stack [m]
+constexpr double kTouching = 0.005;    // props within this distance form one stack [m]
 constexpr double kStandsBelow = 0.02;  // above the floor [m]
 
 Vec3 halfSides(const Prop& prop) {
@@ -34,27 +34,25 @@ Box grown(const Box& box, double by) {
   return {box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)};
 }
 
-/// How far a prop reaches from its middle along a direction.
+/// How far a prop extends from its centre along a direction.
 double reach(const Prop& prop, const Vec3& direction) {
   if (prop.shape == PropShape::kSphere) return prop.halfExtents.x();
   return (prop.worldFromProp.linear().transpose() * direction).cwiseAbs().dot(halfSides(prop));
 }
 
-/// A part's hull in the world, and the box around it.
+/// A part's hull in the world and its bounding box.
 struct Obstacle {
   ConvexHull hull;
   Box box;
 };
 
-/// Whether a plane parallel to a side of the one or the other lies between them. There may be one askew where this
-/// finds none; then they pass for closer than they are.
+/// Whether a plane parallel to a face of either one separates them. Other separating planes are not tested, so a pair
+/// that is clear may be reported as not clear.
 bool areClear(const Obstacle& part, const Prop& prop, const Vec3& moved) {
   const Vec3 center = prop.worldFromProp.translation() + moved;
   for (const Triangle& t : part.hull.triangles) {
-    const Vec3& a = part.hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3 normal = (part.hull.vertices[static_cast<std::size_t>(t[1])] - a)
-                            .cross(part.hull.vertices[static_cast<std::size_t>(t[2])] - a)
-                            .normalized();
+    const Vec3& a = part.hull.vertices[t[0]];
+    const Vec3 normal = (part.hull.vertices[t[1]] - a).cross(part.hull.vertices[t[2]] - a).normalized();
     if (normal.dot(center - a) - reach(prop, normal) > kClear) return true;
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -71,7 +69,7 @@ bool areClear(const Obstacle& part, const Prop& prop, const Vec3& moved) {
   return false;
 }
 
-/// Stacks: for each prop the first of its stack.
+/// Groups props into stacks. @return for each prop, the index of the first prop of its stack
 std::vector<std::size_t> stacksOf(std::span<const Prop> props, std::span<const Box> boxes) {
   std::vector<std::size_t> first(props.size());
   std::iota(first.begin(), first.end(), std::size_t{0});
@@ -141,7 +139,7 @@ std::vector<Vec3> roomFor(std::span<const LivePart> parts, std::span<const Prop>
       away.y() = 0.0;
       away = away.norm() > kClear ? Vec3(away.normalized()) : Vec3::UnitZ();
     }
-    for (int step = 1; step <= kMostSteps; ++step) {
+    for (int step = 1; step <= kMaxSteps; ++step) {
       const Vec3 moved = step * kStep * away;
       if (isInTheWay(moved) || meetsOthers(moved)) continue;
       for (const std::size_t i : members) moves[i] = moved;

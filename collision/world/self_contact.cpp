@@ -18,7 +18,7 @@ namespace {
 
 constexpr btScalar kRestGap = 0.005f;  // hulls closer than this in the rest pose are neighbours [m]
 
-// Turned frames to look at a pair in.
+// Rotations of the frame in which a pair is tested.
 constexpr int kViewCount = 8;
 const btQuaternion kViews[kViewCount] = {{0, 0, 0, 1},
                                          {0.5f, 0.5f, 0.5f, 0.5f},
@@ -29,7 +29,7 @@ const btQuaternion kViews[kViewCount] = {{0, 0, 0, 1},
                                          {0.1f, -0.3f, 0.9f, 0.3f},
                                          {-0.7f, -0.1f, 0.1f, 0.7f}};
 
-/// A part as Bullet sees it.
+/// A part's shape in Bullet.
 struct Solid {
   PartShape shape{0.0f};
   Aabb bounds;  ///< world [m]
@@ -39,7 +39,7 @@ bool apart(const Aabb& a, const Aabb& b) {
   return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
 }
 
-/// Whether points of both parts are the same. @param a,b  with points in ascending order
+/// Whether two parts have points in common. @param a,b  with points in ascending order
 bool sharePoints(const Part& a, const Part& b) {
   auto i = a.points.begin();
   auto j = b.points.begin();
@@ -54,7 +54,7 @@ bool sharePoints(const Part& a, const Part& b) {
   return false;
 }
 
-/// How far the first must be left behind along a direction until nothing of it is beyond the second [m].
+/// Overlap of the two along a direction: how far the second must move along it to leave the first behind [m].
 double overlapAlong(const LivePart& first, const LivePart& second, const Vec3& direction) {
   const Vec3 inFirst = first.worldFromPart.linear().transpose() * direction;
   const Vec3 inSecond = second.worldFromPart.linear().transpose() * direction;
@@ -66,13 +66,13 @@ double overlapAlong(const LivePart& first, const LivePart& second, const Vec3& d
          second.worldFromPart.translation().dot(direction);
 }
 
-/// Looks along the normals of a hull's faces for one that is less deep. Never fails, and knows no edges.
+/// Searches the face normals of a hull for a direction of smaller depth. Never fails, but ignores edges.
 /// @param sign  +1 for the first part's faces, -1 for the second's
 void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of, double sign, SelfContact& contact) {
   const std::vector<Vec3>& v = of.shape.vertices;
   for (const Triangle& t : of.shape.triangles) {
-    const Vec3& corner = v[static_cast<std::size_t>(t[0])];
-    const Vec3 normal = (v[static_cast<std::size_t>(t[1])] - corner).cross(v[static_cast<std::size_t>(t[2])] - corner);
+    const Vec3& corner = v[t[0]];
+    const Vec3 normal = (v[t[1]] - corner).cross(v[t[2]] - corner);
     const double length = normal.norm();
     if (!(length > 0.0)) continue;
     const Vec3 direction = of.worldFromPart.linear() * (sign / length * normal);
@@ -83,7 +83,7 @@ void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of,
   }
 }
 
-/// Turns the direction to where the overlap is less, in ever smaller steps: between faces it is an edge's matter.
+/// Refines the direction by local search with decreasing steps: the minimum may be at a pair of edges, between faces.
 void settle(const LivePart& first, const LivePart& second, SelfContact& contact) {
   constexpr int kAround = 16;
   for (double step = 0.4; step > 1e-6;) {
@@ -110,9 +110,9 @@ void settle(const LivePart& first, const LivePart& second, SelfContact& contact)
 
 struct SelfContactQuery::Impl {
   std::vector<Solid> solids;
-  std::vector<std::uint8_t> neighbours;  ///< of each part, each part
+  std::vector<std::uint8_t> neighbours;  ///< matrix of parts, 1 = neighbours
   std::vector<SelfContact> contacts;
-  std::vector<std::pair<double, PartIndex>> order;  ///< parts by where their bounds begin along x
+  std::vector<std::pair<double, PartIndex>> order;  ///< parts by the lower bound of x
 
   [[nodiscard]] std::uint8_t& neighbour(std::size_t a, std::size_t b) { return neighbours[a * solids.size() + b]; }
   void test(std::span<const LivePart> parts, PartIndex a, PartIndex b);
@@ -120,7 +120,8 @@ struct SelfContactQuery::Impl {
 
 SelfContactQuery::SelfContactQuery(const LiveBody& body, std::span<const Vec3> rest) : impl_(std::make_unique<Impl>()) {
   const Decomposition& decomposition = body.decomposition();
-  CHECK(rest.size() == static_cast<std::size_t>(decomposition.vertexCount), "the rest pose is one of the body's mesh");
+  LORICA_CHECK(rest.size() == static_cast<std::size_t>(decomposition.vertexCount),
+               "the rest pose must have the vertices of the body's mesh");
   const std::size_t count = decomposition.parts.size();
   impl_->solids.resize(count);
   impl_->neighbours.assign(count * count, 1);
@@ -159,7 +160,7 @@ bool SelfContactQuery::areNeighbours(PartIndex a, PartIndex b) const {
 }
 
 std::span<const SelfContact> SelfContactQuery::find(std::span<const LivePart> parts) {
-  CHECK(parts.size() == impl_->solids.size(), "the parts are those of the query's body");
+  LORICA_CHECK(parts.size() == impl_->solids.size(), "the parts must be those of the query's body");
   std::vector<Solid>& solids = impl_->solids;
   impl_->contacts.clear();
   impl_->order.clear();
@@ -187,10 +188,10 @@ std::span<const SelfContact> SelfContactQuery::find(std::span<const LivePart> pa
 }
 
 void SelfContactQuery::Impl::test(std::span<const LivePart> parts, PartIndex a, PartIndex b) {
-  const LivePart& first = parts[static_cast<std::size_t>(a)];
-  const LivePart& second = parts[static_cast<std::size_t>(b)];
-  const PartShape& firstShape = solids[static_cast<std::size_t>(a)].shape;
-  const PartShape& secondShape = solids[static_cast<std::size_t>(b)].shape;
+  const LivePart& first = parts[a];
+  const LivePart& second = parts[b];
+  const PartShape& firstShape = solids[a].shape;
+  const PartShape& secondShape = solids[b].shape;
   const Isometry3 firstFromSecond = first.worldFromPart.inverse() * second.worldFromPart;
   const Isometry3 secondFromFirst = firstFromSecond.inverse();
   const btTransform there = toBullet(Quat(firstFromSecond.linear()), firstFromSecond.translation());
@@ -200,9 +201,10 @@ void SelfContactQuery::Impl::test(std::span<const LivePart> parts, PartIndex a, 
   contact.first = a;
   contact.second = b;
   contact.depth = std::numeric_limits<double>::infinity();
-  // Now and then, in one pair of ten thousand, Bullet takes for apart what overlaps, or its expanding polytope ends far
-  // from the least depth, or nowhere. So what it says is checked in double precision: apart are two parts with a plane
-  // between them. And it says it twice, from either part, and from other sides until it did.
+  // For about one pair in ten thousand, Bullet reports an overlapping pair as separate, or its expanding polytope
+  // algorithm (EPA) stops far from the minimum depth or fails. So its results are checked in double precision: parts
+  // are separate only if a separating plane exists. Each depth is computed twice, from either part, and in rotated
+  // frames until two results exist.
   int depths = 0;
   double deepest = 0.0;
   for (int look = 0; look < 2 * kViewCount && depths < 2; ++look) {
@@ -210,7 +212,7 @@ void SelfContactQuery::Impl::test(std::span<const LivePart> parts, PartIndex a, 
     const LivePart& mine = swapped ? second : first;
     const PartShape& myShape = swapped ? secondShape : firstShape;
     const PartShape& otherShape = swapped ? firstShape : secondShape;
-    // In a part's own place single precision is good for a thousandth of a millimetre.
+    // In the part's own frame, single precision is accurate to about 0.001 mm.
     const btTransform view(kViews[look / 2]);
     const btTransform other = view * (swapped ? back : there);
     const Mat3 worldFromView = mine.worldFromPart.linear() * fromBullet(view).linear().transpose();
@@ -229,7 +231,7 @@ void SelfContactQuery::Impl::test(std::span<const LivePart> parts, PartIndex a, 
     contact.depth = depth;
     contact.direction = direction();
     const Vec3 middle = 0.5 * (fromBullet(results.witnesses[0]) + fromBullet(results.witnesses[1]));
-    contact.place = worldFromView * middle + mine.worldFromPart.translation();
+    contact.position = worldFromView * middle + mine.worldFromPart.translation();
   }
   if (depths < 2 || deepest > 1.02 * contact.depth + 1e-4) {
     tryFaces(first, second, first, 1.0, contact);

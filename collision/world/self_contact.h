@@ -8,22 +8,22 @@
 
 namespace lorica {
 
-/// Two parts of one body that overlap though they are not neighbours.
+/// Two non-neighbouring parts of one body that overlap.
 struct SelfContact {
   PartIndex first = 0, second = 0;  ///< first < second
-  Vec3 place = Vec3::Zero();        ///< the middle of the overlap where it is deepest, world [m]
+  Vec3 position = Vec3::Zero();     ///< centre of the overlap at its deepest point, world [m]
   Vec3 direction = Vec3::UnitX();   ///< unit, from the first part to the second
-  double depth = 0.0;               ///< moved so far along the direction, the second just touches the first [m]
+  double depth = 0.0;               ///< if the second part moves this far along the direction, they just touch [m]
 };
 
-/// Asks a body which of its parts overlap that should not: a hand in the thigh, shins through each other.
+/// Finds parts of a body that overlap but should not: a hand in the thigh, shins through each other.
 ///
-/// Neighbours are left out, for their hulls always overlap: parts that share a point of the decomposition, which those
-/// on both sides of a cut do, and parts whose hulls are within 5 mm of each other in the rest pose.
-/// How: docs/LIVE_HULLS.md.
+/// Neighbours are excluded because their hulls always overlap. Neighbours are parts that share a point of the
+/// decomposition, as the two sides of a cut do, and parts whose hulls are within 5 mm of each other in the rest pose.
+/// Method: docs/LIVE_HULLS.md.
 class SelfContactQuery {
  public:
-  /// @param body  of which frames are asked about
+  /// @param body  whose frames are queried
   /// @param rest  vertices of its mesh in the rest pose: a character's bind pose [m]
   SelfContactQuery(const LiveBody& body, std::span<const Vec3> rest);
   ~SelfContactQuery();
@@ -32,8 +32,9 @@ class SelfContactQuery {
 
   [[nodiscard]] bool areNeighbours(PartIndex a, PartIndex b) const;
 
-  /// The overlaps in a frame, by first, then second part. The depth is the least that parts the two, to within 0.2 mm
-  /// and 1 %; overlaps below 0.1 mm may be missed. Parts with flat hulls overlap nothing. Allocates nothing.
+  /// The overlaps in a frame, sorted by first, then second part. The depth is the minimum translation that separates
+  /// the two, to within 0.2 mm and 1 %; overlaps below 0.1 mm may be missed. Parts with flat hulls overlap nothing.
+  /// Allocates nothing.
   /// @param parts  of the body, with LiveDetail::kFaces
   std::span<const SelfContact> find(std::span<const LivePart> parts);
 

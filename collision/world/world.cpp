@@ -16,22 +16,23 @@
 namespace lorica {
 namespace {
 
-// Beyond this a part did not move but jumped: the fastest kicks and punches of people stay below 20 m/s.
+// Faster parts jumped rather than moved: the fastest human kicks and punches stay below 20 m/s.
 constexpr double kTeleportSpeed = 25.0;
-// A part that is not trusted at all strikes no faster; trust lets the bound rise up to where all is a jump.
+// Speed limit of a strike by a part of trust 0. The limit rises linearly with the trust, to kTeleportSpeed at trust 1.
 constexpr double kDistrustedSpeed = 0.5;
-// Hulls are inflated by this; GJK keeps touching shapes apart with it. Boxes and balls have their margin inside.
+// Hulls are inflated by this so that GJK sees touching shapes as separate. Boxes and balls have their margin inside.
 constexpr btScalar kPartMargin = 0.001f;
-// From frame to frame a contact follows the hull's surface so far, looked for from a place above it.
+// Maximum distance over which a contact follows the hull's surface from frame to frame, and the height above the
+// surface from which the new position is searched.
 constexpr btScalar kFollowed = 0.002f;
 constexpr btScalar kLookFrom = 0.004f;
 constexpr btScalar kSameNormal = 0.99f;  // cosine
-// A part and a prop that may meet come closer by no more than this in a substep: half of what the thinnest pair that is
-// promised to meet, 2 cm and 4 cm, measure together is 3 cm.
+// A part and a prop that may meet approach by at most this much in a substep. The thinnest pair that is guaranteed to
+// collide, 2 cm and 4 cm, has half thicknesses of 3 cm together.
 constexpr double kLongestApproach = 0.025;
-// Faster approaches get no finer substeps.
+// Faster approaches get no shorter substeps.
 constexpr double kFastestApproach = 2.0 * kTeleportSpeed;
-constexpr double kSamePlace = 0.02;
+constexpr double kSamePosition = 0.02;
 
 Sweep sweepOf(const LivePart& part, double seconds) {
   const Isometry3& begin = part.previousWorldFromPart;
@@ -62,13 +63,13 @@ Sweep sweepOf(const LivePart& part, double seconds) {
   return sweep;
 }
 
-/// Puts a contact's place on a part onto the part's new hull.
-/// @param place   in the part's frame, on the inflated hull of the frame before
-/// @param normal  in the part's frame, outwards, unit
-/// @return false where the hull is no longer near
-bool follow(const PartShape& shape, const btVector3& normal, btVector3& place) {
+/// Moves a contact's position to the part's new hull.
+/// @param normal    in the part's frame, outwards, unit
+/// @param position  in the part's frame, on the inflated hull of the previous frame
+/// @return false if the hull is no longer near
+bool follow(const PartShape& shape, const btVector3& normal, btVector3& position) {
   const btSphereShape point(0.0f);
-  const btVector3 above = place + kLookFrom * normal;
+  const btVector3 above = position + kLookFrom * normal;
   btGjkEpaSolver2::sResults results;
   if (!btGjkEpaSolver2::Distance(&shape, btTransform::getIdentity(), &point,
                                  btTransform(btMatrix3x3::getIdentity(), above), -normal, results)) {
@@ -77,7 +78,7 @@ bool follow(const PartShape& shape, const btVector3& normal, btVector3& place) {
   const btVector3 up = (above - results.witnesses[0]) / results.distance;
   const btScalar moved = results.distance - shape.getMargin() - kLookFrom;
   if (std::abs(moved) > kFollowed || up.dot(normal) < kSameNormal) return false;
-  place = results.witnesses[0] + shape.getMargin() * up;
+  position = results.witnesses[0] + shape.getMargin() * up;
   return true;
 }
 
@@ -88,24 +89,24 @@ btTransform Sweep::at(double fraction) const {
 }
 
 World::Impl::Impl(const Settings& s) : settings(s) {
-  CHECK(settings.substepSeconds > 0.0, "a world needs substeps longer than nothing");
+  LORICA_CHECK(settings.substepSeconds > 0.0, "a world needs a substep length above zero");
   // Without polyhedral features a pair yields one point at a time; tilting the shapes slightly finds the others at
-  // once, so that a box lies still on a hull whose contacts are forgotten with each change of its shape.
+  // once, so that a box rests on a hull that loses its contacts with each change of its shape.
   configuration.setConvexConvexMultipointIterations();
   configuration.setPlaneConvexMultipointIterations();
   world.getDispatchInfo().m_deterministicOverlappingPairs = true;
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_solverMode &= ~SOLVER_RANDMIZE_ORDER;
-  // Overlaps are undone by moving apart, not by a velocity that stays: a deforming hull must not kick. Only the first
-  // two millimetres are left to velocity, 0.1 m/s at most, because stacks stand firmer so.
+  // Overlaps are resolved by position correction, not by velocity: a deforming hull must not kick props. Only the first
+  // two millimetres are resolved by velocity, at most 0.1 m/s, because this makes stacks more stable.
   info.m_splitImpulse = 1;
   info.m_splitImpulsePenetrationThreshold = -0.002f;
   info.m_numIterations = 20;
-  info.m_leastSquaresResidualThreshold = 1e-12f;  // no contact changes a speed by more than 1 um/s: that will do
+  info.m_leastSquaresResidualThreshold = 1e-12f;  // stop if no contact changes a speed by more than 1 um/s
   world.setGravity(toBullet(settings.gravity));
 
   btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &floorShape);
-  construction.m_friction = 1.0f;  // the product with a prop's own is taken, so the prop decides
+  construction.m_friction = 1.0f;  // Bullet multiplies both values, so the prop's value counts
   construction.m_restitution = 1.0f;
   floor = std::make_unique<btRigidBody>(construction);
   if (settings.floor) world.addRigidBody(floor.get(), kFloorGroup, kPropGroup);
@@ -120,39 +121,40 @@ World::Impl::~Impl() {
 }
 
 void World::Impl::addProp(const Prop& prop) {
-  CHECK(props.size() < kMaxBodies / 2, "more props than the broad phase has room for");
+  LORICA_CHECK(props.size() < kMaxBodies / 2, "too many props for the broad phase");
   propBodies.push_back(makePropBody(prop, static_cast<int>(props.size())));
   addBody(propBodies.back(), prop.mass == 0.0);
   props.push_back(prop);
 }
 
-void World::Impl::addBody(const PropBody& body, bool furniture) {
-  if (furniture) {
+void World::Impl::addBody(const PropBody& body, bool isStatic) {
+  if (isStatic) {
     world.addRigidBody(body.body.get(), kFloorGroup, kPropGroup);
   } else {
     world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
   }
 }
 
-void World::Impl::addLink(int a, int b, const Vec3& place) {
+void World::Impl::addLink(int a, int b, const Vec3& position) {
   if (a == kWorldItself) std::swap(a, b);
-  CHECK(isProp(a) && (b == kWorldItself || isProp(b)) && a != b, "a link ties a prop to another or to the world");
-  for (const int t : thrown) CHECK(t != a && t != b, "thrown props come and go: they take no links");
-  btRigidBody& first = *propBodies[static_cast<std::size_t>(a)].body;
-  const btVector3 inFirst = first.getWorldTransform().inverse() * toBullet(place);
+  LORICA_CHECK(isProp(a) && (b == kWorldItself || isProp(b)) && a != b,
+               "a link connects a prop to another prop or to the world");
+  for (const int t : thrown) LORICA_CHECK(t != a && t != b, "thrown props cannot have links: they may be replaced");
+  btRigidBody& first = *propBodies[a].body;
+  const btVector3 inFirst = first.getWorldTransform().inverse() * toBullet(position);
   std::unique_ptr<btPoint2PointConstraint> link;
   if (b == kWorldItself) {
     link = std::make_unique<btPoint2PointConstraint>(first, inFirst);
   } else {
-    btRigidBody& second = *propBodies[static_cast<std::size_t>(b)].body;
+    btRigidBody& second = *propBodies[b].body;
     link = std::make_unique<btPoint2PointConstraint>(first, second, inFirst,
-                                                     second.getWorldTransform().inverse() * toBullet(place));
+                                                     second.getWorldTransform().inverse() * toBullet(position));
   }
   world.addConstraint(link.get(), true);
   links.push_back(std::move(link));
 }
 
-void World::Impl::makeRoom(std::span<const LivePart> avatar) {
+void World::Impl::resolveInitialOverlaps(std::span<const LivePart> avatar) {
   if (roomMade || avatar.empty()) return;
   roomMade = true;
   if (!settings.makesRoom) return;
@@ -171,7 +173,7 @@ void World::Impl::setPartCount(std::size_t count) {
     parts.pop_back();
   }
   while (parts.size() < count) {
-    auto part = std::make_unique<PartBody>(kPartMargin);
+    auto part = std::make_unique<PartCollider>(kPartMargin);
     btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &part->shape);
     construction.m_friction = 1.0f;
     construction.m_restitution = 1.0f;
@@ -183,7 +185,7 @@ void World::Impl::setPartCount(std::size_t count) {
   }
 }
 
-void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds) {
+void World::Impl::takePart(PartCollider& part, const LivePart& live, double seconds) {
   if (live.shape.degenerate()) {
     if (part.inWorld) world.removeRigidBody(part.body.get());
     part.inWorld = false;
@@ -200,47 +202,47 @@ void World::Impl::takePart(PartBody& part, const LivePart& live, double seconds)
   }
 }
 
-/// Bullet follows a contact by the places where it was on both bodies, and would for ever hold up what rested on a hull
-/// that is no longer there. Were all contacts of a hull that changed forgotten, what rests on it would creep: each of
-/// the new ones has to learn anew what it carries.
+/// Moves the contacts of changed hulls to the new surface, or removes them. Bullet tracks a contact by its positions on
+/// both bodies, so a prop would rest forever on a surface that is no longer there. If all contacts of a changed hull
+/// were removed instead, resting props would creep, because new contacts have no accumulated impulses.
 void World::Impl::followSurfaces() {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
     const bool partIsA = manifold->getBody0()->isKinematicObject();
     const btCollisionObject* object = partIsA ? manifold->getBody0() : manifold->getBody1();
     if (!object->isKinematicObject()) continue;
-    const PartBody& part = *parts[static_cast<std::size_t>(object->getUserIndex())];
+    const PartCollider& part = *parts[object->getUserIndex()];
     if (!part.reshaped) continue;
     for (int i = manifold->getNumContacts() - 1; i >= 0; --i) {
       btManifoldPoint& contact = manifold->getContactPoint(i);
       const btVector3 outwards = partIsA ? -contact.m_normalWorldOnB : contact.m_normalWorldOnB;
-      btVector3& place = partIsA ? contact.m_localPointA : contact.m_localPointB;
-      if (!follow(part.shape, outwards * object->getWorldTransform().getBasis(), place)) {
+      btVector3& position = partIsA ? contact.m_localPointA : contact.m_localPointB;
+      if (!follow(part.shape, outwards * object->getWorldTransform().getBasis(), position)) {
         manifold->removeContactPoint(i);
       }
     }
   }
 }
 
-/// How long the next substep may be: as usual, and shorter where a part and a prop may meet in it at speed.
-/// @param fraction  how much of the frame is done
-/// @param usual     length of a substep when nothing is fast [s]
+/// Length of the next substep: the usual one, or shorter if a part and a prop may meet in it at high speed.
+/// @param fraction  of the frame that is done
+/// @param usual     length of a substep if nothing is fast [s]
 /// @param seconds   of the frame
 double World::Impl::longestSubstep(double fraction, double usual, double seconds) const {
   double fastestProp = 0.0;
   for (const PropBody& prop : propBodies) fastestProp = std::max(fastestProp, prop.speed());
-  double rate = kLongestApproach / usual;  // [m/s]: an approach as fast as that can do with the usual length
-  for (const std::unique_ptr<PartBody>& part : parts) {
+  double rate = kLongestApproach / usual;  // fastest approach for which the usual length suffices [m/s]
+  for (const std::unique_ptr<PartCollider>& part : parts) {
     const Sweep& sweep = part->sweep;
     const double turning = std::abs(sweep.angle) / seconds * sweep.radius;
     if (!part->inWorld || sweep.travel.norm() / seconds + turning + fastestProp <= rate) continue;
-    const Vec3 place = sweep.origin + fraction * sweep.travel;
+    const Vec3 position = sweep.origin + fraction * sweep.travel;
     for (const PropBody& prop : propBodies) {
       const Vec3 velocity = sweep.travel / seconds - fromBullet(prop.body->getLinearVelocity());
       const double speed = std::min(velocity.norm() + turning + prop.spin(), kFastestApproach);
       if (speed <= rate) continue;
-      // The spheres around both, moving straight: may they meet within a usual substep?
-      const Vec3 apart = place - fromBullet(prop.body->getWorldTransform().getOrigin());
+      // Can the bounding spheres, on straight paths, meet within a usual substep?
+      const Vec3 apart = position - fromBullet(prop.body->getWorldTransform().getOrigin());
       const double soonest = std::clamp(-apart.dot(velocity) / std::max(velocity.squaredNorm(), 1e-12), 0.0, usual);
       if ((apart + soonest * velocity).norm() <= sweep.radius + prop.radius + kLongestApproach) rate = speed;
     }
@@ -270,15 +272,15 @@ void World::Impl::collectContacts() {
   }
 }
 
-// A part goes where it goes, and may press a prop into the floor. From half its depth on it would fall through.
+// Parts are kinematic and may press a prop into the floor. Pressed in by more than half, it would fall through.
 void World::Impl::keepAboveFloor() {
   if (!settings.floor) return;
   for (const PropBody& prop : propBodies) {
     btRigidBody& body = *prop.body;
-    const btVector3 place = body.getWorldTransform().getOrigin();
-    if (body.isStaticObject() || place.y() >= 0.0f) continue;
+    const btVector3 position = body.getWorldTransform().getOrigin();
+    if (body.isStaticObject() || position.y() >= 0.0f) continue;
     btTransform lifted = body.getWorldTransform();
-    lifted.setOrigin(btVector3(place.x(), 0.0f, place.z()));
+    lifted.setOrigin(btVector3(position.x(), 0.0f, position.z()));
     body.setWorldTransform(lifted);
     const btVector3 velocity = body.getLinearVelocity();
     body.setLinearVelocity(btVector3(velocity.x(), std::max(velocity.y(), 0.0f), velocity.z()));
@@ -288,7 +290,7 @@ void World::Impl::keepAboveFloor() {
 void World::Impl::noteContact(const Contact& contact) {
   for (Contact& known : contacts) {
     if (known.part != contact.part || known.prop != contact.prop) continue;
-    if ((known.point - contact.point).squaredNorm() > kSamePlace * kSamePlace) continue;
+    if ((known.point - contact.point).squaredNorm() > kSamePosition * kSamePosition) continue;
     const double impulse = known.impulse + contact.impulse;
     if (contact.depth >= known.depth) known = contact;
     known.impulse = impulse;
@@ -312,8 +314,8 @@ int World::addProp(const Prop& prop) {
   return static_cast<int>(impl_->props.size()) - 1;
 }
 
-void World::addLink(int a, int b, const Vec3& place) {
-  impl_->addLink(a, b, place);
+void World::addLink(int a, int b, const Vec3& position) {
+  impl_->addLink(a, b, position);
 }
 
 void World::setParticles(const ParticleSettings& settings) {
@@ -321,9 +323,9 @@ void World::setParticles(const ParticleSettings& settings) {
 }
 
 void World::step(std::span<const LivePart> parts, double seconds) {
-  CHECK(seconds >= 0.0 && std::isfinite(seconds), "a world cannot step back in time");
+  LORICA_CHECK(seconds >= 0.0 && std::isfinite(seconds), "the length of a step must be finite and at least zero");
   impl_->contacts.clear();
-  impl_->makeRoom(parts);
+  impl_->resolveInitialOverlaps(parts);
   impl_->setPartCount(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) impl_->takePart(*impl_->parts[i], parts[i], seconds);
 
@@ -332,19 +334,19 @@ void World::step(std::span<const LivePart> parts, double seconds) {
   const double usual = seconds / std::max(1.0, std::ceil(seconds / impl_->settings.substepSeconds - 1e-6));
   double done = 0.0;  // of the frame
   while (seconds > 0.0 && done < 1.0) {
-    // What is left is cut into equal substeps.
+    // The rest of the frame is split into equal substeps.
     const double longest = impl_->longestSubstep(done, usual, seconds);
     const double left = std::max(1.0, std::ceil((1.0 - done) * seconds / longest - 1e-6));
     const double length = (1.0 - done) * seconds / left;
-    // Parts stand where they are at the start of the substep, as props do, and their velocity says where they go.
-    for (const std::unique_ptr<PartBody>& part : impl_->parts) {
+    // Like props, parts have their pose at the start of the substep and a velocity.
+    for (const std::unique_ptr<PartCollider>& part : impl_->parts) {
       part->body->setWorldTransform(part->sweep.at(done));
       const double rate = part->sweep.strength / seconds;
       part->body->setLinearVelocity(toBullet(Vec3(rate * part->sweep.travel)));
       part->body->setAngularVelocity(toBullet(Vec3(rate * part->sweep.angle * part->sweep.axis)));
     }
-    // What overlaps, and links that were torn apart, are mended by a fifth in a substep of the longest kind, and in
-    // shorter ones by less: else a chain that an arm has stretched would snap back the faster the shorter they are.
+    // A substep of maximum length corrects a fifth of each overlap and of each joint's position error; shorter substeps
+    // correct less. Otherwise a chain stretched by an arm would snap back faster in shorter substeps.
     btContactSolverInfo& solving = impl_->world.getSolverInfo();
     solving.m_erp = solving.m_erp2 =
         static_cast<btScalar>(0.2 * std::min(1.0, length / impl_->settings.substepSeconds));
@@ -354,7 +356,7 @@ void World::step(std::span<const LivePart> parts, double seconds) {
     impl_->keepAboveFloor();
     done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
   }
-  for (const std::unique_ptr<PartBody>& part : impl_->parts) part->body->setWorldTransform(part->sweep.at(1.0));
+  for (const std::unique_ptr<PartCollider>& part : impl_->parts) part->body->setWorldTransform(part->sweep.at(1.0));
 
   std::sort(impl_->contacts.begin(), impl_->contacts.end(), [](const Contact& a, const Contact& b) {
     return std::make_tuple(a.part, a.prop, a.point.x(), a.point.y(), a.point.z()) <

@@ -15,11 +15,11 @@ namespace lorica {
 
 inline constexpr int kWorldItself = -1;
 
-/// A place where a part of the avatar touched a prop during the last step. Hits shorter than the step are here too.
+/// A point where a part of the avatar touched a prop during the last step, including contacts shorter than the step.
 struct Contact {
   PartIndex part = 0;
   int prop = 0;
-  JointIndex bone = kNoJoint;  ///< of the character, that moves the place most; a world knows none, Session fills it in
+  JointIndex bone = kNoJoint;  ///< of the character, with the most influence on the point; filled in by Session
   Vec3 point = Vec3::Zero();   ///< world [m]
   Vec3 normal = Vec3::Zero();  ///< from the part to the prop, unit
   double depth = 0.0;          ///< deepest penetration in the step [m], > 0 when they overlap
@@ -28,33 +28,34 @@ struct Contact {
 
 struct Ray {
   Vec3 origin = Vec3::Zero();      ///< world [m]
-  Vec3 direction = Vec3::UnitZ();  ///< of any length but 0
+  Vec3 direction = Vec3::UnitZ();  ///< of any length except 0
 };
 
-/// Where a ray meets a prop.
+/// Intersection of a ray with a prop.
 struct PropPick {
   int prop = 0;
-  Vec3 place = Vec3::Zero();  ///< world [m]
-  double distance = 0.0;      ///< from the ray's origin [m]
+  Vec3 position = Vec3::Zero();  ///< world [m]
+  double distance = 0.0;         ///< from the ray's origin [m]
 };
 
-/// A prop that is held by a place of it.
+/// A prop that is held at a point on it.
 struct PropGrab {
   int prop = 0;
-  Vec3 place = Vec3::Zero();   ///< where the place on the prop is now, world [m]
-  Vec3 target = Vec3::Zero();  ///< where it is drawn to, world [m]
+  Vec3 position = Vec3::Zero();  ///< current position of the held point, world [m]
+  Vec3 target = Vec3::Zero();    ///< position that it is pulled to, world [m]
 };
 
-/// Rigid-body world with a floor, props, and the avatar's parts as kinematic bodies: they push props, and
-/// nothing pushes them. Parts touch props only, neither each other nor the floor. Bullet, single precision, substeps
-/// that follow from what moves: the same inputs give the same motion, bit for bit.
+/// Rigid-body world with a floor, props, and the avatar's parts as kinematic bodies: they push props, and nothing
+/// pushes them. Parts collide with props only, neither with each other nor with the floor. Uses Bullet in single
+/// precision, with a number of substeps that depends on the speeds. Deterministic: the same inputs give the same
+/// motion, bit for bit.
 class World {
  public:
   struct Settings {
     Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
     bool floor = true;                    ///< at y = 0
-    double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame without fast parts is cut into equal ones
-    /// What would be inside the avatar in the first step that has parts goes out of its way before it, see roomFor().
+    double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame without fast parts has equal substeps
+    /// Before the first step that has parts, props inside the avatar are moved out of it, see roomFor().
     bool makesRoom = false;
   };
   World();
@@ -63,64 +64,66 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// @param prop  extents above zero, no capsule lower than wide
-  /// @return its index in props() and in Contact::prop; they count up from 0
+  /// @param prop  extents above zero; a capsule must be at least as high as wide
+  /// @return its index in props() and in Contact::prop; indices count up from 0
   int addProp(const Prop& prop);
-  /// Ties two props together at a place, as by a ball joint; they do not touch each other from then on.
-  /// @param a,b    of props(), different; kWorldItself for one of them hangs the other up
-  /// @param place  world [m]
-  void addLink(int a, int b, const Vec3& place);
+  /// Links two props with a ball joint; they no longer collide with each other.
+  /// @param a,b       of props(), different; kWorldItself for one of them fixes the other to the world
+  /// @param position  of the joint, world [m]
+  void addLink(int a, int b, const Vec3& position);
 
-  /// So many thrown props there are at most.
-  static constexpr int kMostThrown = 64;
-  /// Adds a prop while the world runs, with the velocity that it has. When there are kMostThrown, the oldest thrown one
-  /// becomes it, at its index.
+  /// Maximum number of thrown props.
+  static constexpr int kMaxThrown = 64;
+  /// Adds a prop with its velocity while the world runs. If there are kMaxThrown already, it replaces the oldest thrown
+  /// prop and takes its index.
   /// @return its index
   int throwProp(const Prop& prop);
 
-  /// The first prop that a ray meets within 200 m, furniture too. Not through the floor; the avatar is not in the way.
+  /// The first prop that a ray meets within 200 m, including static bodies. The floor blocks the ray, the avatar does
+  /// not.
   [[nodiscard]] std::optional<PropPick> pick(const Ray& ray) const;
-  /// Takes hold of a prop at a place of it: from then on a soft ball joint draws that place to where moveGrab() says,
-  /// with at most 600 N and 200 m/s^2, at up to 8 m/s. What is held before is released.
-  /// @param place  world [m], within 1 m of the prop
-  /// @return false where there is no such prop, or it is furniture, or not there: nothing is held then
-  bool grab(int prop, const Vec3& place);
-  /// @param place  world [m], finite; without a grab nothing happens
-  void moveGrab(const Vec3& place);
-  /// The prop goes on as fast as it is.
+  /// Grabs a prop at a point: a soft ball joint pulls that point to the target of moveGrab(), with at most 600 N and
+  /// 200 m/s^2, at up to 8 m/s. A prop that was held before is released.
+  /// @param position  world [m], within 1 m of the prop
+  /// @return false if there is no such prop, if it is a static body or if it is out of reach: nothing is held then
+  bool grab(int prop, const Vec3& position);
+  /// Moves the target of the grab. Does nothing without a grab.
+  /// @param position  world [m], finite
+  void moveGrab(const Vec3& position);
+  /// Releases the held prop, which keeps its velocity.
   void release();
   [[nodiscard]] std::optional<PropGrab> held() const;
 
-  /// Sand or water that the parts push from now on, in the place of what there was. Props and particles pass through
-  /// each other.
+  /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles pass through each
+  /// other.
   void setParticles(const ParticleSettings& settings);
-  /// Null = none.
+  /// Null if there are none.
   [[nodiscard]] const Particles* particles() const { return particles_.get(); }
-  /// What moving them took in the last step [s].
+  /// Time that the particles took in the last step [s].
   [[nodiscard]] double particleSeconds() const { return particleSeconds_; }
 
-  /// Moves the world from the last frame to this one; the parts sweep from their previous to their present motion.
+  /// Advances the world from the last frame to this one; the parts sweep from their previous to their current pose.
   ///
-  /// A prop that is hit gets the velocity of the place that hits it, and bounces as its restitution says. Where a
-  /// part and a prop may meet, substeps are so short that they come closer by at most 2.5 cm in each: whatever the
-  /// length of the frame, a prop at least 4 cm thin is not passed through by a part at least 2 cm thin.
+  /// A prop that is hit gets the velocity of the contact point on the part and bounces according to its restitution. If
+  /// a part and a prop may meet, substeps are so short that they approach by at most 2.5 cm in each. So a part of at
+  /// least 2 cm thickness never passes through a prop of at least 4 cm thickness, whatever the length of the frame.
   ///
-  /// No place of a part strikes faster than 0.5 m/s where the part's trust is 0; the bound rises with it, and where it
-  /// is 1 there is none: a prop that a wholly distrusted part hits leaves with at most 1.1 m/s, twice that speed and
-  /// 0.1 m/s for what overlaps.
+  /// A part of trust 0 strikes with at most 0.5 m/s at any point; the limit rises with the trust, and at trust 1 there
+  /// is none. A prop hit by a part of trust 0 leaves with at most 1.1 m/s: twice that speed, and 0.1 m/s from resolving
+  /// the overlap.
   ///
-  /// A part faster than 25 m/s (a tracker's jump) is put in its new place without sweeping; a part with a degenerate
+  /// A part faster than 25 m/s (a tracker's jump) is set to its new pose without sweeping; a part with a degenerate
   /// hull touches nothing in this frame.
   /// @param parts    the avatar; the same parts in every call, or none
   /// @param seconds  length of the frame [s]; 0 moves the parts only
   void step(std::span<const LivePart> parts, double seconds);
 
-  /// Props with their present place and velocity.
+  /// Props with their current pose and velocity.
   [[nodiscard]] std::span<const Prop> props() const;
-  /// Contacts between the avatar and props in the last step, by part, then prop. A pair has a contact for each place
-  /// where it touched; touches within 2 cm of each other are one place.
+  /// Contacts between the avatar and props in the last step, sorted by part, then prop. A pair has one contact for each
+  /// point where it touched; points within 2 cm of each other are merged.
   [[nodiscard]] std::span<const Contact> contacts() const;
-  /// The same, for who knows the bones.
+  /// Mutable access, so that Session can fill in the bones.
   [[nodiscard]] std::span<Contact> contacts();
 
  private:

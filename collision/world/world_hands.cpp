@@ -9,16 +9,16 @@ namespace lorica {
 namespace {
 
 constexpr double kFarthestPick = 200.0;  // [m]
-constexpr double kGrabReach = 1.0;       // a place that is held is no farther from its prop's sphere [m]
-// The joint's pull: a prop of up to 60 kg can be lifted, and none is hurled.
-constexpr double kMostForce = 600.0;         // [N]
-constexpr double kMostAcceleration = 200.0;  // [m/s^2]
-constexpr double kDrawSpeed = 8.0;           // [m/s]
-constexpr double kLongestLead = 0.15;        // the joint draws to a place no farther from the prop's than that [m]
-constexpr double kStiffness = 25.0;          // of the distance, so much is made good in a second [1/s]
-constexpr btScalar kHeldDamping = 0.98f;     // of the spin, lost in a second
+constexpr double kGrabReach = 1.0;       // max distance of the held point from the prop's bounding sphere [m]
+// Limits of the joint: a prop of up to 60 kg can be lifted, and none is accelerated violently.
+constexpr double kMaxForce = 600.0;         // [N]
+constexpr double kMaxAcceleration = 200.0;  // [m/s^2]
+constexpr double kDrawSpeed = 8.0;          // [m/s]
+constexpr double kLongestLead = 0.15;       // max distance of the joint's target from the held point [m]
+constexpr double kStiffness = 25.0;         // rate at which the distance is corrected [1/s]
+constexpr btScalar kHeldDamping = 0.98f;    // share of the angular velocity lost per second
 
-/// The first prop or floor along a ray; parts are no more than air.
+/// The first prop or the floor along a ray; parts are ignored.
 struct NearestSolid : btCollisionWorld::ClosestRayResultCallback {
   using ClosestRayResultCallback::ClosestRayResultCallback;
   bool needsCollision(btBroadphaseProxy* proxy) const override {
@@ -38,23 +38,23 @@ std::optional<PropPick> World::pick(const Ray& ray) const {
   PropPick pick;
   pick.prop = nearest.m_collisionObject->getUserIndex();
   pick.distance = kFarthestPick * static_cast<double>(nearest.m_closestHitFraction);
-  pick.place = ray.origin + pick.distance / length * ray.direction;
+  pick.position = ray.origin + pick.distance / length * ray.direction;
   return pick;
 }
 
-bool World::grab(int prop, const Vec3& place) {
+bool World::grab(int prop, const Vec3& position) {
   release();
-  if (!impl_->isProp(prop) || !place.allFinite()) return false;
-  const PropBody& held = impl_->propBodies[static_cast<std::size_t>(prop)];
+  if (!impl_->isProp(prop) || !position.allFinite()) return false;
+  const PropBody& held = impl_->propBodies[prop];
   btRigidBody& body = *held.body;
   if (body.isStaticObject()) return false;
   const btTransform& worldFromBody = body.getWorldTransform();
-  if ((place - fromBullet(worldFromBody.getOrigin())).norm() > held.radius + kGrabReach) return false;
-  GrabBody grab;
+  if ((position - fromBullet(worldFromBody.getOrigin())).norm() > held.radius + kGrabReach) return false;
+  GrabAnchor grab;
   grab.prop = prop;
-  grab.target = place;
-  grab.drawn = place;
-  grab.inBody = worldFromBody.inverse() * toBullet(place);
+  grab.target = position;
+  grab.drawn = position;
+  grab.inBody = worldFromBody.inverse() * toBullet(position);
   grab.joint = std::make_unique<btPoint2PointConstraint>(body, grab.inBody);
   impl_->world.addConstraint(grab.joint.get(), false);
   body.setActivationState(DISABLE_DEACTIVATION);
@@ -63,8 +63,8 @@ bool World::grab(int prop, const Vec3& place) {
   return true;
 }
 
-void World::moveGrab(const Vec3& place) {
-  if (impl_->grabbed && place.allFinite()) impl_->grabbed->target = place;
+void World::moveGrab(const Vec3& position) {
+  if (impl_->grabbed && position.allFinite()) impl_->grabbed->target = position;
 }
 
 void World::release() {
@@ -73,7 +73,7 @@ void World::release() {
 
 void World::Impl::release() {
   if (!grabbed) return;
-  btRigidBody& body = *propBodies[static_cast<std::size_t>(grabbed->prop)].body;
+  btRigidBody& body = *propBodies[grabbed->prop].body;
   world.removeConstraint(grabbed->joint.get());
   body.setDamping(0.0f, 0.0f);
   body.forceActivationState(ACTIVE_TAG);
@@ -83,32 +83,32 @@ void World::Impl::release() {
 
 std::optional<PropGrab> World::held() const {
   if (!impl_->grabbed) return std::nullopt;
-  const GrabBody& grab = *impl_->grabbed;
-  const btRigidBody& body = *impl_->propBodies[static_cast<std::size_t>(grab.prop)].body;
+  const GrabAnchor& grab = *impl_->grabbed;
+  const btRigidBody& body = *impl_->propBodies[grab.prop].body;
   return PropGrab{grab.prop, fromBullet(body.getWorldTransform() * grab.inBody), grab.target};
 }
 
-/// Sets the joint for a substep. Its force is bounded, and it draws to a place near the prop's own that moves on to the
-/// target: the prop stays slow enough that nothing is passed through, however far away the target is.
+/// Sets the joint for a substep. Its force is limited, and it pulls to a nearby position that moves on to the target.
+/// So the prop stays slow enough not to pass through anything, however distant the target is.
 void World::Impl::drawGrabbed(double seconds) {
   if (!grabbed) return;
-  const PropBody& held = propBodies[static_cast<std::size_t>(grabbed->prop)];
+  const PropBody& held = propBodies[grabbed->prop];
   const Vec3 toTarget = grabbed->target - grabbed->drawn;
   grabbed->drawn += toTarget * std::min(1.0, kDrawSpeed * seconds / std::max(toTarget.norm(), 1e-9));
-  const Vec3 place = fromBullet(held.body->getWorldTransform() * grabbed->inBody);
-  const Vec3 lead = grabbed->drawn - place;
-  grabbed->drawn = place + lead * std::min(1.0, kLongestLead / std::max(lead.norm(), 1e-9));
+  const Vec3 position = fromBullet(held.body->getWorldTransform() * grabbed->inBody);
+  const Vec3 lead = grabbed->drawn - position;
+  grabbed->drawn = position + lead * std::min(1.0, kLongestLead / std::max(lead.norm(), 1e-9));
   grabbed->joint->setPivotB(toBullet(grabbed->drawn));
   const double mass = 1.0 / static_cast<double>(held.body->getInvMass());
-  const double force = std::min(kMostForce, kMostAcceleration * mass);
+  const double force = std::min(kMaxForce, kMaxAcceleration * mass);
   grabbed->joint->m_setting.m_impulseClamp = static_cast<btScalar>(force * seconds);
   grabbed->joint->setParam(BT_CONSTRAINT_ERP, static_cast<btScalar>(std::min(0.5, kStiffness * seconds)), -1);
 }
 
 int World::throwProp(const Prop& prop) {
-  CHECK(prop.mass > 0.0, "furniture cannot be thrown");
+  LORICA_CHECK(prop.mass > 0.0, "a static body cannot be thrown");
   std::deque<int>& thrown = impl_->thrown;
-  if (thrown.size() < kMostThrown) {
+  if (thrown.size() < kMaxThrown) {
     thrown.push_back(addProp(prop));
   } else {
     thrown.push_back(thrown.front());
@@ -120,15 +120,15 @@ int World::throwProp(const Prop& prop) {
 
 void World::Impl::replaceProp(int index, const Prop& prop) {
   if (grabbed && grabbed->prop == index) release();
-  PropBody& old = propBodies[static_cast<std::size_t>(index)];
+  PropBody& old = propBodies[index];
   world.removeRigidBody(old.body.get());
-  // What leaned on it may sleep.
+  // Bodies that rested on it may be asleep.
   for (const PropBody& body : propBodies) {
     if (!body.body->isStaticObject()) body.body->activate();
   }
   old = makePropBody(prop, index);
   addBody(old, prop.mass == 0.0);
-  props[static_cast<std::size_t>(index)] = prop;
+  props[index] = prop;
 }
 
 }  // namespace lorica

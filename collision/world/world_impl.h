@@ -15,21 +15,22 @@
 
 namespace lorica {
 
-/// A part's motion within one frame: the origin goes straight, the rotation turns evenly about one axis. Internal.
+/// A part's motion within one frame: the origin moves on a straight line, the rotation has a fixed axis and constant
+/// speed. Internal.
 struct Sweep {
   Vec3 origin = Vec3::Zero();
   Quat rotation = Quat::Identity();
   Vec3 travel = Vec3::Zero();  ///< over the whole frame [m]
   Vec3 axis = Vec3::UnitX();   ///< world, unit
   double angle = 0.0;          ///< over the whole frame [rad]
-  double radius = 0.0;         ///< around the origin, of all that is swept along [m]
-  double strength = 1.0;       ///< what part of its velocity props feel
+  double radius = 0.0;         ///< of the part around its origin [m]
+  double strength = 1.0;       ///< share of the velocity that is transferred to props
 
   [[nodiscard]] btTransform at(double fraction) const;
 };
 
-struct PartBody {
-  explicit PartBody(btScalar margin) : shape(margin) {}
+struct PartCollider {
+  explicit PartCollider(btScalar margin) : shape(margin) {}
   PartShape shape;
   std::unique_ptr<btRigidBody> body;
   bool inWorld = false;
@@ -37,52 +38,52 @@ struct PartBody {
   Sweep sweep;
 };
 
-/// A prop that is held.
-struct GrabBody {
+/// The joint that holds a prop.
+struct GrabAnchor {
   int prop = 0;
-  Vec3 target = Vec3::Zero();  ///< where the user wants it
-  Vec3 drawn = Vec3::Zero();   ///< where the joint draws it to now, on the way to the target
-  btVector3 inBody{0, 0, 0};   ///< the place on the prop, in the body's frame
+  Vec3 target = Vec3::Zero();  ///< requested position
+  Vec3 drawn = Vec3::Zero();   ///< where the joint pulls the prop now, on the way to the target
+  btVector3 inBody{0, 0, 0};   ///< held point in the body's frame
   std::unique_ptr<btPoint2PointConstraint> joint;
 };
 
 struct World::Impl {
-  // The sweep-and-prune grid. Things outside are still handled, only less sharply told apart.
+  // The sweep-and-prune grid. Bodies outside are still handled, but less efficiently.
   static constexpr btScalar kGridHalfSize = 64.0f;
   static constexpr unsigned short kMaxBodies = 8192;
 
   Settings settings;
   btDefaultCollisionConfiguration configuration;
   PartDispatcher dispatcher{&configuration};
-  // Not the usual btDbvtBroadphase: its tree is balanced by comparing addresses, so the order of contacts, and with it
-  // the motion, would differ from run to run.
+  // Not the usual btDbvtBroadphase: it balances its tree by comparing addresses, so the order of contacts, and thus the
+  // motion, would differ from run to run.
   btAxisSweep3 broadphase{btVector3(-kGridHalfSize, -kGridHalfSize, -kGridHalfSize),
                           btVector3(kGridHalfSize, kGridHalfSize, kGridHalfSize), kMaxBodies, nullptr, true};
   ContactSolver solver;
   DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
   std::unique_ptr<btRigidBody> floor;
-  std::vector<std::unique_ptr<PartBody>> parts;
+  std::vector<std::unique_ptr<PartCollider>> parts;
   std::vector<PropBody> propBodies;
   std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
   std::vector<Contact> contacts;
-  std::deque<int> thrown;  ///< the oldest first
-  std::optional<GrabBody> grabbed;
+  std::deque<int> thrown;  ///< oldest first
+  std::optional<GrabAnchor> grabbed;
   bool roomMade = false;
 
   explicit Impl(const Settings& s);
   ~Impl();
   void addProp(const Prop& prop);
   void replaceProp(int index, const Prop& prop);
-  void addBody(const PropBody& body, bool furniture);
-  void addLink(int a, int b, const Vec3& place);
+  void addBody(const PropBody& body, bool isStatic);
+  void addLink(int a, int b, const Vec3& position);
   [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < static_cast<int>(props.size()); }
   void release();
   void drawGrabbed(double seconds);
-  void makeRoom(std::span<const LivePart> parts);
+  void resolveInitialOverlaps(std::span<const LivePart> parts);
   void setPartCount(std::size_t count);
-  void takePart(PartBody& body, const LivePart& part, double seconds);
+  void takePart(PartCollider& body, const LivePart& part, double seconds);
   void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
   void collectContacts();

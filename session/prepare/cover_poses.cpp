@@ -16,8 +16,7 @@ constexpr std::uint64_t kSampledSeed = 20180801;
 constexpr std::uint64_t kHeldOutSeed = 20180802;
 constexpr double kAtRest = 1e-6;  // sine of half the angle by which a bone's rest axes may differ from the model's
 
-/// Whether a human's joint limits say anything of this skeleton: each human bone, and all joints above it, rest without
-/// a turn.
+/// Whether human joint limits apply to this skeleton: each human bone and all its ancestors have no rest rotation.
 bool hasKnownLimits(const Skeleton& skeleton) {
   for (const Joint& joint : skeleton.joints()) {
     const Joint* above = joint.bone ? &joint : nullptr;
@@ -29,7 +28,7 @@ bool hasKnownLimits(const Skeleton& skeleton) {
   return true;
 }
 
-/// Appends where a pose takes the bind pose.
+/// Appends the transforms of a pose relative to the bind pose.
 void append(const Character& character, std::span<const JointTransform> pose, std::vector<Affine3>& worldFromModel) {
   const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
   worldFromModel.resize(worldFromModel.size() + jointCount);
@@ -38,12 +37,12 @@ void append(const Character& character, std::span<const JointTransform> pose, st
   computeWorldFromModel(character, last, last);
 }
 
-void appendRandom(const Character& character, StandInSkeleton& standIn, int count, std::uint64_t seed,
+void appendRandom(const Character& character, ProxySkeleton& proxy, int count, std::uint64_t seed,
                   std::vector<Affine3>& worldFromModel) {
   RandomNumbers random(seed);
   Pose pose = restPose(character.skeleton);
   for (int i = 0; i < count; ++i) {
-    standIn.carryBack(randomPoseWithinLimits(standIn.skeleton(), random), pose);
+    proxy.mapBack(randomPoseWithinLimits(proxy.skeleton(), random), pose);
     append(character, pose, worldFromModel);
   }
 }
@@ -51,16 +50,16 @@ void appendRandom(const Character& character, StandInSkeleton& standIn, int coun
 }  // namespace
 
 Result<CoverPoses> coverPoses(const Character& character, std::span<const SkeletalMotion> motions, int count) {
-  CHECK(count >= 2, "poses of two kinds are asked for");
+  LORICA_CHECK(count >= 2, "at least two poses are needed");
   std::size_t frameCount = 0;
   for (const SkeletalMotion& motion : motions) frameCount += motion.times.size();
-  Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-  const bool random = standIn && hasKnownLimits(standIn->skeleton());
+  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  const bool random = proxy && hasKnownLimits(proxy->skeleton());
   if (frameCount == 0 && !random) {
     return Error{
         ErrorCode::kInvalidArgument,
-        fmt::format("'{}': there are no motions, and it is no humanoid whose bones rest along the model's axes, "
-                    "expected one or the other to take poses from",
+        fmt::format("'{}': there are no motions, and the character is not a humanoid whose bones rest along the "
+                    "model's axes; expected one of the two as a source of poses",
                     character.name)};
   }
 
@@ -71,7 +70,7 @@ Result<CoverPoses> coverPoses(const Character& character, std::span<const Skelet
   poses.sampled.reserve(each);
   poses.heldOut.reserve(each);
 
-  // Frame round(i (frameCount - 1) / (wanted - 1)) for each i: sampled where i is even, held out where it is odd.
+  // Frame round(i (frameCount - 1) / (wanted - 1)) for each i: sampled if i is even, held out if it is odd.
   const std::size_t wanted = std::min(2 * static_cast<std::size_t>(count - poses.randomPoses), frameCount);
   const std::size_t steps = std::max<std::size_t>(wanted, 2) - 1;
   const auto frameOf = [&](std::size_t i) { return (2 * i * (frameCount - 1) + steps) / (2 * steps); };
@@ -86,8 +85,8 @@ Result<CoverPoses> coverPoses(const Character& character, std::span<const Skelet
   }
 
   if (random) {
-    appendRandom(character, *standIn, poses.randomPoses, kSampledSeed, poses.sampled);
-    appendRandom(character, *standIn, poses.randomPoses, kHeldOutSeed, poses.heldOut);
+    appendRandom(character, *proxy, poses.randomPoses, kSampledSeed, poses.sampled);
+    appendRandom(character, *proxy, poses.randomPoses, kHeldOutSeed, poses.heldOut);
   }
   return poses;
 }

@@ -9,11 +9,11 @@
 
 namespace lorica {
 
-/// Poses to choose a cover in and, apart from them, poses to measure it in: see chooseCover().
+/// Poses for choosing a cover, and separate poses for measuring it: see chooseCover().
 struct CoverPoses {
   std::vector<Affine3> sampled, heldOut;  ///< worldFromModel, poses x jointCount, pose-major
   int jointCount = 0;
-  int randomPoses = 0;  ///< of the sampled ones, and as many of those held out: the last ones of each
+  int randomPoses = 0;  ///< number of random poses at the end of each of the two lists
 
   [[nodiscard]] BonePoseView sampledView() const { return {sampled, jointCount}; }
   [[nodiscard]] BonePoseView heldOutView() const { return {heldOut, jointCount}; }
@@ -21,15 +21,15 @@ struct CoverPoses {
 
 inline constexpr int kCoverPoses = 128;
 
-/// Half of the poses are frames of motions, taken evenly over all of them laid end to end, sampled ones and held-out
-/// ones in turn. Where there are fewer frames than that, each is taken once. The other half are random poses within a
-/// human's joint limits, standing at the origin; those held out have other seeds.
+/// Half of the poses are frames of motions, taken at even intervals over the concatenated motions and assigned
+/// alternately to the sampled and the held-out poses. If there are fewer frames, each is used once. The other half are
+/// random poses within human joint limits, standing at the origin; the held-out ones have another seed.
 ///
-/// Random poses need a humanoid whose bones rest along the model's axes, see randomPoseWithinLimits(). Of another
-/// character, and without motions, the poses of the other kind make up for it. The same input gives the same poses.
+/// Random poses need a humanoid whose bones rest along the model's axes, see randomPoseWithinLimits(). If one kind of
+/// pose is not available, all poses are of the other kind. The same input gives the same poses.
 /// @param motions  of the character's skeleton
-/// @param count    sampled poses, and as many held out; 2 or more
-/// @return the poses, or that there is nothing to take poses from (kInvalidArgument)
+/// @param count    number of sampled poses and of held-out poses, at least 2
+/// @return the poses, or an error if neither kind is available (kInvalidArgument)
 [[nodiscard]] Result<CoverPoses> coverPoses(const Character& character, std::span<const SkeletalMotion> motions,
                                             int count = kCoverPoses);
 

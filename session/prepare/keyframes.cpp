@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-/// Skins one character in pose after pose.
+/// Skins one character in a series of poses.
 class Poser {
  public:
   explicit Poser(const Character& character)
@@ -34,8 +34,8 @@ std::size_t frameCountOf(std::span<const SkeletalMotion> motions) {
   return count;
 }
 
-/// Poses a character by some frames of motions, counted as if these were laid end to end.
-/// @param frames  ascending
+/// Poses a character in some frames of motions.
+/// @param frames  indices in the concatenated motions, ascending
 /// @return positions [m], as many as frames times vertexCount, frame-major
 std::vector<Vec3> poseFrames(const Character& character, std::span<const SkeletalMotion> motions,
                              std::span<const std::size_t> frames) {
@@ -43,7 +43,7 @@ std::vector<Vec3> poseFrames(const Character& character, std::span<const Skeleta
   std::vector<Vec3> positions(frames.size() * vertexCount);
   Poser poser(character);
   std::size_t next = 0;
-  std::size_t first = 0;  // frame of the motion, counted so
+  std::size_t first = 0;  // index of the motion's first frame in the concatenated motions
   for (const SkeletalMotion& motion : motions) {
     const std::size_t end = first + motion.times.size();
     for (; next < frames.size() && frames[next] < end; ++next) {
@@ -58,8 +58,8 @@ std::vector<Vec3> poseFrames(const Character& character, std::span<const Skeleta
 constexpr std::size_t kVerticesCompared = 300;
 constexpr std::size_t kFramesCompared = 10000;
 
-/// round(k (from - 1) / (count - 1)) in whole numbers for each k: `count` of `from` things, the first and last
-/// included.
+/// `count` of `from` indices at even intervals, including the first and the last: round(k (from - 1) / (count - 1)) in
+/// integer arithmetic for each k.
 std::vector<std::size_t> evenly(std::size_t count, std::size_t from) {
   std::vector<std::size_t> chosen(count);
   const std::size_t steps = std::max<std::size_t>(count - 1, 1);
@@ -67,7 +67,7 @@ std::vector<std::size_t> evenly(std::size_t count, std::size_t from) {
   return chosen;
 }
 
-/// The character with some of its vertices and no triangles: enough to compare poses by.
+/// The character with fewer vertices and no triangles, for comparing poses.
 Character withFewerVertices(const Character& character) {
   const std::size_t all = character.mesh.vertices.size();
   Character few = character;
@@ -100,11 +100,11 @@ Result<std::vector<Vec3>> sampleKeyframes(const Character& character, std::span<
                                           int count) {
   const std::size_t frameCount = frameCountOf(motions);
   if (count < 1)
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes asked for, expected 1 or more", count)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes requested, expected 1 or more", count)};
   const auto wanted = static_cast<std::size_t>(count);
   if (wanted > frameCount) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} keyframes asked for, the motions have {} frames", count, frameCount)};
+                 fmt::format("{} keyframes requested, the motions have {} frames", count, frameCount)};
   }
   return poseFrames(character, motions, evenly(wanted, frameCount));
 }
@@ -113,11 +113,11 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
                                         double closeEnough) {
   const std::size_t frameCount = frameCountOf(motions);
   if (atMost < 1) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes asked for, expected 1 or more", atMost)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes requested, expected 1 or more", atMost)};
   }
   if (frameCount == 0) return Error{ErrorCode::kInvalidArgument, "the motions have no frames to choose from"};
 
-  // All poses, small and about their centroids.
+  // All considered poses with fewer vertices, relative to their centroids.
   const Character few = withFewerVertices(character);
   const std::vector<std::size_t> looked = evenly(std::min(frameCount, kFramesCompared), frameCount);
   std::vector<Vec3> posed = poseFrames(few, motions, looked);
@@ -129,7 +129,7 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
     for (Vec3& p : pose(i)) p -= centroid;
   }
 
-  // Farthest first (Gonzalez 1985); of several as far, the earliest.
+  // Farthest-first traversal (Gonzalez 1985); the earliest frame wins ties.
   ChosenKeyframes result;
   std::vector<std::size_t> chosen;
   std::vector<double> nearest(looked.size(), std::numeric_limits<double>::infinity());
@@ -147,7 +147,7 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
 
   result.positions = poseFrames(character, motions, chosen);
   result.sources.reserve(chosen.size());
-  std::size_t first = 0;  // frame of the motion, counted as if all were laid end to end
+  std::size_t first = 0;  // index of the motion's first frame in the concatenated motions
   for (std::size_t m = 0; m < motions.size(); ++m) {
     const std::vector<double>& times = motions[m].times;
     for (const std::size_t frame : chosen) {

@@ -20,7 +20,7 @@ namespace lorica {
 namespace {
 
 constexpr int kSteps = 5;
-constexpr double kCoarsest = 0.125;  // voxel, of the character's longest side
+constexpr double kCoarsest = 0.125;  // largest voxel, relative to the character's longest side
 
 Error cancelled() {
   return {ErrorCode::kCancelled, "cancelled"};
@@ -30,14 +30,14 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-/// Puts vertices and their influences at the end of a character.
+/// Appends a vertex and its influences to a character.
 void append(Character& character, const Vec3& vertex, std::span<const Influence> influences) {
   character.mesh.vertices.push_back(vertex);
   character.influences.insert(character.influences.end(), influences.begin(), influences.end());
   character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
 }
 
-/// The same bones without a mesh.
+/// A character with the same bones and without a mesh.
 Character bonesOf(const Character& character) {
   Character bones;
   bones.name = character.name;
@@ -48,7 +48,7 @@ Character bonesOf(const Character& character) {
   return bones;
 }
 
-/// Whether every shell has an inside of its own: boxes that overlap may hide shells that do.
+/// Whether every shell encloses its own volume. Shells with overlapping boxes may overlap, so they do not qualify.
 bool shellsApart(const TriMesh& mesh, const Components& shells) {
   if (shells.count == 1) return true;
   const auto count = static_cast<std::size_t>(shells.count);
@@ -57,7 +57,7 @@ bool shellsApart(const TriMesh& mesh, const Components& shells) {
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const auto s = static_cast<std::size_t>(shells.componentOfTriangle[k]);
     triangles[s].push_back(mesh.triangles[k]);
-    for (const VertexIndex v : mesh.triangles[k]) boxes[s].extend(mesh.vertices[static_cast<std::size_t>(v)]);
+    for (const VertexIndex v : mesh.triangles[k]) boxes[s].extend(mesh.vertices[v]);
   }
   for (std::size_t a = 0; a < count; ++a) {
     if (signedVolume(mesh.vertices, triangles[a]) <= 0.0) return false;
@@ -74,7 +74,7 @@ class BodyMaker {
  public:
   BodyMaker(const Character& character, const BodySettings& settings) : character_(character), settings_(settings) {}
 
-  Result<Body> run() {
+  Result<ClosedBody> run() {
     if (!step(0)) return cancelled();
     const Limbs limbs(character_);
     welded_ = weld(character_, limbs);
@@ -84,7 +84,7 @@ class BodyMaker {
                                character_.mesh.vertices.size(), character_.mesh.triangles.size())};
     }
     if (welded_.weldedVertices > 0) {
-      note(fmt::format("{} welded onto others at the same place",
+      note(fmt::format("{} welded to others at the same position",
                        counted(welded_.weldedVertices, "vertex was", "vertices were")));
     }
     if (welded_.droppedTriangles > 0) {
@@ -107,7 +107,7 @@ class BodyMaker {
   [[nodiscard]] bool step(int done) const { return !settings_.progress || settings_.progress(done, kSteps); }
   void note(std::string sentence) { body_.notes.push_back(std::move(sentence)); }
 
-  /// Takes the surface itself where it is closed and one solid.
+  /// Keeps the surface if it is closed and solid. @return whether it was kept
   bool keepAsItIs() {
     TriMesh mesh = welded_.mesh;
     const bool turned = signedVolume(mesh.vertices, mesh.triangles) < 0.0;
@@ -118,24 +118,22 @@ class BodyMaker {
     if (!repaired || !checkClosedTwoManifold(repaired->mesh)) return false;
     const Components shells = connectedComponents(repaired->mesh.vertices.size(), repaired->mesh.triangles);
     if (!shellsApart(repaired->mesh, shells)) {
-      note(fmt::format("its {} closed shells are within each other's reach, so one surface was made around them",
-                       shells.count));
+      note(fmt::format("its {} closed shells may overlap, so one surface was built around them", shells.count));
       return false;
     }
-    if (turned) note("it was inside out and was turned");
+    if (turned) note("the surface was inside out and was flipped");
     if (repaired->changed()) note(repaired->summary());
     if (welded_.mixedVertices > 0) {
-      note(fmt::format("at {} the welded vertices had other weights: the mean was taken",
-                       counted(welded_.mixedVertices, "place", "places")));
+      note(fmt::format("at {} the welded vertices had different weights: their mean is used",
+                       counted(welded_.mixedVertices, "position", "positions")));
     }
-    body_.crowdedEdges = static_cast<int>(repaired->crowdedEdges);
+    body_.nonManifoldEdges = static_cast<int>(repaired->nonManifoldEdges);
     body_.shells = shells.count;
     body_.character = bonesOf(character_);
     for (std::size_t v = 0; v < repaired->mesh.vertices.size(); ++v) {
       const VertexOrigin& origin = repaired->origin[v];
-      const std::array<const std::vector<Influence>*, 2> lists{
-          &welded_.influences[static_cast<std::size_t>(origin.first)],
-          &welded_.influences[static_cast<std::size_t>(origin.second)]};
+      const std::array<const std::vector<Influence>*, 2> lists{&welded_.influences[origin.first],
+                                                               &welded_.influences[origin.second]};
       const std::array<double, 2> shares{0.5, 0.5};
       append(body_.character, repaired->mesh.vertices[v],
              origin.first == origin.second ? *lists[0] : blended(lists, shares));
@@ -145,12 +143,11 @@ class BodyMaker {
     return true;
   }
 
-  Result<Body> make(const Limbs& limbs) {
+  Result<ClosedBody> make(const Limbs& limbs) {
     body_.made = true;
     Welded original = welded_;
     if (const std::size_t duplicates = dropDuplicates(original.mesh.triangles); duplicates > 0) {
-      note(fmt::format("{} on others were passed over",
-                       counted(duplicates, "triangle that lies", "triangles that lie")));
+      note(counted(duplicates, "duplicate triangle was ignored", "duplicate triangles were ignored"));
     }
     const SolidSource source(character_, limbs, std::move(original));
     tell(source);
@@ -160,9 +157,10 @@ class BodyMaker {
     const Aabb box = boundsOf(character_.mesh.vertices);
     const double coarsest = kCoarsest * (box.max - box.min).maxCoeff();
     if (settings_.resolution > coarsest) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("a body of voxels of {:.4g} m: expected at most {:.4g} m, an eighth of its longest side",
-                               settings_.resolution, coarsest)};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("body resolution {:.4g} m: expected at most {:.4g} m, an eighth of the character's longest side",
+                      settings_.resolution, coarsest)};
     }
     Result<SolidSurface> solid = solidSurface(source, body_.resolution);
     if (!solid) return solid.error();
@@ -175,44 +173,46 @@ class BodyMaker {
     assemble(*solid, weights);
     const std::vector<Affine3> bind(character_.jointFromModel.size(), Affine3::Identity());
     body_.distances = distancesInPose(body_, bind);
-    (void)step(kSteps);  // the body is there: whoever cancels now is too late
+    (void)step(kSteps);  // the body is complete: cancelling has no effect any more
     return std::move(body_);
   }
 
   void tell(const SolidSource& source) {
     body_.openEdges = static_cast<int>(source.openEdges);
-    body_.crowdedEdges = static_cast<int>(source.crowdedEdges);
+    body_.nonManifoldEdges = static_cast<int>(source.nonManifoldEdges);
     if (source.turnedPatches > 0) {
-      note(counted(source.turnedPatches, "piece was inside out and was turned",
-                   "pieces were inside out and were turned"));
+      note(counted(source.turnedPatches, "piece was inside out and was flipped",
+                   "pieces were inside out and were flipped"));
     }
     if (source.turnedTriangles > 0) {
-      note(counted(source.turnedTriangles, "triangle faced another way than its neighbours and was turned",
-                   "triangles faced another way than their neighbours and were turned"));
+      note(counted(source.turnedTriangles, "triangle was oriented against its neighbours and was flipped",
+                   "triangles were oriented against their neighbours and were flipped"));
     }
     if (source.sheetPatches > 0) {
-      note(fmt::format("{} nothing ({:.1f} % of the surface): covered, not cut",
+      note(fmt::format("{} no volume ({:.1f} % of the surface): covered by the hulls, not decomposed",
                        counted(source.sheetPatches, "open sheet encloses", "open sheets enclose"),
                        100.0 * source.sheetShare));
     }
   }
 
   void tell(const SolidSurface& solid) {
-    note(fmt::format("a closed surface of {} vertices in {} was made with voxels of {:.4g} m",
+    note(fmt::format("a closed surface of {} vertices in {} was built with voxels of {:.4g} m",
                      solid.mesh.vertices.size(), counted(solid.pieces, "piece", "pieces"), body_.resolution));
     if (solid.droppedPieces > 0) {
-      note(fmt::format("{} too small to be parts: covered, not cut",
+      note(fmt::format("{} too small to be parts: covered by the hulls, not decomposed",
                        counted(solid.droppedPieces, "loose piece is", "loose pieces are")));
     }
-    if (solid.thinVoxels > 0) note(fmt::format("what is thinner than {:.4g} m is covered, not cut", body_.resolution));
-    if (solid.rodTriangles > 0) note("limbs too thin for voxels were made as thick as these need");
+    if (solid.thinVoxels > 0) {
+      note(fmt::format("geometry thinner than {:.4g} m is covered by the hulls, not decomposed", body_.resolution));
+    }
+    if (solid.rodTriangles > 0) note("limbs too thin for the voxels were thickened");
     if (solid.partedVoxels > 0) {
-      note(fmt::format("limbs that touch in the bind pose were parted, at {}",
+      note(fmt::format("limbs that touch in the bind pose were separated at {}",
                        counted(solid.partedVoxels, "voxel", "voxels")));
     }
   }
 
-  /// The body's vertices first, then those that people see.
+  /// The body's vertices first, then the visible ones.
   void assemble(const SolidSurface& solid, const std::vector<std::vector<Influence>>& weights) {
     Character& made = body_.character;
     made = bonesOf(character_);
@@ -223,7 +223,7 @@ class BodyMaker {
     std::vector<VertexIndex> numberOf(character_.mesh.vertices.size(), -1);
     std::vector<bool> used(numberOf.size(), false);
     for (const Triangle& t : character_.mesh.triangles) {
-      for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = true;
+      for (const VertexIndex v : t) used[v] = true;
     }
     for (std::size_t v = 0; v < numberOf.size(); ++v) {
       if (!used[v]) continue;
@@ -235,7 +235,7 @@ class BodyMaker {
     }
     made.shown.reserve(character_.mesh.triangles.size());
     for (Triangle t : character_.mesh.triangles) {
-      for (VertexIndex& v : t) v = numberOf[static_cast<std::size_t>(v)];
+      for (VertexIndex& v : t) v = numberOf[v];
       made.shown.push_back(t);
     }
   }
@@ -243,16 +243,15 @@ class BodyMaker {
   const Character& character_;
   const BodySettings& settings_;
   Welded welded_;
-  Body body_;
+  ClosedBody body_;
 };
 
 }  // namespace
 
-Result<Body> makeBody(const Character& character, const BodySettings& settings) {
+Result<ClosedBody> makeBody(const Character& character, const BodySettings& settings) {
   if (!(settings.resolution >= 0.0) || !std::isfinite(settings.resolution) || settings.threads < 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("body resolution {} m, threads {}: expected 0 or more of each", settings.resolution,
-                             settings.threads)};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("body resolution {} m, threads {}: expected both >= 0",
+                                                          settings.resolution, settings.threads)};
   }
   if (Result<void> checked = checkCharacter(character); !checked) return checked.error();
   // More threads than cores are allowed, so that tests can show that the result does not depend on them.
@@ -260,7 +259,7 @@ Result<Body> makeBody(const Character& character, const BodySettings& settings) 
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
                                     std::max(known, static_cast<std::size_t>(settings.threads)));
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  std::optional<Result<Body>> result;
+  std::optional<Result<ClosedBody>> result;
   arena.execute([&] { result.emplace(BodyMaker(character, settings).run()); });
   return std::move(*result);
 }

@@ -1,5 +1,5 @@
+#include "geometry/triangle_tree.h"
 #include "skinning/body/closed_body.h"
-#include "skinning/body/triangle_tree.h"
 #include "skinning/linear_blend.h"
 
 #include <tbb/parallel_for.h>
@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kSamples = 4096;
 constexpr double kInside = 0.5;  // winding number
 
-/// Points spread evenly over a surface: its area laid out as one strip, a point in the middle of each equal piece.
+/// Points spread evenly over a surface: its area is laid out as one strip, with a point in the middle of equal pieces.
 std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   const double area = surfaceArea(vertices, triangles);
   std::vector<Vec3> points;
@@ -22,14 +22,14 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
   const auto fraction = [](double x) { return x - std::floor(x); };
   double upTo = 0.0;
   for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[static_cast<std::size_t>(t[0])];
-    const Vec3& b = vertices[static_cast<std::size_t>(t[1])];
-    const Vec3& c = vertices[static_cast<std::size_t>(t[2])];
+    const Vec3& a = vertices[t[0]];
+    const Vec3& b = vertices[t[1]];
+    const Vec3& c = vertices[t[2]];
     upTo += 0.5 * (b - a).cross(c - a).norm();
     while (points.size() < kSamples &&
            (static_cast<double>(points.size()) + 0.5) * area / static_cast<double>(kSamples) <= upTo) {
       // Within a triangle an additive recurrence (with powers of the plastic number) spreads consecutive points; the
-      // square root turns a uniform number into the distance from a corner under which equal areas lie.
+      // square root makes them uniform in area.
       const auto i = static_cast<double>(points.size());
       const double r = std::sqrt(fraction(0.5 + i * 0.7548776662466927));
       const double u = r * fraction(0.5 + i * 0.5698402909980532);
@@ -66,7 +66,7 @@ double largestOf(std::span<const double> values) {
 
 }  // namespace
 
-BodyDistances distancesInPose(const Body& body, std::span<const Affine3> worldFromModel) {
+BodyDistances distancesInPose(const ClosedBody& body, std::span<const Affine3> worldFromModel) {
   BodyDistances result;
   if (!body.made) return result;
   const Character& character = body.character;

@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-using DenseGrid = openvdb::tools::Dense<float, openvdb::tools::LayoutZYX>;  // z runs fastest
+using DenseGrid = openvdb::tools::Dense<float, openvdb::tools::LayoutZYX>;  // z varies fastest
 
 openvdb::CoordBBox boxOf(const VoxelGrid& grid) {
   return {openvdb::Coord(0, 0, 0), openvdb::Coord(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
@@ -21,7 +21,7 @@ Error failed(const char* what, const std::exception& e) {
   return {ErrorCode::kUnsupported, fmt::format("OpenVDB could not {}: {}", what, e.what())};
 }
 
-/// OpenVDB's registry of grid types, once.
+/// Registers OpenVDB's grid types, once.
 void initialise() {
   static const bool done = [] {
     openvdb::initialize();
@@ -33,7 +33,7 @@ void initialise() {
 Result<void> measureDistances(VoxelGrid& grid, const TriMesh& mesh, double voxel, int band) {
   try {
     initialise();
-    // In units of voxels, so that single precision is fine wherever the character stands.
+    // In voxels from the grid's origin, so that single precision suffices wherever the character is.
     std::vector<openvdb::Vec3s> points;
     points.reserve(mesh.vertices.size());
     for (const Vec3& v : mesh.vertices) {
@@ -63,7 +63,7 @@ Result<TriMesh> extractSurface(const VoxelGrid& grid, double voxel) {
   try {
     initialise();
     const openvdb::FloatGrid::Ptr values = openvdb::FloatGrid::create(1.0f);
-    // Dense only reads here, but takes no constant.
+    // Dense only reads here, but does not accept a const pointer.
     const DenseGrid dense(boxOf(grid), const_cast<float*>(grid.values.data()));
     openvdb::tools::copyFromDense(dense, *values, 0.0f);
     std::vector<openvdb::Vec3s> points;
@@ -77,8 +77,7 @@ Result<TriMesh> extractSurface(const VoxelGrid& grid, double voxel) {
       const std::array<VertexIndex, 4> v{static_cast<VertexIndex>(q[0]), static_cast<VertexIndex>(q[1]),
                                          static_cast<VertexIndex>(q[2]), static_cast<VertexIndex>(q[3])};
       const auto lengthSq = [&](std::size_t i, std::size_t j) {
-        return (mesh.vertices[static_cast<std::size_t>(v[i])] - mesh.vertices[static_cast<std::size_t>(v[j])])
-            .squaredNorm();
+        return (mesh.vertices[v[i]] - mesh.vertices[v[j]]).squaredNorm();
       };
       if (lengthSq(0, 2) <= lengthSq(1, 3)) {
         mesh.triangles.push_back({v[0], v[1], v[2]});
@@ -90,7 +89,7 @@ Result<TriMesh> extractSurface(const VoxelGrid& grid, double voxel) {
     }
     return mesh;
   } catch (const std::exception& e) {
-    return failed("make a surface", e);
+    return failed("extract a surface", e);
   }
 }
 

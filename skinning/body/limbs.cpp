@@ -6,9 +6,9 @@
 namespace lorica {
 namespace {
 
-// Of the largest side of the character's box, which a human's height or span of arms is.
-constexpr double kDownBoth = 0.15;  // from where two limbs part: thighs half way to the knees, not the crotch
-constexpr double kDownOne = 0.2;    // from the bone that a limb hangs on: the elbow at the chest, not the armpit
+// Relative to the largest side of the character's box, which is a human's height or arm span.
+constexpr double kDownBoth = 0.15;  // from where two limbs branch: thighs half way to the knees, not the crotch
+constexpr double kDownOne = 0.2;    // from the bone that carries a limb: the elbow at the chest, not the armpit
 
 }  // namespace
 
@@ -16,7 +16,7 @@ Limbs::Limbs(const Character& character) {
   const auto count = static_cast<std::size_t>(character.skeleton.jointCount());
   at_.reserve(count);
   for (const Affine3& m : character.jointFromModel) {
-    // A joint without a bind matrix that can be undone moves nothing in a sound file: any place will do.
+    // A joint with a singular bind matrix moves nothing in a valid file, so its position does not matter.
     const bool sound = std::abs(m.linear().determinant()) > 1e-12;
     const Vec3 at = sound ? Vec3(m.inverse().translation()) : Vec3::Zero();
     at_.push_back(at.allFinite() ? at : Vec3::Zero());
@@ -27,7 +27,7 @@ Limbs::Limbs(const Character& character) {
   direction_.assign(count, Vec3::Zero());
   for (std::size_t j = 0; j < count; ++j) {
     const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
-    if (parent != kNoJoint) direction_[static_cast<std::size_t>(parent)] += at_[j] - positionOf(parent);
+    if (parent != kNoJoint) direction_[parent] += at_[j] - positionOf(parent);
   }
   for (std::size_t j = 0; j < count; ++j) {
     const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
@@ -44,7 +44,7 @@ Limbs::Limbs(const Character& character) {
     onOneBranch_[pair(own, own)] = 1;
     if (parent == kNoJoint) continue;
     for (std::size_t k = 0; k < j; ++k) {
-      // Parents precede children: all is known of the parent already.
+      // Parents precede children: the parent's entries are complete.
       const auto other = static_cast<JointIndex>(k);
       const bool above = onOneBranch_[pair(parent, other)] != 0 && other <= parent;
       onOneBranch_[pair(own, other)] = onOneBranch_[pair(other, own)] = above ? 1 : 0;
@@ -63,7 +63,7 @@ bool Limbs::onOneBranch(JointIndex a, JointIndex b) const {
 }
 
 double Limbs::along(JointIndex joint, const Vec3& at) const {
-  return std::max(0.0, (at - positionOf(joint)).dot(direction_[static_cast<std::size_t>(joint)]));
+  return std::max(0.0, (at - positionOf(joint)).dot(direction_[joint]));
 }
 
 bool Limbs::apart(JointIndex a, JointIndex b, const Vec3& at) const {

@@ -9,18 +9,18 @@
 namespace lorica {
 namespace {
 
-// An open patch is inside out when it bulges inward by more than this share of a ball's volume of the same area.
+// An open patch is inside out if it bulges inward by more than this fraction of the volume of a ball of equal area.
 constexpr double kPlain = 0.05;
 
 struct Neighbour {
   std::int32_t triangle = 0;
-  bool agrees = true;  ///< runs along the shared edge the other way, as it should
+  bool agrees = true;  ///< traverses the shared edge in the opposite direction, as it should
 };
 
 struct Edges {
   std::vector<std::vector<Neighbour>> neighbours;  ///< of each triangle
-  std::vector<std::int32_t> open;                  ///< the triangle of each edge that has only one
-  std::size_t crowded = 0;
+  std::vector<std::int32_t> open;                  ///< the triangle of each edge with only one
+  std::size_t nonManifold = 0;
 };
 
 Edges edgesOf(const TriMesh& mesh) {
@@ -31,20 +31,18 @@ Edges edgesOf(const TriMesh& mesh) {
       edges.open.push_back(sides[0].triangle);
     } else if (sides.size() == 2) {
       const bool agrees = sides[0].ascending != sides[1].ascending;
-      edges.neighbours[static_cast<std::size_t>(sides[0].triangle)].push_back({sides[1].triangle, agrees});
-      edges.neighbours[static_cast<std::size_t>(sides[1].triangle)].push_back({sides[0].triangle, agrees});
+      edges.neighbours[sides[0].triangle].push_back({sides[1].triangle, agrees});
+      edges.neighbours[sides[1].triangle].push_back({sides[0].triangle, agrees});
     } else {
-      ++edges.crowded;
+      ++edges.nonManifold;
     }
   });
   return edges;
 }
 
 double areaOf(const TriMesh& mesh, const Triangle& t) {
-  const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[0])];
-  return 0.5 * (mesh.vertices[static_cast<std::size_t>(t[1])] - a)
-                   .cross(mesh.vertices[static_cast<std::size_t>(t[2])] - a)
-                   .norm();
+  const Vec3& a = mesh.vertices[t[0]];
+  return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
 }
 
 }  // namespace
@@ -53,10 +51,10 @@ Patches orientPatches(TriMesh& mesh) {
   const Edges edges = edgesOf(mesh);
   Patches result;
   result.openEdges = edges.open.size();
-  result.crowdedEdges = edges.crowded;
+  result.nonManifoldEdges = edges.nonManifold;
   result.patchOfTriangle.assign(mesh.triangles.size(), -1);
 
-  // Walk each patch from its first triangle; the way that most of its area faces is the patch's.
+  // Traverse each patch from its first triangle; its orientation is that of most of its area.
   std::vector<bool> turned(mesh.triangles.size(), false);
   std::vector<std::vector<std::int32_t>> members;
   for (std::size_t start = 0; start < mesh.triangles.size(); ++start) {
@@ -81,38 +79,38 @@ Patches orientPatches(TriMesh& mesh) {
     }
     const bool other = turnedArea > 0.5 * patch.area;
     for (const std::int32_t t : walk) {
-      turned[static_cast<std::size_t>(t)] = turned[static_cast<std::size_t>(t)] != other;
-      if (!turned[static_cast<std::size_t>(t)]) continue;
+      turned[t] = turned[t] != other;
+      if (!turned[t]) continue;
       ++result.turnedTriangles;
-      std::swap(mesh.triangles[static_cast<std::size_t>(t)][1], mesh.triangles[static_cast<std::size_t>(t)][2]);
+      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
     }
     result.patches.push_back(patch);
     members.push_back(std::move(walk));
   }
   for (const std::int32_t t : edges.open) {
-    result.patches[static_cast<std::size_t>(result.patchOfTriangle[static_cast<std::size_t>(t)])].open = true;
+    result.patches[result.patchOfTriangle[static_cast<std::size_t>(t)]].open = true;
   }
 
   for (std::size_t p = 0; p < result.patches.size(); ++p) {
     const Patch& patch = result.patches[p];
     Vec3 center = Vec3::Zero();
     for (const std::int32_t t : members[p]) {
-      const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
+      const Triangle& corners = mesh.triangles[t];
       const double share = patch.area > 0.0 ? areaOf(mesh, corners) / (3.0 * patch.area) : 0.0;
-      for (const VertexIndex v : corners) center += share * mesh.vertices[static_cast<std::size_t>(v)];
+      for (const VertexIndex v : corners) center += share * mesh.vertices[v];
     }
     double volume = 0.0;
     for (const std::int32_t t : members[p]) {
-      const Triangle& c = mesh.triangles[static_cast<std::size_t>(t)];
-      const Vec3 a = mesh.vertices[static_cast<std::size_t>(c[0])] - center;
-      const Vec3 b = mesh.vertices[static_cast<std::size_t>(c[1])] - center;
-      volume += a.dot(b.cross(mesh.vertices[static_cast<std::size_t>(c[2])] - center)) / 6.0;
+      const Triangle& c = mesh.triangles[t];
+      const Vec3 a = mesh.vertices[c[0]] - center;
+      const Vec3 b = mesh.vertices[c[1]] - center;
+      volume += a.dot(b.cross(mesh.vertices[c[2]] - center)) / 6.0;
     }
     const double ball = patch.area * std::sqrt(patch.area) / (6.0 * std::sqrt(std::numbers::pi));
     if (volume >= (patch.open ? -kPlain * ball : 0.0)) continue;
     ++result.turnedPatches;
     for (const std::int32_t t : members[p]) {
-      std::swap(mesh.triangles[static_cast<std::size_t>(t)][1], mesh.triangles[static_cast<std::size_t>(t)][2]);
+      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
     }
   }
   return result;

@@ -7,23 +7,23 @@
 
 namespace lorica {
 
-/// A piece of surface whose triangles hang together by edges of exactly two of them.
+/// A piece of surface whose triangles are connected by edges with exactly two triangles.
 struct Patch {
   double area = 0.0;  ///< [m^2]
-  bool open = false;  ///< it has an edge of one triangle
+  bool open = false;  ///< it has an edge with only one triangle
 };
 
 struct Patches {
   std::vector<Patch> patches;
   std::vector<std::int32_t> patchOfTriangle;
   std::size_t openEdges = 0;
-  std::size_t crowdedEdges = 0;     ///< of more than two triangles
-  std::size_t turnedPatches = 0;    ///< that were inside out
-  std::size_t turnedTriangles = 0;  ///< that faced another way than most of their patch
+  std::size_t nonManifoldEdges = 0;  ///< with more than two triangles
+  std::size_t turnedPatches = 0;     ///< that were inside out
+  std::size_t turnedTriangles = 0;   ///< that were oriented against most of their patch
 };
 
-/// Divides a surface into patches and turns triangles so that those of one patch face the same way, and outward where
-/// inside out is plain: a closed patch of negative volume, or an open one that bulges inward.
+/// Divides a surface into patches and flips triangles so that those of one patch face the same way. Patches that are
+/// clearly inside out are flipped outward: closed ones of negative volume, and open ones that bulge inward.
 [[nodiscard]] Patches orientPatches(TriMesh& mesh);
 
 }  // namespace lorica

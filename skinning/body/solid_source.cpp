@@ -12,16 +12,16 @@
 namespace lorica {
 namespace {
 
-constexpr double kAside = 1e-4;   // of the box's diagonal: so far from a triangle one asks on which side one is
-constexpr double kLarge = 0.01;   // of the same: larger triangles are asked in four places, others in their middle
+constexpr double kAside = 1e-4;   // of the box's diagonal: distance of test points in front of a triangle
+constexpr double kLarge = 0.01;   // of the diagonal: larger triangles have four test points, others one in their middle
 constexpr double kSheet = -0.25;  // mean winding number in front of a patch: 0 for skin, -1/2 for a free sheet
-constexpr double kHidden = 0.5;   // in front of a triangle
+constexpr double kHidden = 0.5;   // winding number in front of a hidden triangle
 
-constexpr double kVerticesAVoxelFace = 1.5;  // of a surface that lies at any angle to the grid
-constexpr double kMostVertices = 14000.0;
-constexpr double kLeastVertices = 7000.0;
+constexpr double kVerticesAVoxelFace = 1.5;  // average over all orientations of the surface
+constexpr double kMaxVertices = 14000.0;
+constexpr double kMinVertices = 7000.0;
 constexpr double kVoxelsAcross = 4.0;
-constexpr double kThinShare = 0.05;  // of the surface: what is thinner than the rest does not count up to so much area
+constexpr double kThinShare = 0.05;  // of the surface: the thinnest parts are ignored up to this area
 
 double areaOf(const std::array<Vec3, 3>& t) {
   return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
@@ -31,7 +31,7 @@ Vec3 middleOf(const std::array<Vec3, 3>& t) {
   return (t[0] + t[1] + t[2]) / 3.0;
 }
 
-/// Winding numbers just in front of a triangle: in its middle; of a large one also towards its corners.
+/// Visits winding numbers just in front of a triangle: at its middle; for a large one also towards its corners.
 template <typename Visit>
 void askInFront(const TriangleTree& tree, const std::array<Vec3, 3>& t, double diagonal, Visit&& visit) {
   const Vec3 front = kAside * diagonal * (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
@@ -42,7 +42,7 @@ void askInFront(const TriangleTree& tree, const std::array<Vec3, 3>& t, double d
   for (const Vec3& corner : t) visit(tree.windingNumber(0.3 * middle + 0.7 * corner + front));
 }
 
-/// @param groupOfTriangle  which group each triangle belongs to
+/// The thickness of the skin in each group of triangles.
 std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const std::int32_t> groupOfTriangle,
                                    std::size_t groups) {
   std::vector<Thickness> result(groups);
@@ -57,7 +57,7 @@ std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const st
     const Vec3 at = middleOf(t) - origin;
     result[g].area += area;
     sum[g] += area * at;
-    // A long triangle is no point: over it the mean of x x' is that of its corners and its middle, weighted like this.
+    // A long triangle is not a point: the mean of x x' over it is this weighted mean of its corners and its middle.
     for (const Vec3& corner : t) squares[g] += area / 12.0 * (corner - origin) * (corner - origin).transpose();
     squares[g] += 0.75 * area * at * at.transpose();
   }
@@ -67,10 +67,10 @@ std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const st
     const Vec3 mean = sum[g] / size.area;
     const Mat3 spread = squares[g] / size.area - mean * mean.transpose();
     const Vec3 along = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
-    // Round a circle the mean square of one coordinate is half the radius squared.
-    size.least = 2.0 * std::sqrt(2.0 * along[0]);
+    // On a circle the mean square of one coordinate is half the radius squared.
+    size.min = 2.0 * std::sqrt(2.0 * along[0]);
     size.middle = 2.0 * std::sqrt(2.0 * along[1]);
-    size.length = std::sqrt(12.0 * along[2]);  // and along a rod a twelfth of its square
+    size.length = std::sqrt(12.0 * along[2]);  // along a rod it is a twelfth of the length squared
   }
   return result;
 }
@@ -79,15 +79,14 @@ std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const st
 
 std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
   const Triangle& t = mesh.triangles[triangle];
-  return {mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
-          mesh.vertices[static_cast<std::size_t>(t[2])]};
+  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
 SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
     : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(std::move(known)) {
   const Patches patches = orientPatches(mesh);
   openEdges = patches.openEdges;
-  crowdedEdges = patches.crowdedEdges;
+  nonManifoldEdges = patches.nonManifoldEdges;
   turnedPatches = patches.turnedPatches;
   turnedTriangles = patches.turnedTriangles;
   const std::size_t count = mesh.triangles.size();
@@ -96,18 +95,18 @@ SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
   jointOfTriangle.resize(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     std::array<const std::vector<Influence>*, 3> lists{};
-    for (std::size_t i = 0; i < 3; ++i) lists[i] = &influences[static_cast<std::size_t>(mesh.triangles[k][i])];
+    for (std::size_t i = 0; i < 3; ++i) lists[i] = &influences[mesh.triangles[k][i]];
     const std::array<double, 3> shares{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
     jointOfTriangle[k] = strongest(blended(lists, shares));
   });
 
-  // Sheets first: what encloses nothing must not confuse what does.
+  // Sheets first: they enclose nothing and must not affect the winding numbers of the rest.
   tree.emplace(mesh.vertices, mesh.triangles);
   roles.assign(count, TriangleRole::kSkin);
   std::vector<double> inFront(count, 0.0);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const int patch = patches.patchOfTriangle[k];
-    if (!patches.patches[static_cast<std::size_t>(patch)].open) return;
+    if (!patches.patches[patch].open) return;
     double sum = 0.0;
     int asked = 0;
     askInFront(*tree, corners(k), diagonal, [&](double number) {
@@ -129,11 +128,11 @@ SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
     sheetArea += patches.patches[p].area;
     ++sheetPatches;
   }
-  if (sheetPatches == patches.patches.size()) sheetPatches = 0;  // there must be something to make a body of
+  if (sheetPatches == patches.patches.size()) sheetPatches = 0;  // something must remain to build a body from
   if (sheetPatches > 0) {
     sheetShare = sheetArea / area;
     for (std::size_t k = 0; k < count; ++k) {
-      if (meanInFront[static_cast<std::size_t>(patches.patchOfTriangle[k])] < kSheet) roles[k] = TriangleRole::kSheet;
+      if (meanInFront[patches.patchOfTriangle[k]] < kSheet) roles[k] = TriangleRole::kSheet;
     }
     std::vector<Triangle> others;
     others.reserve(count);
@@ -159,8 +158,7 @@ SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
 
 double chooseResolution(const SolidSource& source) {
   std::vector<Thickness> limbs = source.ofJoint;
-  std::stable_sort(limbs.begin(), limbs.end(),
-                   [](const Thickness& a, const Thickness& b) { return a.least < b.least; });
+  std::stable_sort(limbs.begin(), limbs.end(), [](const Thickness& a, const Thickness& b) { return a.min < b.min; });
   double whole = 0.0;
   for (const Thickness& limb : limbs) whole += limb.area;
   if (!(whole > 0.0)) whole = surfaceArea(source.mesh.vertices, source.mesh.triangles);
@@ -168,12 +166,12 @@ double chooseResolution(const SolidSource& source) {
   double thin = 0.0;
   for (const Thickness& limb : limbs) {
     if (limb.area == 0.0) continue;
-    thin = limb.least;
+    thin = limb.min;
     passed += limb.area;
     if (passed >= kThinShare * whole) break;
   }
   const auto voxelFor = [&](double vertices) { return std::sqrt(kVerticesAVoxelFace * whole / vertices); };
-  return std::clamp(thin / kVoxelsAcross, voxelFor(kMostVertices), voxelFor(kLeastVertices));
+  return std::clamp(thin / kVoxelsAcross, voxelFor(kMaxVertices), voxelFor(kMinVertices));
 }
 
 }  // namespace lorica

@@ -13,22 +13,22 @@
 namespace lorica {
 namespace {
 
-constexpr int kBand = 3;                        // voxels about the triangles in which distances are known
-constexpr std::size_t kMostVoxels = 48u << 20;  // 200 MB of distances
-constexpr float kInside = 0.5f;                 // winding number
-constexpr float kBlocked = 0.6f;                // voxels: nearer to a triangle than this is no way through
-constexpr float kCore = 0.45f;                  // voxels: what is solid has a point this deep near by
-constexpr int kLayer = 9;                       // voxels of 27 that a layer of one voxel takes
-constexpr double kRod = 2.5;                    // voxels: limbs thinner than this in two directions are thickened
-constexpr float kRodRadius = 0.6f;              // voxels about the triangles
-constexpr double kTouch = 1.1;    // voxels: limbs touch at a place whose distances from both add up to this
-constexpr float kParted = 0.3f;   // voxels: what is said of a place that was taken out
-constexpr float kSlope = 8.0f;    // voxels of distance that a winding number of 1 more is worth, across holes
-constexpr double kCrumb = 2e-3;   // of the volume: smaller pieces are dropped
-constexpr int kSmoothRounds = 8;  // of smoothing the surface; each takes a step in and one out (Taubin 1995)
+constexpr int kBand = 3;                       // voxels around the triangles in which distances are computed
+constexpr std::size_t kMaxVoxels = 48u << 20;  // 200 MB of distances
+constexpr float kInside = 0.5f;                // winding number
+constexpr float kBlocked = 0.6f;               // voxels: points nearer to a triangle than this block the flood fill
+constexpr float kCore = 0.45f;                 // voxels: solid geometry has a point this deep nearby
+constexpr int kLayer = 9;                      // voxels of 27 that a layer of one voxel fills
+constexpr double kRod = 2.5;                   // voxels: limbs thinner than this in two directions are thickened
+constexpr float kRodRadius = 0.6f;             // voxels around the triangles
+constexpr double kTouch = 1.1;                 // voxels: limbs touch where the distances to both add up to at most this
+constexpr float kParted = 0.3f;                // voxels: distance stored for a removed voxel
+constexpr float kSlope = 8.0f;                 // voxels of distance per unit of winding number, across holes
+constexpr double kCrumb = 2e-3;                // of the volume: smaller pieces are dropped
+constexpr int kSmoothRounds = 8;               // of smoothing; each has a step inward and one outward (Taubin 1995)
 constexpr double kStepIn = 0.5;
 constexpr double kStepOut = -0.53;
-constexpr int kBlock = 4;  // voxels: far from triangles winding numbers are asked for in blocks
+constexpr int kBlock = 4;  // voxels: far from triangles, winding numbers are computed per block
 
 class Solid {
  public:
@@ -56,15 +56,15 @@ class Solid {
     const Vec3 margin = Vec3::Constant((kBand + 2) * voxel_);
     const Vec3 sizes = sizesOf(voxel_);
     const double count = sizes.prod();
-    if (!(count <= static_cast<double>(kMostVoxels))) {
+    if (!(count <= static_cast<double>(kMaxVoxels))) {
       constexpr double kFiner = 1.02;
-      double least = voxel_ * kFiner;  // with room for what rounding takes off
-      while (!(sizesOf(least / kFiner).prod() <= static_cast<double>(kMostVoxels))) least *= kFiner;
+      double min = voxel_ * kFiner;  // margin for rounding
+      while (!(sizesOf(min / kFiner).prod() <= static_cast<double>(kMaxVoxels))) min *= kFiner;
       return Error{ErrorCode::kInvalidArgument,
                    fmt::format("voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} "
                                "of them, expected voxels of at least {:.3g} m",
                                voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(),
-                               kMostVoxels, least)};
+                               kMaxVoxels, min)};
     }
     for (std::size_t i = 0; i < 3; ++i) grid_.size[i] = static_cast<int>(sizes[static_cast<Eigen::Index>(i)]);
     grid_.origin = box.min - margin;
@@ -72,7 +72,7 @@ class Solid {
     return {};
   }
 
-  [[nodiscard]] Vec3 placeOf(int x, int y, int z) const { return grid_.origin + voxel_ * Vec3(x, y, z); }
+  [[nodiscard]] Vec3 positionOf(int x, int y, int z) const { return grid_.origin + voxel_ * Vec3(x, y, z); }
 
   /// The triangles that may be on the surface.
   [[nodiscard]] TriMesh skin() const {
@@ -85,7 +85,7 @@ class Solid {
     return skin;
   }
 
-  /// Winding numbers: of each voxel near triangles; elsewhere of blocks, and of their voxels where a hole is closed.
+  /// Computes winding numbers: per voxel near triangles and across holes, elsewhere per block.
   void wind() {
     winding_.assign(grid_.values.size(), 0.0f);
     const auto blocks = [](int size) { return (size + kBlock - 1) / kBlock; };
@@ -110,19 +110,19 @@ class Solid {
     each([&](int x, int y, int z) { near = near || grid_.at(x, y, z) < kBand - 0.5f; });
     float middle = 0.0f;
     if (!near) {
-      const Vec3 at = 0.5 * (placeOf(begin[0], begin[1], begin[2]) + placeOf(end[0] - 1, end[1] - 1, end[2] - 1));
+      const Vec3 at = 0.5 * (positionOf(begin[0], begin[1], begin[2]) + positionOf(end[0] - 1, end[1] - 1, end[2] - 1));
       middle = static_cast<float>(source_.winding->windingNumber(at));
       near = std::abs(middle - kInside) < 0.3f;
     }
     each([&](int x, int y, int z) {
       winding_[grid_.index(x, y, z)] =
-          near ? static_cast<float>(source_.winding->windingNumber(placeOf(x, y, z))) : middle;
+          near ? static_cast<float>(source_.winding->windingNumber(positionOf(x, y, z))) : middle;
     });
   }
 
-  /// Makes signed distances of the distances: negative inside.
+  /// Makes the distances signed: negative inside.
   void sign() {
-    // From outside along free voxels; what is not reached is inside.
+    // Flood fill from outside along free voxels; voxels not reached are inside.
     std::vector<std::uint8_t> reached(grid_.values.size(), 0);
     std::vector<std::array<int, 3>> walk{{0, 0, 0}};  // a corner of the box is outside
     reached[0] = 1;
@@ -149,14 +149,15 @@ class Solid {
         ++result_.enclosedVoxels;
         grid_.values[i] = -distance;
       } else {
-        // Across a hole there is no triangle to be near to; there the winding number places the surface.
+        // Across a hole no triangle is near; there the winding number defines the surface.
         const float held = std::min(distance, kSlope * std::abs(winding_[i] - kInside));
         grid_.values[i] = wound ? -held : held;
       }
     }
   }
 
-  /// Takes out what has no deeper point near by: sheets with two sides, blades, tips of hair. They would be rags.
+  /// Removes geometry without a deeper point nearby, which would become ragged: sheets with two sides, blades, hair
+  /// tips.
   void dropThin() {
     std::vector<std::uint8_t> kept(grid_.values.size(), 0);
     for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = grid_.values[i] <= -kCore ? 1 : 0;
@@ -166,7 +167,7 @@ class Solid {
     for (std::size_t i = 0; i < kept.size(); ++i) {
       if (grid_.values[i] < 0.0f && kept[i] == 0) takeOut(i);
     }
-    // Of what is left by the border of a sheet, a layer of one voxel.
+    // Remove layers of one voxel, which remain at the borders of sheets.
     std::vector<std::size_t> layers;
     for (int x = 1; x + 1 < grid_.size[0]; ++x) {
       for (int y = 1; y + 1 < grid_.size[1]; ++y) {
@@ -183,7 +184,7 @@ class Solid {
     ++result_.thinVoxels;
   }
 
-  /// How many voxels of the block of 27 about one are solid, itself included.
+  /// Number of solid voxels in the block of 27 around a voxel, including itself.
   [[nodiscard]] int solidAround(int x, int y, int z) const {
     int count = 0;
     for (int i = x - 1; i <= x + 1; ++i) {
@@ -199,22 +200,22 @@ class Solid {
     const std::array<std::size_t, 3> strides{static_cast<std::size_t>(grid_.size[1]) * grid_.size[2],
                                              static_cast<std::size_t>(grid_.size[2]), 1};
     const std::size_t stride = strides[axis];
-    // The outermost voxels are far from everything: to wrap round there does no harm.
+    // The outermost voxels are far from everything, so wrapping around there is harmless.
     std::vector<std::uint8_t> wider = set;
     for (std::size_t i = stride; i + stride < set.size(); ++i) wider[i] |= set[i - stride] | set[i + stride];
     set = std::move(wider);
   }
 
-  /// Puts solid around triangles of thin rods that have none.
+  /// Adds solid around the triangles of thin rods that have none.
   Result<void> thickenRods() {
     TriMesh rods;
     rods.vertices = source_.mesh.vertices;
     for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
       if (source_.roles[k] != TriangleRole::kSkin) continue;
-      const Thickness& limb = source_.ofJoint[static_cast<std::size_t>(source_.jointOfTriangle[k])];
-      const Thickness& piece = source_.ofPatch[static_cast<std::size_t>(source_.patchOfTriangle[k])];
+      const Thickness& limb = source_.ofJoint[source_.jointOfTriangle[k]];
+      const Thickness& piece = source_.ofPatch[source_.patchOfTriangle[k]];
       const bool rod =
-          limb.middle < kRod * voxel_ || (piece.middle < kRod * voxel_ && piece.length > kRod * voxel_);  // no rivet
+          limb.middle < kRod * voxel_ || (piece.middle < kRod * voxel_ && piece.length > kRod * voxel_);  // not a rivet
       if (rod && !isInSolid(k)) {
         rods.triangles.push_back(source_.mesh.triangles[k]);
       }
@@ -242,20 +243,20 @@ class Solid {
            });
   }
 
-  /// Takes out voxels at which two limbs touch.
+  /// Removes voxels where two limbs touch.
   void part() {
     std::vector<std::size_t> counts(static_cast<std::size_t>(grid_.size[0]), 0);
     tbb::parallel_for(0, grid_.size[0], [&](int x) {
-      std::vector<std::pair<JointIndex, double>> near;  // how near the skin of each joint is
+      std::vector<std::pair<JointIndex, double>> near;  // distance of each joint's skin
       for (int y = 0; y < grid_.size[1]; ++y) {
         for (int z = 0; z < grid_.size[2]; ++z) {
           float& value = grid_.values[grid_.index(x, y, z)];
           if (value >= kParted) continue;
-          const Vec3 at = placeOf(x, y, z);
+          const Vec3 at = positionOf(x, y, z);
           near.clear();
           source_.tree->forEachWithin(at, kTouch * voxel_, [&](std::int32_t t, double distance) {
-            if (source_.roles[static_cast<std::size_t>(t)] == TriangleRole::kSheet) return;
-            const JointIndex joint = source_.jointOfTriangle[static_cast<std::size_t>(t)];
+            if (source_.roles[t] == TriangleRole::kSheet) return;
+            const JointIndex joint = source_.jointOfTriangle[t];
             const auto known = std::find_if(near.begin(), near.end(), [&](const auto& n) { return n.first == joint; });
             if (known == near.end()) {
               near.emplace_back(joint, distance);
@@ -272,18 +273,17 @@ class Solid {
           }
           if (!touch) continue;
           value = kParted;
-          ++counts[static_cast<std::size_t>(x)];
+          ++counts[x];
         }
       }
     });
     for (const std::size_t count : counts) result_.partedVoxels += count;
   }
 
-  /// Drops crumbs and bubbles, and makes a two-manifold of what is left.
+  /// Drops tiny pieces and bubbles, and turns the rest into a two-manifold.
   Result<SolidSurface> finished(TriMesh mesh) {
     const Error nothing{ErrorCode::kBadMesh,
-                        fmt::format("nothing of the {} triangles encloses anything that is thicker than {:.4g} m, "
-                                    "expected a body",
+                        fmt::format("the {} triangles enclose nothing thicker than {:.4g} m, expected a body",
                                     source_.mesh.triangles.size(), voxel_)};
     if (mesh.triangles.empty()) return nothing;
     if (signedVolume(mesh.vertices, mesh.triangles) < 0.0) {
@@ -292,7 +292,7 @@ class Solid {
     const Components pieces = connectedComponents(mesh.vertices.size(), mesh.triangles);
     std::vector<std::vector<Triangle>> trianglesOf(static_cast<std::size_t>(pieces.count));
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-      trianglesOf[static_cast<std::size_t>(pieces.componentOfTriangle[k])].push_back(mesh.triangles[k]);
+      trianglesOf[pieces.componentOfTriangle[k]].push_back(mesh.triangles[k]);
     }
     std::vector<double> volumes;
     double whole = 0.0;
@@ -310,10 +310,10 @@ class Solid {
       ++result_.pieces;
       for (Triangle t : trianglesOf[p]) {
         for (VertexIndex& v : t) {
-          VertexIndex& number = numberOf[static_cast<std::size_t>(v)];
+          VertexIndex& number = numberOf[v];
           if (number < 0) {
             number = static_cast<VertexIndex>(kept.vertices.size());
-            kept.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+            kept.vertices.push_back(mesh.vertices[v]);
           }
           v = number;
         }
@@ -328,7 +328,7 @@ class Solid {
     return std::move(result_);
   }
 
-  /// Takes the grid's steps out of the surface.
+  /// Smooths the grid's steps out of the surface.
   static void smooth(TriMesh& mesh) {
     std::vector<Vec3> sum(mesh.vertices.size());
     std::vector<int> count(mesh.vertices.size());
@@ -337,8 +337,8 @@ class Solid {
       std::fill(count.begin(), count.end(), 0);
       for (const Triangle& t : mesh.triangles) {
         for (std::size_t i = 0; i < 3; ++i) {
-          sum[static_cast<std::size_t>(t[i])] += mesh.vertices[static_cast<std::size_t>(t[(i + 1) % 3])];
-          ++count[static_cast<std::size_t>(t[i])];
+          sum[t[i]] += mesh.vertices[t[(i + 1) % 3]];
+          ++count[t[i]];
         }
       }
       const double step = round % 2 == 0 ? kStepIn : kStepOut;

@@ -8,23 +8,23 @@
 namespace lorica {
 
 struct SolidSurface {
-  TriMesh mesh;  ///< closed two-manifold; may be of several pieces that are apart
+  TriMesh mesh;  ///< closed two-manifold; may consist of several separate pieces
   std::size_t pieces = 0;
-  std::size_t droppedPieces = 0;   ///< too small to count
-  std::size_t enclosedVoxels = 0;  ///< that no way from outside leads to, though nothing winds round them
-  std::size_t partedVoxels = 0;    ///< taken out where limbs touch
-  std::size_t thinVoxels = 0;      ///< taken out where less than a voxel is solid
-  std::size_t rodTriangles = 0;    ///< of limbs too thin for the voxels, which were made as thick as these need
+  std::size_t droppedPieces = 0;   ///< too small to keep
+  std::size_t enclosedVoxels = 0;  ///< not reachable from outside although their winding number is at most 0.5
+  std::size_t partedVoxels = 0;    ///< removed where limbs touch
+  std::size_t thinVoxels = 0;      ///< removed where geometry is thinner than a voxel
+  std::size_t rodTriangles = 0;    ///< of limbs too thin for the voxels, which were thickened
 };
 
-/// The surface of what is inside of triangles that need not close.
+/// The surface of the volume that triangles enclose; they need not form a closed surface.
 ///
-/// On a grid: a point is inside where the triangles wind round it more than half a time, or where no way from outside
-/// leads to it. Distances to the triangles (OpenVDB) place the surface between the grid's points, so where the
-/// triangles are whole it lies on them; holes are closed where the winding number is a half. Left out is what is
-/// thinner than a voxel; limbs that touch are kept apart where they are less than a voxel into each other.
+/// On a grid: a point is inside if its winding number is above 0.5, or if it cannot be reached from outside. Distances
+/// to the triangles (OpenVDB) position the surface between the grid's points, so that it follows the triangles where
+/// there are any; holes are closed where the winding number is 0.5. Geometry thinner than a voxel is left out; limbs
+/// that touch are kept separate where they overlap by less than a voxel.
 /// @param voxel  edge [m]
-/// @return the surface; kBadMesh when nothing is enclosed, kInvalidArgument when the voxels would be too many
+/// @return the surface; kBadMesh if nothing is enclosed, kInvalidArgument if there would be too many voxels
 [[nodiscard]] Result<SolidSurface> solidSurface(const SolidSource& source, double voxel);
 
 }  // namespace lorica

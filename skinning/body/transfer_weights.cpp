@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kVoteRounds = 3;
 constexpr int kSmoothRounds = 3;
-constexpr double kReach = 4.0;  // voxels: farther originals are taken whichever way they face
-constexpr std::size_t kMostInfluences = 8;
-constexpr double kLeastWeight = 2e-3;
+constexpr double kReach = 4.0;  // voxels: farther triangles are used whichever way they face
+constexpr std::size_t kMaxInfluences = 8;
+constexpr double kMinWeight = 2e-3;
 
 class Carrier {
  public:
@@ -24,9 +24,9 @@ class Carrier {
     for (const Triangle& t : body.triangles) {
       const Vec3 normal = areaNormal(body.vertices, t);
       for (std::size_t i = 0; i < 3; ++i) {
-        normals_[static_cast<std::size_t>(t[i])] += normal;
-        // Each edge is met twice, once in each direction.
-        neighbours_[static_cast<std::size_t>(t[i])].push_back(t[(i + 1) % 3]);
+        normals_[t[i]] += normal;
+        // Each edge occurs twice, once in each direction.
+        neighbours_[t[i]].push_back(t[(i + 1) % 3]);
       }
     }
   }
@@ -44,14 +44,12 @@ class Carrier {
 
  private:
   static Vec3 areaNormal(std::span<const Vec3> vertices, const Triangle& t) {
-    const Vec3& a = vertices[static_cast<std::size_t>(t[0])];
-    return (vertices[static_cast<std::size_t>(t[1])] - a).cross(vertices[static_cast<std::size_t>(t[2])] - a);
+    const Vec3& a = vertices[t[0]];
+    return (vertices[t[1]] - a).cross(vertices[t[2]] - a);
   }
 
   [[nodiscard]] TriangleTree::Hit nearestTo(std::size_t v, const auto& accept) const {
-    const auto faces = [&](std::int32_t t) {
-      return originalNormals_[static_cast<std::size_t>(t)].dot(normals_[v]) >= 0.0;
-    };
+    const auto faces = [&](std::int32_t t) { return originalNormals_[t].dot(normals_[v]) >= 0.0; };
     const auto solid = [&](std::int32_t t) { return source_.isSkin(t); };
     const Vec3& at = body_.vertices[v];
     TriangleTree::Hit hit =
@@ -66,14 +64,14 @@ class Carrier {
   [[nodiscard]] std::vector<Influence> weightsAt(std::size_t v, const auto& accept) const {
     const TriangleTree::Hit hit = nearestTo(v, accept);
     if (hit.triangle < 0) return {};
-    const Triangle& t = source_.mesh.triangles[static_cast<std::size_t>(hit.triangle)];
+    const Triangle& t = source_.mesh.triangles[hit.triangle];
     std::array<const std::vector<Influence>*, 3> lists{};
-    for (std::size_t i = 0; i < 3; ++i) lists[i] = &source_.influences[static_cast<std::size_t>(t[i])];
+    for (std::size_t i = 0; i < 3; ++i) lists[i] = &source_.influences[t[i]];
     const std::array<double, 3> shares{hit.shares[0], hit.shares[1], hit.shares[2]};
     return blended(lists, shares);
   }
 
-  /// Where most neighbours follow another limb, so does the vertex.
+  /// If most neighbours follow another limb, the vertex follows it too.
   void vote() {
     std::vector<std::vector<Influence>> next = weights_;
     tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) {
@@ -82,34 +80,34 @@ class Carrier {
       std::size_t others = 0;
       JointIndex other = own;
       for (const VertexIndex n : neighbours_[v]) {
-        const JointIndex joint = strongest(weights_[static_cast<std::size_t>(n)]);
+        const JointIndex joint = strongest(weights_[n]);
         if (!source_.limbs.apart(own, joint, at)) continue;
         ++others;
         other = joint;
       }
       if (2 * others <= neighbours_[v].size()) return;
-      std::vector<Influence> found = weightsAt(v, [&](std::int32_t t) {
-        return !source_.limbs.apart(source_.jointOfTriangle[static_cast<std::size_t>(t)], other, at);
-      });
+      std::vector<Influence> found =
+          weightsAt(v, [&](std::int32_t t) { return !source_.limbs.apart(source_.jointOfTriangle[t], other, at); });
       if (!found.empty()) next[v] = std::move(found);
     });
     weights_ = std::move(next);
   }
 
-  /// Half of each vertex's weights become its neighbours' mean.
+  /// Replaces half of each vertex's weights by the mean of its neighbours.
   void smooth(const std::vector<std::vector<Influence>>& carried) {
     std::vector<std::vector<Influence>> next(weights_.size());
     tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) {
       std::vector<const std::vector<Influence>*> lists{&weights_[v]};
       const JointIndex own = strongest(carried[v]);
       for (const VertexIndex n : neighbours_[v]) {
-        const std::vector<Influence>& list = weights_[static_cast<std::size_t>(n)];
+        const std::vector<Influence>& list = weights_[n];
         if (!source_.limbs.apart(own, strongest(list), body_.vertices[v])) lists.push_back(&list);
       }
       std::vector<double> shares(lists.size(), 0.5 / static_cast<double>(std::max<std::size_t>(lists.size() - 1, 1)));
       shares.front() = lists.size() > 1 ? 0.5 : 1.0;
       std::vector<Influence> mean = blended(lists, shares);
-      // A bone beside the vertex's own branch stays only where it was: a thigh never comes to follow the other one.
+      // A bone outside the vertex's own branch is kept only if it was there before: a thigh never follows the other
+      // one.
       std::erase_if(mean, [&](const Influence& i) {
         if (source_.limbs.onOneBranch(i.joint, own)) return false;
         return std::none_of(carried[v].begin(), carried[v].end(),
@@ -125,8 +123,8 @@ class Carrier {
   static void prune(std::vector<Influence>& weights) {
     std::stable_sort(weights.begin(), weights.end(),
                      [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
-    if (weights.size() > kMostInfluences) weights.resize(kMostInfluences);
-    while (weights.size() > 1 && weights.back().weight < kLeastWeight) weights.pop_back();
+    if (weights.size() > kMaxInfluences) weights.resize(kMaxInfluences);
+    while (weights.size() > 1 && weights.back().weight < kMinWeight) weights.pop_back();
     const std::array<const std::vector<Influence>*, 1> one{&weights};
     const std::array<double, 1> whole{1.0};
     weights = blended(one, whole);
@@ -135,7 +133,7 @@ class Carrier {
   const TriMesh& body_;
   const SolidSource& source_;
   double voxel_;
-  std::vector<Vec3> originalNormals_;  ///< times twice the area
+  std::vector<Vec3> originalNormals_;  ///< scaled by twice the area
   std::vector<Vec3> normals_;
   std::vector<std::vector<VertexIndex>> neighbours_;
   std::vector<std::vector<Influence>> weights_;

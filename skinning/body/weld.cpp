@@ -8,9 +8,9 @@
 namespace lorica {
 namespace {
 
-constexpr double kSamePlace = 1e-6;    // of the diagonal
-constexpr double kSameWeights = 1e-3;  // sum of differences
-constexpr double kCell = 16.0;         // in lengths that count as the same place, so that most points ask one cell only
+constexpr double kSamePosition = 1e-6;  // of the diagonal
+constexpr double kSameWeights = 1e-3;   // sum of differences
+constexpr double kCell = 16.0;          // times the welding distance, so that most points look up only one cell
 
 using Cell = std::array<std::int64_t, 3>;
 
@@ -25,16 +25,17 @@ struct CellHash {
   }
 };
 
-/// Vertices that were kept, by place. Only asked, never walked: a hash table has no order.
-class Places {
+/// Kept vertices by position. Used for lookups only: a hash table has no defined order.
+class Positions {
  public:
-  Places(double samePlace, const Vec3& origin) : samePlace_(samePlace), cell_(kCell * samePlace), origin_(origin) {}
+  Positions(double samePosition, const Vec3& origin)
+      : samePosition_(samePosition), cell_(kCell * samePosition), origin_(origin) {}
 
-  /// The first kept vertex at a place that `fits(kept)`, or `vertex` itself, which is kept from now on.
+  /// The first kept vertex at the same position for which `fits(kept)`; else `vertex` itself, which is then kept.
   VertexIndex firstAt(VertexIndex vertex, std::span<const Vec3> vertices, const auto& fits) {
-    const Vec3& p = vertices[static_cast<std::size_t>(vertex)];
-    const Cell low = cellOf(p - Vec3::Constant(samePlace_));
-    const Cell high = cellOf(p + Vec3::Constant(samePlace_));
+    const Vec3& p = vertices[vertex];
+    const Cell low = cellOf(p - Vec3::Constant(samePosition_));
+    const Cell high = cellOf(p + Vec3::Constant(samePosition_));
     VertexIndex found = vertex;
     for (std::int64_t x = low[0]; x <= high[0]; ++x) {
       for (std::int64_t y = low[1]; y <= high[1]; ++y) {
@@ -42,8 +43,8 @@ class Places {
           const auto there = cells_.find({x, y, z});
           if (there == cells_.end()) continue;
           for (const VertexIndex v : there->second) {
-            const double distanceSq = (vertices[static_cast<std::size_t>(v)] - p).squaredNorm();
-            if (v < found && distanceSq <= samePlace_ * samePlace_ && fits(v)) found = v;
+            const double distanceSq = (vertices[v] - p).squaredNorm();
+            if (v < found && distanceSq <= samePosition_ * samePosition_ && fits(v)) found = v;
           }
         }
       }
@@ -62,12 +63,12 @@ class Places {
     return cell;
   }
 
-  double samePlace_, cell_;
+  double samePosition_, cell_;
   Vec3 origin_;
   std::unordered_map<Cell, std::vector<VertexIndex>, CellHash> cells_;
 };
 
-/// One entry a joint, ascending, without those of no weight, summing to 1.
+/// One entry per joint, ascending, without zero weights, normalised to a sum of 1.
 std::vector<Influence> tidied(std::vector<Influence> influences) {
   std::sort(influences.begin(), influences.end(),
             [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
@@ -117,11 +118,11 @@ Welded weld(const Character& character, const Limbs& limbs) {
   const std::span<const Vec3> vertices = character.mesh.vertices;
   std::vector<bool> used(vertices.size(), false);
   for (const Triangle& t : character.mesh.triangles) {
-    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = true;
+    for (const VertexIndex v : t) used[v] = true;
   }
 
   const Aabb box = surfaceBounds(character.mesh);
-  Places places(kSamePlace * box.diagonal(), box.min);
+  Positions positions(kSamePosition * box.diagonal(), box.min);
   const auto jointOf = [&](VertexIndex v) {
     const auto i = static_cast<std::size_t>(v);
     const std::uint32_t begin = character.influenceBegin[i];
@@ -136,7 +137,7 @@ Welded weld(const Character& character, const Limbs& limbs) {
     }
     const auto own = static_cast<VertexIndex>(v);
     const JointIndex joint = jointOf(own);
-    const VertexIndex first = places.firstAt(own, vertices, [&](VertexIndex kept) {
+    const VertexIndex first = positions.firstAt(own, vertices, [&](VertexIndex kept) {
       return limbs.onOneBranch(jointOf(kept), joint) || !limbs.apart(jointOf(kept), joint, vertices[v]);
     });
     if (first == own) {
@@ -144,10 +145,10 @@ Welded weld(const Character& character, const Limbs& limbs) {
       welded.mesh.vertices.push_back(vertices[v]);
       members.emplace_back();
     } else {
-      numberOf[v] = numberOf[static_cast<std::size_t>(first)];
+      numberOf[v] = numberOf[first];
       ++welded.weldedVertices;
     }
-    members[static_cast<std::size_t>(numberOf[v])].push_back(own);
+    members[numberOf[v]].push_back(own);
   }
 
   welded.influences.reserve(members.size());
@@ -156,7 +157,7 @@ Welded weld(const Character& character, const Limbs& limbs) {
     lists.reserve(group.size());
     bool mixed = false;
     for (const VertexIndex v : group) {
-      const auto begin = character.influences.begin() + character.influenceBegin[static_cast<std::size_t>(v)];
+      const auto begin = character.influences.begin() + character.influenceBegin[v];
       const auto end = character.influences.begin() + character.influenceBegin[static_cast<std::size_t>(v) + 1];
       lists.push_back(tidied({begin, end}));
       mixed = mixed || difference(lists.front(), lists.back()) > kSameWeights;
@@ -176,7 +177,7 @@ Welded weld(const Character& character, const Limbs& limbs) {
   welded.mesh.triangles.reserve(character.mesh.triangles.size());
   for (const Triangle& old : character.mesh.triangles) {
     Triangle t{};
-    for (std::size_t i = 0; i < 3; ++i) t[i] = numberOf[static_cast<std::size_t>(old[i])];
+    for (std::size_t i = 0; i < 3; ++i) t[i] = numberOf[old[i]];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
       ++welded.droppedTriangles;
     } else {

@@ -13,7 +13,7 @@ namespace {
 
 using enum HumanBone;
 
-/// Takes back what contradicts the hierarchy: a bone whose joint does not hang on that of the bone above it.
+/// Removes guessed bones that contradict the hierarchy: their joint is not below the joint of the parent bone.
 void dropStrayBones(const JointTree& tree, const BoneJoints& given, BoneJoints& bones) {
   for (std::size_t bone = 0; bone < bones.size(); ++bone) {
     if (bones[bone] == kNoJoint || given[bone] != kNoJoint) continue;
@@ -82,7 +82,7 @@ HumanoidGuess guessHumanoid(const Skeleton& skeleton) {
     guess.by = fmt::format("names ({})", upper.convention);
     return guess;
   }
-  // Bones that the skeleton has already rule; a shape that sees them elsewhere is wrong.
+  // Bones that the skeleton already has take precedence; a shape that contradicts them is rejected.
   for (std::size_t bone = 0; bone < given.size(); ++bone) {
     if (given[bone] != kNoJoint && shaped[bone] != given[bone]) return guess;
   }
@@ -98,12 +98,12 @@ Skeleton withBones(const Skeleton& skeleton, const HumanoidGuess& bones) {
   for (std::size_t bone = 0; bone < bones.jointOf.size(); ++bone) {
     const JointIndex joint = bones.jointOf[bone];
     if (joint == kNoJoint) continue;
-    CHECK(joint >= 0 && joint < skeleton.jointCount(), "a guess of another skeleton");
-    CHECK(!joints[static_cast<std::size_t>(joint)].bone, "a guess gives each joint one bone at most");
-    joints[static_cast<std::size_t>(joint)].bone = static_cast<HumanBone>(bone);
+    LORICA_CHECK(joint >= 0 && joint < skeleton.jointCount(), "the guess belongs to another skeleton");
+    LORICA_CHECK(!joints[joint].bone, "a guess assigns at most one bone to each joint");
+    joints[joint].bone = static_cast<HumanBone>(bone);
   }
   Result<Skeleton> result = Skeleton::create(std::move(joints));
-  CHECK(result.ok(), "only the bones changed");
+  LORICA_CHECK(result.ok(), "only the bones changed");
   return std::move(*result);
 }
 

@@ -15,11 +15,11 @@ using enum HumanBone;
 enum class Segment { kMetacarpal, kProximal, kIntermediate, kDistal, kNumbered };
 
 struct FingerName {
-  int finger = 0;  ///< 0 the thumb to 4 the little finger
+  int finger = 0;  ///< 0 = thumb to 4 = little finger
   Segment segment = Segment::kNumbered;
 };
 
-/// A word as its letters and the number behind them.
+/// A word split into its letters and the number at its end.
 struct LettersAndNumber {
   std::string letters;
   std::string number;
@@ -52,7 +52,8 @@ struct LettersAndNumber {
   return std::nullopt;
 }
 
-/// "handthumb1", "f, index, 01", "finger1, 2" (MakeHuman's thumb), "finger12" (Biped's index), "digit2, metacarpal".
+/// Parses names such as "handthumb1", "f, index, 01", "finger1, 2" (MakeHuman's thumb), "finger12" (Biped's index) and
+/// "digit2, metacarpal".
 /// @param thumbIsZero  whether numbered fingers start at 0
 [[nodiscard]] std::optional<FingerName> readFinger(const JointName& name, bool thumbIsZero) {
   if (name.side == Side::kMiddle || name.preference == 3) return std::nullopt;
@@ -62,7 +63,7 @@ struct LettersAndNumber {
     auto [letters, number] = takeApart(word);
     if (letters.starts_with("hand") && letters.size() > 4) letters.erase(0, 4);
     if (const std::optional<int> called = fingerCalled(letters)) {
-      finger = called;  // of "RingPinky1" the last
+      finger = called;  // for "RingPinky1" the last one
     } else if ((letters == "finger" || letters == "digit") && !number.empty() && !finger) {
       finger = number[0] - '0' - (thumbIsZero ? 0 : 1);
       if (*finger < 0 || *finger > 4) return std::nullopt;
@@ -93,10 +94,10 @@ struct NamedFinger {
   Segment segment;
 };
 
-/// The longest run of joints that each hang on the one before.
+/// The chain that starts at the first joint: each further joint is below the one before.
 [[nodiscard]] std::vector<NamedFinger> chainOf(const JointTree& tree, const std::vector<NamedFinger>& joints) {
   std::vector<NamedFinger> chain;
-  // Parents precede children, so the joints come in the order of the chain.
+  // Parents precede children, so the joints are in the order of the chain.
   for (const NamedFinger& next : joints) {
     if (chain.empty() || tree.isBelow(next.joint, chain.back().joint)) chain.push_back(next);
   }
@@ -104,7 +105,7 @@ struct NamedFinger {
 }
 
 void assignFinger(int finger, Side side, std::vector<NamedFinger> chain, BoneJoints& bones) {
-  const std::array<HumanBone, 3>& row = kFingers[static_cast<std::size_t>(finger)];
+  const std::array<HumanBone, 3>& row = kFingers[finger];
   if (finger > 0) std::erase_if(chain, [](const NamedFinger& f) { return f.segment == Segment::kMetacarpal; });
   const bool inWords = std::any_of(chain.begin(), chain.end(), [](const NamedFinger& f) {
     return f.segment == Segment::kProximal || f.segment == Segment::kDistal;
@@ -134,14 +135,14 @@ void addFingersByNames(const JointTree& tree, std::span<const JointName> names, 
     if (hand == kNoJoint) continue;
     std::array<std::vector<NamedFinger>, 5> found;
     for (JointIndex joint = 0; joint < tree.jointCount(); ++joint) {
-      const JointName& name = names[static_cast<std::size_t>(joint)];
+      const JointName& name = names[joint];
       if (name.side != side || !tree.isBelow(joint, hand)) continue;
       if (std::find(bones.begin(), bones.end(), joint) != bones.end()) continue;
       const std::optional<FingerName> read = readFinger(name, thumbIsZero);
-      if (read) found[static_cast<std::size_t>(read->finger)].push_back({joint, read->segment});
+      if (read) found[read->finger].push_back({joint, read->segment});
     }
     for (int finger = 0; finger < 5; ++finger) {
-      const std::vector<NamedFinger> chain = chainOf(tree, found[static_cast<std::size_t>(finger)]);
+      const std::vector<NamedFinger> chain = chainOf(tree, found[finger]);
       if (!chain.empty()) assignFinger(finger, side, chain, bones);
     }
   }

@@ -13,11 +13,11 @@ namespace {
 
 using enum HumanBone;
 
-/// A longer way is an ornament's, not a limb's: what comes after is not looked at.
-constexpr std::size_t kMostOnWay = 16;
+/// Joints of a path that are examined. Longer paths belong to ornaments, not limbs.
+constexpr std::size_t kMaxOnWay = 16;
 
-/// Joints nearer than this part of a limb lie at one place.
-constexpr double kSamePlace = 1e-3;
+/// Joints closer together than this fraction of a limb's length coincide.
+constexpr double kSamePosition = 1e-3;
 
 [[nodiscard]] double distance(const JointTree& tree, JointIndex a, JointIndex b) {
   return (tree.position(a) - tree.position(b)).norm();
@@ -27,7 +27,7 @@ constexpr double kSamePlace = 1e-3;
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// The farthest that joints between the ends of a stretch lie from its straight line [m].
+/// The largest distance of the joints between two ends of a path from the straight line between these ends [m].
 [[nodiscard]] double bulge(const JointTree& tree, std::span<const JointIndex> way, std::size_t from, std::size_t to) {
   const Vec3& start = tree.position(way[from]);
   const Vec3 along = tree.position(way[to]) - start;
@@ -41,16 +41,16 @@ constexpr double kSamePlace = 1e-3;
   return farthest;
 }
 
-/// How well three joints of a way are a limb's; weights by trial on the skeletons of the tests.
+/// How well three joints of a path form a limb; the weights were tuned on the skeletons of the tests.
 [[nodiscard]] double splitScore(const JointTree& tree, std::span<const JointIndex> way, LimbKind kind,
                                 double wholeLength, const std::array<std::size_t, 3>& at) {
   const Vec3 upper = tree.position(way[at[1]]) - tree.position(way[at[0]]);
   const Vec3 lower = tree.position(way[at[2]]) - tree.position(way[at[1]]);
   const double longer = std::max(upper.norm(), lower.norm());
-  if (std::min(upper.norm(), lower.norm()) < kSamePlace * wholeLength) return -1.0;
+  if (std::min(upper.norm(), lower.norm()) < kSamePosition * wholeLength) return -1.0;
   double score = std::min(upper.norm(), lower.norm()) / longer;
   score += 0.3 * (upper.norm() + lower.norm()) / wholeLength;
-  // A collar bone may come before, a hand or foot after; more than that is a piece of the limb left out.
+  // A collar bone may precede, a hand or foot may follow; anything longer is a part of the limb left out.
   double before = 0.0;
   double after = 0.0;
   for (std::size_t i = 1; i < way.size(); ++i) {
@@ -64,7 +64,7 @@ constexpr double kSamePlace = 1e-3;
   if (kind == LimbKind::kArm && tree.children(way[at[2]]).size() >= 3) score += 0.5;
   if (kind == LimbKind::kLeg && at[2] + 1 < way.size()) {
     const Vec3 foot = tree.position(way[at[2] + 1]) - tree.position(way[at[2]]);
-    if (foot.norm() > kSamePlace * wholeLength) score += 0.3 * std::min(1.0, angleBetween(lower, foot) / 1.0);
+    if (foot.norm() > kSamePosition * wholeLength) score += 0.3 * std::min(1.0, angleBetween(lower, foot) / 1.0);
   }
   return score;
 }
@@ -82,7 +82,7 @@ Reach::Reach(const JointTree& tree) {
     if (parent == kNoJoint) continue;
     const auto p = static_cast<std::size_t>(parent);
     size[p] += size[i];
-    // Of equals the first child: children are visited from the last.
+    // On ties the first child: children are visited in reverse order.
     const double reached = length[i] + distance(tree, joint, parent);
     if (next[p] != kNoJoint && reached < length[p]) continue;
     length[p] = reached;
@@ -92,7 +92,7 @@ Reach::Reach(const JointTree& tree) {
 
 std::vector<JointIndex> Reach::wayDown(JointIndex joint) const {
   std::vector<JointIndex> way;
-  for (; joint != kNoJoint && way.size() < kMostOnWay; joint = next[static_cast<std::size_t>(joint)]) {
+  for (; joint != kNoJoint && way.size() < kMaxOnWay; joint = next[joint]) {
     way.push_back(joint);
   }
   return way;
@@ -114,7 +114,7 @@ Limb splitLimb(const JointTree& tree, std::span<const JointIndex> way, LimbKind 
     for (std::size_t j = i + 1; j < way.size(); ++j) {
       for (std::size_t k = j + 1; k < way.size(); ++k) {
         const double score = splitScore(tree, way, kind, wholeLength, {i, j, k});
-        // Mirrored limbs differ by rounding: what is as good must not win.
+        // Mirrored limbs differ by rounding: an equal score must not win.
         if (score <= bestScore + 1e-6) continue;
         bestScore = score;
         best = {i, j, k};
@@ -125,18 +125,18 @@ Limb splitLimb(const JointTree& tree, std::span<const JointIndex> way, LimbKind 
   limb.lower = way[best[1]];
   limb.end = way[best[2]];
   for (std::size_t i = best[2] + 1; i < way.size() && limb.beyond == kNoJoint; ++i) {
-    if (distance(tree, way[i], limb.end) > kSamePlace * wholeLength) limb.beyond = way[i];
+    if (distance(tree, way[i], limb.end) > kSamePosition * wholeLength) limb.beyond = way[i];
   }
   return limb;
 }
 
 namespace {
 
-/// Two or three joints of a finger, from its knuckle.
+/// Two or three joints of a finger, starting at its knuckle.
 [[nodiscard]] std::vector<JointIndex> fingerJoints(const JointTree& tree, const Reach& reach, JointIndex hand,
                                                    JointIndex first, bool thumb) {
   std::vector<JointIndex> way = reach.wayDown(first);
-  // A finger's metacarpal lies at the wrist and is longer than the way to it.
+  // A finger's metacarpal starts at the wrist and is longer than its distance from the hand.
   if (!thumb && way.size() > 3 && distance(tree, hand, way[0]) < distance(tree, way[0], way[1])) way.erase(way.begin());
   if (way.size() > 3) way.resize(3);
   return way;
@@ -150,18 +150,19 @@ void addFingersByShape(const JointTree& tree, const Reach& reach, bool left, Bon
   const JointIndex arm = jointOf(bones, left ? kLeftLowerArm : kRightLowerArm);
   std::vector<JointIndex> fingers;
   for (const JointIndex child : tree.children(hand)) {
-    if (reach.next[static_cast<std::size_t>(child)] != kNoJoint) fingers.push_back(child);
+    if (reach.next[child] != kNoJoint) fingers.push_back(child);
   }
   if (arm == kNoJoint || fingers.size() < 3 || fingers.size() > 5) return;
 
-  // The thumb's tip comes least far along the forearm; the others follow across the palm from it.
+  // The thumb's tip extends least along the forearm's direction; the others are ordered across the palm, from the
+  // thumb.
   const Vec3 along = (tree.position(hand) - tree.position(arm)).normalized();
   const auto tip = [&](JointIndex finger) { return tree.position(reach.wayDown(finger).back()); };
   const auto reached = [&](JointIndex finger) { return (tip(finger) - tree.position(hand)).dot(along); };
   std::stable_sort(fingers.begin(), fingers.end(), [&](JointIndex a, JointIndex b) { return reached(a) < reached(b); });
   const JointIndex thumb = fingers.front();
   fingers.erase(fingers.begin());
-  // First joints may all lie at one place, to be moved from there by the second.
+  // The first joints may all coincide; then the second ones carry the offset.
   const auto knuckle = [&](JointIndex finger) {
     return tree.position(fingerJoints(tree, reach, hand, finger, false).at(1));
   };

@@ -15,12 +15,12 @@ using enum HumanBone;
 
 struct Candidate {
   JointIndex joint = kNoJoint;
-  int rank = 0;  ///< the lower the better
+  int rank = 0;  ///< lower is better
 };
 using Candidates = std::vector<Candidate>;
 
-/// More joints of one name than this are no skeleton's: the search stays short.
-constexpr std::size_t kMostCandidates = 6;
+/// Maximum candidates per bone; keeps the search short.
+constexpr std::size_t kMaxCandidates = 6;
 
 struct ChainBone {
   HumanBone bone;
@@ -35,7 +35,7 @@ constexpr std::array<ChainBone, 2> kHeadChain = {{{kNeck, 1}, {kHead, 2}}};
   return side == Side::kRight ? mirrored(bone) : bone;
 }
 
-/// What a name means in a convention.
+/// The meaning of a name in a convention.
 struct NameRow {
   HumanBone bone;
   int rank;
@@ -55,7 +55,7 @@ using NameRows = std::map<std::string, std::vector<NameRow>>;
   return rows;
 }
 
-/// One for each of namingConventions(), read once.
+/// One entry per namingConventions(), parsed once.
 [[nodiscard]] const std::vector<NameRows>& rowsOfConventions() {
   static const std::vector<NameRows> all = [] {
     std::vector<NameRows> made;
@@ -66,7 +66,7 @@ using NameRows = std::map<std::string, std::vector<NameRow>>;
   return all;
 }
 
-/// The joints that a convention's names could mean, for each bone; those of the trunk all under kSpine.
+/// Candidate joints for each bone by the names of a convention; all joints of the trunk are under kSpine.
 class ConventionMatch {
  public:
   ConventionMatch(const NameRows& rows, std::span<const JointName> names, const BoneJoints& given) : rows_(rows) {
@@ -80,7 +80,7 @@ class ConventionMatch {
       if (given[bone] != kNoJoint) all = {{given[bone], 0}};
       if (bone == static_cast<std::size_t>(kSpine)) continue;
       std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
-      if (all.size() > kMostCandidates) all.resize(kMostCandidates);
+      if (all.size() > kMaxCandidates) all.resize(kMaxCandidates);
     }
   }
 
@@ -108,7 +108,7 @@ class ConventionMatch {
     const std::string plain = withoutLeadingZeros(key);
     if (add(joint, plain, name.side, name.preference)) return;
     if (name.side != Side::kMiddle) return;
-    // "lfemur", "rShldr": a side glued to the name, or to its end.
+    // "lfemur", "rShldr": a side attached to the start or end of the name.
     const auto sideOf = [](char c) { return c == 'l' ? Side::kLeft : c == 'r' ? Side::kRight : Side::kMiddle; };
     if (const Side side = sideOf(plain.front()); side != Side::kMiddle) {
       if (add(joint, plain.substr(1), side, name.preference)) return;
@@ -122,7 +122,7 @@ class ConventionMatch {
   std::array<Candidates, kHumanBoneCount> candidates_;
 };
 
-/// Of all ways to give joints to a chain of bones, each below the one before, the way with the most weight; of equals
+/// Finds the assignment of joints to a chain of bones, each below the one before, that has the largest weight; on ties
 /// the one with the best names.
 class ChainSearch {
  public:
@@ -171,7 +171,7 @@ class ChainSearch {
   return std::find(bones.begin(), bones.end(), joint) != bones.end();
 }
 
-/// The best named joint that carries all, and of equals the lowest; else the joint where legs and trunk meet.
+/// The joint with the best name that carries legs and trunk, on ties the lowest; else the joint where these meet.
 [[nodiscard]] JointIndex findHips(const JointTree& tree, const Candidates& named, JointIndex meeting) {
   Candidate best;
   for (const Candidate& candidate : named) {
@@ -183,7 +183,7 @@ class ChainSearch {
   return best.joint != kNoJoint ? best.joint : meeting;
 }
 
-/// Where a trunk without arms and head ends: the named joint of it that most others of it are above.
+/// The end of a trunk without arms and head: the last of its named joints, each below the one before.
 [[nodiscard]] JointIndex lastOfTrunk(const JointTree& tree, const Candidates& named, JointIndex hips) {
   JointIndex last = kNoJoint;
   for (const Candidate& candidate : named) {
@@ -196,7 +196,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   if (!keep) jointOf(bones, bone) = kNoJoint;
 }
 
-/// @return the weight of all bones; 0 when hips and legs are not there
+/// @return the weight of all bones; 0 if hips or legs are missing
 [[nodiscard]] int solve(const JointTree& tree, std::span<const JointName> names, const ConventionMatch& match,
                         const BoneJoints& given, BoneJoints& bones) {
   bones.fill(kNoJoint);
@@ -224,7 +224,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   const bool bothArms = has(bones, kLeftUpperArm) == has(bones, kRightUpperArm) &&
                         has(bones, kLeftLowerArm) == has(bones, kRightLowerArm);
   if (!bothArms) return 0;
-  // A puppet's arm is one joint, often called its hand: as an arm it moves.
+  // A puppet's arm is one joint, often named hand: use it as the upper arm, so that it moves.
   for (const Side side : {Side::kLeft, Side::kRight}) {
     JointIndex& hand = jointOf(bones, ofSide(kLeftHand, side));
     JointIndex& arm = jointOf(bones, ofSide(kLeftUpperArm, side));
@@ -246,11 +246,11 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   if (!tree.isBelowOrSame(meeting, hips) || hips == leftLeg || hips == rightLeg) return 0;
   weight += std::any_of(match.of(kHips).begin(), match.of(kHips).end(),
                         [&](const Candidate& candidate) { return candidate.joint == hips; });
-  // Rigify's hips are a spine too: a joint is one bone.
+  // Rigify's hips are named spine as well: a joint may be only one bone.
   removeUnless(jointOf(bones, kNeck) != hips, kNeck, bones);
   removeUnless(jointOf(bones, kHead) != hips, kHead, bones);
 
-  // All conventions are judged by the joints of the trunk that they name; only then may others stand in.
+  // Conventions are scored by the trunk joints that they name; other joints are used only after that.
   std::vector<JointIndex> trunk;
   const bool armsOrHead = topOfTrunk(tree, bones) != kNoJoint && topOfTrunk(tree, bones) != hips;
   if (armsOrHead) {
@@ -275,8 +275,8 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   return weight;
 }
 
-/// A body without both legs: of an upper body's sensor, say. What it has must be plain: two whole arms on one trunk.
-/// @return the weight of all bones; 0 when arms or trunk are not there
+/// For a skeleton without both legs, such as that of an upper-body sensor. It must have two complete arms on one trunk.
+/// @return the weight of all bones; 0 if arms or trunk are missing
 [[nodiscard]] int solveWithoutLegs(const JointTree& tree, const ConventionMatch& match, BoneJoints& bones) {
   bones.fill(kNoJoint);
   int weight = 0;
@@ -326,7 +326,7 @@ JointIndex topOfTrunk(const JointTree& tree, const BoneJoints& bones) {
     const JointIndex arm = jointOf(bones, bone);
     if (arm != kNoJoint) top = tree.commonAncestor(top, arm);
   }
-  // The arms hang on the neck in some rigs; the neck is no trunk then, what it hangs on is.
+  // In some rigs the arms are children of the neck; then the trunk ends at the neck's parent.
   const JointIndex neck = has(bones, kNeck) ? jointOf(bones, kNeck) : jointOf(bones, kHead);
   if (neck == kNoJoint) return top;
   const JointIndex belowNeck = tree.parent(neck) == kNoJoint ? neck : tree.parent(neck);
@@ -338,10 +338,8 @@ std::vector<JointIndex> trunkJoints(const JointTree& tree, std::span<const Joint
   const JointIndex hips = jointOf(bones, kHips);
   if (top == kNoJoint || hips == kNoJoint || !tree.isBelow(top, hips)) return {};
   std::vector<JointIndex> trunk = tree.pathBelow(hips, top);
-  std::erase_if(trunk, [&](JointIndex joint) {
-    return isUsed(bones, joint) || isHelper(names[static_cast<std::size_t>(joint)]);
-  });
-  // Biped's thighs hang on its first spine: it would swing the legs, so those above it are the spine.
+  std::erase_if(trunk, [&](JointIndex joint) { return isUsed(bones, joint) || isHelper(names[joint]); });
+  // Biped's thighs are children of its first spine joint, which would swing the legs: only use the joints above it.
   const auto carriesLeg = [&](JointIndex joint) {
     return tree.isBelow(jointOf(bones, kLeftUpperLeg), joint) || tree.isBelow(jointOf(bones, kRightUpperLeg), joint);
   };

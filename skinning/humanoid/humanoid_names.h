@@ -11,22 +11,22 @@ namespace lorica {
 
 struct NamedBones {
   BoneJoints jointOf{};
-  std::string convention;  ///< empty when no convention gives hips and both legs
+  std::string convention;  ///< empty if no convention finds hips and both legs
 };
 
-/// The bones by the convention whose names fit the most of them. A name counts where the hierarchy agrees: lower leg
-/// below upper leg, all below the hips, the same main bones left and right.
-/// @param given  bones that are known already; they are kept
+/// Finds the bones by the convention whose names match the most bones. A name counts only if the hierarchy agrees:
+/// lower leg below upper leg, all below the hips, the same main bones left and right.
+/// @param given  bones that are already known; they are kept
 [[nodiscard]] NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names, const BoneJoints& given);
 
-/// The same of a body that lacks legs, or has but one: two arms on a trunk.
+/// The same for a skeleton that lacks one or both legs: two arms on a trunk.
 [[nodiscard]] NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names);
 
-/// Adds the fingers that names tell, in whatever convention, below hands that are known.
+/// Adds the fingers below known hands by their names, in any convention.
 void addFingersByNames(const JointTree& tree, std::span<const JointName> names, BoneJoints& bones);
 
-/// Spine, chest and upper chest of joints of the trunk, from the hips up: of more than three the first, the middle and
-/// the last.
+/// Assigns spine, chest and upper chest to the joints of the trunk, given from the hips up: of more than three the
+/// first, the middle and the last.
 void assignTrunk(std::span<const JointIndex> fromHipsUp, BoneJoints& bones);
 
 [[nodiscard]] inline JointIndex& jointOf(BoneJoints& bones, HumanBone bone) {
@@ -36,10 +36,10 @@ void assignTrunk(std::span<const JointIndex> fromHipsUp, BoneJoints& bones);
   return bones[static_cast<std::size_t>(bone)];
 }
 
-/// The joint that both arms and the head hang on; kNoJoint where there is none of them.
+/// The lowest joint that carries both arms and the head; kNoJoint if there are neither arms nor head.
 [[nodiscard]] JointIndex topOfTrunk(const JointTree& tree, const BoneJoints& bones);
 
-/// The joints from below the hips to the top of the trunk that carry no leg, are no bone yet and no helper.
+/// The joints from below the hips to the top of the trunk that carry no leg, are not yet a bone and are not a helper.
 [[nodiscard]] std::vector<JointIndex> trunkJoints(const JointTree& tree, std::span<const JointName> names,
                                                   const BoneJoints& bones);
 

@@ -15,7 +15,7 @@ namespace {
 
 using enum HumanBone;
 
-/// Two limbs that hang on one joint and are as long as each other.
+/// Two limbs of similar length on one joint.
 struct LimbPair {
   JointIndex branch = kNoJoint;
   std::array<JointIndex, 2> tops{};
@@ -23,17 +23,17 @@ struct LimbPair {
 };
 
 [[nodiscard]] double length(const Reach& reach, JointIndex joint) {
-  return reach.length[static_cast<std::size_t>(joint)];
+  return reach.length[joint];
 }
 
 [[nodiscard]] int size(const Reach& reach, JointIndex joint) {
-  return reach.size[static_cast<std::size_t>(joint)];
+  return reach.size[joint];
 }
 
-/// The longest pairs of a skeleton, the longest first.
+/// The longest pairs of a skeleton, in descending length.
 [[nodiscard]] std::vector<LimbPair> findPairs(const JointTree& tree, const Reach& reach) {
-  constexpr std::size_t kMostChildren = 8;
-  constexpr std::size_t kMostPairs = 12;
+  constexpr std::size_t kMaxChildren = 8;
+  constexpr std::size_t kMaxPairs = 12;
   std::vector<LimbPair> pairs;
   for (JointIndex branch = 0; branch < tree.jointCount(); ++branch) {
     std::vector<JointIndex> children = tree.children(branch);
@@ -42,7 +42,7 @@ struct LimbPair {
     };
     std::erase_if(children, [&](JointIndex child) { return size(reach, child) < 2; });
     std::stable_sort(children.begin(), children.end(), [&](JointIndex a, JointIndex b) { return whole(a) > whole(b); });
-    if (children.size() > kMostChildren) children.resize(kMostChildren);
+    if (children.size() > kMaxChildren) children.resize(kMaxChildren);
     for (std::size_t i = 0; i < children.size(); ++i) {
       for (std::size_t j = i + 1; j < children.size(); ++j) {
         const double longer = whole(children[i]);
@@ -56,18 +56,18 @@ struct LimbPair {
   }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const LimbPair& a, const LimbPair& b) { return a.length > b.length; });
-  if (pairs.size() > kMostPairs) pairs.resize(kMostPairs);
+  if (pairs.size() > kMaxPairs) pairs.resize(kMaxPairs);
   return pairs;
 }
 
-/// Legs and arms of a skeleton, and the way up between them.
-struct Body {
+/// Legs and arms of a skeleton, and its up direction.
+struct BodyShape {
   LimbPair legs;
   LimbPair arms;
   std::array<Limb, 2> leg;
   std::array<Limb, 2> arm;
   JointIndex hips = kNoJoint;
-  JointIndex head = kNoJoint;  ///< where the way to the head begins
+  JointIndex head = kNoJoint;  ///< first joint of the path to the head
   Vec3 up = Vec3::Zero();
 };
 
@@ -75,7 +75,7 @@ struct Body {
   return tree.position(limb.end != kNoJoint ? limb.end : limb.lower);
 }
 
-/// The child of the chest that leads up: neither limb nor what carries the legs.
+/// The child of the chest that leads up and carries neither an arm nor a leg.
 [[nodiscard]] JointIndex findHead(const JointTree& tree, const Reach& reach, std::span<const JointName> names,
                                   JointIndex chest, const Vec3& up, std::span<const JointIndex> taken) {
   JointIndex best = kNoJoint;
@@ -84,7 +84,7 @@ struct Body {
     const bool isTaken = std::any_of(taken.begin(), taken.end(), [&](JointIndex joint) {
       return joint != kNoJoint && (tree.isBelowOrSame(joint, child));
     });
-    if (isTaken || isHelper(names[static_cast<std::size_t>(child)])) continue;
+    if (isTaken || isHelper(names[child])) continue;
     for (const JointIndex joint : reach.wayDown(child)) {
       const Vec3 way = tree.position(joint) - tree.position(chest);
       const double height = way.dot(up);
@@ -96,7 +96,7 @@ struct Body {
   return best;
 }
 
-/// Whether both limbs of a pair are split into segments as long as each other's.
+/// Whether the limbs of a pair have segments of similar length.
 [[nodiscard]] bool areAlike(const JointTree& tree, const std::array<Limb, 2>& limbs) {
   const auto alike = [&](JointIndex Limb::*from, JointIndex Limb::*to) {
     std::array<double, 2> lengths{};
@@ -110,18 +110,19 @@ struct Body {
   return alike(&Limb::upper, &Limb::lower) && alike(&Limb::lower, &Limb::end);
 }
 
-/// Whether these two pairs are legs and arms of a standing body; else nothing.
-[[nodiscard]] std::optional<Body> tryBody(const JointTree& tree, const Reach& reach, std::span<const JointName> names,
-                                          const LimbPair& legs, const LimbPair& arms) {
+/// The body with these pairs as legs and arms; none if they do not fit a human.
+[[nodiscard]] std::optional<BodyShape> tryBody(const JointTree& tree, const Reach& reach,
+                                               std::span<const JointName> names, const LimbPair& legs,
+                                               const LimbPair& arms) {
   for (const JointIndex top : legs.tops) {
     if (tree.isBelowOrSame(arms.branch, top)) return std::nullopt;
   }
   for (const JointIndex top : arms.tops) {
     if (tree.isBelowOrSame(legs.branch, top)) return std::nullopt;
   }
-  // Limbs that all hang on one joint are a spider's.
+  // Four limbs on one joint are not a human's.
   if (legs.branch == arms.branch) return std::nullopt;
-  Body body{legs, arms, {}, {}, tree.commonAncestor(legs.branch, arms.branch), kNoJoint, Vec3::Zero()};
+  BodyShape body{legs, arms, {}, {}, tree.commonAncestor(legs.branch, arms.branch), kNoJoint, Vec3::Zero()};
   if (body.hips == kNoJoint || body.hips == arms.branch) return std::nullopt;
   for (std::size_t side = 0; side < 2; ++side) {
     body.leg[side] = splitLimb(tree, reach.wayDown(legs.tops[side]), LimbKind::kLeg);
@@ -138,7 +139,7 @@ struct Body {
   body.up.normalize();
   if (body.up.dot(down.normalized()) > -0.5) return std::nullopt;
 
-  // Both pairs part to the same two sides, across the trunk, and are each other's mirror image.
+  // Both pairs are spread to the same two sides, across the trunk, and the limbs of a pair mirror each other.
   const Vec3 legsApart = tree.position(body.leg[0].upper) - tree.position(body.leg[1].upper);
   const Vec3 armsApart = tree.position(body.arm[0].upper) - tree.position(body.arm[1].upper);
   const Vec3 across = armsApart.normalized();
@@ -152,19 +153,19 @@ struct Body {
   return body;
 }
 
-/// Left limbs first in each pair, by what the names say of a limb's side; 0 where they do not say.
+/// Joints of a limb that are named left, minus those named right; 0 if the names give no side.
 [[nodiscard]] int sideByNames(const JointTree& tree, std::span<const JointName> names, JointIndex top) {
   int left = 0;
   for (JointIndex joint = top; joint < tree.jointCount(); ++joint) {
     if (!tree.isBelowOrSame(joint, top)) continue;
-    const Side side = names[static_cast<std::size_t>(joint)].side;
+    const Side side = names[joint].side;
     if (side != Side::kMiddle) left += side == Side::kLeft ? 1 : -1;
   }
   return left;
 }
 
-/// Which way the body faces, across its trunk: where the toes point, else where the knees stand out; else zero.
-[[nodiscard]] Vec3 facing(const JointTree& tree, const Body& body) {
+/// Facing direction, across the trunk: where the toes point, else where the knees protrude; else zero.
+[[nodiscard]] Vec3 facing(const JointTree& tree, const BodyShape& body) {
   const auto level = [&](const Vec3& v) -> Vec3 { return v - v.dot(body.up) * body.up; };
   Vec3 toes = Vec3::Zero();
   Vec3 knees = Vec3::Zero();
@@ -178,14 +179,14 @@ struct Body {
     knees += level(knee - knee.dot(shank) / std::max(shank.squaredNorm(), 1e-300) * shank);
     if (leg.beyond != kNoJoint) toes += level(tree.position(leg.beyond) - tree.position(leg.end));
   }
-  // Splayed toes and bow legs cancel over both sides; what is left must be more than a slip of the pen.
+  // Splayed toes and bow legs cancel over both sides; the remainder must exceed small modelling errors.
   if (toes.norm() > 0.05 * legLength) return toes;
   if (knees.norm() > 0.005 * legLength) return knees;
   return Vec3::Zero();
 }
 
 /// Whether the first limb of a pair is the left one.
-[[nodiscard]] bool firstIsLeft(const JointTree& tree, std::span<const JointName> names, const Body& body,
+[[nodiscard]] bool firstIsLeft(const JointTree& tree, std::span<const JointName> names, const BodyShape& body,
                                const LimbPair& pair, const Vec3& apart) {
   const int byNames = sideByNames(tree, names, pair.tops[0]) - sideByNames(tree, names, pair.tops[1]);
   if (byNames != 0) return byNames > 0;
@@ -197,12 +198,12 @@ struct Body {
 }
 
 void writeHead(const JointTree& tree, const Reach& reach, JointIndex first, double trunkLength, BoneJoints& bones) {
-  // Up to where face and hair part from it.
+  // The chain up to the joint where face and hair branch off.
   std::vector<JointIndex> way = {first};
   while (tree.children(way.back()).size() == 1 && way.size() < 6) way.push_back(tree.children(way.back()).front());
   const bool isLeaf = tree.children(way.back()).empty();
   const auto segment = [&](std::size_t i) { return (tree.position(way[i]) - tree.position(way[i - 1])).norm(); };
-  // The last joint of a plain way may be the top of the head: a head is longer than a neck.
+  // The last joint of an unbranched chain may be the top of the head: a head is longer than a neck.
   if (isLeaf && way.size() == 2 && segment(1) > 0.3 * trunkLength) way.pop_back();
   if (isLeaf && way.size() > 2 && segment(way.size() - 1) > 1.5 * segment(way.size() - 2)) way.pop_back();
   static_cast<void>(reach);
@@ -217,7 +218,7 @@ void writeShoulder(const JointTree& tree, JointIndex chest, HumanBone shoulder, 
     if (joint == upperArm) return;
     const bool apart = (tree.position(joint) - tree.position(upperArm)).norm() > 0.05 * armLength;
     const bool used = std::find(bones.begin(), bones.end(), joint) != bones.end();
-    if (!apart || used || isHelper(names[static_cast<std::size_t>(joint)])) continue;
+    if (!apart || used || isHelper(names[joint])) continue;
     jointOf(bones, shoulder) = joint;
     return;
   }
@@ -227,7 +228,7 @@ void writeShoulder(const JointTree& tree, JointIndex chest, HumanBone shoulder, 
   return left ? bone : mirrored(bone);
 }
 
-/// From between the thighs to between the arms, to the head where there are none, or against the shins [m].
+/// From between the thighs to between the arms; without arms to the head; else opposite to the legs [m].
 [[nodiscard]] Vec3 trunkAxis(const JointTree& tree, const BoneJoints& bones, const Vec3& legTop) {
   const auto both = [&](HumanBone left) {
     return jointOf(bones, left) != kNoJoint && jointOf(bones, mirrored(left)) != kNoJoint;
@@ -248,12 +249,12 @@ BoneJoints bonesByShape(const JointTree& tree, std::span<const JointName> names)
   bones.fill(kNoJoint);
   const Reach reach(tree);
   const std::vector<LimbPair> pairs = findPairs(tree, reach);
-  std::optional<Body> body;
+  std::optional<BodyShape> body;
   double best = 0.0;
   for (const LimbPair& legs : pairs) {
     for (const LimbPair& arms : pairs) {
       if (legs.length + arms.length <= best) continue;
-      const std::optional<Body> tried = tryBody(tree, reach, names, legs, arms);
+      const std::optional<BodyShape> tried = tryBody(tree, reach, names, legs, arms);
       if (!tried) continue;
       best = legs.length + arms.length;
       body = tried;
@@ -265,7 +266,7 @@ BoneJoints bonesByShape(const JointTree& tree, std::span<const JointName> names)
   const Vec3 armsApart = tree.position(body->arm[0].upper) - tree.position(body->arm[1].upper);
   const Vec3 legsApart = tree.position(body->leg[0].upper) - tree.position(body->leg[1].upper);
   const bool leftArmFirst = firstIsLeft(tree, names, *body, body->arms, armsApart);
-  // Thighs may start at one place; then their far ends tell them apart.
+  // Thighs may start at the same position; then their far ends distinguish them.
   const Vec3 legEndsApart = farEnd(tree, body->leg[0]) - farEnd(tree, body->leg[1]);
   const bool likeArms = (legsApart.norm() > 0.02 * legEndsApart.norm() ? legsApart : legEndsApart).dot(armsApart) > 0.0;
   const bool leftLegFirst = likeArms == leftArmFirst;
@@ -309,7 +310,7 @@ void addBonesByShape(const JointTree& tree, std::span<const JointName> names, Bo
   if (jointOf(bones, kNeck) == kNoJoint && jointOf(bones, kHead) != kNoJoint) {
     for (const JointIndex joint : tree.pathBelow(chest, jointOf(bones, kHead))) {
       if (isUsed(joint)) break;
-      if (isHelper(names[static_cast<std::size_t>(joint)])) continue;
+      if (isHelper(names[joint])) continue;
       jointOf(bones, kNeck) = joint;
       break;
     }
@@ -320,13 +321,13 @@ void addBonesByShape(const JointTree& tree, std::span<const JointName> names, Bo
 
   for (const bool left : {true, false}) {
     const auto at = [&](HumanBone bone) -> JointIndex& { return jointOf(bones, onSide(bone, left)); };
-    // The next joint along a limb, when it is as far as a limb's next joint is.
-    const auto follow = [&](HumanBone from, HumanBone last, HumanBone to, double least) {
+    // Adds the next joint along a limb if its distance is plausible.
+    const auto follow = [&](HumanBone from, HumanBone last, HumanBone to, double min) {
       if (at(from) == kNoJoint || at(last) == kNoJoint || at(to) != kNoJoint) return;
       const double above = (tree.position(at(last)) - tree.position(at(from))).norm();
       for (const JointIndex joint : reach.wayDown(at(last))) {
         const double beyond = (tree.position(joint) - tree.position(at(last))).norm();
-        if (joint == at(last) || beyond < least * above || isHelper(names[static_cast<std::size_t>(joint)])) continue;
+        if (joint == at(last) || beyond < min * above || isHelper(names[joint])) continue;
         if (!isUsed(joint)) at(to) = joint;
         return;
       }

@@ -6,7 +6,7 @@ namespace {
 
 using enum HumanBone;
 
-// MotionBuilder's HumanIK gave these names to Mixamo, Perception Neuron, Ready Player Me, LaFAN1 and others.
+// Names of MotionBuilder's HumanIK, also used by Mixamo, Perception Neuron, Ready Player Me, LaFAN1 and others.
 constexpr BoneNames kMixamo[] = {
     {kHips, "hips pelvis"},      {kSpine, "spine spine1 spine2 spine3 spine4 spine5 spine6 spine7 spine8 spine9"},
     {kNeck, "neck neck1"},       {kHead, "head"},
@@ -47,7 +47,7 @@ constexpr BoneNames kCmu[] = {
     {kLeftMiddleProximal, "fingers"},
 };
 
-// Acclaim's ASF, in which CMU's motions first came.
+// Acclaim's ASF, the original format of CMU's motions.
 constexpr BoneNames kAcclaim[] = {
     {kHips, "root hips"},
     {kSpine, "lowerback upperback thorax"},
@@ -151,7 +151,7 @@ constexpr BoneNames kNite[] = {
     {kLeftUpperArm, "shoulder"}, {kLeftLowerArm, "elbow"}, {kLeftHand, "hand"},
 };
 
-// Biovision's BVH, Second Life, SMPL: joints by the names of the body's joints.
+// Biovision's BVH, Second Life, SMPL: joints named after the body's joints.
 constexpr BoneNames kBiovision[] = {
     {kHips, "hips hip pelvis root"},
     {kSpine, "lowerback ab abdomen torso spine spine1 spine2 spine3 chest chest1 chest2 chest3 chest4"},
@@ -168,7 +168,7 @@ constexpr BoneNames kBiovision[] = {
     {kLeftMiddleProximal, "fingers"},
 };
 
-// A Rigify character's deforming bones: the spine counts from the pelvis to the head.
+// The deforming bones of a Rigify character: the spine is numbered from the pelvis to the head.
 constexpr BoneNames kRigify[] = {
     {kHips, "spine hips torso"}, {kSpine, "spine1 spine2 spine3"},
     {kNeck, "spine4 neck"},      {kHead, "spine6 spine5 head"},
@@ -266,7 +266,7 @@ constexpr BoneNames kMmd[] = {
     {kLeftHand, "手首"},
 };
 
-// Any mixture. Which "leg" or "shoulder" is meant, the hierarchy says: the assignment with the most bones is taken.
+// Any mixture. The hierarchy decides which "leg" or "shoulder" is meant: the assignment with the most bones is used.
 constexpr BoneNames kLoose[] = {
     {kHips, "hips hip pelvis"},
     {kSpine,

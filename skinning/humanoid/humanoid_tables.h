@@ -8,8 +8,8 @@
 namespace lorica {
 
 /// How one convention names a bone: in lower case, joined ("UpLeg" is upleg), without side, prefix or leading zeros;
-/// several names are parted by blanks, the best first. A row of a left bone stands for the right one too. The row of
-/// kSpine holds all joints of the trunk: their order is the skeleton's.
+/// several names are separated by blanks, the best first. A row of a left bone also applies to the right one. The row
+/// of kSpine lists all joints of the trunk; their order is given by the skeleton.
 struct BoneNames {
   HumanBone bone;
   std::string_view names;
@@ -20,7 +20,7 @@ struct NamingConvention {
   std::span<const BoneNames> rows;
 };
 
-/// Every convention that Lorica knows; the last one is loose and mixes all of them.
+/// All known conventions; the last one mixes all of them.
 [[nodiscard]] std::span<const NamingConvention> namingConventions();
 
 }  // namespace lorica

@@ -18,7 +18,8 @@ JointTree::JointTree(const Skeleton& skeleton) {
     if (parent != kNoJoint) children_[at(parent)].push_back(static_cast<JointIndex>(i));
   }
 
-  // Sizes from the leaves up, then numbers from the roots down: no recursion, for a file may hold a very long chain.
+  // Sizes from the leaves up, then numbers from the roots down: no recursion, because a file may contain a very long
+  // chain.
   std::vector<int> size(count, 1);
   for (std::size_t i = count; i-- > 0;) {
     if (parent_[i] != kNoJoint) size[at(parent_[i])] += size[i];

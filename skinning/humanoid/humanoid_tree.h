@@ -10,7 +10,7 @@ namespace lorica {
 
 using BoneJoints = std::array<JointIndex, kHumanBoneCount>;
 
-/// A skeleton as guessHumanoid() looks at it: who hangs on whom, and where each joint lies in the rest pose.
+/// A skeleton as guessHumanoid() uses it: the hierarchy, and the position of each joint in the rest pose.
 class JointTree {
  public:
   explicit JointTree(const Skeleton& skeleton);
@@ -19,14 +19,14 @@ class JointTree {
   [[nodiscard]] JointIndex parent(JointIndex joint) const { return parent_[at(joint)]; }
   [[nodiscard]] const std::vector<JointIndex>& children(JointIndex joint) const { return children_[at(joint)]; }
   [[nodiscard]] const Vec3& position(JointIndex joint) const { return position_[at(joint)]; }  ///< world [m]
-  /// Whether a joint lies below another; a joint does not lie below itself.
+  /// Whether a joint is a descendant of another; a joint is not below itself.
   [[nodiscard]] bool isBelow(JointIndex joint, JointIndex ancestor) const;
   [[nodiscard]] bool isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
     return joint == ancestor || isBelow(joint, ancestor);
   }
-  /// The lowest joint that both hang on, itself included; the other one where one is kNoJoint; kNoJoint for two trees.
+  /// The lowest common ancestor, which may be a or b; the other one if one is kNoJoint; kNoJoint for separate trees.
   [[nodiscard]] JointIndex commonAncestor(JointIndex a, JointIndex b) const;
-  /// The joints below `top` down to `bottom`, from the top; `bottom` is among them, `top` is not.
+  /// The joints from below `top` to `bottom`, in this order; includes `bottom`, excludes `top`.
   [[nodiscard]] std::vector<JointIndex> pathBelow(JointIndex top, JointIndex bottom) const;
 
  private:
@@ -35,7 +35,7 @@ class JointTree {
   std::vector<JointIndex> parent_;
   std::vector<std::vector<JointIndex>> children_;
   std::vector<Vec3> position_;
-  std::vector<int> entered_;  ///< in a walk from the roots: a joint's subtree is entered_ to left_
+  std::vector<int> entered_;  ///< depth-first numbers: a joint's subtree is [entered_, left_)
   std::vector<int> left_;
 };
 

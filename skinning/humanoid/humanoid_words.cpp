@@ -21,7 +21,7 @@ using Words = std::vector<std::string>;
 [[nodiscard]] bool isDigit(char c) {
   return c >= '0' && c <= '9';
 }
-/// Bytes of UTF-8 beyond ASCII count as letters: names in other scripts stay whole.
+/// UTF-8 bytes beyond ASCII count as letters, so that names in other scripts are not split.
 [[nodiscard]] bool isWordByte(char c) {
   return isUpper(c) || isLower(c) || isDigit(c) || static_cast<unsigned char>(c) >= 0x80;
 }
@@ -31,7 +31,7 @@ using Words = std::vector<std::string>;
 
 /// "LHipJoint" is l, hip, joint; "Bip01 L Finger0Nub" is bip01, l, finger0, nub.
 [[nodiscard]] Words split(std::string_view name) {
-  // What precedes the last ':' or '|' is a namespace or a path.
+  // The text before the last ':' or '|' is a namespace or a path.
   const std::size_t colon = name.find_last_of(":|");
   if (colon != std::string_view::npos && colon + 1 < name.size()) name.remove_prefix(colon + 1);
   Words words;
@@ -63,7 +63,7 @@ using Words = std::vector<std::string>;
   return Side::kMiddle;
 }
 
-/// Takes the side out of the words: a word of its own, or glued to one ("lefthand", "armR001").
+/// Removes the side from the words and returns it: a separate word, or attached to one ("lefthand", "armR001").
 [[nodiscard]] Side takeSide(Words& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const Side side = sideOf(words[i]);
@@ -72,7 +72,7 @@ using Words = std::vector<std::string>;
     return side;
   }
   for (std::string& word : words) {
-    // Blender's "hand.L.001" without its dots. L5 is a vertebra, so only with a leading zero.
+    // Blender's "hand.L.001" without its dots. L5 is a vertebra, so a leading zero is required.
     if (word.size() > 2 && (word[0] == 'l' || word[0] == 'r') && word[1] == '0' && isNumber(word.substr(1))) {
       const Side side = sideOf(word.substr(0, 1));
       word.erase(0, 1);
@@ -99,7 +99,7 @@ using Words = std::vector<std::string>;
   return Side::kMiddle;
 }
 
-/// Takes running numbers that an exporter hung on each name: "b_Hip_01", "b_Tail01_012".
+/// Removes running numbers that an exporter appended to each name: "b_Hip_01", "b_Tail01_012".
 void dropRunningNumbers(std::vector<Words>& all) {
   std::set<std::string> numbers;
   std::size_t numbered = 0;
@@ -114,7 +114,7 @@ void dropRunningNumbers(std::vector<Words>& all) {
   }
 }
 
-/// Takes the first or last word where at least half of the joints share it; not of a few limbs what they are.
+/// Removes the first or last word if at least half of the joints share it, unless it is "arm" or "leg".
 [[nodiscard]] bool dropSharedWord(std::vector<Words>& all, bool first) {
   const auto edge = [&](const Words& words) { return first ? words.front() : words.back(); };
   std::map<std::string, std::size_t> counts;

@@ -9,24 +9,25 @@ namespace lorica {
 
 enum class Side : std::uint8_t { kMiddle, kLeft, kRight };
 
-/// The name of a joint, taken apart: "mixamorig:LeftHandThumb1" is (hand, thumb1) of the left.
+/// The parsed name of a joint: "mixamorig:LeftHandThumb1" is (hand, thumb1), left.
 struct JointName {
-  std::vector<std::string> words;  ///< lower case; no side, no namespace, nothing that most joints share
+  std::vector<std::string> words;  ///< lower case; without side, namespace and words that most joints share
   Side side = Side::kMiddle;
-  /// Of several joints of one name the lowest is taken: 0 deforms, 1 is plain, 2 drives another, 3 only offsets one.
+  /// Of several joints with one name the lowest is used: 0 deforms, 1 is ordinary, 2 drives another, 3 only offsets
+  /// one.
   int preference = 1;
 
-  [[nodiscard]] std::string key() const;  ///< the words as one
+  [[nodiscard]] std::string key() const;  ///< the words joined
 };
 
-/// The names of all joints of a skeleton, in order. What they share (a namespace, "Bip01", "_Armature", a running
-/// number at the end) is left out, so it takes all of them to read one.
+/// Parses the names of all joints of a skeleton, in order. Parts that most of them share (a namespace, "Bip01",
+/// "_Armature", a running number at the end) are removed, so the names cannot be parsed one by one.
 [[nodiscard]] std::vector<JointName> readJointNames(const Skeleton& skeleton);
 
-/// "spine01" as "spine1": numbers at the end without leading zeros.
+/// Removes leading zeros of the number at the end: "spine01" becomes "spine1".
 [[nodiscard]] std::string withoutLeadingZeros(const std::string& key);
 
-/// Whether a joint is a helper by its name: twist, end, target, pole and such. Not a bone.
+/// Whether a joint's name marks it as a helper, not a bone: twist, end, target, pole and others.
 [[nodiscard]] bool isHelper(const JointName& name);
 
 }  // namespace lorica

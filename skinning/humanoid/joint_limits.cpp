@@ -13,13 +13,13 @@ namespace {
 using enum HumanBone;
 using Table = std::array<JointRange, kHumanBoneCount>;
 
-/// The sources give degrees.
-AngleRange degrees(double least, double most) {
+/// The sources list degrees.
+AngleRange degrees(double min, double max) {
   constexpr double kRadians = std::numbers::pi / 180.0;
-  return {least * kRadians, most * kRadians};
+  return {min * kRadians, max * kRadians};
 }
 
-/// Axes by the bone's length and the first axis.
+/// Builds the axes from the bone's length and the first axis.
 JointRange rangeAbout(const Vec3& length, AngleRange twist, const Vec3& firstAxis, AngleRange first,
                       AngleRange second = {}) {
   JointRange range;
@@ -33,7 +33,7 @@ JointRange rangeAbout(const Vec3& length, AngleRange twist, const Vec3& firstAxi
 }
 
 JointRange mirroredRange(JointRange range) {
-  // What turns about an axis in a mirror turns the other way: an axis keeps its part along the mirror's normal only.
+  // Mirroring reverses a rotation: its axis keeps the component along the mirror's normal and negates the others.
   for (Vec3* axis : {&range.twistAxis, &range.firstAxis, &range.secondAxis}) {
     *axis = Vec3(axis->x(), -axis->y(), -axis->z());
   }
@@ -46,7 +46,7 @@ Table makeTable() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
 
   // Trunk: turn left, right; bend forward (about +X), back; bend to a side. Flexion 80, extension 25, to the side 35,
-  // rotation 45 in all; of the neck 45, 45, 45, 60.
+  // rotation 45 in total; for the neck 45, 45, 45, 60.
   at(kHips) = rangeAbout(y, degrees(-180, 180), x, {});
   for (const HumanBone bone : {kSpine, kChest, kUpperChest}) {
     at(bone) = rangeAbout(y, degrees(-15, 15), x, degrees(-25.0 / 3, 80.0 / 3), degrees(-35.0 / 3, 35.0 / 3));
@@ -55,26 +55,27 @@ Table makeTable() {
     at(bone) = rangeAbout(y, degrees(-30, 30), x, degrees(-22.5, 22.5), degrees(-22.5, 22.5));
   }
 
-  // Left leg, along -Y: flexion takes the thigh forward (about -X) and the shin back (+X); abduction is about +Z,
-  // medial rotation about -Y. The foot turns in and out about its length, +Z.
+  // Left leg, along -Y: flexion moves the thigh forward (about -X) and the shin back (+X); abduction is about +Z,
+  // medial rotation about -Y. The foot rotates in and out about its length, +Z.
   at(kLeftUpperLeg) = rangeAbout(y, degrees(-45, 45), x, degrees(-120, 30), degrees(-45, 30));
   at(kLeftLowerLeg) = rangeAbout(y, {}, x, degrees(0, 135));
   at(kLeftFoot) = rangeAbout(z, degrees(-35, 15), x, degrees(-20, 50));
   at(kLeftToes) = rangeAbout(z, {}, x, degrees(-70, 45));
 
   // Left arm, along +X: up is about +Z, forward about -Y. Abduction 180 from hanging, so 90 up from the T-pose, of
-  // which the collarbone gives 30; horizontal flexion 135 and extension 45, of which it gives 25 and 15. With the palm
-  // down, medial rotation is about +X.
+  // which the collarbone contributes 30; horizontal flexion 135 and extension 45, of which it contributes 25 and 15.
+  // With the palm down, medial rotation is about +X.
   at(kLeftShoulder) = rangeAbout(x, {}, z, degrees(-10, 30), degrees(-15, 25));
   at(kLeftUpperArm) = rangeAbout(x, degrees(-90, 70), z, degrees(-90, 60), degrees(-30, 110));
 
-  // Pronation 80 and supination 80: with the palm down the forearm is turned in as far as it goes. Half of that turn
-  // is the forearm's, half the hand's, as along a real forearm. The hand drops about -Z and tips to the thumb about -Y.
+  // Pronation 80 and supination 80: with the palm down the forearm is fully pronated. Half of that rotation is applied
+  // to the forearm, half to the hand, as along a real forearm. The hand bends down about -Z and towards the thumb about
+  // -Y.
   at(kLeftLowerArm) = rangeAbout(x, degrees(-80, 0), -y, degrees(0, 150));
   at(kLeftHand) = rangeAbout(x, degrees(-80, 0), z, degrees(-80, 70), degrees(-30, 20));
   at(kLeftHand).twistAtParent = true;
 
-  // Fingers bend down, about -Z, and spread from the middle one, the index to the thumb.
+  // Fingers bend down, about -Z, and spread away from the middle finger, the index finger towards the thumb.
   const AngleRange knuckle = degrees(-45, 90), middle = degrees(0, 100), last = degrees(0, 90);
   at(kLeftIndexProximal) = rangeAbout(x, {}, -z, knuckle, degrees(-20, 0));
   at(kLeftMiddleProximal) = rangeAbout(x, {}, -z, knuckle, degrees(-20, 20));
@@ -88,9 +89,9 @@ Table makeTable() {
     at(bone) = rangeAbout(x, {}, -z, last);
   }
 
-  // The thumb lies in the palm's plane, half forward. It leaves that plane downward (abduction, to +70) and moves in
-  // it: to the fingers (flexion, 15) and away (extension, 20). Its nail looks half up, half forward, so its other
-  // joints bend about an axis between the two.
+  // The thumb is in the palm's plane, pointing half forward. It moves out of that plane downward (abduction, to +70)
+  // and within it: towards the fingers (flexion, 15) and away (extension, 20). Its nail faces half up, half forward, so
+  // its other joints bend about an axis between the two.
   const Vec3 thumb = (x + z).normalized();
   const Vec3 down = (x - z).normalized();
   at(kLeftThumbMetacarpal) = rangeAbout(thumb, {}, down, degrees(0, 70), degrees(-20, 15));
@@ -105,8 +106,8 @@ Table makeTable() {
   return table;
 }
 
-/// The turn by |v| about v: the exponential of v / 2, as the eighth power of one so small that a few terms of its
-/// series give all digits. Sines would differ in the last bit between mathematical libraries. |v| up to pi.
+/// The rotation by |v| about v: the exponential of v / 2, as the eighth power of a rotation so small that a few terms
+/// of its series reach full precision. Sines would differ in the last bit between math libraries. |v| up to pi.
 Quat turnBy(const Vec3& v) {
   const Vec3 h = v / 16.0;
   const double n = h.squaredNorm();
@@ -118,9 +119,9 @@ Quat turnBy(const Vec3& v) {
   return q.normalized();
 }
 
-/// How far out on its side of a range an angle lies: 1 at the end. Slack widens both sides, so that 0 by 0 is 0.
+/// An angle as a fraction of its side of a range: 1 at the end. Slack widens both sides and avoids 0 / 0.
 double shareOf(const AngleRange& range, double angle, double slack) {
-  const double end = angle < 0.0 ? -range.least : range.most;
+  const double end = angle < 0.0 ? -range.min : range.max;
   return std::abs(angle) / (end + slack);
 }
 
@@ -132,13 +133,13 @@ bool isWithin(const JointRange& range, const JointAngles& angles, double toleran
 
 /// Uniform over twist and over the ellipse of swings.
 JointAngles randomAngles(const JointRange& range, RandomNumbers& random) {
-  // Divisions by a range of 0 would be by 0; this is too small to let anything out.
+  // Avoids divisions by zero for ranges of 0; too small to admit angles outside the range.
   constexpr double kSlack = 1e-12;
   JointAngles angles;
-  angles.twist = random.between(range.twist.least, range.twist.most);
+  angles.twist = random.between(range.twist.min, range.twist.max);
   for (;;) {
-    angles.first = random.between(range.first.least, range.first.most);
-    angles.second = random.between(range.second.least, range.second.most);
+    angles.first = random.between(range.first.min, range.first.max);
+    angles.second = random.between(range.second.min, range.second.max);
     const double first = shareOf(range.first, angles.first, kSlack);
     const double second = shareOf(range.second, angles.second, kSlack);
     if (first * first + second * second <= 1.0) return angles;
@@ -159,7 +160,7 @@ Quat rotationOf(const JointRange& range, const JointAngles& angles) {
 }
 
 JointAngles anglesOf(const JointRange& range, const Quat& rotation) {
-  // The shortest turn that tips the axis has no part along it, so the part that the whole has there is the twist's.
+  // The swing has no component along the twist axis, so the rotation's component along it belongs to the twist.
   const double along = rotation.vec().dot(range.twistAxis);
   JointAngles angles;
   angles.twist = 2.0 * std::atan2(along, rotation.w());

@@ -20,7 +20,7 @@ namespace lorica {
 
 namespace {
 
-/// No file but the one at hand is ever read.
+/// Prevents assimp from reading any other file.
 class NoOtherFiles : public Assimp::IOSystem {
  public:
   bool Exists(const char* /*file*/) const override { return false; }
@@ -55,7 +55,7 @@ class NoOtherFiles : public Assimp::IOSystem {
   return {text.data, std::min<std::size_t>(text.length, sizeof text.data)};
 }
 
-/// A number of the scene's metadata, however it is stored.
+/// A number from the scene's metadata, whatever its stored type.
 [[nodiscard]] std::optional<double> metadata(const aiScene& scene, const char* key) {
   if (scene.mMetaData == nullptr) return std::nullopt;
   if (double number = 0.0; scene.mMetaData->Get(key, number)) return number;
@@ -64,7 +64,7 @@ class NoOtherFiles : public Assimp::IOSystem {
   return std::nullopt;
 }
 
-/// The turn that brings an FBX file's right, up and front to X, Y and Z.
+/// The rotation that maps an FBX file's right, up and front to X, Y and Z.
 [[nodiscard]] Quat fbxAxes(const aiScene& scene) {
   Mat3 modelFromFile = Mat3::Zero();
   const std::array<std::pair<const char*, const char*>, 3> rows = {
@@ -75,7 +75,7 @@ class NoOtherFiles : public Assimp::IOSystem {
     if (axis != 0.0 && axis != 1.0 && axis != 2.0) return Quat::Identity();
     modelFromFile(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(axis)) = sign < 0.0 ? -1.0 : 1.0;
   }
-  // A mirrored or doubled axis is no turn; then up is what counts.
+  // Mirrored or repeated axes are not a rotation; then only the up axis is used.
   if (modelFromFile.determinant() > 0.5) return Quat(modelFromFile).normalized();
   const Vec3 up = modelFromFile.row(1);
   return rotationBetween(up, Vec3::UnitY());
@@ -91,7 +91,7 @@ class AssimpSceneReader {
     if (format == AssimpFormat::kFbx) {
       const double centimetres = metadata(from_, "UnitScaleFactor").value_or(1.0);
       const bool usable = centimetres > 1e-6 && centimetres < 1e6;
-      if (!usable) scene_.notes.push_back(fmt::format("its unit is {} cm: taken to be 1 cm", centimetres));
+      if (!usable) scene_.notes.push_back(fmt::format("its unit of {} cm is invalid: assuming 1 cm", centimetres));
       scene_.metresPerUnit = 0.01 * (usable ? centimetres : 1.0);
       scene_.modelFromFileAxes = fbxAxes(from_);
     }
@@ -117,7 +117,7 @@ class AssimpSceneReader {
       made.parent = parent;
       const Affine3 parentFromNode = asAffine(node->mTransformation);
       if (!parentFromNode.matrix().allFinite()) {
-        return bad(fmt::format("node '{}': a number that is not finite", made.name));
+        return bad(fmt::format("node '{}': contains a non-finite number", made.name));
       }
       setMatrix(made, parentFromNode);
       nodeOfName_.emplace(made.name, index);
@@ -145,7 +145,7 @@ class AssimpSceneReader {
       for (unsigned i = 0; i < nodes_[n]->mNumMeshes; ++i) {
         const unsigned m = nodes_[n]->mMeshes[i];
         if (m >= from_.mNumMeshes) {
-          return bad(fmt::format("node '{}': names mesh {}, expected 0 to {}", scene_.nodes[n].name, m,
+          return bad(fmt::format("node '{}': refers to mesh {}, expected 0 to {}", scene_.nodes[n].name, m,
                                  static_cast<int>(from_.mNumMeshes) - 1));
         }
         if (Result<void> added = addMesh(*from_.mMeshes[m], static_cast<int>(n), skinOfMesh[m]); !added) return added;
@@ -154,19 +154,19 @@ class AssimpSceneReader {
     const auto note = [&](std::uint64_t count, const char* what) {
       if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
     };
-    note(static_cast<std::uint64_t>(scene_.morphTargetCount), "morph targets: the shape without them is taken");
-    note(otherFaces_, "faces are points, lines or name a vertex twice: left out");
-    note(lostBones_, "bones name no node: what they carry hangs on their mesh's other bones");
+    note(static_cast<std::uint64_t>(scene_.morphTargetCount), "morph targets: ignored, the base shape is used");
+    note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
+    note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
     return {};
   }
 
-  /// Adds the bones of a mesh as a skin, where it has bones.
+  /// Adds the bones of a mesh as a skin. @return whether the mesh has bones
   [[nodiscard]] Result<bool> addSkin(const aiMesh& mesh) {
     FileSkin skin;
     skin.name = asText(mesh.mName);
     skin.nodes.reserve(mesh.mNumBones);
     skin.jointFromMesh.reserve(mesh.mNumBones);
-    std::vector<std::int64_t> places(mesh.mNumBones, -1);
+    std::vector<std::int64_t> positions(mesh.mNumBones, -1);
     for (unsigned b = 0; b < mesh.mNumBones; ++b) {
       const aiBone& bone = *mesh.mBones[b];
       const auto node = nodeOfName_.find(asText(bone.mName));
@@ -176,15 +176,15 @@ class AssimpSceneReader {
       }
       const Affine3 offset = asAffine(bone.mOffsetMatrix);
       if (!offset.matrix().allFinite()) {
-        return bad(fmt::format("mesh '{}', bone '{}': a number that is not finite", skin.name, asText(bone.mName)));
+        return bad(fmt::format("mesh '{}', bone '{}': contains a non-finite number", skin.name, asText(bone.mName)));
       }
-      places[b] = static_cast<std::int64_t>(skin.nodes.size());
+      positions[b] = static_cast<std::int64_t>(skin.nodes.size());
       skin.nodes.push_back(node->second);
       skin.jointFromMesh.push_back(offset);
     }
     if (skin.nodes.empty()) return false;
     scene_.skins.push_back(std::move(skin));
-    placeOfBone_.push_back(std::move(places));
+    positionOfBone_.push_back(std::move(positions));
     return true;
   }
 
@@ -205,7 +205,8 @@ class AssimpSceneReader {
       const aiFace& face = from.mFaces[f];
       const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
       if (std::any_of(corners.begin(), corners.end(), [&](unsigned v) { return v >= from.mNumVertices; })) {
-        return bad(fmt::format("mesh '{}': face {} names a vertex beyond the {}", mesh.name, f, from.mNumVertices));
+        return bad(fmt::format("mesh '{}': face {} refers to a vertex out of range, the mesh has {}", mesh.name, f,
+                               from.mNumVertices));
       }
       if (corners.size() != 3 || corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
         ++otherFaces_;
@@ -220,12 +221,12 @@ class AssimpSceneReader {
     return {};
   }
 
-  /// From a list of vertices for each bone to a list of bones for each vertex.
+  /// Converts a list of vertices for each bone to a list of bones for each vertex.
   void addWeights(const aiMesh& from, FileMesh& mesh) const {
-    const std::vector<std::int64_t>& places = placeOfBone_[static_cast<std::size_t>(mesh.skin)];
+    const std::vector<std::int64_t>& positions = positionOfBone_[mesh.skin];
     const auto forEach = [&](const auto& use) {
       for (unsigned b = 0; b < from.mNumBones; ++b) {
-        if (places[b] == -1) continue;
+        if (positions[b] == -1) continue;
         for (unsigned w = 0; w < from.mBones[b]->mNumWeights; ++w) {
           const aiVertexWeight& weight = from.mBones[b]->mWeights[w];
           if (weight.mVertexId < from.mNumVertices) use(b, weight);
@@ -238,7 +239,7 @@ class AssimpSceneReader {
     mesh.weightBegin = next;
     mesh.weights.resize(next.back());
     forEach([&](unsigned b, const aiVertexWeight& w) {
-      mesh.weights[next[w.mVertexId]++] = {places[b], static_cast<double>(w.mWeight)};
+      mesh.weights[next[w.mVertexId]++] = {positions[b], static_cast<double>(w.mWeight)};
     });
   }
 
@@ -287,11 +288,11 @@ class AssimpSceneReader {
       scene_.clips.push_back(std::move(clip));
     }
     if (lostChannels > 0) {
-      scene_.notes.push_back(fmt::format("{} animation channels name no node: left out", grouped(lostChannels)));
+      scene_.notes.push_back(fmt::format("{} animation channels refer to no node: skipped", grouped(lostChannels)));
     }
     if (lateKeys_ > 0) {
-      scene_.notes.push_back(fmt::format(
-          "{} animation keys are not finite or do not come after the key before them: left out", grouped(lateKeys_)));
+      scene_.notes.push_back(fmt::format("{} animation keys are not finite or not later than the previous key: skipped",
+                                         grouped(lateKeys_)));
     }
     return {};
   }
@@ -300,8 +301,8 @@ class AssimpSceneReader {
   const std::string& name_;
   FileScene scene_;
   std::vector<const aiNode*> nodes_;
-  std::map<std::string, int> nodeOfName_;               // the first of that name, as assimp's own look-up has it
-  std::vector<std::vector<std::int64_t>> placeOfBone_;  // of each skin: assimp's bones among its nodes, or -1
+  std::map<std::string, int> nodeOfName_;                  // the first of that name, as in assimp's own lookup
+  std::vector<std::vector<std::int64_t>> positionOfBone_;  // per skin: indices of assimp's bones in its nodes, or -1
   std::uint64_t otherFaces_ = 0;
   std::uint64_t lostBones_ = 0;
   std::uint64_t lateKeys_ = 0;
@@ -314,7 +315,7 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
   try {
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
-    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // else files of motion get made-up meshes
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // otherwise motion files get generated meshes
     importer.SetIOHandler(new NoOtherFiles);                              // owned by the importer
     const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
                                                        format == AssimpFormat::kFbx ? "fbx" : "dae");

@@ -11,9 +11,9 @@ enum class AssimpFormat { kFbx, kCollada };
 
 /// Reads FBX (text and binary) or COLLADA through assimp.
 ///
-/// Unit and axes are what the file says; FBX without them is in centimetres, Y up. Keys are taken as linear, which is
-/// how assimp gives them. FBX pivots are folded into their nodes: the other way that assimp offers makes up to six
-/// nodes of one bone, and put the hips of the clips at hand 5 m away from where the file has them.
+/// Unit and axes are those of the file; FBX without them is in centimetres, Y up. Keys are interpolated linearly, as
+/// assimp provides them. FBX pivots are folded into their nodes: assimp's alternative creates up to six nodes per bone,
+/// and placed the hips of our test clips 5 m away from their position in the file.
 [[nodiscard]] Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name,
                                                 AssimpFormat format);
 

@@ -15,7 +15,7 @@ namespace {
   std::vector<int> stack;
   for (std::size_t i = nodes.size(); i-- > 0;) {
     const int parent = nodes[i].parent;
-    (parent == -1 ? stack : children[static_cast<std::size_t>(parent)]).push_back(static_cast<int>(i));
+    (parent == -1 ? stack : children[parent]).push_back(static_cast<int>(i));
   }
   std::vector<int> order;
   order.reserve(nodes.size());
@@ -23,14 +23,14 @@ namespace {
     const int node = stack.back();
     stack.pop_back();
     order.push_back(node);
-    const std::vector<int>& below = children[static_cast<std::size_t>(node)];
+    const std::vector<int>& below = children[node];
     stack.insert(stack.end(), below.begin(), below.end());
   }
-  CHECK(order.size() == nodes.size(), "the reader lets no cycle through");
+  LORICA_CHECK(order.size() == nodes.size(), "the reader rejects cycles");
   return order;
 }
 
-/// A node at rest, unless it flattens what hangs on it: then not scaled.
+/// A node's rest transform; without its scale if that makes it singular.
 [[nodiscard]] Affine3 invertibleLocal(const FileNode& node) {
   const Affine3 local = node.parentFromNode();
   if (isInvertible(local)) return local;
@@ -52,25 +52,25 @@ BindFrames findBindFrames(const FileScene& scene) {
   frames.order = parentsFirst(scene.nodes);
   std::vector<int> rank(scene.nodes.size());
   for (std::size_t i = 0; i < frames.order.size(); ++i) {
-    rank[static_cast<std::size_t>(frames.order[i])] = static_cast<int>(i);
+    rank[frames.order[i]] = static_cast<int>(i);
   }
-  const auto place = [&](std::vector<Affine3>& fileFromNode, const std::vector<char>& given) {
+  const auto position = [&](std::vector<Affine3>& fileFromNode, const std::vector<char>& given) {
     for (const int node : frames.order) {
       const auto i = static_cast<std::size_t>(node);
       if (given[i] != 0) continue;
       const Affine3 local = invertibleLocal(scene.nodes[i]);
       const int parent = scene.nodes[i].parent;
-      fileFromNode[i] = parent == -1 ? local : fileFromNode[static_cast<std::size_t>(parent)] * local;
+      fileFromNode[i] = parent == -1 ? local : fileFromNode[parent] * local;
     }
   };
   std::vector<char> given(scene.nodes.size(), 0);
   frames.fileFromNode.assign(scene.nodes.size(), Affine3::Identity());
-  place(frames.fileFromNode, given);
+  position(frames.fileFromNode, given);
 
   frames.fileFromSkin.assign(scene.skins.size(), Affine3::Identity());
   for (std::size_t s = 0; s < scene.skins.size(); ++s) {
     const FileSkin& skin = scene.skins[s];
-    // Bones that an earlier skin placed come first, then the topmost.
+    // Bones that an earlier skin has positioned come first, then the topmost.
     std::vector<std::size_t> bones(skin.nodes.size());
     std::iota(bones.begin(), bones.end(), std::size_t{0});
     std::stable_sort(bones.begin(), bones.end(), [&](std::size_t a, std::size_t b) {
@@ -79,8 +79,7 @@ BindFrames findBindFrames(const FileScene& scene) {
       return given[nodeA] != given[nodeB] ? given[nodeA] > given[nodeB] : rank[nodeA] < rank[nodeB];
     });
     for (const std::size_t bone : bones) {
-      const Affine3 fileFromSkin =
-          frames.fileFromNode[static_cast<std::size_t>(skin.nodes[bone])] * skin.jointFromMesh[bone];
+      const Affine3 fileFromSkin = frames.fileFromNode[skin.nodes[bone]] * skin.jointFromMesh[bone];
       if (!isInvertible(fileFromSkin)) continue;
       frames.fileFromSkin[s] = fileFromSkin;
       break;
@@ -94,7 +93,7 @@ BindFrames findBindFrames(const FileScene& scene) {
       given[node] = 1;
     }
   }
-  place(frames.fileFromNode, given);
+  position(frames.fileFromNode, given);
   return frames;
 }
 

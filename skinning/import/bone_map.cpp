@@ -22,8 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "bone map 1";
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;  ///< a map of a hundred thousand joints is smaller
-constexpr std::size_t kLongestToCompare = 200;             ///< of names whose nearest spelling is sought
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundred thousand joints is smaller
+constexpr std::size_t kLongestToCompare = 200;            ///< length of names for which a similar name is searched
 
 [[nodiscard]] std::size_t at(HumanBone bone) {
   return static_cast<std::size_t>(bone);
@@ -33,13 +33,13 @@ constexpr std::size_t kLongestToCompare = 200;             ///< of names whose n
   return {ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
 }
 
-/// Text as JSON can hold it: bytes that are no UTF-8 become U+FFFD.
+/// Text that JSON can store: bytes that are not UTF-8 become U+FFFD.
 [[nodiscard]] std::string asText(const std::string& bytes) {
   const std::string quoted = Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace);
   return Json::parse(quoted).get<std::string>();
 }
 
-/// How many letters must be put in, taken out or changed to make one of the other; capitals count as small letters.
+/// Levenshtein distance: insertions, deletions and changes of letters. Case is ignored.
 [[nodiscard]] std::size_t editDistance(std::string_view a, std::string_view b) {
   const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   std::vector<std::size_t> row(b.size() + 1);
@@ -56,20 +56,20 @@ constexpr std::size_t kLongestToCompare = 200;             ///< of names whose n
   return row.back();
 }
 
-/// "; the nearest is "hand.l"", or nothing where no name is near.
+/// "; did you mean "hand.l"?", or empty if no name is similar.
 [[nodiscard]] std::string nearestOf(std::string_view name, std::span<const std::string> known) {
-  constexpr std::size_t kMostCompared = 2000;
+  constexpr std::size_t kMaxCompared = 2000;
   if (name.size() > kLongestToCompare) return "";
   const std::string* nearest = nullptr;
-  std::size_t least = std::max<std::size_t>(name.size() / 2, 2) + 1;
-  for (const std::string& candidate : known.first(std::min(known.size(), kMostCompared))) {
+  std::size_t min = std::max<std::size_t>(name.size() / 2, 2) + 1;
+  for (const std::string& candidate : known.first(std::min(known.size(), kMaxCompared))) {
     if (candidate.size() > kLongestToCompare) continue;
     const std::size_t distance = editDistance(name, candidate);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= min) continue;
+    min = distance;
     nearest = &candidate;
   }
-  return nearest == nullptr ? "" : fmt::format("; the nearest is \"{}\"", *nearest);
+  return nearest == nullptr ? "" : fmt::format("; did you mean \"{}\"?", *nearest);
 }
 
 [[nodiscard]] std::vector<std::string> boneNames() {
@@ -79,7 +79,7 @@ constexpr std::size_t kLongestToCompare = 200;             ///< of names whose n
   return names;
 }
 
-/// Parses, and finds keys that stand twice: the library would take the last in silence.
+/// Parses, and finds duplicate keys: the library would silently use the last one.
 [[nodiscard]] Result<Json> parse(std::string_view text, std::string_view name) {
   std::vector<std::set<std::string>> open;
   std::string twice;
@@ -94,16 +94,16 @@ constexpr std::size_t kLongestToCompare = 200;             ///< of names whose n
   };
   try {
     Json json = Json::parse(text, watch, true, true);
-    if (!twice.empty()) return bad(name, fmt::format("\"{}\" stands twice, expected once", twice));
+    if (!twice.empty()) return bad(name, fmt::format("duplicate key \"{}\"", twice));
     return json;
   } catch (const Json::exception& e) {
     const std::string_view what = e.what();
-    const std::size_t bracket = what.find("] ");  // before it stands the library's own number
+    const std::size_t bracket = what.find("] ");  // the text before it is the library's own number
     return bad(name, fmt::format("not JSON: {}", bracket == std::string_view::npos ? what : what.substr(bracket + 2)));
   }
 }
 
-/// Names and ways down of a skeleton's joints, as a map may write them.
+/// Names and paths of a skeleton's joints, as a map may write them.
 class JointNames {
  public:
   explicit JointNames(const Skeleton& skeleton) : skeleton_(skeleton) {
@@ -114,7 +114,7 @@ class JointNames {
 
   [[nodiscard]] std::span<const std::string> all() const { return names_; }
 
-  /// All joints that this may mean: of that name, else at the end of that way.
+  /// All joints that this text may mean: those of that name, else those at the end of that path.
   [[nodiscard]] std::vector<JointIndex> find(std::string_view text) const {
     const auto named = jointsOf_.find(std::string(text));
     if (named != jointsOf_.end()) return named->second;
@@ -126,8 +126,8 @@ class JointNames {
     return found;
   }
 
-  /// The shortest text that means this joint alone; of at most eight names, for the sake of files that are nothing but
-  /// namesakes.
+  /// The shortest text that means only this joint. It has at most eight names, which bounds the work for files in which
+  /// all joints have one name.
   [[nodiscard]] std::string textFor(JointIndex joint) const {
     std::string text = name(joint);
     const std::vector<JointIndex>& namesakes = jointsOf_.at(text);
@@ -144,7 +144,7 @@ class JointNames {
   }
 
  private:
-  [[nodiscard]] const std::string& name(JointIndex joint) const { return names_[static_cast<std::size_t>(joint)]; }
+  [[nodiscard]] const std::string& name(JointIndex joint) const { return names_[joint]; }
 
   [[nodiscard]] bool endsWay(JointIndex joint, std::string_view text) const {
     while (joint != kNoJoint && text.ends_with(name(joint))) {
@@ -171,37 +171,37 @@ Result<BoneMap> readBoneMap(const std::filesystem::path& file) {
 }
 
 Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
-  if (text.size() > kMostBytes) {
-    return bad(name, fmt::format("{} bytes, expected at most {}", text.size(), kMostBytes));
+  if (text.size() > kMaxBytes) {
+    return bad(name, fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
   }
   const Result<Json> json = parse(text, name);
   if (!json) return json.error();
   if (!json->is_object() || !json->contains("lorica") || !(*json)["lorica"].is_string()) {
-    return bad(name, fmt::format("no bone map, expected an object with \"lorica\": \"{}\"", kFormat));
+    return bad(name, fmt::format("not a bone map, expected an object with \"lorica\": \"{}\"", kFormat));
   }
   const std::string format = (*json)["lorica"].get<std::string>();
   if (format != kFormat) return bad(name, fmt::format("lorica is \"{}\", expected \"{}\"", format, kFormat));
   const std::vector<std::string> known = {"lorica", "character", "bones", "unusedJoints"};
   for (const auto& [key, value] : json->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    return bad(name, fmt::format("\"{}\" is unknown{}", key, nearestOf(key, known)));
+    return bad(name, fmt::format("unknown key \"{}\"{}", key, nearestOf(key, known)));
   }
   if (!json->contains("bones") || !(*json)["bones"].is_object()) {
-    return bad(name, "bones is missing, expected an object with a joint's name for each bone");
+    return bad(name, "bones is missing, expected an object with a joint name for each bone");
   }
 
   BoneMap map;
   if (json->contains("character")) {
-    if (!(*json)["character"].is_string()) return bad(name, "character is no text, expected a file's name");
+    if (!(*json)["character"].is_string()) return bad(name, "character is not a string, expected a file name");
     map.character = (*json)["character"].get<std::string>();
   }
   for (const auto& [key, value] : (*json)["bones"].items()) {
     const std::optional<HumanBone> bone = humanBoneNamed(key);
-    if (!bone) return bad(name, fmt::format("bones: \"{}\" is no bone{}", key, nearestOf(key, boneNames())));
+    if (!bone) return bad(name, fmt::format("bones: \"{}\" is not a bone{}", key, nearestOf(key, boneNames())));
     if (value.is_null()) continue;
     if (!value.is_string() || value.get<std::string>().empty()) {
-      return bad(name, fmt::format("bones: {} is {}, expected a joint's name or null", key,
-                                   value.is_string() ? "an empty text" : std::string("a") + " " + value.type_name()));
+      return bad(name, fmt::format("bones: {} is {}, expected a joint name or null", key,
+                                   value.is_string() ? "an empty string" : std::string("a") + " " + value.type_name()));
     }
     map.jointOf[at(*bone)] = value.get<std::string>();
   }
@@ -243,8 +243,8 @@ Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std:
                                                      text, nearestOf(text, names.all()))};
     }
     if (found.size() > 1) {
-      return bad(name, fmt::format("{}: {} joints are called \"{}\", expected one: write \"{}\" or \"{}\"",
-                                   nameOf(bone), found.size(), text, names.textFor(found[0]), names.textFor(found[1])));
+      return bad(name, fmt::format("{}: {} joints are named \"{}\", expected one: write \"{}\" or \"{}\"", nameOf(bone),
+                                   found.size(), text, names.textFor(found[0]), names.textFor(found[1])));
     }
     const auto [other, isNew] = boneOf.emplace(found[0], bone);
     if (!isNew) {
@@ -261,8 +261,8 @@ Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std:
     JointIndex ancestor = skeleton.joint(joint).parent;
     while (ancestor != kNoJoint && ancestor != bones[*above]) ancestor = skeleton.joint(ancestor).parent;
     if (ancestor != kNoJoint) continue;
-    return bad(name, fmt::format("{} is \"{}\", which does not hang on \"{}\", the {}", nameOf(bone),
-                                 map.jointOf[at(bone)], map.jointOf[at(*above)], nameOf(*above)));
+    return bad(name, fmt::format("{} is \"{}\", which is not below \"{}\", the {}", nameOf(bone), map.jointOf[at(bone)],
+                                 map.jointOf[at(*above)], nameOf(*above)));
   }
   return withBones(skeleton, bones);
 }

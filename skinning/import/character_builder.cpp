@@ -19,7 +19,7 @@ constexpr double kSecondsInADay = 86400.0;
   return static_cast<JointIndex>(index);
 }
 
-/// Turns a FileScene into a CharacterFile, phase by phase.
+/// Converts a FileScene to a CharacterFile, phase by phase.
 class CharacterBuilder {
  public:
   CharacterBuilder(const FileScene& scene, const std::string& fileName)
@@ -47,7 +47,7 @@ class CharacterBuilder {
  private:
   [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, fileName_ + ": " + what}; }
 
-  // 1. Vertices where they are in the bind pose, still in the file's units.
+  // 1. Vertices in the bind pose, still in the file's units.
   void placeMeshes() {
     std::size_t vertexCount = 0;
     std::size_t triangleCount = 0;
@@ -59,11 +59,10 @@ class CharacterBuilder {
     all.vertices.reserve(vertexCount);
     all.triangles.reserve(triangleCount);
     for (const FileMesh& mesh : scene_.meshes) {
-      const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[static_cast<std::size_t>(mesh.skin)]
-                                                    : frames_.fileFromNode[static_cast<std::size_t>(mesh.node)];
+      const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
       const auto first = static_cast<VertexIndex>(all.vertices.size());
       for (const Vec3& p : mesh.positions) all.vertices.push_back(fileFromMesh * p);
-      // A mirrored mesh has its outside inside.
+      // A mirrored mesh is inside out.
       const bool mirrored = fileFromMesh.linear().determinant() < 0.0;
       for (Triangle triangle : mesh.triangles) {
         for (VertexIndex& v : triangle) v += first;
@@ -74,14 +73,13 @@ class CharacterBuilder {
     box_ = boundsOf(all.vertices);
   }
 
-  // 2. Nodes that move something, and all above them; every node where the file is only motion.
+  // 2. Nodes that move something, and their ancestors; every node if the file has only motion.
   void chooseNodes() {
     const bool all = scene_.meshes.empty() && scene_.skins.empty();
     chosen_.assign(scene_.nodes.size(), all ? 1 : 0);
     const auto choose = [&](int node) {
-      for (; node != -1 && chosen_[static_cast<std::size_t>(node)] == 0;
-           node = scene_.nodes[static_cast<std::size_t>(node)].parent) {
-        chosen_[static_cast<std::size_t>(node)] = 1;
+      for (; node != -1 && chosen_[node] == 0; node = scene_.nodes[node].parent) {
+        chosen_[node] = 1;
       }
     };
     for (const FileSkin& skin : scene_.skins) {
@@ -93,7 +91,7 @@ class CharacterBuilder {
     for (const auto& [bone, node] : scene_.bones) choose(node);
   }
 
-  // 3. The file's unit, by the size of what it shows, or of its skeleton.
+  // 3. The file's unit, by the size of its mesh, or of its skeleton.
   [[nodiscard]] Result<void> chooseUnits() {
     Aabb box = box_;
     if (box.empty()) {
@@ -107,11 +105,11 @@ class CharacterBuilder {
     return {};
   }
 
-  /// Of a file of motion alone: the nodes that move, if there are, since a camera may stand far away.
+  /// For a file with only motion: the animated nodes, if there are any, since a camera may be far away.
   [[nodiscard]] std::vector<std::size_t> nodesThatShowSize() const {
     std::vector<char> moves(scene_.nodes.size(), 0);
     for (const FileClip& clip : scene_.clips) {
-      for (const FileTrack& track : clip.tracks) moves[static_cast<std::size_t>(track.node)] = 1;
+      for (const FileTrack& track : clip.tracks) moves[track.node] = 1;
     }
     std::vector<std::size_t> moving;
     std::vector<std::size_t> all;
@@ -123,7 +121,7 @@ class CharacterBuilder {
     return moving.empty() ? all : moving;
   }
 
-  // 4. A joint for each node chosen.
+  // 4. A joint for each chosen node.
   void addJoints() {
     const auto chosenCount = static_cast<std::size_t>(std::count(chosen_.begin(), chosen_.end(), 1));
     joints_.reserve(chosenCount + 1);
@@ -140,7 +138,7 @@ class CharacterBuilder {
       const auto i = static_cast<std::size_t>(n);
       if (chosen_[i] == 0) continue;
       const FileNode& node = scene_.nodes[i];
-      JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[static_cast<std::size_t>(node.parent)].front();
+      JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[node.parent].front();
       JointTransform local = node.local;
       if (node.inner) {
         ++sheared;
@@ -155,24 +153,23 @@ class CharacterBuilder {
       jointFromFile_.push_back(frames_.fileFromNode[i].inverse());
     }
     for (const auto& [bone, node] : scene_.bones) {
-      joints_[static_cast<std::size_t>(jointsOfNode_[static_cast<std::size_t>(node)].front())].bone = bone;
+      joints_[jointsOfNode_[static_cast<std::size_t>(node)].front()].bone = bone;
     }
     if (sheared > 0) {
-      out_.notes.push_back(fmt::format("{} nodes are sheared: each is held by two joints", sheared));
+      out_.notes.push_back(fmt::format("{} nodes are sheared: each is represented by two joints", sheared));
     }
   }
 
-  /// The joint that carries points with a node by an inverse bind matrix: the node's own, or one more beside it.
+  /// The joint for a node and an inverse bind matrix: the node's own joint, or an additional one.
   [[nodiscard]] JointIndex jointFor(int node, const Affine3& jointFromFile) {
     const auto n = static_cast<std::size_t>(node);
     for (const JointIndex joint : jointsOfNode_[n]) {
-      if (carrySame(frames_.fileFromNode[n], jointFromFile, jointFromFile_[static_cast<std::size_t>(joint)])) {
+      if (carrySame(frames_.fileFromNode[n], jointFromFile, jointFromFile_[joint])) {
         return joint;
       }
     }
     const JointIndex own = jointsOfNode_[n].front();
-    const std::string name =
-        fmt::format("{} (bind {})", joints_[static_cast<std::size_t>(own)].name, jointsOfNode_[n].size() + 1);
+    const std::string name = fmt::format("{} (bind {})", joints_[own].name, jointsOfNode_[n].size() + 1);
     const JointIndex copy = asJoint(joints_.size());
     joints_.push_back({name, own, {}, std::nullopt});
     jointFromFile_.push_back(jointFromFile);
@@ -181,7 +178,7 @@ class CharacterBuilder {
     return copy;
   }
 
-  /// Whether two inverse bind matrices take the whole bind pose to the same places, to what floats in files hold.
+  /// Whether two inverse bind matrices map the whole bind pose to the same positions, within the precision of floats.
   [[nodiscard]] bool carrySame(const Affine3& fileFromJoint, const Affine3& a, const Affine3& b) const {
     const Eigen::Matrix<double, 3, 4> difference =
         fileFromJoint.linear() * (a.matrix().topRows<3>() - b.matrix().topRows<3>());
@@ -202,12 +199,12 @@ class CharacterBuilder {
     character.influenceBegin.push_back(0);
     for (const FileMesh& mesh : scene_.meshes) {
       if (mesh.skin == -1) {
-        const JointIndex joint = jointsOfNode_[static_cast<std::size_t>(mesh.node)].front();
+        const JointIndex joint = jointsOfNode_[mesh.node].front();
         for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
           character.influences.push_back({joint, 1.0});
           character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
         }
-        if (!mesh.positions.empty()) out_.mostInfluences = std::max(out_.mostInfluences, 1);
+        if (!mesh.positions.empty()) out_.maxInfluences = std::max(out_.maxInfluences, 1);
       } else {
         addSkinned(mesh);
       }
@@ -217,13 +214,13 @@ class CharacterBuilder {
     for (const Affine3& jointFromFile : jointFromFile_) {
       character.jointFromModel.emplace_back(jointFromFile * fileFromModel);
     }
-    if (out_.mendedVertices > 0) {
+    if (out_.repairedVertices > 0) {
       out_.notes.push_back(fmt::format(
-          "{} vertices had weights that do not sum to 1, are negative or not finite, or name no bone: mended",
-          grouped(static_cast<std::uint64_t>(out_.mendedVertices))));
+          "{} vertices had weights that do not sum to 1, are negative or not finite, or refer to no bone: repaired",
+          grouped(static_cast<std::uint64_t>(out_.repairedVertices))));
     }
     if (copies_ > 0) {
-      out_.notes.push_back(fmt::format("{} joints more, for bones that are bound in two ways",
+      out_.notes.push_back(fmt::format("{} joints added for bones with more than one bind matrix",
                                        grouped(static_cast<std::uint64_t>(copies_))));
     }
   }
@@ -248,12 +245,12 @@ class CharacterBuilder {
       const std::size_t begin = character.influences.size();
       const std::span<const FileWeight> weights =
           std::span(mesh.weights).subspan(mesh.weightBegin[v], mesh.weightBegin[v + 1] - mesh.weightBegin[v]);
-      bool mended = false;
+      bool repaired = false;
       double sum = 0.0;
       for (const FileWeight& w : weights) {
         if (w.weight == 0.0) continue;
         if (!inSkin(w) || !(w.weight > 0.0) || !std::isfinite(w.weight)) {
-          mended = true;
+          repaired = true;
           continue;
         }
         const JointIndex joint = jointOf(static_cast<std::size_t>(w.bone));
@@ -268,30 +265,30 @@ class CharacterBuilder {
         }
       }
       if (!(sum > 1e-12) ||
-          !std::isfinite(sum)) {  // nothing is left: the first bone that it names, else the skin's first
+          !std::isfinite(sum)) {  // no valid weight: the first bone that it refers to, else the skin's first
         character.influences.resize(begin);
         const auto named = std::find_if(weights.begin(), weights.end(), inSkin);
         character.influences.push_back(
             {jointOf(named == weights.end() ? 0 : static_cast<std::size_t>(named->bone)), 1.0});
         sum = 1.0;
-        mended = true;
+        repaired = true;
       }
-      mended = mended || std::abs(sum - 1.0) > 1e-3;
+      repaired = repaired || std::abs(sum - 1.0) > 1e-3;
       for (std::size_t i = begin; i < character.influences.size(); ++i) character.influences[i].weight /= sum;
-      out_.mostInfluences = std::max(out_.mostInfluences, static_cast<int>(character.influences.size() - begin));
-      out_.mendedVertices += mended ? 1 : 0;
+      out_.maxInfluences = std::max(out_.maxInfluences, static_cast<int>(character.influences.size() - begin));
+      out_.repairedVertices += repaired ? 1 : 0;
       character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
     }
   }
 
-  // 6. Clips of the joints that there are.
+  // 6. Clips of the existing joints.
   void addClips() {
     int tooLong = 0;
     out_.clips.reserve(scene_.clips.size());
     for (const FileClip& from : scene_.clips) {
       Clip clip{from.name, 0.0, {}};
       for (const FileTrack& track : from.tracks) {
-        const std::vector<JointIndex>& joints = jointsOfNode_[static_cast<std::size_t>(track.node)];
+        const std::vector<JointIndex>& joints = jointsOfNode_[track.node];
         if (joints.empty()) continue;
         clip.tracks.push_back({joints.front(), track.translation, track.rotation, track.scale});
         const auto last = [&](const auto& keys) {
@@ -307,10 +304,10 @@ class CharacterBuilder {
         out_.clips.push_back(std::move(clip));
       }
     }
-    if (tooLong > 0) out_.notes.push_back(fmt::format("{} clips last longer than a day: left out", tooLong));
+    if (tooLong > 0) out_.notes.push_back(fmt::format("{} clips last longer than a day: skipped", tooLong));
   }
 
-  // 7. Humanoid bones, size, and the last look.
+  // 7. Humanoid bones, size, and the final check.
   [[nodiscard]] Result<void> finish() {
     Character& character = out_.character;
     if (character.mesh.triangles.empty() && out_.clips.empty() && scene_.skins.empty()) {
@@ -335,11 +332,11 @@ class CharacterBuilder {
   const std::string& fileName_;
   BindFrames frames_;
   CharacterFile out_;
-  Aabb box_;                  // of the bind pose, in the file's units and axes
-  std::vector<char> chosen_;  // one a node
+  Aabb box_;                  // bounds of the bind pose, in the file's units and axes
+  std::vector<char> chosen_;  // one per node
   std::vector<Joint> joints_;
-  std::vector<Affine3> jointFromFile_;                 // one a joint
-  std::vector<std::vector<JointIndex>> jointsOfNode_;  // the node's own first, then its copies; none where not chosen
+  std::vector<Affine3> jointFromFile_;                 // one per joint
+  std::vector<std::vector<JointIndex>> jointsOfNode_;  // the node's own first, then its copies; empty if not chosen
   int copies_ = 0;
 };
 

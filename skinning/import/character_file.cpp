@@ -18,7 +18,7 @@ namespace {
 
 enum class Kind { kUnknown, kGltf, kFbx, kCollada };
 
-/// By what the bytes say: names are often wrong about .vrm and .glb.
+/// Detected from the content: the extensions .vrm and .glb are often wrong.
 [[nodiscard]] Kind kindOf(std::string_view content) {
   if (content.starts_with("glTF")) return Kind::kGltf;
   if (content.starts_with("Kaydara FBX Binary")) return Kind::kFbx;
@@ -37,7 +37,7 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
                                           const std::filesystem::path& folder) {
   if (bytes.empty()) return Error{ErrorCode::kBadFormat, name + ": is empty, expected a character"};
   Result<FileScene> scene =
-      Error{ErrorCode::kUnsupported, name + ": holds neither glTF, VRM, FBX nor COLLADA, expected one of them"};
+      Error{ErrorCode::kUnsupported, name + ": unknown format, expected glTF, VRM, FBX or COLLADA"};
   switch (kindOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     case Kind::kGltf:
       scene = readGltfScene(bytes, name, folder);

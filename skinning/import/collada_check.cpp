@@ -30,7 +30,7 @@ struct Tag {
   return {name, inside.substr(end)};
 }
 
-/// An attribute's text; none where the tag lacks it.
+/// An attribute's text; none if the tag lacks it.
 [[nodiscard]] std::optional<std::string_view> attribute(const Tag& tag, std::string_view name) {
   for (std::size_t at = tag.attributes.find(name); at != std::string_view::npos;
        at = tag.attributes.find(name, at + 1)) {
@@ -50,7 +50,7 @@ struct Tag {
 
 [[nodiscard]] std::optional<std::uint64_t> wholeNumber(std::optional<std::string_view> text) {
   if (!text) return std::nullopt;
-  std::uint32_t value = 0;  // so that products below hold in 64 bits
+  std::uint32_t value = 0;  // so that the products below fit into 64 bits
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
   if (error != std::errc{} || end != text->data() + text->size()) return std::nullopt;
   return value;
@@ -64,7 +64,7 @@ class ColladaCheck {
     for (std::size_t open = text_.find('<'); open != std::string_view::npos; open = text_.find('<', open + 1)) {
       if (text_.substr(open).starts_with("<!--")) {
         const std::size_t end = text_.find("-->", open);
-        if (end == std::string_view::npos) return {};  // assimp's to refuse
+        if (end == std::string_view::npos) return {};  // left to assimp to reject
         open = end;
         continue;
       }
@@ -80,7 +80,7 @@ class ColladaCheck {
  private:
   struct Accessor {
     std::string_view source;
-    std::uint64_t end = 0;  ///< one beyond the last number that it names
+    std::uint64_t end = 0;  ///< one past the last number that it reads
     std::size_t at = 0;
   };
 
@@ -94,16 +94,17 @@ class ColladaCheck {
     if (std::find(kWholeNumbers.begin(), kWholeNumbers.end(), tag.name) != kWholeNumbers.end()) {
       const std::size_t odd = text_.substr(0, end).find_first_not_of("0123456789+- \t\r\n", begin);
       if (odd != std::string_view::npos) {
-        return bad(odd, fmt::format("<{}> holds byte {}, expected whole numbers", tag.name,
+        return bad(odd, fmt::format("<{}> contains byte {}, expected whole numbers", tag.name,
                                     static_cast<int>(static_cast<unsigned char>(text_[odd]))));
       }
     }
     if (tag.name == "float_array" || tag.name == "Name_array" || tag.name == "IDREF_array") {
       const std::optional<std::uint64_t> count = wholeNumber(attribute(tag, "count"));
       if (!count) return bad(at, fmt::format("<{}> has no count, expected a whole number", tag.name));
-      // Each needs a character at least, and a blank between.
+      // Each needs at least one character, with a blank between.
       if (*count > (end - begin + 1) / 2) {
-        return bad(at, fmt::format("<{}> says {} values in {} bytes", tag.name, grouped(*count), grouped(end - begin)));
+        return bad(at,
+                   fmt::format("<{}> declares {} values in {} bytes", tag.name, grouped(*count), grouped(end - begin)));
       }
       if (const auto id = attribute(tag, "id")) counts_[*id] = *count;
     }
@@ -113,7 +114,7 @@ class ColladaCheck {
       const std::optional<std::uint64_t> stride = wholeNumber(attribute(tag, "stride").value_or("1"));
       const std::optional<std::uint64_t> offset = wholeNumber(attribute(tag, "offset").value_or("0"));
       if (!source || !source->starts_with('#') || !count || !stride || !offset) {
-        return bad(at, "<accessor> expected a source in this file and whole numbers of count, stride and offset");
+        return bad(at, "<accessor> needs a source in this file and whole numbers for count, stride and offset");
       }
       accessors_.push_back({source->substr(1), *offset + *count * *stride, at});
     }
@@ -124,7 +125,7 @@ class ColladaCheck {
     for (const Accessor& accessor : accessors_) {
       const auto array = counts_.find(accessor.source);
       if (array == counts_.end()) {
-        return bad(accessor.at, fmt::format("<accessor> reads from '{}', which is not there", accessor.source));
+        return bad(accessor.at, fmt::format("<accessor> reads from '{}', which does not exist", accessor.source));
       }
       if (accessor.end > array->second) {
         return bad(accessor.at, fmt::format("<accessor> reads {} values of '{}', which has {}", grouped(accessor.end),
@@ -136,7 +137,7 @@ class ColladaCheck {
 
   std::string_view text_;
   const std::string& name_;
-  std::map<std::string_view, std::uint64_t> counts_;  // values of each array, by its id
+  std::map<std::string_view, std::uint64_t> counts_;  // number of values of each array, by its id
   std::vector<Accessor> accessors_;
 };
 

@@ -31,7 +31,7 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
     }
   }
 
-  // linear = U S V^T: a turn, a scale and a turn before it.
+  // linear = U S V^T: a rotation V^T, then a scale, then a rotation U.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 u = svd.matrixU();
   Mat3 v = svd.matrixV();

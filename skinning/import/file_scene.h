@@ -11,13 +11,13 @@
 
 namespace lorica {
 
-/// A node as its file gives it, in the file's units.
+/// A node of a file, in the file's units.
 struct FileNode {
   std::string name;
   int parent = -1;
   JointTransform local;  ///< parentFromNode at rest
-  /// The turn that comes before `local` where a matrix shears, which translation, rotation and scale alone cannot say:
-  /// parentFromNode = local * inner.
+  /// The rotation applied before `local` if a matrix has shear, which translation, rotation and scale alone cannot
+  /// represent: parentFromNode = local * inner.
   std::optional<Quat> inner;
 
   [[nodiscard]] Affine3 parentFromNode() const {
@@ -25,31 +25,31 @@ struct FileNode {
   }
 };
 
-/// Splits a matrix into what a node holds; exact for every finite matrix, by a singular value decomposition where it
-/// shears.
+/// Decomposes a matrix into the members of a node; exact for every finite matrix, by a singular value decomposition if
+/// it has shear.
 void setMatrix(FileNode& node, const Affine3& parentFromNode);
 
-/// Bones and their inverse bind matrices, as glTF's skin.
+/// Bones and their inverse bind matrices, like a glTF skin.
 struct FileSkin {
   std::string name;
   std::vector<int> nodes;
-  std::vector<Affine3> jointFromMesh;  ///< one a node
+  std::vector<Affine3> jointFromMesh;  ///< one per node
 };
 
 struct FileWeight {
   std::int64_t bone = 0;  ///< index into FileSkin::nodes; may be out of range
-  double weight = 0.0;    ///< may be anything
+  double weight = 0.0;    ///< any value
 };
 
-/// Triangles that hang on one node, or on a skin's bones.
+/// Triangles attached to one node, or to a skin's bones.
 struct FileMesh {
   std::string name;
   int node = -1;
   int skin = -1;                         ///< -1: rigid on `node`
   std::vector<Vec3> positions;           ///< finite
   std::vector<Triangle> triangles;       ///< indices in range
-  std::vector<FileWeight> weights;       ///< of vertex v: weightBegin[v] .. weightBegin[v + 1]; none where rigid
-  std::vector<std::size_t> weightBegin;  ///< vertexCount + 1 entries; none where rigid
+  std::vector<FileWeight> weights;       ///< of vertex v: weightBegin[v] .. weightBegin[v + 1]; empty if rigid
+  std::vector<std::size_t> weightBegin;  ///< vertexCount + 1 entries; empty if rigid
 };
 
 struct FileTrack {
@@ -64,7 +64,7 @@ struct FileClip {
   std::vector<FileTrack> tracks;
 };
 
-/// What a character file of any format says, checked but not yet brought to Lorica's units, axes and joints.
+/// The content of a character file of any format, checked but not yet converted to Lorica's units, axes and joints.
 struct FileScene {
   std::string format;
   std::vector<FileNode> nodes;  ///< in any order; parents in range, no cycles
@@ -72,7 +72,7 @@ struct FileScene {
   std::vector<FileMesh> meshes;
   std::vector<FileClip> clips;
   std::vector<std::pair<HumanBone, int>> bones;  ///< the file's own list of humanoid bones and their nodes
-  std::optional<double> metresPerUnit;           ///< where the file says it
+  std::optional<double> metresPerUnit;           ///< if the file specifies it
   Quat modelFromFileAxes = Quat::Identity();
 
   int meshCount = 0;
@@ -81,14 +81,14 @@ struct FileScene {
   std::vector<std::string> notes;
 };
 
-/// Builds skeleton, bind pose, weights and clips of what a file says.
-/// @param fileName  for the sentences
+/// Builds skeleton, bind pose, weights and clips from a file's content.
+/// @param fileName  for messages
 [[nodiscard]] Result<CharacterFile> makeCharacterFile(const FileScene& scene, const std::string& fileName);
 
 /// 1234567 as "1,234,567".
 [[nodiscard]] std::string grouped(std::uint64_t number);
 
-/// "mesh 3 'Body'", or "mesh 3" where it has no name.
+/// "mesh 3 'Body'", or "mesh 3" if it has no name.
 [[nodiscard]] std::string titled(const char* kind, std::size_t index, const std::string& name);
 
 }  // namespace lorica

@@ -15,7 +15,8 @@ namespace lorica {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "glTF is little endian; others need a swap here");
+static_assert(std::endian::native == std::endian::little,
+              "glTF is little-endian; a big-endian machine needs a byte swap here");
 
 using Bytes = std::span<const std::byte>;
 
@@ -37,7 +38,7 @@ using Bytes = std::span<const std::byte>;
   }
 }
 
-/// 0 for kinds that glTF does not have.
+/// 0 for types that glTF does not define.
 [[nodiscard]] std::uint64_t componentBytes(int componentType) {
   switch (componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -60,13 +61,13 @@ using Bytes = std::span<const std::byte>;
          componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-/// Reads `count` elements of `components` numbers, `stride` bytes apart, into rows of `out`; which row, `row` says.
+/// Reads `count` elements of `components` numbers, `stride` bytes apart, into rows of `out`: element i into row(i).
 template <typename Stored, typename Number, typename Row>
 void unpack(Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t components, bool normalized,
             std::vector<Number>& out, const Row& row) {
   // glTF 2.0, 3.6.2.2: c / 255, c / 65535, max(c / 127, -1), max(c / 32767, -1).
   const bool scaled = normalized && std::is_integral_v<Stored>;
-  const double most = static_cast<double>(std::numeric_limits<Stored>::max());
+  const double max = static_cast<double>(std::numeric_limits<Stored>::max());
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::byte* element = bytes.data() + i * stride;
     Number* to = out.data() + row(i) * components;
@@ -76,7 +77,7 @@ void unpack(Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t 
       if constexpr (std::is_integral_v<Number>) {
         to[c] = static_cast<Number>(value);
       } else {
-        to[c] = scaled ? std::max(static_cast<double>(value) / most, -1.0) : static_cast<double>(value);
+        to[c] = scaled ? std::max(static_cast<double>(value) / max, -1.0) : static_cast<double>(value);
       }
     }
   }
@@ -107,7 +108,7 @@ void unpackKind(int componentType, Bytes bytes, std::uint64_t stride, std::uint6
         break;
     }
   }
-  CHECK(false, "a component type that was let through");
+  LORICA_CHECK(false, "component types are checked before");
 }
 
 [[nodiscard]] std::string_view typeName(int components) {
@@ -130,10 +131,10 @@ Result<void> checkIndex(const GltfDocument& document, int index, std::size_t cou
   if (index >= 0 && static_cast<std::size_t>(index) < count) return {};
   if (count == 0) {
     return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: {}: names {} {}, but the file has none", document.name, user, kind, index)};
+                 fmt::format("{}: {}: refers to {} {}, but the file has none", document.name, user, kind, index)};
   }
-  return Error{ErrorCode::kBadFormat, fmt::format("{}: {}: names {} {}, expected 0 to {}", document.name, user, kind,
-                                                  index, grouped(count - 1))};
+  return Error{ErrorCode::kBadFormat, fmt::format("{}: {}: refers to {} {}, expected 0 to {}", document.name, user,
+                                                  kind, index, grouped(count - 1))};
 }
 
 GltfAccessors::GltfAccessors(const GltfDocument& document)
@@ -149,25 +150,25 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
       !known) {
     return known.error();
   }
-  const tinygltf::BufferView& view = document_.model.bufferViews[static_cast<std::size_t>(viewIndex)];
+  const tinygltf::BufferView& view = document_.model.bufferViews[viewIndex];
   const std::string viewName = fmt::format("buffer view {}", viewIndex);
   if (Result<void> known = checkIndex(document_, view.buffer, document_.buffers.size(), viewName, "buffer"); !known) {
     return known.error();
   }
-  const Bytes buffer = document_.buffers[static_cast<std::size_t>(view.buffer)];
+  const Bytes buffer = document_.buffers[view.buffer];
   if (buffer.empty()) {
-    return bad(fmt::format("{}: buffer {} has no data, neither in the file nor in another", viewName, view.buffer));
+    return bad(fmt::format("{}: buffer {} has no data, neither embedded nor in another file", viewName, view.buffer));
   }
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
-    return bad(fmt::format("{}: {} bytes from byte {} on, buffer {} has {}", viewName, grouped(view.byteLength),
+    return bad(fmt::format("{}: {} bytes from byte {}, but buffer {} has {}", viewName, grouped(view.byteLength),
                            grouped(view.byteOffset), view.buffer, grouped(buffer.size())));
   }
   stride = view.byteStride == 0 ? elementBytes : view.byteStride;
   if (stride < elementBytes) {
-    return bad(fmt::format("{}: elements of {} bytes in steps of {}, of buffer view {}", who, elementBytes, stride,
-                           viewIndex));
+    return bad(fmt::format("{}: elements of {} bytes, but the stride of buffer view {} is {}", who, elementBytes,
+                           viewIndex, stride));
   }
-  // count is at most bytes / stride here, so that nothing below can overflow.
+  // Written with a division, so that nothing can overflow.
   const std::uint64_t bytes = view.byteLength;
   const bool fits = offset <= bytes && elementBytes <= bytes - offset &&
                     (count == 0 || count - 1 <= (bytes - offset - elementBytes) / stride);
@@ -176,7 +177,7 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
                        static_cast<double>(elementBytes);
     const std::string endText =
         end < 9e15 ? "byte " + grouped(static_cast<std::uint64_t>(end)) : fmt::format("byte {:.3g}", end);
-    return bad(fmt::format("{}: {} elements of {} bytes end at {}, its buffer view {} has {}", who, grouped(count),
+    return bad(fmt::format("{}: {} elements of {} bytes end at {}, but buffer view {} has {}", who, grouped(count),
                            elementBytes, endText, viewIndex, grouped(bytes)));
   }
   return buffer.subspan(view.byteOffset + offset, (count - 1) * stride + elementBytes);
@@ -187,13 +188,13 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   if (Result<void> known = checkIndex(document_, index, document_.model.accessors.size(), user, "accessor"); !known) {
     return known.error();
   }
-  const tinygltf::Accessor& accessor = document_.model.accessors[static_cast<std::size_t>(index)];
+  const tinygltf::Accessor& accessor = document_.model.accessors[index];
   const std::string who = fmt::format("accessor {}", index);
 
-  // 1. What it says of itself.
+  // 1. Its declaration.
   const auto wanted = static_cast<std::size_t>(components);
   if (componentCount(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
-    return bad(fmt::format("{}: has {} numbers an element, expected {} for {}", who, componentCount(accessor.type),
+    return bad(fmt::format("{}: has {} numbers per element, expected {} for {}", who, componentCount(accessor.type),
                            typeName(components), user));
   }
   const std::uint64_t numberBytes = componentBytes(accessor.componentType);
@@ -205,7 +206,7 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   const std::uint64_t count = accessor.count;
   if (count == 0) return bad(fmt::format("{}: has no elements, expected at least one for {}", who, user));
 
-  // 2. Where its numbers are, before anything is made for them.
+  // 2. The location of its numbers, checked before any allocation.
   const std::uint64_t elementBytes = numberBytes * wanted;
   Bytes bytes;
   std::uint64_t stride = 0;
@@ -216,7 +217,7 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
     bytes = *found;
   }
   if (count > budget_ / wanted) {
-    return bad(fmt::format("{}: {} elements, more than a file of {} bytes can justify", who, grouped(count),
+    return bad(fmt::format("{}: {} elements, too many for a file of {} bytes", who, grouped(count),
                            grouped(document_.fileBytes)));
   }
   budget_ -= count * wanted;
@@ -228,15 +229,15 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   }
   if (!accessor.sparse.isSparse) return numbers;
 
-  // 3. Those that are replaced.
+  // 3. Elements replaced by its sparse part.
   const auto& sparse = accessor.sparse;
-  // tinygltf has offsets signed or, from 2.9 on, unsigned, where a negative one is huge.
+  // tinygltf's offsets are signed or, from 2.9 on, unsigned; there a negative one becomes huge.
   const auto indicesFrom = static_cast<std::int64_t>(sparse.indices.byteOffset);
   const auto valuesFrom = static_cast<std::int64_t>(sparse.values.byteOffset);
   if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || indicesFrom < 0 || valuesFrom < 0 ||
       !isUnsigned(sparse.indices.componentType)) {
     return bad(
-        fmt::format("{}: its sparse part has {} elements at bytes {} and {} with indices of kind {}, expected "
+        fmt::format("{}: its sparse part has {} elements at bytes {} and {} with indices of type {}, expected "
                     "1 to {} elements, offsets of 0 or more and unsigned indices",
                     who, sparse.count, indicesFrom, valuesFrom, sparse.indices.componentType, grouped(count)));
   }

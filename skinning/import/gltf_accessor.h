@@ -9,24 +9,25 @@
 
 namespace lorica {
 
-/// Reads accessors after checking all that they refer to. Numbers come as doubles, normalised ones in [-1, 1].
+/// Reads accessors after checking everything that they refer to. Numbers are returned as doubles, normalised ones in
+/// [-1, 1].
 ///
-/// All accessors together give at most 8 numbers for each byte of the file, and 2 million at least: a file may name
-/// the same bytes many times over, or zeros that it need not hold.
+/// All accessors together may return at most 8 numbers per byte of the file, or 2 million if that is more: a file may
+/// refer to the same bytes many times, or to zeros that it does not store.
 class GltfAccessors {
  public:
   explicit GltfAccessors(const GltfDocument& document);
 
   /// @param accessor    index, not yet checked
-  /// @param components  1, 3, 4 or 16 numbers an element; others are refused
-  /// @param user        who asks, for the sentence: "mesh 3 'Body', primitive 0: POSITION"
-  /// @return count x components finite numbers; or a sentence
+  /// @param components  1, 3, 4 or 16 numbers per element; others are rejected
+  /// @param user        who reads it, for messages: "mesh 3 'Body', primitive 0: POSITION"
+  /// @return count x components finite numbers; or an error
   [[nodiscard]] Result<std::vector<double>> numbers(int accessor, int components, const std::string& user);
 
-  /// The same for joints and indices: unsigned integers, as they are.
+  /// The same for joints and indices: unsigned integers, unchanged.
   [[nodiscard]] Result<std::vector<std::uint32_t>> integers(int accessor, int components, const std::string& user);
 
-  /// As numbers(), but not finite ones are let through, for the caller to mend.
+  /// Like numbers(), but non-finite numbers are allowed, for the caller to repair.
   [[nodiscard]] Result<std::vector<double>> anyNumbers(int accessor, int components, const std::string& user);
 
  private:
@@ -42,7 +43,7 @@ class GltfAccessors {
   std::uint64_t budget_;
 };
 
-/// Fails with a sentence unless 0 <= index < count.
+/// Returns an error unless 0 <= index < count.
 [[nodiscard]] Result<void> checkIndex(const GltfDocument& document, int index, std::size_t count,
                                       const std::string& user, std::string_view kind);
 

@@ -43,9 +43,9 @@ class ClipReader {
         !known) {
       return known;
     }
-    const auto [place, isNew] = trackOfNode_.emplace(channel.target_node, clip.tracks.size());
+    const auto [position, isNew] = trackOfNode_.emplace(channel.target_node, clip.tracks.size());
     if (isNew) clip.tracks.push_back({channel.target_node, std::nullopt, std::nullopt, std::nullopt});
-    FileTrack& track = clip.tracks[place->second];
+    FileTrack& track = clip.tracks[position->second];
     if (channel.target_path == "translation") return readTrack(channel, 3, user, track.translation);
     if (channel.target_path == "scale") return readTrack(channel, 3, user, track.scale);
     return readTrack(channel, 4, user, track.rotation);
@@ -53,9 +53,9 @@ class ClipReader {
 
   FileClip clip;
   int morphChannels = 0;
-  int unknownChannels = 0;   ///< of a path or node that glTF 2.0 does not have
-  int doubledChannels = 0;   ///< of a node and path that another moves already
-  std::size_t lateKeys = 0;  ///< that do not come after the key before them
+  int unknownChannels = 0;   ///< with a path or node that glTF 2.0 does not define
+  int doubledChannels = 0;   ///< with a node and path that another channel already animates
+  std::size_t lateKeys = 0;  ///< not later than the previous key
 
  private:
   template <typename Value>
@@ -69,7 +69,7 @@ class ClipReader {
         !known) {
       return known;
     }
-    const tinygltf::AnimationSampler& sampler = animation_.samplers[static_cast<std::size_t>(channel.sampler)];
+    const tinygltf::AnimationSampler& sampler = animation_.samplers[channel.sampler];
     KeyTrack<Value> track;
     if (sampler.interpolation == "STEP") {
       track.interpolation = KeyInterpolation::kStep;
@@ -135,10 +135,11 @@ Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors
   const auto note = [&](std::uint64_t count, const char* what) {
     if (count > 0) scene.notes.push_back(fmt::format("{} {}", grouped(count), what));
   };
-  note(static_cast<std::uint64_t>(morphChannels), "animation channels move morph weights: left out");
-  note(static_cast<std::uint64_t>(unknownChannels), "animation channels move something else than nodes: left out");
-  note(static_cast<std::uint64_t>(doubledChannels), "animation channels move what another moves already: left out");
-  note(lateKeys, "animation keys do not come after the key before them: left out");
+  note(static_cast<std::uint64_t>(morphChannels), "animation channels animate morph weights: skipped");
+  note(static_cast<std::uint64_t>(unknownChannels), "animation channels animate something other than nodes: skipped");
+  note(static_cast<std::uint64_t>(doubledChannels),
+       "animation channels animate what another already animates: skipped");
+  note(lateKeys, "animation keys are not later than the previous key: skipped");
   return {};
 }
 

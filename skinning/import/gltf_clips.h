@@ -5,7 +5,7 @@
 
 namespace lorica {
 
-/// Adds the file's animations: what they move of nodes. Animated morph weights are left out, with a note.
+/// Adds the file's animations of nodes. Animated morph weights are skipped, with a note.
 [[nodiscard]] Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors, FileScene& scene);
 
 }  // namespace lorica

@@ -19,8 +19,8 @@ namespace {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
-constexpr std::size_t kMostElements = 100'000;
-constexpr int kMostLevels = 64;
+constexpr std::size_t kMaxElements = 100'000;
+constexpr int kMaxLevels = 64;
 
 /// The two parts of a GLB, or the text of a .gltf alone.
 struct Parts {
@@ -46,8 +46,8 @@ struct Parts {
   const auto bad = [&](std::string what) { return Error{ErrorCode::kBadFormat, name + ": " + std::move(what)}; };
 
   if (bytes.size() < kHeaderBytes) {
-    return bad(
-        fmt::format("{} bytes, expected at least {} of a GLB header: it is cut short", bytes.size(), kHeaderBytes));
+    return bad(fmt::format("{} bytes, expected at least {} for a GLB header: the file is truncated", bytes.size(),
+                           kHeaderBytes));
   }
   const std::uint32_t version = littleEndian32(bytes, 4);
   if (version != 2) {
@@ -55,7 +55,7 @@ struct Parts {
   }
   const std::uint32_t length = littleEndian32(bytes, 8);
   if (length > bytes.size()) {
-    return bad(fmt::format("its header says {} bytes, the file has {}: it is cut short", grouped(length),
+    return bad(fmt::format("its header declares {} bytes, the file has {}: it is truncated", grouped(length),
                            grouped(bytes.size())));
   }
   bytes = bytes.first(length);
@@ -65,8 +65,8 @@ struct Parts {
   for (int chunk = 0; at < bytes.size(); ++chunk) {
     if (bytes.size() - at < kChunkHeaderBytes) {
       if (chunk >= 1) break;  // padding that some writers leave behind
-      return bad(fmt::format("chunk {} starts at byte {} of {}, too late for its header", chunk, grouped(at),
-                             grouped(bytes.size())));
+      return bad(fmt::format("chunk {} starts at byte {} of {}, which leaves no room for its header", chunk,
+                             grouped(at), grouped(bytes.size())));
     }
     const std::uint32_t chunkBytes = littleEndian32(bytes, at);
     const std::uint32_t kind = littleEndian32(bytes, at + 4);
@@ -76,19 +76,19 @@ struct Parts {
                              grouped(chunkBytes), grouped(at), grouped(bytes.size())));
     }
     const Bytes content = bytes.subspan(at, chunkBytes);
-    if (chunk == 0 && kind != kJson) return bad(fmt::format("chunk 0 is of kind {:#x}, expected JSON", kind));
+    if (chunk == 0 && kind != kJson) return bad(fmt::format("chunk 0 has type {:#x}, expected JSON", kind));
     if (chunk == 0) parts.json = asText(content);
     if (chunk > 0 && kind == kBinary && !parts.binary) parts.binary = content;
     at += chunkBytes;
   }
-  if (parts.json.empty()) return bad("a GLB without its JSON chunk");
+  if (parts.json.empty()) return bad("the GLB has no JSON chunk");
   return parts;
 }
 
-/// How deep brackets nest, before anything is made of them.
+/// Nesting depth of brackets, determined before parsing.
 [[nodiscard]] int levelsOf(std::string_view text) {
   int levels = 0;
-  int most = 0;
+  int max = 0;
   bool inString = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -98,22 +98,22 @@ struct Parts {
     } else if (c == '"') {
       inString = true;
     } else if (c == '[' || c == '{') {
-      most = std::max(most, ++levels);
+      max = std::max(max, ++levels);
     } else if (c == ']' || c == '}') {
       --levels;
     }
   }
-  return most;
+  return max;
 }
 
 [[nodiscard]] Result<Json> parseJson(std::string_view text, const std::string& name) {
-  if (levelsOf(text) > kMostLevels) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON nests deeper than {} levels", name, kMostLevels)};
+  if (levelsOf(text) > kMaxLevels) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON nests deeper than {} levels", name, kMaxLevels)};
   }
   try {
     Json document = Json::parse(text);
     if (!document.is_object()) {
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is no object, expected one of glTF", name)};
+      return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is not an object, expected a glTF object", name)};
     }
     return document;
   } catch (const std::exception& problem) {
@@ -121,7 +121,7 @@ struct Parts {
   }
 }
 
-/// Takes extensions and extras off every element: what they say is not read, and small ones would grow large in
+/// Removes extensions and extras from every element: they are not used, and small ones would need much memory in
 /// tinygltf.
 void dropExtensions(Json& value) {
   if (value.is_object()) {
@@ -129,7 +129,7 @@ void dropExtensions(Json& value) {
     value.erase("extras");
   }
   if (!value.is_structured()) return;
-  for (Json& child : value) dropExtensions(child);  // at most kMostLevels deep
+  for (Json& child : value) dropExtensions(child);  // at most kMaxLevels deep
 }
 
 /// Finds the bytes of each buffer.
@@ -150,7 +150,7 @@ class BufferFinder {
       Result<Bytes> bytes = bytesOf(buffer, i);
       if (!bytes) return bytes.error();
       const auto expected = length->get<std::uint64_t>();
-      // An empty one is refused where something reads from it.
+      // An empty buffer is rejected when something reads from it.
       if (!bytes->empty() && bytes->size() < expected) {
         return bad(i,
                    fmt::format("byteLength is {}, but there are {} bytes", grouped(expected), grouped(bytes->size())));
@@ -168,7 +168,7 @@ class BufferFinder {
   [[nodiscard]] Result<Bytes> bytesOf(const Json& buffer, std::size_t i) {
     const auto uri = buffer.find("uri");
     if (uri == buffer.end()) return i == 0 && binary_ ? *binary_ : Bytes{};
-    if (!uri->is_string()) return bad(i, "its uri is no text");
+    if (!uri->is_string()) return bad(i, "its uri is not a string");
     const std::string& text = uri->get_ref<const std::string&>();
     if (const auto known = known_.find(text); known != known_.end()) return known->second;
 
@@ -186,10 +186,10 @@ class BufferFinder {
   }
 
   [[nodiscard]] Result<std::string> readNeighbour(const std::string& uri, std::size_t i) const {
-    if (folder_.empty()) return bad(i, fmt::format("is in another file, '{}', which cannot be had here", uri));
+    if (folder_.empty()) return bad(i, fmt::format("is in another file, '{}', which is not available here", uri));
     const std::optional<std::filesystem::path> relative = neighbourFile(uri);
     if (!relative) {
-      return bad(i, fmt::format("'{}' leads out of the file's folder, expected the name of a file in it", uri));
+      return bad(i, fmt::format("'{}' is outside the file's folder, expected a file in it", uri));
     }
     return readFile(folder_ / *relative);
   }
@@ -197,10 +197,10 @@ class BufferFinder {
   GltfDocument& document_;
   const std::filesystem::path& folder_;
   std::optional<Bytes> binary_;
-  std::map<std::string, Bytes> known_;  // one copy of what many name
+  std::map<std::string, Bytes> known_;  // one copy of data that several buffers refer to
 };
 
-/// Those extensions whose data we cannot read at all, and what a user can do about it.
+/// Rejects files with compressed meshes, and tells the user what to do about it.
 [[nodiscard]] Result<void> refuseCompression(const Json& document, const std::string& name) {
   const auto lists = [&](const char* list, std::string_view extension) {
     const auto found = document.find(list);
@@ -212,8 +212,8 @@ class BufferFinder {
        {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     if (!lists("extensionsRequired", extension)) continue;
     return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: its meshes are compressed ({}), expected plain ones: export it again without mesh "
-                             "compression, or unpack it with 'gltf-transform copy IN OUT'",
+                 fmt::format("{}: its meshes are compressed ({}), which is not supported: export it again without "
+                             "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
                              name, extension)};
   }
   return {};
@@ -246,7 +246,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   Result<Json> json = parseJson(parts.json, name);
   if (!json) return json.error();
 
-  // 2. What cannot be read at all.
+  // 2. Content that is not supported.
   const auto asset = json->find("asset");
   const bool hasVersion =
       asset != json->end() && asset->is_object() && asset->contains("version") && (*asset)["version"].is_string();
@@ -257,13 +257,13 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   }
   if (Result<void> plain = refuseCompression(*json, name); !plain) return plain.error();
   for (const auto& [key, value] : json->items()) {
-    if (value.is_array() && value.size() > kMostElements) {
-      return Error{ErrorCode::kUnsupported, fmt::format("{}: {} {}, at most {} are read", name, grouped(value.size()),
-                                                        key, grouped(kMostElements))};
+    if (value.is_array() && value.size() > kMaxElements) {
+      return Error{ErrorCode::kUnsupported, fmt::format("{}: {} {}, expected at most {}", name, grouped(value.size()),
+                                                        key, grouped(kMaxElements))};
     }
   }
 
-  // 3. Buffers, found by us; all else of use goes to tinygltf.
+  // 3. Buffers, which are read here; tinygltf reads the rest that is needed.
   if (json->contains("buffers")) {
     BufferFinder finder(document, folder, parts.binary);
     if (Result<void> found = finder.find((*json)["buffers"]); !found) return found.error();

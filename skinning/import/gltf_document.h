@@ -14,21 +14,21 @@
 
 namespace lorica {
 
-/// A glTF 2.0 file taken apart, with its buffers found. Of the model's indices none is checked.
+/// A parsed glTF 2.0 file with its buffers. The model's indices are not checked.
 struct GltfDocument {
-  std::string name;                                 ///< of the file, for sentences
+  std::string name;                                 ///< of the file, for messages
   tinygltf::Model model;                            ///< without buffers, images, materials, extras and extensions
-  nlohmann::json extensions;                        ///< those of the whole file, such as VRM; an object
-  std::vector<std::span<const std::byte>> buffers;  ///< no longer than the file says; into `bytes` or `owned`
+  nlohmann::json extensions;                        ///< of the whole file, such as VRM; an object
+  std::vector<std::span<const std::byte>> buffers;  ///< no longer than declared; into `bytes` or `owned`
   std::deque<std::string> owned;
-  std::size_t fileBytes = 0;  ///< of the file and all that it draws in
+  std::size_t fileBytes = 0;  ///< of the file and everything that it embeds or refers to
 };
 
-/// Reads a .gltf, .glb or .vrm. Nothing that is not needed reaches tinygltf, so that images may be broken or absent.
+/// Reads a .gltf, .glb or .vrm. Only what is needed is passed to tinygltf, so images may be broken or absent.
 ///
-/// At most 100,000 elements of a kind and 64 levels of JSON are read.
+/// At most 100,000 elements of a kind and 64 levels of JSON are accepted.
 /// @param bytes   must outlive the document
-/// @param folder  where other files are looked for; empty: there are none
+/// @param folder  where other files are searched; empty: other files are not read
 [[nodiscard]] Result<GltfDocument> parseGltf(std::span<const std::byte> bytes, const std::string& name,
                                              const std::filesystem::path& folder);
 

@@ -15,7 +15,7 @@ namespace lorica {
 
 namespace {
 
-/// One file on its way into a FileScene.
+/// Converts one file to a FileScene.
 class GltfSceneReader {
  public:
   explicit GltfSceneReader(const GltfDocument& document) : document_(document), accessors_(document) {}
@@ -30,7 +30,7 @@ class GltfSceneReader {
     readVrm(document_.extensions, scene_);
     for (const std::string& extension : document_.model.extensionsUsed) {
       if (extension == "EXT_mesh_gpu_instancing") {
-        scene_.notes.emplace_back("EXT_mesh_gpu_instancing: of meshes with many copies one is read");
+        scene_.notes.emplace_back("EXT_mesh_gpu_instancing: only one copy of each instanced mesh is read");
       }
     }
     return std::move(scene_);
@@ -41,12 +41,12 @@ class GltfSceneReader {
     return {ErrorCode::kBadFormat, document_.name + ": " + what};
   }
 
-  /// The numbers of a node's property, where it has them.
+  /// Copies the numbers of a node's property, if it has them.
   [[nodiscard]] Result<void> readProperty(const std::vector<double>& from, std::size_t node, const char* property,
                                           std::span<double> to) const {
     if (from.empty()) return {};
     if (from.size() != to.size()) {
-      return bad(fmt::format("node {}: {} numbers of {}, expected {}", node, from.size(), property, to.size()));
+      return bad(fmt::format("node {}: {} has {} numbers, expected {}", node, property, from.size(), to.size()));
     }
     std::copy(from.begin(), from.end(), to.begin());
     return {};
@@ -71,7 +71,7 @@ class GltfSceneReader {
       const double norm = rotation.norm();
       if (!matrix.allFinite() || !node.local.translation.allFinite() || !node.local.scale.allFinite() ||
           !std::isfinite(norm)) {
-        return bad(fmt::format("node {} '{}': a number that is not finite", i, node.name));
+        return bad(fmt::format("node {} '{}': contains a non-finite number", i, node.name));
       }
       if (std::abs(norm - 1.0) > 1e-3) ++unturned;
       if (norm > 1e-12) node.local.rotation = Quat(Eigen::Vector4d(rotation / norm));
@@ -91,7 +91,7 @@ class GltfSceneReader {
         if (Result<void> known = checkIndex(document_, child, count, fmt::format("node {}", i), "child node"); !known) {
           return known;
         }
-        FileNode& node = scene_.nodes[static_cast<std::size_t>(child)];
+        FileNode& node = scene_.nodes[child];
         if (node.parent != -1) {
           return bad(fmt::format("node {} '{}': is a child of node {} and of node {}, expected one parent", child,
                                  node.name, node.parent, i));
@@ -99,7 +99,7 @@ class GltfSceneReader {
         node.parent = static_cast<int>(i);
       }
     }
-    // With one parent at most, what hangs on no root hangs on itself.
+    // Each node has at most one parent, so a node below no root is part of a cycle.
     std::vector<int> below;
     inScene_.assign(count, 0);
     for (std::size_t i = 0; i < count; ++i) {
@@ -111,14 +111,14 @@ class GltfSceneReader {
       if (inScene_[i] == 0) return bad(fmt::format("node {} '{}': is its own ancestor", i, scene_.nodes[i].name));
     }
 
-    // What the default scene draws.
+    // The nodes that the default scene draws.
     const int sceneCount = static_cast<int>(document_.model.scenes.size());
     if (sceneCount == 0) return {};
     const int drawn = document_.model.defaultScene == -1 ? 0 : document_.model.defaultScene;
     if (Result<void> known = checkIndex(document_, drawn, document_.model.scenes.size(), "the file", "scene"); !known) {
       return known;
     }
-    const std::vector<int>& listed = document_.model.scenes[static_cast<std::size_t>(drawn)].nodes;
+    const std::vector<int>& listed = document_.model.scenes[drawn].nodes;
     for (const int node : listed) {
       if (Result<void> known = checkIndex(document_, node, count, fmt::format("scene {}", drawn), "node"); !known) {
         return known;
@@ -171,13 +171,13 @@ class GltfSceneReader {
     }
     if (projective_ > 0) {
       scene_.notes.push_back(
-          fmt::format("{} inverse bind matrices do not end in the row 0 0 0 1: taken as if they did", projective_));
+          fmt::format("{} inverse bind matrices do not have the last row 0 0 0 1: it is assumed", projective_));
     }
     return {};
   }
 
   [[nodiscard]] Result<void> readMeshes() {
-    GltfMeshTally tally;
+    GltfMeshCounts statistics;
     int undrawn = 0;
     for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
       const tinygltf::Node& node = document_.model.nodes[i];
@@ -192,7 +192,7 @@ class GltfSceneReader {
         ++undrawn;
         continue;
       }
-      if (Result<void> added = addGltfMesh(document_, accessors_, node.mesh, static_cast<int>(i), scene_, tally);
+      if (Result<void> added = addGltfMesh(document_, accessors_, node.mesh, static_cast<int>(i), scene_, statistics);
           !added) {
         return added;
       }
@@ -209,13 +209,13 @@ class GltfSceneReader {
     const auto note = [&](std::uint64_t count, const char* what) {
       if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
     };
-    note(static_cast<std::uint64_t>(undrawn), "nodes with a mesh are in no drawn scene: left out");
-    note(static_cast<std::uint64_t>(tally.pointsAndLines), "primitives are points or lines: left out");
-    note(static_cast<std::uint64_t>(tally.withoutPositions), "primitives have no positions: left out");
-    note(static_cast<std::uint64_t>(tally.rigidOnSkin),
-         "primitives of nodes with a skin have no joints: hung on their nodes");
-    note(tally.degenerate, "triangles name a vertex twice: left out");
-    note(tally.leftOver, "indices make no whole triangle: left out");
+    note(static_cast<std::uint64_t>(undrawn), "nodes with a mesh are not in the drawn scene: skipped");
+    note(static_cast<std::uint64_t>(statistics.pointsAndLines), "primitives are points or lines: skipped");
+    note(static_cast<std::uint64_t>(statistics.withoutPositions), "primitives have no positions: skipped");
+    note(static_cast<std::uint64_t>(statistics.rigidOnSkin),
+         "primitives of nodes with a skin have no joints: attached to their nodes");
+    note(statistics.degenerate, "triangles use a vertex twice: skipped");
+    note(statistics.leftOver, "indices do not form a complete triangle: skipped");
     return {};
   }
 

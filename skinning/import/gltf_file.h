@@ -9,7 +9,7 @@
 namespace lorica {
 
 /// Reads glTF 2.0, GLB and VRM.
-/// @param folder  where other files are looked for; empty: there are none
+/// @param folder  where other files are searched; empty: other files are not read
 [[nodiscard]] Result<FileScene> readGltfScene(std::span<const std::byte> bytes, const std::string& name,
                                               const std::filesystem::path& folder);
 

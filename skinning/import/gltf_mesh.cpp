@@ -9,16 +9,16 @@ namespace lorica {
 
 namespace {
 
-/// Triangles of a primitive's indices, as glTF 2.0, 3.7.2.1 winds them.
+/// Triangles of a primitive's indices, with the winding of glTF 2.0, 3.7.2.1.
 [[nodiscard]] std::vector<Triangle> trianglesOf(const std::vector<std::uint32_t>& indices, int mode,
-                                                GltfMeshTally& tally) {
+                                                GltfMeshCounts& statistics) {
   std::vector<Triangle> triangles;
   const std::size_t count = indices.size();
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     const Triangle t = {static_cast<VertexIndex>(indices[a]), static_cast<VertexIndex>(indices[b]),
                         static_cast<VertexIndex>(indices[c])};
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
-      ++tally.degenerate;
+      ++statistics.degenerate;
     } else {
       triangles.push_back(t);
     }
@@ -26,7 +26,7 @@ namespace {
   if (mode == TINYGLTF_MODE_TRIANGLES) {
     triangles.reserve(count / 3);
     for (std::size_t i = 0; i + 2 < count; i += 3) add(i, i + 1, i + 2);
-    tally.leftOver += count % 3;
+    statistics.leftOver += count % 3;
   } else {
     triangles.reserve(count < 2 ? 0 : count - 2);
     for (std::size_t i = 0; i + 2 < count; ++i) {
@@ -36,7 +36,7 @@ namespace {
         add(i + 1, i + 2, 0);
       }
     }
-    if (count < 3) tally.leftOver += count;
+    if (count < 3) statistics.leftOver += count;
   }
   return triangles;
 }
@@ -49,33 +49,33 @@ class PrimitiveReader {
 
   [[nodiscard]] bool has(const std::string& attribute) const { return primitive_.attributes.contains(attribute); }
 
-  [[nodiscard]] Result<void> read(std::span<const double> morphWeights, bool skinned, GltfMeshTally& tally) {
+  [[nodiscard]] Result<void> read(std::span<const double> morphWeights, bool skinned, GltfMeshCounts& statistics) {
     Result<std::vector<double>> positions = accessors_.numbers(accessorOf("POSITION"), 3, who_ + ": POSITION");
     if (!positions) return positions.error();
     positions_ = std::move(*positions);
     vertexCount_ = positions_.size() / 3;
     if (Result<void> moved = applyMorphs(morphWeights); !moved) return moved;
-    if (Result<void> read = readTriangles(tally); !read) return read;
+    if (Result<void> read = readTriangles(statistics); !read) return read;
     if (skinned && !triangles_.empty()) return readWeights();
     return {};
   }
 
-  /// Only the vertices that triangles use: several primitives often share one long list of them.
+  /// The mesh with only the vertices that its triangles use: several primitives often share one long list of them.
   [[nodiscard]] FileMesh compacted() const {
     FileMesh mesh;
     std::vector<VertexIndex> newIndex(vertexCount_, -1);
     mesh.triangles = triangles_;
     for (Triangle& triangle : mesh.triangles) {
-      for (VertexIndex& v : triangle) newIndex[static_cast<std::size_t>(v)] = 0;
+      for (VertexIndex& v : triangle) newIndex[v] = 0;
     }
     VertexIndex used = 0;
     for (VertexIndex& v : newIndex) {
       if (v == 0) v = used++;
     }
     for (Triangle& triangle : mesh.triangles) {
-      for (VertexIndex& v : triangle) v = newIndex[static_cast<std::size_t>(v)];
+      for (VertexIndex& v : triangle) v = newIndex[v];
     }
-    mesh.positions.reserve(static_cast<std::size_t>(used));
+    mesh.positions.reserve(used);
     for (std::size_t v = 0; v < vertexCount_; ++v) {
       if (newIndex[v] >= 0)
         mesh.positions.emplace_back(positions_[3 * v], positions_[3 * v + 1], positions_[3 * v + 2]);
@@ -116,7 +116,7 @@ class PrimitiveReader {
     return {};
   }
 
-  [[nodiscard]] Result<void> readTriangles(GltfMeshTally& tally) {
+  [[nodiscard]] Result<void> readTriangles(GltfMeshCounts& statistics) {
     std::vector<std::uint32_t> indices;
     if (primitive_.indices == -1) {
       indices.resize(vertexCount_);
@@ -128,10 +128,11 @@ class PrimitiveReader {
     }
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < vertexCount_) continue;
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: {}: index {} names vertex {}, it has {}", document_.name,
-                                                      who_, grouped(i), grouped(indices[i]), grouped(vertexCount_))};
+      return Error{ErrorCode::kBadFormat,
+                   fmt::format("{}: {}: index {} refers to vertex {}, but it has {}", document_.name, who_, grouped(i),
+                               grouped(indices[i]), grouped(vertexCount_))};
     }
-    triangles_ = trianglesOf(indices, primitive_.mode, tally);
+    triangles_ = trianglesOf(indices, primitive_.mode, statistics);
     return {};
   }
 
@@ -165,14 +166,14 @@ class PrimitiveReader {
 }  // namespace
 
 Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors, int meshIndex, int nodeIndex,
-                         FileScene& scene, GltfMeshTally& tally) {
-  const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(nodeIndex)];
+                         FileScene& scene, GltfMeshCounts& statistics) {
+  const tinygltf::Node& node = document.model.nodes[nodeIndex];
   if (Result<void> known =
           checkIndex(document, meshIndex, document.model.meshes.size(), fmt::format("node {}", nodeIndex), "mesh");
       !known) {
     return known;
   }
-  const tinygltf::Mesh& mesh = document.model.meshes[static_cast<std::size_t>(meshIndex)];
+  const tinygltf::Mesh& mesh = document.model.meshes[meshIndex];
   const std::span<const double> morphWeights = node.weights.empty() ? mesh.weights : node.weights;
 
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
@@ -184,17 +185,17 @@ Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors,
                    fmt::format("{}: {}: mode {}, expected 0 to 6", document.name, who, primitive.mode)};
     }
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
-      ++tally.pointsAndLines;
+      ++statistics.pointsAndLines;
       continue;
     }
     PrimitiveReader reader(document, accessors, primitive, who);
     if (!reader.has("POSITION")) {
-      ++tally.withoutPositions;
+      ++statistics.withoutPositions;
       continue;
     }
     const bool skinned = node.skin != -1 && reader.has("JOINTS_0") && reader.has("WEIGHTS_0");
-    if (node.skin != -1 && !skinned) ++tally.rigidOnSkin;
-    if (Result<void> read = reader.read(morphWeights, skinned, tally); !read) return read;
+    if (node.skin != -1 && !skinned) ++statistics.rigidOnSkin;
+    if (Result<void> read = reader.read(morphWeights, skinned, statistics); !read) return read;
     FileMesh made = reader.compacted();
     if (made.triangles.empty()) continue;
     made.name = mesh.name;

@@ -18,13 +18,13 @@ namespace {
 UnitGuess guessUnit(double longestSide, std::optional<double> saidByFile) {
   const double said = saidByFile.value_or(1.0);
   const double metres = longestSide * said;
-  const double most = saidByFile ? 100.0 : 10.0;
-  if (longestSide <= 0.0 || (metres >= 0.02 && metres <= most)) return {said, ""};
+  const double max = saidByFile ? 100.0 : 10.0;
+  if (longestSide <= 0.0 || (metres >= 0.02 && metres <= max)) return {said, ""};
   const double unit = said * factorFor(metres);
-  return {unit, fmt::format(
-                    "the bind pose is {:.4g} units long, {:.4g} m by the {}: a unit is taken to be {:.4g} m, so "
-                    "that it is {:.4g} m",
-                    longestSide, metres, saidByFile ? "file's own unit" : "format's metres", unit, longestSide * unit)};
+  return {unit,
+          fmt::format("the bind pose is {:.4g} units long, {:.4g} m in the {}: assuming {:.4g} m per unit, which gives "
+                      "{:.4g} m",
+                      longestSide, metres, saidByFile ? "file's own unit" : "format's unit", unit, longestSide * unit)};
 }
 
 }  // namespace lorica

@@ -34,7 +34,7 @@ bool isDataUri(std::string_view uri) {
 Result<std::string> decodeDataUri(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64")) {
-    return Error{ErrorCode::kBadFormat, "its data URI is not in base64"};
+    return Error{ErrorCode::kBadFormat, "its data URI is not base64"};
   }
   std::string_view text = uri.substr(comma + 1);
   while (text.ends_with('=')) text.remove_suffix(1);
@@ -67,7 +67,7 @@ std::optional<std::filesystem::path> neighbourFile(std::string_view uri) {
     if (escaped) i += 2;
   }
   if (name.empty() || name.find(':') != std::string::npos || name.find('\0') != std::string::npos) return std::nullopt;
-  std::replace(name.begin(), name.end(), '\\', '/');  // as some writers have it
+  std::replace(name.begin(), name.end(), '\\', '/');  // some exporters write backslashes
   const std::filesystem::path path = name;
   if (path.is_absolute() || name.front() == '~') return std::nullopt;
   if (std::find(path.begin(), path.end(), "..") != path.end()) return std::nullopt;

@@ -42,13 +42,14 @@ class BoneList {
                        node.get<std::int64_t>() < static_cast<std::int64_t>(scene_.nodes.size());
     if (!known) {
       scene_.notes.push_back(
-          fmt::format("VRM: bone {} names node {}, which the file does not have: left out", name, node.dump()));
+          fmt::format("VRM: bone {} refers to node {}, which does not exist: skipped", name, node.dump()));
       return;
     }
     const auto index = node.get<std::size_t>();
     bool& has = has_[static_cast<std::size_t>(*bone)];
     if (has || taken_[index] != 0) {
-      scene_.notes.push_back(fmt::format("VRM: bone {} or its node {} is listed twice: the first counts", name, index));
+      scene_.notes.push_back(
+          fmt::format("VRM: bone {} or its node {} is listed twice: the first is used", name, index));
       return;
     }
     has = true;
@@ -75,8 +76,8 @@ void readVrm(const Json& extensions, FileScene& scene) {
   }
   if (const Json& vrm = member(extensions, "VRM"); vrm.is_object()) {
     scene.format = "VRM 0.x";
-    scene.modelFromFileAxes = Quat(0.0, 0.0, 1.0, 0.0);  // half a turn about Y
-    scene.notes.emplace_back("VRM 0.x faces -Z: turned to +Z");
+    scene.modelFromFileAxes = Quat(0.0, 0.0, 1.0, 0.0);  // 180 degrees about Y
+    scene.notes.emplace_back("VRM 0.x faces -Z: rotated to face +Z");
     const Json& list = member(member(vrm, "humanoid"), "humanBones");
     if (!list.is_array()) return;
     for (const Json& bone : list) {

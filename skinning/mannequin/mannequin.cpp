@@ -14,7 +14,7 @@ namespace {
 using DenseMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr int kMaxInfluences = 4;
-constexpr double kLeastWeight = 2e-3;
+constexpr double kMinWeight = 2e-3;
 constexpr int kInterpolationSteps = 12;
 
 /// The whole cage: the left half and its mirror image, joined in the plane x = 0.
@@ -47,38 +47,38 @@ struct WholeCage {
   whole.faces = half.faces();
   for (const std::vector<int>& face : half.faces()) {
     std::vector<int> image;
-    for (auto v = face.rbegin(); v != face.rend(); ++v) image.push_back(twin[static_cast<std::size_t>(*v)]);
+    for (auto v = face.rbegin(); v != face.rend(); ++v) image.push_back(twin[*v]);
     whole.faces.push_back(std::move(image));
   }
   return whole;
 }
 
 /// Moves the cage so that the refined surface passes through the given points (progressive interpolation: each step
-/// adds what the surface still lacks; stopped early, it stays fair).
+/// adds the remaining error; stopped early, the surface stays smooth).
 [[nodiscard]] DenseMatrix interpolatingCage(const SparseMatrix& refinedFromCage, const DenseMatrix& targets) {
   DenseMatrix cage = targets;
   for (int i = 0; i < kInterpolationSteps; ++i) cage += targets - refinedFromCage * cage;
   return cage;
 }
 
-/// Whom a point of the left half follows in place of each bone: the bone itself, but for a limb of the right side
-/// the bone of the trunk that carries it.
+/// The bone that a point of the left half follows instead of each bone: the bone itself, or for a limb of the right
+/// side the bone of the trunk that carries it.
 [[nodiscard]] std::array<int, kHumanBoneCount> leftStandIns() {
-  std::array<int, kHumanBoneCount> standIn{};
+  std::array<int, kHumanBoneCount> proxy{};
   for (int b = 0; b < kHumanBoneCount; ++b) {
     const auto bone = static_cast<HumanBone>(b);
     const bool leg = bone >= HumanBone::kRightUpperLeg && bone <= HumanBone::kRightToes;
     const HumanBone carrier = leg ? HumanBone::kHips : HumanBone::kUpperChest;
-    standIn[static_cast<std::size_t>(b)] = mannequinJoint(bone).x() < 0.0 ? static_cast<int>(carrier) : b;
+    proxy[b] = mannequinJoint(bone).x() < 0.0 ? static_cast<int>(carrier) : b;
   }
-  return standIn;
+  return proxy;
 }
 
-/// The largest four, normalised, in falling order; ties by bone.
+/// The largest four, normalised, in descending order; ties by bone.
 [[nodiscard]] BoneWeights strongest(const Eigen::RowVectorXd& weights) {
   BoneWeights kept;
   for (int b = 0; b < kHumanBoneCount; ++b) {
-    if (weights[b] >= kLeastWeight) kept.emplace_back(static_cast<HumanBone>(b), weights[b]);
+    if (weights[b] >= kMinWeight) kept.emplace_back(static_cast<HumanBone>(b), weights[b]);
   }
   std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   if (kept.size() > kMaxInfluences) kept.resize(kMaxInfluences);
@@ -107,41 +107,41 @@ struct HalfSurface {
   const DenseMatrix finePoints = second.fineFromCoarse * (first.fineFromCoarse * fitted);
   const DenseMatrix fineWeights = second.fineFromCoarse * (first.fineFromCoarse * cage.weights);
 
-  // Refined faces keep the order of the cage's faces, so the left half of them comes first. What it shares with the
-  // right half lies in the plane of symmetry.
+  // Refined faces keep the order of the cage's faces, so the left half of them comes first. Vertices that both halves
+  // share are in the plane of symmetry.
   const std::size_t halfFaces = second.faces.size() / 2;
   std::vector<int> sides(static_cast<std::size_t>(fineCount), 0);
   for (std::size_t f = 0; f < second.faces.size(); ++f) {
-    for (const int v : second.faces[f]) sides[static_cast<std::size_t>(v)] |= f < halfFaces ? 1 : 2;
+    for (const int v : second.faces[f]) sides[v] |= f < halfFaces ? 1 : 2;
   }
-  const std::array<int, kHumanBoneCount> standIn = leftStandIns();
+  const std::array<int, kHumanBoneCount> proxy = leftStandIns();
   HalfSurface half;
   std::vector<int> halfIndex(static_cast<std::size_t>(fineCount), -1);
   for (int v = 0; v < fineCount; ++v) {
-    const int side = sides[static_cast<std::size_t>(v)];
+    const int side = sides[v];
     if (side == 2) continue;
-    halfIndex[static_cast<std::size_t>(v)] = static_cast<int>(half.points.size());
+    halfIndex[v] = static_cast<int>(half.points.size());
     Vec3 p = finePoints.row(v).transpose();
     if (side == 3) p.x() = 0.0;
-    // Refinement spreads weights across the plane of symmetry: what came from a limb of the other side goes to the
-    // trunk, and in the plane itself no limb has a share.
+    // Refinement spreads weights across the plane of symmetry: weights of a limb of the other side are moved to the
+    // trunk, and in the plane itself no limb has a weight.
     Eigen::RowVectorXd weights = Eigen::RowVectorXd::Zero(kHumanBoneCount);
     for (int b = 0; b < kHumanBoneCount; ++b) {
       const int seen = side == 3 ? std::max(b, static_cast<int>(mirrored(static_cast<HumanBone>(b)))) : b;
-      weights[standIn[static_cast<std::size_t>(seen)]] += fineWeights(v, b);
+      weights[proxy[seen]] += fineWeights(v, b);
     }
     half.points.push_back(p);
     half.weights.push_back(strongest(weights));
   }
   for (std::size_t f = 0; f < halfFaces; ++f) {
     std::array<int, 4> quad{};
-    for (std::size_t i = 0; i < 4; ++i) quad[i] = halfIndex[static_cast<std::size_t>(second.faces[f][i])];
+    for (std::size_t i = 0; i < 4; ++i) quad[i] = halfIndex[second.faces[f][i]];
     half.quads.push_back(quad);
   }
   return half;
 }
 
-/// Mirrors the half, cuts each quad along its shorter diagonal.
+/// Mirrors the half and splits each quad along its shorter diagonal.
 void buildMesh(const HalfSurface& half, Character& character) {
   std::vector<Vec3>& vertices = character.mesh.vertices;
   std::vector<BoneWeights> weights = half.weights;
@@ -160,7 +160,7 @@ void buildMesh(const HalfSurface& half, Character& character) {
   std::vector<Triangle>& triangles = character.mesh.triangles;
   for (const std::array<int, 4>& q : half.quads) {
     const auto lengthSq = [&](std::size_t i, std::size_t j) {
-      return (half.points[static_cast<std::size_t>(q[i])] - half.points[static_cast<std::size_t>(q[j])]).squaredNorm();
+      return (half.points[q[i]] - half.points[q[j]]).squaredNorm();
     };
     if (lengthSq(0, 2) <= lengthSq(1, 3)) {
       triangles.push_back({q[0], q[1], q[2]});
@@ -173,7 +173,7 @@ void buildMesh(const HalfSurface& half, Character& character) {
   const std::size_t leftCount = triangles.size();
   for (std::size_t t = 0; t < leftCount; ++t) {
     const Triangle& left = triangles[t];
-    const auto image = [&](std::size_t i) { return twin[static_cast<std::size_t>(left[i])]; };
+    const auto image = [&](std::size_t i) { return twin[left[i]]; };
     triangles.push_back({image(0), image(2), image(1)});
   }
 
@@ -195,7 +195,7 @@ Character makeMannequin() {
   HalfSurface half = refinedHalf(mirrorAndJoin(cage));
   sculptMannequin(half.points);
 
-  // Feet on the floor, whatever the subdivision did to the soles.
+  // Put the feet on the floor: subdivision moves the soles.
   const Aabb bounds = boundsOf(half.points);
   for (Vec3& p : half.points) p.y() -= bounds.min.y();
 
@@ -209,7 +209,7 @@ Character makeMannequin() {
   character.height = bounds.max.y() - bounds.min.y();
 
   const Result<void> checked = checkCharacter(character);
-  CHECK(checked.ok(), "the mannequin is a sound character");
+  LORICA_CHECK(checked.ok(), "the mannequin is a valid character");
   return character;
 }
 

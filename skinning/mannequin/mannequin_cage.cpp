@@ -11,7 +11,7 @@ int HalfCage::addPoint(const Vec3& p, BoneWeights weights) {
 }
 
 void HalfCage::bridge(const Ring& from, const Ring& to, int skipped) {
-  CHECK(from.size() == to.size(), "rings of one tube have one size");
+  LORICA_CHECK(from.size() == to.size(), "rings of a tube have equal size");
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (static_cast<int>(i) == skipped) continue;
     const std::size_t j = (i + 1) % from.size();

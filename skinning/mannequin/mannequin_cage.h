@@ -9,21 +9,21 @@
 
 namespace lorica {
 
-/// How a point of the cage follows the bones; sums to 1.
+/// The bone weights of a point of the cage; they sum to 1.
 using BoneWeights = std::vector<std::pair<HumanBone, double>>;
 
-/// The left half (x >= 0) of the mannequin's control cage: points that its surface passes through, what they follow,
-/// and faces counter-clockwise from outside. Points with x == 0 lie in the plane of symmetry. Frame: model [m].
+/// The left half (x >= 0) of the mannequin's control cage: points that its surface passes through, their bone weights,
+/// and faces counter-clockwise from outside. Points with x == 0 are in the plane of symmetry. Frame: model [m].
 ///
-/// A limb is a tube of rings. A ring lists its points right-handed about the direction in which the tube grows, so
-/// bridging it to the next one faces outward.
+/// A limb is a tube of rings. A ring lists its points right-handed about the direction in which the tube extends, so
+/// that faces which bridge it to the next ring face outward.
 class HalfCage {
  public:
   using Ring = std::vector<int>;
 
   int addPoint(const Vec3& p, BoneWeights weights);
   void addFace(std::vector<int> corners) { faces_.push_back(std::move(corners)); }
-  /// Quads between two rings of one size; `skipped` leaves out that side of the tube.
+  /// Adds quads between two rings of equal size; `skipped` is a side of the tube to leave out, or -1.
   void bridge(const Ring& from, const Ring& to, int skipped = -1);
 
   [[nodiscard]] const std::vector<Vec3>& points() const { return points_; }
@@ -36,7 +36,7 @@ class HalfCage {
   PolygonFaces faces_;
 };
 
-/// Where the limbs join the trunk. Ten points each.
+/// The rings where the limbs join the trunk. Ten points each.
 struct TrunkOpenings {
   HalfCage::Ring arm;  ///< right-handed about +X, from the top
   HalfCage::Ring leg;  ///< right-handed about -Y, from the middle of the back

@@ -14,8 +14,8 @@ using enum HumanBone;
 constexpr int kRing = 10;  ///< points of a limb's ring
 constexpr double kStep = 2.0 * std::numbers::pi / kRing;
 
-constexpr double kCrotchShare = 0.35;  ///< what the innermost point of the thigh's first ring leaves to the hips
-constexpr double kToeArc = 0.022;      ///< how far the sides of the toes lie behind the middle [m]
+constexpr double kCrotchShare = 0.35;  ///< share that the innermost point of the thigh's first ring leaves to the hips
+constexpr double kToeArc = 0.022;      ///< how far the sides of the toes are behind the middle [m]
 
 [[nodiscard]] BoneWeights between(HumanBone near, HumanBone far, double share) {
   if (share <= 0.0) return {{near, 1.0}};
@@ -28,7 +28,7 @@ struct ArmSection {
   double x, y, z;
   double up, down, front, back;  ///< radii [m]
   HumanBone near, far;
-  double share;  ///< of the far bone
+  double share;  ///< weight of the far bone
 };
 
 constexpr ArmSection kArm[] = {
@@ -43,7 +43,7 @@ constexpr ArmSection kArm[] = {
     {0.722, 1.408, -0.014, 0.0185, 0.0190, 0.033, 0.032, kLeftLowerArm, kLeftHand, 0.92},   // root of the thumb
     {0.757, 1.408, -0.014, 0.0165, 0.0160, 0.0395, 0.0385, kLeftLowerArm, kLeftHand, 1.0},  // palm
 };
-constexpr int kThumbRow = 8;   ///< the thumb leaves between this section and the next
+constexpr int kThumbRow = 8;   ///< the thumb branches off between this section and the next
 constexpr int kThumbSide = 2;  ///< ... on the front
 
 /// Point i of a ring right-handed about +X, from the top.
@@ -129,13 +129,13 @@ void addThumb(HalfCage& cage, HalfCage::Ring ring) {
   cage.addFace(ring);
 }
 
-/// A section of the leg across Y, or of the foot across whatever turns the shin into the sole.
+/// A section of the leg across Y, or of the foot across the curve that leads from the shin to the sole.
 struct LegSection {
   double x;
   double yFront, zFront, yBack, zBack;  ///< front and back (of the foot: instep and sole)
   double inner, outer;                  ///< half widths [m]
   double yInner, yOuter;                ///< added to the height of the inner and outer side
-  double flat;                          ///< 1 round; less: the back (of the foot: the sole) is flatter
+  double flat;                          ///< 1 = round; smaller = flatter back (of the foot: sole)
   HumanBone near, far;
   double share;
 };
@@ -161,7 +161,7 @@ constexpr LegSection kLeg[] = {
 [[nodiscard]] Vec3 pointOn(const LegSection& s, int i) {
   const double angle = kStep * (4 - (8 - i));
   const double side = std::cos(angle);
-  // The rings have no point at the very front or back but two beside each: those lie on the lines given.
+  // The rings have no point exactly at the front or back but two beside each: those are on the given lines.
   double front = std::sin(angle) / std::sin(2.0 * kStep);
   if (front < 0.0) front = -std::pow(-front, s.flat);
   const double y = 0.5 * (s.yFront + s.yBack) + 0.5 * front * (s.yFront - s.yBack);
@@ -231,7 +231,7 @@ void addLegAndFoot(HalfCage& cage, const HalfCage::Ring& opening) {
       Vec3 p = pointOn(section, i);
       // The toes end in an arc, not in a straight edge.
       if (section.share == 1.0) p.z() -= kToeArc * std::pow(std::cos(kStep * (i - 4)), 4.0);
-      // The inside of the thigh passes less abruptly into the crotch, which follows neither leg.
+      // The inside of the thigh blends smoothly into the crotch, which follows neither leg.
       const double inward = std::max(0.0, -std::cos(kStep * (i - 4)));
       const double share =
           section.near == kHips ? section.share * (1.0 - kCrotchShare * inward * inward) : section.share;

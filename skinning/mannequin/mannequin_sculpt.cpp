@@ -4,7 +4,7 @@ namespace lorica {
 
 namespace {
 
-/// Pushes what lies within an ellipsoid, most at its centre, smoothly to nothing at its border. [m]
+/// Displaces points within an ellipsoid, most at its centre, falling smoothly to zero at its border. [m]
 struct Stroke {
   double centre[3];
   double radii[3];
@@ -28,7 +28,7 @@ constexpr Stroke kStrokes[] = {
     // Belly: the arch of the ribs, the line down the middle.
     {{0.0, 1.200, 0.105}, {0.055, 0.055, 0.050}, {0.0, 0.0, -0.005}},
     {{0.0, 1.090, 0.095}, {0.016, 0.120, 0.040}, {0.0, 0.0, -0.003}},
-    // Where the belly ends between the thighs.
+    // The end of the belly between the thighs.
     {{0.0, 0.850, 0.070}, {0.080, 0.070, 0.060}, {0.0, -0.004, 0.008}},
     {{0.034, 0.812, 0.030}, {0.034, 0.040, 0.050}, {0.0, -0.003, 0.012}},
     // Back: the furrow of the spine, shoulder blade, buttock.

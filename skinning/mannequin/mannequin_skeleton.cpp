@@ -80,7 +80,7 @@ Vec3 mannequinJoint(HumanBone bone) {
     if (p.bone == bone) return {p.x, p.y, p.z};
     if (mirrored(p.bone) == bone) return {-p.x, p.y, p.z};
   }
-  CHECK(false, "every human bone has a placement");
+  LORICA_CHECK(false, "every human bone has a placement");
   return Vec3::Zero();
 }
 
@@ -104,7 +104,7 @@ Skeleton makeMannequinSkeleton() {
     if (mirrored(p.bone) != p.bone) add(mirrored(p.bone), mirrored(p.parent));
   }
   Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
-  CHECK(skeleton.ok(), "the mannequin's bones are listed parents first");
+  LORICA_CHECK(skeleton.ok(), "the mannequin's bones are listed parents first");
   return std::move(*skeleton);
 }
 

@@ -4,13 +4,13 @@
 
 namespace lorica {
 
-/// Where a bone's joint lies in the mannequin's T-pose, model space [m]. Right is left mirrored in x = 0.
+/// Position of a bone's joint in the mannequin's T-pose, model space [m]. The right side mirrors the left in x = 0.
 [[nodiscard]] Vec3 mannequinJoint(HumanBone bone);
 
-/// The bone on the other side of the body; a bone of the middle is its own mirror image.
+/// The bone on the other side of the body; a bone in the middle is its own mirror image.
 [[nodiscard]] HumanBone mirrored(HumanBone bone);
 
-/// All human bones; hips is the root; every rest rotation is the identity.
+/// A skeleton of all human bones; hips is the root; every rest rotation is the identity.
 [[nodiscard]] Skeleton makeMannequinSkeleton();
 
 }  // namespace lorica

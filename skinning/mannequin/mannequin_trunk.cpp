@@ -14,7 +14,7 @@ constexpr int kColumns =
     9;  ///< of the left half: column 0 is the middle of the front, 4 the side, 8 the middle of the back
 using Row = std::array<int, kColumns>;
 
-/// A horizontal section: an oval, squarer where `square` is below 1.
+/// A horizontal section: an oval, squarer if `square` is below 1.
 struct Section {
   double yFront, ySide, yBack;
   double halfWidth;
@@ -71,7 +71,7 @@ constexpr Section kNeckAndHead[] = {
   return std::clamp((height - y) / (2.0 * halfWidth) + 0.5, 0.0, 1.0);
 }
 
-/// Along the spine each bone takes over from the one below.
+/// Weights along the spine: each bone blends into the next one up.
 [[nodiscard]] BoneWeights spineWeights(double y) {
   const double spine = passed(y, 1.04, 0.07);
   const double chest = passed(y, 1.15, 0.07);
@@ -84,7 +84,7 @@ constexpr Section kNeckAndHead[] = {
   return weights;
 }
 
-/// Gives `share` of a point to another bone.
+/// Gives the fraction `share` of a point's weight to another bone.
 [[nodiscard]] BoneWeights withShare(BoneWeights weights, HumanBone bone, double share) {
   if (share <= 0.0) return weights;
   for (auto& [other, w] : weights) w *= 1.0 - share;
@@ -92,10 +92,10 @@ constexpr Section kNeckAndHead[] = {
   return weights;
 }
 
-// How much the thigh takes of the two lowest rows, by column.
+// Weight of the thigh in the two lowest rows, by column.
 constexpr double kThighShare[2][kColumns] = {{0.0, 0.22, 0.40, 0.48, 0.50, 0.46, 0.38, 0.20, 0.0},
                                              {0.0, 0.0, 0.08, 0.12, 0.14, 0.12, 0.06, 0.0, 0.0}};
-// How much the collarbone and the upper arm take of rows 5 to 8, by column.
+// Weights of the collarbone and the upper arm in rows 5 to 8, by column.
 constexpr double kCollarShare[4][kColumns] = {{0.0, 0.0, 0.04, 0.08, 0.08, 0.08, 0.05, 0.0, 0.0},
                                               {0.0, 0.0, 0.12, 0.25, 0.0, 0.25, 0.15, 0.05, 0.0},
                                               {0.0, 0.05, 0.22, 0.40, 0.0, 0.40, 0.25, 0.08, 0.0},
@@ -147,8 +147,8 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
     rows.push_back(row);
   };
 
-  // The rim of the arm's opening is set point by point: a fold of chest muscle in front, of the back behind, and a
-  // hollow between them.
+  // The rim of the arm's opening is set point by point: a fold of chest muscle in front, a fold of back muscle behind,
+  // and a hollow between them.
   const Vec3 rim[4][3] = {{{0.147, 1.306, 0.056}, {0.158, 1.320, -0.014}, {0.152, 1.304, -0.086}},
                           {{0.157, 1.350, 0.060}, {}, {0.160, 1.352, -0.092}},
                           {{0.158, 1.404, 0.050}, {}, {0.160, 1.406, -0.085}},
@@ -158,11 +158,11 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
     for (int k = 0; k < kColumns; ++k) {
       const bool onRim = r >= kArmRow && k >= kArmColumn && k <= kArmColumn + 2;
       if (onRim && k == kArmColumn + 1 && (r == kArmRow + 1 || r == kArmRow + 2)) {
-        row[static_cast<std::size_t>(k)] = -1;  // inside the opening
+        row[k] = -1;  // inside the opening
         continue;
       }
       const Vec3 p = onRim ? rim[r - kArmRow][k - kArmColumn] : pointOn(kTrunk[r], k);
-      row[static_cast<std::size_t>(k)] = cage.addPoint(p, trunkWeights(r, k, p));
+      row[k] = cage.addPoint(p, trunkWeights(r, k, p));
     }
     stack(row);
   }
@@ -170,7 +170,7 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
   for (const Section& section : kNeckAndHead) {
     Row row{};
     for (int k = 0; k < kColumns; ++k) {
-      row[static_cast<std::size_t>(k)] = cage.addPoint(pointOn(section, k), neckAndHeadWeights(headRow, k));
+      row[k] = cage.addPoint(pointOn(section, k), neckAndHeadWeights(headRow, k));
     }
     stack(row);
     ++headRow;
@@ -191,16 +191,14 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
   for (int j = 1; j <= 3; ++j) {
     grid[j][0] = cage.addPoint(middle[j - 1], head);
     grid[j][1] = cage.addPoint(off[j - 1], head);
-    grid[j][2] = top[static_cast<std::size_t>(j + 2)];
+    grid[j][2] = top[j + 2];
   }
   for (int j = 0; j < 4; ++j) {
     for (int i = 0; i < 2; ++i) cage.addFace({grid[j][i], grid[j][i + 1], grid[j + 1][i + 1], grid[j + 1][i]});
   }
 
   TrunkOpenings openings;
-  const auto at = [&](int row, int column) {
-    return rows[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
-  };
+  const auto at = [&](int row, int column) { return rows[row][column]; };
   openings.arm = {at(8, 4), at(8, 3), at(7, 3), at(6, 3), at(5, 3), at(5, 4), at(5, 5), at(6, 5), at(7, 5), at(8, 5)};
   for (int k = kColumns - 1; k >= 0; --k) openings.leg.push_back(at(0, k));
   openings.leg.push_back(cage.addPoint({0.0, 0.812, -0.008}, {{kHips, 1.0}}));

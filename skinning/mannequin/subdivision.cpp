@@ -24,7 +24,7 @@ struct Edge {
 
 struct Edges {
   std::vector<Edge> all;                              ///< in order of first appearance
-  std::unordered_map<std::uint64_t, int> indexOfKey;  ///< looked up only, never walked
+  std::unordered_map<std::uint64_t, int> indexOfKey;  ///< used for lookups only
 };
 
 [[nodiscard]] Edges collectEdges(const PolygonFaces& faces) {
@@ -36,13 +36,13 @@ struct Edges {
       const int b = face[(i + 1) % face.size()];
       const auto [found, fresh] = edges.indexOfKey.try_emplace(edgeKey(a, b), static_cast<int>(edges.all.size()));
       if (fresh) edges.all.push_back({a, b});
-      Edge& edge = edges.all[static_cast<std::size_t>(found->second)];
+      Edge& edge = edges.all[found->second];
       const int side = fresh ? 0 : 1;
-      CHECK(edge.faces[side] == -1, "subdivision: an edge in three faces");
+      LORICA_CHECK(edge.faces[side] == -1, "subdivision: an edge has more than two faces");
       edge.faces[side] = static_cast<int>(f);
     }
   }
-  for (const Edge& edge : edges.all) CHECK(edge.faces[1] != -1, "subdivision: the mesh is not closed");
+  for (const Edge& edge : edges.all) LORICA_CHECK(edge.faces[1] != -1, "subdivision: the mesh is not closed");
   return edges;
 }
 
@@ -63,7 +63,7 @@ Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces) {
 
   std::vector<Entry> entries;
   const auto addFacePoint = [&](int row, int f, double weight) {
-    const std::vector<int>& face = faces[static_cast<std::size_t>(f)];
+    const std::vector<int>& face = faces[f];
     for (const int v : face) entries.emplace_back(row, v, weight / static_cast<double>(face.size()));
   };
 
@@ -71,29 +71,29 @@ Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces) {
 
   std::vector<int> valence(static_cast<std::size_t>(vertexCount), 0);
   for (int e = 0; e < edgeCount; ++e) {
-    const Edge& edge = edges.all[static_cast<std::size_t>(e)];
+    const Edge& edge = edges.all[e];
     entries.emplace_back(firstEdgePoint + e, edge.a, 0.25);
     entries.emplace_back(firstEdgePoint + e, edge.b, 0.25);
     for (const int f : edge.faces) addFacePoint(firstEdgePoint + e, f, 0.25);
-    ++valence[static_cast<std::size_t>(edge.a)];
-    ++valence[static_cast<std::size_t>(edge.b)];
+    ++valence[edge.a];
+    ++valence[edge.b];
   }
 
-  // A vertex of valence n goes to (Q + 2 R + (n - 3) v) / n: Q the mean of its face points, R of its edges' middles.
+  // A vertex of valence n moves to (Q + 2 R + (n - 3) v) / n: Q the mean of its face points, R of its edges' middles.
   for (int v = 0; v < vertexCount; ++v) {
-    const double n = valence[static_cast<std::size_t>(v)];
+    const double n = valence[v];
     entries.emplace_back(v, v, (n - 3.0) / n);
   }
   for (const Edge& edge : edges.all) {
     for (const int v : {edge.a, edge.b}) {
-      const double n = valence[static_cast<std::size_t>(v)];
+      const double n = valence[v];
       entries.emplace_back(v, edge.a, 1.0 / (n * n));
       entries.emplace_back(v, edge.b, 1.0 / (n * n));
     }
   }
   for (int f = 0; f < faceCount; ++f) {
-    for (const int v : faces[static_cast<std::size_t>(f)]) {
-      const double n = valence[static_cast<std::size_t>(v)];
+    for (const int v : faces[f]) {
+      const double n = valence[v];
       addFacePoint(v, f, 1.0 / (n * n));
     }
   }
@@ -101,7 +101,7 @@ Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces) {
   Refinement refinement;
   refinement.fineFromCoarse = assemble(vertexCount + edgeCount + faceCount, vertexCount, entries);
   for (int f = 0; f < faceCount; ++f) {
-    const std::vector<int>& face = faces[static_cast<std::size_t>(f)];
+    const std::vector<int>& face = faces[f];
     const std::size_t n = face.size();
     for (std::size_t i = 0; i < n; ++i) {
       const int previous = edges.indexOfKey.at(edgeKey(face[(i + n - 1) % n], face[i]));

@@ -35,7 +35,7 @@ double boundsArea(std::span<const Vec2> v) {
   return (high - low).prod();
 }
 
-/// The triangles' border is exactly the given edges, and none of them is turned over.
+/// Checks that the triangles' border consists of exactly the given edges, and that no triangle is flipped.
 void expectFills(std::span<const Vec2> v, std::span<const CapEdge> edges, bool allPositive = true) {
   const std::vector<Triangle> triangles = triangulateCap(v, edges);
   std::map<std::pair<int, int>, int> border;
@@ -109,7 +109,7 @@ TEST(Cap, ManyHolesInAGrid) {
 }
 
 TEST(Cap, LoopsThatTouchInAVertexComeApart) {
-  //  two squares that share the vertex 2
+  //  two squares that share vertex 2
   const std::vector<Vec2> v = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {2, 1}, {2, 2}, {1, 2}};
   const std::vector<CapEdge> edges = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {2, 4}, {4, 5}, {5, 6}, {6, 2}};
   expectFills(v, edges);
@@ -146,9 +146,7 @@ TEST(Cap, RandomCellsOfAGrid) {
     const int n = 2 + static_cast<int>(random() % 9);
     std::vector<bool> filled(static_cast<std::size_t>(n * n));
     for (std::size_t i = 0; i < filled.size(); ++i) filled[i] = random() % 8 < 5;
-    const auto at = [&](int x, int y) {
-      return x >= 0 && y >= 0 && x < n && y < n && filled[static_cast<std::size_t>(y * n + x)];
-    };
+    const auto at = [&](int x, int y) { return x >= 0 && y >= 0 && x < n && y < n && filled[y * n + x]; };
     std::vector<Vec2> v;
     for (int y = 0; y <= n; ++y) {
       for (int x = 0; x <= n; ++x) v.emplace_back(x, y);
@@ -169,7 +167,7 @@ TEST(Cap, RandomCellsOfAGrid) {
 }
 
 TEST(Cap, ALongSpiralAndThousandsOfHoles) {
-  // Minutes if each corner were tried against all others.
+  // Would take minutes if each corner were tested against all others.
   std::vector<Vec2> v;
   std::vector<CapEdge> edges;
   std::vector<Vec2> spiral;

@@ -29,7 +29,8 @@ std::vector<Vec3> carried(const Decomposition& d, std::span<const Vec3> posed) {
   return points;
 }
 
-/// Every part closed and positive, volumes adding up to the mesh's, every vertex inside a hull, sources tracked.
+/// Checks: every part closed with positive volume, volumes add up to the mesh's, every vertex inside a hull, sources
+/// tracked.
 void expectSound(const TriMesh& mesh, std::span<const Vec3> posed, const Decomposition& d) {
   const std::vector<Vec3> points = carried(d, posed);
   const double meshVolume = signedVolume(posed, mesh.triangles);
@@ -50,8 +51,8 @@ void expectSound(const TriMesh& mesh, std::span<const Vec3> posed, const Decompo
     ASSERT_EQ(part.points, pointsUsedBy(part.triangles));
     std::vector<Vec3> own;
     for (PointIndex p : part.points) {
-      own.push_back(points[static_cast<std::size_t>(p)]);
-      if (p < d.vertexCount) covered[static_cast<std::size_t>(p)] = true;
+      own.push_back(points[p]);
+      if (p < d.vertexCount) covered[p] = true;
     }
     const ConvexHull hull = partHull(part, points);
     EXPECT_LE(largestViolation(hull, own), 1e-6 * diagonal);
@@ -160,7 +161,7 @@ TEST(Decompose, CancellingStopsIt) {
 }
 
 TEST(Decompose, ScaleAndRigidMotionKeepTheError) {
-  // Without a symmetry: equal candidates would be told apart by rounding.
+  // Without symmetry: between equal candidates rounding would decide.
   TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
   for (Vec3& v : mesh.vertices)
     v += 0.15 * Vec3(std::sin(2 * v.z() + 1), std::sin(1.7 * v.x()), std::cos(1.3 * v.x() + 0.4 * v.z()));
@@ -176,7 +177,7 @@ TEST(Decompose, ScaleAndRigidMotionKeepTheError) {
   }
 }
 
-/// A bar of two halves that bends about the middle by an angle: the closed form of an elbow.
+/// A bar of two halves that bends at the middle by an angle: an elbow with a closed form.
 std::vector<Vec3> bent(const TriMesh& bar, double angle) {
   std::vector<Vec3> posed;
   for (const Vec3& v : bar.vertices) {
@@ -259,7 +260,7 @@ TEST(Transfer, PosedSurfaceStaysInsideTheHullsInEveryPose) {
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   for (int trial = 0; trial < 20; ++trial) {
     std::vector<Vec3> posed = mesh.vertices;
-    for (Vec3& v : posed) v += 0.5 * Vec3{uniform(), uniform(), uniform()};  // no pose that anyone trained
+    for (Vec3& v : posed) v += 0.5 * Vec3{uniform(), uniform(), uniform()};  // a pose outside the training
     const std::vector<Vec3> points = carried(d, posed);
     const std::vector<ConvexHull> hulls = partHulls(d, points);
     for (int sample = 0; sample < 200; ++sample) {
@@ -293,10 +294,10 @@ TEST(Concavity, OnlyTheInnerEdgeOfTheLShapeIsConcave) {
   for (const Plane& p : planes) EXPECT_NEAR(p.normal.dot(Vec3(1, 1, 7)), p.offset, 1e-12);
 }
 
-/// Joins parts from `count` on to those that they came from, as the order of detail promises.
+/// Merges parts from `count` on into the parts that they were split from, in level-of-detail order.
 Decomposition coarser(Decomposition d, std::size_t count) {
   while (d.parts.size() > count) {
-    Part& into = d.parts[static_cast<std::size_t>(d.splitFrom.back())];
+    Part& into = d.parts[d.splitFrom.back()];
     const Part last = d.parts.back();
     d.parts.pop_back();
     d.splitFrom.pop_back();

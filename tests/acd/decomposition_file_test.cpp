@@ -18,8 +18,8 @@ namespace {
 
 using test::TemporaryFolder;
 
-/// Two parts of an L-shape by hand, with one cut point that no algorithm made: what version 1 could say of them.
-DecompositionFile sampleOfVersion1() {
+/// Two parts of an L-shape, made by hand, with an artificial cut point; without optional content.
+DecompositionFile sampleWithoutLevels() {
   DecompositionFile content;
   content.source = "l-shape.off";
   content.meshHash = topologyHash(test::makeLShape());
@@ -36,23 +36,23 @@ DecompositionFile sampleOfVersion1() {
   return content;
 }
 
-/// The same with what version 2 added.
-DecompositionFile sampleOfVersion2() {
-  DecompositionFile content = sampleOfVersion1();
-  content.ladder = {{0.5, 0.75, 10}, {0.125, 0.25, 14}};
+/// The same with levels of detail and bones.
+DecompositionFile sampleWithoutTraining() {
+  DecompositionFile content = sampleWithoutLevels();
+  content.detailLevels = {{0.5, 0.75, 10}, {0.125, 0.25, 14}};
   content.bonesOfPart = {{{"hips", 0.75}, {"spine", 0.25}}, {{"spine", 1.0}}};
   return content;
 }
 
-/// The same with all that is known today.
+/// The same with everything that a file can contain.
 DecompositionFile sample() {
-  DecompositionFile content = sampleOfVersion2();
+  DecompositionFile content = sampleWithoutTraining();
   content.training = TrainingRange{};
   content.training->probes = {13, 0, 3};
   content.training->keyframeCount = 2;
   content.training->positions = {{0, 0, 1}, {0, 0.5, -1}, {0, -0.5, 0}, {0.25, 0, 1}, {-0.25, 0.5, -1}, {0, -0.5, 0}};
   content.training->knownDistance = 0.125;
-  content.cover = CoverPromise{};
+  content.cover = HullCover{};
   content.cover->tolerance = 0.01;
   content.cover->maxHullVertices = 64;
   content.cover->points = {{{12, {0.0, 0.5, -0.25}}, {0, {0, 0, 0}}, {12, {1e-3, 0, 0}}}, {{3, {0, 0, 0}}}};
@@ -71,7 +71,7 @@ void expectEqual(const TrainingRange& a, const TrainingRange& b) {
   EXPECT_EQ(a.knownDistance, b.knownDistance);
 }
 
-void expectEqual(const CoverPromise& a, const CoverPromise& b) {
+void expectEqual(const HullCover& a, const HullCover& b) {
   EXPECT_EQ(a.tolerance, b.tolerance);
   EXPECT_EQ(a.maxHullVertices, b.maxHullVertices);
   EXPECT_EQ(a.sampledPoses, b.sampledPoses);
@@ -112,11 +112,11 @@ void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
     EXPECT_EQ(c.parts[i].points, d.parts[i].points);
   }
   EXPECT_EQ(hashOf(c), hashOf(d));
-  ASSERT_EQ(a.ladder.size(), b.ladder.size());
-  for (std::size_t i = 0; i < a.ladder.size(); ++i) {
-    EXPECT_EQ(a.ladder[i].meanError, b.ladder[i].meanError);
-    EXPECT_EQ(a.ladder[i].worstError, b.ladder[i].worstError);
-    EXPECT_EQ(a.ladder[i].hullVertices, b.ladder[i].hullVertices);
+  ASSERT_EQ(a.detailLevels.size(), b.detailLevels.size());
+  for (std::size_t i = 0; i < a.detailLevels.size(); ++i) {
+    EXPECT_EQ(a.detailLevels[i].meanError, b.detailLevels[i].meanError);
+    EXPECT_EQ(a.detailLevels[i].worstError, b.detailLevels[i].worstError);
+    EXPECT_EQ(a.detailLevels[i].hullVertices, b.detailLevels[i].hullVertices);
   }
   ASSERT_EQ(a.bonesOfPart.size(), b.bonesOfPart.size());
   for (std::size_t i = 0; i < a.bonesOfPart.size(); ++i) {
@@ -132,11 +132,11 @@ void expectEqual(const DecompositionFile& a, const DecompositionFile& b) {
   if (a.cover) expectEqual(*a.cover, *b.cover);
 }
 
-std::filesystem::path keptFile(const char* name) {
-  return test::recordingsFolder().parent_path() / "tests" / "data" / name;
+std::filesystem::path keptFile() {
+  return test::recordingsFolder().parent_path() / "tests" / "data" / "decomposition.lorica";
 }
 
-/// The bytes of a file with the header set right for a payload that a test has changed.
+/// The bytes of a file with the header corrected for a payload that a test has changed.
 std::string resealed(std::string bytes) {
   const std::string payload = bytes.substr(28);
   const auto version = loadLittleEndian<std::uint32_t>(bytes.data() + 8);
@@ -156,7 +156,7 @@ std::string sampleBytes() {
   return bytesOf(sample());
 }
 
-/// What readDecomposition says, less the folder; empty when it succeeds.
+/// The error message of readDecomposition() without the folder; empty on success.
 std::string whyNot(const std::string& bytes) {
   static const TemporaryFolder folder;
   const test::AllocationWatch watch;
@@ -212,10 +212,10 @@ TEST(DecompositionFile, RoundTripIsExact) {
 TEST(DecompositionFile, WhatIsNotKnownStaysSo) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "a.lorica";
-  ASSERT_TRUE(writeDecomposition(file, sampleOfVersion1()).ok());
+  ASSERT_TRUE(writeDecomposition(file, sampleWithoutLevels()).ok());
   const auto read = readDecomposition(file);
   ASSERT_TRUE(read.ok()) << read.error().message;
-  expectEqual(*read, sampleOfVersion1());
+  expectEqual(*read, sampleWithoutLevels());
 }
 
 TEST(DecompositionFile, CoverPointsThatStayOnTheSurfaceTakeOneOrTwoBytesEach) {
@@ -238,7 +238,7 @@ TEST(DecompositionFile, CoverPointsThatStayOnTheSurfaceTakeOneOrTwoBytesEach) {
     return std::filesystem::file_size(file);
   };
   const std::uintmax_t without = sizeOf();
-  content.cover = CoverPromise{};
+  content.cover = HullCover{};
   content.cover->points.resize(1);
   for (PointIndex p = 0; p < d.vertexCount; p += 3) content.cover->points[0].push_back({p, Vec3::Zero()});
   const std::size_t count = content.cover->points[0].size();
@@ -255,21 +255,21 @@ TEST(DecompositionFile, RealDecompositionSurvives) {
   const auto decomposition = decompose(torus, pose, settings);
   ASSERT_TRUE(decomposition.ok()) << decomposition.error().message;
   const DecompositionFile content{
-      *decomposition, "torus", topologyHash(torus), 0.5, {0.5}, detailLadder(*decomposition, torus, pose), {}};
+      *decomposition, "torus", topologyHash(torus), 0.5, {0.5}, detailLevels(*decomposition, torus, pose), {}};
   const TemporaryFolder folder;
   const auto written = writeDecomposition(folder.path() / "torus.lorica", content);
   ASSERT_TRUE(written.ok()) << written.error().message;
   const auto read = readDecomposition(folder.path() / "torus.lorica");
   ASSERT_TRUE(read.ok()) << read.error().message;
   expectEqual(*read, content);
-  // Small: version 1 took 16 bytes a triangle and 16 a cut point.
-  std::size_t version1 = 16 * decomposition->cutPoints.size();
-  for (const Part& part : decomposition->parts) version1 += 16 * part.triangles.size();
-  EXPECT_LT(std::filesystem::file_size(folder.path() / "torus.lorica"), version1 / 2);
+  // Compact: without packing it would be 16 bytes per triangle and 16 per cut point.
+  std::size_t unpacked = 16 * decomposition->cutPoints.size();
+  for (const Part& part : decomposition->parts) unpacked += 16 * part.triangles.size();
+  EXPECT_LT(std::filesystem::file_size(folder.path() / "torus.lorica"), unpacked / 2);
 }
 
 TEST(DecompositionFile, PointsBeyond65536Survive) {
-  // One part, the whole mesh: numbers of one to three bytes.
+  // One part with the whole mesh: packed numbers of one to three bytes.
   const TriMesh torus = test::makeTorus(2.0, 0.5, 300, 230);
   DecompositionFile content;
   Decomposition& d = content.decomposition;
@@ -286,47 +286,24 @@ TEST(DecompositionFile, PointsBeyond65536Survive) {
   expectEqual(*read, content);
 }
 
-TEST(DecompositionFile, Version1StillLoads) {
-  const auto read = readDecomposition(keptFile("version1.lorica"));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  expectEqual(*read, sampleOfVersion1());
-  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
-}
-
-TEST(DecompositionFile, Version2StillLoads) {
-  const auto read = readDecomposition(keptFile("version2.lorica"));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  expectEqual(*read, sampleOfVersion2());
-  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
-}
-
-TEST(DecompositionFile, Version3StillLoadsAndIsStillWritten) {
-  const auto read = readDecomposition(keptFile("version3.lorica"));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  expectEqual(*read, sample());
-  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
-  // Other bytes for the same content are another version.
-  EXPECT_EQ(sampleBytes(), *readFile(keptFile("version3.lorica")));
-}
-
-/// The same with vertices in the cover that no part has.
-DecompositionFile sampleOfVersion4() {
+/// The same with vertices in the cover that belong to no part.
+DecompositionFile sampleWithAttachedVertices() {
   DecompositionFile content = sample();
   content.cover->points[0].push_back({5, {0.0, 0.0, 0.125}});
   content.cover->points[1].push_back({10, {0, 0, 0}});
   return content;
 }
 
-TEST(DecompositionFile, Version4HoldsVerticesThatNoPartHas) {
-  EXPECT_EQ(bytesOf(sampleOfVersion4()).at(8), 4);
-  EXPECT_EQ(sampleBytes().at(8), 3);  // as old as it can be
-  const auto read = readDecomposition(keptFile("version4.lorica"));
+TEST(DecompositionFile, TheKeptFileIsReadAndWrittenByteForByte) {
+  const auto read = readDecomposition(keptFile());
   ASSERT_TRUE(read.ok()) << read.error().message;
-  expectEqual(*read, sampleOfVersion4());
-  EXPECT_EQ(bytesOf(sampleOfVersion4()), *readFile(keptFile("version4.lorica")));
+  expectEqual(*read, sampleWithAttachedVertices());
+  EXPECT_EQ(hexDigits(hashOf(read->decomposition)), "2020c6e2fc966fc6");
+  // Different bytes for the same content would require a new format version.
+  EXPECT_EQ(bytesOf(sampleWithAttachedVertices()), *readFile(keptFile()));
 }
 
-/// What a training range is trusted for once it was read.
+/// Checks the properties of a training range that code relies on after reading.
 void expectUsable(const TrainingRange& training, const Decomposition& d) {
   ASSERT_TRUE(!training.probes.empty() && training.probes.size() <= kMaxProbes);
   const std::set<PointIndex> probes(training.probes.begin(), training.probes.end());
@@ -338,8 +315,8 @@ void expectUsable(const TrainingRange& training, const Decomposition& d) {
   ASSERT_TRUE(std::isfinite(training.knownDistance) && training.knownDistance >= 0.0);
 }
 
-/// What a promise is trusted for once it was read.
-void expectUsable(const CoverPromise& cover, const Decomposition& d) {
+/// Checks the properties of a cover that code relies on after reading.
+void expectUsable(const HullCover& cover, const Decomposition& d) {
   for (const double value : {cover.tolerance, cover.growth, cover.sampledShortfall, cover.heldOutShortfall}) {
     ASSERT_TRUE(std::isfinite(value) && value >= 0.0);
   }
@@ -358,15 +335,12 @@ void expectUsable(const CoverPromise& cover, const Decomposition& d) {
   }
 }
 
-class KeptVersion : public testing::TestWithParam<const char*> {
+class KeptFile : public testing::Test {
  protected:
-  const std::string bytes = *readFile(keptFile(GetParam()));
+  const std::string bytes = *readFile(keptFile());
 };
-INSTANTIATE_TEST_SUITE_P(DecompositionFile, KeptVersion,
-                         testing::Values("version1.lorica", "version2.lorica", "version3.lorica", "version4.lorica"),
-                         [](const auto& chosen) { return std::string(chosen.param, 8); });
 
-TEST_P(KeptVersion, EveryDamagedByteIsRefused) {
+TEST_F(KeptFile, EveryDamagedByteIsRefused) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
       std::string damaged = bytes;
@@ -376,10 +350,10 @@ TEST_P(KeptVersion, EveryDamagedByteIsRefused) {
   }
 }
 
-TEST_P(KeptVersion, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
+TEST_F(KeptFile, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     EXPECT_NE(whyNot(bytes.substr(0, length)), "") << length;
-    // Even where someone made the header fit.
+    // Even if the header is made consistent.
     if (length >= 28) {
       EXPECT_NE(whyNot(resealed(bytes.substr(0, length))).find("a.lorica: byte "), std::string::npos);
     }
@@ -389,7 +363,7 @@ TEST_P(KeptVersion, EveryTruncatedPrefixAndEveryExtensionIsRefused) {
             "a.lorica: byte " + std::to_string(bytes.size()) + ": 3 bytes are left after the end");
 }
 
-TEST_P(KeptVersion, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
+TEST_F(KeptFile, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
   const TemporaryFolder folder;
   for (std::size_t at = 28; at < bytes.size(); ++at) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
@@ -418,8 +392,8 @@ TEST_P(KeptVersion, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
       for (std::size_t i = 0; i < d.splitFrom.size(); ++i) {
         ASSERT_TRUE(d.splitFrom[i] >= 0 && d.splitFrom[i] <= static_cast<int>(i));
       }
-      ASSERT_TRUE(read->ladder.empty() || read->ladder.size() == d.parts.size());
-      for (const DetailLevel& level : read->ladder) {
+      ASSERT_TRUE(read->detailLevels.empty() || read->detailLevels.size() == d.parts.size());
+      for (const DetailLevel& level : read->detailLevels) {
         ASSERT_TRUE(std::isfinite(level.meanError) && std::isfinite(level.worstError) && level.hullVertices >= 0);
       }
       ASSERT_TRUE(read->bonesOfPart.empty() || read->bonesOfPart.size() == d.parts.size());
@@ -429,7 +403,7 @@ TEST_P(KeptVersion, DamageUnderAFittingChecksumIsRefusedOrHarmless) {
   }
 }
 
-/// The bytes with one value replaced and the checksum set right.
+/// The bytes with one value replaced and the checksum corrected.
 template <typename T>
 std::string changedAt(const std::string& bytes, std::size_t at, T value) {
   std::string changed = bytes.substr(0, at);
@@ -438,33 +412,32 @@ std::string changedAt(const std::string& bytes, std::size_t at, T value) {
 }
 
 TEST(DecompositionFile, SaysWhatIsWrong) {
-  const std::string bytes = *readFile(keptFile("version2.lorica"));
+  const std::string bytes = bytesOf(sampleWithoutTraining());
   // Offsets by docs/LORICA_FILE.md, "l-shape.off" takes 11 bytes:
   //    87 cut points: count, 91 ends (4 packed in 5 bytes), 96 lambdas
   //   112 splits: count, 116 the split
   //   120 parts: count, 124 triangles, 128 points, 132 points (4 in 5 bytes), 137 corners (9 in 12), 149 sources
   //       (3 in 4), 153 the second part
-  //   171 ladder: count, 175 first level
+  //   171 levels: count, 175 first level
   //   215 bones: count, 219 "hips", 227 "spine", 236 parts with bones, 240 two bones, 244 the first one
   const auto with = [&](std::size_t at, auto value) { return changedAt(bytes, at, value); };
   using Byte = std::uint8_t;
   std::string newer = bytes;
-  newer[8] = 5;
+  newer[8] = 2;
   EXPECT_EQ(whyNot("ply\n"), "a.lorica: not a .lorica file: its first 8 bytes are not LORICA, CR, LF");
   EXPECT_EQ(whyNot(bytes.substr(0, 20)), "a.lorica: ends at byte 20 within the header of 28 bytes");
-  EXPECT_EQ(whyNot(newer),
-            "a.lorica: has format version 5; this Lorica reads versions 1 to 4, a newer one wrote the file");
+  EXPECT_EQ(whyNot(newer), "a.lorica: byte 8: found format version 2, expected 1");
   EXPECT_EQ(whyNot(bytes.substr(0, bytes.size() - 5)),
-            "a.lorica: byte 12: announces 256 bytes after the header, 251 are there");
+            "a.lorica: byte 12: announces 258 bytes after the header, 253 are there");
   EXPECT_EQ(whyNot(with(28, std::uint32_t{4000000000u})),
             "a.lorica: byte 28: the length of the source's name is 4000000000, which needs 4000000000 bytes or more; "
-            "252 are left");
+            "254 are left");
   EXPECT_EQ(whyNot(with(51, std::numeric_limits<double>::infinity())),
             "a.lorica: byte 51: the mean error is inf, expected a finite number");
   EXPECT_EQ(whyNot(with(79, std::int32_t{-1})),
             "a.lorica: byte 79: the mesh's vertex count is -1, expected 0 to 2147483647");
   EXPECT_EQ(whyNot(with(87, std::uint32_t{0x40000000u})),
-            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 10737418240 bytes or more; 193 are "
+            "a.lorica: byte 87: the number of cut points is 1073741824, which needs 10737418240 bytes or more; 195 are "
             "left");
   EXPECT_EQ(whyNot(with(92, Byte{24})),
             "a.lorica: byte 91: cut point 0 lies between points 12 and 9, expected 0 to 11 for both");
@@ -475,7 +448,7 @@ TEST(DecompositionFile, SaysWhatIsWrong) {
   EXPECT_EQ(whyNot(with(120, std::uint32_t{3})), "a.lorica: byte 120: 3 parts after 1 splits, expected 2");
   EXPECT_EQ(whyNot(with(136, Byte{1})), "a.lorica: byte 132: the last point of part 0 is 14, expected 3 to 13");
   EXPECT_EQ(whyNot(with(139, Byte{4})),
-            "a.lorica: byte 137: expected the corners of a part: 9 packed numbers, which do not fit the 147 bytes that "
+            "a.lorica: byte 137: expected the corners of a part: 9 packed numbers, which do not fit the 149 bytes that "
             "are left");
   EXPECT_EQ(whyNot(with(142, Byte{6})),
             "a.lorica: byte 137: triangle 0 of part 0 has corners 0, 1 and 4, expected 0 to 3");
@@ -535,9 +508,10 @@ TEST(DecompositionFile, SaysWhatIsWrongWithACover) {
   EXPECT_EQ(why(314, -1.0), "a.lorica: byte 314: the shortfall in the sampled poses is -1, expected 0 or more");
   EXPECT_EQ(why(322, -1.0), "a.lorica: byte 322: the shortfall in the poses held out is -1, expected 0 or more");
   EXPECT_EQ(why(330, std::uint32_t{1}), "a.lorica: byte 330: 1 parts with cover points, expected 2");
-  EXPECT_EQ(why(339, Byte{8}), "a.lorica: byte 338: cover point 0 of part 0 is the part's point 4, expected 0 to 3");
+  EXPECT_EQ(why(339, Byte{8}),
+            "a.lorica: byte 338: cover point 0 of part 0 is vertex 0, expected one of the part or of no part");
   EXPECT_EQ(why(339, Byte{1}),
-            "a.lorica: byte 338: cover point 0 of part 0 is the part's point 4294967295, expected 0 to 3");
+            "a.lorica: byte 338: cover point 0 of part 0 is the part's point 4294967295, expected 0 to 15");
   EXPECT_EQ(why(342, Byte{3}), "a.lorica: byte 342: whether a part's cover points are displaced is 3, expected 0 or 1");
   EXPECT_EQ(why(351, std::nan("")),
             "a.lorica: byte 351: a displacement of a cover point is nan, expected a finite number");
@@ -560,7 +534,7 @@ TEST(DecompositionFile, WhatCouldNotBeReadIsNotWritten) {
   content.decomposition.parts[0].sourceTriangle.pop_back();
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   content = sample();
-  content.ladder.pop_back();
+  content.detailLevels.pop_back();
   EXPECT_FALSE(writeDecomposition(file, content).ok());
   content = sample();
   std::swap(content.bonesOfPart[0][0], content.bonesOfPart[0][1]);

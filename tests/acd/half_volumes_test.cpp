@@ -53,7 +53,7 @@ TEST(Support, OfAUnionIsTheUnionOfSupports) {
   include(a, all, first, 0, nullptr);
   include(b, all, second, 0, nullptr);
   Support bounded = a;
-  include(bounded, all, second, 0, &b);  // directions in which b stays behind may be skipped without loss
+  include(bounded, all, second, 0, &b);  // directions in which b is not beyond a may be skipped
   include(a, b);
   EXPECT_EQ(a.high, whole.high);
   EXPECT_EQ(a.low, whole.low);
@@ -86,7 +86,7 @@ TEST(Support, EnclosesAtMostTheHull) {
   EXPECT_GT(enclosed, 0.9 * hull);
 }
 
-/// A torus in two keyframes, and planes through its vertices, along faces, and anywhere.
+/// A torus in two keyframes, with planes through vertices, along faces, and at arbitrary positions.
 struct Halves : ::testing::Test {
   Halves() : mesh(test::makeTorus(1.0, 0.4, 120, 60)), keyframes(2, mesh.vertices) {
     whole.triangles = mesh.triangles;
@@ -94,13 +94,12 @@ struct Halves : ::testing::Test {
     whole.points = pointsUsedBy(whole.triangles);
     for (Vec3& v : keyframes[1]) v.y() += 0.3 * std::sin(2.0 * v.x());
   }
-  /// Hull volumes of the halves that the cut really makes.
+  /// Hull volumes of the halves that the cut actually produces.
   std::pair<double, double> truth(const Plane& plane, std::size_t k) const {
     const CutResult cut = cutPart(whole, mesh.vertices, plane, 1e-9, static_cast<PointIndex>(mesh.vertices.size()));
     std::vector<Vec3> all = keyframes[k];
     for (const CutPoint& c : cut.newPoints) {
-      all.push_back(c.lambda * all[static_cast<std::size_t>(c.first)] +
-                    (1.0 - c.lambda) * all[static_cast<std::size_t>(c.second)]);
+      all.push_back(c.lambda * all[c.first] + (1.0 - c.lambda) * all[c.second]);
     }
     return {partHull(cut.above, all).volume, partHull(cut.below, all).volume};
   }

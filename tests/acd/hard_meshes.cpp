@@ -60,11 +60,11 @@ TriMesh rotatedAtRandom(Dice& dice, TriMesh mesh) {
 
 TriMesh manifold(const TriMesh& mesh) {
   Result<MeshRepair> repair = repairClosedMesh(mesh);
-  CHECK(repair.ok(), "surfaces of voxels are closed");
+  LORICA_CHECK(repair.ok(), "surfaces of voxels are closed");
   return std::move(repair->mesh);
 }
 
-/// A walk over the grid, or a block with pieces missing.
+/// A random walk over the grid, or a block with missing pieces.
 std::set<Voxel> randomVoxels(Dice& dice, int atMost) {
   std::set<Voxel> voxels;
   if (dice.oneIn(2)) {
@@ -72,7 +72,7 @@ std::set<Voxel> randomVoxels(Dice& dice, int atMost) {
     const int steps = dice.whole(3, atMost);
     for (int i = 0; i < steps; ++i) {
       voxels.insert(at);
-      at[static_cast<std::size_t>(dice.whole(0, 2))] += dice.oneIn(2) ? 1 : -1;
+      at[dice.whole(0, 2)] += dice.oneIn(2) ? 1 : -1;
     }
   } else {
     const int side = dice.whole(2, 3);
@@ -85,14 +85,14 @@ std::set<Voxel> randomVoxels(Dice& dice, int atMost) {
   return voxels;
 }
 
-// Compilers differ in the order in which they evaluate arguments, so no call below takes two throws of the dice.
+// Compilers differ in the evaluation order of arguments, so no call below has two random arguments.
 
 TriMesh sphere(Dice& dice) {
   const int rings = dice.whole(3, 8);
   return makeSphere(1.0, rings, dice.whole(4, 10));
 }
 
-/// A closed blob with no overhang as seen from its middle.
+/// A closed blob that is star-shaped about its centre.
 TriMesh star(Dice& dice, double roughness) {
   TriMesh mesh = sphere(dice);
   for (Vec3& v : mesh.vertices) v *= std::exp(roughness * dice.between(-1, 1));
@@ -105,7 +105,7 @@ TriMesh torus(Dice& dice) {
   return makeTorus(1.0, minorRadius, segments, dice.whole(3, 8));
 }
 
-/// Any one simple solid of about unit size.
+/// A random simple solid of about unit size.
 TriMesh solid(Dice& dice) {
   switch (dice.whole(0, 5)) {
     case 0: {
@@ -211,7 +211,7 @@ HardMesh severalComponents(Dice& dice) {
 }
 
 HardMesh nestedShells(Dice& dice) {
-  // Solid, cavity, island in the cavity, cavity in the island...; each shell half as large as the one around it.
+  // Solid, cavity, island in the cavity, cavity in the island...; each shell is half as large as the next outer one.
   TriMesh mesh;
   const int depth = dice.whole(2, 4);
   const bool boxes = dice.oneIn(2);
@@ -221,7 +221,7 @@ HardMesh nestedShells(Dice& dice) {
     if (!boxes && dice.oneIn(2)) shell = rotatedAtRandom(dice, shell);
     mesh = joined(mesh, i % 2 == 0 ? shell : insideOut(shell));
   }
-  if (dice.oneIn(2)) {  // and a second cavity beside the first
+  if (dice.oneIn(2)) {  // a second cavity beside the first
     const TriMesh big = makeBox({-3, -3, -3}, {5, 3, 3});
     mesh = joined(big, insideOut(makeBox({2.5, -1, -1}, {4, 1, 1})));
     mesh = joined(mesh, insideOut(star(dice, 0.3)));
@@ -256,7 +256,7 @@ HardMesh manyHandles(Dice& dice) {
 HardMesh slivers(Dice& dice) {
   TriMesh mesh = dice.oneIn(2) ? torus(dice) : star(dice, 0.5);
   switch (dice.whole(0, 2)) {
-    case 0: {  // a flat thing or a needle
+    case 0: {  // a flat solid or a needle
       const double thin = std::pow(10.0, dice.between(-4, -1));
       const double thinner = dice.oneIn(2) ? thin : 1.0;
       mesh = moved(mesh, [&](const Vec3& v) { return Vec3(v.x(), thin * v.y(), thinner * v.z()); });
@@ -306,7 +306,8 @@ HardMesh spikes(Dice& dice) {
 }
 
 HardMesh prisms(Dice& dice) {
-  // A star-shaped profile, fanned from its middle; whole numbers in half of them, so that many faces line up.
+  // A star-shaped profile, triangulated as a fan from its centre; half of them with integers, so that many faces are
+  // coplanar.
   const int corners = dice.whole(5, 24);
   const bool whole = dice.oneIn(2);
   TriMesh mesh;
@@ -339,7 +340,7 @@ HardMesh overlappingShells(Dice& dice) {
 HardMesh crumpled(Dice& dice) {
   TriMesh mesh = dice.oneIn(2) ? torus(dice) : sphere(dice);
   switch (dice.whole(0, 2)) {
-    case 0: {  // every vertex somewhere else
+    case 0: {  // every vertex at a random position
       const double by = dice.between(0.1, 1.0);
       for (Vec3& v : mesh.vertices) v += dice.inBox(by);
       break;
@@ -351,7 +352,7 @@ HardMesh crumpled(Dice& dice) {
       });
       break;
     }
-    default:  // on a coarse grid, where much coincides
+    default:  // on a coarse grid, where many vertices coincide
       for (Vec3& v : mesh.vertices) v = (3.0 * (v + dice.inBox(0.4))).array().round();
   }
   return still(std::move(mesh), false);
@@ -359,7 +360,7 @@ HardMesh crumpled(Dice& dice) {
 
 HardMesh extremeSizes(Dice& dice) {
   HardMesh hard = dice.oneIn(2) ? still(solid(dice)) : dice.oneIn(2) ? nestedShells(dice) : slivers(dice);
-  const double scale = std::array<double, 4>{1e-6, 1e6, 1e-12, 1e12}[static_cast<std::size_t>(dice.whole(0, 3))];
+  const double scale = std::array<double, 4>{1e-6, 1e6, 1e-12, 1e12}[dice.whole(0, 3)];
   return still(moved(hard.mesh, [&](const Vec3& v) { return Vec3(scale * v); }));
 }
 
@@ -399,7 +400,7 @@ HardMesh violentMotion(Dice& dice) {
 
 HardMesh partsThatBecomeFlat(Dice& dice) {
   if (dice.oneIn(2)) {
-    // A component of its own that shrinks onto a plane, a line or a point.
+    // A separate component that shrinks onto a plane, a line or a point.
     const TriMesh body = solid(dice);
     HardMesh hard = still(joined(body, shifted(solid(dice), Vec3(20, 0, 0))));
     const int dimensions = dice.whole(0, 2);
@@ -408,7 +409,7 @@ HardMesh partsThatBecomeFlat(Dice& dice) {
     });
     return hard;
   }
-  // A limb of a body that does.
+  // A limb of a body that shrinks.
   HardMesh hard = cubesOnAGrid(dice);
   hard = still(shifted(hard.mesh, -hard.mesh.vertices[0]));
   const double from = boundsOf(hard.mesh.vertices).center().x();

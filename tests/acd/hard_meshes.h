@@ -9,11 +9,11 @@
 
 namespace lorica::test {
 
-/// The same numbers on every machine, unlike the distributions of the standard library.
+/// Random numbers that are the same on every machine, unlike the distributions of the standard library.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  ///< 0 to 1, without 1
+  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  ///< in [0, 1)
   double between(double low, double high) { return low + (high - low) * unit(); }
   int whole(int low, int high) {
     return low + static_cast<int>(engine_() % static_cast<std::uint64_t>(high - low + 1));
@@ -26,16 +26,16 @@ class Dice {
   std::mt19937_64 engine_;
 };
 
-/// A mesh made to break things, and what may be asked of its decomposition.
+/// A difficult mesh, and the properties that its decomposition must have.
 struct HardMesh {
   TriMesh mesh;
   std::vector<Vec3> keyframes;  ///< keyframe-major; the first is the mesh's own pose
-  /// Nowhere does the surface wind round a point the wrong way in its own pose: neither inside out nor folded over.
-  /// Only then is a part's volume the integral of something that is never negative.
+  /// In the mesh's own pose the winding number is negative nowhere: the surface is neither inside out nor folded over.
+  /// Only then is a part's volume the integral of a non-negative function.
   bool solid = true;
 };
 
-/// Kinds of hard meshes; every call rolls a new one.
+/// Kinds of hard meshes; every call creates a new random one.
 HardMesh cubesOnAGrid(Dice& dice);
 HardMesh severalComponents(Dice& dice);
 HardMesh nestedShells(Dice& dice);

@@ -16,12 +16,12 @@
 namespace lorica {
 namespace {
 
-/// Everything that simplifyHull promises for a hull with volume.
+/// Checks all guarantees of simplifyHull() for a hull with volume.
 void expectAround(const BudgetedHull& around, const ConvexHull& hull, int budget) {
   ASSERT_GE(around.mesh.vertices.size(), 4u);
   ASSERT_LE(around.mesh.vertices.size(), static_cast<std::size_t>(budget));
   ASSERT_TRUE(checkClosedTwoManifold(around.mesh).ok());
-  // Thin bodies far from the origin: volumes are differences of large numbers, and hulls know places to 1e-10.
+  // Thin bodies far from the origin: volumes are differences of large numbers, and hulls are accurate to 1e-10.
   const double diagonal = boundsOf(hull.vertices).diagonal();
   const double reach = diagonal + boundsOf(hull.vertices).center().norm();
   const double rounding = 1e-10 + (1e-15 * std::pow(reach, 3) + 1e-10 * std::pow(diagonal, 3)) / hull.volume;
@@ -34,8 +34,8 @@ void expectAround(const BudgetedHull& around, const ConvexHull& hull, int budget
   EXPECT_NEAR(again.volume / around.volume, 1.0, rounding);
   const ConvexHull asGiven{{}, around.mesh.vertices, around.mesh.triangles, around.volume};
   EXPECT_LE(largestViolation(asGiven, hull.vertices), 1e-14 * diagonal);
-  EXPECT_LE(largestViolation(again, hull.vertices), 1e-10 * diagonal);  // with nearly coplanar faces laid out anew
-  // By volume too: nothing of the hull adds to what is around it.
+  EXPECT_LE(largestViolation(again, hull.vertices), 1e-10 * diagonal);  // after re-triangulating nearly coplanar faces
+  // Also by volume: adding the hull's vertices does not enlarge the enclosing hull.
   std::vector<Vec3> both = around.mesh.vertices;
   both.insert(both.end(), hull.vertices.begin(), hull.vertices.end());
   EXPECT_NEAR(convexHull(both).volume / around.volume, 1.0, rounding);
@@ -84,8 +84,8 @@ TEST(HullBudget, RandomBodiesOfAllProportionsAreContained) {
         if (hull.vertices.size() <= static_cast<std::size_t>(budget)) continue;
         const BudgetedHull around = simplifyHull(hull, budget);
         expectAround(around, hull, budget);
-        // A box needs 4.5 times its volume for a tetrahedron, what is affine to a ball 3.31. What greedy choices end
-        // in was at most 2.1 times that over 60 seeds.
+        // A tetrahedron around a box has 4.5 times its volume, around an ellipsoid 3.31 times. The greedy algorithm
+        // needed at most 2.1 times that over 60 seeds.
         EXPECT_LE(around.growth, budget < 8 ? 12.0 : 3.0);
       }
     }
@@ -93,8 +93,8 @@ TEST(HullBudget, RandomBodiesOfAllProportionsAreContained) {
 }
 
 TEST(HullBudget, SphereGrowsAsTheoryHasIt) {
-  // Faces like a triangular lattice, each touching the sphere in its middle: N vertices add 1.81 / N, for large N. Half
-  // of that is about what the greedy order loses, and a few vertices have no lattice.
+  // If the faces form a triangular lattice, each touching the sphere at its centre, N vertices add 1.81 / N, for large
+  // N. The greedy order loses about half of that, and small numbers of vertices do not form a lattice.
   const ConvexHull ball = convexHull(test::makeSphere(1.0, 40, 60).vertices);
   for (const int budget : {16, 32, 64}) {
     SCOPED_TRACE(budget);

@@ -2,9 +2,9 @@
 
 #include "acd/cap.h"
 #include "acd/decompose.h"
-#include "acd/nearest_triangle.h"
 #include "acd/transfer.h"
 #include "geometry/mesh_files.h"
+#include "geometry/triangle_tree.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 
@@ -21,7 +21,7 @@ double distanceOf(const TriMesh& mesh, double ignoreBelow = 0.0) {
   return hullDistance(convexHull(mesh.vertices), mesh.vertices, mesh.triangles, ignoreBelow);
 }
 
-/// What hullDistance promises for a known distance.
+/// Checks the guarantee of hullDistance() for a known distance.
 void expectWithin(double found, double truth) {
   EXPECT_GE(found, truth * (1.0 - 1e-12));
   EXPECT_LE(found, truth * 1.01 + 1e-12);
@@ -60,14 +60,14 @@ TEST(HullDistance, ConvexShapesAreNowhereOff) {
 }
 
 TEST(HullDistance, LShapeInClosedForm) {
-  // The hull's slanted face x + y = 3 has its middle line farthest away. From (1.5, 1.5, z) the nearest points are on
-  // the two faces that meet in the concave edge, half a unit away.
+  // The middle line of the hull's slanted face x + y = 3 is farthest away. From (1.5, 1.5, z) the nearest points are on
+  // the two faces that meet at the concave edge, half a unit away.
   expectWithin(distanceOf(test::makeLShape()), 0.5);
 }
 
 TEST(HullDistance, NotchesShallowAndDeepInClosedForm) {
-  // A box of length 4 with a notch 2 wide in the middle of its top: under the lid the floor is as far as the notch is
-  // deep, but the walls are never farther than 1.
+  // A box of length 4 with a notch of width 2 in the middle of its top: from the hull's top face the distance to the
+  // notch's floor is its depth, and the distance to the walls is at most 1.
   for (const double depth : {0.05, 0.3, 0.9, 1.5}) {
     SCOPED_TRACE(depth);
     const TriMesh notched =
@@ -79,8 +79,9 @@ TEST(HullDistance, NotchesShallowAndDeepInClosedForm) {
 }
 
 TEST(HullDistance, TorusWithAxisCrossingItsHole) {
-  // The hull closes the hole at the height of the tube's top. Above the axis there the nearest circle of the tube is
-  // at distance R across and r down: sqrt(R^2 + r^2) - r. Facets of so fine a torus are within 1e-3 of the circles.
+  // The hull closes the hole at the height of the tube's top. On the axis at that height, the tube's centre line is R
+  // away horizontally and r below: distance sqrt(R^2 + r^2) - r. At this resolution facets are within 1e-3 of the
+  // circles.
   const double major = 2.0, minor = 0.5;
   const double truth = std::sqrt(major * major + minor * minor) - minor;
   const double found = distanceOf(test::makeTorus(major, minor, 128, 64));
@@ -141,7 +142,7 @@ TEST(HullDistance, AgreesWithDenseSamplesOnPartsOfABunny) {
 
     std::vector<std::array<Vec3, 3>> surface;
     for (const Triangle& t : part.triangles) surface.push_back({points[t[0]], points[t[1]], points[t[2]]});
-    const NearestTriangle nearest(surface);
+    const TriangleTree nearest(surface);
     double sampled = 0.0;
     for (const Triangle& t : hull.triangles) {
       const Vec3& a = hull.vertices[t[0]];
@@ -160,25 +161,6 @@ TEST(HullDistance, AgreesWithDenseSamplesOnPartsOfABunny) {
     }
     EXPECT_GE(found, sampled);
     EXPECT_LE(found, 1.01 * sampled + 0.01 * boundsOf(hull.vertices).diagonal());
-  }
-}
-
-TEST(NearestTriangle, NamesTheTriangleThatIsNearest) {
-  const unsigned seed = 8;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  const auto point = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
-  std::vector<std::array<Vec3, 3>> triangles;
-  for (int i = 0; i < 200; ++i) triangles.push_back({point(), point(), point()});
-  const NearestTriangle tree(triangles);
-  for (int i = 0; i < 500; ++i) {
-    const Vec3 p = 2.0 * point();
-    double truth = std::numeric_limits<double>::infinity();
-    for (const auto& t : triangles) truth = std::min(truth, std::sqrt(distanceSqToTriangle(p, t)));
-    const NearestTriangle::Hit hit = tree.nearest(p);
-    EXPECT_EQ(hit.distance, truth);
-    EXPECT_EQ(std::sqrt(distanceSqToTriangle(p, tree.corners(hit.index))), truth);
   }
 }
 

@@ -12,10 +12,11 @@
 namespace lorica {
 namespace {
 
-/// A torus cut into quarters badly: one slice of a quarter turn, one of half a turn less, and so on.
+/// A torus cut badly into four parts: in half, then a small slice off each half.
 struct CutTorus {
   CutTorus()
-      : mesh(test::makeTorus(1.0, 0.4, 48, 16)), shop(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}) {
+      : mesh(test::makeTorus(1.0, 0.4, 48, 16)),
+        context(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}) {
     Part whole;
     whole.triangles = mesh.triangles;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -25,23 +26,23 @@ struct CutTorus {
     for (const Plane& plane : {Plane{Vec3::UnitX(), 0.0}, Plane{Vec3::UnitZ(), 0.9}}) {
       std::vector<Part> next;
       for (const Part& piece : pieces) {
-        CutResult cut = cutPart(piece, shop.points[0], plane, shop.onPlane[0], shop.pointCount());
-        shop.addCutPoints(cut.newPoints);
+        CutResult cut = cutPart(piece, context.points[0], plane, context.onPlane[0], context.pointCount());
+        context.addCutPoints(cut.newPoints);
         next.push_back(std::move(cut.above));
         next.push_back(std::move(cut.below));
       }
       pieces = std::move(next);
     }
-    for (Part& piece : pieces) parts.push_back(measure(std::move(piece), shop));
+    for (Part& piece : pieces) parts.push_back(measure(std::move(piece), context));
   }
   TriMesh mesh;
-  Workshop shop;
-  std::vector<Workpiece> parts;
+  CutContext context;
+  std::vector<Piece> parts;
 };
 
-double hullVolume(const std::vector<Workpiece>& parts) {
+double hullVolume(const std::vector<Piece>& parts) {
   double sum = 0.0;
-  for (const Workpiece& part : parts) sum += part.totalHullVolume();
+  for (const Piece& part : parts) sum += part.totalHullVolume();
   return sum;
 }
 
@@ -51,13 +52,13 @@ TEST(Improve, SavesHullVolumeAndLosesNothing) {
   SplitEffort effort;
   effort.shortlist = 2;
   effort.axisPlanes = 6;
-  ASSERT_TRUE(improve(torus.parts, torus.shop, effort, 6, [] { return true; }));
+  ASSERT_TRUE(improve(torus.parts, torus.context, effort, 6, [] { return true; }));
   EXPECT_EQ(torus.parts.size(), 4u);
   EXPECT_LT(hullVolume(torus.parts), 0.95 * before);
   double volume = 0.0;
-  for (const Workpiece& part : torus.parts) {
+  for (const Piece& part : torus.parts) {
     volume += part.volume[0];
-    EXPECT_NEAR(partHull(part.part, torus.shop.points[0]).volume, part.hullVolume[0], 1e-9);
+    EXPECT_NEAR(partHull(part.part, torus.context.points[0]).volume, part.hullVolume[0], 1e-9);
     std::map<std::array<PointIndex, 2>, int> balance;
     for (const Triangle& t : part.part.triangles) {
       for (int e = 0; e < 3; ++e) {
@@ -67,12 +68,12 @@ TEST(Improve, SavesHullVolumeAndLosesNothing) {
     }
     for (const auto& [edge, count] : balance) EXPECT_EQ(count, 0);
   }
-  EXPECT_NEAR(volume, torus.shop.meshVolume[0], 1e-9);
+  EXPECT_NEAR(volume, torus.context.meshVolume[0], 1e-9);
 }
 
 TEST(Improve, CanBeCancelled) {
   CutTorus torus;
-  EXPECT_FALSE(improve(torus.parts, torus.shop, {}, 6, [] { return false; }));
+  EXPECT_FALSE(improve(torus.parts, torus.context, {}, 6, [] { return false; }));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace lorica {
 namespace {
 
-/// A torus in two poses: as it is, and bent and stretched.
+/// A torus in two poses: unchanged, and bent and stretched.
 struct Animated {
   TriMesh mesh = test::makeTorus(1.0, 0.3, 24, 12);
   std::vector<Vec3> positions = mesh.vertices;
@@ -54,7 +54,7 @@ TEST_P(LevelOfDetail, EveryLevelIsADecompositionOfTheMesh) {
         volume += signedVolume(points, part.triangles);
         ASSERT_EQ(part.triangles.size(), part.sourceTriangle.size());
         for (const std::int32_t source : part.sourceTriangle) {
-          if (source >= 0) covered[static_cast<std::size_t>(source)] = true;
+          if (source >= 0) covered[source] = true;
         }
       }
       EXPECT_NEAR(volume, meshVolume, 1e-9 * meshVolume) << n << " parts, keyframe " << k;
@@ -63,13 +63,13 @@ TEST_P(LevelOfDetail, EveryLevelIsADecompositionOfTheMesh) {
   }
 }
 
-TEST_P(LevelOfDetail, LadderSaysWhatTheJoinedPartsMeasure) {
+TEST_P(LevelOfDetail, DetailLevelsSaysWhatTheJoinedPartsMeasure) {
   const Animated animated;
   const Decomposition all = decomposed(animated, GetParam());
-  const std::vector<DetailLevel> ladder = detailLadder(all, animated.mesh, animated.keyframes());
-  ASSERT_EQ(ladder.size(), all.parts.size());
+  const std::vector<DetailLevel> levels = detailLevels(all, animated.mesh, animated.keyframes());
+  ASSERT_EQ(levels.size(), all.parts.size());
   for (int n = 1; n <= static_cast<int>(all.parts.size()); ++n) {
-    // The slow way: join the triangles, then take the hulls of all their points.
+    // Slow reference: merge the triangles, then compute the hulls of all their points.
     const Decomposition level = levelOfDetail(all, n);
     double errors[2];
     int hullVertices[2] = {0, 0};
@@ -79,20 +79,20 @@ TEST_P(LevelOfDetail, LadderSaysWhatTheJoinedPartsMeasure) {
       transfer(level, animated.keyframes().keyframe(k), points);
       for (const ConvexHull& hull : partHulls(level, points)) hullVertices[k] += std::ssize(hull.vertices);
     }
-    const DetailLevel& judged = ladder[static_cast<std::size_t>(n) - 1];
+    const DetailLevel& judged = levels[static_cast<std::size_t>(n) - 1];
     EXPECT_NEAR(judged.meanError, 0.5 * (errors[0] + errors[1]), 1e-8) << n;
     EXPECT_NEAR(judged.worstError, std::max(errors[0], errors[1]), 1e-8) << n;
-    // Points in a face or on an edge, such as those of former cuts, are vertices or not by rounding. The ladder goes
-    // from hull to hull and loses some of them on the way.
-    const int most = std::max(hullVertices[0], hullVertices[1]);
-    EXPECT_LE(judged.hullVertices, 1.02 * most) << n;
-    EXPECT_GE(judged.hullVertices, 0.75 * most) << n;
+    // Rounding decides whether points in a face or on an edge, such as those of former cuts, are vertices.
+    // detailLevels() goes from hull to hull and loses some of them.
+    const int max = std::max(hullVertices[0], hullVertices[1]);
+    EXPECT_LE(judged.hullVertices, 1.02 * max) << n;
+    EXPECT_GE(judged.hullVertices, 0.75 * max) << n;
   }
-  EXPECT_GT(ladder.front().meanError, 2.0 * ladder.back().meanError);
+  EXPECT_GT(levels.front().meanError, 2.0 * levels.back().meanError);
 }
 
 TEST(LevelOfDetail, OnePartOfAPaperCutIsTheMeshAgain) {
-  // A single cut has a cap that both halves share, triangle by triangle: without it the L-shape is whole again.
+  // After a single cut both halves share the same cap triangles: without them the L-shape is restored.
   const TriMesh mesh = test::makeLShape();
   DecomposeSettings settings;
   settings.maxParts = 2;
@@ -118,21 +118,21 @@ TEST(LevelOfDetail, AllPartsAreTheDecompositionItself) {
   EXPECT_EQ(hashOf(levelOfDetail(all, static_cast<int>(all.parts.size()))), hashOf(all));
 }
 
-TEST(DetailLadder, OfTheLShapeHasItsClosedForm) {
+TEST(DetailLevels, OfTheLShapeHasItsClosedForm) {
   const TriMesh mesh = test::makeLShape();
   DecomposeSettings settings;
   settings.maxParts = 2;
   const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
   const auto both = decompose(mesh, pose, settings);
   ASSERT_TRUE(both.ok());
-  const std::vector<DetailLevel> ladder = detailLadder(*both, mesh, pose);
-  ASSERT_EQ(ladder.size(), 2u);
-  // One hull: a pentagon times a height, 3.5 for 3. Two: boxes.
-  EXPECT_NEAR(ladder[0].meanError, 0.5 / 3.0, 1e-12);
-  EXPECT_NEAR(ladder[0].worstError, 0.5 / 3.0, 1e-12);
-  EXPECT_EQ(ladder[0].hullVertices, 10);
-  EXPECT_NEAR(ladder[1].meanError, 0.0, 1e-12);
-  EXPECT_EQ(ladder[1].hullVertices, 16);
+  const std::vector<DetailLevel> levels = detailLevels(*both, mesh, pose);
+  ASSERT_EQ(levels.size(), 2u);
+  // One hull: an extruded pentagon of volume 3.5 for a mesh of 3. Two hulls: boxes.
+  EXPECT_NEAR(levels[0].meanError, 0.5 / 3.0, 1e-12);
+  EXPECT_NEAR(levels[0].worstError, 0.5 / 3.0, 1e-12);
+  EXPECT_EQ(levels[0].hullVertices, 10);
+  EXPECT_NEAR(levels[1].meanError, 0.0, 1e-12);
+  EXPECT_EQ(levels[1].hullVertices, 16);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ std::string packed(const Numbers& values) {
 }
 
 TEST(PackedNumbers, LayoutIsAsDocumented) {
-  // Lengths 1, 2, 3, 4 less 1 in two bits each, lowest first: 0b11100100; then 0b00 for the fifth number.
+  // Lengths 1, 2, 3, 4 minus 1 in two bits each, lowest first: 0b11100100; then 0b00 for the fifth number.
   EXPECT_EQ(packed({5, 0x0102, 0x030405, 0x06070809, 0xFF}),
             std::string("\xE4\x00\x05\x02\x01\x05\x04\x03\x09\x08\x07\x06\xFF", 13));
   EXPECT_EQ(packed({}), "");
@@ -28,7 +28,7 @@ TEST(PackedNumbers, AnyNumbersAndCountsComeBack) {
   for (std::size_t count = 0; count < 70; ++count) {
     Numbers values(count);
     for (std::uint32_t& value : values) value = random() >> (random() % 32);
-    // Something follows in most files, and nothing at the end of some.
+    // With and without bytes after the numbers.
     for (const std::string& after : {std::string(), std::string("\xFF\xFF"), std::string(40, '\xFF')}) {
       const std::string bytes = packed(values) + after;
       Numbers read(count, 1);
@@ -45,7 +45,7 @@ TEST(PackedNumbers, BytesThatEndTooSoonAreRefused) {
   const std::string bytes = packed(values);
   Numbers read(values.size());
   for (std::size_t length = 0; length < bytes.size(); ++length) {
-    // A copy that is no longer than it says, so that a look beyond its end shows in a sanitized build.
+    // A copy of exactly this size, so that a sanitizer detects reads beyond its end.
     const std::vector<char> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
     EXPECT_FALSE(unpack({cut.data(), cut.size()}, read)) << length;
   }

@@ -10,8 +10,8 @@
 namespace lorica {
 namespace {
 
-/// A torus with a wave in it, twice as keyframes. Positions lie on a coarse grid, so that no mathematical library has a
-/// say in them.
+/// A torus in two keyframes, the second deformed. Positions are on a coarse grid, so that they do not depend on the
+/// math library.
 struct Subject {
   Subject() : mesh(test::makeTorus(1.0, 0.4, 40, 20)) {
     for (Vec3& v : mesh.vertices) v = snapped(v);
@@ -27,8 +27,8 @@ struct Subject {
   std::vector<Vec3> keyframes;
 };
 
-/// What every compiler, at every level of optimisation, on any number of threads has to come to. These change when the
-/// algorithm does: then take the new ones, and raise kAlgorithmVersion in apps/decomposition_cache.cpp.
+/// Expected hashes for every compiler, optimization level and number of threads. If the algorithm changes, update them
+/// and increase kAlgorithmVersion in acd/decompose.h.
 class SameEverywhere : public ::testing::TestWithParam<std::tuple<DecomposePreset, const char*>> {};
 
 TEST_P(SameEverywhere, HashOfTheResult) {

@@ -1,6 +1,5 @@
 #include "acd/score.h"
 
-#include "acd/nearest_triangle.h"
 #include "acd/volume_coverage.h"
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
@@ -20,7 +19,7 @@ Score scoreOf(const TriMesh& mesh, const std::vector<TriMesh>& parts, const Scor
   return result.ok() ? *result : Score{};
 }
 
-/// What sampling may miss, and what rounding may.
+/// Tolerances for sampling errors and for rounding errors.
 double allowance(const Score& s) {
   return 4.0 * s.score16StandardError + 1e-9;
 }
@@ -65,7 +64,7 @@ TEST(Score, PartOutsideTheMeshCoversNothing) {
 }
 
 TEST(Score, DistanceIsToTheHullsSurfaceFromInsideToo) {
-  // A hull 0.25 larger on all sides: the nearest face is the parallel one, 0.25 away, wherever one stands on the cube.
+  // A hull 0.25 larger on all sides: the nearest face is the parallel one, 0.25 from every point of the cube.
   const Score s = scoreOf(kUnitCube, {test::makeBox({-0.25, -0.25, -0.25}, {1.25, 1.25, 1.25})});
   EXPECT_NEAR(s.distance, 0.25, 1e-12);
   EXPECT_NEAR(s.uncoveredFraction, 0.0, 1e-12);
@@ -101,7 +100,7 @@ TEST(Score, TorusHalfCoveredByASlantedBox) {
 }
 
 TEST(Score, StandardErrorIsHonestOverManySeeds) {
-  // A ball around a corner of the cube covers an eighth of itself: the facets too are the same in all octants.
+  // Of a ball around a corner of the cube, an eighth is inside: the facets are the same in all octants.
   const TriMesh ball = test::makeSphere(1.0, 40, 80);
   const double covered = signedVolume(ball.vertices, ball.triangles) / 8.0;
   ScoreSettings settings;
@@ -220,51 +219,6 @@ TEST(Score, BunnyByItsHull) {
   EXPECT_NEAR(s.score17, signedVolume(bunny->vertices, bunny->triangles) / convexHullVolume(bunny->vertices), 1e-12);
   EXPECT_NEAR(s.score16, s.score17, 1e-9);
   EXPECT_GT(s.distancePercentDiagonal, 0.1);
-}
-
-TEST(NearestTriangle, AgreesWithTryingAll) {
-  const unsigned seed = 3;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  const auto point = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
-  std::vector<std::array<Vec3, 3>> triangles;
-  for (int i = 0; i < 300; ++i) {
-    const Vec3 a = 3.0 * point();
-    triangles.push_back({a, a + 0.3 * point(), a + 0.3 * point()});
-    if (i % 10 == 0) triangles.back()[2] = triangles.back()[1];
-    if (i % 20 == 0) triangles.back()[1] = triangles.back()[2] = triangles.back()[0];
-  }
-  const NearestTriangle nearest(triangles);
-  for (int i = 0; i < 300; ++i) {
-    const Vec3 p = 4.0 * point();
-    double best = std::numeric_limits<double>::infinity();
-    for (const auto& t : triangles) best = std::min(best, std::sqrt(distanceSqToTriangle(p, t)));
-    EXPECT_DOUBLE_EQ(nearest.distance(p), best);
-  }
-}
-
-TEST(NearestTriangle, DistanceToOneTriangleAgreesWithManyPointsOnIt) {
-  const unsigned seed = 4;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  const auto point = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
-  for (int i = 0; i < 50; ++i) {
-    const std::array<Vec3, 3> t = {point(), point(), point()};
-    const Vec3 p = point();
-    double best = std::numeric_limits<double>::infinity();
-    const int n = 200;
-    for (int u = 0; u <= n; ++u) {
-      for (int v = 0; u + v <= n; ++v) {
-        const Vec3 on = (t[0] * u + t[1] * v + t[2] * (n - u - v)) / n;
-        best = std::min(best, (on - p).norm());
-      }
-    }
-    const double distance = std::sqrt(distanceSqToTriangle(p, t));
-    EXPECT_LE(distance, best + 1e-12);
-    EXPECT_GT(distance, best - 0.03);
-  }
 }
 
 }  // namespace

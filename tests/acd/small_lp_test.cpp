@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kReach = 50.0;
 
-/// The least objective over all corners that three planes at a time make: slow, and sure.
+/// Slow reference: the minimum objective over all intersections of three planes.
 double byCorners(const Vec3& objective, std::vector<HalfSpace> halfSpaces) {
   for (int axis = 0; axis < 3; ++axis) {
     halfSpaces.push_back({Vec3::Unit(axis), -kReach});

@@ -10,42 +10,42 @@
 #include <map>
 #include <utility>
 
-// More than a thousand hard meshes from fixed seeds. What must hold for every one:
-//   - a decomposition, or a sentence; a sentence only where a keyframe is open, flat or inside out as a whole;
-//   - every vertex of the surface lies in a hull, in every keyframe;
+// More than a thousand hard meshes from fixed seeds. Checked for every one:
+//   - decompose() succeeds, or returns an error; an error only if a keyframe is open, flat or inside out as a whole;
+//   - every vertex of the surface is in a hull, in every keyframe;
 //   - the parts' volumes add up to the whole, in every keyframe;
 //   - every part is closed;
 //   - the same hash on one thread and on three.
-// And for meshes without places that are inside out, in a single keyframe: no part has a negative volume. That is as
-// far as it goes. A part's volume is the integral of the surface's winding number over the part's side of flat cuts, so
-// where the surface passes through itself the wrong way a part can come out negative. In other keyframes than the one
-// of the cut the cap bends, and one half's gain is the other's loss: the sum holds, the sign need not.
+// For meshes that are nowhere inside out, and with a single keyframe, also: no part has a negative volume. More cannot
+// be guaranteed. A part's volume is the integral of the surface's winding number over the part's side of flat cuts, so
+// a part can be negative where the surface passes through itself inside out. In keyframes other than that of the cut
+// the cap bends, and one half gains the volume that the other loses: the sum is correct, the signs need not be.
 
 namespace lorica::test {
 namespace {
 
-/// Six times the volume in extended precision, so that the test's own rounding does not count.
+/// Six times the volume in extended precision, to avoid rounding errors in the test.
 long double sixfoldVolume(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0.0L;
   using Vec3l = Eigen::Matrix<long double, 3, 1>;
-  const Vec3l apex = points[static_cast<std::size_t>(triangles[0][0])].cast<long double>();
+  const Vec3l apex = points[triangles[0][0]].cast<long double>();
   long double sum = 0.0L;
   for (const Triangle& t : triangles) {
-    const Vec3l a = points[static_cast<std::size_t>(t[0])].cast<long double>() - apex;
-    const Vec3l b = points[static_cast<std::size_t>(t[1])].cast<long double>() - apex;
-    const Vec3l c = points[static_cast<std::size_t>(t[2])].cast<long double>() - apex;
+    const Vec3l a = points[t[0]].cast<long double>() - apex;
+    const Vec3l b = points[t[1]].cast<long double>() - apex;
+    const Vec3l c = points[t[2]].cast<long double>() - apex;
     sum += a.dot(b.cross(c));
   }
   return sum;
 }
 
-/// How far a point lies outside a hull [m], leaving out faces that are too thin to have a plane.
+/// Distance of a point outside a hull [m], ignoring faces that are too thin to have a reliable plane.
 double distanceOutside(const ConvexHull& hull, const Vec3& p, double diagonal) {
   double worst = 0.0;
   for (const Triangle& t : hull.triangles) {
-    const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vec3 ab = hull.vertices[static_cast<std::size_t>(t[1])] - a;
-    const Vec3 ac = hull.vertices[static_cast<std::size_t>(t[2])] - a;
+    const Vec3& a = hull.vertices[t[0]];
+    const Vec3 ab = hull.vertices[t[1]] - a;
+    const Vec3 ac = hull.vertices[t[2]] - a;
     const Vec3 normal = ab.cross(ac);
     const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
     if (normal.norm() <= 1e-7 * diagonal * longest) continue;
@@ -98,28 +98,28 @@ void expectSound(const HardMesh& hard, const Decomposition& d, const DecomposeSe
     const double diagonal = box.diagonal();
     const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
 
-    // Every part's points lie in its hull, and every vertex belongs to a part.
+    // Every part's points are in its hull, and every vertex belongs to a part.
     std::vector<bool> covered(vertexCount, false);
     for (const Part& part : d.parts) {
       const ConvexHull hull = partHull(part, points);
       for (const PointIndex p : part.points) {
-        const double outside = distanceOutside(hull, points[static_cast<std::size_t>(p)], diagonal);
+        const double outside = distanceOutside(hull, points[p], diagonal);
         ASSERT_LE(outside, 1e-7 * diagonal + 1e-15 * largest) << "point " << p;
-        if (p < d.vertexCount) covered[static_cast<std::size_t>(p)] = true;
+        if (p < d.vertexCount) covered[p] = true;
       }
     }
     for (const Triangle& t : hard.mesh.triangles) {
-      for (const VertexIndex v : t) ASSERT_TRUE(covered[static_cast<std::size_t>(v)]) << "vertex " << v;
+      for (const VertexIndex v : t) ASSERT_TRUE(covered[v]) << "vertex " << v;
     }
 
-    // A cut point is rounded to 1e-16 of the coordinates, which moves the surface it lies on by as much.
+    // A cut point is rounded to 1e-16 of the coordinates, which moves the surface by the same distance.
     const double whole = static_cast<double>(sixfoldVolume(poses.keyframe(k), hard.mesh.triangles)) / 6.0;
     const double rounding = 1e-15 * largest * surfaceArea(poses.keyframe(k), hard.mesh.triangles);
     long double sum = 0.0L;
     for (const Part& part : d.parts) {
       const long double volume = sixfoldVolume(points, part.triangles) / 6.0L;
       sum += volume;
-      // Up to 1e-9 of the diagonal a point counts as on a plane: a cap may lie as far beside it.
+      // Points up to 1e-9 of the diagonal from a plane count as on it: a cap may be off the plane by this distance.
       if (hard.solid && poses.keyframeCount() == 1) {
         EXPECT_GE(static_cast<double>(volume), -1e-9 * diagonal * diagonal * diagonal - rounding);
       }
@@ -128,7 +128,7 @@ void expectSound(const HardMesh& hard, const Decomposition& d, const DecomposeSe
   }
 }
 
-/// The check that decompose() promises for every keyframe.
+/// The check that decompose() performs for every keyframe.
 bool acceptable(const HardMesh& hard) {
   const PoseView poses{hard.keyframes, static_cast<int>(hard.mesh.vertices.size())};
   for (int k = 0; k < poses.keyframeCount(); ++k) {
@@ -141,9 +141,9 @@ bool acceptable(const HardMesh& hard) {
 struct Family {
   const char* name;
   HardMesh (*make)(Dice&);
-  std::uint64_t seed;  ///< of the first mesh, one more for each that follows
+  std::uint64_t seed;  ///< of the first mesh, incremented for each further mesh
   int count;
-  int leastAccepted;  ///< of so many: a family that is refused tests nothing
+  int minAccepted;  ///< minimum number of accepted meshes: a rejected family tests nothing
 };
 
 void PrintTo(const Family& family, std::ostream* out) {
@@ -161,12 +161,12 @@ TEST_P(Torture, ComesOutWholeOrRefusedInASentence) {
     Dice dice(seed);
     const HardMesh hard = family.make(dice);
     DecomposeSettings settings;
-    settings.maxParts = std::array<int, 6>{0, 1, 2, 4, 7, 16}[static_cast<std::size_t>(dice.whole(0, 5))];
+    settings.maxParts = std::array<int, 6>{0, 1, 2, 4, 7, 16}[dice.whole(0, 5)];
     settings.preset = i % 8 == 3    ? DecomposePreset::kPaper
                       : i % 16 == 5 ? DecomposePreset::kQuality
                                     : DecomposePreset::kFast;
     settings.threads = 1;
-    // Left to itself it must come to an end, and not by cutting crumbs.
+    // Without a part limit it must terminate, and not by cutting off tiny pieces.
     const int tooMany = 200 + 4 * static_cast<int>(hard.mesh.triangles.size());
     settings.progress = [&](int partsDone, int) { return partsDone < tooMany; };
     const PoseView poses{hard.keyframes, static_cast<int>(hard.mesh.vertices.size())};
@@ -190,7 +190,7 @@ TEST_P(Torture, ComesOutWholeOrRefusedInASentence) {
       EXPECT_EQ(hashOf(*d), hashOf(*again));
     }
   }
-  EXPECT_GE(accepted, family.leastAccepted);
+  EXPECT_GE(accepted, family.minAccepted);
 }
 
 std::string nameOfFamily(const testing::TestParamInfo<Family>& info) {

@@ -17,7 +17,7 @@
 namespace lorica {
 namespace {
 
-/// A probe for each corner of a box about the origin, and some along its edges: alike under every mirror.
+/// A probe at each corner of a box around the origin, and some along its edges: symmetric under all reflections.
 std::vector<Vec3> boxPoints(const Vec3& half) {
   std::vector<Vec3> points;
   for (const double x : {-1.0, -0.5, 0.5, 1.0}) {
@@ -28,7 +28,7 @@ std::vector<Vec3> boxPoints(const Vec3& half) {
   return points;
 }
 
-/// A range with these keyframes, all of one size and about their centroid.
+/// A range with these keyframes, which have the same size and are relative to their centroid.
 TrainingRange rangeOf(std::initializer_list<std::vector<Vec3>> keyframes) {
   TrainingRange range;
   range.keyframeCount = static_cast<int>(keyframes.size());
@@ -60,7 +60,7 @@ std::vector<Vec3> randomPoints(RandomNumbers& random, std::size_t count) {
   return points;
 }
 
-/// The other way: the best rotation itself, from a singular value decomposition (Kabsch 1976), then the distances.
+/// Independent reference: the best rotation, from a singular value decomposition (Kabsch 1976), then the distances.
 double distanceByKabsch(std::span<const Vec3> a, std::span<const Vec3> b) {
   Mat3 s = Mat3::Zero();
   for (std::size_t i = 0; i < a.size(); ++i) s += b[i] * a[i].transpose();
@@ -80,7 +80,7 @@ TEST(RigidDistance, EqualsWhatTheBestRotationLeaves) {
     const std::vector<Vec3> a = randomPoints(random, count);
     std::vector<Vec3> b = randomPoints(random, count);
     if (i % 2 == 0) {
-      // Not far apart, as poses of one body are; and mirrored, where the best orthogonal map is no rotation.
+      // Near each other, like poses of one body; and mirrored, where the best orthogonal map is not a rotation.
       for (std::size_t k = 0; k < count; ++k) b[k] = a[k] + 0.1 * b[k];
       if (i % 4 == 0) {
         for (Vec3& p : b) p.x() = -p.x();
@@ -104,16 +104,15 @@ TEST(TrainingDistance, IsWhatIsKnownInClosedForm) {
   const std::vector<Vec3> box = boxPoints({3.0, 2.0, 1.0});
   const TrainingRange range = rangeOf({box});
   RandomNumbers random(3);
-  // Both halves drawn apart by d each: no rotation helps, and every probe is d away.
+  // Each half moved outwards by d: no rotation helps, and every probe is d away.
   std::vector<Vec3> stretched = box;
   for (Vec3& p : stretched) p.x() += p.x() > 0.0 ? 0.25 : -0.25;
   EXPECT_NEAR(trainingDistance(range, moved(stretched, randomMotion(random))), 0.25, 1e-6);
-  // All of it larger by a tenth: a tenth of the root mean square distance from the centroid, 0.625 * 9 + 4 + 1.
+  // Enlarged by a tenth: a tenth of the root mean square distance from the centroid, 0.625 * 9 + 4 + 1.
   std::vector<Vec3> larger = box;
   for (Vec3& p : larger) p *= 1.1;
   EXPECT_NEAR(trainingDistance(range, moved(larger, randomMotion(random))), 0.1 * std::sqrt(10.625), 1e-6);
-  // One probe of n moved by d along the line from the centroid: d sqrt(1 / n - 1 / n^2), less what a turn gains, which
-  // is none.
+  // One probe of n moved by d along the line from the centroid: d sqrt(1 / n - 1 / n^2); a rotation gains nothing.
   const std::vector<Vec3> cross = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<Vec3> longer = cross;
   longer[0].x() += 0.3;
@@ -157,7 +156,7 @@ TEST(TrainingDistance, AllocatesNothing) {
   EXPECT_GT(distance, 0.1);
 }
 
-/// A torus bent ever more about the x axis: an animation of three keyframes and what lies between them.
+/// A torus bent increasingly about the x axis: an animation of three keyframes and the poses between them.
 class BentTorus : public testing::Test {
  protected:
   std::vector<Vec3> bentBy(double strength) const {
@@ -194,7 +193,7 @@ TEST_F(BentTorus, ProbesAreSpreadOverAllParts) {
     const Decomposition decomposition = decomposedTo(parts);
     const TrainingRange range = trainingRange(decomposition, view(keyframes_));
     const std::set<PointIndex> probes(range.probes.begin(), range.probes.end());
-    EXPECT_EQ(probes.size(), range.probes.size()) << "each once";
+    EXPECT_EQ(probes.size(), range.probes.size()) << "no duplicates";
     EXPECT_EQ(probes.size(), std::clamp<std::size_t>(4 * decomposition.parts.size(), 32, 128));
     EXPECT_EQ(range.keyframeCount, 3);
     EXPECT_EQ(range.positions.size(), 3 * range.probes.size());
@@ -211,11 +210,10 @@ TEST_F(BentTorus, ProbesAreSpreadOverAllParts) {
       Aabb box;
       double worst = 0.0;
       for (const PointIndex p : part.points) {
-        box.extend(points[static_cast<std::size_t>(p)]);
+        box.extend(points[p]);
         double nearest = std::numeric_limits<double>::infinity();
         for (const PointIndex q : own) {
-          nearest =
-              std::min(nearest, (points[static_cast<std::size_t>(p)] - points[static_cast<std::size_t>(q)]).norm());
+          nearest = std::min(nearest, (points[p] - points[q]).norm());
         }
         worst = std::max(worst, nearest);
       }
@@ -232,10 +230,10 @@ TEST_F(BentTorus, KeyframesAreKeptAboutTheirCentroidsAndTheGuessIsAShareOfTheirS
     std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
     transfer(decomposition, view(keyframes_).keyframe(k), points);
     Vec3 centroid = Vec3::Zero();
-    for (const PointIndex p : range.probes) centroid += points[static_cast<std::size_t>(p)];
+    for (const PointIndex p : range.probes) centroid += points[p];
     centroid /= static_cast<double>(range.probes.size());
     for (std::size_t i = 0; i < range.probes.size(); ++i) {
-      const Vec3 expected = points[static_cast<std::size_t>(range.probes[i])] - centroid;
+      const Vec3 expected = points[range.probes[i]] - centroid;
       EXPECT_LT((range.keyframe(k)[i] - expected).norm(), 1e-12);
       sumSq += expected.squaredNorm();
     }
@@ -254,7 +252,7 @@ TEST_F(BentTorus, FramesOfTheTrainingMotionAreKnownAndFartherPosesAreNot) {
   for (const double strength : between) {
     EXPECT_LE(distanceOf(range, decomposition, strength), range.knownDistance) << strength;
   }
-  // Half way between two keyframes is the farthest; beyond the last it grows and grows.
+  // Between two keyframes the distance is largest halfway; beyond the last keyframe it increases.
   EXPECT_NEAR(distanceOf(range, decomposition, 0.1), range.knownDistance, 0.1 * range.knownDistance);
   double before = range.knownDistance;
   for (const double strength : {0.55, 0.7, 1.0, 2.0}) {

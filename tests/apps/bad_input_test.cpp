@@ -9,7 +9,7 @@
 namespace lorica::test {
 namespace {
 
-/// Wrong input is one sentence that starts with our name, exit code 2, and nothing on standard output.
+/// Expects one error message that starts with the program's name, exit code 2, and no standard output.
 void expectRefused(const CommandResult& result, const std::vector<std::string>& fragments) {
   EXPECT_EQ(result.exitCode, 2) << result.err;
   EXPECT_EQ(result.out, "");
@@ -19,7 +19,7 @@ void expectRefused(const CommandResult& result, const std::vector<std::string>& 
   }
 }
 
-/// Decomposes with every kind of output wanted and expects that none was left, not even a temporary file.
+/// Decomposes with all kinds of output and expects that no file is left, not even a temporary one.
 void expectMeshRefused(const TemporaryFolder& folder, const std::filesystem::path& mesh,
                        std::vector<std::string> fragments) {
   const std::vector<std::string> before = filesIn(folder.path());
@@ -100,7 +100,7 @@ TEST(BadMesh, FlatMeshIsRefused) {
                     {"volume"});
 }
 
-/// Plays a changed copy of `frames` frames and expects the fragments beside the file's name.
+/// Plays a file with this content and expects the fragments and the file's name in the error message.
 void expectRecordingRefused(const std::string& name, const std::string& content, std::vector<std::string> fragments) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.write(name, content);
@@ -112,7 +112,7 @@ void expectRecordingRefused(const std::string& name, const std::string& content,
   EXPECT_EQ(filesIn(folder.path()), before);
 }
 
-/// Four frames of a walk as a CSV: header and four rows.
+/// Four frames of a walk as CSV: a header and four rows.
 std::string shortRecording() {
   const TemporaryFolder folder;
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWalk);

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder with characters as users have them, made once; the cache is shared, so that each is decomposed once.
+/// A folder with typical user characters, made once; the cache is shared, so that each is decomposed once.
 struct Studio {
   TemporaryFolder folder;
   fs::path whole = folder.write("whole.glb", mannequinGlb(false));
@@ -66,7 +66,7 @@ TEST(Characters, InfoSaysWhatAFileHoldsAndWhatIsDoneAboutIt) {
 }
 
 TEST(Characters, ACharacterOfAFilePerformsAsTheBuiltInOneDoes) {
-  // The same mesh and joints with the same motion: the file's floats are all that differs.
+  // The same mesh, joints and motion; only the precision of the file's floats differs.
   const nlohmann::json built = jsonOf({"play", "wave", "--frames", "30"});
   const nlohmann::json read = jsonOf({"play", "wave", "--character", studio().whole, "--frames", "30"});
   EXPECT_EQ(read["parts"], 16);
@@ -102,7 +102,7 @@ TEST(Characters, BonesWithoutNamesAreFoundByShapeAndAMapPutsThemRight) {
   ASSERT_EQ(studio().run({"info", studio().nameless, "--write-map", map}).exitCode, 0);
   nlohmann::json written = nlohmann::json::parse(std::ifstream(map));
   EXPECT_EQ(written["bones"]["leftHand"], found["bones"]["leftHand"]);
-  // The arms change places, with all that hangs on them.
+  // Swap the arms and their descendants.
   const nlohmann::json before = written["bones"];
   for (const auto& [bone, joint] : before.items()) {
     const bool leg = bone.find("Leg") != std::string::npos || bone.find("Foot") != std::string::npos ||
@@ -133,7 +133,7 @@ TEST(Motions, ConvertedToBvhAndBackTheJointsAreWhereTheyWere) {
   for (std::size_t f = 0; f < before.size(); f += 7) {
     for (int j = 0; j < kBodyJointCount; ++j) {
       const auto joint = static_cast<BodyJoint>(j);
-      // Bones keep their length, which the bending trunk of the recording does not.
+      // Bones keep their length, but the bending trunk of the recording does not.
       EXPECT_LT((before[f][joint].position - after[f][joint].position).norm(), joint == BodyJoint::kTorso ? 0.03 : 0.02)
           << f << " " << nameOf(joint);
     }

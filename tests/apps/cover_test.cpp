@@ -18,7 +18,7 @@
 namespace lorica::test {
 namespace {
 
-/// A body of few parts, made of few points.
+/// A body with few parts from few keyframes.
 CommandResult decomposeBody(const std::filesystem::path& file, const std::vector<std::string>& more) {
   std::vector<std::string> arguments = {"decompose", "mannequin", "--parts", "8", "--keyframes", "2", "-o", file};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -26,7 +26,7 @@ CommandResult decomposeBody(const std::filesystem::path& file, const std::vector
   return runLorica(arguments);
 }
 
-/// One of at most 100 points a part, made once, with its exported hulls.
+/// A body with at most 100 points per part, made once, and its exported hulls.
 struct BoundedBody {
   TemporaryFolder folder;
   std::filesystem::path file = folder.path() / "body.lorica";
@@ -38,7 +38,7 @@ const BoundedBody& boundedBody() {
   return body;
 }
 
-/// What the command is told to choose covers in: the shipped recordings.
+/// The poses in which the command chooses covers: from the shipped recordings.
 CoverPoses posesOfTheCommand(const Character& character) {
   std::vector<std::vector<SkeletonFrame>> recordings;
   for (const char* name : {"walk", "wave", "jumping_jacks", "squat_and_reach", "punch_and_kick", "turn_around"}) {
@@ -47,7 +47,7 @@ CoverPoses posesOfTheCommand(const Character& character) {
   return coverPoses(character, performAll(character.skeleton, recordings).value()).value();
 }
 
-/// How far points of the parts are outside the hulls that a promise says, in the worst pose [m]: from scratch.
+/// Largest distance of the parts' points outside the hulls of the stored cover, over the poses [m].
 double farthestOut(const DecompositionFile& body, const std::vector<LiftedPoint>& lifted, BonePoseView poses,
                    int stride) {
   double farthest = 0.0;
@@ -55,11 +55,11 @@ double farthestOut(const DecompositionFile& body, const std::vector<LiftedPoint>
     for (std::size_t i = 0; i < body.decomposition.parts.size(); ++i) {
       std::vector<Vec3> corners;
       for (const CoverPoint& p : body.cover->points[i]) {
-        corners.push_back(positionOf(pushed(lifted[static_cast<std::size_t>(p.point)], p.outward), poses.pose(pose)));
+        corners.push_back(positionOf(pushed(lifted[p.point], p.outward), poses.pose(pose)));
       }
       std::vector<Vec3> points;
       for (const PointIndex p : body.decomposition.parts[i].points) {
-        points.push_back(positionOf(lifted[static_cast<std::size_t>(p)], poses.pose(pose)));
+        points.push_back(positionOf(lifted[p], poses.pose(pose)));
       }
       farthest = std::max(farthest, largestViolation(convexHull(corners), points));
     }
@@ -67,15 +67,15 @@ double farthestOut(const DecompositionFile& body, const std::vector<LiftedPoint>
   return farthest;
 }
 
-TEST(Cover, WhatIsPromisedIsKeptReportedAndStored) {
+TEST(Cover, IsKeptReportedAndStored) {
   const auto& [folder, file, hulls, made] = boundedBody();
   ASSERT_EQ(made.exitCode, 0) << made.err;
-  const nlohmann::json promise = made.json()["cover"];
-  EXPECT_EQ(promise["exact"], false);
-  EXPECT_EQ(promise["hullVertices"], 100);
-  EXPECT_EQ(promise["sampledPoses"], 128);
-  EXPECT_EQ(promise["heldOutPoses"], 128);
-  EXPECT_GT(promise["volumeGrowth"].get<double>(), 0.0);
+  const nlohmann::json figures = made.json()["cover"];
+  EXPECT_EQ(figures["exact"], false);
+  EXPECT_EQ(figures["hullVertices"], 100);
+  EXPECT_EQ(figures["sampledPoses"], 128);
+  EXPECT_EQ(figures["heldOutPoses"], 128);
+  EXPECT_GT(figures["volumeGrowth"].get<double>(), 0.0);
 
   const Result<DecompositionFile> body = readDecomposition(file);
   ASSERT_TRUE(body.ok()) << body.error().message;
@@ -83,10 +83,10 @@ TEST(Cover, WhatIsPromisedIsKeptReportedAndStored) {
   ASSERT_EQ(body->cover->points.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_LE(body->cover->points[i].size(), 100u);
-    EXPECT_EQ(promise["pointsPerPart"][i], body->cover->points[i].size());
+    EXPECT_EQ(figures["pointsPerPart"][i], body->cover->points[i].size());
   }
-  EXPECT_EQ(promise["growth"], body->cover->growth);
-  EXPECT_EQ(promise["heldOutShortfall"], body->cover->heldOutShortfall);
+  EXPECT_EQ(figures["growth"], body->cover->growth);
+  EXPECT_EQ(figures["heldOutShortfall"], body->cover->heldOutShortfall);
 
   const Character character = makeMannequin();
   const CoverPoses poses = posesOfTheCommand(character);
@@ -94,21 +94,21 @@ TEST(Cover, WhatIsPromisedIsKeptReportedAndStored) {
   EXPECT_LT(farthestOut(*body, lifted, poses.sampledView(), 4), 1e-5 * character.height);
   EXPECT_NEAR(farthestOut(*body, lifted, poses.heldOutView(), 1), body->cover->heldOutShortfall, 1e-6);
 
-  // The same in other words.
+  // `lorica info` reports the same.
   nlohmann::json info = runLorica({"info", file, "--json", "-"}).json()["cover"];
-  EXPECT_EQ(info["pointsPerPart"], promise["pointsPerPart"]);
-  EXPECT_EQ(info["heldOutShortfall"], promise["heldOutShortfall"]);
+  EXPECT_EQ(info["pointsPerPart"], figures["pointsPerPart"]);
+  EXPECT_EQ(info["heldOutShortfall"], figures["heldOutShortfall"]);
   const std::string text = runLorica({"info", file}).out;
-  EXPECT_NE(text.find("chosen in 128 poses, at most 100 a part"), std::string::npos) << text;
+  EXPECT_NE(text.find("chosen in 128 poses, at most 100 per part"), std::string::npos) << text;
   EXPECT_NE(text.find("in 128 other poses"), std::string::npos) << text;
 }
 
-TEST(Cover, PlayKeepsThePromiseOfTheFileUnlessToldOtherwise) {
+TEST(Cover, PlayUsesTheCoverOfTheFileUnlessAnotherIsRequested) {
   const TemporaryFolder folder;
   const std::filesystem::path few = boundedBody().file;
   const std::filesystem::path all = folder.path() / "all.lorica";
   ASSERT_EQ(decomposeBody(all, {"--cover", "exact"}).exitCode, 0);
-  EXPECT_FALSE(readDecomposition(all)->cover.has_value()) << "needs no words";
+  EXPECT_FALSE(readDecomposition(all)->cover.has_value()) << "exact is the default";
   CommandSurroundings surroundings;
   surroundings.cache = folder.path() / "cache";
   const auto play = [&](const std::filesystem::path& body, const std::vector<std::string>& more) {
@@ -128,7 +128,7 @@ TEST(Cover, PlayKeepsThePromiseOfTheFileUnlessToldOtherwise) {
   EXPECT_EQ(play(few, {"--cover", "exact"}), exact);
   EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica"));
 
-  // Chosen at the start it is the same promise, and next time it comes from the cache.
+  // Chosen by `play` it is the same cover; the next time it comes from the cache.
   EXPECT_EQ(play(all, {"--hull-vertices", "100"}), bounded);
   ASSERT_EQ(filesIn(surroundings.cache / "lorica").size(), 1u);
   const std::filesystem::path kept = surroundings.cache / "lorica" / filesIn(surroundings.cache / "lorica").front();
@@ -136,14 +136,14 @@ TEST(Cover, PlayKeepsThePromiseOfTheFileUnlessToldOtherwise) {
   EXPECT_EQ(play(all, {"--hull-vertices", "100"}), bounded);
   EXPECT_EQ(std::filesystem::last_write_time(kept), written);
   play(all, {"--cover", "0.02"});
-  EXPECT_EQ(filesIn(surroundings.cache / "lorica").size(), 2u) << "another promise has another place";
+  EXPECT_EQ(filesIn(surroundings.cache / "lorica").size(), 2u) << "another cover has another cache file";
 }
 
-TEST(Cover, ATighterToleranceKeepsMorePointsAndLessSticksOut) {
+TEST(Cover, ATighterToleranceKeepsMorePointsAndLessProtrudes) {
   const TemporaryFolder folder;
   const CommandResult made =
       decomposeBody(folder.path() / "loose.lorica", {"--cover", "0.02", "--hull-vertices", "5000"});
-  EXPECT_FALSE(made.json().contains("hullGrowth")) << "that is of bounded hulls in one pose";
+  EXPECT_FALSE(made.json().contains("hullGrowth")) << "hullGrowth is for limited hulls in one pose";
   const nlohmann::json loose = made.json()["cover"];
   const nlohmann::json tight = decomposeBody(folder.path() / "tight.lorica", {"--cover", "0.005"}).json()["cover"];
   EXPECT_EQ(loose["tolerance"], 0.02);
@@ -176,12 +176,12 @@ TEST(Cover, WrongValuesAreRefusedBeforeAnyWork) {
   }
 }
 
-TEST(Cover, AMeshThatDoesNotMoveHasNone) {
+TEST(Cover, AStaticMeshHasNone) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   const CommandResult refused = runLorica({"decompose", mesh, "--cover", "0.01"});
   EXPECT_EQ(refused.exitCode, 2);
-  EXPECT_NE(refused.err.find("--cover is for characters, and l.obj"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("--cover is for characters, but l.obj"), std::string::npos) << refused.err;
   const std::filesystem::path file = folder.path() / "l.lorica";
   const nlohmann::json made = runLorica({"decompose", mesh, "--hull-vertices", "8", "-o", file, "--json", "-"}).json();
   EXPECT_FALSE(made.contains("cover"));
@@ -204,13 +204,13 @@ TEST(Cover, ExportedHullsOfACharacterHoldTheWholePartInTheBindPose) {
     EXPECT_LE(objects[i].mesh.vertices.size(), 100u);
     std::vector<Vec3> points;
     for (const PointIndex p : decomposition.parts[i].points) {
-      points.push_back(positionOf(lifted[static_cast<std::size_t>(p)], bindPose));
+      points.push_back(positionOf(lifted[p], bindPose));
     }
     EXPECT_LT(largestViolation(convexHull(objects[i].mesh.vertices), points), 1e-9);
   }
 }
 
-TEST(Cover, CtrlCEndsTheChoice) {
+TEST(Cover, CtrlCCancelsTheChoice) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "body.lorica";
   ASSERT_EQ(decomposeBody(file, {}).exitCode, 0);
@@ -220,7 +220,7 @@ TEST(Cover, CtrlCEndsTheChoice) {
   const CommandResult result = runLorica({"play", "walk", "--decomposition", file, "--cover", "0.0002"}, surroundings);
   EXPECT_EQ(result.exitCode, 130) << result.err;
   EXPECT_EQ(result.out, "");
-  EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica")) << "nothing is kept of it";
+  EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica")) << "nothing is cached";
 }
 
 TEST(Training, EveryFrameOfTheTrainingIsKnownHoweverFewKeyframesThereAre) {
@@ -234,10 +234,10 @@ TEST(Training, EveryFrameOfTheTrainingIsKnownHoweverFewKeyframesThereAre) {
       runLorica({"play", "squat_and_reach", "--decomposition", file, "--json", "-"}).json()["training"];
   EXPECT_EQ(trained["framesOutside"], 0);
   EXPECT_NEAR(trained["largestDistance"].get<double>(), known, 1e-3 * known);
-  EXPECT_GT(known, 0.2) << "farther than the rule of thumb has it";
+  EXPECT_GT(known, 0.2) << "greater than the default rule";
 }
 
-TEST(Training, PlaySaysWhenTheBodyLeavesWhatItWasTrainedOn) {
+TEST(Training, PlayReportsPosesOutsideTheTrainingRange) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "waver.lorica";
   const CommandResult made = runLorica(
@@ -266,12 +266,12 @@ TEST(Training, PlaySaysWhenTheBodyLeavesWhatItWasTrainedOn) {
   EXPECT_GT(frames, 50);
   const int first = outside["firstOutside"]["frame"];
   EXPECT_NEAR(outside["firstOutside"]["time"].get<double>(), first / 30.0, 1e-3);
-  // Stopped just before and just after it leaves.
+  // Stopped just before and just after it leaves the range.
   const auto until = [&file](int count) {
     return runLorica({"play", "squat_and_reach", "--decomposition", file, "--frames", std::to_string(count)}).out;
   };
-  EXPECT_NE(until(first).find("every pose is known: at most 0."), std::string::npos) << until(first);
-  EXPECT_NE(until(first + 1).find("1 of " + std::to_string(first + 1) + " frames outside the known range"),
+  EXPECT_NE(until(first).find("all poses are within the training range (0."), std::string::npos) << until(first);
+  EXPECT_NE(until(first + 1).find("1 of " + std::to_string(first + 1) + " frames outside the training range"),
             std::string::npos)
       << until(first + 1);
 }

@@ -79,7 +79,7 @@ TEST(Decompose, WhatIsWrittenIsNamed) {
   EXPECT_FALSE(neither.contains("exportObj"));
 }
 
-TEST(Decompose, StopsAtTheErrorAskedFor) {
+TEST(Decompose, StopsAtTheRequestedError) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const nlohmann::json json =
@@ -87,7 +87,7 @@ TEST(Decompose, StopsAtTheErrorAskedFor) {
   EXPECT_EQ(json["endedBy"], "error");
   EXPECT_EQ(json["maxError"], 0.2);
   EXPECT_LE(json["error"].get<double>(), 0.2);
-  // Cutting on would come closer still: it did stop, and far before the torus has no concave edge left.
+  // More cuts would reduce the error: it stopped long before no concave edge was left.
   EXPECT_GT(json["error"].get<double>(), 0.05);
   EXPECT_LT(json["parts"].get<int>(), 20);
   EXPECT_EQ(runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "0.2", "--json", "-"})
@@ -95,7 +95,7 @@ TEST(Decompose, StopsAtTheErrorAskedFor) {
             json["hash"]);
 }
 
-TEST(Decompose, StopsAtTheDistanceAskedFor) {
+TEST(Decompose, StopsAtTheRequestedDistance) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const nlohmann::json json =
@@ -106,13 +106,13 @@ TEST(Decompose, StopsAtTheDistanceAskedFor) {
   EXPECT_LT(json["parts"].get<int>(), 30);
 }
 
-TEST(Decompose, SaysWhenALimitCouldNotBeMet) {
+TEST(Decompose, ReportsALimitThatCouldNotBeMet) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const std::vector<std::string> arguments = {"decompose",   mesh,     "--parts",        "3",
                                               "--max-error", "0.0001", "--max-distance", "0.0001"};
   const CommandResult text = runLorica(arguments);
-  EXPECT_NE(text.out.find("the 3 parts asked for, before an error of 0.0 % or a distance of 0.0001 was reached"),
+  EXPECT_NE(text.out.find("the limit of 3 parts was reached; an error of 0.0 % or a distance of 0.0001 was not"),
             std::string::npos)
       << text.out;
   std::vector<std::string> withJson = arguments;
@@ -122,7 +122,7 @@ TEST(Decompose, SaysWhenALimitCouldNotBeMet) {
   EXPECT_GT(json["distance"].get<double>(), 0.0001);
 }
 
-TEST(Decompose, EdgeOfFourTrianglesIsMendedAndSaidSo) {
+TEST(Decompose, EdgeOfFourTrianglesIsRepairedAndReported) {
   const TemporaryFolder folder;
   // Two boxes that share the edge between their corners (1, 0, 1) and (1, 1, 1): four triangles meet there.
   TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
@@ -137,7 +137,7 @@ TEST(Decompose, EdgeOfFourTrianglesIsMendedAndSaidSo) {
   const std::filesystem::path file = writeObj(folder, "fan.obj", mesh);
   const nlohmann::json json = runLorica({"decompose", file, "--parts", "2", "--json", "-"}).json();
   EXPECT_NEAR(json["meshVolume"].get<double>(), 2.0, 1e-12);
-  EXPECT_NE(json["mended"].get<std::string>().find("1 edge"), std::string::npos) << json["mended"];
+  EXPECT_NE(json["repaired"].get<std::string>().find("1 edge"), std::string::npos) << json["repaired"];
 }
 
 TEST(Decompose, ConvexMeshIsNotCut) {
@@ -164,7 +164,7 @@ TEST(Decompose, ThreadsAndRunsAgree) {
   EXPECT_EQ(hashWith("3"), one);
 }
 
-/// How far the vertex that lies deepest outside all hulls is from being inside one.
+/// Largest distance of a vertex from its nearest hull; 0 if all are inside.
 double worstVertex(const TriMesh& mesh, const std::vector<NamedMesh>& objects) {
   std::vector<ConvexHull> hulls;
   for (const NamedMesh& object : objects) hulls.push_back(convexHull(object.mesh.vertices));
@@ -216,7 +216,7 @@ TEST(Decompose, CharacterTrainsOnKeyframes) {
   EXPECT_EQ(info["hash"], json["hash"]);
   EXPECT_EQ(info["error"], json["error"]);
 
-  // The bind pose was not trained on, and is covered all the same.
+  // The bind pose is not a keyframe, but its hulls are exported.
   const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
   ASSERT_TRUE(objects);
   EXPECT_EQ(objects->size(), 5u);
@@ -235,7 +235,7 @@ TEST(Decompose, MotionNamesWhatIsTrainedOn) {
 
 TEST(Decompose, InterruptLeavesNothingBehind) {
   const TemporaryFolder folder;
-  // Some 46,000 triangles without a part count: far more work than the pause.
+  // About 46,000 triangles without a maximum number of parts: far more work than the pause.
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 240, 96));
   const std::vector<std::string> before = filesIn(folder.path());
   const CommandResult result = runLorica({"decompose", mesh, "-o", folder.path() / "torus.lorica", "--export-obj",

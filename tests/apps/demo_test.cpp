@@ -47,7 +47,7 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
     EXPECT_GT(std::filesystem::file_size(pictures / "demo.mp4"), 10000u);
   }
 
-  // The cache holds one file, which the second run uses and a third, where it is damaged, replaces.
+  // The cache holds one file, which the second run uses; the third run replaces it because it is damaged.
   const std::vector<std::string> cached = filesIn(cache / "lorica");
   ASSERT_EQ(cached.size(), 1u);
   const nlohmann::json second = runLorica(arguments, surroundings).json();
@@ -62,9 +62,9 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
   EXPECT_EQ(third.json()["hash"], json["hash"]);
 }
 
-TEST(Demo, WithoutWhatWritesVideosThereArePictures) {
+TEST(Demo, WithoutTheVideoModuleThereArePictures) {
   const TemporaryFolder folder;
-  folder.write("liblorica_video.so", "");  // found first, and no library
+  folder.write("liblorica_video.so", "");  // found first, but not a library
   const CommandSurroundings surroundings = {.folder = folder.path(), .libraries = folder.path()};
   const CommandResult demo =
       runLorica({"demo", "--headless", "--seconds", "0.2", "--out", "pictures", "--json", "-"}, surroundings);
@@ -89,7 +89,7 @@ TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
                                          {.folder = folder.path(), .cache = {}, .interruptAfterMs = 0});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_NE(result.err.find("warning: "), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("not kept for the next start"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("is not cached"), std::string::npos) << result.err;
   EXPECT_NE(result.out.find("16 convex parts"), std::string::npos) << result.out;
 }
 

@@ -30,6 +30,12 @@ TEST(Command, HelpListsEveryCommand) {
   }
 }
 
+TEST(Command, HelpSeparatesOptionsFromTheirDescriptions) {
+  const std::string help = runLorica({"snapshot", "--help"}).out;
+  EXPECT_NE(help.find("  --target X,Y,Z Needs: --eye\n"), std::string::npos) << help;
+  EXPECT_NE(help.find("  --strip                     Combine"), std::string::npos) << help;
+}
+
 TEST(Command, SaysItsVersion) {
   const CommandResult result = runLorica({"--version"});
   EXPECT_EQ(result.exitCode, 0);

@@ -30,7 +30,7 @@ TEST(Info, SaysWhatIsWrongWithAnOpenMesh) {
   TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
   mesh.triangles.pop_back();
   const CommandResult result = runLorica({"info", writeObj(folder, "open.obj", mesh), "--json", "-"});
-  EXPECT_EQ(result.exitCode, 0) << "to look at a broken mesh is no error: " << result.err;
+  EXPECT_EQ(result.exitCode, 0) << "describing a broken mesh is not an error: " << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["closed"], false);
   EXPECT_NE(json["problem"].get<std::string>().find("edge"), std::string::npos) << json["problem"];
@@ -47,25 +47,25 @@ TEST(Info, DescribesTheMannequin) {
   EXPECT_EQ(json["kind"], "character");
   EXPECT_EQ(json["closed"], true) << json["problem"];
   EXPECT_GE(json["joints"].get<int>(), 22);
-  EXPECT_LE(json["influencesAtMost"].get<int>(), 4);
+  EXPECT_LE(json["maxInfluences"].get<int>(), 4);
   EXPECT_NEAR(json["height"].get<double>(), 1.75, 0.1);
 }
 
-TEST(Info, PrintsTheLadderAndWherePartsCameFrom) {
+TEST(Info, PrintsTheDetailLevelsAndWherePartsCameFrom) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   const std::filesystem::path file = folder.path() / "l.lorica";
   ASSERT_EQ(runLorica({"decompose", mesh, "--parts", "2", "-o", file}).exitCode, 0);
   const nlohmann::json json = runLorica({"info", file, "--json", "-"}).json();
-  // One hull: a pentagon times a height, 3.5 where the mesh has 3. Two: boxes.
-  ASSERT_EQ(json["ladder"].size(), 2u);
-  EXPECT_EQ(json["ladder"][0]["parts"], 1);
-  EXPECT_NEAR(json["ladder"][0]["error"].get<double>(), 0.5 / 3.0, 1e-9);
-  EXPECT_NEAR(json["ladder"][0]["worstError"].get<double>(), 0.5 / 3.0, 1e-9);
-  EXPECT_EQ(json["ladder"][0]["hullVertices"], 10);
-  EXPECT_EQ(json["ladder"][1]["parts"], 2);
-  EXPECT_NEAR(json["ladder"][1]["error"].get<double>(), 0.0, 1e-9);
-  EXPECT_EQ(json["ladder"][1]["hullVertices"], 16);
+  // One part: the hull is a pentagonal prism of volume 3.5, the mesh has 3. Two parts: boxes.
+  ASSERT_EQ(json["detailLevels"].size(), 2u);
+  EXPECT_EQ(json["detailLevels"][0]["parts"], 1);
+  EXPECT_NEAR(json["detailLevels"][0]["error"].get<double>(), 0.5 / 3.0, 1e-9);
+  EXPECT_NEAR(json["detailLevels"][0]["worstError"].get<double>(), 0.5 / 3.0, 1e-9);
+  EXPECT_EQ(json["detailLevels"][0]["hullVertices"], 10);
+  EXPECT_EQ(json["detailLevels"][1]["parts"], 2);
+  EXPECT_NEAR(json["detailLevels"][1]["error"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(json["detailLevels"][1]["hullVertices"], 16);
   ASSERT_EQ(json["partOrigins"].size(), 2u);
   std::set<int> sources;
   for (const nlohmann::json& part : json["partOrigins"]) {
@@ -92,9 +92,9 @@ TEST(Info, NamesTheBonesOfACharactersParts) {
   const nlohmann::json made =
       runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", file, "--json", "-"}).json();
   const nlohmann::json json = runLorica({"info", file, "--json", "-"}).json();
-  ASSERT_EQ(json["ladder"].size(), 4u);
-  EXPECT_NEAR(json["ladder"][3]["error"].get<double>(), made["error"].get<double>(), 1e-7);
-  EXPECT_GE(json["ladder"][3]["worstError"].get<double>(), json["ladder"][3]["error"].get<double>());
+  ASSERT_EQ(json["detailLevels"].size(), 4u);
+  EXPECT_NEAR(json["detailLevels"][3]["error"].get<double>(), made["error"].get<double>(), 1e-7);
+  EXPECT_GE(json["detailLevels"][3]["worstError"].get<double>(), json["detailLevels"][3]["error"].get<double>());
   ASSERT_EQ(json["partOrigins"].size(), 4u);
   for (const nlohmann::json& part : json["partOrigins"]) {
     double sum = 0.0;
@@ -111,13 +111,6 @@ TEST(Info, NamesTheBonesOfACharactersParts) {
   const std::string text = runLorica({"info", file}).out;
   EXPECT_NE(text.find("  worst keyframe  hull vertices\n"), std::string::npos) << text;
   EXPECT_NE(text.find("  bones, by share of the surface\n"), std::string::npos) << text;
-}
-
-TEST(Info, FileOfAnOlderLoricaSaysThatItHasNoLadder) {
-  const CommandResult result =
-      runLorica({"info", recordingsFolder().parent_path() / "tests" / "data" / "version1.lorica"});
-  EXPECT_EQ(result.exitCode, 0) << result.err;
-  EXPECT_NE(result.out.find("an older Lorica"), std::string::npos) << result.out;
 }
 
 TEST(Info, DescribesARecording) {

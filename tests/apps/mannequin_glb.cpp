@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Mixamo's name of a bone; the mannequin's own where Mixamo has none.
+/// Mixamo's name of a bone; the mannequin's own if Mixamo has none.
 std::string mixamoName(const Joint& joint) {
   static constexpr std::array<std::pair<const char*, const char*>, 22> kNames = {{
       {"hips", "Hips"},
@@ -52,7 +52,7 @@ Json numbers(const Quat& q) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
-/// A clip that turns one joint forward and back.
+/// Adds a clip that rotates one joint forward and back.
 void addClip(GlbWriter& writer, const std::string& name, int node, float seconds, float angle) {
   const float s = std::sin(0.5F * angle);
   const float c = std::cos(0.5F * angle);
@@ -87,7 +87,7 @@ std::string mannequinGlb(bool torn, bool named) {
   }
   std::vector<Affine3> jointFromMesh = character.jointFromModel;
   if (!named) {
-    // Centimetres that face aside, under an armature that puts both right.
+    // Bones in centimetres and facing sideways, under an armature that corrects both.
     const Quat turned(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()));
     const Affine3 worldFromArmature = JointTransform{Vec3::Zero(), turned, Vec3::Constant(0.01)}.matrix();
     const Affine3 larger = worldFromArmature.inverse();
@@ -123,7 +123,7 @@ std::string mannequinGlb(bool torn, bool named) {
       weight4.push_back(there ? static_cast<float>(character.influences[i].weight) : 0.0F);
     }
   }
-  // Bound one after the other: their order in the file must not hang on the compiler.
+  // Separate statements: the order in the file must not depend on the compiler.
   const int positions = writer.positions(character.mesh.vertices);
   const int indices = writer.triangles(triangles);
   const int jointsOf = writer.accessor(joint4, "VEC4");

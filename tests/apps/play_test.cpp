@@ -8,7 +8,7 @@
 namespace lorica::test {
 namespace {
 
-/// Few parts from few keyframes: quick to make, and as good as any to play with.
+/// A body with few parts from few keyframes, which is quick to make.
 std::filesystem::path makeBody(const TemporaryFolder& folder) {
   const std::filesystem::path body = folder.path() / "body.lorica";
   const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});

@@ -74,12 +74,12 @@ TEST_F(Replay, TheShippedDepthIsTrackedAndReplayedTheSameOnOneThreadAndTwo) {
   const CommandResult again = runLorica({"replay", session.string(), "--threads", "1", "--json", "-"});
   ASSERT_EQ(again.exitCode, 0) << again.err;
   EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
-  const CommandResult anew = record({"wave_depth", "--frames", "40", "--threads", "1", "--json", "-"});
-  ASSERT_EQ(anew.exitCode, 0) << anew.err;
-  EXPECT_EQ(anew.json()["hash"], made.json()["hash"]) << "the tracker sees the same";
+  const CommandResult second = record({"wave_depth", "--frames", "40", "--threads", "1", "--json", "-"});
+  ASSERT_EQ(second.exitCode, 0) << second.err;
+  EXPECT_EQ(second.json()["hash"], made.json()["hash"]) << "tracking is deterministic";
 }
 
-/// Whoever is killed loses no step that was done.
+/// A killed recording contains every completed step.
 TEST_F(Replay, AKilledRecordingIsReplayedAsFarAsItWent) {
   const fs::path part = folder.path() / "s.part.lsession";
   constexpr std::uintmax_t kEnough = 20000;  // about 20 steps
@@ -101,7 +101,7 @@ TEST_F(Replay, AKilledRecordingIsReplayedAsFarAsItWent) {
     kill(child, SIGKILL);
     waitpid(child, &status, 0);
   }
-  ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself before it could be killed";
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it ended before it could be killed";
   EXPECT_FALSE(fs::exists(session));
   const CommandResult again = runLorica({"replay", part.string(), "--json", "-"});
   ASSERT_EQ(again.exitCode, 0) << again.err;
@@ -110,7 +110,7 @@ TEST_F(Replay, AKilledRecordingIsReplayedAsFarAsItWent) {
   EXPECT_GE(again.json()["replayed"].get<int>(), static_cast<int>(kEnough / 1100));
 }
 
-TEST_F(Replay, WhatDiffersOrIsMissingIsSaid) {
+TEST_F(Replay, WhatDiffersOrIsMissingIsReported) {
   ASSERT_EQ(record({"wave", "--frames", "5"}).exitCode, 0);
   const auto sentence = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"replay", session.string()});
@@ -125,7 +125,7 @@ TEST_F(Replay, WhatDiffersOrIsMissingIsSaid) {
             std::string::npos);
   EXPECT_NE(sentence({"--character", "nobody.glb"}).find("nobody.glb"), std::string::npos);
   fs::remove(body);
-  EXPECT_NE(sentence({}).find("name its file with --decomposition"), std::string::npos);
+  EXPECT_NE(sentence({}).find("give its file with --decomposition"), std::string::npos);
   std::string bytes = readFile(session).value();
   bytes[bytes.size() / 2] ^= 1;
   ASSERT_TRUE(writeFileAtomically(session, bytes).ok());
@@ -140,9 +140,10 @@ TEST_F(Replay, WrongWordsGetASentence) {
   };
   EXPECT_NE(sentence({"record", "s.txt"}).find("ends in .oni (depth) or .lsession (a session)"), std::string::npos);
   EXPECT_NE(sentence({"record", "s.oni", "walk"}).find("MOTION is for sessions"), std::string::npos);
-  EXPECT_NE(sentence({"record", session.string(), "walk", "--virtual"}).find("and a camera too"), std::string::npos);
+  EXPECT_NE(sentence({"record", session.string(), "walk", "--virtual"}).find("and a camera, expected only one"),
+            std::string::npos);
   EXPECT_NE(sentence({"play", "walk", "--record", "s.txt"}).find(".lsession"), std::string::npos);
-  EXPECT_NE(sentence({"play", "walk", "--inject", "late=2"}).find("expected a share of frames from 0 to 1"),
+  EXPECT_NE(sentence({"play", "walk", "--inject", "late=2"}).find("expected a fraction of frames from 0 to 1"),
             std::string::npos);
   EXPECT_NE(sentence({"replay"}).find("SESSION"), std::string::npos);
 }

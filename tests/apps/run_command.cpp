@@ -24,7 +24,7 @@ std::string contentOf(const std::filesystem::path& file) {
   return content.str();
 }
 
-/// Between fork and exec: only calls that are safe there, and setenv, as the parent has one thread.
+/// Runs between fork and exec: only async-signal-safe calls, and setenv, because the parent has one thread.
 [[noreturn]] void becomeLorica(char* const* arguments, const CommandSurroundings& surroundings, const char* out,
                                const char* err) {
   setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
@@ -42,7 +42,7 @@ std::string contentOf(const std::filesystem::path& file) {
   dup2(nothing, STDIN_FILENO);
   dup2(outFile, STDOUT_FILENO);
   dup2(errFile, STDERR_FILENO);
-  // A shell that runs tests in the background ignores SIGINT, and children inherit that.
+  // A shell that runs tests in the background ignores SIGINT, which children inherit.
   std::signal(SIGINT, SIG_DFL);
   execv(LORICA_COMMAND, arguments);
   _exit(127);
@@ -53,7 +53,7 @@ std::string contentOf(const std::filesystem::path& file) {
 nlohmann::json CommandResult::json() const {
   nlohmann::json parsed = nlohmann::json::parse(out, nullptr, false);
   EXPECT_FALSE(parsed.is_discarded()) << "exit code " << exitCode << "\nout: " << out << "\nerr: " << err;
-  // An object in any case, so that a look at a key fails the test instead of ending the program.
+  // Always return an object, so that a missing key fails the test instead of ending the program.
   return parsed.is_object() ? parsed : nlohmann::json::object();
 }
 

@@ -8,26 +8,26 @@
 
 namespace lorica::test {
 
-/// What a run of the command left behind.
+/// Output and exit code of a run of the command.
 struct CommandResult {
-  int exitCode = -1;  ///< 128 + the signal's number where one ended it
+  int exitCode = -1;  ///< 128 + the signal's number if a signal ended it
   std::string out;
   std::string err;
 
-  /// Standard output, which must be JSON and nothing else. Fails the test when it is not.
+  /// Parses standard output, which must be JSON only; else the test fails.
   [[nodiscard]] nlohmann::json json() const;
 };
 
 struct CommandSurroundings {
-  std::filesystem::path folder = ".";  ///< where it runs
+  std::filesystem::path folder = ".";  ///< working folder
   std::filesystem::path cache{};       ///< XDG_CACHE_HOME; empty = a folder that cannot be written
-  int interruptAfterMs = 0;            ///< send SIGINT then; 0 = never
-  std::string virtualCamera{};         ///< LORICA_VIRTUAL: what the virtual camera shows; empty = not set
+  int interruptAfterMs = 0;            ///< when to send SIGINT; 0 = never
+  std::string virtualCamera{};         ///< LORICA_VIRTUAL: script of the virtual camera; empty = not set
   std::string display{};               ///< DISPLAY; empty = not set
   std::filesystem::path libraries{};   ///< LD_LIBRARY_PATH, searched before the modules of the build; empty = not set
 };
 
-/// Runs `lorica arguments...`, without a display where none is given, on the recordings of the source tree.
+/// Runs `lorica arguments...` with the recordings of the source tree, and without a display if none is given.
 [[nodiscard]] CommandResult runLorica(const std::vector<std::string>& arguments,
                                       const CommandSurroundings& surroundings = {});
 

@@ -25,11 +25,11 @@ TEST(Score, DecomposedLShapeIsPerfect) {
 TEST(Score, OneHullOfTheLShapeHasItsClosedForm) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  // The mesh as its own single part: its hull of volume 3.5 stands for a volume of 3.
+  // The mesh as its own single part: its hull has volume 3.5, the mesh 3.
   const nlohmann::json json = runLorica({"score", mesh, mesh, "--json", "-"}).json();
   EXPECT_EQ(json["parts"], 1);
   EXPECT_NEAR(json["score17"].get<double>(), 3.0 / 3.5, 1e-9);
-  // No sample of the mesh can lie outside its own hull: the estimate is exact.
+  // No sample of the mesh can be outside its own hull: the estimate is exact.
   EXPECT_NEAR(json["score16"].get<double>(), 3.0 / 3.5, 1e-9);
   EXPECT_EQ(json["score16StandardError"], 0.0);
   EXPECT_NEAR(json["uncoveredFraction"].get<double>(), 0.0, 1e-4);
@@ -46,10 +46,10 @@ TEST(Score, HalfOfABoxLeavesHalfUncovered) {
   EXPECT_NEAR(json["uncoveredFraction"].get<double>(), 0.5, 0.01);
 }
 
-TEST(Score, PartsOfAnotherMeshAreDoubted) {
+TEST(Score, PartsOfAnotherMeshCauseAWarning) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {1, 1, 1}));
-  // Elsewhere; in another unit, where they cover all; and too small.
+  // At another position; in another unit, so that they cover everything; too small.
   for (const TriMesh& other : {makeBox({5, 0, 0}, {6, 1, 1}), makeBox({-500, -500, -500}, {500, 500, 500}),
                                makeBox({0.4, 0.4, 0.4}, {0.6, 0.6, 0.6})}) {
     const CommandResult result = runLorica({"score", mesh, writeObj(folder, "other.obj", other), "--json", "-"});

@@ -8,7 +8,7 @@
 namespace lorica::test {
 namespace {
 
-/// One quick body for all tests here.
+/// A body that is quick to make, for all tests in this file.
 struct Snapshot : ::testing::Test {
   static void SetUpTestSuite() {
     folder = new TemporaryFolder;
@@ -78,7 +78,7 @@ TEST_F(Snapshot, CamerasSeeDifferentSides) {
   }
 }
 
-TEST_F(Snapshot, AVideoHasTheFramesAskedFor) {
+TEST_F(Snapshot, AVideoHasTheRequestedFrames) {
   const TemporaryFolder out;
   const CommandResult filmed =
       snapshot({"--video", out.path() / "film.mp4", "--from", "0.1", "--to", "0.3", "--json", "-"});

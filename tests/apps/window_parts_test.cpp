@@ -1,10 +1,10 @@
 #include "acd/decompose.h"
 #include "apps/action_tape.h"
-#include "apps/detail_levels.h"
 #include "apps/window_warnings.h"
 #include "capture/files/joint_csv.h"
 #include "collision/live/live_body.h"
 #include "session/demo_scene.h"
+#include "session/prepare/detail_levels.h"
 #include "session/treated_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
@@ -35,7 +35,7 @@ const Decomposition& sixParts() {
   return result;
 }
 
-/// A pose that is not the bind pose: every joint turned a little.
+/// A pose with every joint rotated slightly from the bind pose.
 std::vector<Affine3> bentBones() {
   Pose pose = restPose(mannequin().skeleton);
   for (std::size_t j = 0; j < pose.size(); ++j) {
@@ -47,7 +47,7 @@ std::vector<Affine3> bentBones() {
   return worldFromModel;
 }
 
-/// How far the farthest vertex of the posed mesh is outside all hulls [m].
+/// Largest distance of a vertex of the posed mesh outside all hulls [m].
 double farthestOutside(const LiveBody& body, std::span<const Affine3> bones) {
   std::vector<Vec3> posed(mannequin().mesh.vertices.size());
   skinLinearBlend(mannequin(), bones, posed);
@@ -58,9 +58,9 @@ double farthestOutside(const LiveBody& body, std::span<const Affine3> bones) {
       const ConvexHull hull = worldHull(part);
       double outside = -1e9;
       for (const Triangle& t : hull.triangles) {
-        const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-        const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
-        const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
+        const Vec3& a = hull.vertices[t[0]];
+        const Vec3& b = hull.vertices[t[1]];
+        const Vec3& c = hull.vertices[t[2]];
         const Vec3 normal = (b - a).cross(c - a);
         if (normal.norm() < 1e-12) continue;
         outside = std::max(outside, normal.normalized().dot(posed[v] - a));
@@ -73,7 +73,7 @@ double farthestOutside(const LiveBody& body, std::span<const Affine3> bones) {
 }
 
 TEST(DetailLevels, EveryLevelHasItsPartsAndHoldsTheBody) {
-  const auto finest = std::make_shared<const BodyPlan>(sixParts(), mannequin());
+  const auto finest = BodyPlan::create(sixParts(), mannequin()).value();
   const std::vector<Affine3> bones = bentBones();
   double before = 1e9;
   for (int parts = 1; parts <= 6; ++parts) {
@@ -84,40 +84,40 @@ TEST(DetailLevels, EveryLevelHasItsPartsAndHoldsTheBody) {
     EXPECT_LT(farthestOutside(body, bones), 1e-6) << parts << " parts";
     double volume = 0.0;
     for (const LivePart& part : body.parts()) volume += part.shape.volume;
-    EXPECT_LT(volume, before) << parts << " parts are closer than one fewer";
+    EXPECT_LT(volume, before) << parts << " parts fit more closely than one fewer";
     before = volume;
   }
   EXPECT_EQ(planOfLevel(finest, mannequin(), 6), finest);
 }
 
 TEST(DetailLevels, ChosenPointsStayChosenWherePartsAreJoined) {
-  // A promise of three points a part, pushed out: any will do here.
-  const BodyPlan all(sixParts(), mannequin());
-  CoverPromise promise = all.coverage();
-  promise.tolerance = 0.01;
-  promise.maxHullVertices = 4;
+  // An arbitrary cover of at most four points per part, pushed outward.
+  const auto all = BodyPlan::create(sixParts(), mannequin()).value();
+  HullCover cover = all->coverage();
+  cover.tolerance = 0.01;
+  cover.maxHullVertices = 4;
   std::size_t count = 0;
-  for (std::vector<CoverPoint>& points : promise.points) {
+  for (std::vector<CoverPoint>& points : cover.points) {
     points.resize(std::min<std::size_t>(points.size(), 4));
     for (CoverPoint& p : points) p.outward = Vec3(0.0, 0.001, 0.0);
     count += points.size();
   }
-  const auto finest = std::make_shared<const BodyPlan>(sixParts(), mannequin(), promise);
+  const auto finest = BodyPlan::create(sixParts(), mannequin(), cover).value();
   const std::shared_ptr<const BodyPlan> one = planOfLevel(finest, mannequin(), 1);
   ASSERT_EQ(one->coverage().points.size(), 1u);
   EXPECT_EQ(one->coverage().points[0].size(), count);
   EXPECT_EQ(one->coverage().tolerance, 0.01);
-  EXPECT_EQ(one->coverage().maxHullVertices, 0) << "no longer kept";
+  EXPECT_EQ(one->coverage().maxHullVertices, 0) << "the limit no longer holds";
   LiveBody body(one);
   body.update(bentBones());
   EXPECT_FALSE(body.parts()[0].shape.degenerate());
 }
 
-TEST(DetailLevels, AreMadeOffTheFrameAndTheLastOneAskedForComes) {
-  const auto finest = std::make_shared<const BodyPlan>(sixParts(), mannequin());
+TEST(DetailLevels, AreMadeInAnotherThreadAndTheLastRequestCounts) {
+  const auto finest = BodyPlan::create(sixParts(), mannequin()).value();
   DetailLevels levels(finest, mannequin());
-  EXPECT_EQ(levels.mostParts(), 6);
-  EXPECT_EQ(levels.take(), nullptr) << "nothing was asked for";
+  EXPECT_EQ(levels.maxParts(), 6);
+  EXPECT_EQ(levels.take(), nullptr) << "nothing was requested";
   const auto wait = [&levels] {
     std::shared_ptr<const BodyPlan> plan;
     while ((plan = levels.take()) == nullptr) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -132,12 +132,12 @@ TEST(DetailLevels, AreMadeOffTheFrameAndTheLastOneAskedForComes) {
   EXPECT_FALSE(levels.asked().has_value());
   EXPECT_EQ(levels.take(), nullptr) << "once";
   levels.ask(6);
-  EXPECT_EQ(levels.take(), finest) << "is there at once";
+  EXPECT_EQ(levels.take(), finest) << "is available immediately";
   levels.ask(4);
   EXPECT_EQ(levels.take(), four) << "is kept";
 }
 
-/// A session that can begin anew, and what a person does in it.
+/// A session that can restart, and the user's actions in it.
 struct TapedSession {
   std::vector<SkeletonFrame> frames = test::shippedFrames("walk", 40);
   Session session = test::demoSession(source());
@@ -146,8 +146,8 @@ struct TapedSession {
   [[nodiscard]] std::unique_ptr<PoseSource> source() const {
     return makeTreatedSource(mannequin(), makeRecordedSource(frames), {}).value();
   }
-  /// From the first frame. @return the hashes after each
-  std::vector<SessionHashes> runAnew(int count) {
+  /// Restarts from the first frame. @return the hashes after each frame
+  std::vector<SessionHashes> runAgain(int count) {
     tape.rewind();
     session.restart(source(), makeDemoWorld(kDemoSeed));
     return run(count);
@@ -170,8 +170,8 @@ const WorldAction& aBall() {
 
 TEST(ActionTape, ARunFromTheStartDoesTheSameAgain) {
   TapedSession s;
-  const std::vector<SessionHashes> untouched = s.runAnew(30);
-  s.runAnew(5);
+  const std::vector<SessionHashes> untouched = s.runAgain(30);
+  s.runAgain(5);
   std::vector<SessionHashes> first = {s.session.hashes()};
   const auto act = [&s](const WorldAction& action) { s.tape.act(s.session, action); };
   const auto runOn = [&](int count) {
@@ -186,15 +186,15 @@ TEST(ActionTape, ARunFromTheStartDoesTheSameAgain) {
   }
   act(WorldAction::release());
   runOn(14);
-  const std::vector<SessionHashes> again = s.runAnew(30);
+  const std::vector<SessionHashes> again = s.runAgain(30);
   for (std::size_t f = 0; f < first.size(); ++f) EXPECT_EQ(first[f], again[f + 4]) << f + 4;
   EXPECT_NE(again.back().props, untouched.back().props);
-  EXPECT_EQ(s.runAnew(30).back(), again.back()) << "and a third time";
+  EXPECT_EQ(s.runAgain(30).back(), again.back()) << "and a third time";
 }
 
-TEST(ActionTape, WhatIsDoneAnewTakesThePlaceOfWhatFollowed) {
+TEST(ActionTape, ANewActionReplacesTheRecordedOnesThatFollow) {
   TapedSession s;
-  s.runAnew(3);
+  s.runAgain(3);
   s.tape.act(s.session, WorldAction::grab(0, s.session.world().props()[0].worldFromProp.translation()));
   for (int i = 0; i < 10; ++i) {
     s.tape.act(s.session, WorldAction::moveGrab(Vec3(0.3, 0.5, 0.8)));
@@ -202,23 +202,23 @@ TEST(ActionTape, WhatIsDoneAnewTakesThePlaceOfWhatFollowed) {
   }
   s.tape.act(s.session, WorldAction::release());
   s.run(5);
-  s.runAnew(8);  // it is held now
+  s.runAgain(8);  // the prop is held now
   ASSERT_TRUE(s.session.world().held().has_value());
   EXPECT_TRUE(s.tape.goesOn());
   s.tape.act(s.session, aBall());
   EXPECT_FALSE(s.tape.goesOn());
   s.run(2);
-  EXPECT_FALSE(s.session.world().held().has_value()) << "whoever was to let go later is forgotten";
+  EXPECT_FALSE(s.session.world().held().has_value()) << "the later release is dropped, too";
   const SessionHashes second = s.session.hashes();
-  EXPECT_EQ(s.runAnew(10).back(), second);
+  EXPECT_EQ(s.runAgain(10).back(), second);
   s.tape.clear();
-  EXPECT_NE(s.runAnew(10).back(), second);
+  EXPECT_NE(s.runAgain(10).back(), second);
 }
 
 TEST(WindowWarnings, NameWhatIsLost) {
   const Skeleton& skeleton = mannequin().skeleton;
   std::vector<double> trust(static_cast<std::size_t>(skeleton.jointCount()), 1.0);
-  const auto lose = [&](HumanBone bone) { trust[static_cast<std::size_t>(skeleton.jointOf(bone))] = 0.0; };
+  const auto lose = [&](HumanBone bone) { trust[skeleton.jointOf(bone)] = 0.0; };
   EXPECT_EQ(lostLimbs(skeleton, {}), "");
   EXPECT_EQ(lostLimbs(skeleton, trust), "");
   lose(HumanBone::kLeftHand);

@@ -12,7 +12,7 @@
 namespace lorica::test {
 namespace {
 
-/// A red box that hangs in the air before the camera; nothing pulls at it.
+/// A red box that floats before the camera; there is no gravity.
 constexpr const char* kFloatingBox = R"({
   "format": "lorica scene 1", "name": "box", "gravity": [0, 0, 0],
   "props": [{ "shape": "box", "size": [0.4, 0.4, 0.4], "at": [0, 1.0, 1.6], "mass": 1, "color": "#e02020" }]
@@ -28,7 +28,7 @@ class Hands {
   }
   void press(const std::string& keys) { script_ << "xdotool key " << keys << '\n'; }
   void mouse(const std::string& what) { script_ << "xdotool " << what << '\n'; }
-  /// A picture, once all before it was taken in and drawn.
+  /// Takes a picture after all previous input was processed and drawn.
   void picture() {
     char name[32];
     std::snprintf(name, sizeof name, "lorica-%03d.png", ++pictures_);
@@ -36,7 +36,7 @@ class Hands {
   }
   void sleep(const std::string& seconds) { script_ << "sleep " << seconds << '\n'; }
 
-  /// Runs it beside the command until both have ended.
+  /// Runs the script in parallel with the command until both have ended.
   CommandResult runWith(const std::vector<std::string>& arguments, const VirtualDisplay& display) {
     script_ << "xdotool key Escape\n";
     const std::filesystem::path file = folder_.write("hands.sh", script_.str());
@@ -65,7 +65,7 @@ class Hands {
 
 struct Blob {
   int count = 0;
-  double x = 0.0, y = 0.0;  // its middle [pixels]
+  double x = 0.0, y = 0.0;  // its centroid [pixels]
 };
 
 /// The pixels of the red box.
@@ -138,7 +138,7 @@ TEST_F(WindowPlay, PauseStopsMotionAndAStepMovesItAndTheTimelineGoesBack) {
   EXPECT_EQ(differing(hands.pictureNumber(4), hands.pictureNumber(6)), 0) << "the same run, bit for bit";
   EXPECT_GT(differing(hands.pictureNumber(6), hands.pictureNumber(7)), 2000) << "one hull, one colour";
   const nlohmann::json json = result.json();
-  EXPECT_EQ(json["frames"], 1) << "of the last run, which stands at its first frame";
+  EXPECT_EQ(json["frames"], 1) << "the last run stopped at its first frame";
 }
 
 TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
@@ -165,9 +165,9 @@ TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
   const Blob after = redIn(hands.pictureNumber(7));
   ASSERT_GT(before.count, 200);
   ASSERT_GT(after.count, 200);
-  EXPECT_NEAR(after.x - before.x, -90.0, 45.0) << "it hangs on the mouse by where it was taken";
+  EXPECT_NEAR(after.x - before.x, -90.0, 45.0) << "the grabbed point follows the mouse";
   EXPECT_NEAR(after.y, before.y, 40.0);
-  EXPECT_GT(differing(hands.pictureNumber(7), hands.pictureNumber(8)), 300) << "a ball is there";
+  EXPECT_GT(differing(hands.pictureNumber(7), hands.pictureNumber(8)), 300) << "a ball is visible";
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST(ConfidenceHold, AJointNeverKnownShowsRest) {
   for (int i = 0; i < 100; ++i) {
     hold.beginFrame(i * kFrame);
     EXPECT_LT(hold.rotation(0, false, Quat(0, 0, 0, 0)).angularDistance(aboutZ(0.4)), 1e-12);
-    EXPECT_EQ(hold.rootPlace(false, Vec3::Zero(), Vec3(1, 2, 3)), Vec3(1, 2, 3));
+    EXPECT_EQ(hold.rootPosition(false, Vec3::Zero(), Vec3(1, 2, 3)), Vec3(1, 2, 3));
   }
 }
 
@@ -41,7 +41,7 @@ TEST(ConfidenceHold, AKnownJointIsShownAsItIsFromTheFirstFrame) {
     hold.beginFrame(i * kFrame);
     const Quat live = aboutZ(0.3 * i);
     EXPECT_EQ(hold.rotation(0, true, live).coeffs(), live.coeffs());
-    EXPECT_EQ(hold.rootPlace(true, Vec3(i, 0, 0), Vec3::Zero()), Vec3(i, 0, 0));
+    EXPECT_EQ(hold.rootPosition(true, Vec3(i, 0, 0), Vec3::Zero()), Vec3(i, 0, 0));
   }
 }
 
@@ -52,7 +52,7 @@ TEST(ConfidenceHold, HoldsThenEasesToRestThenReturns) {
   double time = 0.0;
   hold.beginFrame(time);
   Quat before = hold.rotation(0, true, raised);
-  const double eased = 1.5 * 2.0 / settings.easeSeconds * kFrame;  // a smooth-step's steepest slope is 1.5
+  const double eased = 1.5 * 2.0 / settings.easeSeconds * kFrame;  // max slope of a smooth-step is 1.5
   for (int i = 1; i <= 60; ++i) {
     hold.beginFrame(time += kFrame);
     const Quat now = hold.rotation(0, false, raised);
@@ -81,7 +81,7 @@ TEST(ConfidenceHold, ALiveValueOnTheFarSideNeverFlipsTheBlend) {
   Quat before = hold.rotation(0, false, Quat::Identity());
   for (int i = 1; i < 60; ++i) {
     hold.beginFrame(i * kFrame);
-    // Swings to and fro across the point opposite to where the blend began.
+    // Alternates between both sides of the point opposite to the start of the blend.
     const Quat now = hold.rotation(0, true, aboutZ(std::numbers::pi + (i % 2 == 0 ? 0.1 : -0.1)));
     EXPECT_LE(now.angularDistance(before), settings.returnTurn * kFrame + 1e-9) << i;
     before = now;
@@ -101,20 +101,20 @@ TEST(ConfidenceHold, AJointLostForOneFrameHardlyLags) {
   EXPECT_LT(largestLag, 2.0 * kFrame);
 }
 
-TEST(ConfidenceHold, TheRootHoldsItsLastPlaceAndGlidesBack) {
+TEST(ConfidenceHold, TheRootHoldsItsLastPositionAndGlidesBack) {
   const ConfidenceHoldSettings settings;
   ConfidenceHold hold(oneJoint(Quat::Identity()), settings);
   hold.beginFrame(0.0);
-  (void)hold.rootPlace(true, Vec3(1, 1, 2), Vec3::Zero());
+  (void)hold.rootPosition(true, Vec3(1, 1, 2), Vec3::Zero());
   double time = 0.0;
   for (int i = 0; i < 300; ++i) {
     hold.beginFrame(time += kFrame);
-    EXPECT_EQ(hold.rootPlace(false, Vec3::Zero(), Vec3::Zero()), Vec3(1, 1, 2));
+    EXPECT_EQ(hold.rootPosition(false, Vec3::Zero(), Vec3::Zero()), Vec3(1, 1, 2));
   }
   Vec3 before(1, 1, 2);
   for (int i = 0; i < 40; ++i) {
     hold.beginFrame(time += kFrame);
-    const Vec3 now = hold.rootPlace(true, Vec3(3, 1, 2), Vec3::Zero());
+    const Vec3 now = hold.rootPosition(true, Vec3(3, 1, 2), Vec3::Zero());
     EXPECT_LE((now - before).norm(), settings.returnSpeed * kFrame + 1e-9);
     before = now;
   }

@@ -16,7 +16,7 @@ using J = BodyJoint;
 constexpr int kFrames = 20000;
 constexpr double kStep = 1.0 / 30.0;
 
-/// Frame `f` says so in every joint: place x is the frame, y the joint.
+/// Frames marked with their number: in every joint position x is the frame, y the joint.
 std::vector<SkeletonFrame> marked(int count) {
   std::vector<SkeletonFrame> frames(static_cast<std::size_t>(count));
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -82,7 +82,7 @@ TEST(FaultInjector, AsManyJointsAreLostAsAskedForInRunsOfFiveFrames) {
       }
     }
     const double samples = static_cast<double>(kFrames) * kBodyJointCount;
-    // Samples of a run are not independent: the deviation of the share is about three times a coin's.
+    // Samples of a run are not independent: the deviation of the fraction is about three times that of a coin.
     EXPECT_NEAR(lost / samples, share, 12.0 * std::sqrt(share * (1.0 - share) / samples)) << share;
     EXPECT_NEAR(static_cast<double>(lost) / runs, share <= 0.5 ? 5.0 : 9.0, 0.5) << share;
   }
@@ -95,7 +95,7 @@ TEST(FaultInjector, JitterHasTheDeviationThatWasAskedForAndNoBias) {
   Vec3 sum = Vec3::Zero(), squares = Vec3::Zero();
   int count = 0;
   for (std::size_t f = 0; f < got.size(); ++f) {
-    EXPECT_EQ(got[f][J::kHead].position, frames[f][J::kHead].position);  // unknown is unknown
+    EXPECT_EQ(got[f][J::kHead].position, frames[f][J::kHead].position);  // unknown joints stay unknown
     for (std::size_t j = 1; j < kBodyJointCount; ++j) {
       const Vec3 moved = got[f].joints[j].position - frames[f].joints[j].position;
       sum += moved;
@@ -114,7 +114,7 @@ TEST(FaultInjector, SwappedFramesExchangeWholeLimbsAndNothingElse) {
   int swapped = 0, arms = 0, legs = 0, runs = 0;
   bool before = false;
   for (const SkeletonFrame& frame : got) {
-    const auto shows = [&](J place, J joint) { return frame[place].position.y() == static_cast<double>(joint); };
+    const auto shows = [&](J position, J joint) { return frame[position].position.y() == static_cast<double>(joint); };
     const bool arm = shows(J::kLeftHand, J::kRightHand), leg = shows(J::kRightKnee, J::kLeftKnee);
     for (const auto& [left, right] :
          {std::pair(J::kLeftShoulder, J::kRightShoulder), std::pair(J::kLeftElbow, J::kRightElbow),
@@ -145,7 +145,7 @@ TEST(FaultInjector, LateFramesComeLateAndTheOnesTheyOvertakeAreLost) {
     const double lateness = got[i].time - frameShown(got[i]) * kStep;
     if (i > 0) {
       ASSERT_GT(got[i].time, got[i - 1].time);
-      // The next one is the first that was not due by then.
+      // The next frame is the first one that was not due by then.
       ASSERT_EQ(frameShown(got[i]), static_cast<int>(std::floor(got[i - 1].time / kStep + 1e-9)) + 1);
     }
     if (lateness == 0.0) continue;
@@ -192,7 +192,7 @@ TEST(FaultInjector, OneMoreFaultLeavesTheOthersWhereTheyWere) {
   }
 }
 
-/// Says at its third frame what is wrong.
+/// Returns an error at its third frame.
 class Failing final : public SkeletonSource {
  public:
   Result<std::optional<SkeletonFrame>> next() override {
@@ -206,13 +206,13 @@ class Failing final : public SkeletonSource {
   int count_ = 0;
 };
 
-/// Gives frames for ever, none later than the last.
+/// Returns frames forever, none later than the previous one.
 class Stuck final : public SkeletonSource {
  public:
   Result<std::optional<SkeletonFrame>> next() override { return std::optional<SkeletonFrame>(SkeletonFrame()); }
 };
 
-TEST(FaultInjector, AnErrorBehindALateFrameIsStillSaid) {
+TEST(FaultInjector, AnErrorAfterALateFrameIsStillReported) {
   const Result<FaultSettings> always = parseFaults("late=1");
   const std::unique_ptr<SkeletonSource> source = makeFaultInjector(std::make_unique<Failing>(), *always);
   ASSERT_TRUE(source->next().ok());
@@ -261,20 +261,23 @@ TEST(Faults, WrongTextGetsASentence) {
     const Result<FaultSettings> settings = parseFaults(text);
     return settings ? std::string("none") : settings.error().message;
   };
-  EXPECT_EQ(sentence("dropuot=0.1"),
-            "found `dropuot=0.1`, expected dropout, jitter, swap, late, freeze or seed, as in dropout=0.1,swap,seed=7");
+  EXPECT_EQ(
+      sentence("dropuot=0.1"),
+      "found `dropuot=0.1`, expected dropout, jitter, swap, late, freeze or seed, for example dropout=0.1,swap,seed=7");
   EXPECT_EQ(sentence(""),
-            "found ``, expected dropout, jitter, swap, late, freeze or seed, as in dropout=0.1,swap,seed=7");
+            "found ``, expected dropout, jitter, swap, late, freeze or seed, for example dropout=0.1,swap,seed=7");
   EXPECT_EQ(sentence("swap,"),
-            "found ``, expected dropout, jitter, swap, late, freeze or seed, as in dropout=0.1,swap,seed=7");
-  EXPECT_EQ(sentence("dropout=1.5"), "found `dropout=1.5`, expected a share of joints from 0 to 1, as in dropout=0.1");
-  EXPECT_EQ(sentence("jitter=2cm"), "found `jitter=2cm`, expected metres from 0 to 1, as in jitter=0.02");
-  EXPECT_EQ(sentence("jitter=nan"), "found `jitter=nan`, expected metres from 0 to 1, as in jitter=0.02");
-  EXPECT_EQ(sentence("late=-0.1"), "found `late=-0.1`, expected a share of frames from 0 to 1, as in late=0.05");
-  EXPECT_EQ(sentence("late=,swap"), "found `late=`, expected a share of frames from 0 to 1, as in late=0.05");
-  EXPECT_EQ(sentence("swap,late,swap=0.1"), "found `swap=0.1`, expected swap once");
-  EXPECT_EQ(sentence("seed"), "found `seed`, expected a whole number from 0 up, as in seed=7");
-  EXPECT_EQ(sentence("swap,seed=-1"), "found `seed=-1`, expected a whole number from 0 up, as in seed=7");
+            "found ``, expected dropout, jitter, swap, late, freeze or seed, for example dropout=0.1,swap,seed=7");
+  EXPECT_EQ(sentence("dropout=1.5"),
+            "found `dropout=1.5`, expected a fraction of joints from 0 to 1, for example dropout=0.1");
+  EXPECT_EQ(sentence("jitter=2cm"), "found `jitter=2cm`, expected metres from 0 to 1, for example jitter=0.02");
+  EXPECT_EQ(sentence("jitter=nan"), "found `jitter=nan`, expected metres from 0 to 1, for example jitter=0.02");
+  EXPECT_EQ(sentence("late=-0.1"),
+            "found `late=-0.1`, expected a fraction of frames from 0 to 1, for example late=0.05");
+  EXPECT_EQ(sentence("late=,swap"), "found `late=`, expected a fraction of frames from 0 to 1, for example late=0.05");
+  EXPECT_EQ(sentence("swap,late,swap=0.1"), "found `swap=0.1`, expected swap only once");
+  EXPECT_EQ(sentence("seed"), "found `seed`, expected a whole number of at least 0, for example seed=7");
+  EXPECT_EQ(sentence("swap,seed=-1"), "found `seed=-1`, expected a whole number of at least 0, for example seed=7");
 }
 
 }  // namespace

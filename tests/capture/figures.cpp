@@ -24,18 +24,18 @@ Quat about(const Vec3& axis, double angle) {
   return Quat(Eigen::AngleAxisd(angle, axis));
 }
 
-/// Joints of a figure in T-pose, in world places, before their axes are chosen.
+/// Joints of a figure in T-pose, in world positions, before their axes are chosen.
 struct Draft {
   struct Entry {
     HumanBone bone;
     int parent;
-    Vec3 place;
+    Vec3 position;
     Quat turn;  ///< from T-pose to rest pose, world
   };
   std::vector<Entry> entries;
 
-  int add(HumanBone bone, int parent, const Vec3& place, const Quat& turn) {
-    entries.push_back({bone, parent, place, turn});
+  int add(HumanBone bone, int parent, const Vec3& position, const Quat& turn) {
+    entries.push_back({bone, parent, position, turn});
     return static_cast<int>(entries.size()) - 1;
   }
 };
@@ -100,15 +100,15 @@ Figure makeFigure(const FigureSettings& settings) {
   const std::size_t offset = joints.size();
   const Quat yaw = about(Vec3::UnitY(), settings.yaw);
   double lowest = 0.0;
-  std::vector<Vec3> restPlace;
+  std::vector<Vec3> restPosition;
   for (const Draft::Entry& e : draft.entries) {
     if (e.parent < 0) {
-      restPlace.push_back(e.place);
+      restPosition.push_back(e.position);
     } else {
-      const Draft::Entry& p = draft.entries[static_cast<std::size_t>(e.parent)];
-      restPlace.push_back(restPlace[static_cast<std::size_t>(e.parent)] + p.turn * (e.place - p.place));
+      const Draft::Entry& p = draft.entries[e.parent];
+      restPosition.push_back(restPosition[e.parent] + p.turn * (e.position - p.position));
     }
-    if (e.bone == HumanBone::kLeftFoot) lowest = restPlace.back().y() - e.place.y();
+    if (e.bone == HumanBone::kLeftFoot) lowest = restPosition.back().y() - e.position.y();
   }
   for (std::size_t i = 0; i < draft.entries.size(); ++i) {
     const Draft::Entry& e = draft.entries[i];
@@ -118,18 +118,17 @@ Figure makeFigure(const FigureSettings& settings) {
     const Quat axes = settings.crookedAxes ? randomRotation(random) : Quat::Identity();
     figure.tposeRotation.push_back(axes);
     joint.parent = e.parent < 0 ? (settings.armature ? 0 : kNoJoint) : e.parent + static_cast<JointIndex>(offset);
-    const Affine3 parent =
-        joint.parent == kNoJoint ? Affine3::Identity() : worldFromJoint[static_cast<std::size_t>(joint.parent)];
-    const Vec3 place = yaw * Vec3(settings.scale * (restPlace[i] - Vec3(0, lowest, 0)));
+    const Affine3 parent = joint.parent == kNoJoint ? Affine3::Identity() : worldFromJoint[joint.parent];
+    const Vec3 position = yaw * Vec3(settings.scale * (restPosition[i] - Vec3(0, lowest, 0)));
     const Quat rotation = yaw * e.turn * axes;
-    joint.rest.translation = parent.inverse() * place;
+    joint.rest.translation = parent.inverse() * position;
     const Quat parentRotation = Quat(Mat3(parent.linear() / std::cbrt(parent.linear().determinant())));
     joint.rest.rotation = (parentRotation.conjugate() * rotation).normalized();
     joints.push_back(joint);
     worldFromJoint.push_back(parent * joint.rest.matrix());
   }
   Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
-  CHECK(skeleton.ok(), "tests/capture/figures.cpp makes a bad skeleton");
+  LORICA_CHECK(skeleton.ok(), "tests/capture/figures.cpp creates an invalid skeleton");
   figure.skeleton = std::move(*skeleton);
   return figure;
 }
@@ -138,8 +137,8 @@ SkeletonFrame makeFrame(const PersonPose& pose, double time, bool withOrientatio
   using J = BodyJoint;
   SkeletonFrame frame;
   frame.time = time;
-  const auto put = [&](J joint, const Vec3& place, const Quat& orientation) {
-    frame[joint].position = place;
+  const auto put = [&](J joint, const Vec3& position, const Quat& orientation) {
+    frame[joint].position = position;
     if (withOrientations) frame[joint].orientation = orientation;
     frame[joint].confidence = 1.0;
   };
@@ -199,8 +198,8 @@ SkeletonFrame frameOfRestPose(const Skeleton& skeleton) {
   using J = BodyJoint;
   const std::vector<Affine3> world = worldOf(skeleton, restPose(skeleton));
   SkeletonFrame frame;
-  const auto at = [&](B bone) { return Vec3(world[static_cast<std::size_t>(skeleton.jointOf(bone))].translation()); };
-  const auto put = [&](J joint, const Vec3& place) { frame[joint] = {place, std::nullopt, 1.0}; };
+  const auto at = [&](B bone) { return Vec3(world[skeleton.jointOf(bone)].translation()); };
+  const auto put = [&](J joint, const Vec3& position) { frame[joint] = {position, std::nullopt, 1.0}; };
   put(J::kHead, at(B::kHead));
   put(J::kNeck, at(B::kNeck));
   put(J::kLeftShoulder, at(B::kLeftUpperArm));

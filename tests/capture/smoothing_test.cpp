@@ -21,11 +21,11 @@ namespace {
 using J = BodyJoint;
 constexpr double kPi = std::numbers::pi;
 
-/// All joints at one place.
-SkeletonFrame frameAt(double time, const Vec3& place) {
+/// All joints at one position.
+SkeletonFrame frameAt(double time, const Vec3& position) {
   SkeletonFrame frame;
   frame.time = time;
-  for (TrackedJoint& joint : frame.joints) joint = {place, std::nullopt, 1.0};
+  for (TrackedJoint& joint : frame.joints) joint = {position, std::nullopt, 1.0};
   return frame;
 }
 
@@ -57,7 +57,7 @@ TEST(OneEuro, ARampLagsByTheInverseOfTheCutoffWhateverTheSteps) {
       const double expected = 1.0 / (2.0 * kPi * (settings.minCutoff + beta * speed));
       const double behind = (Vec3(0.6, 0.8, 0.0) * speed * time - frame[J::kNeck].position).norm();
       EXPECT_NEAR(behind, speed * expected, 1e-6 * speed);
-      // The first second, while the speed is not known yet, lags more.
+      // The first second has a larger lag, because the speed is not known yet.
       EXPECT_NEAR(filter.delay(), expected, 0.003) << speed << " " << beta;
     }
   }
@@ -76,7 +76,7 @@ TEST(OneEuro, ASineLagsByThePhaseOfTheFilter) {
       // share / (1 - (1 - share) / z) at z = exp(i omega / rate).
       const double share = 1.0 / (1.0 + rate / (2.0 * kPi * settings.minCutoff));
       const std::complex<double> response = share / (1.0 - (1.0 - share) * std::polar(1.0, -omega / rate));
-      // Straight lines between 30 frames a second are no sine: hence the milliseconds.
+      // Straight lines at 30 frames per second are not a sine: hence the tolerance in milliseconds.
       EXPECT_NEAR(filter.delay(), -std::arg(response) / omega, rate < 50.0 ? 0.004 : 0.0015)
           << rate << " " << frequency;
     }
@@ -86,7 +86,7 @@ TEST(OneEuro, ASineLagsByThePhaseOfTheFilter) {
 TEST(OneEuro, OrientationsLagAsAngles) {
   OneEuroFilter filter({.minCutoff = 1.0, .beta = 0.0});
   SkeletonFrame frame;
-  const double turn = 1.5;  // rad/s, more than a whole turn in all
+  const double turn = 1.5;  // rad/s, more than a full turn in total
   for (int f = 0; f <= 300; ++f) {
     frame = frameAt(f / 30.0, Vec3::Zero());
     frame[J::kHead].orientation = Quat(Eigen::AngleAxisd(turn * f / 30.0, Vec3(1, 2, 2) / 3.0));
@@ -99,7 +99,7 @@ TEST(OneEuro, OrientationsLagAsAngles) {
   EXPECT_FALSE(frame[J::kNeck].orientation);
 }
 
-TEST(OneEuro, ALostJointIsPassedOnAndStartsAnew) {
+TEST(OneEuro, ALostJointIsPassedOnAndStartsAgain) {
   OneEuroFilter filter;
   for (int f = 0; f < 60; ++f) {
     SkeletonFrame frame = frameAt(f / 30.0, Vec3(f / 30.0, 1, 0));
@@ -128,7 +128,7 @@ TEST(OneEuro, TimesThatStandStillOrGoBackShowWhatWasShown) {
     filter.apply(frame);
     EXPECT_EQ(frame[J::kHead].position, shown) << time;
   }
-  frame = frameAt(100.0, Vec3(5, 5, 5));  // after a long pause the new place is what counts
+  frame = frameAt(100.0, Vec3(5, 5, 5));  // after a long pause the filter takes the new position
   filter.apply(frame);
   EXPECT_LT((frame[J::kHead].position - Vec3(5, 5, 5)).norm(), 0.01);
   frame = frameAt(100.1, Vec3(5, std::numeric_limits<double>::infinity(), 5));
@@ -152,7 +152,7 @@ TEST(OneEuro, AllocatesNothingPerFrame) {
   EXPECT_EQ(watch.largest(), 0u);
 }
 
-/// How much two neighbours of a joint's error differ from the one between: what the eye sees as shaking [m].
+/// Second difference of a joint's error: visible shaking [m].
 double shaking(const std::vector<SkeletonFrame>& frames, const std::vector<SkeletonFrame>& clean,
                const std::vector<SkeletonFrame>& noisy) {
   double sum = 0.0;

@@ -8,7 +8,7 @@
 
 namespace lorica::test {
 
-/// The mannequin cut in eight parts for its bind pose, and poses to carry them to.
+/// The mannequin cut into eight parts in its bind pose, and poses to move them to.
 struct Dancer {
   Dancer();
 
@@ -16,10 +16,10 @@ struct Dancer {
   Decomposition decomposition;
   std::vector<Affine3> worldFromModel;  ///< of the present pose
 
-  /// Turns every joint by up to `most` [rad] and puts the whole body somewhere within 5 m.
-  void dance(std::mt19937_64& random, double most);
+  /// Rotates every joint by up to `max` [rad] and puts the whole body at a random position within 5 m.
+  void dance(std::mt19937_64& random, double max);
 
-  /// Mesh vertices and cut points, by skinning and the recursion: the slow way.
+  /// Mesh vertices and cut points, by skinning and the recursion: the slow reference.
   [[nodiscard]] std::vector<Vec3> points() const;
 };
 

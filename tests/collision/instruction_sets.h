@@ -5,8 +5,8 @@
 
 namespace lorica::test {
 
-/// Calls a function once for each instruction set that this machine has and the program was compiled for, with that
-/// one in use.
+/// Calls a function once for each instruction set that this machine has and the program was compiled for, with that set
+/// in use.
 template <class Function>
 void onEveryInstructionSet(const Function& function) {
   const auto use = [](std::int64_t targets) {

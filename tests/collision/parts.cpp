@@ -28,9 +28,9 @@ void moveTo(LivePart& part, const Isometry3& worldFromPart) {
 }
 
 Isometry3 at(double x, double y, double z) {
-  Isometry3 place = Isometry3::Identity();
-  place.translation() = Vec3(x, y, z);
-  return place;
+  Isometry3 pose = Isometry3::Identity();
+  pose.translation() = Vec3(x, y, z);
+  return pose;
 }
 
 double uniform(std::mt19937_64& random, double low, double high) {

@@ -7,14 +7,14 @@
 
 namespace lorica::test {
 
-/// A live part in the shape of a box about its own origin, at rest in `worldFromPart`.
+/// A box-shaped live part about its own origin, at rest in `worldFromPart`.
 [[nodiscard]] LivePart makeBoxPart(const Vec3& halfExtents, const Isometry3& worldFromPart);
 
-/// Gives a part other corners, in its own frame, and their hull in its present place.
+/// Gives a part other corners, in its own frame, and their hull in its present pose.
 void reshape(LivePart& part, std::span<const Vec3> corners);
 void reshapeToBox(LivePart& part, const Vec3& halfExtents);
 
-/// The next frame: the part goes from where it is to `worldFromPart`.
+/// The next frame: the part moves from its present pose to `worldFromPart`.
 void moveTo(LivePart& part, const Isometry3& worldFromPart);
 
 [[nodiscard]] Isometry3 at(double x, double y, double z);

@@ -20,10 +20,10 @@ bool isFinite(const JointTransform& t) {
 }
 
 void expectSound(const SkeletalMotion& motion, std::size_t frames, std::size_t joints) {
-  CHECK(motion.times.size() == frames && motion.poses.size() == frames * joints, "frames got lost");
-  for (std::size_t f = 1; f < frames; ++f) CHECK(motion.times[f] > motion.times[f - 1], "times do not rise");
+  LORICA_CHECK(motion.times.size() == frames && motion.poses.size() == frames * joints, "frames got lost");
+  for (std::size_t f = 1; f < frames; ++f) LORICA_CHECK(motion.times[f] > motion.times[f - 1], "times do not rise");
   for (const JointTransform& t : motion.poses) {
-    CHECK(isFinite(t) && std::abs(t.rotation.norm() - 1.0) < 1e-6, "a joint without place or turn");
+    LORICA_CHECK(isFinite(t) && std::abs(t.rotation.norm() - 1.0) < 1e-6, "a joint without place or turn");
   }
 }
 
@@ -33,11 +33,11 @@ void retarget(const SkeletalMotion& motion) {
   if (!out) return;
   expectSound(*out, motion.times.size(), static_cast<std::size_t>(mannequin.jointCount()));
   const Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(motion);
-  CHECK(frames.ok(), "retargeted, but no body");
+  LORICA_CHECK(frames.ok(), "retargeted, but no body");
   for (const SkeletonFrame& frame : *frames) {
-    for (const TrackedJoint& joint : frame.joints) CHECK(joint.position.allFinite(), "a joint nowhere");
+    for (const TrackedJoint& joint : frame.joints) LORICA_CHECK(joint.position.allFinite(), "a joint nowhere");
   }
-  CHECK(skeletalMotionOf(*frames).ok(), "joints that make no skeleton");
+  LORICA_CHECK(skeletalMotionOf(*frames).ok(), "joints that make no skeleton");
 }
 
 }  // namespace
@@ -47,15 +47,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Result<BvhFile> file = parseBvh(text, "fuzz");
   if (!file) {
     const std::string& message = file.error().message;
-    CHECK(message.rfind("fuzz, line ", 0) == 0, "an error that does not say where");
-    CHECK(message.find("found") != std::string::npos || message.find("ends here") != std::string::npos,
-          "an error that does not say what was found");
-    CHECK(message.find("expected") != std::string::npos, "an error that does not say what was expected");
+    LORICA_CHECK(message.rfind("fuzz, line ", 0) == 0, "an error that does not say where");
+    LORICA_CHECK(message.find("found") != std::string::npos || message.find("ends here") != std::string::npos,
+                 "an error that does not say what was found");
+    LORICA_CHECK(message.find("expected") != std::string::npos, "an error that does not say what was expected");
     return 0;
   }
   const SkeletalMotion& motion = file->motion;
-  CHECK(motion.frameCount() > 0 && motion.poses.size() <= 2 * size, "more joints and frames than bytes");
-  CHECK(!file->unit.empty() && file->metresPerUnit > 0.0, "no unit");
+  LORICA_CHECK(motion.frameCount() > 0 && motion.poses.size() <= 2 * size, "more joints and frames than bytes");
+  LORICA_CHECK(!file->unit.empty() && file->metresPerUnit > 0.0, "no unit");
   expectSound(motion, motion.times.size(), static_cast<std::size_t>(motion.skeleton.jointCount()));
   if (motion.frameCount() <= 20 && contentHash(text) % 16 == 0) retarget(motion);
   return 0;

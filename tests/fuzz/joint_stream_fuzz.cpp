@@ -16,17 +16,17 @@ namespace {
 using namespace lorica;
 
 void expectSound(const JointStream& stream, std::string_view text) {
-  CHECK(!stream.frames.empty() && !stream.people.empty(), "accepted without a frame or a person");
+  LORICA_CHECK(!stream.frames.empty() && !stream.people.empty(), "accepted without a frame or a person");
   // Nothing can make many frames of few bytes: a frame takes three joints with three numbers each.
-  CHECK(stream.frames.size() <= 1 + text.size() / 20, "more frames than the file can hold");
+  LORICA_CHECK(stream.frames.size() <= 1 + text.size() / 20, "more frames than the file can hold");
   double last = -1e300;
   for (const SkeletonFrame& frame : stream.frames) {
-    CHECK(frame.time > last && std::abs(frame.time) <= 1e12, "times do not rise");
+    LORICA_CHECK(frame.time > last && std::abs(frame.time) <= 1e12, "times do not rise");
     last = frame.time;
     for (const TrackedJoint& joint : frame.joints) {
-      CHECK(joint.position.cwiseAbs().maxCoeff() <= 100.0, "a joint out of the world");
-      CHECK(joint.confidence >= 0.0 && joint.confidence <= 1.0, "no confidence");
-      CHECK(!joint.orientation || std::abs(joint.orientation->norm() - 1.0) < 0.01, "no unit quaternion");
+      LORICA_CHECK(joint.position.cwiseAbs().maxCoeff() <= 100.0, "a joint out of the world");
+      LORICA_CHECK(joint.confidence >= 0.0 && joint.confidence <= 1.0, "no confidence");
+      LORICA_CHECK(!joint.orientation || std::abs(joint.orientation->norm() - 1.0) < 0.01, "no unit quaternion");
     }
   }
   if (contentHash(text) % 16 != 0) return;
@@ -34,14 +34,14 @@ void expectSound(const JointStream& stream, std::string_view text) {
   for (SkeletonFrame frame : stream.frames) {
     filter.apply(frame);
     mirror(frame);
-    for (const TrackedJoint& joint : frame.joints) CHECK(joint.position.allFinite(), "smoothed to nowhere");
+    for (const TrackedJoint& joint : frame.joints) LORICA_CHECK(joint.position.allFinite(), "smoothed to nowhere");
   }
-  CHECK(filter.delay() >= 0.0 && filter.delay() <= 0.6, "no delay");
+  LORICA_CHECK(filter.delay() >= 0.0 && filter.delay() <= 0.6, "no delay");
 }
 
 void expectSentence(const Error& error) {
-  CHECK(error.message.find("found") != std::string::npos, "an error that does not say what was found");
-  CHECK(error.message.find("expected") != std::string::npos, "an error that does not say what was expected");
+  LORICA_CHECK(error.message.find("found") != std::string::npos, "an error that does not say what was found");
+  LORICA_CHECK(error.message.find("expected") != std::string::npos, "an error that does not say what was expected");
 }
 
 }  // namespace

@@ -12,29 +12,30 @@ namespace {
 using namespace lorica;
 
 void expectSentence(const Error& error) {
-  CHECK(error.message.rfind("fuzz", 0) == 0, "an error that does not say where");
-  CHECK(error.message.find("expected") != std::string::npos, "an error that does not say what was expected");
+  LORICA_CHECK(error.message.rfind("fuzz", 0) == 0, "an error that does not say where");
+  LORICA_CHECK(error.message.find("expected") != std::string::npos, "an error that does not say what was expected");
 }
 
 void readAll(OniFile& file, std::size_t size) {
   const OniInfo& info = file.info();
-  CHECK(info.frameCount > 0 && static_cast<std::size_t>(info.frameCount) <= size / 40, "more frames than bytes");
-  CHECK(info.end <= size && info.duration >= 0.0, "an end beyond the file, or a time before its begin");
+  LORICA_CHECK(info.frameCount > 0 && static_cast<std::size_t>(info.frameCount) <= size / 40, "more frames than bytes");
+  LORICA_CHECK(info.end <= size && info.duration >= 0.0, "an end beyond the file, or a time before its begin");
   const DepthCamera& camera = info.camera;
-  CHECK(camera.width > 0 && camera.width <= 2048 && camera.height > 0 && camera.height <= 2048, "no size");
-  CHECK(camera.focalX() > 0.0 && camera.focalY() > 0.0, "no field of view");
+  LORICA_CHECK(camera.width > 0 && camera.width <= 2048 && camera.height > 0 && camera.height <= 2048, "no size");
+  LORICA_CHECK(camera.focalX() > 0.0 && camera.focalY() > 0.0, "no field of view");
   DepthFrame frame;
   double last = -1.0;
   for (int i = 0; i < info.frameCount && i < 20; ++i) {
     const Result<void> read = file.read(i, frame);
-    CHECK(frame.time > last, "times do not rise");
+    LORICA_CHECK(frame.time > last, "times do not rise");
     last = frame.time;
     if (!read) {
       expectSentence(read.error());
       continue;
     }
-    CHECK(frame.depthMm.size() == static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height),
-          "an image of another size");
+    LORICA_CHECK(
+        frame.depthMm.size() == static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height),
+        "an image of another size");
   }
 }
 

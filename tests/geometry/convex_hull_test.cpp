@@ -24,7 +24,7 @@ std::vector<Vec3> randomPoints(int count, unsigned seed, bool onSphere) {
   return points;
 }
 
-/// Closed, oriented, Euler's formula, and no point outside.
+/// Checks: closed, oriented, Euler's formula, and no point outside.
 void expectValid(const ConvexHull& hull, std::span<const Vec3> points) {
   ASSERT_FALSE(hull.degenerate());
   std::map<std::pair<int, int>, int> edges;
@@ -41,11 +41,11 @@ void expectValid(const ConvexHull& hull, std::span<const Vec3> points) {
   EXPECT_NEAR(hull.volume, signedVolume(hull.vertices, hull.triangles), 1e-12 * std::abs(hull.volume));
   EXPECT_LE(largestViolation(hull, points), 1e-9 * boundsOf(points).diagonal());
   for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
-    EXPECT_EQ(hull.vertices[i], points[static_cast<std::size_t>(hull.pointOfVertex[i])]);
+    EXPECT_EQ(hull.vertices[i], points[hull.pointOfVertex[i]]);
   }
 }
 
-/// Independent slow truth: a triangle of points is a facet when every other point is on one side.
+/// Slow independent reference: a triangle of points is a facet if all other points are on one side.
 double bruteForceVolume(std::span<const Vec3> points) {
   Vec3 inside = Vec3::Zero();
   for (const Vec3& p : points) inside += p / static_cast<double>(points.size());
@@ -108,7 +108,7 @@ TEST(ConvexHull, GridPointsOfACubeLeaveOnlyItsEightCorners) {
 }
 
 TEST(ConvexHull, CoplanarFacesInAnyOrientationContainTheirPoints) {
-  // Rounding makes turned planes not quite flat: the case that folds hulls built with one absolute tolerance.
+  // Rounding makes rotated planes not quite flat, which breaks hull algorithms with a single absolute tolerance.
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 50; ++trial) {
     const Quat q = Quat(std::cos(trial), std::sin(trial * 1.3), std::cos(trial * 0.7), 0.3).normalized();

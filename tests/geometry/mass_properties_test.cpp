@@ -41,7 +41,7 @@ TEST(MassProperties, ACornerTetrahedronHasTheIntegralsOfTheBook) {
   const MassProperties corner = of(test::makeTetrahedron());
   EXPECT_NEAR(corner.volume, 1.0 / 6.0, 1e-15);
   EXPECT_TRUE(corner.center.isApprox(Vec3::Constant(0.25), 1e-14));
-  // Over it, the integral of x^2 is 1/60, that of x y 1/120; about the centre 1/96 less each.
+  // The integral of x^2 over it is 1/60, that of x y 1/120; about the centre, each is 1/96 less.
   const double square = 1.0 / 60.0 - 1.0 / 96.0, product = 1.0 / 120.0 - 1.0 / 96.0;
   EXPECT_NEAR(corner.inertia(0, 0), 2.0 * square, 1e-15);
   EXPECT_NEAR(corner.inertia(0, 1), -product, 1e-15);

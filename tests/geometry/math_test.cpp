@@ -19,7 +19,7 @@ TEST(Aabb, IsEmptyUntilAPointIsAdded) {
   EXPECT_EQ(box.center(), Vec3(1, 2, 3));
 }
 
-TEST(Aabb, HoldsTheLeastAndTheGreatestOfEachAxis) {
+TEST(Aabb, HoldsTheMinAndMaxOfEachAxis) {
   const std::vector<Vec3> points = {{1, -2, 3}, {-1, 5, 0}, {0, 0, -6}};
   const Aabb box = boundsOf(points);
   EXPECT_EQ(box.min, Vec3(-1, -2, -6));
@@ -43,7 +43,7 @@ TEST(RotationBetween, TurnsOneDirectionOntoTheOtherByTheShortestWay) {
 
 TEST(SymmetricAxes, OfAMatrixMadeOfKnownOnes) {
   const Mat3 known = Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  const Vec3 values(-2.0, 0.5, 7.0);  // rising
+  const Vec3 values(-2.0, 0.5, 7.0);  // ascending
   const SymmetricAxes axes = symmetricAxes(known * values.asDiagonal() * known.transpose());
   EXPECT_NEAR((axes.values - values).norm(), 0.0, 1e-12);
   for (int i = 0; i < 3; ++i) {

@@ -8,13 +8,13 @@
 
 namespace lorica::test {
 
-/// One small file, and the same tetrahedron in each.
+/// A small file; all samples contain the same tetrahedron.
 struct MeshSample {
   std::string name;
   std::string content;
 };
 
-/// The corner tetrahedron in every format and encoding that readMesh knows.
+/// The corner tetrahedron in every format and encoding that readMesh() supports.
 [[nodiscard]] std::vector<MeshSample> tetrahedronFiles();
 
 /// A number's bytes, least significant first or last.
@@ -24,7 +24,7 @@ template <typename T>
   return order == std::endian::native ? bytes : std::string(bytes.rbegin(), bytes.rend());
 }
 
-/// Binary STL of a mesh: header, count, and 50 bytes a triangle.
+/// Binary STL of a mesh: header, count, and 50 bytes per triangle.
 [[nodiscard]] std::string binaryStl(const TriMesh& mesh, std::string_view header = "");
 
 /// Binary PLY of a mesh, with properties that a reader must skip: a colour, a list, an element of edges.

@@ -20,7 +20,7 @@ Result<TriMesh> readAs(std::string_view name, std::string_view content) {
   return readMesh(folder.write(name, content));
 }
 
-/// What readMesh says, less the folder; empty when it succeeds.
+/// The error message of readMesh() without the folder; empty on success.
 std::string whyNot(std::string_view name, std::string_view content) {
   const TemporaryFolder folder;
   const auto mesh = readMesh(folder.write(name, content));
@@ -31,7 +31,7 @@ std::string whyNot(std::string_view name, std::string_view content) {
   return message.substr(std::min(prefix.size(), message.size()));
 }
 
-/// Same triangles by position, whatever the numbering.
+/// Same triangles by position, independent of vertex order.
 bool sameSurface(const TriMesh& a, const TriMesh& b) {
   if (a.triangles.size() != b.triangles.size() || a.vertices.size() != b.vertices.size()) return false;
   for (std::size_t k = 0; k < a.triangles.size(); ++k) {
@@ -96,7 +96,7 @@ TEST(ReadMesh, EveryTruncatedPrefixFailsCleanlyOrParses) {
       EXPECT_EQ(mesh.error().message.find(file.string() + ": "), 0u) << mesh.error().message;
       EXPECT_GT(mesh.error().message.size(), file.string().size() + 20);
     }
-    // Only the last line's end and an OBJ's last faces can be missed by nobody.
+    // Only a missing final line end, or missing last faces of an OBJ, cannot be detected.
     EXPECT_GT(refused, static_cast<int>(sample.name == "plain.obj" ? 100 : sample.content.size() - 12)) << sample.name;
   }
 }
@@ -136,20 +136,20 @@ TEST(ReadMesh, HugeCountsAreNotBelieved) {
   const std::string fewCorners = binary + listHeader + std::string(3, '\0') + std::string(4, '\xFF');
   for (const auto& [name, content, message] : std::vector<std::array<std::string, 3>>{
            {"a.off", "OFF\n2000000000 2000000000 0\n0 0 0\n",
-            "a.off: line 4: the file ends here; 2000000000 vertices were announced, 1 are there"},
+            "a.off: line 4: the file ends here; the header declares 2000000000 vertices, found 1"},
            {"a.off", "OFF\n9999999999 1 0\n", "a.off: line 2: a count of 9999999999, expected 0 to 2147483647"},
            {"a.off", "OFF\n1 1 0\n0 0 0\n2000000000 0 0 0\n",
             "a.off: line 4: the line ends before corner 3 of 2000000000 of face 0, expected an integer"},
            {"a.ply", "ply\nformat ascii 1.0\n" + plyHeader,
-            "a.ply: line 10: the file ends here; 2000000000 of element vertex were announced, 0 are there"},
+            "a.ply: line 10: the file ends here; the header declares 2000000000 of element vertex, found 0"},
            {"a.ply", fewVertices,
             "a.ply: byte " + std::to_string(fewVertices.size() - 4) +
-                ": 2000000000 of element vertex need at least 24000000000 bytes, 4 are left"},
+                ": 2000000000 of element vertex need at least 24000000000 bytes, 4 bytes are left"},
            {"a.ply", fewCorners,
             "a.ply: byte " + std::to_string(fewCorners.size()) +
                 ": corner 0 of 4294967295 of face 0: expected a finite number, 0 bytes are left"},
            {"a.stl", stl,
-            "a.stl: the header (byte 80) announces 4294967295 triangles, which need 214748364834 bytes; the file has "
+            "a.stl: the header (byte 80) declares 4294967295 triangles, which need 214748364834 bytes; the file has "
             "84"}}) {
     const test::AllocationWatch watch;
     EXPECT_EQ(whyNot(name, content), message);
@@ -162,11 +162,10 @@ TEST(ReadMesh, NamesAndContentMustFit) {
   EXPECT_EQ(whyNot("mesh", "x"), "mesh: the name ends in '', expected .off, .obj, .ply or .stl");
   EXPECT_EQ(whyNot("a.off", "ply\n"), "a.off: line 1: found 'ply', expected the word OFF");
   EXPECT_EQ(whyNot("a.ply", "OFF\n"), "a.ply: line 1: found 'OFF', expected the word ply");
-  EXPECT_EQ(whyNot("a.obj", "OFF\n"),
-            "a.obj: line 1: statement 'OFF' is not one that Lorica knows, such as v, f, o or g");
+  EXPECT_EQ(whyNot("a.obj", "OFF\n"), "a.obj: line 1: unknown statement 'OFF', expected one such as v, f, o or g");
   EXPECT_EQ(
       whyNot("a.stl", "OFF\n"),
-      "a.stl: 4 bytes that do not begin with 'solid': neither a text STL nor a binary one, whose header alone has "
+      "a.stl: 4 bytes that do not start with 'solid': neither a text STL nor a binary one, whose header alone has "
       "84 bytes");
   EXPECT_EQ(whyNot("a.obj", "v 0 0 0\n"), "a.obj: 1 vertices and no face, expected a surface");
   EXPECT_EQ(readMesh("/nowhere/a.off").error().code, ErrorCode::kNotFound);
@@ -177,7 +176,7 @@ TEST(ReadMesh, NumbersAreReadStrictlyInAnyLocale) {
     return "OFF\n3 1 0\n" + std::string(x) + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   };
   for (const char* locale : {"C", "de_DE.UTF-8"}) {
-    std::setlocale(LC_ALL, locale);  // where it is not installed, nothing changes
+    std::setlocale(LC_ALL, locale);  // no effect if the locale is not installed
     for (const auto& [text, value] : std::vector<std::pair<const char*, double>>{
              {"1e-5", 1e-5}, {"+1.5", 1.5}, {".5", 0.5}, {"-2.", -2.0}, {"1E+2", 100.0}, {"1e-999", 0.0}}) {
       const auto mesh = readAs("a.off", file(text));
@@ -203,7 +202,7 @@ TEST(ReadOff, HeaderVariants) {
   }
   EXPECT_EQ(whyNot("a.off", "COFF\n" + counts + "0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 0 1\n3 0 1 2\n"), "");
   EXPECT_EQ(whyNot("a.off", "NOFF\n" + counts + "0 0 0 1 0 0\n1 0 0 1 0 0\n0 1 0 1 0 0\n3 0 1 2\n"), "");
-  EXPECT_EQ(whyNot("a.off", "4OFF\n"), "a.off: line 1: '4OFF' has vertices that are not in three dimensions");
+  EXPECT_EQ(whyNot("a.off", "4OFF\n"), "a.off: line 1: '4OFF' declares vertices that are not three-dimensional");
   EXPECT_EQ(readAs("a.off", "nOFF\n").error().code, ErrorCode::kUnsupported);
 }
 
@@ -223,7 +222,7 @@ TEST(ReadOff, SaysWhatIsWrong) {
            {start + "3 0 1 -1\n", "line 6: face 0: vertex index -1 is out of range, expected 0 to 2 (3 vertices)"},
            {start + "2 0 1\n", "line 6: face 0 has 2 corners, expected 3 or more"},
            {start + "3 0 1 2.0\n", "line 6: corner 2 of 3 of face 0 is '2.0', expected an integer"},
-           {start, "line 6: the file ends here; 1 faces were announced, 0 are there"},
+           {start, "line 6: the file ends here; the header declares 1 faces, found 0"},
            {start + "3 0 1 2\n\n3 0 1 2\n",
             "line 8: found '3' after the last of 1 faces, expected the end of the file"}}) {
     EXPECT_EQ(whyNot("a.off", content), "a.off: " + message);
@@ -252,7 +251,7 @@ TEST(ReadObj, SaysWhatIsWrong) {
            {start + "f 1 2 3/x\n", "line 4: corner '3/x', expected v, v/vt, v//vn or v/vt/vn"},
            {start + "f 1 2 /3\n", "line 4: corner '/3', expected v, v/vt, v//vn or v/vt/vn"},
            {start + "f 1 2 3/1/1/1\n", "line 4: corner '3/1/1/1', expected v, v/vt, v//vn or v/vt/vn"},
-           {start + "curv 0 1 2\n", "line 4: statement 'curv' is not one that Lorica knows, such as v, f, o or g"}}) {
+           {start + "curv 0 1 2\n", "line 4: unknown statement 'curv', expected one such as v, f, o or g"}}) {
     EXPECT_EQ(whyNot("a.obj", content), "a.obj: " + message);
   }
 }
@@ -271,7 +270,7 @@ TEST(ReadObj, SplitVerticesAreWeldedWhereThatClosesTheSurface) {
   EXPECT_EQ(mesh->vertices.size(), 4u);
   EXPECT_TRUE(checkClosedTwoManifold(*mesh).ok());
 
-  // Closed as it is: two boxes that touch in a corner keep their own vertices.
+  // Already closed: two boxes that touch at a corner keep their own vertices.
   const TemporaryFolder folder;
   const auto file = folder.path() / "touching.obj";
   const TriMesh touching = test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({1, 1, 1}, {2, 2, 2}));
@@ -310,11 +309,11 @@ TEST(ReadPly, SaysWhatIsWrong) {
            {text + "element vertex -3\n", "line 3: element vertex has a count of -3, expected 0 to 2147483647"},
            {text + "element vertex 3\nproperty real x\n", "line 4: found 'real', expected a type such as float or int"},
            {text + "element vertex 3\nproperty list float int x\n",
-            "line 4: found 'float' as type of a list's count, expected an integer type such as uchar"},
+            "line 4: found 'float' as the type of a list's count, expected an integer type such as uchar"},
            {text + vertex + "element vertex 3\n", "line 7: a second element vertex"},
            {text + "colour\n", "line 3: found 'colour' in the header, expected element, property or end_header"},
            {text + vertex + "end_header\n",
-            "line 7: the header has no element face: triangle strips and point clouds are not read"},
+            "line 7: the header has no element face: triangle strips and point clouds are not supported"},
            {text + face + "end_header\n", "line 5: the header has no element vertex"},
            {text + "element vertex 3\nproperty float x\n" + face + "end_header\n",
             "line 7: element vertex has 0 properties y, expected one number"},

@@ -20,8 +20,8 @@ MeshRepair repaired(const TriMesh& mesh) {
   return repair.ok() ? std::move(*repair) : MeshRepair();
 }
 
-/// Edges that more than two triangles share, counted anew.
-std::size_t crowdedEdges(const TriMesh& mesh) {
+/// Counts edges shared by more than two triangles, independently of the code under test.
+std::size_t nonManifoldEdges(const TriMesh& mesh) {
   std::map<std::pair<VertexIndex, VertexIndex>, int> sides;
   for (const Triangle& t : mesh.triangles) {
     for (int e = 0; e < 3; ++e) ++sides[std::minmax(t[e], t[(e + 1) % 3])];
@@ -30,7 +30,7 @@ std::size_t crowdedEdges(const TriMesh& mesh) {
       std::count_if(sides.begin(), sides.end(), [](const auto& side) { return side.second > 2; }));
 }
 
-/// Two-manifold, of the same volume and area, vertices kept and those added at places they name.
+/// Checks: two-manifold, same volume and area, input vertices kept, added vertices at the positions that they refer to.
 void expectSound(const TriMesh& mesh, const MeshRepair& repair) {
   const Result<void> checked = checkClosedTwoManifold(repair.mesh);
   EXPECT_TRUE(checked.ok()) << (checked.ok() ? "" : checked.error().message);
@@ -44,11 +44,11 @@ void expectSound(const TriMesh& mesh, const MeshRepair& repair) {
   }
   EXPECT_EQ(repair.mesh.vertices.size() - mesh.vertices.size(), repair.doubledVertices + repair.halvedEdges);
   EXPECT_EQ(repair.carried(mesh.vertices), repair.mesh.vertices);
-  // Every corner stands for a corner, or the middle of an edge, of the triangle that it came from.
+  // Every corner maps to a corner, or to the midpoint of an edge, of its source triangle.
   for (std::size_t t = 0; t < repair.mesh.triangles.size(); ++t) {
-    const Triangle& source = mesh.triangles[static_cast<std::size_t>(repair.sourceTriangle[t])];
+    const Triangle& source = mesh.triangles[repair.sourceTriangle[t]];
     for (const VertexIndex v : repair.mesh.triangles[t]) {
-      const auto& [first, second] = repair.origin[static_cast<std::size_t>(v)];
+      const auto& [first, second] = repair.origin[v];
       EXPECT_NE(std::find(source.begin(), source.end(), first), source.end());
       EXPECT_NE(std::find(source.begin(), source.end(), second), source.end());
     }
@@ -71,11 +71,11 @@ TEST(MeshRepair, CubesThatTouchInAnEdgeComeApart) {
   EXPECT_FALSE(checkClosedTwoManifold(mesh).ok());
   const MeshRepair repair = repaired(mesh);
   expectSound(mesh, repair);
-  EXPECT_EQ(repair.crowdedEdges, 1u);
+  EXPECT_EQ(repair.nonManifoldEdges, 1u);
   EXPECT_EQ(repair.doubledVertices, 2u);
   EXPECT_EQ(repair.halvedEdges, 0u);
-  EXPECT_EQ(repair.summary(), "1 edge of more than two triangles parted, 2 vertices doubled");
-  // Had the wedges of air been paired, there would be one component.
+  EXPECT_EQ(repair.summary(), "1 non-manifold edge separated, 2 vertices duplicated");
+  // If the wedges of air had been paired, there would be one component.
   const Components components = connectedComponents(repair.mesh.vertices.size(), repair.mesh.triangles);
   ASSERT_EQ(components.count, 2);
   for (std::int32_t c = 0; c < 2; ++c) {
@@ -97,7 +97,7 @@ TEST(MeshRepair, CubesRoundOneEdgeInAFanComeApart) {
     mesh.vertices.emplace_back(std::cos(angle), std::sin(angle), 1);
   }
   for (int i = 0; i < 6; i += 2) {
-    const VertexIndex a = 2 + 2 * i, b = 4 + 2 * i;  // lower ends; the upper ones follow
+    const VertexIndex a = 2 + 2 * i, b = 4 + 2 * i;  // lower ends; the upper end is the next index
     mesh.triangles.insert(mesh.triangles.end(), {{0, b, a},
                                                  {1, a + 1, b + 1},
                                                  {0, a, 1},
@@ -124,14 +124,14 @@ TEST(MeshRepair, AnEdgeJoinedAtBothEndsIsHalved) {
     }
   }
   const TriMesh mesh = test::makeVoxelSurface(voxels);
-  ASSERT_EQ(crowdedEdges(mesh), 1u);
+  ASSERT_EQ(nonManifoldEdges(mesh), 1u);
   const MeshRepair repair = repaired(mesh);
   expectSound(mesh, repair);
   EXPECT_EQ(repair.halvedEdges, 1u);
   EXPECT_EQ(repair.doubledVertices, 0u);
-  EXPECT_EQ(repair.summary(), "1 edge of more than two triangles parted, 1 edge halved");
+  EXPECT_EQ(repair.summary(), "1 non-manifold edge separated, 1 edge split at the midpoint");
   EXPECT_EQ(repair.mesh.vertices.back(), Vec3(1, 1, 1.5));
-  // Another pose carries over: the middle stays in the middle.
+  // In another pose the midpoint stays at the midpoint.
   std::vector<Vec3> posed = mesh.vertices;
   for (Vec3& v : posed) v = Vec3(v.x() + v.z() * v.z(), 2 * v.y(), v.z() - 3);
   EXPECT_EQ(repair.carried(posed).back(), Vec3(1 + 2.5, 2, -1.5));
@@ -150,7 +150,7 @@ TEST(MeshRepair, TrianglesThatAddNothingAreDropped) {
   EXPECT_EQ(repair.mesh.triangles.size(), 12u);
   EXPECT_EQ(
       repair.summary(),
-      "2 triangles back to back dropped, 1 duplicate triangle dropped, 1 triangle with a repeated corner dropped");
+      "2 back-to-back triangles removed, 1 duplicate triangle removed, 1 triangle with a repeated corner removed");
 }
 
 TEST(MeshRepair, TheWallBetweenStackedBoxesGoes) {
@@ -159,7 +159,7 @@ TEST(MeshRepair, TheWallBetweenStackedBoxesGoes) {
   ASSERT_FALSE(checkClosedTwoManifold(mesh).ok());
   const MeshRepair repair = repaired(mesh);
   expectSound(mesh, repair);
-  EXPECT_EQ(repair.summary(), "4 triangles back to back dropped");
+  EXPECT_EQ(repair.summary(), "4 back-to-back triangles removed");
   EXPECT_EQ(connectedComponents(repair.mesh.vertices.size(), repair.mesh.triangles).count, 1);
 }
 
@@ -182,7 +182,7 @@ TEST(MeshRepair, WhatIsNotClosedIsRefusedInTheWordsOfTheCheck) {
 TEST(MeshRepair, TheCheckNamesTheRepairOnlyWhereItHelps) {
   const auto sentence = [](const TriMesh& mesh) { return checkClosedTwoManifold(mesh).error().message; };
   TriMesh mesh = test::makeVoxelSurface({{0, 0, 0}, {1, 1, 0}});
-  EXPECT_NE(sentence(mesh).find("repairClosedMesh() can part them"), std::string::npos) << sentence(mesh);
+  EXPECT_NE(sentence(mesh).find("repairClosedMesh() can separate the triangles"), std::string::npos) << sentence(mesh);
   mesh.triangles.push_back(mesh.triangles[0]);
   mesh.triangles.push_back(mesh.triangles[0]);
   EXPECT_EQ(sentence(mesh).find("repairClosedMesh"), std::string::npos) << sentence(mesh);
@@ -208,7 +208,7 @@ TEST(MeshRepair, RandomHeapsOfCubes) {
     ASSERT_DOUBLE_EQ(signedVolume(mesh.vertices, mesh.triangles), static_cast<double>(voxels.size()));
     const MeshRepair repair = repaired(mesh);
     expectSound(mesh, repair);
-    EXPECT_EQ(repair.crowdedEdges, crowdedEdges(mesh));
+    EXPECT_EQ(repair.nonManifoldEdges, nonManifoldEdges(mesh));
     halved += repair.halvedEdges;
     doubled += repair.doubledVertices;
     // A second repair finds nothing to do.
@@ -225,7 +225,7 @@ TEST(MeshRepair, TheDinosaurOfTheBenchmark) {
   EXPECT_FALSE(checkClosedTwoManifold(*mesh).ok());
   const MeshRepair repair = repaired(*mesh);
   expectSound(*mesh, repair);
-  EXPECT_EQ(repair.crowdedEdges, 2u);
+  EXPECT_EQ(repair.nonManifoldEdges, 2u);
 }
 
 }  // namespace

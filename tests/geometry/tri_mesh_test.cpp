@@ -133,13 +133,16 @@ TEST(CheckClosedTwoManifold, NamesWhatIsWrong) {
 
   mesh = good;
   mesh.triangles.pop_back();
-  EXPECT_EQ(whyRefused(mesh), "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open");
+  EXPECT_EQ(
+      whyRefused(mesh),
+      "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open; for a character, makeBody() "
+      "makes a closed body");
 
   mesh = good;
   std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
   EXPECT_EQ(whyRefused(mesh),
             "edge 1-2: triangles 0 and 3 run along it in the same direction, expected opposite; 3 such edges: the "
-            "triangles are not oriented alike");
+            "triangles are not consistently oriented");
 
   mesh = good;
   for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
@@ -161,7 +164,7 @@ TEST(CheckClosedTwoManifold, NamesAnEdgeOfFourTriangles) {
   EXPECT_EQ(
       whyRefused(boxes),
       "edge 3-7 belongs to 4 triangles (7, 10, 17, 20), expected two; 1 such edge: the mesh is not a two-manifold; "
-      "repairClosedMesh() can part them");
+      "repairClosedMesh() can separate the triangles");
 }
 
 TEST(CheckClosedTwoManifold, SaysWhereWeldingWouldHelp) {
@@ -172,8 +175,9 @@ TEST(CheckClosedTwoManifold, SaysWhereWeldingWouldHelp) {
     split.triangles.push_back({first, first + 1, first + 2});
   }
   EXPECT_EQ(whyRefused(split),
-            "edge 0-1 belongs to one triangle (0), expected two; 12 such edges: the mesh is open; welding 8 vertices "
-            "that lie exactly on others would leave 0");
+            "edge 0-1 belongs to one triangle (0), expected two; 12 such edges: the mesh is open; for a character, "
+            "makeBody() makes a closed body; welding 8 vertices "
+            "at positions of others would leave 0 open edges");
   EXPECT_EQ(weldEqualVertices(split), 8u);
   EXPECT_EQ(whyRefused(split), "");
 }
@@ -186,7 +190,7 @@ TEST(WeldEqualVertices, KeepsOrderTreatsMinusZeroAsZeroAndDropsCollapsedTriangle
   EXPECT_EQ(weldEqualVertices(mesh), 0u);
 }
 
-/// The same judgement by the plainest means.
+/// The same check by the simplest means.
 bool closedBySlowCount(const TriMesh& mesh) {
   std::map<std::pair<int, int>, int> directed;
   for (const Triangle& t : mesh.triangles) {

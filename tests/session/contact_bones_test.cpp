@@ -22,7 +22,7 @@ struct Body {
   Decomposition parts;
   LiveBody live;
 
-  Body() : parts(cut(character)), live(parts, character) {
+  Body() : parts(cut(character)), live(LiveBody::create(parts, character).value()) {
     const std::vector<Affine3> bindPose(static_cast<std::size_t>(character.skeleton.jointCount()), Affine3::Identity());
     live.update(bindPose);
   }
@@ -33,7 +33,7 @@ struct Body {
                      settings)
         .value();
   }
-  /// How much of a vertex a joint moves.
+  /// Blend weight of a joint at a point.
   [[nodiscard]] double weight(VertexIndex vertex, JointIndex joint) const {
     double sum = 0.0;
     const auto v = static_cast<std::size_t>(vertex);
@@ -76,22 +76,22 @@ TEST(ContactBones, InsideAFaceTheWeightsOfItsCornersAreBlended) {
   for (const LivePart& part : body().live.parts()) {
     for (const Triangle& t : part.shape.triangles) {
       const Vec3 shares(0.5, 0.3, 0.2);
-      Vec3 place = Vec3::Zero();
+      Vec3 position = Vec3::Zero();
       std::vector<double> weights(static_cast<std::size_t>(body().character.skeleton.jointCount()), 0.0);
       bool vertices = true;
       for (int i = 0; i < 3; ++i) {
-        const auto corner = static_cast<std::size_t>(t[static_cast<std::size_t>(i)]);
+        const auto corner = static_cast<std::size_t>(t[i]);
         const VertexIndex point = part.shape.pointOfVertex[corner];
         vertices = vertices && point < body().parts.vertexCount;
-        place += shares[i] * part.shape.vertices[corner];
+        position += shares[i] * part.shape.vertices[corner];
         for (std::size_t j = 0; vertices && j < weights.size(); ++j) {
           weights[j] += shares[i] * body().weight(point, static_cast<JointIndex>(j));
         }
       }
       if (!vertices) continue;
-      // A little outside, as contacts are.
-      const JointIndex found = bones.at(part, part.worldFromPart * Vec3(1.0001 * place));
-      EXPECT_NEAR(weights[static_cast<std::size_t>(found)], *std::max_element(weights.begin(), weights.end()), 0.02);
+      // Slightly outside, like contacts.
+      const JointIndex found = bones.at(part, part.worldFromPart * Vec3(1.0001 * position));
+      EXPECT_NEAR(weights[found], *std::max_element(weights.begin(), weights.end()), 0.02);
       ++blended;
     }
   }
@@ -128,7 +128,7 @@ TEST(ContactBones, AKickIsTheRightFoots) {
       ++contacts;
     }
   }
-  EXPECT_TRUE(session.selfContacts().empty()) << "a kick touches no other part of the body";
+  EXPECT_TRUE(session.selfContacts().empty()) << "a kick has no self-contacts";
 }
 
 TEST(ContactBones, APartWithoutFacesHasNone) {

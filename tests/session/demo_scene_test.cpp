@@ -7,7 +7,7 @@
 namespace lorica {
 namespace {
 
-/// Half the extents of a prop's axis-aligned bounds in its present attitude.
+/// Half the extents of a prop's axis-aligned bounds in its current orientation.
 Vec3 halfBounds(const Prop& prop) {
   if (prop.shape == PropShape::kSphere) return Vec3::Constant(prop.halfExtents.x());
   return prop.worldFromProp.linear().cwiseAbs() * prop.halfExtents;
@@ -33,7 +33,7 @@ TEST(DemoScene, NothingStartsWhereThePersonStandsOrInTheFloorOrInAnotherProp) {
       EXPECT_LT(center.y(), 7.0);
       EXPECT_LT(std::hypot(center.x(), center.z()), 1.0);
       for (std::size_t k = 0; k < i; ++k) {
-        // Bounds of neighbours in a tower touch; a micrometre of rounding is no overlap.
+        // Bounds of neighbours in a tower touch; a rounding error of a micrometre does not count as overlap.
         const Prop& other = world.props()[k];
         const Vec3 otherHalf = halfBounds(other) - Vec3::Constant(1e-6);
         const Vec3 otherCenter = other.worldFromProp.translation();
@@ -59,7 +59,7 @@ TEST(DemoScene, TheTowersStandUntilTheyAreKnocked) {
   const World demo = makeDemoWorld(1);
   World world;
   for (const Prop& prop : demo.props()) {
-    // What falls starts higher than 2 m.
+    // Falling props start higher than 2 m.
     if (prop.worldFromProp.translation().y() < 2.0) world.addProp(prop);
   }
   ASSERT_EQ(world.props().size(), 10u);

@@ -26,10 +26,10 @@ SkeletonFrame standing(double time) {
 }
 
 double trustOf(const JointTrust& trust, const Skeleton& skeleton, HumanBone bone) {
-  return trust.joints()[static_cast<std::size_t>(skeleton.jointOf(bone))];
+  return trust.joints()[skeleton.jointOf(bone)];
 }
 
-TEST(JointTrust, WhoeverIsSeenIsBelievedAndGuessesAreNot) {
+TEST(JointTrust, SeenJointsAreTrustedAndGuessedOnesAreNot) {
   const Skeleton skeleton = makeMannequin().skeleton;
   JointTrust trust(skeleton);
   SkeletonFrame frame = standing(0.0);
@@ -60,14 +60,14 @@ TEST(JointTrust, AJumpIsNotBelievedAndTrustComesBackIn300Milliseconds) {
   }
 }
 
-/// The mannequin stands and, a second on, its right hand is 2 m elsewhere, at which it passes a crowd of light balls.
-/// @return the fastest that any ball ever was [m/s]
+/// The mannequin stands; after a second its right hand moves by 2 m, past many light balls.
+/// @return maximum speed of a ball [m/s]
 double fastestBall(double confidence, bool smooth) {
   std::vector<SkeletonFrame> frames;
   for (int i = 0; i < 75; ++i) {
     SkeletonFrame frame = standing(i * kFrame);
     frame[J::kRightElbow].confidence = frame[J::kRightHand].confidence = confidence;
-    // From hanging at the side to straight ahead: in one frame, or in a sixth of a second.
+    // From hanging at the side to pointing straight ahead: in one frame, or in a sixth of a second.
     const double share = i < 30 ? 0.0 : smooth ? std::min(1.0, (i - 29) / 5.0) : 1.0;
     const Vec3 shoulder = frame[J::kRightShoulder].position;
     const double angle = share * 0.6 * EIGEN_PI;

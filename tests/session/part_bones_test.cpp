@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-/// A bar of 4 x 1 x 1 along x, from -2 to 2: what is left of 0 moves with "left", the rest with "right".
+/// A bar of 4 x 1 x 1 along x, from -2 to 2: vertices with x < 0 move with "left", the others with "right".
 Character bar() {
   Character character;
   character.name = "bar";
@@ -54,7 +54,8 @@ TEST(PartBones, OfAWholeBarAreHalfAndHalf) {
   ASSERT_EQ(bones.size(), 1u);
   const auto shares = byName(bones[0]);
   ASSERT_EQ(shares.size(), 2u) << "the root moves nothing";
-  // Box diagonals need not be symmetric, so a long face of two triangles may lean to one side: never by more than 1/6.
+  // The diagonals of the box need not be symmetric, so the two triangles of a long face may favour one side by up to
+  // 1/6.
   EXPECT_NEAR(shares.at("left"), 0.5, 1.0 / 6.0);
   EXPECT_NEAR(shares.at("left") + shares.at("right"), 1.0, 1e-12);
 }

@@ -36,14 +36,14 @@ TEST(PoseSource, AMotionIsPlayedFrameByFrameAndThenEndsForGood) {
   for (int f = 0; f < motion.frameCount(); ++f) {
     const Result<std::optional<double>> time = source->next(pose);
     ASSERT_TRUE(time.ok() && time->has_value());
-    EXPECT_EQ(**time, motion.times[static_cast<std::size_t>(f)]);
+    EXPECT_EQ(**time, motion.times[f]);
     EXPECT_EQ(difference(pose, motion.pose(f)), 0.0);
   }
   for (int again = 0; again < 2; ++again) {
     const Result<std::optional<double>> end = source->next(pose);
     ASSERT_TRUE(end.ok());
     EXPECT_FALSE(end->has_value());
-    EXPECT_EQ(difference(pose, motion.pose(motion.frameCount() - 1)), 0.0) << "untouched";
+    EXPECT_EQ(difference(pose, motion.pose(motion.frameCount() - 1)), 0.0) << "unchanged";
   }
 }
 
@@ -74,7 +74,7 @@ TEST(PoseSource, AMirroredWaveIsDoneWithTheOtherArm) {
     double top = 0.0;
     for (int f = 0; f < motion.frameCount(); ++f) {
       computeWorldFromJoint(skeleton(), motion.pose(f), worldFromJoint);
-      top = std::max(top, worldFromJoint[static_cast<std::size_t>(skeleton().jointOf(bone))].translation().y());
+      top = std::max(top, worldFromJoint[skeleton().jointOf(bone)].translation().y());
     }
     return top;
   };

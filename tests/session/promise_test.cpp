@@ -1,4 +1,4 @@
-// The promise: in every pose, the posed surface lies inside the hulls.
+// The guarantee: in every pose, the posed surface is inside the hulls.
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
@@ -25,7 +25,7 @@
 namespace lorica {
 namespace {
 
-/// How many random poses: all of those that the documents speak of where LORICA_LONG_TESTS is set, a fifth elsewhere.
+/// Number of random poses: as stated in the documentation if LORICA_LONG_TESTS is set, otherwise a fifth of it.
 int poseCount() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return 1000;
@@ -40,13 +40,13 @@ struct Subject {
   Character character = makeMannequin();
   std::vector<SkeletalMotion> motions;
   Decomposition decomposition;
-  std::vector<std::vector<PointIndex>> surface;  ///< points of each part, neighbours near each other in the list
+  std::vector<std::vector<PointIndex>> surface;  ///< points of each part in spatial order
 };
 
-/// Points sorted by where the bind pose has them, in cells of 3 cm.
-std::vector<PointIndex> sortedByPlace(std::vector<PointIndex> points, std::span<const Vec3> bind) {
+/// Points sorted by cells of 3 cm in the bind pose.
+std::vector<PointIndex> sortedByPosition(std::vector<PointIndex> points, std::span<const Vec3> bind) {
   const auto cell = [&](PointIndex p) {
-    const Eigen::Vector3i c = (bind[static_cast<std::size_t>(p)] / 0.03).array().floor().cast<int>();
+    const Eigen::Vector3i c = (bind[p] / 0.03).array().floor().cast<int>();
     return std::array<int, 3>{c.x(), c.y(), c.z()};
   };
   std::sort(points.begin(), points.end(),
@@ -54,7 +54,7 @@ std::vector<PointIndex> sortedByPlace(std::vector<PointIndex> points, std::span<
   return points;
 }
 
-/// The mannequin in 16 parts, as the demo has it.
+/// The mannequin in 16 parts, as in the demo.
 const Subject& subject() {
   static const Subject made = [] {
     Subject s;
@@ -62,20 +62,20 @@ const Subject& subject() {
       s.motions.push_back(perform(s.character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
     }
     const Result<std::vector<Vec3>> keyframes = sampleKeyframes(s.character, s.motions, 12);
-    CHECK(keyframes.ok(), "the mannequin is humanoid");
+    LORICA_CHECK(keyframes.ok(), "the mannequin is humanoid");
     const PoseView poses{*keyframes, static_cast<int>(s.character.mesh.vertices.size())};
     Result<Decomposition> parts = decompose(s.character.mesh, poses, {.maxParts = 16});
-    CHECK(parts.ok(), "the mannequin can be cut");
+    LORICA_CHECK(parts.ok(), "the mannequin can be decomposed");
     s.decomposition = std::move(*parts);
     std::vector<Vec3> bind(static_cast<std::size_t>(s.decomposition.pointCount()));
     transfer(s.decomposition, s.character.mesh.vertices, bind);
-    for (const Part& part : s.decomposition.parts) s.surface.push_back(sortedByPlace(part.points, bind));
+    for (const Part& part : s.decomposition.parts) s.surface.push_back(sortedByPosition(part.points, bind));
     return s;
   }();
   return made;
 }
 
-/// Between two poses that are within limits, and within limits itself: angles are blended, and ranges are convex.
+/// Interpolates the angles of two poses within joint limits. The result is within limits because ranges are convex.
 Pose between(const Skeleton& skeleton, const Pose& a, const Pose& b, double share) {
   Pose pose = a;
   for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
@@ -92,7 +92,7 @@ Pose between(const Skeleton& skeleton, const Pose& a, const Pose& b, double shar
   return pose;
 }
 
-/// How far points are outside of a part's hull [m], and how many by more than a limit.
+/// Maximum distance of points outside a part's hull [m], and the number of points beyond a limit.
 struct Outside {
   double farthest = 0.0;
   long count = 0;
@@ -108,8 +108,8 @@ class OutsideTest {
  public:
   explicit OutsideTest(int pointCount) : cornerOfPoint_(static_cast<std::size_t>(pointCount), -1) {}
 
-  /// @param indices  of the part's points, neighbours near each other in the list
-  /// @param world    where all points are [m]
+  /// @param indices  of the part's points, in spatial order
+  /// @param world    positions of all points [m]
   Outside operator()(const LivePart& part, std::span<const PointIndex> indices, std::span<const Vec3> world,
                      double limit) {
     const ConvexHull& shape = part.shape;
@@ -118,11 +118,11 @@ class OutsideTest {
     gather(part, indices, world, limit, outside.farthest);
     gatherBalls();
     for (const Triangle& t : shape.triangles) {
-      const Vec3& a = shape.vertices[static_cast<std::size_t>(t[0])];
-      const Vec3& b = shape.vertices[static_cast<std::size_t>(t[1])];
-      const Vec3& c = shape.vertices[static_cast<std::size_t>(t[2])];
+      const Vec3& a = shape.vertices[t[0]];
+      const Vec3& b = shape.vertices[t[1]];
+      const Vec3& c = shape.vertices[t[2]];
       const Vec3 normal = (b - a).cross(c - a);
-      // A sliver's plane is noise beyond its own extent; its neighbours bound the same place.
+      // The plane of a sliver is inaccurate beyond its own extent; its neighbours bound the same region.
       const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
       const double lengthSq = normal.squaredNorm();
       if (lengthSq < 1e-8 * longestSq * longestSq) continue;
@@ -143,21 +143,21 @@ class OutsideTest {
     float radius = 0.0f;
   };
 
-  /// The points in the part's own frame, where single precision is good for a tenth of a micrometre. A point that is
-  /// a corner of the hull sticks out no farther than it is from that corner: it is judged by that alone.
+  /// The points in the part's own frame, where single precision is accurate to a tenth of a micrometre. A point that is
+  /// a vertex of the hull protrudes by at most its distance from that vertex; only this distance is tested.
   void gather(const LivePart& part, std::span<const PointIndex> indices, std::span<const Vec3> world, double limit,
               double& farthest) {
     const ConvexHull& shape = part.shape;
     for (std::size_t v = 0; v < shape.vertices.size(); ++v) {
-      cornerOfPoint_[static_cast<std::size_t>(shape.pointOfVertex[v])] = static_cast<std::int32_t>(v);
+      cornerOfPoint_[shape.pointOfVertex[v]] = static_cast<std::int32_t>(v);
     }
     x_.clear(), y_.clear(), z_.clear();
     const Isometry3 partFromWorld = part.worldFromPart.inverse();
     for (const PointIndex i : indices) {
-      const Vec3 p = partFromWorld * world[static_cast<std::size_t>(i)];
-      const std::int32_t corner = cornerOfPoint_[static_cast<std::size_t>(i)];
+      const Vec3 p = partFromWorld * world[i];
+      const std::int32_t corner = cornerOfPoint_[i];
       if (corner >= 0) {
-        const double apart = (p - shape.vertices[static_cast<std::size_t>(corner)]).norm();
+        const double apart = (p - shape.vertices[corner]).norm();
         if (apart <= limit) {
           farthest = std::max(farthest, apart);
           continue;
@@ -168,7 +168,7 @@ class OutsideTest {
       z_.push_back(static_cast<float>(p.z()));
     }
     out_.assign(x_.size(), 0.0f);
-    for (const VertexIndex p : shape.pointOfVertex) cornerOfPoint_[static_cast<std::size_t>(p)] = -1;
+    for (const VertexIndex p : shape.pointOfVertex) cornerOfPoint_[p] = -1;
   }
 
   void gatherBalls() {
@@ -185,7 +185,7 @@ class OutsideTest {
     const Vec3f n = normal.cast<float>();
     const auto h = static_cast<float>(offset);
     for (std::size_t block = 0; block < balls_.size(); ++block) {
-      if (n.dot(balls_[block].center) + balls_[block].radius < h) continue;  // all of them are below
+      if (n.dot(balls_[block].center) + balls_[block].radius < h) continue;  // all points are below
       const std::size_t end = std::min(x_.size(), (block + 1) * kBlock);
       for (std::size_t i = block * kBlock; i < end; ++i) {
         const float d = n.x() * x_[i] + n.y() * y_[i] + n.z() * z_[i] - h;
@@ -199,9 +199,9 @@ class OutsideTest {
   std::vector<Ball> balls_;
 };
 
-/// Throws random poses at a body.
-/// @param first  which of all random poses is the first
-/// @param limit  farther outside than this counts [m]
+/// Tests a body in random poses.
+/// @param first  index of the first random pose
+/// @param limit  points farther outside than this are counted [m]
 Outside throwPoses(const LiveBody& fresh, int first, int poses, double limit) {
   const Subject& s = subject();
   const Skeleton& skeleton = s.character.skeleton;
@@ -223,7 +223,7 @@ Outside throwPoses(const LiveBody& fresh, int first, int poses, double limit) {
         to = randomPoseWithinLimits(skeleton, random);
       }
       const Pose pose = between(skeleton, from, to, static_cast<double>(k % kSteps) / kSteps);
-      if (!withinLimits(skeleton, pose)) own.count += 1000000;  // then the test is wrong
+      if (!withinLimits(skeleton, pose)) own.count += 1000000;  // the test itself is wrong
       computeWorldFromJoint(skeleton, pose, worldFromModel);
       computeWorldFromModel(s.character, worldFromModel, worldFromModel);
       body.update(worldFromModel);
@@ -239,17 +239,17 @@ Outside throwPoses(const LiveBody& fresh, int first, int poses, double limit) {
   return all;
 }
 
-// A hundred thousand poses in all, in four shares that can run beside each other.
+// All poses are split into kShares shares that can run in parallel.
 class Promise : public testing::TestWithParam<int> {};
 constexpr int kShares = 2;
 
 TEST_P(Promise, ExactHullsHoldTheSurfaceInRandomPoses) {
   const Subject& s = subject();
-  const LiveBody body(s.decomposition, s.character);
+  const LiveBody body = LiveBody::create(s.decomposition, s.character).value();
   EXPECT_EQ(body.coverage().tolerance, 0.0);
   const int poses = poseCount() / kShares;
   const Outside outside = throwPoses(body, GetParam() * poses, poses, 1e-5 * s.character.height);
-  std::cout << poses << " poses, exact: " << outside.count << " points outside, the farthest by "
+  std::cout << poses << " poses, exact: " << outside.count << " points outside, by at most "
             << outside.farthest / s.character.height << " of the height\n";
   EXPECT_EQ(outside.count, 0);
   EXPECT_LT(outside.farthest, 1e-6 * s.character.height);
@@ -257,7 +257,7 @@ TEST_P(Promise, ExactHullsHoldTheSurfaceInRandomPoses) {
 
 INSTANTIATE_TEST_SUITE_P(Shares, Promise, testing::Range(0, kShares));
 
-/// How far the surface sticks out of a body in given poses.
+/// How far the surface protrudes from a body in given poses.
 Outside inPoses(LiveBody body, BonePoseView poses, double limit) {
   const Subject& s = subject();
   std::vector<Vec3> points(static_cast<std::size_t>(s.decomposition.pointCount()));
@@ -275,7 +275,7 @@ Outside inPoses(LiveBody body, BonePoseView poses, double limit) {
   return outside;
 }
 
-TEST(PromiseOfFewPoints, HoldsInAllSampledPosesAndSaysWhatSticksOutInOthers) {
+TEST(PromiseOfFewPoints, CoversAllSampledPosesAndReportsTheShortfallInOthers) {
   const Subject& s = subject();
   const double height = s.character.height;
   const Result<CoverPoses> poses = coverPoses(s.character, s.motions);
@@ -284,26 +284,26 @@ TEST(PromiseOfFewPoints, HoldsInAllSampledPosesAndSaysWhatSticksOutInOthers) {
   for (const CoverSettings& settings : {CoverSettings{.tolerance = 0.005}, CoverSettings{.maxHullVertices = 64},
                                         CoverSettings{.maxHullVertices = 16}}) {
     SCOPED_TRACE(testing::Message() << settings.tolerance << " m, " << settings.maxHullVertices << " vertices");
-    const Result<CoverPromise> cover =
+    const Result<HullCover> cover =
         chooseCover(s.decomposition, lifted, poses->sampledView(), poses->heldOutView(), settings);
     ASSERT_TRUE(cover.ok()) << cover.error().message;
-    const LiveBody body(s.decomposition, s.character, *cover);
-    std::size_t most = 0;
+    const LiveBody body = LiveBody::create(s.decomposition, s.character, *cover).value();
+    std::size_t max = 0;
     std::size_t points = 0;
     for (const std::vector<CoverPoint>& part : cover->points) {
-      most = std::max(most, part.size());
+      max = std::max(max, part.size());
       points += part.size();
     }
     if (settings.maxHullVertices > 0) {
-      EXPECT_LE(most, static_cast<std::size_t>(settings.maxHullVertices));
+      EXPECT_LE(max, static_cast<std::size_t>(settings.maxHullVertices));
     } else {
       EXPECT_LE(cover->sampledShortfall, settings.tolerance);
     }
     EXPECT_EQ(inPoses(body, poses->sampledView(), 1e-5 * height).count, 0);
     EXPECT_NEAR(inPoses(body, poses->heldOutView(), 1e-5 * height).farthest, cover->heldOutShortfall, 2e-6 * height);
     const Outside outside = throwPoses(body, 0, poseCount() / 20, 1e-5 * height);
-    std::cout << points << " points, at most " << most << " a part: stuck out by " << 1e3 * cover->sampledShortfall
-              << " mm, pushed by up to " << 1e3 * cover->growth << " mm; held out " << 1e3 * cover->heldOutShortfall
+    std::cout << points << " points, at most " << max << " per part: protruded by " << 1e3 * cover->sampledShortfall
+              << " mm, enlarged by up to " << 1e3 * cover->growth << " mm; held out " << 1e3 * cover->heldOutShortfall
               << " mm; worst of " << poseCount() / 20 << " random poses " << 1e3 * outside.farthest << " mm\n";
   }
 }

@@ -15,8 +15,8 @@
 namespace lorica {
 namespace {
 
-/// What came of a recording's session when it was made: of every build, compiler and number of threads it is the same.
-/// Whoever changes poses, hulls or physics on purpose takes the numbers that the test prints.
+/// Expected hashes of a recording's session: the same for every build, compiler and number of threads. After an
+/// intended change of poses, hulls or physics, copy the numbers that the test prints.
 struct Known {
   const char* recording;
   double from;  ///< [s]

@@ -41,7 +41,7 @@ std::string errorOf(const std::string& text) {
   return scene ? "none" : scene.error().message;
 }
 
-/// The mannequin in six parts, performing among a scene.
+/// The mannequin in six parts, performing in a scene.
 Session performance(SyntheticMotion motion, const SceneFile& scene) {
   static const Decomposition parts = [] {
     const Character character = makeMannequin();
@@ -100,7 +100,7 @@ TEST(SceneFile, EveryFieldIsRead) {
   ASSERT_EQ(scene->links.size(), 5u) << "four upper ends and the last lower one";
   EXPECT_EQ(scene->links[0].b, kWorldItself);
   EXPECT_EQ(scene->links[4].b, kWorldItself);
-  EXPECT_LT((scene->links[4].place - Vec3(0, 4, 0)).norm(), 1e-12);
+  EXPECT_LT((scene->links[4].position - Vec3(0, 4, 0)).norm(), 1e-12);
 }
 
 TEST(SceneFile, WhatIsWrongIsNamed) {
@@ -123,7 +123,7 @@ TEST(SceneFile, WhatIsWrongIsNamed) {
             "s.json: props[0].mass: found 0, expected a number from 0.001 to 10000");
   EXPECT_EQ(ofProp(R"({"shape": "sphere", "radius": 1, "at": [0, 0, 0], "color": "red"})"),
             "s.json: props[0].color: found \"red\", expected a colour such as \"#d08020\"");
-  EXPECT_NE(ofProp(R"({"shape": "capsule", "radius": 1, "height": 1, "at": [0, 0, 0]})").find("as high as it is wide"),
+  EXPECT_NE(ofProp(R"({"shape": "capsule", "radius": 1, "height": 1, "at": [0, 0, 0]})").find("twice the radius"),
             std::string::npos);
   EXPECT_NE(ofProp(R"({"shape": "sphere", "radius": 1, "at": [0, 0, 0], "repeat": {"count": 1000000}})")
                 .find("props[0].repeat.step: found nothing"),
@@ -141,7 +141,7 @@ TEST(SceneFile, WhatIsWrongIsNamed) {
 
 TEST(SceneFile, EachShapeHasKeysOfItsOwn) {
   const auto ofProp = [](const std::string& prop) { return errorOf(sceneWith("\"props\": [" + prop + "]")); };
-  // A shape that is not known is complained of before what it lacks.
+  // An unknown shape is reported before missing keys.
   EXPECT_EQ(ofProp(R"({"shape": "ball", "at": [0, 0, 0]})"),
             "s.json: props[0].shape: found \"ball\", expected box, sphere, capsule, cylinder or mesh");
   EXPECT_NE(ofProp(R"({"shape": "box", "size": [1, 1, 1], "radius": 1, "at": [0, 0, 0]})")
@@ -161,7 +161,7 @@ TEST(SceneFile, KeysThatStandTwiceAndDeepNestsAreRefused) {
             "s.json: props[0].at: found twice in one object, expected once");
   const std::string deep(100000, '[');
   const std::string nested = sceneWith("\"props\": " + deep + std::string(deep.size(), ']'));
-  EXPECT_NE(errorOf(nested).find("more than 16 lists and objects in each other"), std::string::npos);
+  EXPECT_NE(errorOf(nested).find("nested more than 16 levels deep"), std::string::npos);
 }
 
 TEST(SceneFile, EveryTruncatedPrefixFailsInASentence) {
@@ -212,7 +212,7 @@ TEST_F(SceneMeshes, AMeshIsItsHullOrItsPartsAboutTheMiddleOfItsBounds) {
   EXPECT_EQ(hull.shape, PropShape::kMesh);
   ASSERT_EQ(hull.mesh->hulls.size(), 1u);
   EXPECT_NEAR(hull.mesh->hulls[0].volume, 3.5e-3, 1e-9);
-  EXPECT_NEAR(hull.mesh->solid.volume, 3.5e-3, 1e-9) << "of one part the hull weighs";
+  EXPECT_NEAR(hull.mesh->solid.volume, 3.5e-3, 1e-9) << "with one part, the mass is that of the hull";
   std::vector<double> sides = {hull.halfExtents.x(), hull.halfExtents.y(), hull.halfExtents.z()};
   std::sort(sides.begin(), sides.end());
   EXPECT_NEAR(sides[0], 0.05, 1e-9);
@@ -246,7 +246,7 @@ TEST_F(SceneMeshes, WhatCannotBeAPropIsNamed) {
   EXPECT_NE(errorOfProp(R"({"shape": "mesh", "file": "box.obj", "scale": 1000)" + at).find("become 200 x 200 x 200 m"),
             std::string::npos);
   EXPECT_NE(
-      errorOfProp(R"({"shape": "mesh", "file": "box.obj", "scale": 1, "size": [1, 1, 1])" + at).find("one of both"),
+      errorOfProp(R"({"shape": "mesh", "file": "box.obj", "scale": 1, "size": [1, 1, 1])" + at).find("both scale and"),
       std::string::npos);
   EXPECT_NE(errorOfProp(R"({"shape": "mesh", "file": "open.obj", "parts": 4)" + at).find("open.obj"),
             std::string::npos);
@@ -317,12 +317,12 @@ TEST(ShippedScenes, TheCurtainIsPartedAndHangsOnItsBarAfterwards) {
   std::set<int> touched;
   double widestGap = 0.0;
   const auto gapOf = [&](const SceneFile::Link& link) {
-    const auto placeOn = [&](int prop) -> Vec3 {
-      if (prop == kWorldItself) return link.place;
+    const auto positionOn = [&](int prop) -> Vec3 {
+      if (prop == kWorldItself) return link.position;
       const auto p = static_cast<std::size_t>(prop);
-      return session.world().props()[p].worldFromProp * (scene.props[p].worldFromProp.inverse() * link.place);
+      return session.world().props()[p].worldFromProp * (scene.props[p].worldFromProp.inverse() * link.position);
     };
-    return (placeOn(link.a) - placeOn(link.b)).norm();
+    return (positionOn(link.a) - positionOn(link.b)).norm();
   };
   while (true) {
     const Result<bool> more = session.step();
@@ -332,7 +332,7 @@ TEST(ShippedScenes, TheCurtainIsPartedAndHangsOnItsBarAfterwards) {
     for (const SceneFile::Link& link : scene.links) widestGap = std::max(widestGap, gapOf(link));
   }
   EXPECT_GE(touched.size(), 10u);
-  EXPECT_LT(widestGap, 0.15) << "links may stretch where a fist takes them along, and never tear";
+  EXPECT_LT(widestGap, 0.15) << "links may stretch if a fist pulls them along, but never tear";
   for (const SceneFile::Link& link : scene.links) EXPECT_LT(gapOf(link), 0.02);
 }
 

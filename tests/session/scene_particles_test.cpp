@@ -23,11 +23,11 @@ TEST(SceneParticles, AreReadPouredAndSettle) {
   EXPECT_EQ(scene->particles->color, Vec3f::Ones());
   World world = makeWorld(*scene);
   ASSERT_NE(world.particles(), nullptr);
-  EXPECT_EQ(world.particles()->places().size(), 50u);
+  EXPECT_EQ(world.particles()->positions().size(), 50u);
   world.step({}, 1.0 / 30.0);
-  EXPECT_EQ(world.particles()->places().size(), 210u) << "half a second and a frame of pouring";
+  EXPECT_EQ(world.particles()->positions().size(), 210u) << "half a second and a frame of pouring";
   for (int i = 0; i < 10; ++i) world.step({}, 1.0 / 30.0);
-  EXPECT_EQ(world.particles()->places().size(), 250u) << "no more than asked for";
+  EXPECT_EQ(world.particles()->positions().size(), 250u) << "not more than requested";
 }
 
 TEST(SceneParticles, WaterStaysBetweenWalls) {
@@ -37,8 +37,8 @@ TEST(SceneParticles, WaterStaysBetweenWalls) {
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   World world = makeWorld(*scene);
   for (int i = 0; i < 30; ++i) world.step({}, 1.0 / 30.0);
-  EXPECT_GT(world.particles()->places().size(), 500u);
-  for (const Vec3f& p : world.particles()->places()) {
+  EXPECT_GT(world.particles()->positions().size(), 500u);
+  for (const Vec3f& p : world.particles()->positions()) {
     EXPECT_LE(std::abs(p.x()), 0.3f);
     EXPECT_LE(std::abs(p.z()), 0.3f);
   }
@@ -48,7 +48,8 @@ TEST(SceneParticles, MistakesAreNamed) {
   const auto sentence = [](const std::string& particles) { return sceneWith(particles).error().message; };
   EXPECT_EQ(sentence(R"("grains": {"radius": 0, "fill": []})"),
             "my.json: grains.radius: found 0, expected a number from 0.004 to 0.1");
-  EXPECT_EQ(sentence(R"("grains": {})"), "my.json: grains.fill: found nothing, expected a list of boxes, or pours");
+  EXPECT_EQ(sentence(R"("grains": {})"),
+            "my.json: grains.fill: found nothing, expected a list of boxes, or a list \"pour\"");
   EXPECT_EQ(sentence(R"("grains": {"pour": [{"at": [0, 1, 0], "count": 9000000}]})"),
             "my.json: grains.pour[0].count: found 9000000, expected a whole number from 1 to 300000");
   EXPECT_NE(sentence(R"("grains": {"fill": [{"at": [0, 1, 0], "size": [1, 1, 1]}]}, "water": {})").find("one of them"),

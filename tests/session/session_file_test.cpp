@@ -14,7 +14,7 @@
 namespace lorica {
 namespace {
 
-/// The bytes of a short session with all that there is to be recorded.
+/// The bytes of a short session with everything that can be recorded.
 const std::string& sessionBytes() {
   static const std::string bytes = [] {
     const test::TemporaryFolder folder;
@@ -38,7 +38,7 @@ TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
   ASSERT_TRUE(read.ok()) << read.error().message;
   EXPECT_TRUE(read->finished);
   EXPECT_TRUE(read->notes.empty());
-  // Frames that a late one overtook were taken too; those after the last step were not shown to anyone.
+  // Frames that a late one overtook are recorded too; frames after the last step were never shown.
   ASSERT_EQ(read->joints.size(), frames.size());
   EXPECT_LT(read->steps.size(), frames.size());
   std::size_t taken = 0;
@@ -61,7 +61,7 @@ TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
   EXPECT_EQ(read->actions[0].kind, WorldAction::Kind::kThrowBall);
   EXPECT_EQ(read->actions[0].velocity, Vec3(0.0, 1.0, -6.0));
   EXPECT_EQ(read->actions[1].kind, WorldAction::Kind::kGrab);
-  EXPECT_EQ(read->actions[2].place, Vec3(0.3, 0.8, 0.8));
+  EXPECT_EQ(read->actions[2].position, Vec3(0.3, 0.8, 0.8));
 }
 
 TEST(SessionFile, HeaderSaysEverythingAgain) {
@@ -111,12 +111,12 @@ TEST(SessionFile, WrongHeadersGetASentence) {
   EXPECT_EQ(sentence(with("0000000000000000", "123")),
             "s: header: character.hash: found \"123\", expected 16 hexadecimal digits");
   EXPECT_EQ(sentence(with("\"faults\": \"\"", "\"faults\": \"swop\"")),
-            "s: header: faults: found `swop`, expected dropout, jitter, swap, late, freeze or seed, as in "
+            "s: header: faults: found `swop`, expected dropout, jitter, swap, late, freeze or seed, for example "
             "dropout=0.1,swap,seed=7");
   for (const char* text : {"", "{", "[]", "{}", "null", R"({"format": 3})"}) EXPECT_NE(sentence(text), "none") << text;
 }
 
-TEST(SessionFile, EveryTruncationIsNotedOrSaid) {
+TEST(SessionFile, EveryTruncationIsNotedOrReported) {
   const std::string& whole = sessionBytes();
   const std::size_t steps = parseSession(whole, "s").value().steps.size();
   std::size_t last = 0;
@@ -125,7 +125,7 @@ TEST(SessionFile, EveryTruncationIsNotedOrSaid) {
   for (std::size_t size = 0; size < whole.size(); size = next(size)) {
     const Result<SessionFile> read = parseSession(std::string_view(whole).substr(0, size), "s");
     if (!read) {
-      ASSERT_EQ(last, 0u) << "a longer piece was worse, at " << size;
+      ASSERT_EQ(last, 0u) << "a shorter piece was valid, but not this one, at " << size;
       ASSERT_EQ(read.error().message.substr(0, 3), "s: ");
       continue;
     }
@@ -137,11 +137,11 @@ TEST(SessionFile, EveryTruncationIsNotedOrSaid) {
   EXPECT_EQ(last, steps);
 }
 
-TEST(SessionFile, EveryDamagedByteIsSaid) {
+TEST(SessionFile, EveryDamagedByteIsReported) {
   RandomNumbers random(1);
   std::string bytes = sessionBytes();
   for (int i = 0; i < 5000; ++i) {
-    // The first bytes each, then any.
+    // Each of the first bytes, then random ones.
     const std::size_t at = i < 500 ? static_cast<std::size_t>(i) : random.bits() % bytes.size();
     const char before = bytes[at];
     bytes[at] = static_cast<char>(before ^ static_cast<char>(1u << (random.bits() % 8)));
@@ -150,7 +150,7 @@ TEST(SessionFile, EveryDamagedByteIsSaid) {
   }
 }
 
-/// A whole file with right checksums around whatever the blocks hold.
+/// A whole file of blocks, with valid checksums.
 std::string fileOf(const std::vector<std::pair<BlockKind, std::string>>& blocks) {
   std::string bytes(kSessionMagic);
   std::uint64_t chain = 0;
@@ -168,7 +168,7 @@ std::vector<std::pair<BlockKind, std::string>> blocksOf(const std::string& bytes
   return blocks;
 }
 
-TEST(SessionFile, LiesWithRightChecksumsAreSaidOrHarmless) {
+TEST(SessionFile, WrongDataWithValidChecksumsIsReportedOrHarmless) {
   const auto blocks = blocksOf(sessionBytes());
   RandomNumbers random(2);
   int refused = 0;
@@ -188,18 +188,18 @@ TEST(SessionFile, LiesWithRightChecksumsAreSaidOrHarmless) {
   EXPECT_GT(refused, 500);
 }
 
-TEST(SessionFile, BlocksThatDoNotFitAreSaid) {
+TEST(SessionFile, BlocksThatDoNotFitAreReported) {
   const auto blocks = blocksOf(sessionBytes());
   const auto header = blocks[0], scene = blocks[1], step = blocks[2], end = blocks.back();
   EXPECT_EQ(sentenceFor(fileOf({header, scene, step, end})), "none");
-  EXPECT_NE(sentenceFor(fileOf({})).find("found 0 whole blocks"), std::string::npos);
+  EXPECT_NE(sentenceFor(fileOf({})).find("found 0 complete blocks"), std::string::npos);
   EXPECT_NE(sentenceFor(fileOf({scene, header, step})).find("expected a header"), std::string::npos);
-  EXPECT_EQ(sentenceFor(fileOf({header, scene, end})), "s.lsession: no step in it, expected at least one");
+  EXPECT_EQ(sentenceFor(fileOf({header, scene, end})), "s.lsession: found no steps, expected at least one");
   EXPECT_NE(sentenceFor(fileOf({header, scene, step, header})).find("second header"), std::string::npos);
   EXPECT_NE(sentenceFor(fileOf({header, scene, step, end, step})).find("a block after the end"), std::string::npos);
   EXPECT_EQ(sentenceFor(fileOf({header, scene, step, end}) + "x"), "s.lsession: bytes after the end");
-  EXPECT_NE(sentenceFor("not a session at all").find("does not begin as a session does"), std::string::npos);
-  // Counts that the bytes cannot hold are not believed.
+  EXPECT_NE(sentenceFor("not a session at all").find("not a session file"), std::string::npos);
+  // Counts that do not fit the number of bytes are rejected.
   std::string lying = step.second;
   const std::size_t counts = 4 * sizeof(double);
   for (std::size_t i = 0; i < 4; ++i) lying[counts + i] = static_cast<char>(0xff);
@@ -207,14 +207,14 @@ TEST(SessionFile, BlocksThatDoNotFitAreSaid) {
 }
 
 TEST(SessionFile, StepsOfTwoFilesDoNotMix) {
-  // Whole blocks, but another file's: their checksums follow from other ones.
+  // Whole blocks, but of another file: their checksums are chained to other ones.
   const std::string& bytes = sessionBytes();
   const Blocks read = readBlocks(bytes, "s").value();
   const std::size_t second = read.blocks[3].offset, third = read.blocks[4].offset;
   EXPECT_NE(sentenceFor(bytes.substr(0, second) + bytes.substr(third)).find("checksum is wrong"), std::string::npos);
 }
 
-TEST(SessionFile, AMissingFileIsSaid) {
+TEST(SessionFile, AMissingFileIsReported) {
   const Result<SessionFile> read = readSession("nowhere/s.lsession");
   ASSERT_FALSE(read.ok());
   EXPECT_EQ(read.error().code, ErrorCode::kNotFound);

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Runs a recorded session again to its end.
+/// Replays a recorded session to its end.
 std::optional<SessionReplay::Difference> replayed(const SessionFile& file, int* steps = nullptr) {
   const auto recorded = std::make_shared<const SessionFile>(file);
   Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(*recorded, makeMannequin());
@@ -74,7 +74,7 @@ TEST(SessionReplay, SaysTheFirstStepThatDiffersAndWhatOfIt) {
   EXPECT_EQ(moved->time, plain.steps[31].time);
   EXPECT_NE(moved->what.find("hulls"), std::string::npos);
 
-  // A ball that flies a little slower leaves the hulls as they are.
+  // A slightly slower ball does not change the hulls.
   SessionFile slower = plain;
   slower.actions[0].velocity.z() += 1e-6;
   const auto props = replayed(slower);
@@ -101,13 +101,13 @@ TEST(SessionReplay, OtherCharactersBodiesAndScenesAreRefusedInASentence) {
     const Result<void> checked = checkReplay(other, "s.lsession", session);
     return checked ? std::string("none") : checked.error().message;
   };
-  EXPECT_NE(sentence(&SessionHeader::characterHash).find("name it with --character"), std::string::npos);
+  EXPECT_NE(sentence(&SessionHeader::characterHash).find("specify it with --character"), std::string::npos);
   EXPECT_NE(sentence(&SessionHeader::decompositionHash).find("another decomposition"), std::string::npos);
-  EXPECT_NE(sentence(&SessionHeader::trainingHash).find("trained in other poses"), std::string::npos);
-  EXPECT_NE(sentence(&SessionHeader::worldHash).find("the scene is not as it was"), std::string::npos);
+  EXPECT_NE(sentence(&SessionHeader::trainingHash).find("trained on other poses"), std::string::npos);
+  EXPECT_NE(sentence(&SessionHeader::worldHash).find("the scene differs from the recording"), std::string::npos);
 }
 
-/// Poses of the mannequin, as a clip has them.
+/// Poses of the mannequin, as in an animation clip.
 SkeletalMotion poses() {
   return perform(makeMannequin().skeleton, test::shippedFrames("wave", 40, 2.0)).value();
 }
@@ -161,7 +161,7 @@ TEST(SessionRecorder, WithoutAStepThereIsNoFile) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(SessionRecorder, AFolderThatIsNotThereAndAFullDiskAreSaid) {
+TEST(SessionRecorder, AMissingFolderAndAFullDiskAreReported) {
   const SessionHeader header = test::headerOf(test::demoSession(makeMotionPoseSource({})));
   const auto nowhere = SessionRecorder::start("nowhere/s.lsession", header, "");
   ASSERT_FALSE(nowhere.ok());

@@ -11,7 +11,6 @@
 
 #include <gtest/gtest.h>
 
-#include <iostream>
 #include <set>
 
 namespace lorica {
@@ -21,7 +20,7 @@ std::vector<SkeletonFrame> punches() {
   return synthesizeMotion(SyntheticMotion::kPunchAndKick);
 }
 
-/// Eight parts of the mannequin from its bind pose: enough to play with, and quick to make.
+/// Eight parts of the mannequin from its bind pose, quick to make.
 const Decomposition& eightParts() {
   static const Decomposition result = [] {
     const Character character = makeMannequin();
@@ -42,7 +41,7 @@ std::unique_ptr<PoseSource> performed(std::vector<SkeletonFrame> frames) {
 Session makeSession(std::vector<SkeletonFrame> frames, World world = makeDemoWorld(7)) {
   Result<Session> session =
       Session::create(makeMannequin(), eightParts(), performed(std::move(frames)), std::move(world));
-  CHECK(session.ok(), "the mannequin fits its own decomposition");
+  LORICA_CHECK(session.ok(), "the mannequin fits its own decomposition");
   return std::move(session).value();
 }
 
@@ -51,7 +50,6 @@ TEST(Session, RunsARecordingToItsEndAndThePersonTouchesProps) {
   Session session = makeSession(frames);
   std::size_t contactCount = 0;
   std::set<int> propsTouched;
-  StageTimes sum;
   while (true) {
     const Result<bool> more = session.step();
     ASSERT_TRUE(more.ok()) << more.error().message;
@@ -63,19 +61,11 @@ TEST(Session, RunsARecordingToItsEndAndThePersonTouchesProps) {
       EXPECT_LT(boundsOf(part.shape.vertices).center().norm(), 0.6);
     }
     for (const Prop& prop : session.world().props()) ASSERT_TRUE(prop.worldFromProp.matrix().allFinite());
-    sum.retarget += session.times().retarget;
-    sum.points += session.times().points;
-    sum.hulls += session.times().hulls;
-    sum.motion += session.times().motion;
-    sum.physics += session.times().physics;
     EXPECT_GT(session.times().total(), 0.0);
   }
   EXPECT_EQ(session.frameCount(), static_cast<int>(frames.size()));
   EXPECT_GE(propsTouched.size(), 5u);
-  const double n = session.frameCount();
-  std::cout << "us a frame, 8 parts: retarget " << sum.retarget / n << " motion " << sum.motion / n << " points "
-            << sum.points / n << " hulls " << sum.hulls / n << " physics " << sum.physics / n << ", contacts "
-            << contactCount << " with " << propsTouched.size() << " props" << '\n';
+  EXPECT_GE(contactCount, propsTouched.size());
 }
 
 TEST(Session, HullsContainThePosedMesh) {
@@ -86,7 +76,7 @@ TEST(Session, HullsContainThePosedMesh) {
     for (std::size_t i = 0; i < session.body().parts().size(); ++i) {
       std::vector<Vec3> points;
       for (PointIndex p : session.body().decomposition().parts[i].points) {
-        points.push_back(session.points()[static_cast<std::size_t>(p)]);
+        points.push_back(session.points()[p]);
       }
       EXPECT_LT(largestViolation(worldHull(session.body().parts()[i]), points), 1e-6 * session.character().height);
     }
@@ -101,7 +91,7 @@ TEST(Session, TwoRunsGiveTheSameHashAndTheSamePropsBitForBit) {
   std::uint64_t before = first.hash();
   while (*first.step()) {
     ASSERT_TRUE(*second.step());
-    EXPECT_NE(first.hash(), before) << "the hash follows every frame";
+    EXPECT_NE(first.hash(), before) << "the hash changes with every frame";
     before = first.hash();
     EXPECT_EQ(first.hash(), second.hash());
     for (std::size_t i = 0; i < first.world().props().size(); ++i) {
@@ -111,20 +101,20 @@ TEST(Session, TwoRunsGiveTheSameHashAndTheSamePropsBitForBit) {
   frames.back()[BodyJoint::kLeftHand].position.y() += 0.01;
   Session other = makeSession(frames);
   while (*other.step()) continue;
-  EXPECT_NE(other.hash(), first.hash()) << "a hand one centimetre higher in the last frame shows";
+  EXPECT_NE(other.hash(), first.hash()) << "a hand one centimetre higher in the last frame changes the hash";
 }
 
 TEST(Session, PropsDoNotChangeTheHulls) {
   std::vector<SkeletonFrame> frames = punches();
   frames.resize(30);
-  Session crowded = makeSession(frames);
+  Session manyProps = makeSession(frames);
   Session alone = makeSession(frames, World());
-  while (*crowded.step()) ASSERT_TRUE(*alone.step());
-  EXPECT_EQ(crowded.hashes().hulls, alone.hashes().hulls);
+  while (*manyProps.step()) ASSERT_TRUE(*alone.step());
+  EXPECT_EQ(manyProps.hashes().hulls, alone.hashes().hulls);
 }
 
 TEST(Session, FrameTimesMoveThePropsBoundedly) {
-  // A pause of ten seconds, and a time that stands still: physics moves by 0.1 s and 0.001 s.
+  // A pause of ten seconds and a repeated time: physics advances by 0.1 s and 0.001 s.
   std::vector<SkeletonFrame> frames(3, punches().front());
   frames[1].time = frames[0].time + 10.0;
   frames[2].time = frames[1].time;
@@ -154,7 +144,7 @@ TEST(Session, ADecompositionOfAnotherMeshIsRefusedWithASentence) {
   EXPECT_FALSE(Session::create(makeMannequin(), other, performed(punches()), World()).ok());
 }
 
-/// Where a session of these frames puts the bones in each of them.
+/// The bone transforms of a session in each of these frames.
 std::vector<Affine3> bonesOf(const std::vector<SkeletonFrame>& frames) {
   Session session = makeSession(frames, World());
   std::vector<Affine3> bones;
@@ -175,8 +165,8 @@ TEST(Session, HullsOfAFewPointsHoldThePosedMeshInTheFramesThatTheyWereChosenIn) 
   const std::vector<Affine3> bones = bonesOf(frames);
   CoverSettings settings;
   settings.maxHullVertices = 40;
-  const Result<CoverPromise> cover = chooseCover(eightParts(), liftPoints(character, eightParts()),
-                                                 {bones, character.skeleton.jointCount()}, {}, settings);
+  const Result<HullCover> cover = chooseCover(eightParts(), liftPoints(character, eightParts()),
+                                              {bones, character.skeleton.jointCount()}, {}, settings);
   ASSERT_TRUE(cover.ok()) << cover.error().message;
   Result<Session> session = Session::create(character, eightParts(), performed(frames), World(), *cover);
   ASSERT_TRUE(session.ok()) << session.error().message;
@@ -189,7 +179,7 @@ TEST(Session, HullsOfAFewPointsHoldThePosedMeshInTheFramesThatTheyWereChosenIn) 
       EXPECT_LE(part.shape.vertices.size(), 40u);
       std::vector<Vec3> points;
       for (PointIndex p : eightParts().parts[i].points) {
-        points.push_back(session->points()[static_cast<std::size_t>(p)]);
+        points.push_back(session->points()[p]);
       }
       EXPECT_LT(largestViolation(worldHull(part), points), 1e-5 * character.height) << "part " << i;
       ++looked;
@@ -217,7 +207,7 @@ TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
     gatherProbes(range, session->points(), probes);
     const double expected = trainingDistance(range, probes);
     ASSERT_TRUE(session->trainingDistance().has_value());
-    EXPECT_NEAR(*session->trainingDistance(), expected, 1.1e-6);  // it goes in steps of a micrometre
+    EXPECT_NEAR(*session->trainingDistance(), expected, 1.1e-6);  // computed in steps of a micrometre
     if (std::abs(expected - 0.05) > 1e-5) {
       EXPECT_EQ(session->outsideKnownRange(), expected > 0.05);
     }
@@ -227,7 +217,7 @@ TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
       EXPECT_LT(*session->trainingDistance(), 2e-6);
     }
   }
-  EXPECT_GT(outside, 10) << "kicks are far from standing";
+  EXPECT_GT(outside, 10) << "kicks are distant from standing";
   EXPECT_LT(outside, session->frameCount());
   Session without = makeSession(frames);
   ASSERT_TRUE(*without.step());
@@ -236,19 +226,19 @@ TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
 
 TEST(Session, CoverAndTrainingOfAnotherDecompositionAreRefusedWithASentence) {
   const Character character = makeMannequin();
-  const CoverPromise fine = coverExactly(eightParts(), liftPoints(character, eightParts()));
-  const auto sentence = [&](std::optional<CoverPromise> cover, std::optional<TrainingRange> training) {
+  const HullCover fine = coverExactly(eightParts(), liftPoints(character, eightParts()));
+  const auto sentence = [&](std::optional<HullCover> cover, std::optional<TrainingRange> training) {
     const Result<Session> session =
         Session::create(character, eightParts(), performed(punches()), World(), std::move(cover), std::move(training));
     return session.ok() ? std::string() : session.error().message;
   };
   EXPECT_EQ(sentence(fine, std::nullopt), "");
-  CoverPromise other = fine;
+  HullCover other = fine;
   other.points.pop_back();
-  EXPECT_EQ(sentence(other, std::nullopt), "the cover is of 7 parts, the decomposition has 8");
+  EXPECT_EQ(sentence(other, std::nullopt), "the hull cover lists the points of 7 parts, expected 8");
   other = fine;
   other.points[3].clear();
-  EXPECT_EQ(sentence(other, std::nullopt), "the cover has no points of part 3, expected one");
+  EXPECT_EQ(sentence(other, std::nullopt), "the hull cover has no points of part 3");
   other = fine;
   other.points[2][0].point = eightParts().pointCount();
   EXPECT_NE(sentence(other, std::nullopt).find("part 2"), std::string::npos) << sentence(other, std::nullopt);
@@ -265,7 +255,7 @@ TEST(Session, CoverAndTrainingOfAnotherDecompositionAreRefusedWithASentence) {
 TEST(Session, WhatTheSourceComplainsAboutIsHandedOn) {
   class BadSource : public SkeletonSource {
    public:
-    Result<std::optional<SkeletonFrame>> next() override { return Error{ErrorCode::kBadFormat, "line 7 is torn"}; }
+    Result<std::optional<SkeletonFrame>> next() override { return Error{ErrorCode::kBadFormat, "line 7 is damaged"}; }
   };
   Result<Session> session =
       Session::create(makeMannequin(), eightParts(),
@@ -273,7 +263,7 @@ TEST(Session, WhatTheSourceComplainsAboutIsHandedOn) {
   ASSERT_TRUE(session.ok());
   const Result<bool> more = session->step();
   ASSERT_FALSE(more.ok());
-  EXPECT_EQ(more.error().message, "line 7 is torn");
+  EXPECT_EQ(more.error().message, "line 7 is damaged");
   EXPECT_EQ(session->frameCount(), 0);
 }
 

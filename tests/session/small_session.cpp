@@ -35,7 +35,7 @@ std::vector<SkeletonFrame> shippedFrames(const std::string& name, std::size_t co
 
 Session demoSession(std::unique_ptr<PoseSource> source) {
   Result<Session> session = Session::create(makeMannequin(), eightParts(), std::move(source), makeDemoWorld(kDemoSeed));
-  CHECK(session.ok(), "the mannequin fits its own decomposition");
+  LORICA_CHECK(session.ok(), "the mannequin fits its own decomposition");
   return std::move(session).value();
 }
 
@@ -52,7 +52,7 @@ SessionHeader headerOf(const Session& session) {
 
 int recordJoints(const std::filesystem::path& file, std::vector<SkeletonFrame> frames, const FaultSettings& faults,
                  const JointSettings& joints) {
-  // The world and the character are known before there is a source, as they are to whoever plays.
+  // As in playback, the world and the character are known before there is a source.
   SessionHeader header = headerOf(demoSession(makeMotionPoseSource({})));
   header.faults = faults;
   header.joints = joints;

@@ -11,23 +11,23 @@
 #include <string>
 #include <vector>
 
-/// Sessions of the mannequin that are quick to make, to record and to run again.
+/// Sessions of the mannequin that are quick to make, to record and to replay.
 namespace lorica::test {
 
 /// Eight parts of the mannequin from its bind pose.
 [[nodiscard]] const Decomposition& eightParts();
 
-/// A recording that ships, from `from` seconds on.
+/// A shipped recording, starting at `from` seconds.
 [[nodiscard]] std::vector<SkeletonFrame> shippedFrames(const std::string& name, std::size_t count, double from = 0.0);
 
-/// Of the mannequin among the demo's boxes and balls.
+/// A session of the mannequin in the demo scene.
 [[nodiscard]] Session demoSession(std::unique_ptr<PoseSource> source);
 
-/// What a session of joints like that is recorded with.
+/// The header for recording such a session from joints.
 [[nodiscard]] SessionHeader headerOf(const Session& session);
 
-/// Plays joints with faults, throws a ball in step 5 and records all of it.
-/// @return the recorder's steps
+/// Plays joints with faults, throws a ball in step 5 and records the session.
+/// @return number of recorded steps
 int recordJoints(const std::filesystem::path& file, std::vector<SkeletonFrame> frames, const FaultSettings& faults = {},
                  const JointSettings& joints = {});
 

@@ -17,7 +17,7 @@ std::vector<bench::SoakScene> twoScenes() {
   return {{"demo", makeDemoWorld}, {"bowling", [bowling](std::uint64_t) { return makeWorld(*bowling); }}};
 }
 
-/// The hour of bench/soak.cpp in short. How long frames take is no matter of a test.
+/// A short version of the one-hour run in bench/soak.cpp. Frame times are not tested.
 bench::SoakSettings shortly() {
   bench::SoakSettings settings;
   settings.seconds = 20.0;

@@ -1,5 +1,5 @@
-// Thul et al. 2018, Fig. 9, carried further: a decomposition that saw several poses follows a motion that it did not
-// see better than one that saw a single pose.
+// Extends Thul et al. 2018, Fig. 9: a decomposition trained on several poses fits an unseen motion better than one
+// trained on a single pose.
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
@@ -38,14 +38,14 @@ Spread errorOver(const Decomposition& decomposition, const TriMesh& mesh, PoseVi
 Decomposition sixteenParts(const TriMesh& mesh, std::span<const Vec3> keyframes) {
   const PoseView poses{keyframes, static_cast<int>(mesh.vertices.size())};
   Result<Decomposition> made = decompose(mesh, poses, {.maxParts = 16});
-  CHECK(made.ok(), "the mannequin is a closed two-manifold");
-  CHECK(made->parts.size() == 16, "a body has more than 16 concave places");
+  LORICA_CHECK(made.ok(), "the mannequin is a closed two-manifold");
+  LORICA_CHECK(made->parts.size() == 16, "a body has more than 16 concave regions");
   return std::move(made).value();
 }
 
 TEST(UnseenMotion, TwelveKeyframesFollowAMotionThatTheyNeverSawBetterThanTheFirstFrameAlone) {
-  // Each motion in turn is kept back; the other five train one decomposition with twelve frames uniformly over them and
-  // one with the first of those frames alone, all with the default settings.
+  // Each motion in turn is held out. The other five train two decompositions with default settings: one with twelve
+  // frames at even intervals, one with only the first of these frames.
   const Character character = makeMannequin();
   std::vector<SkeletalMotion> motions;
   for (int m = 0; m < kSyntheticMotionCount; ++m) {
@@ -57,7 +57,7 @@ TEST(UnseenMotion, TwelveKeyframesFollowAMotionThatTheyNeverSawBetterThanTheFirs
     std::vector<SkeletalMotion> training = motions;
     training.erase(training.begin() + unseen);
     const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
-    const std::vector<Vec3> posed = poseAllFrames(character, motions[static_cast<std::size_t>(unseen)]);
+    const std::vector<Vec3> posed = poseAllFrames(character, motions[unseen]);
     ASSERT_TRUE(keyframes.ok());
     const PoseView poses{posed, static_cast<int>(character.mesh.vertices.size())};
     const Spread twelve = errorOver(sixteenParts(character.mesh, *keyframes), character.mesh, poses, 10);

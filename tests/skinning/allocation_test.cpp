@@ -15,7 +15,7 @@ TEST(PerFrame, KinematicsAndSkinningAllocateNothing) {
   std::vector<Vec3> vertices(character.mesh.vertices.size());
 
   const long before = allocationCount();
-  ASSERT_GT(before, 0);  // the counter works: making all this did allocate
+  ASSERT_GT(before, 0);  // the counter works: the setup above allocated memory
   computeWorldFromJoint(character.skeleton, pose, world);
   computeWorldFromModel(character, world, skin);
   skinLinearBlend(character, skin, vertices);

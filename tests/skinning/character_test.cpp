@@ -10,7 +10,7 @@
 namespace lorica::test {
 namespace {
 
-/// A tetrahedron on two joints; vertex 0 follows both.
+/// A tetrahedron with two joints; vertex 0 follows both.
 Character smallCharacter() {
   Character character;
   character.mesh = makeTetrahedron();

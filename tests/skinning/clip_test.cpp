@@ -79,8 +79,7 @@ TEST(Clip, LinearTranslationsAndScalesGoStraight) {
 }
 
 TEST(Clip, LinearRotationsTurnEvenlyTheShortWay) {
-  // From 0 to 120 degrees; the second key is written as the far quaternion of the same rotation, and not of unit
-  // length.
+  // From 0 to 120 degrees; the second key is the antipodal quaternion of the same rotation, and not of unit length.
   Quat far = negated(aboutY(2.0 * kPi / 3.0));
   far.coeffs() *= 2.5;
   const Clip clip = rotationClip({KeyInterpolation::kLinear, {0.0, 2.0}, {Quat::Identity(), far}});
@@ -153,7 +152,7 @@ TEST(Clip, SamplingTheWholeKeepsBothEndsAndEqualSteps) {
   EXPECT_EQ(motion.times.front(), 0.0);
   EXPECT_EQ(motion.times.back(), 1.03);
   for (int f = 0; f < 11; ++f) {
-    EXPECT_NEAR(motion.times[static_cast<std::size_t>(f)], 0.103 * f, 1e-12);
+    EXPECT_NEAR(motion.times[f], 0.103 * f, 1e-12);
     EXPECT_NEAR(motion.pose(f)[1].translation.x(), 0.103 * f, 1e-12);
     EXPECT_EQ(motion.pose(f)[1].scale, Vec3(1.0, 2.0, 1.0));
   }
@@ -164,6 +163,26 @@ TEST(Clip, AClipOfNoLengthIsOneFrameAndAShortOneTwo) {
   EXPECT_EQ(sampleWhole(skeleton, Clip{}, 30.0).frameCount(), 1);
   const Clip brief = translationClip({KeyInterpolation::kLinear, {0.0, 0.001}, {Vec3::Zero(), Vec3::UnitX()}});
   EXPECT_EQ(sampleWhole(skeleton, brief, 30.0).frameCount(), 2);
+}
+
+TEST(PoseAt, IsExactAtFramesAndInterpolatesBetween) {
+  Joint root;
+  root.name = "root";
+  SkeletalMotion motion;
+  motion.skeleton = Skeleton::create({root}).value();
+  motion.times = {1.0, 3.0};
+  motion.poses.resize(2);
+  motion.poses[1].translation = Vec3(4.0, 0.0, -2.0);
+  motion.poses[1].rotation = Quat(Eigen::AngleAxisd(1.0, Vec3::UnitY()));
+  motion.poses[1].scale = Vec3::Constant(3.0);
+  Pose pose(1);
+  for (const auto& [time, share] :
+       {std::pair(-5.0, 0.0), {1.0, 0.0}, {1.5, 0.25}, {2.0, 0.5}, {3.0, 1.0}, {9.0, 1.0}}) {
+    poseAt(motion, time, pose);
+    EXPECT_LT((pose[0].translation - share * Vec3(4.0, 0.0, -2.0)).norm(), 1e-15) << time;
+    EXPECT_LT(pose[0].rotation.angularDistance(Quat(Eigen::AngleAxisd(share, Vec3::UnitY()))), 1e-7) << time;
+    EXPECT_LT((pose[0].scale - Vec3::Constant(1.0 + 2.0 * share)).norm(), 1e-15) << time;
+  }
 }
 
 }  // namespace

@@ -25,18 +25,18 @@ TEST(LinearBlend, EqualsBlendedMatricesMadeByHand) {
     const Pose pose = randomPose(character.skeleton, random, true);
     const std::vector<Vec3> actual = posed(character, pose);
 
-    // The other order: all matrices climbed from scratch, blended first, then applied once.
+    // The other order: all matrices computed from scratch, blended first, then applied once.
     std::vector<Mat4> worldFromModel;
     for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
       worldFromModel.push_back(worldFromJointByHand(character.skeleton, pose, j) *
-                               character.jointFromModel[static_cast<std::size_t>(j)].matrix());
+                               character.jointFromModel[j].matrix());
     }
     double worst = 0.0;
     for (std::size_t v = 0; v < actual.size(); ++v) {
       Mat4 blended = Mat4::Zero();
       for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
         const Influence& influence = character.influences[i];
-        blended += influence.weight * worldFromModel[static_cast<std::size_t>(influence.joint)];
+        blended += influence.weight * worldFromModel[influence.joint];
       }
       const Eigen::Vector4d expected = blended * character.mesh.vertices[v].homogeneous();
       worst = std::max(worst, (actual[v] - expected.head<3>()).norm());

@@ -26,7 +26,7 @@ inline Quat randomRotation(std::mt19937& random) {
   }
 }
 
-/// Every joint turned and moved anywhere; scaled too where asked.
+/// A random rotation and translation for every joint; with a random scale if requested.
 inline Pose randomPose(const Skeleton& skeleton, std::mt19937& random, bool scaled) {
   Pose pose = restPose(skeleton);
   for (JointTransform& joint : pose) {
@@ -52,11 +52,11 @@ inline Mat4 matrixByHand(const JointTransform& t) {
   return m;
 }
 
-/// One joint's world matrix, climbed from the joint to its root.
+/// One joint's world matrix, multiplied from the joint up to its root.
 inline Mat4 worldFromJointByHand(const Skeleton& skeleton, std::span<const JointTransform> pose, JointIndex joint) {
   Mat4 product = Mat4::Identity();
   for (JointIndex j = joint; j != kNoJoint; j = skeleton.joint(j).parent) {
-    product = (matrixByHand(pose[static_cast<std::size_t>(j)]) * product).eval();
+    product = (matrixByHand(pose[j]) * product).eval();
   }
   return product;
 }

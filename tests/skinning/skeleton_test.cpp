@@ -109,7 +109,7 @@ TEST(ForwardKinematics, EqualsProductsFromEachJointUpToItsRoot) {
     computeWorldFromJoint(skeleton, pose, world);
     for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
       const Mat4 expected = worldFromJointByHand(skeleton, pose, j);
-      const double error = (world[static_cast<std::size_t>(j)].matrix() - expected).cwiseAbs().maxCoeff();
+      const double error = (world[j].matrix() - expected).cwiseAbs().maxCoeff();
       EXPECT_LT(error, 1e-11 * (1.0 + expected.cwiseAbs().maxCoeff())) << "seed " << seed << ", joint " << j;
     }
   }

@@ -10,7 +10,7 @@ std::atomic<long> allocations{0};
 std::atomic<bool> watching{false};
 std::atomic<std::size_t> largestRequest{0};
 
-/// @return null where there is no memory
+/// @return null if out of memory
 void* counted(std::size_t size) noexcept {
   allocations.fetch_add(1, std::memory_order_relaxed);
   if (watching.load(std::memory_order_relaxed) && size > largestRequest.load(std::memory_order_relaxed)) {
@@ -26,7 +26,7 @@ void* operator new(std::size_t size) {
   if (void* memory = counted(size)) return memory;
   throw std::bad_alloc();
 }
-// std::stable_sort asks this way; without it a sanitizer would see its memory freed by another family.
+// std::stable_sort uses these; without them a sanitizer would report a mismatch of allocation and deallocation.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   return counted(size);
 }

@@ -4,12 +4,11 @@
 
 namespace lorica::test {
 
-/// How often this program has asked for memory so far. A program that uses anything of this file has operator new
-/// counted.
+/// Number of allocations of this program so far. A program that uses this header has a counting operator new.
 [[nodiscard]] long allocationCount();
 
-/// Largest single allocation by operator new since this was made, in bytes. Shows that a lying count in a file is not
-/// believed before the data is seen. One at a time, one thread.
+/// Largest single allocation by operator new since construction, in bytes. Used to show that a false count in a file
+/// does not cause a large allocation. Only one at a time, on one thread.
 class AllocationWatch {
  public:
   AllocationWatch();

@@ -6,13 +6,13 @@
 
 namespace lorica::test {
 
-/// A file of the third-party data (CMake option LORICA_DATASETS); empty when it is not there.
+/// A file of the third-party data (CMake option LORICA_DATASETS); empty if it is absent.
 [[nodiscard]] std::filesystem::path dataset(std::string_view relative);
 
-/// The recordings that ship with Lorica.
+/// Folder of the recordings that ship with Lorica.
 [[nodiscard]] std::filesystem::path recordingsFolder();
 
-/// A fresh folder that is removed when this goes out of scope.
+/// A temporary folder, removed when this goes out of scope.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -20,7 +20,7 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Writes a file into the folder and returns where.
+  /// Writes a file into the folder and returns its path.
   std::filesystem::path write(std::string_view name, std::string_view content) const;
 
  private:
@@ -29,7 +29,7 @@ class TemporaryFolder {
 
 }  // namespace lorica::test
 
-/// Skips the test, saying why, when a third-party file is absent. Declares `const std::filesystem::path name`.
+/// Skips the test with a message if a third-party file is absent. Declares `const std::filesystem::path name`.
 #define LORICA_REQUIRE_DATASET(name, relative)                          \
   const std::filesystem::path name = ::lorica::test::dataset(relative); \
   if (name.empty()) GTEST_SKIP() << relative << " is absent: pass -DLORICA_DATASETS=<folder> to CMake"

@@ -19,7 +19,7 @@ namespace lorica::test {
 /// Unit-radius UV sphere scaled; closed.
 [[nodiscard]] TriMesh makeSphere(double radius, int rings, int segments);
 
-/// Both meshes in one, vertices of b after those of a.
+/// Both meshes as one, vertices of b after those of a.
 [[nodiscard]] TriMesh joined(const TriMesh& a, const TriMesh& b);
 
 }  // namespace lorica::test

@@ -20,7 +20,7 @@ VirtualDisplay::VirtualDisplay() {
     _exit(127);
   }
   close(ends[1]);
-  // The server writes its number when it is ready, or closes the pipe when it fails.
+  // The server writes its display number when it is ready, or closes the pipe if it fails.
   std::string number;
   for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) number += c;
   close(ends[0]);

@@ -6,7 +6,7 @@
 
 namespace lorica::test {
 
-/// A virtual X server of its own while this lives; DISPLAY points to it.
+/// Runs a virtual X server during its lifetime; DISPLAY refers to it.
 class VirtualDisplay {
  public:
   VirtualDisplay();
@@ -15,7 +15,7 @@ class VirtualDisplay {
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;
 
   [[nodiscard]] bool ready() const { return !name_.empty(); }
-  /// For DISPLAY: ":99".
+  /// The value of DISPLAY: ":99".
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
@@ -28,7 +28,7 @@ class VirtualDisplay {
 
 }  // namespace lorica::test
 
-/// Skips the test, saying why, where windows cannot be had or keys not be pressed.
+/// Skips the test with a message if windows cannot be opened or keys not be pressed.
 #define LORICA_REQUIRE_KEYS()                                                      \
   if (!::lorica::test::installed("Xvfb") || !::lorica::test::installed("xdotool")) \
   GTEST_SKIP() << "Xvfb or xdotool is not installed (Debian packages xvfb, xdotool)"

@@ -18,7 +18,7 @@ TriMesh makeVoxelSurface(const std::set<Voxel>& voxels) {
         Voxel beyond = cube;
         beyond[axis] += side == 0 ? -1 : 1;
         if (voxels.contains(beyond)) continue;
-        // Counter-clockwise seen along the negative axis; turned round on the lower side.
+        // Counter-clockwise seen along the negative axis; reversed on the lower side.
         const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
         std::array<VertexIndex, 4> quad{};
         const std::array<std::array<int, 2>, 4> around = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};

@@ -48,7 +48,7 @@ TEST(FrameSetup, ShadowMapHoldsTheWholeSubject) {
       const Eigen::Vector4f s = setup.uniforms.shadowFromWorld * Eigen::Vector4f(v.cast<float>().homogeneous());
       EXPECT_GE(s.head<3>().minCoeff(), 0.0f);
       EXPECT_LE(s.head<3>().maxCoeff(), 1.0f);
-      // Its shadow on the floor lies in the part of the floor that looks shadows up.
+      // Its shadow on the floor is in the part of the floor with shadow lookups.
       const Vec3f light = setup.uniforms.toLight.head<3>();
       const Vec3f fallen = v.cast<float>() - light * (static_cast<float>(v.y()) / light.y());
       EXPECT_GE(fallen.x(), setup.shadedMin.x());
@@ -60,7 +60,7 @@ TEST(FrameSetup, ShadowMapHoldsTheWholeSubject) {
 }
 
 TEST(FrameSetup, ShadowTexelsStandStillWhileTheSubjectMoves) {
-  // A fixed point must keep its place within a texel, or shadows crawl.
+  // A fixed point must keep its position within a texel, otherwise shadows crawl.
   const TriMesh mesh = test::makeSphere(0.8, 12, 16);
   std::vector<Vec3> moved;
   std::optional<Eigen::Vector2f> first;

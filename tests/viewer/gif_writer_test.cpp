@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = 90;
 constexpr int kHeight = 70;
 
-/// FFmpeg's pictures of an animation: a reader that is not ours.
+/// Decodes an animation with FFmpeg, an independent reader.
 std::vector<cv::Mat> readAll(const std::filesystem::path& file) {
   std::vector<cv::Mat> frames;
   cv::VideoCapture reader(file.string(), cv::CAP_FFMPEG);
@@ -28,7 +28,7 @@ int largestDifference(const Image& image, const cv::Mat& bgr) {
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < 3; ++c) {
-        const int given = image.rgba[static_cast<std::size_t>((y * image.width + x) * 4 + c)];
+        const int given = image.rgba[(y * image.width + x) * 4 + c];
         largest = std::max(largest, std::abs(given - bgr.at<cv::Vec3b>(y, x)[2 - c]));
       }
     }
@@ -36,7 +36,7 @@ int largestDifference(const Image& image, const cv::Mat& bgr) {
   return largest;
 }
 
-/// Noise of few colours, so that the palette holds them all and the table of strings fills up and starts anew.
+/// Noise of few colours, so that the palette has them all and the LZW table fills up and is reset.
 Image noise(std::uint64_t seed) {
   RandomNumbers random(seed);
   Image image{kWidth, kHeight, {}};
@@ -53,8 +53,8 @@ TEST(GifWriter, AnotherReaderFindsWhatWasWritten) {
   Result<GifWriter> writer = GifWriter::create(file, kWidth, kHeight, 10.0);
   ASSERT_TRUE(writer.ok()) << writer.error().message;
   std::vector<Image> images = {noise(1), noise(2)};
-  images.push_back(images.back());  // nothing changes
-  images.push_back(images.back());  // one corner does
+  images.push_back(images.back());  // no change
+  images.push_back(images.back());  // one corner changes
   for (std::size_t i = 0; i < 400; ++i) images.back().rgba[i] = static_cast<std::uint8_t>(255 - images.back().rgba[i]);
   for (const Image& image : images) ASSERT_TRUE(writer->add(image).ok());
   EXPECT_FALSE(std::filesystem::exists(file));

@@ -19,7 +19,7 @@ namespace {
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
-/// The joint that moves a vertex most.
+/// The joint with the largest weight of a vertex.
 JointIndex leader(const Character& character, VertexIndex v) {
   const auto i = static_cast<std::size_t>(v);
   Influence best;
@@ -29,7 +29,7 @@ JointIndex leader(const Character& character, VertexIndex v) {
   return best.joint;
 }
 
-/// The mannequin in its bind pose, in a part for each bone but the fingers', and things around it.
+/// The mannequin in its bind pose, with one part for each bone except the fingers, and props around it.
 struct Golden : ::testing::Test {
   static const Character& mannequin() {
     static const Character character = makeMannequin();
@@ -56,11 +56,11 @@ struct Golden : ::testing::Test {
       JointIndex joint = leader(character, static_cast<VertexIndex>(v));
       while (isFinger(character.skeleton.joint(joint).name)) joint = character.skeleton.joint(joint).parent;
       partOfVertex.push_back(static_cast<PartIndex>(joint));
-      pointsOfJoint[static_cast<std::size_t>(joint)].push_back(character.mesh.vertices[v]);
+      pointsOfJoint[joint].push_back(character.mesh.vertices[v]);
     }
     partOfTriangle.reserve(character.mesh.triangles.size());
     for (const Triangle& t : character.mesh.triangles) {
-      partOfTriangle.push_back(partOfVertex[static_cast<std::size_t>(t[0])]);
+      partOfTriangle.push_back(partOfVertex[t[0]]);
     }
     parts.resize(pointsOfJoint.size());
     for (std::size_t j = 0; j < parts.size(); ++j) parts[j].shape = convexHull(pointsOfJoint[j]);
@@ -152,7 +152,7 @@ struct Golden : ::testing::Test {
   }
 };
 
-/// An overlay with what it is seen on, and the same without it.
+/// What to draw with an overlay, and without it.
 struct Overlay {
   const char* name;
   const char* with;
@@ -165,9 +165,9 @@ TEST_P(GoldenOverlay, IsAsItWas) {
   const auto& [name, with, without] = GetParam();
   LORICA_REQUIRE_STUDIO(studio, "");
   test::expectGolden(name, drawn(*studio, with));
-  // Without the overlay the comparison must fail, or it could not tell.
-  EXPECT_GT(test::pictureError(drawn(*studio, without), test::readGolden(name)).wrong, 4.0 * test::kMostWrong)
-      << name << ": the comparison does not see that it is missing";
+  // Without the overlay the comparison must fail, otherwise it would not detect a missing overlay.
+  EXPECT_GT(test::pictureError(drawn(*studio, without), test::readGolden(name)).wrong, 4.0 * test::kMaxWrong)
+      << name << ": the comparison does not detect the missing overlay";
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(PictureError, SmallDifferencesAreNone) {
   Image a{40, 30, std::vector<std::uint8_t>(40 * 30 * 4, 200)};
   for (int y = 0; y < 30; ++y) {
-    for (int x = 10; x < 20; ++x) a.rgba[static_cast<std::size_t>(4 * (40 * y + x))] = 20;
+    for (int x = 10; x < 20; ++x) a.rgba[4 * (40 * y + x)] = 20;
   }
   EXPECT_EQ(test::pictureError(a, a).wrong, 0.0);
   Image moved = a;
@@ -198,15 +198,15 @@ TEST(PictureError, IsTheShareOfPixelsThatHaveNothingLikeThemNearby) {
   const Image white{40, 30, std::vector<std::uint8_t>(40 * 30 * 4, 255)};
   Image square = white;
   for (int y = 5; y < 15; ++y) {
-    for (int x = 8; x < 20; ++x) square.rgba[static_cast<std::size_t>(4 * (40 * y + x) + 1)] = 0;
+    for (int x = 8; x < 20; ++x) square.rgba[4 * (40 * y + x) + 1] = 0;
   }
   EXPECT_DOUBLE_EQ(test::pictureError(white, square).wrong, 10.0 * 12.0 / (40.0 * 30.0));
   EXPECT_DOUBLE_EQ(test::pictureError(square, white).wrong, 10.0 * 12.0 / (40.0 * 30.0));
   const Image other{30, 40, std::vector<std::uint8_t>(40 * 30 * 4, 255)};
   EXPECT_EQ(test::pictureError(white, other).wrong, 1.0);
-  // A line one pixel wide is missed, whichever picture lacks it.
+  // A missing line of one pixel width is detected in both directions.
   Image line = white;
-  for (int y = 0; y < 30; ++y) line.rgba[static_cast<std::size_t>(4 * (40 * y + 7))] = 0;
+  for (int y = 0; y < 30; ++y) line.rgba[4 * (40 * y + 7)] = 0;
   EXPECT_DOUBLE_EQ(test::pictureError(white, line).wrong, 1.0 / 40.0);
   EXPECT_DOUBLE_EQ(test::pictureError(line, white).wrong, 1.0 / 40.0);
 }

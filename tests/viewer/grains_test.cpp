@@ -15,7 +15,7 @@ namespace {
 constexpr int kWidth = 240;
 constexpr int kHeight = 180;
 
-/// Looks along -Z at a square of 2 m around the origin.
+/// A view along -Z of a 2 m square around the origin.
 GrainView flatView(int cells) {
   GrainView view;
   view.clipFromWorld = Eigen::Matrix4f::Identity();
@@ -33,7 +33,7 @@ TEST(GrainList, WhatIsBehindAnotherInItsCellIsLeftOut) {
   ASSERT_EQ(seen.size(), 3u);
   EXPECT_EQ(seen[0].center, centers[1]);
   EXPECT_EQ(seen[1].center, centers[2]) << "within the margin";
-  EXPECT_EQ(seen[2].center, centers[3]) << "in a cell of its own";
+  EXPECT_EQ(seen[2].center, centers[3]) << "in its own cell";
   EXPECT_EQ(list.choose(centers, one, flatView(10), std::numeric_limits<float>::infinity()).size(), 4u);
 }
 
@@ -86,7 +86,7 @@ TEST(Grains, LookLikeBallsOfTheirRadius) {
 
 TEST(Grains, BallsMeetWhereTheirDepthsSay) {
   LORICA_REQUIRE_STUDIO(studio, "");
-  // A box whose front cuts the ball: where the ball is nearer than the box is seen the ball, else the box.
+  // A box whose front face intersects the ball: the ball is visible where it is nearer, otherwise the box.
   Prop box;
   box.halfExtents = Vec3(0.5, 0.5, 0.1);
   box.worldFromProp.translation() = Vec3(0, 1, -0.1);
@@ -99,7 +99,7 @@ TEST(Grains, BallsMeetWhereTheirDepthsSay) {
   scene.particleRadius = 0.2f;
   scene.particleColor = {0.8f, 0.02f, 0.02f};
   const Image image = studio->draw(scene, {}, test::frontCamera(), kWidth, kHeight);
-  // The circle in which the ball comes out of the plane z = 0: sqrt(0.2^2 - 0.12^2) = 0.16.
+  // Radius of the circle in which the ball intersects the plane z = 0: sqrt(0.2^2 - 0.12^2) = 0.16.
   for (const auto& [x, ball] : {std::pair{0.0, true}, {0.14, true}, {0.18, false}}) {
     const auto [u, v] = test::seenAt({x, 1.0, 0.0}, kWidth, kHeight);
     const auto pixel = test::pixelAt(image, static_cast<int>(u), static_cast<int>(v));
@@ -126,7 +126,7 @@ TEST(Grains, ManyHiddenOnesChangeNothing) {
                         -0.2f - 0.0001f * static_cast<float>(i));
   }
   scene.particles = grains;
-  // Their place changes the light's area a little, not what is seen.
+  // Their positions change the light's area slightly, but not the visible result.
   EXPECT_LT(test::differingPixels(wall, studio->draw(scene, options, test::frontCamera(), kWidth, kHeight), 40),
             kWidth * kHeight / 200);
 }
@@ -154,21 +154,21 @@ TEST(Renderer, LowerQualityShowsTheSameThings) {
 
 TEST(Renderer, PropsOfOneMeshShareItAndOthersReplaceItWhenItIsGone) {
   LORICA_REQUIRE_STUDIO(studio, "");
-  const auto prop = [](const TriMesh& mesh, const Vec3& place) {
+  const auto prop = [](const TriMesh& mesh, const Vec3& position) {
     auto shape = std::make_shared<PropMeshShape>();
     shape->shown = mesh;
     Prop made;
     made.shape = PropShape::kMesh;
     made.mesh = shape;
-    made.worldFromProp.translation() = place;
+    made.worldFromProp.translation() = position;
     made.color = {0.8f, 0.05f, 0.05f};
     return made;
   };
-  const auto redAt = [&](const std::vector<Prop>& props, const Vec3& place) {
+  const auto redAt = [&](const std::vector<Prop>& props, const Vec3& position) {
     Scene scene;
     scene.props = props;
     const Image image = studio->draw(scene, {}, test::frontCamera(), kWidth, kHeight);
-    const auto [x, y] = test::seenAt(place, kWidth, kHeight);
+    const auto [x, y] = test::seenAt(position, kWidth, kHeight);
     const auto pixel = test::pixelAt(image, static_cast<int>(x), static_cast<int>(y));
     return pixel[0] > 2 * pixel[1];
   };

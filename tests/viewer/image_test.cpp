@@ -10,7 +10,7 @@
 namespace lorica {
 namespace {
 
-/// Every pixel different, alpha included.
+/// All pixels differ, including alpha.
 Image gradient(int width, int height) {
   Image image{width, height, {}};
   for (int y = 0; y < height; ++y) {
@@ -74,7 +74,7 @@ TEST(Png, EveryTruncatedPrefixAndEveryFlippedBitFailsCleanly) {
   const std::string bytes((std::istreambuf_iterator<char>(in)), {});
   for (std::size_t n = 0; n < bytes.size(); ++n) {
     const Result<Image> cut = readPng(folder.write("cut.png", std::string_view(bytes).substr(0, n)));
-    ASSERT_FALSE(cut.ok()) << "cut at " << n;
+    ASSERT_FALSE(cut.ok()) << "truncated at " << n;
     EXPECT_EQ(cut.error().code, ErrorCode::kBadFormat);
     std::string flipped = bytes;
     flipped[n] = static_cast<char>(flipped[n] ^ (1 << n % 8));
@@ -102,7 +102,7 @@ TEST(ContactSheet, HoldsEveryPictureInRowsWithRoomForLabels) {
   for (int y = 0; y < sheet.height; ++y) {
     for (int x = 0; x < sheet.width; ++x) {
       const auto p = test::pixelAt(sheet, x, y);
-      if (p[1] == 20 && p[2] == 30 && p[0] >= 10 && p[0] < 15) ++pixels[static_cast<std::size_t>(p[0] - 10)];
+      if (p[1] == 20 && p[2] == 30 && p[0] >= 10 && p[0] < 15) ++pixels[p[0] - 10];
     }
   }
   for (const int n : pixels) EXPECT_EQ(n, 40 * 30);

@@ -22,11 +22,11 @@ TEST(SkinMesh, NormalsOfASphereAreRadial) {
   for (const SkinMesh::Vertex& v : skin.vertices()) EXPECT_GT(v.normal.dot(v.position.normalized()), 0.995f);
 }
 
-TEST(SkinMesh, BordersOfPartsKeepPlaceAndNormalButNotColor) {
+TEST(SkinMesh, BordersOfPartsKeepPositionAndNormalButNotColor) {
   const TriMesh sphere = test::makeSphere(1.0, 16, 24);
   std::vector<PartIndex> parts;
   for (const Triangle& t : sphere.triangles) {
-    parts.push_back(sphere.vertices[static_cast<std::size_t>(t[0])].x() > 0 ? 0 : 1);
+    parts.push_back(sphere.vertices[t[0]].x() > 0 ? 0 : 1);
   }
   SkinMesh skin;
   skin.update(sphere.vertices, sphere.triangles, parts);
@@ -43,9 +43,9 @@ TEST(SkinMesh, BordersOfPartsKeepPlaceAndNormalButNotColor) {
   }
   EXPECT_EQ(seen.size(), sphere.vertices.size());
   EXPECT_EQ(doubled, static_cast<int>(skin.vertices().size() - sphere.vertices.size()));
-  // Every triangle still has the corners that it had.
+  // Every triangle still has the same corners.
   for (std::size_t i = 0; i < skin.indices().size(); ++i) {
-    const Vec3& expected = sphere.vertices[static_cast<std::size_t>(sphere.triangles[i / 3][i % 3])];
+    const Vec3& expected = sphere.vertices[sphere.triangles[i / 3][i % 3]];
     EXPECT_EQ(skin.vertices()[skin.indices()[i]].position, expected.cast<float>());
   }
 }
@@ -55,7 +55,7 @@ TEST(SkinMesh, SeamsOfSplitVerticesAreSmoothAndClosed) {
   TriMesh split;
   for (const Triangle& t : sphere.triangles) {
     const auto base = static_cast<VertexIndex>(split.vertices.size());
-    for (const VertexIndex v : t) split.vertices.push_back(sphere.vertices[static_cast<std::size_t>(v)]);
+    for (const VertexIndex v : t) split.vertices.push_back(sphere.vertices[v]);
     split.triangles.push_back({base, base + 1, base + 2});
   }
   SkinMesh skin;
@@ -167,13 +167,13 @@ TEST(OverlayMesh, BonesReachFromParentToChild) {
     const Vec3f outward = v.position - Vec3f(0, 0.2f, 0);
     EXPECT_GT(outward.dot(Vec3f(v.normal[0], v.normal[1], v.normal[2])), 0.0f);
   }
-  EXPECT_EQ(faces, 8 * 3) << "a bone without length is left out";
+  EXPECT_EQ(faces, 8 * 3) << "a bone without length is omitted";
   EXPECT_NEAR(box.min.y(), 0.0, 1e-6);
   EXPECT_NEAR(box.max.y(), 1.0, 1e-6);
   EXPECT_LT(box.max.x(), 0.05);
 }
 
-/// The prop as the vertex shader places it.
+/// Vertex positions of the prop as computed by the vertex shader.
 TriMesh placed(const PropMesh& mesh, const PropInstance& instance) {
   TriMesh result;
   for (const PropMesh::Vertex& v : mesh.vertices) {

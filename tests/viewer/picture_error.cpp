@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kTolerance = 40;  // of a channel
+constexpr int kTolerance = 40;  // per channel
 constexpr int kShift = 1;       // [pixels]
 
 const std::uint8_t* pixel(const Image& image, int x, int y) {
@@ -26,7 +26,7 @@ bool alike(const std::uint8_t* a, const std::uint8_t* b) {
   return true;
 }
 
-/// Whether b has nothing like a's pixel at that place or beside it.
+/// Whether b has no pixel similar to a's pixel at or next to this position.
 bool missing(const Image& a, const Image& b, int x, int y) {
   for (int v = std::max(y - kShift, 0); v <= std::min(y + kShift, b.height - 1); ++v) {
     for (int u = std::max(x - kShift, 0); u <= std::min(x + kShift, b.width - 1); ++u) {
@@ -77,15 +77,15 @@ void expectGolden(const std::string& name, const Image& picture) {
   const Image golden = readGolden(name);
   if (golden.rgba.empty()) return;
   const PictureError error = pictureError(picture, golden);
-  if (error.wrong <= kMostWrong) return;
+  if (error.wrong <= kMaxWrong) return;
   const fs::path kept = fs::path(LORICA_GOLDEN_FAILED) / (name + ".png");
   std::error_code ignored;
   fs::create_directories(kept.parent_path(), ignored);
   const std::vector<Image> all = {golden, picture, error.shown};
   const std::vector<std::string> labels = {"expected", "found", "wholly wrong in red"};
   const bool saved = writePng(kept, contactSheet(all, labels, 3)).ok();
-  ADD_FAILURE() << name << ": " << 100.0 * error.wrong << " % of the pixels are wholly wrong, at most "
-                << 100.0 * kMostWrong << " % may be; " << (saved ? "see " : "could not keep ") << kept.string();
+  ADD_FAILURE() << name << ": " << 100.0 * error.wrong << " % of the pixels are wrong, at most " << 100.0 * kMaxWrong
+                << " % are allowed; " << (saved ? "see " : "could not save ") << kept.string();
 }
 
 }  // namespace lorica::test

@@ -6,28 +6,28 @@
 
 namespace lorica::test {
 
-/// How two pictures of the same size differ, so that other processors' rounding does not count and a missing thing
-/// does.
+/// Difference of two pictures of the same size, insensitive to rounding differences of other processors but sensitive
+/// to missing objects.
 struct PictureError {
-  double wrong = 1.0;  ///< share of pixels wholly wrong, 0 to 1
-  Image shown;         ///< the first picture in grey, wholly wrong pixels in red
+  double wrong = 1.0;  ///< share of wrong pixels, 0 to 1
+  Image shown;         ///< the first picture in grey, wrong pixels in red
 };
 
-/// A pixel is wholly wrong when the other picture has no like colour at its place nor at the eight around it: edges may
-/// move by a pixel. It is asked of both pictures, so that a thin line counts whichever of them lacks it. Colours are
-/// alike when no channel differs by more than 40 of 255.
-/// @return all wrong where the sizes differ
+/// A pixel is wrong if the other picture has no similar colour at its position or at the eight positions around it, so
+/// edges may move by a pixel. Both pictures are tested, so a thin line counts if either picture lacks it. Colours are
+/// similar if no channel differs by more than 40 of 255.
+/// @return all pixels wrong if the sizes differ
 [[nodiscard]] PictureError pictureError(const Image& a, const Image& b);
 
-/// Compares a picture with tests/golden/<name>.png. Above `kMostWrong` the test fails, and expected, found and
-/// difference are kept side by side in the build folder, whose path the failure names. With LORICA_RENEW_GOLDEN=1 in
-/// the environment the picture is written there instead.
+/// Compares a picture with tests/golden/<name>.png. Above `kMaxWrong` the test fails, and expected, found and
+/// difference are saved side by side in the build folder; the failure message has the path. If the environment has
+/// LORICA_RENEW_GOLDEN=1, the golden picture is replaced instead.
 void expectGolden(const std::string& name, const Image& picture);
 
 /// The golden picture, or an empty one and a failed test.
 [[nodiscard]] Image readGolden(const std::string& name);
 
-/// Largest share of wholly wrong pixels that other processors and drivers may cause: 38 of 320 x 240.
-inline constexpr double kMostWrong = 0.0005;
+/// Maximum share of wrong pixels that other processors and drivers may cause: 38 of 320 x 240.
+inline constexpr double kMaxWrong = 0.0005;
 
 }  // namespace lorica::test

@@ -19,7 +19,7 @@ std::unique_ptr<Studio> Studio::open(const std::string& kind, std::string& why) 
   studio->context_.emplace(std::move(context).value());
   Result<Renderer> renderer = Renderer::create(studio->context_->getProc());
   if (!renderer.ok()) {
-    ADD_FAILURE() << renderer.error().message;  // a context that is there must do
+    ADD_FAILURE() << renderer.error().message;  // an existing context must suffice
     why = renderer.error().message;
     return nullptr;
   }

@@ -15,8 +15,8 @@ namespace lorica::test {
 /// A renderer with its context, destroyed in the right order.
 class Studio {
  public:
-  /// @param kind  "osmesa", "egl", or empty for whichever is there
-  /// @return nothing when this machine cannot draw off screen that way; `why` says why
+  /// @param kind  "osmesa", "egl", or empty for the first one available
+  /// @return nothing if this machine cannot draw off screen that way; `why` is the reason
   static std::unique_ptr<Studio> open(const std::string& kind, std::string& why);
 
   [[nodiscard]] Image draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width,
@@ -29,7 +29,7 @@ class Studio {
   std::optional<Renderer> renderer_;
 };
 
-/// Declares `const std::unique_ptr<Studio> name` or skips the test, saying why.
+/// Declares `const std::unique_ptr<Studio> name`, or skips the test with the reason.
 #define LORICA_REQUIRE_STUDIO(name, kind)                              \
   std::string name##Missing;                                           \
   const auto name = ::lorica::test::Studio::open(kind, name##Missing); \
@@ -38,15 +38,15 @@ class Studio {
 /// A camera on the +Z axis that looks along -Z at height 1 m, 4 m from the origin.
 [[nodiscard]] Camera frontCamera();
 
-/// Where frontCamera() sees a point [pixels from the top left], worked out by similar triangles.
+/// Position of a point in the picture of frontCamera() [pixels from the top left], by similar triangles.
 [[nodiscard]] std::array<double, 2> seenAt(const Vec3& point, int width, int height);
 
 [[nodiscard]] std::array<int, 3> pixelAt(const Image& image, int x, int y);
 
-/// Pixels of which some channel differs by more than this.
+/// Number of pixels in which a channel differs by more than `tolerance`.
 [[nodiscard]] int differingPixels(const Image& a, const Image& b, int tolerance);
 
-/// The box as a part whose hull it is.
+/// A part whose hull is the box.
 [[nodiscard]] LivePart boxPart(const Vec3& min, const Vec3& max);
 
 }  // namespace lorica::test

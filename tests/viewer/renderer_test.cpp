@@ -25,7 +25,7 @@ Prop boxProp(const Vec3& center, double half, const Vec3f& color) {
   return prop;
 }
 
-/// A sphere as skin in two parts, a hull beside it, props, contacts and two bones.
+/// A sphere as skin in two parts, a hull next to it, props, contacts and two bones.
 struct Studio : ::testing::Test {
   TriMesh mesh = test::makeSphere(0.35, 32, 48);
   std::vector<PartIndex> partOfTriangle;
@@ -40,7 +40,7 @@ struct Studio : ::testing::Test {
   Studio() {
     for (Vec3& v : mesh.vertices) v.y() += 1.0;
     for (const Triangle& t : mesh.triangles) {
-      partOfTriangle.push_back(mesh.vertices[static_cast<std::size_t>(t[0])].y() > 1.0 ? 0 : 1);
+      partOfTriangle.push_back(mesh.vertices[t[0]].y() > 1.0 ? 0 : 1);
     }
     contacts[0].point = {-0.7, 0.5, 0.5};
     joints[0].name = "root";
@@ -82,8 +82,8 @@ TEST_F(Studio, ARedBoxIsRedInTheMiddleAndBackgroundInTheCorners) {
 
 TEST_F(Studio, PicturesAreNotUpsideDownOrMirrored) {
   LORICA_REQUIRE_STUDIO(studio, "");
-  const Vec3 place(0.5, 1.3, 0.0);
-  const std::vector<Prop> red = {boxProp(place, 0.1, {0.8f, 0.05f, 0.05f})};
+  const Vec3 position(0.5, 1.3, 0.0);
+  const std::vector<Prop> red = {boxProp(position, 0.1, {0.8f, 0.05f, 0.05f})};
   Scene only;
   only.props = red;
   const Image image = studio->draw(only, {}, frontCamera(), kWidth, kHeight);
@@ -99,7 +99,7 @@ TEST_F(Studio, PicturesAreNotUpsideDownOrMirrored) {
     }
   }
   ASSERT_GT(n, 50);
-  const auto [x, y] = test::seenAt(place + Vec3(0, 0, 0.1), kWidth, kHeight);
+  const auto [x, y] = test::seenAt(position + Vec3(0, 0, 0.1), kWidth, kHeight);
   EXPECT_NEAR(sumX / n, x, 2.0);
   EXPECT_NEAR(sumY / n, y, 2.0);
 }
@@ -177,7 +177,7 @@ TEST_F(Studio, EveryOptionChangesThePicture) {
       }
     }
   }
-  EXPECT_EQ(draw({}).rgba, plain.rgba) << "nothing of them stays";
+  EXPECT_EQ(draw({}).rgba, plain.rgba) << "nothing of them remains";
 }
 
 TEST_F(Studio, AnInsetIsAtTheLowerRightUprightAndOpaque) {
@@ -212,13 +212,13 @@ TEST_F(Studio, PartColorsAreSeenOnTheSkin) {
   const auto [same, low] = test::seenAt({0, 0.85, 0.3}, kWidth, kHeight);
   const auto a = pixelAt(image, static_cast<int>(x), static_cast<int>(top));
   const auto b = pixelAt(image, static_cast<int>(same), static_cast<int>(low));
-  // The same order of channels as the parts' own colours have.
+  // The channels have the same order as in the parts' own colours.
   for (const auto& [pixel, part] : {std::pair{a, 0}, std::pair{b, 1}}) {
     const Vec3f color = partColor(part);
-    Eigen::Index most = 0, least = 0;
-    color.maxCoeff(&most);
-    color.minCoeff(&least);
-    EXPECT_GT(pixel[static_cast<std::size_t>(most)], pixel[static_cast<std::size_t>(least)] + 10);
+    Eigen::Index max = 0, min = 0;
+    color.maxCoeff(&max);
+    color.minCoeff(&min);
+    EXPECT_GT(pixel[max], pixel[min] + 10);
   }
 }
 
@@ -244,9 +244,9 @@ TEST_F(Studio, ThingsCastShadowsOnTheFloorWhereTheLightPutsThem) {
 
 TEST_F(Studio, ThingsOnTheFloorDarkenItAroundThem) {
   LORICA_REQUIRE_STUDIO(studio, "");
-  // Beside the box on the side of the light, where no cast shadow falls.
+  // Next to the box on the side of the light, where there is no cast shadow.
   Camera camera;
-  camera.eye = {0, 20, 0.5};  // from far above, so that the raised box does not hide the place
+  camera.eye = {0, 20, 0.5};  // from high above, so that the raised box does not hide the position
   camera.target = {0, 0, 0};
   camera.verticalFov = 0.08;
   const auto brightness = [&](double height) {
@@ -278,7 +278,7 @@ TEST_F(Studio, TheSameSceneGivesTheSameBytes) {
   options.caption = "twice";
   const Image first = studio->draw(scene, options, frontCamera(), kWidth, kHeight);
   EXPECT_EQ(studio->draw(scene, options, frontCamera(), kWidth, kHeight).rgba, first.rgba);
-  // Other sizes and scenes in between leave nothing behind.
+  // Other sizes and scenes in between leave no traces.
   (void)studio->draw({}, {}, {}, 33, 77);
   EXPECT_EQ(studio->draw(scene, options, frontCamera(), kWidth, kHeight).rgba, first.rgba);
 }
@@ -313,7 +313,7 @@ TEST_F(Studio, NumbersThatAreNotFiniteDoNotSpreadOverThePicture) {
 
 TEST_F(Studio, EdgesAreSmoothed) {
   LORICA_REQUIRE_STUDIO(studio, "");
-  // A turned box against the sky: its border must hold colours between both.
+  // A rotated box in front of the sky: its border must have intermediate colours.
   std::vector<Prop> one = {boxProp({0, 1.2, 0}, 0.3, {0.02f, 0.02f, 0.02f})};
   one[0].worldFromProp.rotate(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
   Scene only;

@@ -9,7 +9,7 @@
 namespace lorica {
 namespace {
 
-/// Linear sRGB to OKLab (B. Ottosson 2020), in which distances resemble what people see.
+/// Linear sRGB to OKLab (B. Ottosson 2020), in which distances are perceptually uniform.
 Vec3 oklab(const Vec3f& c) {
   const double l = std::cbrt(0.4122214708 * c.x() + 0.5363325363 * c.y() + 0.0514459929 * c.z());
   const double m = std::cbrt(0.2119034982 * c.x() + 0.6806995451 * c.y() + 0.1073969566 * c.z());
@@ -19,7 +19,7 @@ Vec3 oklab(const Vec3f& c) {
           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-TEST(PartColor, ThirtyTwoPartsCanBeToldApart) {
+TEST(PartColor, ThirtyTwoPartsCanBeDistinguished) {
   double nearest = 1.0;
   for (int i = 0; i < 32; ++i) {
     const Vec3f color = partColor(i);

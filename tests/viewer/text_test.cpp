@@ -30,10 +30,10 @@ TEST(Text, FitsItsMaskAndGrowsWithIt) {
   EXPECT_NEAR(large.width, 2.0 * small.width, 3.0);
   EXPECT_GT(ink(small), 0);
   EXPECT_NEAR(static_cast<double>(ink(large)) / static_cast<double>(ink(small)), 4.0, 0.6);
-  // Nothing is cut off: the rim of the mask is empty.
+  // Nothing is clipped: the rim of the mask is empty.
   for (int x = 0; x < large.width; ++x) {
-    EXPECT_EQ(large.coverage[static_cast<std::size_t>(x)], 0);
-    EXPECT_EQ(large.coverage[static_cast<std::size_t>((large.height - 1) * large.width + x)], 0);
+    EXPECT_EQ(large.coverage[x], 0);
+    EXPECT_EQ(large.coverage[(large.height - 1) * large.width + x], 0);
   }
 }
 
@@ -60,7 +60,7 @@ TEST(Text, FittedLinesAreNoWiderThanAskedAndLoseNoWord) {
       }
     }
   }
-  EXPECT_EQ(fittedText(text, 12, 2000), text) << "what fits stays as it is";
+  EXPECT_EQ(fittedText(text, 12, 2000), text) << "text that fits is unchanged";
   EXPECT_GT(std::ranges::count(fittedText(text, 12, 200), '\n'), 0);
   const std::string cut = fittedText("a_name_without_any_blank_in_it.bvh", 12, 80);
   EXPECT_TRUE(cut.starts_with("a_name") && cut.ends_with("..")) << cut;
@@ -71,7 +71,7 @@ TEST(Text, FittedLinesAreNoWiderThanAskedAndLoseNoWord) {
 TEST(Text, DescendersStayInTheirLine) {
   const TextMask mask = drawText("gjpqy", 24);
   for (int x = 0; x < mask.width; ++x) {
-    EXPECT_EQ(mask.coverage[static_cast<std::size_t>((mask.height - 1) * mask.width + x)], 0);
+    EXPECT_EQ(mask.coverage[(mask.height - 1) * mask.width + x], 0);
   }
 }
 

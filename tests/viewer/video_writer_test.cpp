@@ -63,7 +63,7 @@ TEST(VideoWriter, NothingRemainsWithoutFinish) {
     EXPECT_EQ(filesIn(folder.path()), 2);
   }
   EXPECT_EQ(filesIn(folder.path()), 1);
-  EXPECT_EQ(std::filesystem::file_size(file), 13u) << "the older film stays";
+  EXPECT_EQ(std::filesystem::file_size(file), 13u) << "the older video stays";
 }
 
 TEST(VideoWriter, AFilmWithoutFramesIsAnError) {

@@ -19,7 +19,7 @@ TEST(TimeGraph, KeepsTheLastFramesInOrder) {
     const std::array stages = {TimedStage{"hulls", 1.0 * f}, TimedStage{"physics", 0.5}};
     graph.add(stages);
     ASSERT_EQ(graph.frameCount(), std::min(f + 1, TimeGraph::kFrames));
-    ASSERT_EQ(graph.milliseconds(graph.frameCount() - 1, 0), f) << "the newest is the last one";
+    ASSERT_EQ(graph.milliseconds(graph.frameCount() - 1, 0), f) << "the newest frame is the last one";
   }
   ASSERT_EQ(graph.stageCount(), 2);
   EXPECT_STREQ(graph.name(1), "physics");
@@ -38,7 +38,7 @@ TEST(WarningBoard, HoldsWhatComesAndGoesForASecond) {
   ASSERT_EQ(board.sentences().size(), 1u);
   board.update(10.9);
   EXPECT_EQ(board.sentences().size(), 1u);
-  // Every other frame wrong: it stands all the time.
+  // Raised in every other frame: it is shown all the time.
   for (int frame = 0; frame < 90; ++frame) {
     const double now = 10.0 + frame / 30.0;
     if (frame % 2 == 0) board.raise("limbs", "left hand lost", now);
@@ -64,11 +64,11 @@ TEST(WarningBoard, WordsChangeOncePerSecondAtMostAndKindsKeepTheirOrder) {
   EXPECT_EQ(board.sentences()[0], "b");
 }
 
-/// Draws for so long at a speed that depends on the level. @return how often the level changed
+/// Draws for some time at a speed that depends on the level. @return number of changes of the level
 int run(QualityChoice& choice, double& now, double seconds, const std::array<double, 3>& secondsAPicture) {
   int changes = 0;
   for (const double end = now + seconds; now < end;) {
-    const double took = secondsAPicture[static_cast<std::size_t>(choice.level())];
+    const double took = secondsAPicture[choice.level()];
     now += std::max(took, 1.0 / 60.0);
     changes += choice.add(took, now) ? 1 : 0;
   }
@@ -92,11 +92,11 @@ TEST(QualityChoice, SlowMachinesEndAtTheLowest) {
 TEST(QualityChoice, InBetweenItIsCalm) {
   QualityChoice choice(3);
   double now = 0.0;
-  EXPECT_EQ(run(choice, now, 120.0, {0.008, 0.02, 0.1}), 1) << "medium does, high does not";
+  EXPECT_EQ(run(choice, now, 120.0, {0.008, 0.02, 0.1}), 1) << "medium is fast enough, high is not";
   EXPECT_EQ(choice.level(), 1);
-  // Low draws fast, medium does not: tried again, but ever more seldom.
+  // Low is fast enough, medium is not: it is tried again, but less and less often.
   EXPECT_LE(run(choice, now, 300.0, {0.005, 0.06, 0.1}), 16);
-  EXPECT_GE(run(choice, now, 60.0, {0.001, 0.002, 0.004}), 1) << "and comes back when the machine is free";
+  EXPECT_GE(run(choice, now, 60.0, {0.001, 0.002, 0.004}), 1) << "and is raised again when drawing is fast";
 }
 
 TEST(QualityChoice, OneSlowPictureChangesNothing) {

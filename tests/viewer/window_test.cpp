@@ -37,7 +37,7 @@ struct Box {
   }
 };
 
-/// A window with a box in it on a display of its own, in a folder of its own, where pictures go.
+/// A window with a box in it, on its own display; pictures are saved in its own folder.
 class WindowAtWork : public ::testing::Test {
  protected:
   void open(int width, int height) {
@@ -50,7 +50,7 @@ class WindowAtWork : public ::testing::Test {
     values.name = "a box";
     values.duration = 10.0;
     values.parts = 3;
-    values.mostParts = 5;
+    values.maxParts = 5;
     frames(2);
   }
   void SetUp() override {
@@ -75,7 +75,7 @@ class WindowAtWork : public ::testing::Test {
     ASSERT_EQ(std::system(command.c_str()), 0) << command;
     frames(3);
   }
-  /// What P saves, or what shift P does.
+  /// The picture that P or shift P saves.
   Image picture(const char* key = "p") {
     send(std::string("key ") + key);
     char name[32];
@@ -126,7 +126,7 @@ TEST(Window, OpensShowsFramesAndClosesBesideAnOffscreenContext) {
   const VirtualDisplay display;
   ASSERT_TRUE(display.ready());
   const Box box;
-  for (int turn = 0; turn < 2; ++turn) {  // a second window after the first one is gone
+  for (int turn = 0; turn < 2; ++turn) {  // a second window after the first one is destroyed
     Result<Window> window = Window::create("Lorica test", 320, 240);
     ASSERT_TRUE(window.ok()) << window.error().message;
     for (int i = 0; i < 3; ++i) {
@@ -144,22 +144,22 @@ TEST_F(WindowAtWork, EachKeyShowsAndHidesItsThing) {
   open(320, 240);
   const Image all = picture();
   EXPECT_EQ(all.width, 320);
-  // The place where what the key is for is seen.
+  // The position at which the object that the key toggles is visible.
   const std::pair<const char*, Vec3> things[] = {{"1", Vec3(0.0, 1.0, 0.3)},
                                                  {"2", Vec3(0.42, 1.0, 0.5)},
                                                  {"4", Vec3(0.9, 0.6, 0.1)},
                                                  {"5", Vec3(-0.9, 1.0, 0.0)},
                                                  {"6", Vec3(-0.7, 0.0, 0.5)}};
-  for (const auto& [key, place] : things) {
+  for (const auto& [key, position] : things) {
     send(std::string("key ") + key);
     const Image without = picture();
-    const auto [x, y] = test::seenAt(place, 320, 240);
+    const auto [x, y] = test::seenAt(position, 320, 240);
     EXPECT_NE(test::pixelAt(all, static_cast<int>(x), static_cast<int>(y)),
               test::pixelAt(without, static_cast<int>(x), static_cast<int>(y)))
         << key;
     send(std::string("key ") + key);
   }
-  EXPECT_EQ(picture().rgba, all.rgba) << "all is shown again";
+  EXPECT_EQ(picture().rgba, all.rgba) << "everything is shown again";
 }
 
 TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
@@ -176,9 +176,9 @@ TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
   send("mousemove --window %1 160 120 mousedown 3 mousemove --window %1 130 120 mouseup 3");
   EXPECT_GT((window->camera().target - test::frontCamera().target).norm(), 0.1);
   send("mousemove --window %1 160 150 click 4");
-  EXPECT_LT((window->camera().eye - window->camera().target).norm(), 3.9) << "the wheel goes nearer";
+  EXPECT_LT((window->camera().eye - window->camera().target).norm(), 3.9) << "the wheel zooms in";
   send("key r");
-  EXPECT_EQ(picture().rgba, before.rgba) << "the camera is back at its start";
+  EXPECT_EQ(picture().rgba, before.rgba) << "the camera is reset";
 }
 
 TEST_F(WindowAtWork, SpacePausesAndNStepsAndEscapeCloses) {
@@ -209,7 +209,7 @@ TEST_F(WindowAtWork, KeysAskForWhatTheOwnerDoes) {
   send("key bracketleft");
   EXPECT_EQ(window->takeRequests().parts, 2);
   send("key bracketright bracketright bracketright");
-  EXPECT_EQ(window->takeRequests().parts, 5) << "and no more";
+  EXPECT_EQ(window->takeRequests().parts, 5) << "and not more";
   send("key Left");
   EXPECT_EQ(window->takeRequests().seekTo, 3.0);
   send("key Right Right");
@@ -232,7 +232,7 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   send("mousemove --window %1 300 435 mousedown 1");
   const std::optional<double> left = window->takeRequests().seekTo;
   ASSERT_TRUE(left.has_value());
-  EXPECT_FALSE(window->wantsStep()) << "nothing moves on by itself under a slider that is held";
+  EXPECT_FALSE(window->wantsStep()) << "playback is suspended while the slider is dragged";
   send("mousemove --window %1 400 435");
   const std::optional<double> right = window->takeRequests().seekTo;
   ASSERT_TRUE(right.has_value());
@@ -251,7 +251,7 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   EXPECT_EQ(window->camera().eye, eye) << "the wheel over a panel";
   send("key Tab");
   send("mousemove --window %1 300 435 mousedown 1 mousemove --window %1 340 435 mouseup 1");
-  EXPECT_NE(window->camera().eye, eye) << "there are no panels any more";
+  EXPECT_NE(window->camera().eye, eye) << "the panels are hidden";
 }
 
 TEST_F(WindowAtWork, HelpAndPanelsAreShownButNotInPictures) {
@@ -275,7 +275,7 @@ TEST_F(WindowAtWork, WarningsAreWords) {
   const Image calm = picture("shift+p");
   const std::vector<std::string> warnings = {"left hand lost"};
   values.warnings = warnings;
-  // Notices of saved pictures stand below the warning, so only its own rows are looked at.
+  // Notices of saved pictures appear below the warning, so only the rows of the warning are compared.
   const Image warned = picture("shift+p");
   int amber = 0;
   for (int y = 0; y < 60; ++y) {
@@ -291,10 +291,10 @@ TEST_F(WindowAtWork, WarningsAreWords) {
 TEST_F(WindowAtWork, APressOnThePictureOffersTheRayAndAHeldThingKeepsTheCamera) {
   open(640, 480);
   const auto [x, y] = test::seenAt(Vec3(0.6, 1.2, 0.2), 640, 480);
-  const std::string place = std::to_string(std::lround(x)) + " " + std::to_string(std::lround(y));
+  const std::string position = std::to_string(std::lround(x)) + " " + std::to_string(std::lround(y));
   const Vec3 eye = window->camera().eye;
   values.holdsProp = true;
-  send("mousemove --window %1 " + place + " mousedown 1");
+  send("mousemove --window %1 " + position + " mousedown 1");
   const WindowRequests pressed = window->takeRequests();
   ASSERT_TRUE(pressed.pressed.has_value());
   const Vec3 to = (Vec3(0.6, 1.2, 0.2) - eye).normalized();
@@ -308,7 +308,7 @@ TEST_F(WindowAtWork, APressOnThePictureOffersTheRayAndAHeldThingKeepsTheCamera) 
   EXPECT_TRUE(window->takeRequests().released);
   values.holdsProp = false;
   send("mousedown 1 mousemove --window %1 260 200 mouseup 1");
-  EXPECT_NE(window->camera().eye, eye) << "nothing is held: the camera turns";
+  EXPECT_NE(window->camera().eye, eye) << "no prop is held: the camera turns";
 }
 
 TEST_F(WindowAtWork, TinyHiddenAndResizedWindowsGoOn) {
@@ -329,17 +329,17 @@ TEST_F(WindowAtWork, TinyHiddenAndResizedWindowsGoOn) {
 
 TEST_F(WindowAtWork, PanelsFoldWhereTheWindowBecomesSmallAndOpenAgain) {
   open(1000, 600);
-  const auto turnsAt = [&](const char* place) {
+  const auto turnsAt = [&](const char* position) {
     const Vec3 eye = window->camera().eye;
-    send(std::string("mousemove --window %1 ") + place + " mousedown 1 mousemove_relative 15 0 mouseup 1");
+    send(std::string("mousemove --window %1 ") + position + " mousedown 1 mousemove_relative 15 0 mouseup 1");
     return window->camera().eye != eye;
   };
-  EXPECT_FALSE(turnsAt("60 380")) << "the panel of what is shown";
+  EXPECT_FALSE(turnsAt("60 380")) << "the view panel";
   send("windowsize --sync %1 640 480");
   EXPECT_TRUE(turnsAt("60 380"));
   send("windowsize --sync %1 1000 600");
   EXPECT_FALSE(turnsAt("60 380"));
-  send("mousemove --window %1 20 20 click 1");  // folded by hand
+  send("mousemove --window %1 20 20 click 1");  // collapsed by the user
   EXPECT_TRUE(turnsAt("60 380"));
   send("windowsize --sync %1 640 480");
   send("windowsize --sync %1 1000 600");
@@ -353,14 +353,14 @@ TEST_F(WindowAtWork, HelpStaysInThePictureAndBelowWarnings) {
   const Image warned = picture("shift+p");
   send("key h");
   const Image helped = picture("shift+p");
-  // The plate of the warning, 240 pixels wide at least, and the row above: no help covers them.
+  // The help does not cover the warning: the column at x = 240 is unchanged in the rows of the warning and above.
   for (int y = 0; y < 60; ++y) EXPECT_EQ(test::pixelAt(warned, 240, y), test::pixelAt(helped, 240, y)) << y;
   EXPECT_NE(test::pixelAt(warned, 240, 180), test::pixelAt(helped, 240, 180));
   EXPECT_EQ(test::pixelAt(warned, 240, 355), test::pixelAt(helped, 240, 355)) << "a margin below";
 }
 
-TEST_F(WindowAtWork, VBeginsAndEndsAVideoThatPlays) {
-  open(321, 240);  // of odd width, which no encoder takes
+TEST_F(WindowAtWork, VStartsAndEndsAVideoThatPlays) {
+  open(321, 240);  // odd width, which no encoder accepts
   send("key v");
   for (int i = 0; i < 12; ++i) {
     frames(1);
@@ -378,8 +378,8 @@ TEST_F(WindowAtWork, VBeginsAndEndsAVideoThatPlays) {
     ++count;
     EXPECT_NE(frame.at<cv::Vec3b>(120, 160), frame.at<cv::Vec3b>(2, 2)) << "the box and the sky";
   }
-  EXPECT_GE(count, 8) << "at least the 0.3 s that were waited";
-  // A change of size ends one too.
+  EXPECT_GE(count, 8) << "at least the 0.3 s of waiting";
+  // A change of size also ends a video.
   send("key v");
   send("windowsize --sync %1 400 300");
   EXPECT_TRUE(std::filesystem::exists("lorica-002.mp4"));

@@ -1,5 +1,5 @@
-/// An OpenNI2 driver with one depth camera, lorica://virtual, that shows people who are not there: see
-/// capture/virtual_sensor/virtual_script.h for what it is told, and docs/VIRTUAL_SENSOR.md.
+/// An OpenNI2 driver with one depth camera, lorica://virtual, that shows simulated people: see
+/// capture/virtual_sensor/virtual_script.h for its settings, and docs/VIRTUAL_SENSOR.md.
 
 #include "capture/virtual_sensor/virtual_script.h"
 
@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-// The driver's header expects these of XnLib, which is not packaged.
+// The driver header expects these macros of XnLib, which is not packaged.
 #define XN_NEW(type, argument) new type(argument)
 #define XN_DELETE(pointer) delete (pointer)
 #define XN_MAX_UINT16 65535
@@ -56,7 +56,7 @@ OniVideoMode videoModeOf(const VirtualScript& script) {
           static_cast<int>(std::lround(script.settings.framesPerSecond))};
 }
 
-/// Copies a value out to OpenNI2, whose buffer must have its size.
+/// Copies a value to OpenNI2, whose buffer must have the value's size.
 template <typename Value>
 OniStatus give(const Value& value, void* data, int* size) {
   if (data == nullptr || size == nullptr || *size != static_cast<int>(sizeof(Value))) return ONI_STATUS_BAD_PARAMETER;
@@ -64,14 +64,14 @@ OniStatus give(const Value& value, void* data, int* size) {
   return ONI_STATUS_OK;
 }
 
-/// Takes a value that may only be set to what it is.
+/// Accepts a value only if it equals the current one.
 template <typename Value>
 OniStatus accept(const Value& only, const void* data, int size) {
   if (data == nullptr || size != static_cast<int>(sizeof(Value))) return ONI_STATUS_BAD_PARAMETER;
   return std::memcmp(data, &only, sizeof(Value)) == 0 ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED;
 }
 
-/// Starts a thread. @return false where the system has none left
+/// Starts a thread. @return false if the system cannot create one
 template <typename Work>
 bool run(std::thread& thread, Work work) {
   try {
@@ -82,15 +82,15 @@ bool run(std::thread& thread, Work work) {
   }
 }
 
-/// What all streams share: the script, and the time, which begins when a stream starts for the first time and goes on
-/// while the camera is closed or unplugged.
+/// State shared by all streams: the script and the time, which starts when the first stream starts and continues while
+/// the camera is closed or unplugged.
 class Timeline {
  public:
   explicit Timeline(VirtualScript script) : script_(std::move(script)) {}
 
   [[nodiscard]] const VirtualScript& script() const { return script_; }
 
-  /// A sensor of the script, made the first time that it is asked for.
+  /// A sensor of the script, created on first use.
   [[nodiscard]] Result<VirtualSensor> sensor() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!sensor_) {
@@ -108,8 +108,8 @@ class Timeline {
     changed_.notify_all();
   }
 
-  /// Waits for the next frame: for its time, or not at all where the pace is fast.
-  /// @return its number; nothing when `stopped` was set and wake() called
+  /// Waits until the next frame is due, or not at all if the pace is fast.
+  /// @return its number; nullopt if stop(stopped) was called
   std::optional<std::uint64_t> nextFrame(const bool& stopped) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (stopped || !begin_) return std::nullopt;
@@ -122,7 +122,7 @@ class Timeline {
     return next_++;
   }
 
-  /// Waits for a time of the sensor. @return false when `stopped` was set and wake() called
+  /// Waits for a time of the sensor. @return false if stop(stopped) was called
   bool waitFor(double seconds, const bool& stopped) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [&] { return stopped || begin_; });
@@ -352,7 +352,7 @@ class VirtualDriver final : public oni::driver::DriverBase {
     return new Device(*timeline_, getServices());
   }
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
-  OniStatus tryDevice(const char* /*uri*/) override { return ONI_STATUS_ERROR; }  // it announces itself
+  OniStatus tryDevice(const char* /*uri*/) override { return ONI_STATUS_ERROR; }  // it reports itself through connect()
   void shutdown() override { end(); }
 
  private:
@@ -362,7 +362,7 @@ class VirtualDriver final : public oni::driver::DriverBase {
     deviceConnected(&info);
   }
 
-  /// Unplugs the camera and plugs it in again, as the script says.
+  /// Unplugs the camera and plugs it in again according to the script.
   void plug() {
     const OniDeviceInfo info = deviceInfo();
     for (const TimeSpan& away : timeline_->script().settings.unplugged) {

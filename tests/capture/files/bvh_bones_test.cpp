@@ -30,7 +30,7 @@ void expectBones(const std::filesystem::path& file, const std::map<HumanBone, st
   EXPECT_EQ(guess.by, by) << file;
   for (const auto& [bone, name] : truth) {
     ASSERT_NE(skeleton.jointOf(bone), kNoJoint) << file << " " << nameOf(bone);
-    EXPECT_EQ(skeleton.joint(skeleton.jointOf(bone)).name, name) << file << ": reading finds them too";
+    EXPECT_EQ(skeleton.joint(skeleton.jointOf(bone)).name, name) << file << ": reading finds them, too";
   }
 }
 
@@ -60,7 +60,7 @@ TEST(BvhBones, Zombie) {
                         "",
                         "Left",
                         "Right",
-                        {"Hips", "Spine", "Spine2", "Spine3", "Neck", "Head"},  // of four the third is the middle
+                        {"Hips", "Spine", "Spine2", "Spine3", "Neck", "Head"},  // of four bones the third is the middle
                         {"%UpLeg", "%Leg", "%Foot", "%ToeBase"},
                         {"%Shoulder", "%Arm", "%ForeArm", "%Hand"},
                         "",
@@ -88,17 +88,16 @@ TEST(BvhBones, MakeHumanToday) {
 }
 
 TEST(BvhBones, MakeHumanBefore) {
-  const RigNames rig = {
-      "",
-      "",
-      "L",
-      "R",
-      {"Root", "Spine1", "Spine2", "Spine3", "Neck", "Head"},  // what it calls Hips carries legs alone
-      {"UpLeg_%", "LoLeg_%", "Foot_%", "Toe_%"},
-      {"Clavicle_%", "UpArm_%", "LoArm_%", "Hand_%"},
-      "@#_%",
-      {"Thumb", "Index", "Middle", "Ring", "Pinky"},
-      {"1", "2", "3"}};
+  const RigNames rig = {"",
+                        "",
+                        "L",
+                        "R",
+                        {"Root", "Spine1", "Spine2", "Spine3", "Neck", "Head"},  // its Hips joint carries only the legs
+                        {"UpLeg_%", "LoLeg_%", "Foot_%", "Toe_%"},
+                        {"Clavicle_%", "UpArm_%", "LoArm_%", "Hand_%"},
+                        "@#_%",
+                        {"Thumb", "Index", "Middle", "Ring", "Pinky"},
+                        {"1", "2", "3"}};
   for (const char* name : {"walk1", "zombieWalk1"}) {
     LORICA_REQUIRE_DATASET(file, std::string("bvh/makehuman/") + name + ".bvh");
     expectBones(file, namesOf(rig), "names (MakeHuman)");

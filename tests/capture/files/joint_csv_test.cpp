@@ -29,7 +29,7 @@ std::string header() {
   return line;
 }
 
-/// A row whose field `column` (from 1) is `text`; the others are fine.
+/// A row whose field `column` (from 1) is `text`; the others are valid.
 std::string row(const std::string& time, const std::string& user, int column = 0, const std::string& text = "") {
   std::string line;
   for (int c = 1; c <= 122; ++c) {
@@ -41,7 +41,7 @@ std::string row(const std::string& time, const std::string& user, int column = 0
   return line;
 }
 
-/// The sentence that a file of this content is refused with, without the folder's name.
+/// The error message for a file with this content, without the folder name.
 std::string refusal(const std::string& content) {
   const TemporaryFolder folder;
   const auto frames = readJointCsv(folder.write("walk.csv", content));
@@ -124,7 +124,7 @@ TEST(JointCsv, NumbersOutOfRangeAreRefused) {
 TEST(JointCsv, QuaternionsMustBeWholeAndUnit) {
   EXPECT_EQ(refusalOfRow(row("1", "1", 9, "1")),
             "walk.csv, line 3, column 6 (head.qx): found an empty field, expected all four quaternion fields or none");
-  // Column 6 becomes four fields: the three empty ones after it are cut to keep the count.
+  // Column 6 becomes four fields: the three empty ones after it are removed to keep the count.
   const auto whole = [&](const std::string& q) {
     std::string line = row("1", "1", 6, q);
     const std::size_t end = line.find(q) + q.size();
@@ -149,19 +149,20 @@ TEST(JointCsv, QuaternionsMustBeWholeAndUnit) {
 TEST(JointCsv, TimeMustRiseForEachUser) {
   EXPECT_EQ(
       refusalOfRow(row("0", "1")),
-      "walk.csv, line 3, column 1 (time): found \"0\", expected more than 0 of line 2: time must rise for user 1");
-  EXPECT_EQ(refusal(header() + "\n" + row("5", "1") + "\n" + row("1", "2") + "\n" + row("4.5", "1")),
-            "walk.csv, line 4, column 1 (time): found \"4.5\", expected more than 5 of line 2: time must rise for user "
-            "1");
+      "walk.csv, line 3, column 1 (time): found \"0\", expected more than 0 (line 2): time must increase for user 1");
+  EXPECT_EQ(
+      refusal(header() + "\n" + row("5", "1") + "\n" + row("1", "2") + "\n" + row("4.5", "1")),
+      "walk.csv, line 4, column 1 (time): found \"4.5\", expected more than 5 (line 2): time must increase for user "
+      "1");
 }
 
 TEST(JointCsv, TheUserWithMostFramesIsKept) {
   const TemporaryFolder folder;
-  const auto most = readJointCsv(
+  const auto max = readJointCsv(
       folder.write("two.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "3") + "\n" + row("2", "3") + "\n"));
-  ASSERT_TRUE(most) << most.error().message;
-  ASSERT_EQ(most->size(), 2u);
-  EXPECT_EQ(most->front().user, 3);
+  ASSERT_TRUE(max) << max.error().message;
+  ASSERT_EQ(max->size(), 2u);
+  EXPECT_EQ(max->front().user, 3);
   const auto tie = readJointCsv(folder.write("tie.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "-3")));
   ASSERT_TRUE(tie);
   EXPECT_EQ(tie->front().user, 7);
@@ -270,7 +271,8 @@ TEST(JointCsv, WriterRefusesWhatTheReaderWould) {
   EXPECT_EQ(refused({}), "bad.csv: found no frames to write, expected at least one");
   std::vector<SkeletonFrame> frames = awkwardFrames();
   frames[1].time = frames[0].time;
-  EXPECT_EQ(refused(frames), "bad.csv: frame 1, time: found -0.3, expected more than -0.3: time must rise for user 4");
+  EXPECT_EQ(refused(frames),
+            "bad.csv: frame 1, time: found -0.3, expected more than -0.3: time must increase for user 4");
   frames = awkwardFrames();
   frames[2][BodyJoint::kNeck].position.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refused(frames), "bad.csv: frame 2, neck.y: found nan, expected metres within +-100");

@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 20> kKinect1Names = {
     "AnkleLeft", "FootLeft",      "HipRight",       "KneeRight",  "AnkleRight",   "FootRight"};
 
 std::string number(double value, bool comma = false) {
-  // As C# writes a float: the shortest text that reads back, 0.00001 as 1E-05.
+  // Like C# writes a float: the shortest text that reads back, 0.00001 as 1E-05.
   std::string text = fmt::format("{}", static_cast<float>(value));
   std::replace(text.begin(), text.end(), 'e', 'E');
   if (comma) std::replace(text.begin(), text.end(), '.', ',');
@@ -61,7 +61,7 @@ KinectBody kinectBodyOf(const SkeletonFrame& frame) {
     body[21 + 2 * side] = at(joint(J::kLeftHand)) + turned(joint(J::kLeftHand), Vec3(sign * 0.1, 0, 0));
     body[22 + 2 * side] = at(joint(J::kLeftHand)) + turned(joint(J::kLeftHand), Vec3(sign * 0.04, 0, 0.05));
   }
-  for (Vec3& place : body) place = sensorFromWorld(place);
+  for (Vec3& position : body) position = sensorFromWorld(position);
   return body;
 }
 
@@ -218,7 +218,7 @@ std::string niteFile(std::span<const SkeletonFrame> frames, bool orientations, d
       const Vec3 p = 1000.0 * sensorFromWorld(joint.position);
       text += fmt::format(",{:.3f},{:.3f},{:.3f},{}", p.x(), p.y(), p.z(), joint.confidence);
       if (!orientations) continue;
-      // Half a turn about Y on both sides: what turns the world into the sensor's axes.
+      // Half a turn about Y on both sides converts the world's axes to the sensor's.
       const Quat half(0, 0, 1, 0);
       const Quat q = half.conjugate() * joint.orientation.value_or(Quat::Identity()) * half;
       text += joint.orientation ? fmt::format(",{:.7f},{:.7f},{:.7f},{:.7f}", q.x(), q.y(), q.z(), q.w()) : ",,,,";

@@ -8,28 +8,28 @@
 #include <string_view>
 #include <vector>
 
-/// Files of every layout, written from a performance that is known.
+/// Files of every layout, written from a known performance.
 namespace lorica::test {
 
-/// The 25 joints of Kinect v2 in its order, in the axes of a sensor 1.1 m above the floor and 3.2 m before the origin
-/// that looks at it: x to the sensor's left, y up, z away from it [m].
+/// The 25 joints of Kinect v2 in its order, in the axes of a sensor 1.1 m above the floor and 3.2 m in front of the
+/// origin that looks at it: x to the sensor's left, y up, z away from it [m].
 using KinectBody = std::array<Vec3, 25>;
 [[nodiscard]] KinectBody kinectBodyOf(const SkeletonFrame& frame);
 
-/// Lorica's point to the sensor's.
-[[nodiscard]] Vec3 sensorFromWorld(const Vec3& place);
+/// Converts Lorica's point to the sensor's axes.
+[[nodiscard]] Vec3 sensorFromWorld(const Vec3& position);
 
-/// The names that Kinect v1 and v2 have for their joints, in their order.
+/// The joint names of Kinect v1 and v2, in their order.
 [[nodiscard]] std::span<const std::string_view> kinect1Names();
 [[nodiscard]] std::span<const std::string_view> kinect2Names();
 /// The 20 joints of v1 in its order; its shoulder centre is the neck.
 [[nodiscard]] std::vector<Vec3> kinect1BodyOf(const SkeletonFrame& frame);
 
 [[nodiscard]] std::string msrFile(std::span<const SkeletonFrame> frames);
-/// @param numbers  of the frames, as many
+/// @param numbers  one frame number per frame
 [[nodiscard]] std::string utKinectFile(std::span<const SkeletonFrame> frames, std::span<const int> numbers);
 
-/// Six places for bodies; an empty one is absent.
+/// Six body slots; an empty one is absent.
 struct BodiesRow {
   std::int64_t ticks;  ///< [100 ns]
   std::array<const SkeletonFrame*, 6> bodies{};
@@ -45,14 +45,14 @@ struct WideSettings {
   char delimiter = ',';
 };
 [[nodiscard]] std::string wideFile(std::span<const SkeletonFrame> frames, const WideSettings& settings = {});
-/// @param leaveOut  every n-th row of a joint is not there; 0 for none
+/// @param leaveOut  omit every n-th row of a joint; 0 for none
 [[nodiscard]] std::string longFile(std::span<const SkeletonFrame> frames, int leaveOut = 0, bool decimalCommas = false);
 [[nodiscard]] std::string plainFile(std::span<const SkeletonFrame> frames, bool decimalCommas = false);
 [[nodiscard]] std::string upperBodyFile(std::span<const SkeletonFrame> frames, bool leftFirst = true);
 /// @param ticksPerSecond  1 for seconds
 [[nodiscard]] std::string niteFile(std::span<const SkeletonFrame> frames, bool orientations, double ticksPerSecond);
 
-/// One of each layout but UI-PRMD, which has two files.
+/// One file of each layout except UI-PRMD, which has two files.
 struct JointFile {
   JointFormat format;
   std::string text;

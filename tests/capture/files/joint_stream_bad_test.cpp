@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-/// Files that are no joints, half of them, or damaged.
+/// Files that do not contain joints, truncated files, damaged files.
 namespace lorica {
 namespace {
 
@@ -27,7 +27,7 @@ std::string refusal(const std::string& text, const JointStreamSettings& settings
   return stream ? "accepted" : stream.error().message;
 }
 
-/// What any accepted stream keeps to: it can be written as Lorica's own.
+/// Requirement for every accepted stream: it can be written in Lorica's own format.
 void expectSound(const JointStream& stream, const std::filesystem::path& scratch) {
   const Result<void> written = writeJointCsv(scratch, stream.frames);
   EXPECT_TRUE(written) << written.error().message;
@@ -36,10 +36,11 @@ void expectSound(const JointStream& stream, const std::filesystem::path& scratch
 TEST(JointStreamBad, WhatIsNoneOfThemNamesThemAll) {
   EXPECT_EQ(refusal(""), "walk.txt: found an empty file, expected recorded joints");
   EXPECT_EQ(refusal("\xef\xbb\xbf\r\n \r\n"), "walk.txt: found an empty file, expected recorded joints");
-  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n"),
-            "walk.txt: found a first row of 1 fields that begins with 'HIERARCHY', expected recorded joints in a known "
-            "layout; name it with --format if it is one: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-            "kinect1-long, kinect2-plain, ui-prmd, upper-body or nite2");
+  EXPECT_EQ(
+      refusal("HIERARCHY\nROOT Hips\n"),
+      "walk.txt: found a first row of 1 fields starting with 'HIERARCHY', expected recorded joints in a known "
+      "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
+      "kinect1-long, kinect2-plain, ui-prmd, upper-body or nite2");
   EXPECT_NE(refusal("1 2 3 4 5 6 7\n").find("found a first row of 7 fields"), std::string::npos);
   EXPECT_NE(refusal(std::string("\x89PNG\r\n\0\1", 8)).find("'\\x89PNG'"), std::string::npos);
   const TemporaryFolder folder;
@@ -48,20 +49,21 @@ TEST(JointStreamBad, WhatIsNoneOfThemNamesThemAll) {
 }
 
 TEST(JointStreamBad, WhatMayBeTwoOfThemAsksForAName) {
-  // 122 whole numbers between commas: 15 joints of NiTE with orientations, or 61 numbers with decimal commas.
+  // 122 integers separated by commas: 15 joints of NiTE with orientations, or 61 numbers with decimal commas.
   std::string rows;
   for (int f = 0; f < 3; ++f) {
     rows += fmt::format("{},0", 2 * f);
     for (int j = 0; j < 15; ++j) rows += ",5,7,9,1,0,0,0,1";
     rows += '\n';
   }
-  EXPECT_EQ(refusal(rows),
-            "walk.txt: found rows that fit utkinect and nite2, expected only one to; name it with --format");
+  EXPECT_EQ(
+      refusal(rows),
+      "walk.txt: found rows that match utkinect and nite2, expected a single match; specify the layout with --format");
   EXPECT_EQ(refusal(rows, {.format = JointFormat::kNite2}), "accepted");
   EXPECT_EQ(refusal(rows, {.format = JointFormat::kUtKinect}), "accepted");
 }
 
-TEST(JointStreamBad, SentencesNameThePlace) {
+TEST(JointStreamBad, SentencesNameThePosition) {
   const std::vector<SkeletonFrame> frames = fewFrames(4);
   const auto replaced = [](std::string text, std::string_view what, std::string_view by) {
     const std::size_t at = text.find(what);
@@ -75,17 +77,17 @@ TEST(JointStreamBad, SentencesNameThePlace) {
             "walk.txt, line 2, column 36 (Status): found 'LOST', expected TRACKED, INFERRED or NOTTRACKED");
   EXPECT_EQ(
       refusal(replaced(wide, "Time,", "When,")),
-      "walk.txt: found a first row of 232 fields that begins with 'EventIndex', expected recorded joints in a known "
-      "layout; name it with --format if it is one: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
+      "walk.txt: found a first row of 232 fields starting with 'EventIndex', expected recorded joints in a known "
+      "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
       "kinect1-long, kinect2-plain, ui-prmd, upper-body or nite2");
   EXPECT_EQ(refusal(replaced(wide, "Time,", "When,"), {.format = JointFormat::kKinect2Wide}),
-            "walk.txt, line 1: found a header without a column Time, expected one");
+            "walk.txt, line 1: found a header without a Time column, expected one");
   const std::string plain = test::plainFile(frames);
   const std::string first = plain.substr(0, plain.find(';'));
   EXPECT_EQ(refusal(replaced(plain, first, "x"), {.format = JointFormat::kKinect2Plain}),
             "walk.txt, line 1, column 1 (joint 1 x): found 'x', expected a number");
   EXPECT_EQ(refusal(replaced(plain, first, "1432.5")),
-            "walk.txt, line 1, column 1 (joint 1 x): found '1432.5', expected a place within +-40");
+            "walk.txt, line 1, column 1 (joint 1 x): found '1432.5', expected a position within +-40");
   EXPECT_EQ(refusal(plain + "1;2;3\n"), "walk.txt, line 5: found 3 fields, expected 75: 25 x (x y z)");
   EXPECT_EQ(refusal(test::longFile(frames) + "99,Nose,0,0,1\n"),
             "walk.txt, line 82, column 2 (JointType): found 'Nose', expected the name of a Kinect joint");
@@ -93,13 +95,13 @@ TEST(JointStreamBad, SentencesNameThePlace) {
             "walk.txt, line 1, column 8 (body 4): found '2', expected 0 (absent) or 1");
   EXPECT_EQ(refusal("1|kb,5,6,25,0,0,0,0,0,0\n"), "walk.txt: found no body, expected at least one");
   EXPECT_EQ(refusal("1|kb,5,6,20,0,0,0,0,0,0\n"),
-            "walk.txt, line 1, column 4 (joints): found '20', expected 25 joints a body");
+            "walk.txt, line 1, column 4 (joints): found '20', expected 25 joints per body");
   EXPECT_EQ(refusal(test::niteFile(frames, false, 1.0), {.format = JointFormat::kUtKinect}),
-            "walk.txt, line 1: found 62 fields, expected 61: the frame's number and 20 x (x y z)");
+            "walk.txt, line 1: found 62 fields, expected 61: the frame number and 20 x (x y z)");
   EXPECT_EQ(
       refusal("0 1 2 3\n", {.format = JointFormat::kUiPrmd}),
-      "walk.txt: UI-PRMD needs a second file, of angles: found text without one, expected a file beside which the "
-      "angles lie");
+      "walk.txt: UI-PRMD needs a second file with angles: found text only, expected a positions file with its angles "
+      "file beside it");
 }
 
 TEST(JointStreamBad, AFileThatIsCutOffKeepsWhatIsWhole) {
@@ -108,7 +110,7 @@ TEST(JointStreamBad, AFileThatIsCutOffKeepsWhatIsWhole) {
   for (const test::JointFile& file : test::oneOfEach(frames)) {
     if (file.format == JointFormat::kLorica) continue;
     SCOPED_TRACE(nameOf(file.format));
-    // Every length would take long for nothing: all near the start and the end, some between.
+    // Testing every length would take too long: all near the start and the end, some between.
     for (std::size_t length = 0; length < file.text.size();
          length += length < 100 || length + 100 > file.text.size() ? 1 : 23) {
       const auto stream =
@@ -127,7 +129,7 @@ TEST(JointStreamBad, AFileThatIsCutOffKeepsWhatIsWhole) {
   const auto stream = parseJointStream(text, "cut.txt");
   ASSERT_TRUE(stream) << stream.error().message;
   EXPECT_EQ(stream->frames.size(), 2u);
-  EXPECT_EQ(stream->notes.at(1), "The last frame, line 60, is cut off and was left out.");
+  EXPECT_EQ(stream->notes.at(1), "The last frame, line 60, is truncated and was omitted.");
 }
 
 TEST(JointStreamBad, DamagedBytesGiveASentenceOrSoundJoints) {
@@ -177,7 +179,7 @@ TEST(JointStreamBad, TimesBeyondAllRecordingsAreRefused) {
   const std::vector<SkeletonFrame> frames = fewFrames(3);
   std::vector<SkeletonFrame> late = frames;
   late[2].time = 1e13;
-  EXPECT_EQ(refusal(test::niteFile(late, false, 1.0)), "walk.txt: found times over 1e+13 s, expected at most 1e+09 s");
+  EXPECT_EQ(refusal(test::niteFile(late, false, 1.0)), "walk.txt: found times above 1e+13 s, expected at most 1e+09 s");
   late[2].time = std::nan("");
   EXPECT_EQ(refusal(test::niteFile(late, false, 1.0), {.format = JointFormat::kNite2}),
             "walk.txt, line 3, column 1 (time): found 'nan', expected a number");
@@ -195,8 +197,9 @@ TEST(JointStreamBad, UiPrmdSaysWhichFileIsMissing) {
   EXPECT_NE(missing.error().message.find("m01_angles.txt"), std::string::npos) << missing.error().message;
   const auto unnamed = readJointStream(folder.write("m01.txt", row));
   ASSERT_FALSE(unnamed);
-  EXPECT_NE(unnamed.error().message.find("found no \"positions\" or \"angles\" in this one's name"), std::string::npos);
-  // One row of angles for two of positions.
+  EXPECT_NE(unnamed.error().message.find("found neither \"positions\" nor \"angles\" in the file name"),
+            std::string::npos);
+  // One row of angles for two rows of positions.
   const auto angles = folder.write("m01_angles.txt", row);
   for (const auto& file : {positions, angles}) {
     const auto stream = readJointStream(file);

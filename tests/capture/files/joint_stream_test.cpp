@@ -31,7 +31,7 @@ bool isArm(std::size_t joint) {
   return joint >= static_cast<std::size_t>(J::kLeftShoulder) && joint <= static_cast<std::size_t>(J::kRightHand);
 }
 
-/// Joints stand to each other and to the axes as in the truth; only where the origin is may differ.
+/// Joints have the ground truth's positions relative to each other and to the axes; only the origin may differ.
 void expectSameShape(const std::vector<SkeletonFrame>& read, const std::vector<SkeletonFrame>& truth, double tolerance,
                      bool armsOnly = false) {
   ASSERT_EQ(read.size(), truth.size());
@@ -68,11 +68,11 @@ TEST(JointStream, EveryLayoutIsToldByItsContentAndGivesThePerformance) {
     expectSameShape(stream.frames, truth, 5e-6, file.format == JointFormat::kUpperBody);
     ASSERT_EQ(stream.frames.size(), truth.size());
     const double step = file.format == JointFormat::kMsrAction3d ? 1.0 / 15.0 : 1.0 / 30.0;
-    // Milliseconds in the file are whole.
+    // Times in the file are whole milliseconds.
     EXPECT_NEAR(stream.frames.back().time - stream.frames.front().time, 59.0 * step, 6e-4);
     if (file.format == JointFormat::kLorica || file.format == JointFormat::kUpperBody) continue;
     EXPECT_EQ(stream.frames.front().time, 0.0);
-    // The floor: the truth's ankles stand 0.085 to 0.09 m high, 0.08 is taken.
+    // The floor: the true ankles are 0.085 to 0.09 m high, 0.08 is assumed.
     EXPECT_NEAR(stream.frames[0][J::kLeftFoot].position.y(), truth[0][J::kLeftFoot].position.y(), 0.012);
   }
 }
@@ -104,7 +104,7 @@ TEST(JointStream, NoLayoutIsTakenForAnother) {
 TEST(JointStream, LineEndsByteOrderMarksAndBlankLinesChangeNothing) {
   const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 25);
   for (const test::JointFile& file : test::oneOfEach(truth)) {
-    if (file.format == JointFormat::kLorica) continue;  // FORMAT.md refuses blank lines between rows
+    if (file.format == JointFormat::kLorica) continue;  // FORMAT.md does not allow blank lines between rows
     SCOPED_TRACE(nameOf(file.format));
     const JointStream plain = parsed(file.text);
     const JointStream dressed = parsed(test::inWindowsDress(file.text));
@@ -136,7 +136,7 @@ TEST(JointStream, OtherDelimitersAndDecimalCommas) {
     SCOPED_TRACE(text.substr(0, 60));
     expectSameShape(parsed(text).frames, truth, 5e-6);
   }
-  // Everything between commas, and the decimals behind commas too.
+  // Commas as delimiters and also as decimal separators.
   for (const std::string& text : {test::upperBodyFile(truth), with(msr, ' ', ',')}) {
     SCOPED_TRACE(text.substr(0, 60));
     const JointStream stream = parsed(with(text, '.', ','));
@@ -155,25 +155,25 @@ TEST(JointStream, UtKinectNumbersJumpAndRepeat) {
   expectSameShape(stream.frames, truth, 5e-6);
   const std::vector<double> sixtieths = {0, 2, 4, 6, 10, 216, 217, 218};
   for (std::size_t f = 0; f < truth.size(); ++f) EXPECT_NEAR(stream.frames[f].time, sixtieths[f] / 60.0, 1e-9) << f;
-  EXPECT_TRUE(hasNote(stream, "2 rows repeat a time with other data"));
-  EXPECT_TRUE(hasNote(stream, "60 a second"));
-  // An odd number among them: they count the skeleton's own frames.
+  EXPECT_TRUE(hasNote(stream, "2 rows repeat a time with different data"));
+  EXPECT_TRUE(hasNote(stream, "60 per second"));
+  // With an odd number among them, numbers count the skeleton's own frames.
   const std::vector<int> odd = {1, 2, 3, 4, 5, 6, 7, 8};
   EXPECT_NEAR(parsed(test::utKinectFile(truth, odd)).frames[7].time, 7.0 / 30.0, 1e-9);
 }
 
-TEST(JointStream, UtKinectRowsOfASecondPersonAreToldApart) {
-  // As in subject 3 of the data set: for some frames somebody else stands in the picture under the same numbers.
+TEST(JointStream, UtKinectRowsOfASecondPersonAreDistinguished) {
+  // As in subject 3 of the data set: for several frames another person is in the image under the same numbers.
   const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 40);
   std::vector<SkeletonFrame> other = performance(SyntheticMotion::kWave, 40);
   std::vector<SkeletonFrame> rows;
   std::vector<int> numbers;
   for (int f = 0; f < 40; ++f) {
-    rows.push_back(truth[static_cast<std::size_t>(f)]);
+    rows.push_back(truth[f]);
     numbers.push_back(2 * f);
     if (f < 10 || f >= 20) continue;
-    for (TrackedJoint& joint : other[static_cast<std::size_t>(f)].joints) joint.position += Vec3(1.6, 0, -0.5);
-    rows.push_back(other[static_cast<std::size_t>(f)]);
+    for (TrackedJoint& joint : other[f].joints) joint.position += Vec3(1.6, 0, -0.5);
+    rows.push_back(other[f]);
     numbers.push_back(2 * f);
   }
   const std::string text = test::utKinectFile(rows, numbers);
@@ -183,7 +183,7 @@ TEST(JointStream, UtKinectRowsOfASecondPersonAreToldApart) {
   EXPECT_EQ(parsed(text, {.person = 2}).frames.size(), 10u);
 }
 
-/// Two of six: in place 1 the walker, in place 4 somebody who stands and is still; the walker comes later.
+/// Two of six bodies: in slot 1 the walker, in slot 4 a person who stands still; the walker comes later.
 std::string twoBodies(const std::vector<SkeletonFrame>& walker, const SkeletonFrame& still, int stateOfHands = 2) {
   std::vector<BodiesRow> rows;
   std::int64_t ticks = 43271723768560000;
@@ -255,14 +255,14 @@ TEST(JointStream, WideRowsTornByDecimalCommasHave379Fields) {
   EXPECT_EQ(std::count(row.begin(), row.end(), ',') + 1, 379);
   const JointStream stream = parsed(text);
   expectSameShape(stream.frames, truth, 5e-6);
-  EXPECT_TRUE(hasNote(stream, "Decimal commas"));
+  EXPECT_TRUE(hasNote(stream, "split at decimal commas"));
 }
 
 TEST(JointStream, WideColumnsAreFoundByName) {
   const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kPunchAndKick, 20);
   expectSameShape(parsed(test::wideFile(truth, {.shuffled = true})).frames, truth, 5e-6);
   expectSameShape(parsed(test::wideFile(truth, {.decimalCommas = true, .delimiter = ';'})).frames, truth, 5e-6);
-  // Another program puts the joint's name into the column's.
+  // Another program puts the joint name into the column name.
   std::string text = "EventIndex,Time,SkeletonId";
   for (const std::string_view name : test::kinect2Names()) {
     text += fmt::format(",{0}PositionX,{0}PositionY,{0}PositionZ,{0}RotationW", name);
@@ -278,7 +278,7 @@ TEST(JointStream, WideColumnsAreFoundByName) {
 TEST(JointStream, LongRowsAreGroupedByTime) {
   std::vector<SkeletonFrame> truth;
   const std::vector<SkeletonFrame> all = performance(SyntheticMotion::kWalk, 300);
-  for (std::size_t f = 0; f < all.size(); f += 10) truth.push_back(all[f]);  // 3 a second
+  for (std::size_t f = 0; f < all.size(); f += 10) truth.push_back(all[f]);  // 3 per second
   const JointStream whole = parsed(test::longFile(truth));
   expectSameShape(whole.frames, truth, 5e-6);
   EXPECT_NEAR(whole.frames[1].time, 0.333, 1e-9);
@@ -286,7 +286,7 @@ TEST(JointStream, LongRowsAreGroupedByTime) {
   const JointStream holes = parsed(test::longFile(truth, 7));
   ASSERT_EQ(holes.frames.size(), truth.size());
   EXPECT_TRUE(hasNote(holes, "30 frames have fewer than 20 joints"));
-  // Row 7 of the first group is the left wrist, which nobody asks for while the hand is there; row 14 the left knee.
+  // Row 7 of the first group is the left wrist, which is not used if the hand is there; row 14 is the left knee.
   EXPECT_EQ(holes.frames[0][J::kLeftKnee].confidence, 0.0);
   EXPECT_EQ(holes.frames[0][J::kRightKnee].confidence, 1.0);
 
@@ -313,7 +313,7 @@ TEST(JointStream, ZerosAndNanAreGaps) {
 
   const auto nothing = parseJointStream(zeros + "\n" + zeros + "\n", "z.txt");
   ASSERT_FALSE(nothing);
-  EXPECT_EQ(nothing.error().message, "z.txt: found no joint that is seen in 2 frames, expected one");
+  EXPECT_EQ(nothing.error().message, "z.txt: found no seen joint in 2 frames, expected at least one");
 }
 
 TEST(JointStream, AMissingHandIsWhereTheWristIs) {
@@ -346,7 +346,7 @@ TEST(JointStream, TimesInAnyUnit) {
 TEST(JointStream, TimesThatRepeatAreLeftOutAndClocksThatRestartGoOn) {
   std::vector<SkeletonFrame> rows = performance(SyntheticMotion::kWalk, 90);
   const std::vector<SkeletonFrame> truth = rows;
-  rows.insert(rows.begin() + 20, rows[19]);  // the same once more
+  rows.insert(rows.begin() + 20, rows[19]);  // the same row again
   for (std::size_t f = 61; f < rows.size(); ++f) rows[f].time = truth[f - 61].time;
   const JointStream stream = parsed(test::niteFile(rows, false, 1000.0));
   expectSameShape(stream.frames, truth, 5e-6);
@@ -354,7 +354,7 @@ TEST(JointStream, TimesThatRepeatAreLeftOutAndClocksThatRestartGoOn) {
     EXPECT_NEAR(stream.frames[f].time - stream.frames[f - 1].time, 1.0 / 30.0, 1e-6) << f;
   }
   EXPECT_TRUE(hasNote(stream, "1 rows repeat a time or go back"));
-  EXPECT_TRUE(hasNote(stream, "starts anew 1 times"));
+  EXPECT_TRUE(hasNote(stream, "restarts 1 times"));
 }
 
 TEST(JointStream, NiteOrientationsAreKeptWhereTheyAgreeWithTheLimbs) {
@@ -436,7 +436,7 @@ TEST(JointStream, MirroredStreamsAreMirroredBack) {
   }
 }
 
-TEST(JointStream, ATiltedSensorIsSaidNotMended) {
+TEST(JointStream, ATiltedSensorIsReportedNotCorrected) {
   std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 30);
   EXPECT_FALSE(hasNote(parsed(test::plainFile(truth)), "tilted"));
   const Eigen::AngleAxisd tilt(20.0 * std::numbers::pi / 180.0, Vec3::UnitX());
@@ -456,15 +456,15 @@ TEST(JointStream, LoricaKeepsEveryBitAndLetsThePersonBeChosen) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "two.csv";
   ASSERT_TRUE(writeJointCsv(file, rows));
-  const auto most = readJointStream(file);
-  ASSERT_TRUE(most) << most.error().message;
-  EXPECT_EQ(most->format, JointFormat::kLorica);
-  EXPECT_EQ(most->people, (std::vector<int>{1, 2}));
-  ASSERT_EQ(most->frames.size(), 60u);  // fewer frames than the other, but it goes
+  const auto max = readJointStream(file);
+  ASSERT_TRUE(max) << max.error().message;
+  EXPECT_EQ(max->format, JointFormat::kLorica);
+  EXPECT_EQ(max->people, (std::vector<int>{1, 2}));
+  ASSERT_EQ(max->frames.size(), 60u);  // fewer frames than the other, but moving
   for (std::size_t f = 0; f < 60; ++f) {
-    EXPECT_EQ(most->frames[f].time, walker[f].time);
+    EXPECT_EQ(max->frames[f].time, walker[f].time);
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      EXPECT_EQ(most->frames[f].joints[j].position, walker[f].joints[j].position);
+      EXPECT_EQ(max->frames[f].joints[j].position, walker[f].joints[j].position);
     }
   }
   EXPECT_EQ(readJointStream(file, {.person = 1})->frames.size(), 90u);

@@ -17,7 +17,7 @@ namespace {
 using J = BodyJoint;
 using B = HumanBone;
 
-/// A skeleton of round numbers [cm] in UI-PRMD's order, and no angles but those asked for.
+/// A skeleton of round numbers [cm] in UI-PRMD's order, with zero angles except the requested ones.
 std::string offsetsRow() {
   std::string row;
   for (const char* offset : {"1,90,-240", "0,25,0", "0,20,0", "0,1,0",   "0,6,0",   "0,14,0",  "2,0,0", "15,0,0",
@@ -64,7 +64,7 @@ TEST(UiPrmd, AnglesTurnAboutYThenXThenZ) {
   const auto stream = readJointStream(file);
   ASSERT_TRUE(stream) << stream.error().message;
   const auto degrees = [](double d) { return test::degrees(d); };
-  // By hand: (1, 0, 0) about Y by 30, then about X by 20, then about Z by 40 degrees.
+  // Computed by hand: (1, 0, 0) about Y by 30, then about X by 20, then about Z by 40 degrees.
   const Vec3 y(std::cos(degrees(30)), 0, -std::sin(degrees(30)));
   const Vec3 x(y.x(), -std::sin(degrees(20)) * y.z(), std::cos(degrees(20)) * y.z());
   const Vec3 z(std::cos(degrees(40)) * x.x() - std::sin(degrees(40)) * x.y(),
@@ -79,7 +79,7 @@ TEST(UiPrmd, JointsThatAreNotKnownAndThoseThatHangOnThemAreNotSeen) {
   for (std::size_t j = 0; j < 22; ++j)
     noElbow += fmt::format("{}{}", j == 0 ? "" : ",", j == 8 ? "NaN,nan,NaN" : "0,5,0");
   const auto file = folder.write("a_positions.txt", offsetsRow() + noElbow + "\n" + offsetsRow());
-  // Row 3: the angle of the right knee is lost, so where the foot is.
+  // Row 3: the angle of the right knee is missing, so the foot's position is unknown.
   folder.write("a_angles.txt", anglesRow(0, "0,0,0") + anglesRow(0, "0,0,0") + anglesRow(19, "0,,0"));
   const auto stream = readJointStream(file);
   ASSERT_TRUE(stream) << stream.error().message;
@@ -111,7 +111,7 @@ TEST(UiPrmd, ADeepSquatLooksLikeOne) {
   for (const SkeletonFrame& frame : stream->frames) {
     lowestHead = std::min(lowestHead, heightOf(frame, J::kHead));
     highestHead = std::max(highestHead, heightOf(frame, J::kHead));
-    // The exercise asks for arms overhead throughout; feet stay on the floor but for the sensor's noise.
+    // The exercise requires arms overhead throughout; feet stay on the floor except for the sensor's noise.
     EXPECT_GT(heightOf(frame, J::kLeftHand), heightOf(frame, J::kHead) + 0.1);
     EXPECT_GT(heightOf(frame, J::kRightHand), heightOf(frame, J::kHead) + 0.1);
     EXPECT_LT(heightOf(frame, J::kLeftFoot), 0.2);
@@ -120,7 +120,7 @@ TEST(UiPrmd, ADeepSquatLooksLikeOne) {
     const Vec3 middle = 0.5 * (frame[J::kLeftHip].position + frame[J::kLeftFoot].position);
     EXPECT_GT(frame[J::kLeftKnee].position.z() - middle.z(), 0.0);
     EXPECT_GT(frame[J::kLeftHip].position.x() - frame[J::kRightHip].position.x(), 0.08);
-    // The dataset lets bones stretch by some centimetres.
+    // In the dataset bones stretch by several centimetres.
     EXPECT_NEAR((frame[J::kLeftElbow].position - frame[J::kLeftShoulder].position).norm(), 0.26, 0.03);
   }
   EXPECT_GT(highestHead - lowestHead, 0.5);
@@ -154,15 +154,13 @@ TEST(UiPrmd, TheMannequinDoesTheExercises) {
     for (const SkeletonFrame& frame : stream->frames) {
       retargeter.apply(frame, pose);
       const std::vector<Affine3> world = test::worldOf(skeleton, pose);
-      const auto at = [&](B bone) -> Vec3 {
-        return world[static_cast<std::size_t>(skeleton.jointOf(bone))].translation();
-      };
+      const auto at = [&](B bone) -> Vec3 { return world[skeleton.jointOf(bone)].translation(); };
       const Vec3 arm = frame[J::kLeftElbow].position - frame[J::kLeftShoulder].position;
       EXPECT_LT(test::angleBetween(at(B::kLeftLowerArm) - at(B::kLeftUpperArm), arm), test::degrees(0.5));
       const Vec3 thigh = frame[J::kRightKnee].position - frame[J::kRightHip].position;
-      // Legs may give way to keep a standing foot in its place.
+      // Legs may bend to keep a standing foot in position.
       EXPECT_LT(test::angleBetween(at(B::kRightLowerLeg) - at(B::kRightUpperLeg), thigh), test::degrees(15.0));
-      // No backward knee: the shin never points more to the front than the thigh does.
+      // No backward knee: the shin never points further to the front than the thigh does.
       const Vec3 left = at(B::kLeftUpperLeg) - at(B::kRightUpperLeg);
       const Vec3 upper = at(B::kRightLowerLeg) - at(B::kRightUpperLeg);
       const Vec3 lower = at(B::kRightFoot) - at(B::kRightLowerLeg);

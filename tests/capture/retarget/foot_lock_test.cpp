@@ -26,7 +26,7 @@ Vec3 randomVector(RandomNumbers& random) {
   return {random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0)};
 }
 
-TEST(LegReach, TheAnkleComesToItsPlaceAndBonesKeepTheirLengths) {
+TEST(LegReach, TheAnkleReachesItsPositionAndBonesKeepTheirLengths) {
   RandomNumbers random(7);
   int reached = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -48,7 +48,7 @@ TEST(LegReach, TheAnkleComesToItsPlaceAndBonesKeepTheirLengths) {
       EXPECT_LT((ankleAfter - wanted).norm(), 1e-9);
       ++reached;
     } else if (away > shortest) {
-      EXPECT_LT(angleBetween(ankleAfter - hip, wanted - hip), 1e-6) << "as near as it comes";
+      EXPECT_LT(angleBetween(ankleAfter - hip, wanted - hip), 1e-6) << "as near as possible";
     }
   }
   EXPECT_GT(reached, 500);
@@ -88,7 +88,7 @@ TEST(LegReach, TheHipComesDownByWhatIsNeeded) {
   const double drop = dropToReach(hip, knee, ankle, wanted);
   EXPECT_NEAR((hip - Vec3(0.0, drop, 0.0) - wanted).norm(), 0.999 * length, 1e-9);
   EXPECT_EQ(dropToReach(hip, knee, ankle, Vec3(0.0, 0.2, 0.1)), 0.0);
-  EXPECT_EQ(dropToReach(hip, knee, ankle, Vec3(0.0, 3.0, 0.0)), 0.0) << "coming down would not help";
+  EXPECT_EQ(dropToReach(hip, knee, ankle, Vec3(0.0, 3.0, 0.0)), 0.0) << "lowering the hip would not help";
 }
 
 /// A mannequin of other proportions.
@@ -107,12 +107,12 @@ Skeleton mannequinWith(double thigh, double shin, double hipWidth, double size) 
 
 struct Live {
   double slide = 0.0;  ///< [m]
-  double step = 0.0;   ///< of an ankle, beyond what the person's does, from one frame to the next [m]
+  double step = 0.0;   ///< of an ankle, beyond that of the person, from one frame to the next [m]
   double kneeBackwards = 0.0;
   int stances = 0;
 };
 
-/// Stances are those of the recording: the ankle moves by less than 0.2 m/s, within 5 cm of its lowest.
+/// Stances are detected in the recording: the ankle moves slower than 0.2 m/s, within 5 cm of its lowest position.
 Live play(const std::string& recording, const Skeleton& skeleton, bool plantFeet) {
   const auto frames = readJointCsv(test::recordingsFolder() / recording);
   EXPECT_TRUE(frames) << frames.error().message;
@@ -132,9 +132,7 @@ Live play(const std::string& recording, const Skeleton& skeleton, bool plantFeet
   for (std::size_t f = 0; f < frames->size(); ++f) {
     retargeter.apply((*frames)[f], pose);
     const std::vector<Affine3> world = test::worldOf(skeleton, pose);
-    const auto at = [&](B bone) -> Vec3 {
-      return world[static_cast<std::size_t>(skeleton.jointOf(bone))].translation();
-    };
+    const auto at = [&](B bone) -> Vec3 { return world[skeleton.jointOf(bone)].translation(); };
     for (std::size_t side = 0; side < 2; ++side) {
       const LimbBones& leg = limbs()[kFirstLeg + side];
       const auto thighJoint = static_cast<std::size_t>(skeleton.jointOf(leg.upper));
@@ -155,7 +153,7 @@ Live play(const std::string& recording, const Skeleton& skeleton, bool plantFeet
         stands[side] = still;
         const auto level = [](const Vec3& v) { return std::hypot(v.x(), v.z()); };
         const double ratio = retargeter.legRatio();
-        if (still && (*frames)[f].time > (*frames)[0].time + 1.5) {  // the ratio is still found out before
+        if (still && (*frames)[f].time > (*frames)[0].time + 1.5) {  // the ratio is still being estimated before
           worst.slide = std::max(worst.slide, level(shown - startShown[side]) - ratio * level(foot - start[side]));
         }
         worst.step = std::max(worst.step, level(shown - beforeShown[side]) - 1.3 * ratio * level(foot - before[side]));

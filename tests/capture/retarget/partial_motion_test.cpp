@@ -14,7 +14,7 @@
 #include <set>
 #include <string>
 
-/// Motions of skeletons that lack bones, held against the same motions with all of them.
+/// Motions of skeletons that lack bones, compared with the same motions with all bones.
 namespace lorica {
 namespace {
 
@@ -36,7 +36,8 @@ SkeletalMotion recorded(const char* name) {
   return std::move(*motion);
 }
 
-/// The motion without the joints of some bones; what hung on them hangs on what is above, in the same places.
+/// The motion without the joints of some bones; their children are attached to the next joint above, at unchanged
+/// positions.
 SkeletalMotion without(const SkeletalMotion& motion, const Bones& bones) {
   SkeletalMotion out;
   out.name = "part";
@@ -48,8 +49,7 @@ SkeletalMotion without(const SkeletalMotion& motion, const Bones& bones) {
   const auto local = [&](std::size_t j, const auto& localOf) {
     JointTransform t = localOf(j);
     JointIndex above = all[j].parent;
-    for (; above != kNoJoint && !isKept(static_cast<std::size_t>(above));
-         above = all[static_cast<std::size_t>(above)].parent) {
+    for (; above != kNoJoint && !isKept(static_cast<std::size_t>(above)); above = all[above].parent) {
       const JointTransform& p = localOf(static_cast<std::size_t>(above));
       t.translation = p.translation + p.rotation * t.translation;
       t.rotation = p.rotation * t.rotation;
@@ -60,8 +60,7 @@ SkeletalMotion without(const SkeletalMotion& motion, const Bones& bones) {
     if (!isKept(j)) continue;
     const auto [rest, above] = local(j, [&](std::size_t k) -> const JointTransform& { return all[k].rest; });
     newIndex[j] = static_cast<JointIndex>(joints.size());
-    joints.push_back(
-        {all[j].name, above == kNoJoint ? kNoJoint : newIndex[static_cast<std::size_t>(above)], rest, all[j].bone});
+    joints.push_back({all[j].name, above == kNoJoint ? kNoJoint : newIndex[above], rest, all[j].bone});
   }
   for (int f = 0; f < motion.frameCount(); ++f) {
     const std::span<const JointTransform> pose = motion.pose(f);
@@ -88,8 +87,7 @@ double farthestTurn(const SkeletalMotion& a, const SkeletalMotion& b, const Bone
     const std::span<const JointTransform> pose = motion.pose(f);
     for (std::size_t j = 0; j < pose.size(); ++j) {
       const JointIndex parent = motion.skeleton.joint(static_cast<JointIndex>(j)).parent;
-      world.push_back(parent == kNoJoint ? pose[j].rotation
-                                         : world[static_cast<std::size_t>(parent)] * pose[j].rotation);
+      world.push_back(parent == kNoJoint ? pose[j].rotation : world[parent] * pose[j].rotation);
     }
     return world;
   };
@@ -109,8 +107,7 @@ void expectAtRest(const SkeletalMotion& motion, const Bones& bones) {
   for (int f = 0; f < motion.frameCount(); ++f) {
     for (const B bone : bones) {
       const JointIndex joint = motion.skeleton.jointOf(bone);
-      ASSERT_EQ(motion.pose(f)[static_cast<std::size_t>(joint)].rotation.coeffs(),
-                motion.skeleton.joint(joint).rest.rotation.coeffs())
+      ASSERT_EQ(motion.pose(f)[joint].rotation.coeffs(), motion.skeleton.joint(joint).rest.rotation.coeffs())
           << nameOf(bone) << " in frame " << f;
     }
   }
@@ -129,7 +126,7 @@ double lowestSole(const SkeletalMotion& motion, int f) {
   double lowest = 1e9;
   for (std::size_t side = 0; side < 2; ++side) {
     const auto at = [&](B left, B right) -> const Affine3& {
-      return world[static_cast<std::size_t>(motion.skeleton.jointOf(side == 0 ? left : right))];
+      return world[motion.skeleton.jointOf(side == 0 ? left : right)];
     };
     const Affine3& foot = at(B::kLeftFoot, B::kRightFoot);
     lowest = std::min({lowest, (foot * rig.sole[side].heel).y(), (foot * rig.sole[side].ball).y(),
@@ -163,7 +160,7 @@ TEST(PartialMotion, LegsWalkWhileTheArmsAreAtRest) {
   EXPECT_EQ(restOf(legs), kArms);
   const SkeletalMotion out = onMannequin(legs);
   expectAtRest(out, kArms);
-  // The trunk's rest frame was the shoulders' and is the hips' now, which the maker of the skeleton drew alike.
+  // The trunk's rest frame came from the shoulders and now comes from the hips; in this skeleton both agree.
   EXPECT_LT(farthestTurn(out, onMannequin(whole), kLegs), degrees(0.5));
 }
 
@@ -203,7 +200,7 @@ TEST(PartialMotion, WithoutHandsAndFeetTheLimbsPointAsBeforeIfSomethingIsAtTheir
 }
 
 TEST(PartialMotion, WithNothingAtTheirEndsLimbsAreTakenForStraightAtRest) {
-  // The skeleton of joints is drawn in T-pose, so that is the truth.
+  // The skeleton of joints is built in T-pose, so that is the ground truth.
   const Bones ends = {B::kLeftHand, B::kRightHand, B::kLeftFoot, B::kRightFoot};
   const SkeletalMotion whole = recorded("jumping_jacks");
   const SkeletalMotion part = without(whole, ends);
@@ -223,7 +220,7 @@ TEST(PartialMotion, WithoutHipsTheBodyGoesWhereTheTrunkGoes) {
   expectAtRest(out, kLegs);
   EXPECT_LT(farthestTurn(out, onMannequin(whole), kArms), degrees(1e-4));
   const auto hips = [](const SkeletalMotion& motion, int f) {
-    return motion.pose(f)[static_cast<std::size_t>(motion.skeleton.jointOf(B::kHips))].translation;
+    return motion.pose(f)[motion.skeleton.jointOf(B::kHips)].translation;
   };
   const SkeletalMotion truth = onMannequin(whole);
   double farthest = 0.0;
@@ -231,7 +228,7 @@ TEST(PartialMotion, WithoutHipsTheBodyGoesWhereTheTrunkGoes) {
     const Vec3 way = hips(out, f) - hips(out, 0);
     const Vec3 trueWay = hips(truth, f) - hips(truth, 0);
     farthest = std::max(farthest, trueWay.norm());
-    // The trunk sways above the hips, and legs of a guessed length give a ratio.
+    // The trunk sways above the hips, and the ratio comes from legs of guessed length.
     ASSERT_LT(std::hypot(way.x() - trueWay.x(), way.z() - trueWay.z()), 0.1 + 0.1 * trueWay.norm());
   }
   EXPECT_GT(farthest, 1.0);
@@ -338,20 +335,18 @@ TEST(PartialMotion, ABvhOfAnUpperBodyIsReadByItsNamesAndEndSites) {
     EXPECT_EQ(skeleton.joint(skeleton.jointOf(bone)).name, name);
   }
   EXPECT_EQ(skeleton.jointOf(B::kLeftHand), kNoJoint);
-  EXPECT_EQ(skeleton.jointCount(), 10);  // the forearms' end sites are joints, that of the head is not
+  EXPECT_EQ(skeleton.jointCount(), 10);  // the forearms' end sites become joints, that of the head does not
   Bones rest = kLegs;
   rest.insert({B::kLeftHand, B::kRightHand});
   EXPECT_EQ(restOf(file->motion), rest);
 
-  // The left forearm hangs straight down in the file.
+  // The left forearm points straight down in the file.
   const SkeletalMotion out = onMannequin(file->motion);
   const std::span<const JointTransform> pose = out.pose(0);
   const std::vector<Affine3> world = test::worldOf(out.skeleton, Pose(pose.begin(), pose.end()));
-  const auto place = [&](B bone) -> Vec3 {
-    return world[static_cast<std::size_t>(out.skeleton.jointOf(bone))].translation();
-  };
-  EXPECT_LT(test::angleBetween(place(B::kLeftHand) - place(B::kLeftLowerArm), -Vec3::UnitY()), degrees(0.01));
-  EXPECT_LT(test::angleBetween(place(B::kRightHand) - place(B::kRightLowerArm), -Vec3::UnitX()), degrees(0.01));
+  const auto position = [&](B bone) -> Vec3 { return world[out.skeleton.jointOf(bone)].translation(); };
+  EXPECT_LT(test::angleBetween(position(B::kLeftHand) - position(B::kLeftLowerArm), -Vec3::UnitY()), degrees(0.01));
+  EXPECT_LT(test::angleBetween(position(B::kRightHand) - position(B::kRightLowerArm), -Vec3::UnitX()), degrees(0.01));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "capture/retarget/proxy_skeleton.h"
+#include "capture/retarget/skeletal_retarget.h"
 
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/retarget.h"
@@ -45,7 +46,7 @@ JointTransform localOf(const Affine3& transform) {
   return local;
 }
 
-/// The mannequin without some joints: what hung on one hangs on its parent, and so do its vertices.
+/// The mannequin without some joints: their children and vertices are attached to their parents.
 Character without(const std::set<JointIndex>& removed) {
   Character character = mannequin();
   const Skeleton whole = character.skeleton;
@@ -90,7 +91,8 @@ std::set<JointIndex> withAllBelow(std::initializer_list<B> bones) {
   return joints;
 }
 
-/// The mannequin whose feet hang on no leg, as targets of inverse kinematics do; toes and feet need not be marked.
+/// The mannequin with its feet detached from the legs, like inverse kinematics targets; toes and feet need not be
+/// marked.
 Character withFeetAtTheRoot(bool marked) {
   Character character = mannequin();
   const Skeleton& whole = mannequin().skeleton;
@@ -117,14 +119,14 @@ const std::vector<SkeletonFrame>& recording(const char* name) {
 
 /// The world transforms of every joint in every frame of a recording.
 std::vector<std::vector<Affine3>> performances(const Character& character, const char* name, bool plantFeet = true) {
-  StandInSkeleton standIn = *StandInSkeleton::create(character);
-  Retargeter retargeter = *Retargeter::create(standIn.skeleton(), {.hold = {}, .plantFeet = plantFeet});
-  Pose standInPose(at(standIn.skeleton().jointCount()));
+  ProxySkeleton proxy = *ProxySkeleton::create(character);
+  Retargeter retargeter = *Retargeter::create(proxy.skeleton(), {.hold = {}, .plantFeet = plantFeet});
+  Pose proxyPose(at(proxy.skeleton().jointCount()));
   Pose pose(at(character.skeleton.jointCount()));
   std::vector<std::vector<Affine3>> frames;
   for (const SkeletonFrame& frame : recording(name)) {
-    retargeter.apply(frame, standInPose);
-    standIn.carryBack(standInPose, pose);
+    retargeter.apply(frame, proxyPose);
+    proxy.mapBack(proxyPose, pose);
     frames.push_back(test::worldOf(character.skeleton, pose));
   }
   return frames;
@@ -144,9 +146,29 @@ double lowestPoint(const Character& character, std::span<const Affine3> world) {
   return lowest;
 }
 
-class StandInMotion : public ::testing::TestWithParam<const char*> {};
+TEST(RetargetMotion, ACharacterWithoutForearmsIsAcceptedThroughItsProxy) {
+  const Character character = without(bonesOf({B::kLeftLowerArm, B::kRightLowerArm}));
+  SkeletalMotion source{"turn", mannequin().skeleton, {0.0, 0.1}, {}};
+  for (int frame = 0; frame < 2; ++frame) {
+    Pose pose = restPose(source.skeleton);
+    pose[at(source.skeleton.jointOf(B::kLeftUpperArm))].rotation = Quat(Eigen::AngleAxisd(0.3 * frame, Vec3::UnitZ()));
+    source.poses.insert(source.poses.end(), pose.begin(), pose.end());
+  }
+  EXPECT_FALSE(retargetMotion(source, character.skeleton).ok()) << "its skeleton alone lacks bones";
+  const Result<SkeletalMotion> onto = retargetMotion(source, character);
+  ASSERT_TRUE(onto.ok()) << onto.error().message;
+  ProxySkeleton proxy = ProxySkeleton::create(character).value();
+  const SkeletalMotion expected = proxy.mapBack(retargetMotion(source, proxy.skeleton()).value());
+  ASSERT_EQ(onto->poses.size(), 2u * static_cast<std::size_t>(character.skeleton.jointCount()));
+  for (std::size_t j = 0; j < expected.poses.size(); ++j) {
+    EXPECT_EQ(onto->poses[j].translation, expected.poses[j].translation);
+    EXPECT_EQ(onto->poses[j].rotation.coeffs(), expected.poses[j].rotation.coeffs());
+  }
+}
 
-TEST_P(StandInMotion, FeetThatHangOnTheRootGoWithTheLegs) {
+class ProxyMotion : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(ProxyMotion, FeetThatHangOnTheRootGoWithTheLegs) {
   const auto whole = performances(mannequin(), GetParam());
   for (const bool marked : {true, false}) {
     const Character character = withFeetAtTheRoot(marked);
@@ -165,13 +187,13 @@ TEST_P(StandInMotion, FeetThatHangOnTheRootGoWithTheLegs) {
   }
 }
 
-TEST_P(StandInMotion, AnArmOfOneJointPointsWhereTheHandWas) {
+TEST_P(ProxyMotion, AnArmOfOneJointPointsWhereTheHandWas) {
   const Character character = without(bonesOf({B::kLeftLowerArm, B::kRightLowerArm}));
   const auto whole = performances(mannequin(), GetParam());
   const auto frames = performances(character, GetParam());
   const Skeleton& from = mannequin().skeleton;
   const Skeleton& to = character.skeleton;
-  double miss = 0.0;  // of the hand to the line that the straight arm points along [m]
+  double miss = 0.0;  // distance of the hand from the line along which the straight arm points [m]
   double hands = 0.0;
   double others = 0.0;
   for (std::size_t f = 0; f < whole.size(); ++f) {
@@ -193,20 +215,20 @@ TEST_P(StandInMotion, AnArmOfOneJointPointsWhereTheHandWas) {
     for (const B bone : {B::kLeftHand, B::kRightHand, B::kLeftIndexProximal}) hands = std::max(hands, turn(bone));
   }
   RecordProperty("arm_mm", std::to_string(1000.0 * miss));
-  // The stand-in's elbow is halfway, so its hand is off by (u - f) / 2 times what tells the bones' directions apart, u
-  // and f the lengths of upper arm and forearm; 1 cm for the elbow that is not quite straight at rest.
+  // The proxy's elbow is halfway, so its hand is off by (u - f) / 2 times the difference of the bones' directions,
+  // where u and f are the lengths of upper arm and forearm; plus 1 cm for the elbow that is not quite straight at rest.
   const std::vector<Affine3> rest = test::worldOf(from, restPose(from));
-  const auto place = [&](B bone) -> Vec3 { return rest[at(from.jointOf(bone))].translation(); };
-  const double upperArm = (place(B::kLeftLowerArm) - place(B::kLeftUpperArm)).norm();
-  const double forearm = (place(B::kLeftHand) - place(B::kLeftLowerArm)).norm();
+  const auto position = [&](B bone) -> Vec3 { return rest[at(from.jointOf(bone))].translation(); };
+  const double upperArm = (position(B::kLeftLowerArm) - position(B::kLeftUpperArm)).norm();
+  const double forearm = (position(B::kLeftHand) - position(B::kLeftLowerArm)).norm();
   RecordProperty("bones_mm", std::to_string(1000.0 * std::abs(upperArm - forearm)));
   EXPECT_LT(miss, std::abs(upperArm - forearm) + 0.01);
   EXPECT_LT(others, degrees(0.1));
-  // At rest the mannequin's elbow is bent by 1.3 degrees, which nothing tells here.
+  // At rest the mannequin's elbow is bent by 1.3 degrees, which cannot be known here.
   EXPECT_LT(hands, degrees(1.5));
 }
 
-TEST_P(StandInMotion, ALegOfOneJointPointsWhereTheFootWasAboveTheFloor) {
+TEST_P(ProxyMotion, ALegOfOneJointPointsWhereTheFootWasAboveTheFloor) {
   const Character character = without(bonesOf({B::kLeftLowerLeg, B::kRightLowerLeg}));
   const auto whole = performances(mannequin(), GetParam());
   const auto frames = performances(character, GetParam());
@@ -234,10 +256,10 @@ TEST_P(StandInMotion, ALegOfOneJointPointsWhereTheFootWasAboveTheFloor) {
   EXPECT_GT(lowest, -0.01);
 }
 
-TEST_P(StandInMotion, LimbsWithoutHandsAndFeetPointAsTheWholeOnesDo) {
+TEST_P(ProxyMotion, LimbsWithoutHandsAndFeetPointAsTheWholeOnesDo) {
   const Character character = without(withAllBelow({B::kLeftHand, B::kRightHand, B::kLeftFoot, B::kRightFoot}));
   ASSERT_FALSE(RetargetRig::create(character.skeleton));
-  // A foot without toes is planted another way: directions are held against each other without that.
+  // A foot without toes is planted differently: compare directions without foot planting.
   const auto whole = performances(mannequin(), GetParam(), false);
   const auto frames = performances(character, GetParam(), false);
   const Skeleton& from = mannequin().skeleton;
@@ -251,7 +273,7 @@ TEST_P(StandInMotion, LimbsWithoutHandsAndFeetPointAsTheWholeOnesDo) {
       const Vec3 upper = restFrom[at(from.jointOf(bones.upper))].translation();
       const Vec3 lower = restFrom[at(from.jointOf(bones.lower))].translation();
       const Vec3 end = restFrom[at(from.jointOf(bones.end))].translation();
-      // The rest pose has no turns, so the same direction in the joint is the same in both.
+      // The rest pose has no rotations, so the same direction in the joint's frame is the same in both.
       const auto way = [&](const std::vector<Affine3>& world, const Skeleton& skeleton, B bone, const Vec3& along) {
         return Vec3(world[at(skeleton.jointOf(bone))].linear() * along);
       };
@@ -273,18 +295,18 @@ TEST_P(StandInMotion, LimbsWithoutHandsAndFeetPointAsTheWholeOnesDo) {
   EXPECT_GT(lowest, -0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, StandInMotion, ::testing::Values("walk", "jumping_jacks", "punch_and_kick"),
+INSTANTIATE_TEST_SUITE_P(All, ProxyMotion, ::testing::Values("walk", "jumping_jacks", "punch_and_kick"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
-TEST(StandInSkeleton, OfAWholeSkeletonIsThatSkeleton) {
-  StandInSkeleton standIn = *StandInSkeleton::create(mannequin());
-  EXPECT_TRUE(standIn.substitutes().empty());
-  ASSERT_EQ(standIn.skeleton().jointCount(), mannequin().skeleton.jointCount());
+TEST(ProxySkeleton, OfAWholeSkeletonIsThatSkeleton) {
+  ProxySkeleton proxy = *ProxySkeleton::create(mannequin());
+  EXPECT_TRUE(proxy.substitutes().empty());
+  ASSERT_EQ(proxy.skeleton().jointCount(), mannequin().skeleton.jointCount());
   Retargeter retargeter = *Retargeter::create(mannequin().skeleton);
   Pose pose(at(mannequin().skeleton.jointCount()));
   Pose carried = pose;
   retargeter.apply(recording("walk")[40], pose);
-  standIn.carryBack(pose, carried);
+  proxy.mapBack(pose, carried);
   for (std::size_t j = 0; j < pose.size(); ++j) {
     EXPECT_EQ(carried[j].translation, pose[j].translation);
     EXPECT_EQ(carried[j].rotation.coeffs(), pose[j].rotation.coeffs());
@@ -292,19 +314,19 @@ TEST(StandInSkeleton, OfAWholeSkeletonIsThatSkeleton) {
   }
 }
 
-TEST(StandInSkeleton, RestsAsTheCharacterDoes) {
+TEST(ProxySkeleton, RestsAsTheCharacterDoes) {
   const std::vector<Character> characters = {
       withFeetAtTheRoot(false),
       without(bonesOf({B::kLeftLowerArm, B::kRightLowerArm, B::kLeftLowerLeg, B::kRightLowerLeg})),
       without(withAllBelow({B::kLeftLowerArm, B::kRightLowerArm, B::kLeftLowerLeg, B::kRightLowerLeg}))};
   for (const Character& character : characters) {
-    StandInSkeleton standIn = *StandInSkeleton::create(character);
-    EXPECT_TRUE(RetargetRig::create(standIn.skeleton()));
+    ProxySkeleton proxy = *ProxySkeleton::create(character);
+    EXPECT_TRUE(RetargetRig::create(proxy.skeleton()));
     Pose pose(at(character.skeleton.jointCount()));
-    standIn.carryBack(restPose(standIn.skeleton()), pose);
+    proxy.mapBack(restPose(proxy.skeleton()), pose);
     const std::vector<Affine3> rest = test::worldOf(character.skeleton, restPose(character.skeleton));
     const std::vector<Affine3> carried = test::worldOf(character.skeleton, pose);
-    // Up to the last hair of the sole, which is lifted to the floor.
+    // Equal except for the sole, which is raised to the floor.
     const double lift = carried[0].translation().y() - rest[0].translation().y();
     EXPECT_LT(lift, 0.005);
     EXPECT_GE(lift, 0.0);
@@ -315,27 +337,27 @@ TEST(StandInSkeleton, RestsAsTheCharacterDoes) {
   }
 }
 
-TEST(StandInSkeleton, CarriesBackWithoutMemory) {
+TEST(ProxySkeleton, MapsBackWithoutMemory) {
   for (const Character& character :
        {mannequin(), withFeetAtTheRoot(true), without(withAllBelow({B::kLeftLowerLeg, B::kRightLowerArm}))}) {
-    StandInSkeleton standIn = *StandInSkeleton::create(character);
-    const Pose standInPose = restPose(standIn.skeleton());
+    ProxySkeleton proxy = *ProxySkeleton::create(character);
+    const Pose proxyPose = restPose(proxy.skeleton());
     Pose pose(at(character.skeleton.jointCount()));
     const test::AllocationWatch watch;
-    standIn.carryBack(standInPose, pose);
+    proxy.mapBack(proxyPose, pose);
     EXPECT_EQ(watch.largest(), 0U);
   }
 }
 
-TEST(StandInSkeleton, RefusesWhatIsNoHumanoid) {
+TEST(ProxySkeleton, RefusesWhatIsNoHumanoid) {
   Character character = mannequin();
   for (const B bone : {B::kHips, B::kLeftUpperArm, B::kRightUpperArm, B::kLeftUpperLeg, B::kRightUpperLeg}) {
     std::vector<Joint> joints(mannequin().skeleton.joints().begin(), mannequin().skeleton.joints().end());
     joints[at(mannequin().skeleton.jointOf(bone))].bone.reset();
     character.skeleton = *Skeleton::create(std::move(joints));
-    const Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-    ASSERT_FALSE(standIn) << nameOf(bone);
-    EXPECT_NE(standIn.error().message.find(nameOf(bone)), std::string::npos) << standIn.error().message;
+    const Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+    ASSERT_FALSE(proxy) << nameOf(bone);
+    EXPECT_NE(proxy.error().message.find(nameOf(bone)), std::string::npos) << proxy.error().message;
     EXPECT_FALSE(canPerform(character));
   }
   std::vector<Joint> joints(mannequin().skeleton.joints().begin(), mannequin().skeleton.joints().end());
@@ -346,51 +368,51 @@ TEST(StandInSkeleton, RefusesWhatIsNoHumanoid) {
   EXPECT_FALSE(canPerform(character));
 }
 
-TEST(StandInSkeleton, AHandWithoutAMeshIsNowhere) {
+TEST(ProxySkeleton, AHandWithoutAMeshIsNowhere) {
   Character character = without(withAllBelow({B::kLeftHand}));
   EXPECT_TRUE(canPerform(character));
   character.mesh = {};
   character.influences.clear();
   character.influenceBegin = {0};
-  const Result<StandInSkeleton> standIn = StandInSkeleton::create(character);
-  ASSERT_FALSE(standIn);
-  EXPECT_NE(standIn.error().message.find("leftHand"), std::string::npos) << standIn.error().message;
+  const Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  ASSERT_FALSE(proxy);
+  EXPECT_NE(proxy.error().message.find("leftHand"), std::string::npos) << proxy.error().message;
 }
 
-TEST(StandInSkeleton, TheRobotsFeetHangOnItsShins) {
+TEST(ProxySkeleton, TheRobotsFeetHangOnItsShins) {
   LORICA_REQUIRE_DATASET(file, "characters/raylib_robot/robot.glb");
   const Result<CharacterFile> robot = readCharacterFile(file);
   ASSERT_TRUE(robot) << robot.error().message;
   const Skeleton& own = robot->character.skeleton;
-  const StandInSkeleton standIn = *StandInSkeleton::create(robot->character);
-  ASSERT_EQ(standIn.substitutes().size(), 2U);
+  const ProxySkeleton proxy = *ProxySkeleton::create(robot->character);
+  ASSERT_EQ(proxy.substitutes().size(), 2U);
   for (const std::size_t i : {0U, 1U}) {
-    const StandInSkeleton::Substitute& foot = standIn.substitutes()[i];
+    const ProxySkeleton::Substitute& foot = proxy.substitutes()[i];
     EXPECT_EQ(foot.bone, i == 0 ? B::kLeftFoot : B::kRightFoot);
     EXPECT_EQ(own.joint(foot.joint).name, i == 0 ? "Foot.L" : "Foot.R");
     EXPECT_EQ(own.joint(foot.on).name, i == 0 ? "LowerLeg.L" : "LowerLeg.R");
   }
 }
 
-TEST(StandInSkeleton, TheGreenmanGetsElbowsAndKnees) {
+TEST(ProxySkeleton, TheGreenmanGetsElbowsAndKnees) {
   LORICA_REQUIRE_DATASET(file, "characters/greenman/greenman.glb");
   const Result<CharacterFile> greenman = readCharacterFile(file);
   ASSERT_TRUE(greenman) << greenman.error().message;
-  const Result<StandInSkeleton> standIn = StandInSkeleton::create(greenman->character);
-  ASSERT_TRUE(standIn) << standIn.error().message;
+  const Result<ProxySkeleton> proxy = ProxySkeleton::create(greenman->character);
+  ASSERT_TRUE(proxy) << proxy.error().message;
   std::set<B> made;
-  for (const StandInSkeleton::Substitute& substitute : standIn->substitutes()) made.insert(substitute.bone);
+  for (const ProxySkeleton::Substitute& substitute : proxy->substitutes()) made.insert(substitute.bone);
   EXPECT_EQ(made, (std::set<B>{B::kLeftLowerArm, B::kRightLowerArm, B::kLeftHand, B::kRightHand, B::kLeftLowerLeg,
                                B::kRightLowerLeg, B::kLeftFoot, B::kRightFoot}));
 }
 
-TEST(StandInSkeleton, RefusesTheFox) {
+TEST(ProxySkeleton, RefusesTheFox) {
   LORICA_REQUIRE_DATASET(file, "characters/fox/Fox.glb");
   const Result<CharacterFile> fox = readCharacterFile(file);
   ASSERT_TRUE(fox) << fox.error().message;
-  const Result<StandInSkeleton> standIn = StandInSkeleton::create(fox->character);
-  ASSERT_FALSE(standIn);
-  EXPECT_NE(standIn.error().message.find("leftUpperArm"), std::string::npos) << standIn.error().message;
+  const Result<ProxySkeleton> proxy = ProxySkeleton::create(fox->character);
+  ASSERT_FALSE(proxy);
+  EXPECT_NE(proxy.error().message.find("leftUpperArm"), std::string::npos) << proxy.error().message;
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ using J = BodyJoint;
 
 constexpr double kFrame = 1.0 / 30.0;
 
-/// Both arms bent forward, both knees a little; slowly swaying.
+/// Both arms bent forward, both knees slightly bent; slowly swaying.
 SkeletonFrame swayingFrame(double time, bool withOrientations) {
   PersonPose person;
   person.hips = Quat(Eigen::AngleAxisd(0.2 * std::sin(time), Vec3::UnitY()));
@@ -71,13 +71,13 @@ TEST(RetargetLoss, ALostJointHoldsEasesAndComesBackWithoutAJump) {
         if (f >= 30 && f < 100) lose(frame, static_cast<J>(lost));
         retargeter.apply(frame, pose);
         if (!before.empty()) {
-          // Twice: a forearm that points right again counters what its upper arm still has to turn.
+          // Factor 2: a forearm that already points right compensates for the remaining rotation of its upper arm.
           EXPECT_LE(largestTurn(pose, before), 2.0 * ConfidenceHoldSettings{}.returnTurn * kFrame) << f;
           EXPECT_LT((pose[0].translation - before[0].translation).norm(), 0.05 + 4.0 * kFrame) << f;
         }
         before = pose;
       }
-      EXPECT_LT(largestTurn(pose, live), degrees(1.0)) << "back where it would be without the loss";
+      EXPECT_LT(largestTurn(pose, live), degrees(1.0)) << "the same as without the loss";
     }
   }
 }
@@ -102,7 +102,7 @@ TEST(RetargetLoss, AnUnknownHandKeepsItsForearmThenRests) {
 }
 
 TEST(RetargetLoss, UnknownJointsAtTheOriginPullNothing) {
-  // Wherever an unknown joint claims to be, the pose is the same to the bit.
+  // Whatever position an unknown joint reports, the pose is bit-identical.
   const Figure figure = makeFigure({});
   std::mt19937 random(5);
   Retargeter a = *Retargeter::create(figure.skeleton);
@@ -151,9 +151,7 @@ TEST(RetargetLoss, AnUpperBodyAloneMovesItsArms) {
     }
     retargeter.apply(frame, pose);
     const std::vector<Affine3> world = worldOf(figure.skeleton, pose);
-    const auto at = [&](B bone) -> Vec3 {
-      return world[static_cast<std::size_t>(figure.skeleton.jointOf(bone))].translation();
-    };
+    const auto at = [&](B bone) -> Vec3 { return world[figure.skeleton.jointOf(bone)].translation(); };
     const Vec3 upper = frame[J::kLeftElbow].position - frame[J::kLeftShoulder].position;
     EXPECT_LT(angleBetween(at(B::kLeftLowerArm) - at(B::kLeftUpperArm), upper), degrees(0.1));
     EXPECT_NEAR(at(B::kLeftFoot).y(), 0.08, 1e-6);
@@ -161,7 +159,7 @@ TEST(RetargetLoss, AnUpperBodyAloneMovesItsArms) {
 }
 
 TEST(RetargetLoss, LegsThatEaseToRestStayAboveTheFloor) {
-  // A person who sits down and whose legs are hidden: the character's legs straighten and must lift it.
+  // A person sits down and the legs are hidden: the character's legs straighten and must raise it.
   const Figure figure = makeFigure({});
   Retargeter retargeter = *Retargeter::create(figure.skeleton);
   Pose pose(figure.tposeRotation.size());
@@ -186,7 +184,7 @@ TEST(RetargetLoss, OrientationsThatComeAndGoDoNotJump) {
   Pose pose(figure.tposeRotation.size()), before;
   for (int f = 0; f < 200; ++f) {
     SkeletonFrame frame = swayingFrame(f * kFrame, true);
-    // The forearms' own orientation says they are turned by 90 degrees; now and then it is missing.
+    // The forearms' own orientation is a rotation by 90 degrees; sometimes it is missing.
     for (const J joint : {J::kLeftElbow, J::kLeftHand}) {
       frame[joint].orientation = *frame[joint].orientation * Quat(Eigen::AngleAxisd(degrees(90.0), Vec3::UnitX()));
     }
@@ -219,7 +217,7 @@ TEST(RetargetLoss, WildNumbersNeverGiveNan) {
       if (random() % 4 == 0) joint.orientation = Quat(pick(), pick(), pick(), pick());
       if (random() % 4 == 0) joint.confidence = pick();
     }
-    // All joints in one place, or along one line.
+    // All joints at one position, or along one line.
     if (random() % 7 == 0) {
       for (TrackedJoint& joint : frame.joints) joint.position = Vec3(0, 1, 0);
     }

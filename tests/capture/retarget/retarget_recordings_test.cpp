@@ -26,14 +26,14 @@ const Character& mannequin() {
   return character;
 }
 
-/// Worst figures of one recording on the mannequin.
+/// Worst values for one recording on the mannequin.
 struct Measures {
   double limbAngle = 0.0;      ///< between a limb of the character and the person's [rad]
   double kneeBackwards = 0.0;  ///< sine of the largest bend of a knee the wrong way
   double lowestPoint = 0.0;    ///< of the skin [m]
   double plantedFoot = 0.0;    ///< a standing ankle's distance from its rest height [m]
-  double wristTwist = 0.0;     ///< of the hand against the forearm, about the forearm [rad]
-  double elbowTwist = 0.0;     ///< of the forearm against the upper arm, about the forearm [rad]
+  double wristTwist = 0.0;     ///< of the hand relative to the forearm, about the forearm [rad]
+  double elbowTwist = 0.0;     ///< of the forearm relative to the upper arm, about the forearm [rad]
   double turn = 0.0;           ///< of a joint from one frame to the next [rad]
   double rootStep = 0.0;       ///< [m]
 };

@@ -22,7 +22,7 @@ using test::randomPose;
 using test::worldOf;
 using B = HumanBone;
 
-/// Every kind of character: rest poses, crooked joint axes, proportions, size, extra root joints.
+/// All kinds of characters: rest poses, arbitrary joint axes, proportions, size, extra root joints.
 std::vector<FigureSettings> manyFigures() {
   std::vector<FigureSettings> all(7);
   all[1].armsDown = degrees(45.0);
@@ -60,16 +60,16 @@ std::vector<Affine3> retargetOnce(const Figure& figure, const SkeletonFrame& fra
   return worldOf(figure.skeleton, pose);
 }
 
-Vec3 placeOf(const Figure& figure, const std::vector<Affine3>& world, B bone) {
-  return world[static_cast<std::size_t>(figure.skeleton.jointOf(bone))].translation();
+Vec3 positionOf(const Figure& figure, const std::vector<Affine3>& world, B bone) {
+  return world[figure.skeleton.jointOf(bone)].translation();
 }
 
 Quat rotationOf(const Figure& figure, const std::vector<Affine3>& world, B bone) {
-  const Mat3 linear = world[static_cast<std::size_t>(figure.skeleton.jointOf(bone))].linear();
+  const Mat3 linear = world[figure.skeleton.jointOf(bone)].linear();
   return Quat(Mat3(linear / std::cbrt(linear.determinant())));
 }
 
-/// worldFromLimb in the sense of TrackedJoint, from what the figure's maker knows of its axes.
+/// worldFromLimb as defined for TrackedJoint, from the figure's known axes.
 Quat orientationOf(const Figure& figure, const std::vector<Affine3>& world, B bone) {
   const auto joint = static_cast<std::size_t>(figure.skeleton.jointOf(bone));
   return rotationOf(figure, world, bone) * figure.tposeRotation[joint].conjugate();
@@ -80,12 +80,12 @@ void expectLimbDirections(const Figure& figure, const std::vector<Affine3>& worl
   for (std::size_t i = 0; i < kLimbCount; ++i) {
     const LimbBones& limb = limbs()[i];
     const Vec3 axis = i == 0 ? Vec3::UnitX() : i == 1 ? Vec3(-Vec3::UnitX()) : Vec3(-Vec3::UnitY());
-    const Vec3 upper = placeOf(figure, world, limb.lower) - placeOf(figure, world, limb.upper);
-    const Vec3 lower = placeOf(figure, world, limb.end) - placeOf(figure, world, limb.lower);
+    const Vec3 upper = positionOf(figure, world, limb.lower) - positionOf(figure, world, limb.upper);
+    const Vec3 lower = positionOf(figure, world, limb.end) - positionOf(figure, world, limb.lower);
     EXPECT_LT(angleBetween(upper, person.upper[i] * axis), tolerance) << nameOf(limb.upper);
     EXPECT_LT(angleBetween(lower, person.lower[i] * axis), tolerance) << nameOf(limb.lower);
   }
-  const Vec3 neck = placeOf(figure, world, B::kHead) - placeOf(figure, world, B::kNeck);
+  const Vec3 neck = positionOf(figure, world, B::kHead) - positionOf(figure, world, B::kNeck);
   EXPECT_LT(angleBetween(neck, person.neck * Vec3::UnitY()), tolerance);
 }
 
@@ -102,7 +102,7 @@ TEST(Retarget, MissingBonesAreNamed) {
 
   const Figure figure = makeFigure({});
   std::vector<Joint> joints(figure.skeleton.joints().begin(), figure.skeleton.joints().end());
-  joints[static_cast<std::size_t>(figure.skeleton.jointOf(B::kRightHand))].bone.reset();
+  joints[figure.skeleton.jointOf(B::kRightHand)].bone.reset();
   const Result<Retargeter> oneHand = Retargeter::create(*Skeleton::create(joints));
   ASSERT_FALSE(oneHand);
   EXPECT_EQ(oneHand.error().message, "the skeleton lacks humanoid bones that retargeting needs: rightHand");
@@ -111,7 +111,7 @@ TEST(Retarget, MissingBonesAreNamed) {
 TEST(Retarget, BonesOutOfOrderOrOfNoLengthAreRefused) {
   const Figure figure = makeFigure({});
   std::vector<Joint> joints(figure.skeleton.joints().begin(), figure.skeleton.joints().end());
-  const auto at = [&](B bone) -> Joint& { return joints[static_cast<std::size_t>(figure.skeleton.jointOf(bone))]; };
+  const auto at = [&](B bone) -> Joint& { return joints[figure.skeleton.jointOf(bone)]; };
   std::swap(at(B::kLeftLowerArm).bone, at(B::kLeftHand).bone);
   const Result<Retargeter> swapped = Retargeter::create(*Skeleton::create(joints));
   ASSERT_FALSE(swapped);
@@ -120,14 +120,14 @@ TEST(Retarget, BonesOutOfOrderOrOfNoLengthAreRefused) {
   at(B::kRightFoot).rest.translation.setZero();
   const Result<Retargeter> flat = Retargeter::create(*Skeleton::create(joints));
   ASSERT_FALSE(flat);
-  EXPECT_EQ(flat.error().message, "the bone rightLowerLeg is 0 m long in the rest pose, expected 0.001 m or more");
+  EXPECT_EQ(flat.error().message, "the bone rightLowerLeg is 0 m long in the rest pose, expected at least 0.001 m");
 }
 
 TEST(Retarget, NeckHeadAndClaviclesMayBeMissing) {
   const Figure figure = makeFigure({});
   std::vector<Joint> joints(figure.skeleton.joints().begin(), figure.skeleton.joints().end());
   for (const B bone : {B::kNeck, B::kHead, B::kLeftShoulder, B::kRightShoulder, B::kSpine, B::kUpperChest}) {
-    joints[static_cast<std::size_t>(figure.skeleton.jointOf(bone))].bone.reset();
+    joints[figure.skeleton.jointOf(bone)].bone.reset();
   }
   const Skeleton skeleton = *Skeleton::create(joints);
   Result<Retargeter> retargeter = Retargeter::create(skeleton);
@@ -202,7 +202,7 @@ TEST(Retarget, BentElbowsAndKneesSetTheTwistWithoutOrientations) {
     for (std::uint32_t seed = 0; seed < 100; ++seed) {
       SCOPED_TRACE(seed);
       PersonPose person = randomPose(seed);
-      // Pure hinges, folded far enough to tell.
+      // Pure hinges, folded far enough to be detected.
       for (std::size_t i = 0; i < kLimbCount; ++i) {
         const Vec3 axis = i == 0 ? Vec3(-Vec3::UnitY()) : i == 1 ? Vec3::UnitY() : Vec3::UnitX();
         person.lower[i] = person.upper[i] * Quat(Eigen::AngleAxisd(degrees(62.0 + seed % 50), axis));
@@ -236,13 +236,13 @@ TEST(Retarget, KneesNeverBendBackwards) {
       person.lower[i] = Quat(Eigen::AngleAxisd(degrees(-tilt), Vec3::UnitX()));  // the ankle in front of the knee
     }
     const std::vector<Affine3> world = retargetOnce(figure, makeFrame(person, 0.0, false));
-    const Vec3 thigh = placeOf(figure, world, B::kLeftLowerLeg) - placeOf(figure, world, B::kLeftUpperLeg);
-    const Vec3 shin = placeOf(figure, world, B::kLeftFoot) - placeOf(figure, world, B::kLeftLowerLeg);
+    const Vec3 thigh = positionOf(figure, world, B::kLeftLowerLeg) - positionOf(figure, world, B::kLeftUpperLeg);
+    const Vec3 shin = positionOf(figure, world, B::kLeftFoot) - positionOf(figure, world, B::kLeftLowerLeg);
     EXPECT_LT(angleBetween(thigh, shin), 1e-6) << tilt;
   }
 }
 
-/// The person walks in place and squats; the standing foot never leaves its place.
+/// The person walks in place and squats; the standing foot never moves.
 SkeletonFrame steppingFrame(int frame) {
   const double t = frame / 30.0;
   PersonPose person;
@@ -267,18 +267,18 @@ TEST(Retarget, FeetStayOnTheFloor) {
   for (const FigureSettings& settings : manyFigures()) {
     const Figure figure = makeFigure(settings);
     const std::vector<Affine3> rest = worldOf(figure.skeleton, restPose(figure.skeleton));
-    const double restAnkle = placeOf(figure, rest, B::kLeftFoot).y();
+    const double restAnkle = positionOf(figure, rest, B::kLeftFoot).y();
     Retargeter retargeter = makeRetargeter(figure);
     Pose pose(figure.tposeRotation.size());
     for (int f = 0; f < 300; ++f) {
       SCOPED_TRACE(f);
       retargeter.apply(steppingFrame(f), pose);
       const std::vector<Affine3> world = worldOf(figure.skeleton, pose);
-      const double left = placeOf(figure, world, B::kLeftFoot).y();
-      const double right = placeOf(figure, world, B::kRightFoot).y();
+      const double left = positionOf(figure, world, B::kLeftFoot).y();
+      const double right = positionOf(figure, world, B::kRightFoot).y();
       EXPECT_NEAR(std::min(left, right), restAnkle, 0.01 * settings.scale);
       if (settings.fullSpine) {
-        EXPECT_GT(placeOf(figure, world, B::kLeftToes).y(), 0.0);
+        EXPECT_GT(positionOf(figure, world, B::kLeftToes).y(), 0.0);
         const Quat foot = orientationOf(figure, world, B::kLeftFoot);
         EXPECT_LT(angleBetween(foot * Vec3::UnitY(), Vec3::UnitY()), degrees(1.0)) << "a standing foot is flat";
       }
@@ -299,7 +299,8 @@ TEST(Retarget, TheRootMovesByTheRatioOfLegLengths) {
     person.middleHip = Vec3(0.02 * f, 0.9, 2.0 - 0.01 * f);
     retargeter.apply(makeFrame(person, f / 30.0, false), pose);
     const std::vector<Affine3> world = worldOf(figure.skeleton, pose);
-    const Vec3 hips = 0.5 * (placeOf(figure, world, B::kLeftUpperLeg) + placeOf(figure, world, B::kRightUpperLeg));
+    const Vec3 hips =
+        0.5 * (positionOf(figure, world, B::kLeftUpperLeg) + positionOf(figure, world, B::kRightUpperLeg));
     if (f == 0) start = hips;
     EXPECT_NEAR(hips.x() - start.x(), ratio * 0.02 * f, 1e-9);
     EXPECT_NEAR(hips.z() - start.z(), -ratio * 0.01 * f, 1e-9);
@@ -319,23 +320,23 @@ TEST(Retarget, AJumpLeavesTheFloor) {
     person.middleHip = Vec3(0, 0.82 + 0.09 + height, 0);
     retargeter.apply(makeFrame(person, f / 30.0, true), pose);
     const std::vector<Affine3> world = worldOf(figure.skeleton, pose);
-    EXPECT_NEAR(placeOf(figure, world, B::kLeftFoot).y(), 0.08 + height, 0.01) << f;
+    EXPECT_NEAR(positionOf(figure, world, B::kLeftFoot).y(), 0.08 + height, 0.01) << f;
   }
 }
 
 TEST(Retarget, RaisedArmsLiftTheCollarBones) {
   const Figure figure = makeFigure({});
   PersonPose person;
-  const double level = placeOf(figure, retargetOnce(figure, makeFrame(person, 0, false)), B::kLeftUpperArm).y();
+  const double level = positionOf(figure, retargetOnce(figure, makeFrame(person, 0, false)), B::kLeftUpperArm).y();
   person.upper[0] = person.lower[0] = Quat(Eigen::AngleAxisd(degrees(80.0), Vec3::UnitZ()));
   person.upper[1] = person.lower[1] = Quat(Eigen::AngleAxisd(degrees(70.0), Vec3::UnitZ()));  // lowered
   const std::vector<Affine3> world = retargetOnce(figure, makeFrame(person, 0, false));
-  EXPECT_GT(placeOf(figure, world, B::kLeftUpperArm).y(), level + 0.02);
-  EXPECT_NEAR(placeOf(figure, world, B::kRightUpperArm).y(), level, 1e-6);
+  EXPECT_GT(positionOf(figure, world, B::kLeftUpperArm).y(), level + 0.02);
+  EXPECT_NEAR(positionOf(figure, world, B::kRightUpperArm).y(), level, 1e-6);
 }
 
 TEST(Retarget, ASmallMotionIsASmallMotion) {
-  // Straight and bent arms all over the sphere in front: no flips of twist between neighbouring frames.
+  // Straight and bent arms over the whole hemisphere in front: no flips of twist between neighbouring frames.
   const Figure figure = makeFigure({});
   Retargeter retargeter = makeRetargeter(figure);
   Pose pose(figure.tposeRotation.size());

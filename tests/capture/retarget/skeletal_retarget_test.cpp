@@ -33,16 +33,16 @@ std::vector<Affine3> worldOf(const SkeletalMotion& motion, int frame) {
   return test::worldOf(motion.skeleton, Pose(pose.begin(), pose.end()));
 }
 
-Vec3 placeOf(const Skeleton& skeleton, const std::vector<Affine3>& world, B bone) {
-  return world[static_cast<std::size_t>(skeleton.jointOf(bone))].translation();
+Vec3 positionOf(const Skeleton& skeleton, const std::vector<Affine3>& world, B bone) {
+  return world[skeleton.jointOf(bone)].translation();
 }
 
 Quat rotationOf(const Skeleton& skeleton, const std::vector<Affine3>& world, B bone) {
-  const Mat3 linear = world[static_cast<std::size_t>(skeleton.jointOf(bone))].linear();
+  const Mat3 linear = world[skeleton.jointOf(bone)].linear();
   return Quat(Mat3(linear / std::cbrt(linear.determinant())));
 }
 
-/// A figure of any build: rest pose, which may lie or look anywhere, joint axes and lengths by the seed.
+/// A random figure: rest pose, which may be lying or face any direction, joint axes and lengths depend on the seed.
 Figure anyFigure(std::uint64_t seed) {
   RandomNumbers random(seed);
   FigureSettings settings;
@@ -62,7 +62,7 @@ Figure anyFigure(std::uint64_t seed) {
   Figure figure = makeFigure(settings);
   std::vector<Joint> joints(figure.skeleton.joints().begin(), figure.skeleton.joints().end());
   JointTransform& root = joints[0].rest;
-  if (random.unit() < 0.3) {  // lies on its back, its feet nowhere near y = 0
+  if (random.unit() < 0.3) {  // lies on its back, with its feet far from y = 0
     const Quat lying(Eigen::AngleAxisd(-degrees(90.0), Vec3::UnitX()));
     root.rotation = lying * root.rotation;
     root.translation = lying * root.translation;
@@ -71,7 +71,7 @@ Figure anyFigure(std::uint64_t seed) {
   return figure;
 }
 
-/// Poses that the figure's maker knows how to take: the world rotation of a limb is its turn times its T-pose's.
+/// Known poses of a figure: the world rotation of a limb is its rotation times its T-pose rotation.
 SkeletalMotion motionOf(const Figure& figure, const std::vector<PersonPose>& people) {
   SkeletalMotion motion;
   motion.skeleton = figure.skeleton;
@@ -81,8 +81,7 @@ SkeletalMotion motionOf(const Figure& figure, const std::vector<PersonPose>& peo
     Pose pose = restPose(figure.skeleton);
     std::vector<Quat> world(joints.size());
     for (std::size_t j = 0; j < joints.size(); ++j) {
-      const Quat above =
-          joints[j].parent == kNoJoint ? Quat::Identity() : world[static_cast<std::size_t>(joints[j].parent)];
+      const Quat above = joints[j].parent == kNoJoint ? Quat::Identity() : world[joints[j].parent];
       world[j] = above * pose[j].rotation;
       const auto take = [&](const Quat& turn) { world[j] = turn * figure.tposeRotation[j]; };
       if (joints[j].bone) {
@@ -130,18 +129,18 @@ TEST(MotionRetarget, DirectionsAndTwistsAgreeWhateverTheRestPose) {
     const SkeletalMotion out = retargeted(motionOf(from, people), to.skeleton, false);
     ASSERT_EQ(out.frameCount(), static_cast<int>(people.size()));
     for (int f = 0; f < out.frameCount(); ++f) {
-      const PersonPose& person = people[static_cast<std::size_t>(f)];
+      const PersonPose& person = people[f];
       const std::vector<Affine3> world = worldOf(out, f);
       const auto expectTurn = [&](B bone, const Quat& turn) {
         const JointIndex joint = to.skeleton.jointOf(bone);
         if (joint == kNoJoint || from.skeleton.jointOf(bone) == kNoJoint) return;
-        const Quat expected = turn * to.tposeRotation[static_cast<std::size_t>(joint)];
+        const Quat expected = turn * to.tposeRotation[joint];
         ASSERT_LT(rotationOf(to.skeleton, world, bone).angularDistance(expected), degrees(0.1)) << nameOf(bone);
       };
       for (std::size_t i = 0; i < kLimbCount; ++i) {
         const LimbBones& limb = limbs()[i];
         const auto direction = [&](B a, B b) -> Vec3 {
-          return placeOf(to.skeleton, world, b) - placeOf(to.skeleton, world, a);
+          return positionOf(to.skeleton, world, b) - positionOf(to.skeleton, world, a);
         };
         ASSERT_LT(angleBetween(direction(limb.upper, limb.lower), person.upper[i] * limb.axis), degrees(0.1));
         ASSERT_LT(angleBetween(direction(limb.lower, limb.end), person.lower[i] * limb.axis), degrees(0.1));
@@ -208,8 +207,7 @@ TEST(MotionRetarget, WhatTheSourceLacksStaysAtRest) {
   const SkeletalMotion out = retargeted(source, figure.skeleton, false);
   for (const B bone : {B::kLeftShoulder, B::kLeftToes, B::kLeftMiddleProximal}) {
     const JointIndex joint = figure.skeleton.jointOf(bone);
-    EXPECT_EQ(out.poses[static_cast<std::size_t>(joint)].rotation.coeffs(),
-              figure.skeleton.joint(joint).rest.rotation.coeffs());
+    EXPECT_EQ(out.poses[joint].rotation.coeffs(), figure.skeleton.joint(joint).rest.rotation.coeffs());
   }
 }
 
@@ -247,10 +245,10 @@ TEST(MotionRetarget, TwoMirrorsShowTheMotionItself) {
     for (std::size_t j = 0; j < before.size(); ++j) {
       const std::optional<B> bone = figure.skeleton.joint(static_cast<JointIndex>(j)).bone;
       if (!bone) continue;
-      // The figure is the same on both sides, so joints are where a mirror shows them, but for the root's height.
+      // The figure is symmetric, so joints are at mirrored positions, except for the root's height.
       const Vec3 there =
-          placeOf(figure.skeleton, before, otherSide(*bone)) - placeOf(figure.skeleton, before, B::kHips);
-      const Vec3 here = placeOf(figure.skeleton, mirror, *bone) - placeOf(figure.skeleton, mirror, B::kHips);
+          positionOf(figure.skeleton, before, otherSide(*bone)) - positionOf(figure.skeleton, before, B::kHips);
+      const Vec3 here = positionOf(figure.skeleton, mirror, *bone) - positionOf(figure.skeleton, mirror, B::kHips);
       EXPECT_LT((here - Vec3(-there.x(), there.y(), there.z())).norm(), 1e-9) << nameOf(*bone);
     }
   }
@@ -259,12 +257,12 @@ TEST(MotionRetarget, TwoMirrorsShowTheMotionItself) {
   }
 }
 
-/// Worst figures of one motion on another skeleton. Stances are found here on their own: the ankle moves by less than
-/// 0.2 m/s and is within 8 cm of its lowest, for legs of 0.85 m.
+/// Worst values for one motion on another skeleton. Stances are detected independently here: the ankle moves slower
+/// than 0.2 m/s and is within 8 cm of its lowest position, for legs of 0.85 m.
 struct Figures {
-  double slide = 0.0;       ///< of a sole in a stance, beyond what the source's does, scaled: of its ball where the
-                            ///< source's ball has moved less than its ankle, else of the ankle [m]
-  double ankleSlide = 0.0;  ///< of the ankle, wherever the foot rolls [m]
+  double slide = 0.0;       ///< of a sole in a stance, beyond the scaled slide of the source: of its ball if the
+                            ///< source's ball moved less than its ankle, else of the ankle [m]
+  double ankleSlide = 0.0;  ///< of the ankle, also while the foot rolls [m]
   int stances = 0;
   double limbs = 0.0;          ///< between directions of arms and neck [rad]
   double kneeBackwards = 0.0;  ///< sine
@@ -289,14 +287,14 @@ Figures measure(const SkeletalMotion& source, const SkeletalMotion& out) {
       return source.skeleton.jointOf(bone) != kNoJoint && out.skeleton.jointOf(bone) != kNoJoint;
     };
     if (has(B::kNeck) && has(B::kHead)) {
-      worst.limbs = std::max(worst.limbs,
-                             angleBetween(placeOf(source.skeleton, a, B::kHead) - placeOf(source.skeleton, a, B::kNeck),
-                                          placeOf(out.skeleton, b, B::kHead) - placeOf(out.skeleton, b, B::kNeck)));
+      worst.limbs = std::max(
+          worst.limbs, angleBetween(positionOf(source.skeleton, a, B::kHead) - positionOf(source.skeleton, a, B::kNeck),
+                                    positionOf(out.skeleton, b, B::kHead) - positionOf(out.skeleton, b, B::kNeck)));
     }
     for (std::size_t i = 0; i < kLimbCount; ++i) {
       const LimbBones& limb = limbs()[i];
       const auto direction = [&](const Skeleton& skeleton, const std::vector<Affine3>& world, B x, B y) -> Vec3 {
-        return (placeOf(skeleton, world, y) - placeOf(skeleton, world, x)).normalized();
+        return (positionOf(skeleton, world, y) - positionOf(skeleton, world, x)).normalized();
       };
       if (i < kFirstLeg) {
         for (const auto& [x, y] : {std::pair(limb.upper, limb.lower), std::pair(limb.lower, limb.end)}) {
@@ -314,15 +312,14 @@ Figures measure(const SkeletalMotion& source, const SkeletalMotion& out) {
       worst.kneeBackwards = std::max(worst.kneeBackwards, -bend.dot(hinge));
       const B toesBone = side == 0 ? B::kLeftToes : B::kRightToes;
       const bool hasToes = out.skeleton.jointOf(toesBone) != kNoJoint;
-      const Affine3& foot = b[static_cast<std::size_t>(out.skeleton.jointOf(limb.end))];
-      const Affine3& tip = hasToes ? b[static_cast<std::size_t>(out.skeleton.jointOf(toesBone))] : foot;
+      const Affine3& foot = b[out.skeleton.jointOf(limb.end)];
+      const Affine3& tip = hasToes ? b[out.skeleton.jointOf(toesBone)] : foot;
       const RetargetRig::Sole& sole = to.sole[side];
       worst.lowestSole =
           std::min({worst.lowestSole, (foot * sole.heel).y(), (foot * sole.ball).y(), (tip * sole.tip).y()});
-      theirs[side].push_back(placeOf(source.skeleton, a, limb.end));
+      theirs[side].push_back(positionOf(source.skeleton, a, limb.end));
       ankles[side].push_back(foot.translation());
-      theirBalls[side].emplace_back(a[static_cast<std::size_t>(source.skeleton.jointOf(limb.end))] *
-                                    from.sole[side].ball);
+      theirBalls[side].emplace_back(a[source.skeleton.jointOf(limb.end)] * from.sole[side].ball);
       balls[side].emplace_back(foot * sole.ball);
     }
   }
@@ -377,11 +374,11 @@ std::vector<Skeleton> targets() {
   return all;
 }
 
-void expectGoodFeet(const SkeletalMotion& source, int leastStances) {
+void expectGoodFeet(const SkeletalMotion& source, int minStances) {
   for (const Skeleton& target : targets()) {
     const double size = RetargetRig::create(target)->legLength / 0.85;
     const Figures worst = measure(source, retargeted(source, target, true));
-    EXPECT_GE(worst.stances, leastStances);
+    EXPECT_GE(worst.stances, minStances);
     EXPECT_LT(worst.slide, 0.01);
     EXPECT_LT(worst.limbs, degrees(0.1));
     EXPECT_LT(worst.kneeBackwards, 0.02);
@@ -390,7 +387,7 @@ void expectGoodFeet(const SkeletalMotion& source, int leastStances) {
   }
 }
 
-/// A foot of twice the length rolls on its ball where the source's does.
+/// A foot of twice the length rolls on its ball when the source's foot does.
 void expectGoodRolls(const SkeletalMotion& source, double farthest) {
   FigureSettings bigFeet;
   bigFeet.toesAhead = 0.26;
@@ -416,7 +413,7 @@ INSTANTIATE_TEST_SUITE_P(All, RecordedFeet,
 
 struct BvhCase {
   const char* path;
-  int leastStances;
+  int minStances;
 };
 class SharedBvhOn : public ::testing::TestWithParam<BvhCase> {};
 
@@ -424,7 +421,7 @@ TEST_P(SharedBvhOn, OtherSkeletons) {
   LORICA_REQUIRE_DATASET(path, GetParam().path);
   const Result<BvhFile> file = readBvh(path);
   ASSERT_TRUE(file) << file.error().message;
-  expectGoodFeet(file->motion, GetParam().leastStances);
+  expectGoodFeet(file->motion, GetParam().minStances);
   expectGoodRolls(file->motion, 0.01);
 }
 
@@ -443,7 +440,7 @@ TEST(MotionRetarget, TheRootMovesByTheRatioOfLegLengths) {
   const Figure to = makeFigure(half);
   SkeletalMotion source = motionOf(from, std::vector<PersonPose>(30));
   const auto joints = static_cast<std::size_t>(from.skeleton.jointCount());
-  // Slides on ice, so that no foot stands, over a floor at y = -3.
+  // Slides on ice, so that no foot stands, above a floor at y = -3.
   for (std::size_t f = 0; f < 30; ++f) {
     source.poses[f * joints].translation += Vec3(0.1 * static_cast<double>(f), -3.0, 2.0);
   }
@@ -451,9 +448,9 @@ TEST(MotionRetarget, TheRootMovesByTheRatioOfLegLengths) {
   for (int f = 0; f < 30; ++f) {
     const std::vector<Affine3> a = worldOf(source, f);
     const std::vector<Affine3> b = worldOf(out, f);
-    EXPECT_NEAR(placeOf(to.skeleton, b, B::kHips).x(), 0.05 * f, 1e-9);
-    EXPECT_NEAR(placeOf(to.skeleton, b, B::kHips).z(), placeOf(from.skeleton, a, B::kHips).z(), 1e-9);
-    EXPECT_NEAR(placeOf(to.skeleton, b, B::kLeftFoot).y(), 0.04, 1e-9) << "the ankle is at its rest height";
+    EXPECT_NEAR(positionOf(to.skeleton, b, B::kHips).x(), 0.05 * f, 1e-9);
+    EXPECT_NEAR(positionOf(to.skeleton, b, B::kHips).z(), positionOf(from.skeleton, a, B::kHips).z(), 1e-9);
+    EXPECT_NEAR(positionOf(to.skeleton, b, B::kLeftFoot).y(), 0.04, 1e-9) << "the ankle is at its rest height";
   }
 }
 
@@ -468,14 +465,14 @@ TEST(MotionRetarget, AJumpIsAsHighAsTheLegsAreLong) {
   for (int f = 0; f < 60; ++f) source.poses[static_cast<std::size_t>(f) * joints].translation.y() += height(f);
   const SkeletalMotion out = retargeted(source, to.skeleton, true);
   for (int f = 0; f < 60; ++f) {
-    EXPECT_NEAR(placeOf(to.skeleton, worldOf(out, f), B::kLeftFoot).y(), 0.04 + 0.5 * height(f), 1e-3) << f;
+    EXPECT_NEAR(positionOf(to.skeleton, worldOf(out, f), B::kLeftFoot).y(), 0.04 + 0.5 * height(f), 1e-3) << f;
   }
 }
 
-TEST(RenameMotion, TheSameSkeletonTakesTheMotionAsItIs) {
+TEST(RetargetByJointNames, TheSameSkeletonTakesTheMotionAsItIs) {
   const Figure figure = makeFigure({});
   const SkeletalMotion source = motionOf(figure, randomPoses(1));
-  const Result<SkeletalMotion> out = renameMotion(source, figure.skeleton);
+  const Result<SkeletalMotion> out = retargetByJointNames(source, figure.skeleton);
   ASSERT_TRUE(out) << out.error().message;
   for (int f = 0; f < source.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(source, f);
@@ -484,10 +481,11 @@ TEST(RenameMotion, TheSameSkeletonTakesTheMotionAsItIs) {
   }
 }
 
-TEST(RenameMotion, NodesAboveAndBetweenAreSeenThrough) {
+TEST(RetargetByJointNames, NodesAboveAndBetweenAreSeenThrough) {
   const Figure figure = makeFigure({});
   const SkeletalMotion plain = motionOf(figure, randomPoses(1));
-  // The same motion, its joints under a turned scene in centimetres and a node that is half of the left thigh's turn.
+  // The same motion, with its joints under a rotated scene in centimetres and a node with half of the left thigh's
+  // rotation.
   SkeletalMotion deep;
   deep.times = plain.times;
   const JointIndex thigh = figure.skeleton.jointOf(B::kLeftUpperLeg);
@@ -499,7 +497,7 @@ TEST(RenameMotion, NodesAboveAndBetweenAreSeenThrough) {
   for (JointIndex j = 0; j < figure.skeleton.jointCount(); ++j) {
     Joint joint = figure.skeleton.joint(j);
     joint.name = "take:" + joint.name;
-    joint.parent = joint.parent == kNoJoint ? 0 : moved[static_cast<std::size_t>(joint.parent)];
+    joint.parent = joint.parent == kNoJoint ? 0 : moved[joint.parent];
     joint.rest.translation *= 100.0;
     if (j == thigh) {
       Joint between;
@@ -517,8 +515,8 @@ TEST(RenameMotion, NodesAboveAndBetweenAreSeenThrough) {
   for (int f = 0; f < plain.frameCount(); ++f) {
     Pose pose = restPose(deep.skeleton);
     for (JointIndex j = 0; j < figure.skeleton.jointCount(); ++j) {
-      const JointTransform& from = plain.pose(f)[static_cast<std::size_t>(j)];
-      JointTransform& to = pose[static_cast<std::size_t>(moved[static_cast<std::size_t>(j)])];
+      const JointTransform& from = plain.pose(f)[j];
+      JointTransform& to = pose[moved[static_cast<std::size_t>(j)]];
       to.rotation = from.rotation;
       if (j != thigh) to.translation = 100.0 * from.translation;
       if (figure.skeleton.joint(j).parent == kNoJoint) {
@@ -527,33 +525,33 @@ TEST(RenameMotion, NodesAboveAndBetweenAreSeenThrough) {
       }
       if (j == thigh) {
         const Quat half = Quat::Identity().slerp(0.5, from.rotation);
-        pose[static_cast<std::size_t>(moved[static_cast<std::size_t>(j)]) - 1].rotation = half;
+        pose[static_cast<std::size_t>(moved[j]) - 1].rotation = half;
         to.rotation = half.conjugate() * from.rotation;
       }
     }
     deep.poses.insert(deep.poses.end(), pose.begin(), pose.end());
   }
-  const Result<SkeletalMotion> out = renameMotion(deep, figure.skeleton);
+  const Result<SkeletalMotion> out = retargetByJointNames(deep, figure.skeleton);
   ASSERT_TRUE(out) << out.error().message;
   for (int f = 0; f < plain.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(plain, f);
     const std::vector<Affine3> b = worldOf(*out, f);
     for (std::size_t j = 0; j < a.size(); ++j) EXPECT_TRUE(a[j].isApprox(b[j], 1e-6)) << f << " " << j;
   }
-  // And the other way: the motion of the plain one on the skeleton with more joints.
-  const Result<SkeletalMotion> back = renameMotion(plain, deep.skeleton);
+  // The reverse: the motion of the plain skeleton on the skeleton with more joints.
+  const Result<SkeletalMotion> back = retargetByJointNames(plain, deep.skeleton);
   ASSERT_TRUE(back) << back.error().message;
   for (int f = 0; f < plain.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(plain, f);
     const std::vector<Affine3> b = worldOf(*back, f);
     for (std::size_t j = 0; j < a.size(); ++j) {
-      const Vec3 there = b[static_cast<std::size_t>(moved[j])].translation();
+      const Vec3 there = b[moved[j]].translation();
       EXPECT_LT((a[j].translation() - there).norm(), 1e-6) << f << " " << j;
     }
   }
 }
 
-TEST(RenameMotion, TheRestPoseOfTheClipsFileMayBeAnyPose) {
+TEST(RetargetByJointNames, TheRestPoseOfTheClipsFileMayBeAnyPose) {
   FigureSettings settings;
   settings.armature = true;
   settings.crookedAxes = true;
@@ -566,7 +564,7 @@ TEST(RenameMotion, TheRestPoseOfTheClipsFileMayBeAnyPose) {
   }
   for (std::size_t j = 0; j < joints.size(); ++j) joints[j].rest = source.pose(3)[j];
   source.skeleton = *Skeleton::create(std::move(joints));
-  const Result<SkeletalMotion> out = renameMotion(source, figure.skeleton);
+  const Result<SkeletalMotion> out = retargetByJointNames(source, figure.skeleton);
   ASSERT_TRUE(out) << out.error().message;
   for (int f = 0; f < source.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(source, f);
@@ -575,7 +573,7 @@ TEST(RenameMotion, TheRestPoseOfTheClipsFileMayBeAnyPose) {
   }
 }
 
-TEST(RenameMotion, BonesKeepTheirOwnLengths) {
+TEST(RetargetByJointNames, BonesKeepTheirOwnLengths) {
   FigureSettings tall;
   tall.thigh = 0.6;
   tall.upperArm = 0.4;
@@ -585,16 +583,18 @@ TEST(RenameMotion, BonesKeepTheirOwnLengths) {
   usual.upperArm = 0.3;
   const Figure from = makeFigure(usual);
   const Figure to = makeFigure(tall);
-  const Result<SkeletalMotion> out = renameMotion(motionOf(from, randomPoses(2)), to.skeleton);
+  const Result<SkeletalMotion> out = retargetByJointNames(motionOf(from, randomPoses(2)), to.skeleton);
   ASSERT_TRUE(out) << out.error().message;
   const std::vector<Affine3> world = worldOf(*out, 3);
-  EXPECT_NEAR((placeOf(to.skeleton, world, B::kLeftUpperLeg) - placeOf(to.skeleton, world, B::kLeftLowerLeg)).norm(),
-              0.6, 1e-9);
-  EXPECT_NEAR((placeOf(to.skeleton, world, B::kLeftUpperArm) - placeOf(to.skeleton, world, B::kLeftLowerArm)).norm(),
-              0.4, 1e-9);
+  EXPECT_NEAR(
+      (positionOf(to.skeleton, world, B::kLeftUpperLeg) - positionOf(to.skeleton, world, B::kLeftLowerLeg)).norm(), 0.6,
+      1e-9);
+  EXPECT_NEAR(
+      (positionOf(to.skeleton, world, B::kLeftUpperArm) - positionOf(to.skeleton, world, B::kLeftLowerArm)).norm(), 0.4,
+      1e-9);
 }
 
-TEST(RenameMotion, TooFewNamesAreRefused) {
+TEST(RetargetByJointNames, TooFewNamesAreRefused) {
   const Figure figure = makeFigure({});
   SkeletalMotion source = motionOf(figure, randomPoses(1));
   source.name = "run";
@@ -602,9 +602,9 @@ TEST(RenameMotion, TooFewNamesAreRefused) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (j % 3 != 0) joints[j].name += " (2)";
   }
-  const Result<SkeletalMotion> out = renameMotion(source, *Skeleton::create(joints));
+  const Result<SkeletalMotion> out = retargetByJointNames(source, *Skeleton::create(joints));
   ASSERT_FALSE(out);
-  EXPECT_NE(out.error().message.find("moving joints have a namesake in the character, expected half or more"),
+  EXPECT_NE(out.error().message.find("moving joints match the character by name, expected at least half"),
             std::string::npos)
       << out.error().message;
 }
@@ -650,14 +650,16 @@ TEST(BodyJoints, OfASkeletonAreWhereItsJointsAre) {
   const auto frames = bodyJointsOf(motion);
   ASSERT_TRUE(frames) << frames.error().message;
   const double shift =
-      (*frames)[0][BodyJoint::kHead].position.y() - placeOf(figure.skeleton, worldOf(motion, 0), B::kHead).y();
+      (*frames)[0][BodyJoint::kHead].position.y() - positionOf(figure.skeleton, worldOf(motion, 0), B::kHead).y();
   for (std::size_t f = 0; f < people.size(); ++f) {
     const std::vector<Affine3> world = worldOf(motion, static_cast<int>(f));
     const SkeletonFrame& frame = (*frames)[f];
     const Vec3 up(0.0, shift, 0.0);
-    EXPECT_LT((frame[BodyJoint::kLeftHand].position - up - placeOf(figure.skeleton, world, B::kLeftHand)).norm(), 1e-9);
-    EXPECT_LT((frame[BodyJoint::kRightKnee].position - up - placeOf(figure.skeleton, world, B::kRightLowerLeg)).norm(),
+    EXPECT_LT((frame[BodyJoint::kLeftHand].position - up - positionOf(figure.skeleton, world, B::kLeftHand)).norm(),
               1e-9);
+    EXPECT_LT(
+        (frame[BodyJoint::kRightKnee].position - up - positionOf(figure.skeleton, world, B::kRightLowerLeg)).norm(),
+        1e-9);
     EXPECT_LT(frame[BodyJoint::kLeftElbow].orientation->angularDistance(people[f].lower[0]), degrees(0.1));
     EXPECT_LT(frame[BodyJoint::kRightFoot].orientation->angularDistance(people[f].end[3]), degrees(0.1));
     EXPECT_LT(frame[BodyJoint::kTorso].orientation->angularDistance(people[f].chest), degrees(0.1));
@@ -674,7 +676,7 @@ TEST(BodyJoints, UnseenJointsHoldAndNothingIsNaN) {
     ASSERT_TRUE(t.translation.allFinite() && t.rotation.coeffs().allFinite());
   }
   EXPECT_FALSE(skeletalMotionOf({}));
-  EXPECT_TRUE(skeletalMotionOf({SkeletonFrame()})) << "nothing seen at all is a body at rest";
+  EXPECT_TRUE(skeletalMotionOf({SkeletonFrame()})) << "a frame without seen joints gives a body at rest";
 }
 
 }  // namespace

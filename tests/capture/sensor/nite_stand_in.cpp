@@ -1,10 +1,10 @@
-// A library with NiTE 2's entry points, as far as Lorica calls them, in NiTE 2's own layout. It plays a fixed story of
-// ten frames, a hundred milliseconds each, over and over:
+// A mock library with the NiTE 2 entry points that Lorica calls, in NiTE 2's own layout. It repeats a fixed sequence of
+// ten frames, a hundred milliseconds each:
 //   0     nobody; no floor yet
-//   1     user 5 comes; 2 the skeleton is calibrated; from 3 on it is tracked
-//   5     user 2 is there and tracked too
+//   1     user 5 appears; 2 the skeleton is calibrated; from 3 on it is tracked
+//   5     user 2 is there and tracked, too
 //   8     user 5 is lost
-// and the floor is known from frame 4 on, 1 m under a camera that looks 0.1 rad down.
+// The floor is known from frame 4 on, 1 m below a camera that looks 0.1 rad down.
 
 #include <cmath>
 #include <cstdint>
@@ -57,10 +57,9 @@ typedef struct {
   NitePoint3f floorPoint, floorNormal;
 } NiteUserTrackerFrame;
 
-/// What was called: {initialize, shutdown, trackers made, destroyed, frames read, released, skeletons asked for,
-/// ended}.
+/// Call counts: {initialize, shutdown, trackers created, destroyed, frames read, released, skeletons started, stopped}.
 int niteStandInCalls[8];
-/// Whether niteInitialize was called where its data is.
+/// Whether niteInitialize was called in the folder with its data.
 int niteStandInHadData;
 
 int niteInitialize() {
@@ -72,7 +71,7 @@ void niteShutdown() {
   ++niteStandInCalls[1];
 }
 
-/// As if its camera were gone: no frame is ready any more.
+/// Simulates a camera that is gone: no frame is ready any more.
 int niteStandInIsSilent;
 
 typedef struct {
@@ -100,7 +99,7 @@ static short g_asked[2];
 static int g_number;
 
 int niteInitializeUserTrackerByDevice(void* device, void** tracker) {
-  void* handle = static_cast<void**>(device)[1];  // behind the playback control of openni::Device
+  void* handle = static_cast<void**>(device)[1];  // after the playback control of openni::Device
   if (handle == nullptr) return 1;
   ++niteStandInCalls[2];
   g_number = 0;
@@ -123,7 +122,7 @@ void niteStopSkeletonTracking(void*, short) {
 
 static NiteUserData person(short id, int state, float shift) {
   NiteUserData user;
-  std::memset(&user, 0x77, sizeof user);  // what nobody should look at is no zero
+  std::memset(&user, 0x77, sizeof user);  // nonzero fill for the fields that must not be read
   user.id = id;
   user.skeleton.state = g_asked[id == 5 ? 0 : 1] == id ? state : 0;
   for (int j = 0; j < 15; ++j) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// NiTE 2's stand-in in a folder of its own, and the test driver's camera for it.
+/// The NiTE 2 mock in its own folder, and the test driver's camera for it.
 class NiteTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -49,17 +49,18 @@ TEST_F(NiteTest, JointsComeInMetresOverTheFloor) {
   for (const int nobody : {0, 1, 2}) {
     for (const TrackedJoint& joint : frames[std::size_t(nobody)].joints) EXPECT_EQ(joint.confidence, 0.0);
   }
-  for (const int five : {3, 4, 5, 6, 7}) EXPECT_EQ(frames[std::size_t(five)].user, 5) << "who came first stays";
+  for (const int five : {3, 4, 5, 6, 7})
+    EXPECT_EQ(frames[std::size_t(five)].user, 5) << "the first person stays selected";
   for (const int two : {8, 9}) EXPECT_EQ(frames[std::size_t(two)].user, 2);
 
-  // Before the floor is known: 8 cm under the lower foot, the left one.
+  // Before the floor is known: 8 cm below the lower foot, the left one.
   const auto left = [](const SkeletonFrame& f) { return f[BodyJoint::kLeftFoot].position; };
   EXPECT_NEAR(left(frames[3]).y(), 0.08, 1e-6);
   EXPECT_NEAR(left(frames[3]).x(), -1.3, 1e-6);
   EXPECT_NEAR(left(frames[3]).z(), -2.0, 1e-6);
   EXPECT_NEAR(frames[3][BodyJoint::kHead].position.y() - left(frames[3]).y(), -0.65, 1e-6);
 
-  // Afterwards: the camera 1 m over the floor, looking 0.1 rad down.
+  // Afterwards: the camera 1 m above the floor, looking 0.1 rad down.
   const double c = std::cos(0.1);
   const double s = std::sin(0.1);
   for (int j = 0; j < kBodyJointCount; ++j) {
@@ -71,7 +72,7 @@ TEST_F(NiteTest, JointsComeInMetresOverTheFloor) {
     EXPECT_NEAR((joint.position - expected).norm(), 0.0, 1e-5) << nameOf(static_cast<BodyJoint>(j));
     ASSERT_EQ(joint.orientation.has_value(), j % 2 == 0);
     if (!joint.orientation) continue;
-    // NiTE 2's turn about (0.6, 0, 0.8) is one about (-0.6, 0, -0.8) here, and then the camera's tilt.
+    // NiTE 2's rotation about (0.6, 0, 0.8) is one about (-0.6, 0, -0.8) here, followed by the camera's tilt.
     const Quat turn(Eigen::AngleAxisd(0.1, Vec3::UnitX()).inverse() *
                     Eigen::AngleAxisd(0.1 * j, Vec3(-0.6, 0.0, -0.8)));
     EXPECT_LT(joint.orientation->angularDistance(turn), 1e-5);
@@ -91,7 +92,7 @@ TEST_F(NiteTest, WhatIsStartedIsEnded) {
   EXPECT_EQ(calls[0], 3);
   for (int i = 0; i < 8; i += 2) EXPECT_EQ(calls[i], calls[i + 1]);
   EXPECT_EQ(calls[4], 21);
-  EXPECT_EQ(calls[6], 6) << "each skeleton asked for once";
+  EXPECT_EQ(calls[6], 6) << "each skeleton requested once";
 }
 
 TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
@@ -104,8 +105,8 @@ TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
   ASSERT_TRUE(calls != nullptr && silent != nullptr);
 
   double last = -1.0;
-  const auto personAt = [&](int mostFrames, bool wanted) {
-    for (int i = 0; i < mostFrames; ++i) {
+  const auto personAt = [&](int maxFrames, bool wanted) {
+    for (int i = 0; i < maxFrames; ++i) {
       const Result<std::optional<SkeletonFrame>> next = (*source)->next();
       if (!next || !*next || !((*next)->time > last)) return false;
       last = (*next)->time;
@@ -118,7 +119,7 @@ TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
   fs::remove(plug_.path() / "a");
   EXPECT_TRUE(personAt(5, false));
   for (int i = 0; i < 40 && calls[3] == 0; ++i) ASSERT_TRUE(personAt(1, false));
-  EXPECT_EQ(calls[3], 1) << "the tracker of a camera that is gone ends";
+  EXPECT_EQ(calls[3], 1) << "the tracker of a missing camera is destroyed";
   EXPECT_EQ(calls[6], calls[7]);
   ASSERT_TRUE(personAt(1, false));
   EXPECT_EQ(calls[2], 1);
@@ -136,7 +137,7 @@ TEST_F(NiteTest, LibrariesThatAreNoneAreSentences) {
   };
   EXPECT_NE(problem(folder_.path() / "no.so").find("no such file"), std::string::npos);
   EXPECT_NE(problem(folder_.write("text.so", "a text")).find("cannot be loaded"), std::string::npos);
-  EXPECT_NE(problem(LORICA_TEST_DRIVER).find("found no NiTE 2"), std::string::npos);
+  EXPECT_NE(problem(LORICA_TEST_DRIVER).find("not a NiTE 2 library"), std::string::npos);
   EXPECT_NE(problem(library(), "test/none").find("test/none"), std::string::npos);
   fs::remove(folder_.path() / "NiTE2/data");
   EXPECT_NE(problem(library()).find("folder NiTE2"), std::string::npos) << problem(library());

@@ -17,7 +17,7 @@ std::span<const std::uint8_t> bytesOf(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// Surfaces with edges, holes and even walls, as packing has a way for each.
+/// Surfaces with edges, holes and uniform walls, so that every packing mode occurs.
 std::vector<std::uint16_t> someDepths(RandomNumbers& random, std::size_t count, double rough) {
   std::vector<std::uint16_t> depths(count);
   double depth = 2000.0;
@@ -71,14 +71,15 @@ TEST(OniDepthCodec, ImagesOfAnotherSizeAreRefused) {
 }
 
 TEST(OniDepthCodec, ValuesBeyondTheTableAreRefused) {
-  // One entry, 700. The second pixel asks for entry 1, of its own and as a difference.
+  // One entry, 700. The second pixel refers to entry 1, as a value and as a difference.
   std::vector<std::uint16_t> depths(2);
   OniDepthDecoder decoder;
   EXPECT_TRUE(decoder.decode(OniCodec::kTable, bytesOf(std::string("\1\0\xbc\2\0\0\x6d", 7)), depths));
   EXPECT_FALSE(decoder.decode(OniCodec::kTable, bytesOf(std::string("\1\0\xbc\2\0\0\xff\0\1", 9)), depths));
   EXPECT_FALSE(decoder.decode(OniCodec::kTable, bytesOf(std::string("\1\0\xbc\2\0\0\x5d", 7)), depths));
   EXPECT_FALSE(decoder.decode(OniCodec::kTable, bytesOf(std::string("\0\0\0\0", 4)), depths)) << "an empty table";
-  EXPECT_FALSE(decoder.decode(OniCodec::kTable, bytesOf(std::string("\xff\xff\0\0", 4)), depths)) << "a cut table";
+  EXPECT_FALSE(decoder.decode(OniCodec::kTable, bytesOf(std::string("\xff\xff\0\0", 4)), depths))
+      << "a truncated table";
 }
 
 TEST(OniDepthCodec, AnyBytesGiveAnImageOrASentence) {
@@ -93,7 +94,7 @@ TEST(OniDepthCodec, AnyBytesGiveAnImageOrASentence) {
       packed[random.bits() % packed.size()] ^= static_cast<char>(1 + random.bits() % 255);
     }
     if (i % 7 == 0) packed.resize(random.bits() % packed.size());
-    // Bytes on the heap of just this size, so that a sanitizer sees any read beyond them.
+    // Heap blocks of exactly this size, so that a sanitizer detects any read beyond them.
     const std::vector<std::uint8_t> exact(packed.begin(), packed.end());
     const Result<void> decoded = decoder.decode(codec, exact, depths);
     if (decoded) ++images;
@@ -101,7 +102,7 @@ TEST(OniDepthCodec, AnyBytesGiveAnImageOrASentence) {
       EXPECT_NE(decoded.error().message.find("expected"), std::string::npos) << decoded.error().message;
     }
   }
-  EXPECT_GT(images, 1000) << "flipped depths, mostly";
+  EXPECT_GT(images, 1000) << "mostly flipped depths";
   EXPECT_LT(images, 19000);
 }
 

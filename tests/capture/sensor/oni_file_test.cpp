@@ -40,7 +40,7 @@ std::string someFile(const OniWriterSettings& settings, int frames) {
 std::vector<DepthFrame> allFramesOf(OniFile& file) {
   std::vector<DepthFrame> frames(static_cast<std::size_t>(file.info().frameCount));
   for (int i = 0; i < file.info().frameCount; ++i) {
-    const Result<void> read = file.read(i, frames[static_cast<std::size_t>(i)]);
+    const Result<void> read = file.read(i, frames[i]);
     EXPECT_TRUE(read) << read.error().message;
   }
   return frames;
@@ -165,7 +165,7 @@ TEST(OniFile, ATruncatedUnfinishedFileIsFramesOrASentence) {
   for (std::size_t size = 0; size <= bytes.size(); ++size) {
     Result<OniFile> file = OniFile::parse(std::string_view(bytes).substr(0, size), "a.oni");
     if (!file) continue;
-    EXPECT_GE(file->info().frameCount, frames) << "a longer file holds fewer frames";
+    EXPECT_GE(file->info().frameCount, frames) << "a longer file has fewer frames";
     frames = file->info().frameCount;
     const std::vector<DepthFrame> read = allFramesOf(*file);
     for (int i = 0; i < frames; ++i) EXPECT_EQ(read[std::size_t(i)].depthMm, someFrame(8, 6, i));
@@ -173,7 +173,7 @@ TEST(OniFile, ATruncatedUnfinishedFileIsFramesOrASentence) {
   EXPECT_EQ(frames, 3);
 }
 
-/// Opens, reads all that is there, and sees that what is accepted is sound.
+/// Opens the file, reads all frames, and checks that accepted data is valid.
 void expectFramesOrSentence(const std::string& bytes) {
   Result<OniFile> file = OniFile::parse(bytes, "a.oni");
   if (!file) {
@@ -182,7 +182,8 @@ void expectFramesOrSentence(const std::string& bytes) {
   }
   const OniInfo& info = file->info();
   ASSERT_GT(info.frameCount, 0);
-  ASSERT_LE(std::max(info.camera.width, info.camera.height), 2048) << "what a small file can ask for is bounded";
+  ASSERT_LE(std::max(info.camera.width, info.camera.height), 2048)
+      << "the size that a small file can request is limited";
   DepthFrame frame;
   double last = -1.0;
   for (int i = 0; i < info.frameCount; ++i) {
@@ -271,7 +272,7 @@ TEST(OniSource, GivesEveryFrameOnceInOrder) {
     const Result<DepthRead> read = (*source)->next(frame);
     ASSERT_TRUE(read);
     EXPECT_EQ(*read, DepthRead::kEnd);
-    EXPECT_EQ(frame.depthMm, someFrame(8, 6, 6)) << "untouched at the end";
+    EXPECT_EQ(frame.depthMm, someFrame(8, 6, 6)) << "unchanged at the end";
   }
 }
 
@@ -327,7 +328,7 @@ TEST(OniFile, ARealKinectRecordingIsRead) {
   EXPECT_EQ(info.camera.width, 640);
   EXPECT_NEAR(info.camera.horizontalFov, DepthCamera{}.horizontalFov, 1e-6);
   EXPECT_NEAR(info.camera.verticalFov, DepthCamera{}.verticalFov, 1e-6);
-  // A Kinect gives 0, or 0.4 to 10 m.
+  // A Kinect returns 0, or 0.4 to 10 m.
   for (const DepthFrame& frame : allFramesOf(*file)) {
     const auto seen = std::count_if(frame.depthMm.begin(), frame.depthMm.end(), [](std::uint16_t d) { return d > 0; });
     EXPECT_GT(seen, 640 * 480 / 2);
@@ -342,7 +343,7 @@ TEST(OniFile, ADamagedRealRecordingGivesFramesOrASentence) {
   RandomNumbers random(12);
   std::string bytes = *good;
   for (int i = 0; i < 300; ++i) {
-    // Where the records' headers and properties are, most flips do something.
+    // In record headers and properties most flips have an effect.
     const std::size_t at = i % 4 == 0 ? random.bits() % bytes.size() : random.bits() % 32000;
     const char was = bytes[at];
     bytes[at] ^= static_cast<char>(1 + random.bits() % 255);

@@ -18,7 +18,7 @@ SkeletonFrame someFrame(int number, int user = 1) {
   frame.time = number / 30.0;
   frame.user = user;
   for (int j = 0; j < kBodyJointCount; ++j) {
-    TrackedJoint& joint = frame.joints[static_cast<std::size_t>(j)];
+    TrackedJoint& joint = frame.joints[j];
     joint.position = Vec3(0.1 * j + number / 7.0, 1.0 / (1 + j), -0.3);
     if (j % 2 == 0) joint.orientation = Quat(Eigen::AngleAxisd(0.1 * number + j, Vec3::UnitY()));
     joint.confidence = 0.5 * (j % 3);
@@ -56,7 +56,7 @@ TEST(JointCsvWriter, WhatIsWrittenIsReadAtAnyTime) {
   const Result<std::vector<SkeletonFrame>> read = readJointCsv(folder.path() / "body.csv");
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->size(), 5u);
-  for (int i = 0; i < 5; ++i) expectSame((*read)[static_cast<std::size_t>(i)], someFrame(i));
+  for (int i = 0; i < 5; ++i) expectSame((*read)[i], someFrame(i));
 }
 
 TEST(JointCsvWriter, FramesThatNobodyCouldReadAreLeftOut) {
@@ -101,7 +101,7 @@ TEST(JointCsvWriter, AKilledProgramLosesNoJoints) {
     Result<JointCsvWriter> writer = JointCsvWriter::create(folder.path() / "body.csv");
     for (int i = 0; i < 100; ++i) {
       if (!writer || !writer->add(someFrame(i))) _exit(1);
-      if (write(done[1], "x", 1) != 1) _exit(2);  // after each row: the parent knows what must be there
+      if (write(done[1], "x", 1) != 1) _exit(2);  // after each row: tells the parent which rows must be there
     }
     pause();
     _exit(0);
@@ -114,7 +114,7 @@ TEST(JointCsvWriter, AKilledProgramLosesNoJoints) {
     ASSERT_GT(got, 0) << "the child failed";
     rows += static_cast<int>(got);
   }
-  kill(child, SIGKILL);  // in the middle of it
+  kill(child, SIGKILL);  // while it is writing
   int status = 0;
   waitpid(child, &status, 0);
   close(done[0]);

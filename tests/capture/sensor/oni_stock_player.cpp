@@ -1,6 +1,6 @@
-// Plays the first images of an .oni recording with the stock OpenNI2 and writes its depth frames, as they are, to a
-// file: the time [us], the number of bytes, the bytes, all in this machine's order. A program of its own, since the
-// stock player crashes. Arguments: recording, file to write, how many at most.
+// Plays the first images of an .oni recording with the stock OpenNI2 and writes its depth frames unchanged to a file:
+// the time [us], the number of bytes, the bytes, all in native byte order. A separate program, because the stock player
+// crashes. Arguments: recording, output file, max number of frames.
 
 #include <OpenNI.h>
 
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-// What OpenNI2 leaks, and what it does with its locks, is not for our tests to find.
+// Leaks and lock usage of OpenNI2 are not checked by our tests.
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=0";
 }
@@ -37,6 +37,6 @@ int main(int argc, char** argv) {
     std::fwrite(numbers, sizeof numbers, 1, out);
     std::fwrite(frame.getData(), 1, static_cast<std::size_t>(frame.getDataSize()), out);
   }
-  // Without closing anything: that is where the player crashes.
+  // Exit without closing anything: closing crashes the player.
   std::_Exit(std::fclose(out) == 0 ? 0 : 6);
 }

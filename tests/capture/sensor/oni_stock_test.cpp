@@ -21,20 +21,20 @@ extern char** environ;
 namespace lorica {
 namespace {
 
-/// So many images of a file are compared at most: the stock player is slow.
-constexpr int kMostFrames = 12;
+/// Max number of images compared per file: the stock player is slow.
+constexpr int kMaxFrames = 12;
 
-/// Frames of the stock player, by a child process: it is the truth here, but it crashes now and then.
+/// Frames of the stock player, run in a child process: it is the reference here, but it crashes occasionally.
 Result<std::string> playStock(const std::filesystem::path& file, const std::filesystem::path& out) {
   const std::string player = LORICA_STOCK_PLAYER;
-  std::string arguments[4] = {player, file.string(), out.string(), std::to_string(kMostFrames)};
+  std::string arguments[4] = {player, file.string(), out.string(), std::to_string(kMaxFrames)};
   char* argv[5] = {arguments[0].data(), arguments[1].data(), arguments[2].data(), arguments[3].data(), nullptr};
   for (int attempt = 0; attempt < 10; ++attempt) {
     pid_t child = 0;
     if (posix_spawn(&child, player.c_str(), nullptr, nullptr, argv, environ) != 0) break;
     int status = 0;
     pid_t ended = 0;
-    for (int waited = 0; ended == 0 && waited < 6000; ++waited) {  // it blocks for ever where it loses a frame
+    for (int waited = 0; ended == 0 && waited < 6000; ++waited) {  // it blocks forever if it loses a frame
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       ended = waitpid(child, &status, WNOHANG);
     }
@@ -47,7 +47,7 @@ Result<std::string> playStock(const std::filesystem::path& file, const std::file
   return Error{ErrorCode::kUnreadable, "the stock player failed ten times"};
 }
 
-/// The frames of the file, and their times, as the stock player gives them, to the last bit.
+/// Checks that the stock player returns the same frames and times as the file reader, bit for bit.
 void expectStockGivesTheSame(const std::filesystem::path& path) {
   const test::TemporaryFolder folder;
   const Result<std::string> stock = playStock(path, folder.path() / "frames");
@@ -57,7 +57,7 @@ void expectStockGivesTheSame(const std::filesystem::path& path) {
   const auto width = static_cast<std::ptrdiff_t>(file->info().camera.width);
   const auto height = static_cast<std::ptrdiff_t>(file->info().camera.height);
   const std::size_t bytesPerFrame = 16 + 2 * static_cast<std::size_t>(width * height);
-  const int frames = std::min(file->info().frameCount, kMostFrames);
+  const int frames = std::min(file->info().frameCount, kMaxFrames);
   ASSERT_EQ(stock->size(), bytesPerFrame * static_cast<std::size_t>(frames));
   DepthFrame frame;
   for (int i = 0; i < frames; ++i) {

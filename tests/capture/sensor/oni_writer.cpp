@@ -25,7 +25,7 @@ void overwrite(std::string& bytes, std::size_t at, const std::string& with) {
   std::copy(with.begin(), with.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// Pixels one after the other: small differences wait in pairs, equal pairs wait in runs.
+/// Packs pixel by pixel: small differences are collected in pairs, equal pairs in runs.
 class Packer {
  public:
   std::string pack(std::span<const std::uint16_t> values) {
@@ -79,7 +79,7 @@ class Packer {
   int run_ = 0;
 };
 
-enum : std::uint32_t { kDevice = 1, kDepth = 2, kColor = 3 };  // types, and node numbers here
+enum : std::uint32_t { kDevice = 1, kDepth = 2, kColor = 3 };  // types, also used as node numbers here
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 
 namespace lorica::test {
 
-/// Packs a depth image as the recorders do. For kTable the table comes first.
+/// Packs a depth image like the recorders. For kTable the table comes first.
 [[nodiscard]] std::string packOniDepth(OniCodec codec, std::span<const std::uint16_t> depths);
 
 struct OniCrop {
@@ -28,14 +28,14 @@ struct OniWriterSettings {
   double verticalFov = 0.8;
 };
 
-/// Writes .oni recordings as OpenNI2's recorder does, a colour stream beside the depth.
+/// Writes .oni recordings like OpenNI2's recorder, with a colour stream beside the depth.
 class OniWriter {
  public:
   explicit OniWriter(const OniWriterSettings& settings);
   void addFrame(std::uint64_t timeUs, std::span<const std::uint16_t> depths);
-  /// What a recorder leaves that was killed now.
+  /// The file left by a recorder that is killed now.
   [[nodiscard]] const std::string& unfinished() const { return bytes_; }
-  /// Counts, tables and the end record.
+  /// With counts, tables and the end record.
   [[nodiscard]] std::string finished() const;
 
  private:

@@ -18,8 +18,8 @@
 #include <thread>
 #include <vector>
 
-// A program of its own, in which leaks and odd mutexes are not looked for: OpenNI2's drivers lose memory with each
-// start, and its locks are unlocked more often than locked, and in any order. Races are looked for.
+// A separate program without checks for leaks and mutex misuse: OpenNI2's drivers lose memory with each start, and its
+// locks are unlocked more often than locked, and in any order. Races are checked.
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=0";
 }
@@ -38,7 +38,7 @@ class OpenNiTest : public testing::Test {
   void SetUp() override { ASSERT_EQ(setenv("LORICA_TEST_CAMERAS", plug_.path().c_str(), 1), 0); }
 
   void plugIn(const std::string& name, const std::string& oddity = {}) {
-    // Written beside first: the driver must not see half a file.
+    // Write to another folder first: the driver must not see a partial file.
     fs::rename(beside_.write(name, oddity), plug_.path() / name);
   }
   void unplug(const std::string& name) { fs::remove(plug_.path() / name); }
@@ -49,7 +49,7 @@ class OpenNiTest : public testing::Test {
     return openNi ? std::move(*openNi) : nullptr;
   }
 
-  /// Reads until that comes. @return whether it did within some seconds
+  /// Reads until the wanted result. @return whether it arrived within several seconds
   static bool readUntil(DepthSource& source, DepthRead wanted, DepthFrame& frame) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (std::chrono::steady_clock::now() < end) {
@@ -68,10 +68,10 @@ class OpenNiTest : public testing::Test {
 void expectFrame(const DepthFrame& frame, int width, int height, bool turned = false) {
   ASSERT_EQ(frame.depthMm.size(), static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const int first = turned ? width - 1 : 0;
-  const int n = frame.depthMm[static_cast<std::size_t>(first)] - 1000;
+  const int n = frame.depthMm[first] - 1000;
   for (int p = 0; p < width * height; ++p) {
     const int seen = turned ? (p / width) * width + width - 1 - p % width : p;
-    ASSERT_EQ(frame.depthMm[static_cast<std::size_t>(p)], test::openNiTestDepth(n, seen)) << "pixel " << p;
+    ASSERT_EQ(frame.depthMm[p], test::openNiTestDepth(n, seen)) << "pixel " << p;
   }
 }
 
@@ -148,7 +148,7 @@ TEST_F(OpenNiTest, OddCamerasGiveTheSameKindOfFrames) {
   {
     const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/small");
     ASSERT_TRUE(source) << source.error().message;
-    EXPECT_EQ((*source)->camera().width, 320) << "nearer to 640 than 160 is";
+    EXPECT_EQ((*source)->camera().width, 320) << "nearer to 640 than 160";
     ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
     expectFrame(frame, 320, 240);
   }
@@ -171,7 +171,7 @@ TEST_F(OpenNiTest, TheFirstCameraThatGivesDepthIsTaken) {
   EXPECT_EQ((*source)->name(), "Lorica, Test camera (test/b)");
   const Result<std::unique_ptr<DepthSource>> none = openNi->open("test/a");
   ASSERT_FALSE(none);
-  EXPECT_NE(none.error().message.find("gives no depth"), std::string::npos) << none.error().message;
+  EXPECT_NE(none.error().message.find("provides no depth"), std::string::npos) << none.error().message;
 }
 
 TEST_F(OpenNiTest, CamerasThatAreNotThereAreSentences) {
@@ -208,11 +208,11 @@ TEST_F(OpenNiTest, AnUnpluggedCameraComesBack) {
     const Result<DepthRead> still = (*source)->next(frame);
     ASSERT_TRUE(still);
     EXPECT_EQ(*still, DepthRead::kUnplugged);
-    EXPECT_EQ(frame.time, last) << "untouched";
+    EXPECT_EQ(frame.time, last) << "unchanged";
     plugIn(back);
     ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
     expectFrame(frame, 640, 480);
-    EXPECT_GT(frame.time, last + 0.09) << "the time without a camera passed too";
+    EXPECT_GT(frame.time, last + 0.09) << "includes the time without a camera";
     EXPECT_LT(frame.time, last + 20.0);
     last = frame.time;
   }
@@ -265,7 +265,7 @@ TEST_F(OpenNiTest, DriversThatAreNoneAreSentences) {
   EXPECT_NE(problem({{beside_.write("text.so", "a text")}, {}}).find("cannot be loaded"), std::string::npos);
   EXPECT_NE(problem({{"/lib/x86_64-linux-gnu/libm.so.6"}, {}}).find("oniDriverCreate"), std::string::npos);
   EXPECT_NE(problem({{}, beside_.write("libOpenNI2.so.0", "no library")}).find("cannot be loaded"), std::string::npos);
-  EXPECT_NE(start(), nullptr) << "and a good one works after them";
+  EXPECT_NE(start(), nullptr) << "a valid one works afterwards";
 }
 
 TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
@@ -289,7 +289,7 @@ TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
   EXPECT_FALSE(fs::exists(beside_.path() / "body.part.oni"));
   Result<OniFile> file = OniFile::open(path);
   ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->info().end, fs::file_size(path)) << "the zeros are cut";
+  EXPECT_EQ(file->info().end, fs::file_size(path)) << "the zeros are removed";
   EXPECT_EQ(file->info().camera, (DepthCamera{640, 480, 1.0, 0.75}));
   EXPECT_FALSE(file->info().mirrored);
   int lastNumber = -1;
@@ -298,11 +298,11 @@ TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
     expectFrame(frame, 640, 480);
     const int number = frame.depthMm[0] - 1000;
     if (i > 0) {
-      EXPECT_EQ(number, lastNumber + 1) << "none is lost";
+      EXPECT_EQ(number, lastNumber + 1) << "no frame is lost";
     }
     lastNumber = number;
   }
-  // And once more, now that a recorder has been. What is read is in the file.
+  // Once more, after a recorder has run. Everything that is read is in the file.
   Result<std::unique_ptr<OpenNiRecorder>> again = OpenNiRecorder::start(**source, path);
   ASSERT_TRUE(again) << again.error().message;
   ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
@@ -315,7 +315,7 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
   const fs::path path = beside_.path() / "body.oni";
   const pid_t child = fork();
   if (child == 0) {
-    (void)setenv("TMPDIR", beside_.path().c_str(), 1);  // what it leaves behind goes with the test
+    (void)setenv("TMPDIR", beside_.path().c_str(), 1);  // leftover files are removed with the test
     const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
     if (!openNi) _exit(1);
     const Result<std::unique_ptr<DepthSource>> source = (*openNi)->open();
@@ -329,7 +329,7 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
   kill(child, SIGKILL);
   int status = 0;
   waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself: " << WEXITSTATUS(status);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it was not killed: " << WEXITSTATUS(status);
   Result<OniFile> file = OniFile::open(beside_.path() / "body.part.oni");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_TRUE(file->info().cutOff);

@@ -1,6 +1,6 @@
-// An OpenNI2 driver for tests. Each file in the folder that LORICA_TEST_CAMERAS names is a camera, plugged in while the
-// file is there; what the file says is what is odd about it: "mirrored", "tenths", "no depth", "small", "bursts". Frame
-// n has openni_test_depth(n, pixel) everywhere.
+// An OpenNI2 driver for tests. Each file in the folder named by LORICA_TEST_CAMERAS is a camera, plugged in while the
+// file exists; the file's content selects a peculiarity: "mirrored", "tenths", "no depth", "small", "bursts". Frame n
+// has openni_test_depth(n, pixel) everywhere.
 
 // XnLib, which this header expects, is not packaged.
 #include <cstdarg>

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A system's USB devices, as folders and files.
+/// A system's USB devices, simulated by folders and files.
 class UsbTest : public testing::Test {
  protected:
   void plugIn(const std::string& port, const std::string& vendor, const std::string& product, int device) {
@@ -60,15 +60,15 @@ TEST_F(UsbTest, EachReasonIsASentence) {
   const auto says = [](const std::string& sentence, const std::string& words) {
     return sentence.find(words) != std::string::npos;
   };
-  EXPECT_TRUE(says(why(false), "no depth camera"));
+  EXPECT_TRUE(says(why(false), "no known depth camera"));
   plugIn("1-3", "045e", "02ae", 4);
   EXPECT_TRUE(says(why(false), "no permission")) << why(false);
   permit(4);
   EXPECT_TRUE(says(why(false), "needs libFreenectDriver")) << why(false);
-  EXPECT_TRUE(says(why(true), "did not take it")) << why(true);
+  EXPECT_TRUE(says(why(true), "did not open it")) << why(true);
   fs::create_directories(root_.path() / "drivers/gspca_kinect");
   fs::create_symlink(root_.path() / "drivers/gspca_kinect", root_.path() / "devices/1-3/1-3:1.0/driver");
-  EXPECT_TRUE(says(why(true), "gspca_kinect holds it")) << why(true);
+  EXPECT_TRUE(says(why(true), "in use by the kernel driver gspca_kinect")) << why(true);
   EXPECT_TRUE(says(why(true), "Kinect v1 (045e:02ae)")) << why(true);
 }
 

@@ -12,7 +12,7 @@ double angleBetween(const Vec3& a, const Vec3& b) {
 }
 
 double segmentDistance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
-  // Distance to a segment is convex along the other, so a ternary search finds the least one.
+  // Distance to a segment is convex along the other, so a ternary search finds the minimum.
   const auto toB = [&](const Vec3& p) {
     const Vec3 d = b1 - b0;
     const double t = d.squaredNorm() > 0.0 ? std::clamp((p - b0).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.0;

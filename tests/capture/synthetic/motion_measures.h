@@ -11,7 +11,7 @@ namespace lorica::measures {
 
 inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
-/// A thick limb: what the person's body fills, roughly.
+/// A thick limb: approximate volume of a body part.
 struct Capsule {
   std::string name;
   Vec3 from, to;
@@ -23,10 +23,10 @@ struct Capsule {
 
 /// Trunk, head, arms, legs and feet.
 [[nodiscard]] std::vector<Capsule> bodyOf(const SkeletonFrame& frame);
-/// Whether two capsules of bodyOf belong together, so that they touch at a joint.
+/// Whether two capsules of bodyOf are neighbours that touch at a joint.
 [[nodiscard]] bool adjacent(const std::string& a, const std::string& b);
 
-/// Heel, ball and tip of the toes on the sole of a shoeless foot whose ankle is 0.085 m high.
+/// Heel, ball and toe tip on the sole of a bare foot whose ankle is 0.085 m high.
 [[nodiscard]] std::array<Vec3, 3> soleOf(const SkeletonFrame& frame, BodyJoint foot);
 
 /// Centre of mass: Winter's segment masses, centres along the segments.

@@ -57,7 +57,7 @@ TEST_P(SensorNoise, DropOutsLastATenthToOneAndAHalfSeconds) {
       const double seconds = static_cast<double>(end - i) / 30.0;
       EXPECT_GE(seconds, 0.1);
       EXPECT_LE(seconds, 1.5);
-      // The joint is guessed on the way out and on the way back.
+      // The joint is guessed before and after the loss.
       ASSERT_GT(i, 0u);
       EXPECT_EQ(noisy[i - 1].joints[j].confidence, 0.5);
       ASSERT_LT(end, noisy.size());

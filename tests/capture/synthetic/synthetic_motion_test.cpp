@@ -120,9 +120,9 @@ TEST_P(SyntheticMotions, JointsBendNoFartherThanAPersons) {
       const Quat foot = *f[left ? kLeftFoot : kRightFoot].orientation;
       const Vec3 toes = foot * Vec3::UnitZ();
       if (knee > 5.0 * kDegree) {
-        // It folds backward about the axis that runs to the left through the foot.
+        // It folds backward about the axis through the foot that points to the left.
         const Vec3 hinge = thigh.cross(shin).normalized();
-        ASSERT_LT(angleBetween(hinge, foot * Vec3::UnitX()), 45.0 * kDegree) << "the knee bends backward or is wrung";
+        ASSERT_LT(angleBetween(hinge, foot * Vec3::UnitX()), 45.0 * kDegree) << "the knee bends backward or is twisted";
       }
       const Vec3 inPelvis = pelvis.transpose() * thigh.normalized();
       const double flexion = std::atan2(inPelvis.z(), -inPelvis.y());
@@ -182,7 +182,7 @@ TEST_P(SyntheticMotions, FeetDoNotSkateOrSink) {
     }
     for (std::size_t i = 0; i < frames.size(); ++i) {
       for (const Vec3& p : measures::soleOf(frames[i], foot)) {
-        // Tips of the toes may press into the floor by what they would bend.
+        // Toe tips may penetrate the floor by the amount that real toes would bend.
         const bool toes = (p - measures::soleOf(frames[i], foot)[2]).norm() < 1e-9;
         ASSERT_GT(p.y(), toes ? -0.03 : -0.002) << nameOf(foot) << ", frame " << i;
       }
@@ -269,7 +269,7 @@ TEST_P(SyntheticMotions, TwiceGivesTheSame) {
   }
 }
 
-// --- What each motion promises by its name. ---
+// --- Checks specific to each motion. ---
 
 double highest(SyntheticMotion motion, BodyJoint joint) {
   double top = 0.0;
@@ -287,7 +287,7 @@ TEST(SyntheticMotion, WalkIsAGaitWithSwingingArms) {
     travelled += (frames[i + 1][kTorso].position - frames[i][kTorso].position).cwiseProduct(flat).norm();
     const Vec3 rate = (frames[i + 10][kTorso].position - frames[i - 10][kTorso].position) * kFrameRate / 20.0;
     fastest = std::max(fastest, rate.norm());
-    // Left hand and left foot ahead of the body at the same time would be an amble.
+    // If left hand and left foot were ahead of the body at the same time, it would be an amble.
     const Mat3 pelvis = measures::pelvisAxes(frames[i]);
     const double hand = (frames[i][kLeftHand].position - frames[i][kTorso].position).dot(pelvis.col(2));
     const double foot = (frames[i][kLeftFoot].position - frames[i][kRightFoot].position).dot(pelvis.col(2));
@@ -354,7 +354,7 @@ TEST(SyntheticMotion, SquatKeepsBalance) {
     ASSERT_LT(mass.x(), left[0].x()) << "time " << f.time;
     ASSERT_GT(mass.x(), right[0].x()) << "time " << f.time;
     ASSERT_LT(mass.z(), left[2].z() - 0.01) << "time " << f.time;
-    // On tiptoe the heels bear nothing.
+    // On tiptoe the heels carry no weight.
     ASSERT_GT(mass.z(), left[0].y() > 0.02 ? left[1].z() - 0.06 : left[0].z() + 0.01) << "time " << f.time;
   }
   EXPECT_LT(lowestHip, 0.58);
@@ -375,7 +375,7 @@ TEST(SyntheticMotion, PunchesReachOutAndKicksGoHigh) {
   EXPECT_EQ(strikes(leftFist, 0.55), 3) << "two jabs and one more; the hook stays short";
   EXPECT_EQ(strikes(rightFist, 0.55), 3) << "three crosses";
   EXPECT_EQ(strikes([](const SkeletonFrame& f) { return f[kRightFoot].position.y(); }, 0.8), 2) << "two kicks";
-  // Kicking, the person stands over the left foot.
+  // While kicking, the person stands over the left foot.
   for (const SkeletonFrame& f : frames) {
     if (f[kRightFoot].position.y() < 0.4) continue;
     const Vec3 off = (measures::massCentre(f) - f[kLeftFoot].position).cwiseProduct(Vec3(1.0, 0.0, 1.0));

@@ -12,14 +12,14 @@
 namespace lorica::fit {
 namespace {
 
-/// Of the hips: where people stand before the virtual camera, floor frame [m].
-const V3 kPlace(0.0F, 0.915F, -2.7F);
+/// Position of the hips of people in front of the virtual camera, floor frame [m].
+const V3 kPosition(0.0F, 0.915F, -2.7F);
 
-/// The mannequin in a pose before the virtual camera, clean, with the true labels.
+/// The mannequin in a pose in front of the virtual camera, without noise, with the true labels.
 class PosedScene {
  public:
   explicit PosedScene(const BodyPose& pose) : view(DepthCamera{}) {
-    PosedBody body;
+    PosedModel body;
     poseBody(pose, Proportions(), body);
     SkeletonFrame frame;
     readJoints(body, frame);
@@ -28,7 +28,7 @@ class PosedScene {
     frames[1].time = 1.0;
     std::vector<VirtualPerson> people;
     people.push_back({VirtualPerformer::create(makeMannequin(), frames).value()});
-    // The floor frame's origin lies below the camera.
+    // The floor frame's origin is below the camera.
     people[0].worldFromMotion.translation() = VirtualRoom{}.worldFromCamera.translation();
     people[0].worldFromMotion.translation().y() = 0.0;
     VirtualSensorSettings settings;
@@ -42,15 +42,15 @@ class PosedScene {
   }
 
   [[nodiscard]] double worst(const BodyPose& pose) const {
-    PosedBody body;
+    PosedModel body;
     poseBody(pose, Proportions(), body);
     SkeletonFrame frame;
     readJoints(body, frame);
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      most = std::max(most, (frame.joints[j].position - truth.joints[j].position).norm());
+      max = std::max(max, (frame.joints[j].position - truth.joints[j].position).norm());
     }
-    return most;
+    return max;
   }
 
   std::vector<std::uint8_t> labels;
@@ -68,9 +68,9 @@ PosePrior weakPrior(const BodyPose& pose) {
 }
 
 TEST(BodyFit, FindsAPoseFromOneNearIt) {
-  const BodyPose pose = standingPose(kPlace, 0.2F, 0.5F, 0.2F, 0.6F);
+  const BodyPose pose = standingPose(kPosition, 0.2F, 0.5F, 0.2F, 0.6F);
   const PosedScene scene(pose);
-  BodyPose start = standingPose(kPlace + V3(0.08F, -0.015F, -0.1F), 0.0F, 0.3F, 0.1F, 0.3F);
+  BodyPose start = standingPose(kPosition + V3(0.08F, -0.015F, -0.1F), 0.0F, 0.3F, 0.1F, 0.3F);
   EXPECT_GT(scene.worst(start), 0.10);
   BodyFitter fitter;
   fitter.fit(scene.view, Proportions(), weakPrior(start), kStages, start);
@@ -78,8 +78,8 @@ TEST(BodyFit, FindsAPoseFromOneNearIt) {
 }
 
 TEST(BodyFit, StepsNeverRaiseTheCost) {
-  const PosedScene scene(standingPose(kPlace, 0.0F, 1.2F, 0.0F, 0.2F));
-  BodyPose pose = standingPose(kPlace + V3(0.1F, -0.015F, 0.1F), 0.5F, 0.2F, 0.3F, 1.0F);
+  const PosedScene scene(standingPose(kPosition, 0.0F, 1.2F, 0.0F, 0.2F));
+  BodyPose pose = standingPose(kPosition + V3(0.1F, -0.015F, 0.1F), 0.5F, 0.2F, 0.3F, 1.0F);
   BodyFitter fitter;
   const PosePrior prior = weakPrior(pose);
   const FitStage judge = {0.1F, 300, 0};
@@ -94,18 +94,18 @@ TEST(BodyFit, StepsNeverRaiseTheCost) {
 }
 
 TEST(BodyFit, FreeSpaceKeepsLimbsOutOfTheBackground) {
-  const BodyPose pose = standingPose(kPlace, 0.0F, 0.2F, 0.0F, 0.2F);
+  const BodyPose pose = standingPose(kPosition, 0.0F, 0.2F, 0.0F, 0.2F);
   const PosedScene scene(pose);
   BodyFitter fitter;
   const FitStage judge = {0.08F, 600, 0};
-  const BodyPose raised = standingPose(kPlace, 0.0F, 1.5F, 0.0F, 0.2F);
+  const BodyPose raised = standingPose(kPosition, 0.0F, 1.5F, 0.0F, 0.2F);
   const FitCost right = fitter.costOf(scene.view, Proportions(), weakPrior(pose), judge, pose);
   const FitCost wrong = fitter.costOf(scene.view, Proportions(), weakPrior(raised), judge, raised);
   EXPECT_GT(wrong.freeSpace, right.freeSpace + 500.0F);
 }
 
 TEST(BodyFit, FacingTheOtherWayCostsMore) {
-  const BodyPose pose = standingPose(kPlace, 0.0F, 0.3F, 0.1F, 0.4F);
+  const BodyPose pose = standingPose(kPosition, 0.0F, 0.3F, 0.1F, 0.4F);
   const PosedScene scene(pose);
   BodyFitter fitter;
   const FitStage judge = {0.08F, 600, 0};
@@ -117,9 +117,9 @@ TEST(BodyFit, FacingTheOtherWayCostsMore) {
             fitter.costOf(scene.view, Proportions(), weakPrior(back), judge, back).plausible());
 }
 
-TEST(BodyFit, ASizeThatIsWrongIsMended) {
-  const PosedScene scene(standingPose(kPlace, 0.0F, 0.5F, 0.0F, 0.3F));
-  BodyPose pose = standingPose(kPlace, 0.0F, 0.5F, 0.0F, 0.3F);
+TEST(BodyFit, ASizeThatIsWrongIsRepaired) {
+  const PosedScene scene(standingPose(kPosition, 0.0F, 0.5F, 0.0F, 0.3F));
+  BodyPose pose = standingPose(kPosition, 0.0F, 0.5F, 0.0F, 0.3F);
   Proportions proportions;
   proportions.factor[kSize] = 1.1F;  // the mannequin itself is 1
   BodyFitter fitter;
@@ -133,9 +133,9 @@ TEST(BodyFit, ASizeThatIsWrongIsMended) {
 }
 
 TEST(LimbSearch, FindsAnArmThatIsElsewhere) {
-  const BodyPose pose = standingPose(kPlace, 0.0F, 1.6F, 0.0F, 0.1F);
+  const BodyPose pose = standingPose(kPosition, 0.0F, 1.6F, 0.0F, 0.1F);
   const PosedScene scene(pose);
-  PosedBody body;
+  PosedModel body;
   poseBody(pose, Proportions(), body);
   BodyPose lost = pose;
   layLimb(kLeftArm, body, -V3::UnitY(), -V3::UnitY(), lost);
@@ -143,13 +143,13 @@ TEST(LimbSearch, FindsAnArmThatIsElsewhere) {
   const auto found = search.search(scene.view, Proportions(), lost, kLeftArm);
   ASSERT_FALSE(found.empty());
   EXPECT_LT(found[0].cost, 0.5F * search.presentCost());
-  PosedBody best;
+  PosedModel best;
   poseBody(found[0].pose, Proportions(), best);
-  EXPECT_LT((best.place[kLeftHand] - body.place[kLeftHand]).norm(), 0.15F);
+  EXPECT_LT((best.position[kLeftHand] - body.position[kLeftHand]).norm(), 0.15F);
 }
 
 TEST(LimbSearch, LeavesAnArmThatIsRight) {
-  const BodyPose pose = standingPose(kPlace, 0.0F, 1.2F, 0.3F, 0.8F);
+  const BodyPose pose = standingPose(kPosition, 0.0F, 1.2F, 0.3F, 0.8F);
   const PosedScene scene(pose);
   LimbSearch search;
   for (const Limb limb : {kLeftArm, kRightArm, kLeftLeg, kRightLeg}) {

@@ -19,15 +19,15 @@ Step randomStep(RandomNumbers& random, double size) {
   return step;
 }
 
-/// Straight, in T-pose, the middle of the hips where the mannequin has it.
+/// Straight, in T-pose, with the middle of the hips at the mannequin's.
 BodyPose restBody() {
   BodyPose pose;
-  pose.root = nodeDefs()[kPelvis].place;
+  pose.root = nodeDefs()[kPelvis].position;
   return pose;
 }
 
 TEST(BodyModel, JointsAreTheMannequins) {
-  PosedBody body;
+  PosedModel body;
   poseBody(restBody(), Proportions(), body);
   SkeletonFrame frame;
   readJoints(body, frame);
@@ -50,7 +50,7 @@ TEST(BodyModel, JointsAreTheMannequins) {
 }
 
 TEST(BodyModel, CapsulesLieOnTheMannequinsSkin) {
-  PosedBody body;
+  PosedModel body;
   poseBody(restBody(), Proportions(), body);
   const Character mannequin = makeMannequin();
   double sum = 0.0;
@@ -68,30 +68,30 @@ TEST(BodyModel, CapsulesLieOnTheMannequinsSkin) {
   EXPECT_LT(far / count, 0.08);
 }
 
-TEST(BodyModel, TwistsAreTheDerivativesOfPlaces) {
+TEST(BodyModel, TwistsAreTheDerivativesOfPositions) {
   RandomNumbers random(11);
   for (int round = 0; round < 5; ++round) {
     const BodyPose pose = stepped(restBody(), randomStep(random, 0.4));
-    PosedBody body;
+    PosedModel body;
     poseBody(pose, Proportions(), body);
     const V3 inHand(0.05F, 0.02F, -0.01F);
-    const V3 place = body.place[kLeftHand] + body.rotation[kLeftHand] * inHand;
+    const V3 position = body.position[kLeftHand] + body.rotation[kLeftHand] * inHand;
     for (int dof = 0; dof < kDofCount; ++dof) {
-      // Does this degree of freedom carry the left hand?
+      // Does this degree of freedom move the left hand?
       bool carries = false;
-      for (int n = kLeftHand; n >= 0; n = nodeDefs()[static_cast<std::size_t>(n)].parent) {
-        const NodeDef& def = nodeDefs()[static_cast<std::size_t>(n)];
+      for (int n = kLeftHand; n >= 0; n = nodeDefs()[n].parent) {
+        const NodeDef& def = nodeDefs()[n];
         carries = carries || (dof >= def.firstDof && dof < def.firstDof + def.dofCount);
       }
       Step step = Step::Zero();
       step[dof] = 2e-3F;
-      PosedBody nudged;
+      PosedModel nudged;
       poseBody(stepped(pose, step), Proportions(), nudged);
-      const V3 moved = nudged.place[kLeftHand] + nudged.rotation[kLeftHand] * inHand - place;
-      const Twist& twist = body.twist[static_cast<std::size_t>(dof)];
+      const V3 moved = nudged.position[kLeftHand] + nudged.rotation[kLeftHand] * inHand - position;
+      const Twist& twist = body.twist[dof];
       const V3 expected =
-          carries ? V3(2e-3F * (twist.turn.cross(V3(place - body.place[kPelvis])) + twist.move)) : V3(V3::Zero());
-      // An angle that is at its limit does not go on.
+          carries ? V3(2e-3F * (twist.turn.cross(V3(position - body.position[kPelvis])) + twist.move)) : V3(V3::Zero());
+      // An angle at its limit does not increase further.
       if (moved.norm() < 1e-7F && carries) continue;
       EXPECT_LT((moved - expected).norm(), 2e-5F) << "dof " << dof << " round " << round;
     }
@@ -102,15 +102,15 @@ TEST(BodyModel, StepBetweenLeadsFromOnePoseToTheOther) {
   RandomNumbers random(5);
   const BodyPose from = stepped(restBody(), randomStep(random, 0.5));
   const BodyPose to = stepped(from, randomStep(random, 0.5));
-  PosedBody a, b;
+  PosedModel a, b;
   poseBody(to, Proportions(), a);
   poseBody(stepped(from, stepBetween(from, to)), Proportions(), b);
-  for (std::size_t n = 0; n < kNodeCount; ++n) EXPECT_LT((a.place[n] - b.place[n]).norm(), 1e-5F);
+  for (std::size_t n = 0; n < kNodeCount; ++n) EXPECT_LT((a.position[n] - b.position[n]).norm(), 1e-5F);
 }
 
 TEST(BodyModel, DistanceIsZeroOnTheSurfaceAndGrowsAlongTheNormal) {
   RandomNumbers random(3);
-  PosedBody body;
+  PosedModel body;
   poseBody(stepped(restBody(), randomStep(random, 0.3)), Proportions(), body);
   for (const ShapedCapsule& capsule : body.capsule) {
     const V3 around = V3(static_cast<float>(random.between(-1, 1)), static_cast<float>(random.between(-1, 1)),
@@ -133,13 +133,13 @@ TEST(BodyModel, DistanceIsZeroOnTheSurfaceAndGrowsAlongTheNormal) {
 TEST(BodyModel, LengthsScaleTheirLimbsAlone) {
   Proportions proportions;
   proportions.factor[kForearmLength] = 1.2F;
-  PosedBody plain, other;
+  PosedModel plain, other;
   poseBody(restBody(), Proportions(), plain);
   poseBody(restBody(), proportions, other);
-  EXPECT_NEAR((other.place[kLeftHand] - other.place[kLeftForearm]).norm(),
-              1.2F * (plain.place[kLeftHand] - plain.place[kLeftForearm]).norm(), 1e-3F);
-  EXPECT_LT((other.place[kLeftForearm] - plain.place[kLeftForearm]).norm(), 1e-6F);
-  EXPECT_LT((other.place[kRightShin] - plain.place[kRightShin]).norm(), 1e-6F);
+  EXPECT_NEAR((other.position[kLeftHand] - other.position[kLeftForearm]).norm(),
+              1.2F * (plain.position[kLeftHand] - plain.position[kLeftForearm]).norm(), 1e-3F);
+  EXPECT_LT((other.position[kLeftForearm] - plain.position[kLeftForearm]).norm(), 1e-6F);
+  EXPECT_LT((other.position[kRightShin] - plain.position[kRightShin]).norm(), 1e-6F);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace lorica {
 namespace {
 
-/// What a source says, turn by turn. Frames are empty rooms.
+/// The scripted results of a source, in order. Frames are empty rooms.
 struct Turn {
   DepthRead read;
   double time = 0.0;
@@ -47,9 +47,9 @@ DepthJoints scripted(std::vector<Turn> turns) {
   return {std::move(source), std::move(tracker)};
 }
 
-VirtualPerson waver(const Vec3& place) {
+VirtualPerson waver(const Vec3& position) {
   VirtualPerson person{VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()};
-  person.worldFromMotion = Isometry3(Eigen::Translation3d(place));
+  person.worldFromMotion = Isometry3(Eigen::Translation3d(position));
   return person;
 }
 
@@ -63,7 +63,7 @@ TEST(DepthJoints, TimesRiseThroughSilenceAndANewClock) {
   DepthJoints joints = scripted({{DepthRead::kFrame, 5.0},
                                  {DepthRead::kWaiting},
                                  {DepthRead::kUnplugged},
-                                 {DepthRead::kFrame, 0.5},  // the sensor's clock began anew
+                                 {DepthRead::kFrame, 0.5},  // the sensor's clock restarted
                                  {DepthRead::kFrame, 0.6},
                                  {DepthRead::kEnd}});
   std::vector<double> times;
@@ -78,7 +78,7 @@ TEST(DepthJoints, TimesRiseThroughSilenceAndANewClock) {
   ASSERT_EQ(times.size(), 5u);
   EXPECT_EQ(times[0], 5.0);
   for (std::size_t i = 1; i < times.size(); ++i) EXPECT_GT(times[i], times[i - 1]) << i;
-  EXPECT_NEAR(times[4] - times[3], 0.1, 1e-12) << "the new clock's own steps";
+  EXPECT_NEAR(times[4] - times[3], 0.1, 1e-12) << "the time steps are those of the restarted clock";
 }
 
 TEST(DepthJoints, ThePersonStandsAtTheOriginWhereverTheCameraSeesThem) {
@@ -90,7 +90,7 @@ TEST(DepthJoints, ThePersonStandsAtTheOriginWhereverTheCameraSeesThem) {
   const Vec3 torso = (**frame)[BodyJoint::kTorso].position;
   EXPECT_NEAR(torso.x(), 0.0, 1e-9);
   EXPECT_NEAR(torso.z(), 0.0, 1e-9);
-  EXPECT_NEAR(torso.y(), 1.15, 0.15) << "over the floor";
+  EXPECT_NEAR(torso.y(), 1.15, 0.15) << "height over the floor";
 }
 
 TEST(DepthJoints, TheNearestIsFollowedAndStaysTheOneWhileSeen) {
@@ -104,14 +104,14 @@ TEST(DepthJoints, TheNearestIsFollowedAndStaysTheOneWhileSeen) {
     if (!joints.sight().followed) continue;
     if (user == 0) user = (*frame)->user;
     EXPECT_EQ((*frame)->user, user);
-    // The other one stands 1.2 m to the right.
+    // The other person stands 1.2 m to the right.
     EXPECT_NEAR((**frame)[BodyJoint::kTorso].position.x(), 0.0, 0.2);
   }
   EXPECT_GT(user, 0);
   EXPECT_EQ(joints.sight().people, 2);
 }
 
-TEST(DepthJoints, WhoeverIsNotThereLeavesTheJointsUnknown) {
+TEST(DepthJoints, AMissingPersonLeavesTheJointsUnknown) {
   DepthJoints joints = before({waver({0.0, 0.0, 0.0})}, {}, 3);
   for (int i = 0; i < 10; ++i) {
     const Result<std::optional<SkeletonFrame>> frame = joints.next();

@@ -17,7 +17,7 @@ struct Seen {
   double tiltError = 0.0;    // [rad]
 };
 
-/// What the finder makes of some frames of a room, against the camera's true place.
+/// Result of the finder on some frames of a room, compared with the camera's true pose.
 Seen look(const VirtualRoom& room, bool noisy, int frames = 12, std::vector<VirtualPerson> people = {}) {
   VirtualSensorSettings settings;
   settings.room = room;
@@ -58,10 +58,10 @@ TEST(FloorFinder, NothingMeasuredIsNoFloor) {
 }
 
 TEST(FloorFinder, PlaneIsFoundWhereverTheCameraStands) {
-  struct Place {
+  struct Position {
     double height, tilt, heading;
   };
-  for (const Place& p : {Place{0.6, 0.0, 0.0}, {1.1, 0.05, 0.0}, {1.5, 0.25, 0.3}, {2.4, 0.6, -0.2}}) {
+  for (const Position& p : {Position{0.6, 0.0, 0.0}, {1.1, 0.05, 0.0}, {1.5, 0.25, 0.3}, {2.4, 0.6, -0.2}}) {
     SCOPED_TRACE(p.height);
     VirtualRoom room;
     room.worldFromCamera = worldFromCameraAt({0.2, p.height, 2.5}, p.tilt, p.heading);
@@ -99,7 +99,8 @@ TEST(FloorFinder, WallAloneIsNoFloor) {
 }
 
 TEST(FloorFinder, TableIsNotTakenForTheFloor) {
-  // A table fills the lower part of the image; past its edge the floor shows, or the wall below the table's height.
+  // A table fills the lower part of the image; beyond its edge the floor is visible, or the wall below the table's
+  // height.
   VirtualRoom room;
   room.worldFromCamera = worldFromCameraAt({0.0, 1.3, 2.7}, 0.2);
   room.boxes.push_back({Vec3(-1.5, 0.0, 0.2), Vec3(1.5, 0.72, 2.3)});

@@ -21,7 +21,7 @@ TEST(LimbPose, TargetsOutOfReachArePointedAt) {
 
 TEST(LimbPose, LaidLimbsPointAlongTheirDirections) {
   const BodyPose start = standingPose({0.1F, 0.9F, -0.2F}, 0.7F, 0.3F, 0.2F, 0.4F);
-  PosedBody body;
+  PosedModel body;
   poseBody(start, Proportions(), body);
   for (const Limb limb : {kLeftArm, kRightArm, kLeftLeg, kRightLeg}) {
     const V3 upper = body.rotation[kPelvis] * V3(0.2F, -0.9F, 0.35F).normalized();
@@ -29,11 +29,11 @@ TEST(LimbPose, LaidLimbsPointAlongTheirDirections) {
     const V3 lower = body.rotation[kPelvis] * V3(0.1F, -0.6F, arm ? 0.8F : -0.4F).normalized();
     BodyPose pose = start;
     layLimb(limb, body, upper, lower, pose);
-    PosedBody laid;
+    PosedModel laid;
     poseBody(pose, Proportions(), laid);
-    const V3 first = (laid.place[lowerNodeOf(limb)] - laid.place[upperNodeOf(limb)]).normalized();
-    const V3 second = (laid.place[endNodeOf(limb)] - laid.place[lowerNodeOf(limb)]).normalized();
-    // Bones of the mannequin are not quite along its axes: elbows and knees a degree or two, shins five.
+    const V3 first = (laid.position[lowerNodeOf(limb)] - laid.position[upperNodeOf(limb)]).normalized();
+    const V3 second = (laid.position[endNodeOf(limb)] - laid.position[lowerNodeOf(limb)]).normalized();
+    // The mannequin's bones deviate from its axes: elbows and knees by a degree or two, shins by five.
     EXPECT_GT(first.dot(upper), 0.995F) << int{limb};
     EXPECT_GT(second.dot(lower), 0.985F) << int{limb};
   }
@@ -42,12 +42,12 @@ TEST(LimbPose, LaidLimbsPointAlongTheirDirections) {
 TEST(LimbPose, TurnedAboutKeepsHandsAndFeetAndFacesAway) {
   const BodyPose pose = standingPose({0.0F, 0.915F, 0.0F}, 0.0F, 0.4F, 0.1F, 0.3F);
   const BodyPose turned = turnedAbout(pose, Proportions());
-  PosedBody a, b;
+  PosedModel a, b;
   poseBody(pose, Proportions(), a);
   poseBody(turned, Proportions(), b);
   EXPECT_LT(a.rotation[kPelvis].col(2).dot(b.rotation[kPelvis].col(2)), -0.99F);
-  EXPECT_LT((a.place[kLeftHand] - b.place[kRightHand]).norm(), 0.06F);
-  EXPECT_LT((a.place[kLeftFoot] - b.place[kRightFoot]).norm(), 0.06F);
+  EXPECT_LT((a.position[kLeftHand] - b.position[kRightHand]).norm(), 0.06F);
+  EXPECT_LT((a.position[kLeftFoot] - b.position[kRightFoot]).norm(), 0.06F);
 }
 
 }  // namespace

@@ -25,9 +25,9 @@ Isometry3 at(double x, double z, double turn = 0.0) {
   return result;
 }
 
-VirtualPerson performing(SyntheticMotion motion, const Isometry3& place = Isometry3::Identity(), double start = 0.0) {
+VirtualPerson performing(SyntheticMotion motion, const Isometry3& pose = Isometry3::Identity(), double start = 0.0) {
   VirtualPerson person{VirtualPerformer::create(makeMannequin(), synthesizeMotion(motion)).value()};
-  person.worldFromMotion = place;
+  person.worldFromMotion = pose;
   person.start = start;
   return person;
 }
@@ -40,8 +40,8 @@ std::vector<VirtualPerson> everyone(Person... person) {
   return all;
 }
 
-/// How well a person's label covers the truth, pixels without depth left out. Noise moves edges by about a pixel, so
-/// with it pixels next to a true edge do not count.
+/// How well a person's label matches the truth, without pixels that have no depth. Noise moves edges by about a pixel,
+/// so pixels next to a true edge are ignored if there is noise.
 struct Overlap {
   double score = 0.0;  // intersection over union with the best label
   int user = 0;
@@ -75,9 +75,9 @@ Overlap overlapOf(const PeopleFinder& finder, const VirtualSensor& sensor, std::
 }
 
 struct Watched {
-  std::vector<double> mean, least;   ///< of overlaps, one a person
-  std::vector<std::set<int>> users;  ///< that each person was given
-  std::size_t mostPeople = 0;
+  std::vector<double> mean, min;     ///< of overlaps, one per person
+  std::vector<std::set<int>> users;  ///< assigned to each person
+  std::size_t maxPeople = 0;
 };
 
 /// @param each  called after each frame
@@ -94,16 +94,16 @@ Watched watch(std::vector<VirtualPerson> people, VirtualSensorSettings settings,
   for (std::uint64_t f = 0; f < frames; ++f) {
     sensor.render(f * stride, frame);
     finder.find(frame);
-    result.mostPeople = std::max(result.mostPeople, finder.people().size());
+    result.maxPeople = std::max(result.maxPeople, finder.people().size());
     const std::size_t count = sensor.truth().size();
     result.mean.resize(count);
-    result.least.resize(count, 1.0);
+    result.min.resize(count, 1.0);
     result.users.resize(count);
     ++counted;
     for (std::size_t p = 0; p < count; ++p) {
       const Overlap overlap = overlapOf(finder, sensor, static_cast<std::uint8_t>(p + 1), !noisy);
       result.mean[p] += overlap.score;
-      result.least[p] = std::min(result.least[p], overlap.score);
+      result.min[p] = std::min(result.min[p], overlap.score);
       if (overlap.score > 0.5) result.users[p].insert(overlap.user);
     }
     each(f, finder, sensor);
@@ -132,7 +132,7 @@ TEST(PeopleFinder, RoomWithFurnitureHasNobody) {
   settings.room.boxes = chairAt({0.3, 0.0, 0.0});
   settings.room.boxes.push_back({Vec3(-1.6, 0.0, -1.2), Vec3(-0.8, 0.75, -0.4)});
   const Watched seen = watch({}, settings, true, 20);
-  EXPECT_EQ(seen.mostPeople, 0U);
+  EXPECT_EQ(seen.maxPeople, 0U);
 }
 
 TEST(PeopleFinder, StandsInTheFirstFrameAndIsCoveredCleanAndNoisy) {
@@ -141,23 +141,23 @@ TEST(PeopleFinder, StandsInTheFirstFrameAndIsCoveredCleanAndNoisy) {
       SCOPED_TRACE(nameOf(motion));
       const Watched seen = watch(everyone(performing(motion)), {}, noisy, 20, 7);
       EXPECT_GE(seen.mean[0], 0.97);
-      EXPECT_GE(seen.least[0], 0.95);
+      EXPECT_GE(seen.min[0], 0.95);
       EXPECT_EQ(seen.users[0], std::set<int>{1});
-      EXPECT_EQ(seen.mostPeople, 1U);
+      EXPECT_EQ(seen.maxPeople, 1U);
     }
   }
 }
 
 TEST(PeopleFinder, SeveralCamerasSeeTheSamePerson) {
-  struct Place {
-    Vec3 place;
+  struct Position {
+    Vec3 pose;
     double tilt, heading;
   };
-  for (const Place& p :
-       {Place{{0.5, 2.3, 2.3}, 0.5, 0.2}, {{0.0, 0.6, 2.8}, -0.1, 0.0}, {{0.0, 1.1, 3.9}, 0.05, 0.0}}) {
-    SCOPED_TRACE(p.place.transpose());
+  for (const Position& p :
+       {Position{{0.5, 2.3, 2.3}, 0.5, 0.2}, {{0.0, 0.6, 2.8}, -0.1, 0.0}, {{0.0, 1.1, 3.9}, 0.05, 0.0}}) {
+    SCOPED_TRACE(p.pose.transpose());
     VirtualSensorSettings settings;
-    settings.room.worldFromCamera = worldFromCameraAt(p.place, p.tilt, p.heading);
+    settings.room.worldFromCamera = worldFromCameraAt(p.pose, p.tilt, p.heading);
     const Watched seen = watch(everyone(performing(SyntheticMotion::kSquatAndReach)), settings, true, 15, 9);
     EXPECT_GE(seen.mean[0], 0.95);
     EXPECT_EQ(seen.users[0], std::set<int>{1});
@@ -190,12 +190,12 @@ TEST(PeopleFinder, PeopleWhoTouchAreSharedOut) {
                              {}, false, 100);
   for (const std::size_t p : {0U, 1U}) {
     EXPECT_GE(seen.mean[p], 0.95);
-    EXPECT_GE(seen.least[p], 0.8);
+    EXPECT_GE(seen.min[p], 0.8);
     EXPECT_EQ(seen.users[p].size(), 1U);
   }
 }
 
-TEST(PeopleFinder, NumberIsKeptBehindAScreenAndGivenAnewAfterTwoSeconds) {
+TEST(PeopleFinder, NumberIsKeptBehindAScreenAndReusedAfterTwoSeconds) {
   for (const double hidden : {1.0, 2.5}) {
     VirtualSensorSettings settings;
     settings.screens.push_back({{Vec3(-1.6, 0.0, 1.3), Vec3(1.6, 2.2, 1.35)}, {0.3, 0.3 + hidden}});
@@ -216,7 +216,7 @@ TEST(PeopleFinder, WhoPassesBehindAnotherKeepsTheNumber) {
                                       performing(SyntheticMotion::kWave, at(0.3, 0.0))),
                              {}, true, 55, 2);
   EXPECT_EQ(seen.users[1], std::set<int>{seen.users[1].empty() ? 0 : *seen.users[1].begin()});
-  EXPECT_GE(seen.mean[1], 0.85);  // pieces of the one behind go to the other for some frames
+  EXPECT_GE(seen.mean[1], 0.85);  // pieces of the person behind are assigned to the other for some frames
 }
 
 TEST(PeopleFinder, WhoEntersIsFoundAndWhatHeWalkedPastIsNot) {
@@ -230,22 +230,21 @@ TEST(PeopleFinder, WhoEntersIsFoundAndWhatHeWalkedPastIsNot) {
                              [&](std::uint64_t, const PeopleFinder& finder, const VirtualSensor& sensor) {
                                last = overlapOf(finder, sensor, 1, false).score;
                              });
-  EXPECT_EQ(seen.mostPeople, 1U);
+  EXPECT_EQ(seen.maxPeople, 1U);
   EXPECT_GE(last, 0.96);
 }
 
 TEST(PeopleFinder, WhoSitsDownIsToldFromTheChair) {
-  // Squats over a chair that stood there before.
+  // Squats over a chair that was there before.
   VirtualSensorSettings settings;
   settings.room.boxes = chairAt({0.0, 0.0, -0.5});
   const Watched seen = watch(everyone(performing(SyntheticMotion::kSquatAndReach)), settings, true, 30, 4);
   EXPECT_GE(seen.mean[0], 0.95);
-  EXPECT_GE(seen.least[0], 0.9);
+  EXPECT_GE(seen.min[0], 0.9);
 }
 
 TEST(PeopleFinder, WhoSteppedBackOnceIsNoFurniture) {
-  // Going straight back nobody covers anything new. After that the person stands still for longer than
-  // furniture may.
+  // A person stepping straight back uncovers nothing new. After that they stand still for longer than furniture may.
   std::vector<SkeletonFrame> back;
   back.reserve(31);
   for (int i = 0; i <= 30; ++i) {
@@ -268,12 +267,12 @@ TEST(PeopleFinder, WhoSteppedBackOnceIsNoFurniture) {
 TEST(PeopleFinder, ShelfThatTheImageCutsOffIsNobody) {
   VirtualSensorSettings settings;
   settings.room.boxes = {{Vec3(-2.1, 0.0, -0.7), Vec3(-1.5, 2.4, -0.4)}};
-  std::size_t most = 0;
+  std::size_t max = 0;
   const Watched seen = watch(everyone(performing(SyntheticMotion::kWave, at(0.3, 0.0))), settings, true, 12, 1,
                              [&](std::uint64_t, const PeopleFinder& finder, const VirtualSensor&) {
-                               most = std::max(most, finder.people().size());
+                               max = std::max(max, finder.people().size());
                              });
-  EXPECT_EQ(most, 1U);
+  EXPECT_EQ(max, 1U);
   EXPECT_GE(seen.mean[0], 0.95);
 }
 
@@ -296,7 +295,7 @@ TEST(PeopleFinder, SegmentsSayWhereAndHowTallInTheFloorFrame) {
           const PersonSegment& one = finder.people()[0];
           int left = 640, top = 480, right = 0, bottom = 0, count = 0;
           for (int i = 0; i < 640 * 480; ++i) {
-            if (finder.labels()[static_cast<std::size_t>(i)] != 1) continue;
+            if (finder.labels()[i] != 1) continue;
             left = std::min(left, i % 640);
             right = std::max(right, i % 640 + 1);
             top = std::min(top, i / 640);
@@ -337,7 +336,7 @@ TEST(PeopleFinder, SameFramesGiveTheSameLabelsAndTakeNoMemory) {
 }
 
 TEST(PeopleFinder, RandomDepthIsSurvived) {
-  // Nothing is promised but an answer.
+  // There is no expected result, except that it returns.
   const DepthCamera camera;
   PeopleFinder finder(camera, 2);
   DepthFrame frame;
@@ -362,7 +361,7 @@ TEST(PeopleFinder, RealRecordingShowsOneWhoIsCutOff) {
   int frames = 0;
   for (; source->next(frame).value() == DepthRead::kFrame; ++frames) {
     finder.find(frame);
-    ASSERT_EQ(finder.people().size(), 1U) << frames;  // and a shelf, cut off on the other side, is nobody
+    ASSERT_EQ(finder.people().size(), 1U) << frames;  // and a shelf, cut off on the other side, is not a person
     const PersonSegment& one = finder.people()[0];
     EXPECT_EQ(one.user, 1);
     EXPECT_TRUE(one.cutByBorder);

@@ -105,7 +105,7 @@ TEST(Tracker, TellsABackFromAFront) {
   VirtualSensor sensor = sensorBefore(SyntheticMotion::kWave, std::numbers::pi, 0);
   const Figures figures = follow(sensor, 30);
   EXPECT_GE(figures.tracked, 15);
-  EXPECT_LT(figures.mean, 0.035);  // left for right would be 0.3
+  EXPECT_LT(figures.mean, 0.035);  // left and right swapped would give 0.3
   // The chest faces away from the camera, which looks along -Z.
   const Quat chest = *figures.joints.back()[BodyJoint::kTorso].orientation;
   EXPECT_LT((chest * Vec3::UnitZ()).z(), -0.9);
@@ -136,7 +136,7 @@ TEST(Tracker, GoesOnAfterAPersonWasHidden) {
 }
 
 TEST(Tracker, FramesTakeNoMemory) {
-  // Followed, searched for, lost and found again: of all that runs each frame nothing asks for memory.
+  // A person is tracked, searched for, lost and found again: none of this allocates per frame.
   VirtualSensor sensor = sensorBefore(SyntheticMotion::kJumpingJacks, 0.0, 4, {}, {{0.5, 1.0}});
   Tracker tracker = Tracker::create(sensor.camera()).value();
   DepthFrame frame;

@@ -39,7 +39,7 @@ struct Spread {
   double mean = 0.0, deviation = 0.0;
   int count = 0;
 };
-Spread spreadOf(const Image& image) {
+Spread percentilesOf(const Image& image) {
   Spread spread;
   double squares = 0.0;
   for (const std::uint16_t mm : image) {
@@ -95,7 +95,7 @@ TEST(DepthNoise, AWallHasTheAxialNoiseOfNguyenAndOthers) {
   for (const double z : {0.8, 1.5, 2.5, 4.0}) {
     DepthNoiseSettings settings = DepthNoiseSettings::clean();
     settings.axial = settings.steps = 1.0;
-    const Spread spread = spreadOf(noisy(wallAt(z), settings));
+    const Spread spread = percentilesOf(noisy(wallAt(z), settings));
     const double expected = 1000.0 * (0.0012 + 0.0019 * (z - 0.4) * (z - 0.4));
     EXPECT_NEAR(spread.deviation, expected, 0.08 * expected + 0.2) << z;
     EXPECT_NEAR(spread.mean, 1000.0 * z, 0.03 * expected + 1.0 + 1.5e-3 * 1000.0 * z) << z;
@@ -142,7 +142,7 @@ TEST(DepthNoise, TheProjectorsShadowLiesLeftOfNearThingsAndIsAsWideAsParallaxSay
     EXPECT_GE(column, 250U - 20U);
     ++width;
   }
-  EXPECT_NEAR(width, parallax, 1.5);  // whole pixels, and half a one is granted
+  EXPECT_NEAR(width, parallax, 1.5);  // whole pixels, with a tolerance of half a pixel
   for (std::size_t column = 0; column < 640; ++column) ASSERT_NE(image[50 * 640 + column], 0);
 }
 
@@ -152,7 +152,7 @@ TEST(DepthNoise, EdgesJitterByAboutAPixel) {
     if (i % 640 >= 320) inverse[i] = 1.0F / 1.5F;
   }
   const Image image = noisy(inverse, only(&DepthNoiseSettings::lateral));
-  // Along an edge the count of near pixels on the wrong side sums to the mean of |offset|.
+  // Along an edge the number of near pixels on the wrong side adds up to the mean of |offset|.
   double offset = 0.0, squares = 0.0;
   for (std::size_t row = 0; row < 480; ++row) {
     int near = 0;
@@ -169,7 +169,7 @@ TEST(DepthNoise, EdgesJitterByAboutAPixel) {
 TEST(DepthNoise, GrazingSurfacesGoMissing) {
   DepthRenderer renderer{kCamera};
   const auto missingAt = [&](double angle) {
-    // A wall turned about the vertical; only its middle columns are seen at about the angle.
+    // A wall rotated about the vertical; only its middle columns are seen at about that angle.
     renderer.clear();
     renderer.drawPlane(Vec3(std::sin(angle), 0.0, std::cos(angle)), -2.0 * std::cos(angle), 0);
     DepthNoiseSettings settings = DepthNoiseSettings::clean();

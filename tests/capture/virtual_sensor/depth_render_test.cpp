@@ -25,12 +25,12 @@ double depthAt(const DepthRenderer& renderer, int column, int row) {
   return inverse > 0.0 ? 1.0 / inverse : 0.0;
 }
 
-/// Two triangles over a parallelogram, counter-clockwise from where u x v points.
+/// Two triangles that form a parallelogram, counter-clockwise as seen from the direction u x v.
 TriMesh parallelogram(const Vec3& corner, const Vec3& u, const Vec3& v) {
   return {{corner, corner + u, corner + u + v, corner + v}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-/// A sphere of latitudes and longitudes; its corners lie on the sphere.
+/// A sphere of latitudes and longitudes with its corners on the sphere.
 TriMesh sphere(const Vec3& middle, double radius, int rings, int segments) {
   TriMesh mesh;
   for (int r = 0; r <= rings; ++r) {
@@ -70,7 +70,7 @@ TEST(DepthRenderer, ATiltedSquareIsSeenWhereRaysMeetIt) {
   for (int row = 0; row < kCamera.height; ++row) {
     for (int column = 0; column < kCamera.width; ++column) {
       // corner + s u + t v = depth * ray.
-      basis << u, v, -kCamera.placeOf(column, row, 1.0);
+      basis << u, v, -kCamera.positionOf(column, row, 1.0);
       const Vec3 hit = basis.partialPivLu().solve(-corner);
       const double margin = std::min({hit.x(), hit.y(), 1.0 - hit.x(), 1.0 - hit.y()});
       if (std::abs(margin) < 1e-9) continue;
@@ -92,7 +92,7 @@ TEST(DepthRenderer, ASphereIsSeenWithinTheSagOfItsFacets) {
   int seen = 0;
   for (int row = 0; row < kCamera.height; ++row) {
     for (int column = 0; column < kCamera.width; ++column) {
-      const Vec3 ray = kCamera.placeOf(column, row, 1.0);
+      const Vec3 ray = kCamera.positionOf(column, row, 1.0);
       const double along = ray.dot(middle) / ray.squaredNorm();
       const double inside = kRadius * kRadius - (middle - along * ray).squaredNorm();
       if (inside < 0.0) {
@@ -109,7 +109,7 @@ TEST(DepthRenderer, ASphereIsSeenWithinTheSagOfItsFacets) {
 }
 
 TEST(DepthRenderer, NeighbouringTrianglesLeaveNoGap) {
-  // A plane cut into random triangles that share corners: the fan of each random point in a jittered grid.
+  // A plane divided into random triangles with shared corners: the fan of each random point in a jittered grid.
   RandomNumbers numbers(11);
   constexpr int kCells = 40;
   TriMesh mesh;
@@ -158,7 +158,7 @@ TEST(DepthRenderer, OnlyTheOuterSideOfAClosedSurfaceIsDrawn) {
 }
 
 TEST(DepthRenderer, WhatReachesBehindTheCameraIsCutAway) {
-  // A floor of two triangles that goes on behind the camera looks like the floor as a plane.
+  // A floor of two triangles that extends behind the camera looks like the floor as a plane.
   const TriMesh floor = parallelogram({-50.0, -1.1, 50.0}, {100.0, 0.0, 0.0}, {0.0, 0.0, -100.0});
   DepthRenderer cut{kCamera};
   cut.draw(floor.vertices, floor.triangles, SurfaceSides::kOuter, 1);
@@ -179,18 +179,18 @@ TEST(DepthRenderer, WhatReachesBehindTheCameraIsCutAway) {
 TEST(DepthRenderer, TrianglesThatAreNoneDrawNothingAndCrashNothing) {
   const double inf = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<Vec3> places = {{0, 0, -1},   {1, 0, -1},          {2, 0, -1},     {nan, 0, -1},
-                                    {0, inf, -1}, {0, 0, -inf},        {0, 0, 0},      {0, 0, -1e300},
-                                    {0, 0, 5},    {1e300, -1e300, -1}, {0, 1e-300, -1}};
+  const std::vector<Vec3> positions = {{0, 0, -1},   {1, 0, -1},          {2, 0, -1},     {nan, 0, -1},
+                                       {0, inf, -1}, {0, 0, -inf},        {0, 0, 0},      {0, 0, -1e300},
+                                       {0, 0, 5},    {1e300, -1e300, -1}, {0, 1e-300, -1}};
   std::vector<Triangle> triangles;
-  const int count = static_cast<int>(places.size());
+  const int count = static_cast<int>(positions.size());
   for (int a = 0; a < count; ++a) {
     for (int b = 0; b < count; ++b) {
       for (int c = 0; c < count; ++c) triangles.push_back({a, b, c});
     }
   }
   DepthRenderer renderer{kCamera};
-  renderer.draw(places, triangles, SurfaceSides::kBoth, 1);
+  renderer.draw(positions, triangles, SurfaceSides::kBoth, 1);
   for (const float inverse : renderer.inverseDepth()) {
     ASSERT_TRUE(std::isfinite(inverse));
     ASSERT_LE(inverse, 20.0F);
@@ -219,15 +219,15 @@ TEST(VirtualRoom, FloorWallAndBoxAreSeenWhereTheyAre) {
     for (int column = 0; column < kCamera.width; ++column) {
       const double depth = depthAt(renderer, column, row);
       ASSERT_GT(depth, 0.0);
-      const Vec3 place = room.worldFromCamera * kCamera.placeOf(column, row, depth);
+      const Vec3 position = room.worldFromCamera * kCamera.positionOf(column, row, depth);
       const Aabb& box = room.boxes[0];
-      const double outside = (box.min - place).cwiseMax(place - box.max).maxCoeff();
+      const double outside = (box.min - position).cwiseMax(position - box.max).maxCoeff();
       if (std::abs(outside) < 1e-5) {
         ++onBox;
-      } else if (std::abs(place.y()) < 1e-5) {
+      } else if (std::abs(position.y()) < 1e-5) {
         ++onFloor;
       } else {
-        ASSERT_NEAR(place.z(), *room.wall, 1e-5);
+        ASSERT_NEAR(position.z(), *room.wall, 1e-5);
         ++onWall;
       }
     }

@@ -1,10 +1,10 @@
-// Uses the virtual camera through the stock OpenNI2, as any program would. A program of its own, since which drivers
-// OpenNI2 has is settled by where it was loaded from.
+// Uses the virtual camera through the stock OpenNI2, like any other program. A separate program, because OpenNI2's set
+// of drivers depends on where it was loaded from.
 //
 //   driver_client frames COUNT OUT   writes COUNT frames: time [us], number of bytes, the bytes
 //   driver_client record COUNT ONI   records COUNT frames
 //   driver_client cycle COUNT        opens and closes COUNT times, with a frame each; every tenth time all of OpenNI2
-//   driver_client unplug SECONDS     reads frames and says when the camera comes and goes
+//   driver_client unplug SECONDS     reads frames and reports when the camera disappears and returns
 
 #include <OpenNI.h>
 
@@ -18,7 +18,7 @@
 #include <string>
 #include <thread>
 
-// What OpenNI2 leaks is not for our tests to find.
+// Leaks of OpenNI2 are not checked by our tests.
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=0";
 }
@@ -39,7 +39,7 @@ bool read(openni::VideoStream& stream, openni::VideoFrameRef& frame) {
          stream.readFrame(&frame) == openni::STATUS_OK && frame.isValid();
 }
 
-/// A camera as OpenNI2 wants it closed: the stream before the device.
+/// A camera that is closed as OpenNI2 requires: the stream before the device.
 struct Camera {
   openni::Device device;
   openni::VideoStream depth;
@@ -136,11 +136,11 @@ int unplug(int seconds) {
     for (int i = 0; i < 100 * seconds && count == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return count > 0;
   };
-  if (!wait(plugs.went)) return fail("never went");
+  if (!wait(plugs.went)) return fail("never disconnected");
   camera->close();
   openni::Device gone;
-  if (gone.open(kUri) == openni::STATUS_OK) return fail("open while unplugged");
-  if (!wait(plugs.came)) return fail("never came back");
+  if (gone.open(kUri) == openni::STATUS_OK) return fail("opened while unplugged");
+  if (!wait(plugs.came)) return fail("never reconnected");
   camera = std::make_unique<Camera>();
   if (!camera->open() || camera->depth.start() != openni::STATUS_OK || !read(camera->depth, frame))
     return fail("again");
@@ -150,7 +150,7 @@ int unplug(int seconds) {
   std::printf("%llu %llu\n", static_cast<unsigned long long>(before), static_cast<unsigned long long>(after));
   openni::OpenNI::removeDeviceConnectedListener(&plugs);
   openni::OpenNI::removeDeviceDisconnectedListener(&plugs);
-  return plugs.went == 1 && plugs.came == 1 ? 0 : fail("came and went more than once");
+  return plugs.went == 1 && plugs.came == 1 ? 0 : fail("disconnected or reconnected more than once");
 }
 
 }  // namespace

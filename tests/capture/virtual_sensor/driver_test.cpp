@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// OpenNI2 with our driver and its own one for files: a folder of links.
+/// OpenNI2 with our driver and its own driver for files: a folder of links.
 class StagedClient {
  public:
   StagedClient() {
@@ -36,7 +36,7 @@ class StagedClient {
 
   [[nodiscard]] fs::path path(const char* name) const { return folder_.path() / name; }
 
-  /// @return its exit status, or 1000 and the signal that ended it
+  /// @return its exit status, or 1000 plus the signal that ended it
   int run(const std::string& script, std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), LORICA_DRIVER_CLIENT);
     std::vector<char*> argv;
@@ -66,7 +66,7 @@ class StagedClient {
   test::TemporaryFolder folder_;
 };
 
-/// Renders what the driver should have shown at a time.
+/// Renders the expected image of the driver at a time.
 class Expected {
  public:
   explicit Expected(const std::string& script)
@@ -113,7 +113,7 @@ TEST(Driver, TheStockRecorderRecordsItAndNothingIsLost) {
   DepthFrame frame;
   for (int i = 0; i < (*source)->info().frameCount; ++i) {
     ASSERT_EQ((*source)->next(frame).value(), DepthRead::kFrame);
-    EXPECT_NEAR(frame.time, i / 30.0, 2e-6);  // every frame from the first on
+    EXPECT_NEAR(frame.time, i / 30.0, 2e-6);  // every frame from the first one on
     ASSERT_EQ(frame.depthMm, expected.at(frame.time)) << "frame " << i;
   }
 }
@@ -129,7 +129,7 @@ TEST(Driver, UnpluggedTheCameraGoesAndComesBack) {
   unsigned long long before = 0, after = 0;
   ASSERT_EQ(std::sscanf(readFile(client.path("output")).value().c_str(), "%llu %llu", &before, &after), 2);
   EXPECT_LT(before, 300000U);
-  EXPECT_GE(after, 900000U);  // its clock goes on
+  EXPECT_GE(after, 900000U);  // its clock continues
 }
 
 TEST(Driver, ABadScriptIsRefusedWithoutACrash) {

@@ -21,12 +21,12 @@ std::vector<Affine3> restOf(const Character& character) {
   return worldFromJoint;
 }
 
-Vec3 placeOf(const Character& character, B bone) {
-  return restOf(character)[static_cast<std::size_t>(character.skeleton.jointOf(bone))].translation();
+Vec3 positionOf(const Character& character, B bone) {
+  return restOf(character)[character.skeleton.jointOf(bone)].translation();
 }
 
 double lengthOf(const Character& character, B from, B to) {
-  return (placeOf(character, from) - placeOf(character, to)).norm();
+  return (positionOf(character, from) - positionOf(character, to)).norm();
 }
 
 TEST(VirtualBody, FactorsOfOneChangeNothing) {
@@ -45,7 +45,7 @@ TEST(VirtualBody, HeightScalesEverything) {
   EXPECT_NEAR(signedVolume(taller.mesh.vertices, taller.mesh.triangles),
               1.331 * signedVolume(mannequin.mesh.vertices, mannequin.mesh.triangles), 1e-9);
   for (const B bone : {B::kHead, B::kLeftHand, B::kRightFoot, B::kHips}) {
-    EXPECT_NEAR((placeOf(taller, bone) - 1.1 * placeOf(mannequin, bone)).norm(), 0.0, 1e-9);
+    EXPECT_NEAR((positionOf(taller, bone) - 1.1 * positionOf(mannequin, bone)).norm(), 0.0, 1e-9);
   }
 }
 
@@ -53,7 +53,7 @@ TEST(VirtualBody, GirthMovesTheSkinAndNoJoint) {
   const Character mannequin = makeMannequin();
   const Character heavier = withProportions(mannequin, {.girth = 1.3});
   for (const B bone : {B::kHead, B::kLeftHand, B::kRightFoot, B::kHips, B::kLeftUpperArm}) {
-    EXPECT_NEAR((placeOf(heavier, bone) - placeOf(mannequin, bone)).norm(), 0.0, 0.003);
+    EXPECT_NEAR((positionOf(heavier, bone) - positionOf(mannequin, bone)).norm(), 0.0, 0.003);
   }
   const double ratio = signedVolume(heavier.mesh.vertices, heavier.mesh.triangles) /
                        signedVolume(mannequin.mesh.vertices, mannequin.mesh.triangles);
@@ -61,7 +61,7 @@ TEST(VirtualBody, GirthMovesTheSkinAndNoJoint) {
   EXPECT_LT(ratio, 1.69);
 }
 
-TEST(VirtualBody, LimbsAndTrunkGrowByTheirFactors) {
+TEST(VirtualBody, LimbsAndTrunkScaleByTheirFactors) {
   const Character mannequin = makeMannequin();
   const Character other = withProportions(mannequin, {.arms = 0.85, .legs = 1.15, .trunk = 1.1});
   for (const auto& [from, to, factor] : {std::tuple{B::kLeftUpperArm, B::kLeftLowerArm, 0.85},

@@ -24,7 +24,7 @@ TEST(VirtualRecording, TheShippedRecordingIsWhatTheVirtualSensorShows) {
     ASSERT_EQ((*source)->next(recorded).value(), DepthRead::kFrame);
     EXPECT_NEAR(recorded.time, number / 30.0, 1e-6);
     sensor.render(static_cast<std::uint64_t>(number), shown);
-    // Bit for bit where it was made; mathematical libraries may move an edge by a pixel.
+    // Bit-identical on the platform where it was made; other math libraries may shift an edge by a pixel.
     int differing = 0;
     for (std::size_t i = 0; i < shown.depthMm.size(); ++i) differing += shown.depthMm[i] != recorded.depthMm[i] ? 1 : 0;
     EXPECT_LT(differing, 640 * 480 / 1000);

@@ -39,7 +39,7 @@ TEST(VirtualScript, EverySettingIsTaken) {
   EXPECT_EQ(script.absent.at(0).from, 1.0);
 }
 
-TEST(VirtualScript, WhatIsWrongIsSaid) {
+TEST(VirtualScript, ErrorsAreReported) {
   for (const char* text : {"motion=",     "motion=flying", "motion=walk,wave,walk",
                            "motion=.csv", "loop",          "loop=maybe",
                            "seed=-1",     "seed=1e3",      "noise=loud",

@@ -41,9 +41,9 @@ struct Pixel {
     return static_cast<std::size_t>(row * camera.width + column);
   }
 };
-Pixel pixelOf(const DepthCamera& camera, const Vec3& place) {
-  return {static_cast<int>(std::floor(0.5 * camera.width - camera.focalX() * place.x() / place.z())),
-          static_cast<int>(std::floor(0.5 * camera.height + camera.focalY() * place.y() / place.z()))};
+Pixel pixelOf(const DepthCamera& camera, const Vec3& position) {
+  return {static_cast<int>(std::floor(0.5 * camera.width - camera.focalX() * position.x() / position.z())),
+          static_cast<int>(std::floor(0.5 * camera.height + camera.focalY() * position.y() / position.z()))};
 }
 
 TEST(VirtualSensor, JointsLieBehindTheSurfaceThatIsSeenOfThem) {
@@ -62,7 +62,7 @@ TEST(VirtualSensor, JointsLieBehindTheSurfaceThatIsSeenOfThem) {
       ASSERT_EQ(sensor.labels()[at], 1) << "frame " << f << ", " << nameOf(static_cast<J>(j));
       const double behind = -joint.position.z() - 0.001 * frame.depthMm[at];
       ASSERT_GT(behind, -0.001) << "frame " << f << ", " << nameOf(static_cast<J>(j));
-      if (behind < 0.3) ++compared;  // else something in front of the joint hides it
+      if (behind < 0.3) ++compared;  // otherwise something in front of the joint hides it
     }
   }
   EXPECT_GT(compared, 28 * kBodyJointCount);
@@ -94,23 +94,24 @@ TEST(VirtualSensor, TruthIsTheMotionsOwnJoints) {
 }
 
 TEST(VirtualSensor, TheSurfaceIsTheSkinnedMesh) {
-  // Clean depth of the wave's first frame, back in the world, lies on the floor, on the wall or near the mesh.
+  // Clean depth of the wave's first frame, transformed back to the world, is on the floor, on the wall or near the
+  // mesh.
   VirtualSensor sensor = sensorOf({{waving()}}, cleanSettings());
   DepthFrame frame;
   sensor.render(0, frame);
   VirtualPerformer performer = waving();
   performer.pose(0.0, Isometry3::Identity());
-  const Aabb bounds = boundsOf(performer.places());
+  const Aabb bounds = boundsOf(performer.positions());
   Aabb seen;
   for (int row = 0; row < 480; ++row) {
     for (int column = 0; column < 640; ++column) {
       const std::size_t at = Pixel{column, row}.in(sensor.camera());
       if (sensor.labels()[at] != 1) continue;
-      const Vec3 inCamera = sensor.camera().placeOf(column, row, 0.001 * frame.depthMm[at]);
+      const Vec3 inCamera = sensor.camera().positionOf(column, row, 0.001 * frame.depthMm[at]);
       seen.extend(VirtualRoom{}.worldFromCamera * inCamera);
     }
   }
-  // A pixel is 5 mm wide at 3 m. The back is not seen.
+  // A pixel is 5 mm wide at 3 m. The back is not visible.
   EXPECT_NEAR(seen.min.x(), bounds.min.x(), 0.008);
   EXPECT_NEAR(seen.max.x(), bounds.max.x(), 0.008);
   EXPECT_NEAR(seen.min.y(), bounds.min.y(), 0.008);
@@ -129,7 +130,7 @@ TEST(VirtualSensor, TheFloorFrameStandsBelowTheCameraAndLooksWithIt) {
               1e-12);
   DepthFrame frame;
   sensor.render(0, frame);
-  const Vec3 corner = floorFromCamera * sensor.camera().placeOf(5, 470, 0.001 * frame.depthMm[470 * 640 + 5]);
+  const Vec3 corner = floorFromCamera * sensor.camera().positionOf(5, 470, 0.001 * frame.depthMm[470 * 640 + 5]);
   EXPECT_NEAR(corner.y(), 0.0, 0.001);
   const SkeletonFrame joints = moved(sensor.truth()[0].joints, floorFromCamera);
   EXPECT_NEAR(joints[J::kHead].position.y(), 1.55, 0.1);
@@ -263,12 +264,12 @@ TEST(VirtualSensor, SettingsOutOfRangeAreRefused) {
   EXPECT_TRUE(refused([](VirtualSensorSettings& s) { s.camera.height = 1 << 20; }));
   EXPECT_TRUE(refused([](VirtualSensorSettings& s) { s.camera.horizontalFov = std::nan(""); }));
   EXPECT_TRUE(refused([](VirtualSensorSettings& s) { s.framesPerSecond = 0.0; }));
-  EXPECT_TRUE(refused([](VirtualSensorSettings& s) { s.noise.least = 9.0; }));
+  EXPECT_TRUE(refused([](VirtualSensorSettings& s) { s.noise.min = 9.0; }));
   EXPECT_TRUE(refused([](VirtualSensorSettings& s) { s.noise.dropout = 0.9; }));
   EXPECT_FALSE(VirtualSensor::create(std::vector<VirtualPerson>(7, {waving()}), {}).ok());
 }
 
-TEST(VirtualPerformer, OnesOwnMotionIsPlayedAsItIsAndForeignOnesAreCarried) {
+TEST(VirtualPerformer, OwnMotionsArePlayedUnchangedAndForeignOnesAreRetargeted) {
   const Character character = makeMannequin();
   const SkeletalMotion own = skeletalMotionOf(synthesizeMotion(SyntheticMotion::kWave)).value();
   VirtualPerformer carried = VirtualPerformer::create(character, own).value();
@@ -281,8 +282,7 @@ TEST(VirtualPerformer, OnesOwnMotionIsPlayedAsItIsAndForeignOnesAreCarried) {
   SkeletalMotion same{"", character.skeleton, {0.0, 1.0}, {}};
   Pose pose = restPose(character.skeleton);
   same.poses.insert(same.poses.end(), pose.begin(), pose.end());
-  pose[static_cast<std::size_t>(character.skeleton.jointOf(HumanBone::kLeftUpperArm))].rotation =
-      Quat(Eigen::AngleAxisd(-1.0, Vec3::UnitZ()));
+  pose[character.skeleton.jointOf(HumanBone::kLeftUpperArm)].rotation = Quat(Eigen::AngleAxisd(-1.0, Vec3::UnitZ()));
   same.poses.insert(same.poses.end(), pose.begin(), pose.end());
   VirtualPerformer played = VirtualPerformer::create(character, same).value();
   played.pose(0.5, Isometry3::Identity());

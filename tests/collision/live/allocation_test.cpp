@@ -19,7 +19,7 @@ TEST(MovingHull, UpdatesAllocateNothing) {
   for (Vec3& p : points) p = uniformVec3(random, -1.0, 1.0);
   std::vector<std::vector<PointRow>> frames;
   for (int frame = 0; frame < 40; ++frame) {
-    // Small steps, then leaps, then flat, then none.
+    // Small steps, then large jumps, then a flat shape, then no extent at all.
     const double size = frame < 15 ? 1e-3 : frame < 30 ? 1.0 : 0.0;
     for (Vec3& p : points) p += size * uniformVec3(random, -1.0, 1.0);
     std::vector<Vec3> posed = points;
@@ -31,7 +31,7 @@ TEST(MovingHull, UpdatesAllocateNothing) {
 
   MovingHull hull(300);
   const long before = allocationCount();
-  ASSERT_GT(before, 0) << "the counter works: making all this did allocate";
+  ASSERT_GT(before, 0) << "the counter works: the setup allocated memory";
   MovingHull::Counts sum;
   for (const std::vector<PointRow>& rows : frames) {
     hull.update(rows);
@@ -43,7 +43,7 @@ TEST(MovingHull, UpdatesAllocateNothing) {
     (void)hull.volume();
   }
   EXPECT_EQ(allocationCount() - before, 0);
-  EXPECT_GT(sum.turnedFaces * sum.flips * sum.deletions, 0) << "every repair was made";
+  EXPECT_GT(sum.turnedFaces * sum.flips * sum.deletions, 0) << "every kind of repair occurred";
   EXPECT_GT(sum.rebuilds, 3);
 }
 
@@ -57,7 +57,7 @@ TEST(LiveBody, FramesOfACharacterAllocateNothing) {
   }
   for (Affine3& bone : frames[5]) bone.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   for (Affine3& bone : frames[8]) bone.linear() *= 1e-3;
-  LiveBody body(dancer.decomposition, dancer.character);
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   LiveBody copy = body;
   LiveBody assigned(body.plan(), LiveDetail::kSupport);
   assigned = copy;

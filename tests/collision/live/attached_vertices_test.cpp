@@ -19,7 +19,7 @@
 namespace lorica {
 namespace {
 
-/// The mannequin with what people see about it: a shell one centimetre above every fifth vertex of its skin, and a
+/// The mannequin with additional visible geometry: a shell one centimetre above every fifth vertex of its skin, and a
 /// rod of 40 cm in its left hand.
 struct Dressed {
   Character character = makeMannequin();
@@ -30,10 +30,9 @@ struct Dressed {
   Dressed() {
     std::vector<Vec3> normals(character.mesh.vertices.size(), Vec3::Zero());
     for (const Triangle& t : character.mesh.triangles) {
-      const Vec3& a = character.mesh.vertices[static_cast<std::size_t>(t[0])];
-      const Vec3 normal = (character.mesh.vertices[static_cast<std::size_t>(t[1])] - a)
-                              .cross(character.mesh.vertices[static_cast<std::size_t>(t[2])] - a);
-      for (const VertexIndex v : t) normals[static_cast<std::size_t>(v)] += normal;
+      const Vec3& a = character.mesh.vertices[t[0]];
+      const Vec3 normal = (character.mesh.vertices[t[1]] - a).cross(character.mesh.vertices[t[2]] - a);
+      for (const VertexIndex v : t) normals[v] += normal;
     }
     for (int v = 0; v < bodyVertices; v += 5) {
       const auto i = static_cast<std::size_t>(v);
@@ -42,7 +41,7 @@ struct Dressed {
                  character.influences.begin() + character.influenceBegin[i + 1]});
     }
     const JointIndex hand = character.skeleton.jointOf(HumanBone::kLeftHand);
-    const Vec3 grip = character.jointFromModel[static_cast<std::size_t>(hand)].inverse().translation();
+    const Vec3 grip = character.jointFromModel[hand].inverse().translation();
     for (int k = 0; k <= 20; ++k) addVertex(grip + Vec3(0.08, 0.0, 0.02 * k), {{hand, 1.0}});
     decomposition = cutUp(character);
     lifted = liftPoints(character, decomposition);
@@ -51,7 +50,7 @@ struct Dressed {
   static Decomposition cutUp(const Character& character) {
     const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
     Result<Decomposition> made = decompose(character.mesh, bindPose, {.maxParts = 12});
-    CHECK(made.ok(), "the mannequin can be cut");
+    LORICA_CHECK(made.ok(), "cutting the mannequin must succeed");
     return std::move(*made);
   }
 
@@ -75,15 +74,15 @@ const Dressed& dressed() {
   return made;
 }
 
-/// How far points stick out of one live part [m].
+/// How far points protrude from one live part [m].
 double farthestOut(const LivePart& part, std::span<const PointIndex> points, std::span<const Vec3> world) {
   std::vector<Vec3> own;
   own.reserve(points.size());
-  for (const PointIndex p : points) own.push_back(part.worldFromPart.inverse() * world[static_cast<std::size_t>(p)]);
+  for (const PointIndex p : points) own.push_back(part.worldFromPart.inverse() * world[p]);
   return largestViolation(part.shape, own);
 }
 
-TEST(Passengers, VerticesWithoutTrianglesDoNotChangeTheCuts) {
+TEST(AttachedVertices, VerticesWithoutTrianglesDoNotChangeTheCuts) {
   const Decomposition bare = Dressed::cutUp(makeMannequin());
   const Decomposition& with = dressed().decomposition;
   EXPECT_EQ(with.vertexCount, static_cast<int>(dressed().character.mesh.vertices.size()));
@@ -100,40 +99,40 @@ TEST(Passengers, VerticesWithoutTrianglesDoNotChangeTheCuts) {
   }
 }
 
-TEST(Passengers, EachVertexThatNoPartHasIsInOnePart) {
+TEST(AttachedVertices, EachVertexThatNoPartHasIsInOnePart) {
   const Dressed& d = dressed();
-  const std::vector<std::vector<PointIndex>> passengers = passengersOf(d.decomposition, d.lifted);
-  ASSERT_EQ(passengers.size(), d.decomposition.parts.size());
+  const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(d.decomposition, d.lifted);
+  ASSERT_EQ(attached.size(), d.decomposition.parts.size());
   std::vector<PointIndex> all;
-  for (const std::vector<PointIndex>& own : passengers) {
+  for (const std::vector<PointIndex>& own : attached) {
     EXPECT_TRUE(std::is_sorted(own.begin(), own.end()));
     all.insert(all.end(), own.begin(), own.end());
   }
   std::sort(all.begin(), all.end());
   ASSERT_EQ(static_cast<int>(all.size()), d.decomposition.vertexCount - d.bodyVertices);
   for (std::size_t k = 0; k < all.size(); ++k) EXPECT_EQ(all[k], d.bodyVertices + static_cast<int>(k));
-  // The rod goes where the hand is, all of it.
+  // The whole rod belongs to the part of the hand.
   std::set<std::size_t> partsOfRod;
-  for (std::size_t i = 0; i < passengers.size(); ++i) {
-    if (!passengers[i].empty() && passengers[i].back() >= d.decomposition.vertexCount - 21) partsOfRod.insert(i);
+  for (std::size_t i = 0; i < attached.size(); ++i) {
+    if (!attached[i].empty() && attached[i].back() >= d.decomposition.vertexCount - 21) partsOfRod.insert(i);
   }
   EXPECT_EQ(partsOfRod.size(), 1u);
   // A mesh whose vertices are all used has none.
   const Character bare = makeMannequin();
   const Decomposition whole = Dressed::cutUp(bare);
-  for (const auto& own : passengersOf(whole, liftPoints(bare, whole))) EXPECT_TRUE(own.empty());
+  for (const auto& own : attachedVerticesOf(whole, liftPoints(bare, whole))) EXPECT_TRUE(own.empty());
 }
 
-TEST(Passengers, AreInTheHullsInEveryPose) {
+TEST(AttachedVertices, AreInTheHullsInEveryPose) {
   const Dressed& d = dressed();
-  const std::vector<std::vector<PointIndex>> passengers = passengersOf(d.decomposition, d.lifted);
-  LiveBody body(d.decomposition, d.character);
-  CoverPromise bareCover;  // without passengers, to see that they matter and how much larger they make the hulls
+  const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(d.decomposition, d.lifted);
+  LiveBody body = LiveBody::create(d.decomposition, d.character).value();
+  HullCover bareCover;  // without attached vertices, to see that they matter and how much larger they make the hulls
   for (const Part& part : d.decomposition.parts) {
     std::vector<CoverPoint>& points = bareCover.points.emplace_back();
     for (const PointIndex p : hullCandidates(d.decomposition, part, d.lifted)) points.push_back({p, Vec3::Zero()});
   }
-  LiveBody bare(d.decomposition, d.character, bareCover);
+  LiveBody bare = LiveBody::create(d.decomposition, d.character, bareCover).value();
   RandomNumbers random(71);
   std::vector<Vec3> points(static_cast<std::size_t>(d.decomposition.pointCount()));
   const auto posed = std::span(points).first(d.character.mesh.vertices.size());
@@ -144,24 +143,24 @@ TEST(Passengers, AreInTheHullsInEveryPose) {
     bare.update(worldFromModel);
     skinLinearBlend(d.character, worldFromModel, posed);
     transfer(d.decomposition, posed, points);
-    for (std::size_t i = 0; i < passengers.size(); ++i) {
-      farthest = std::max(farthest, farthestOut(body.parts()[i], passengers[i], points));
+    for (std::size_t i = 0; i < attached.size(); ++i) {
+      farthest = std::max(farthest, farthestOut(body.parts()[i], attached[i], points));
       farthest = std::max(farthest, farthestOut(body.parts()[i], d.decomposition.parts[i].points, points));
-      farthestOfBare = std::max(farthestOfBare, farthestOut(bare.parts()[i], passengers[i], points));
+      farthestOfBare = std::max(farthestOfBare, farthestOut(bare.parts()[i], attached[i], points));
       volume += body.parts()[i].shape.volume;
       volumeOfBare += bare.parts()[i].shape.volume;
     }
   }
   EXPECT_LT(farthest, 1e-6 * d.character.height);
   EXPECT_GT(farthestOfBare, 0.2);
-  // A shell 1 cm thick, which is a fifth to a third of the volume, and a rod; far from what a wrong part would have to
-  // reach for.
+  // A shell 1 cm thick, which is a fifth to a third of the volume, and a rod; far less than if vertices were attached
+  // to a wrong part.
   EXPECT_GT(volume, 1.05 * volumeOfBare);
   EXPECT_LT(volume, 1.4 * volumeOfBare);
-  std::cout << "hulls grow by " << 100.0 * (volume / volumeOfBare - 1.0) << " %\n";
+  std::cout << "hulls are enlarged by " << 100.0 * (volume / volumeOfBare - 1.0) << " %\n";
 }
 
-TEST(Passengers, AreHeldByFewPointsInAllSampledPoses) {
+TEST(AttachedVertices, AreHeldByFewPointsInAllSampledPoses) {
   const Dressed& d = dressed();
   RandomNumbers random(72);
   std::vector<Affine3> sampled;
@@ -170,11 +169,11 @@ TEST(Passengers, AreHeldByFewPointsInAllSampledPoses) {
     sampled.insert(sampled.end(), one.begin(), one.end());
   }
   const BonePoseView view{sampled, d.character.skeleton.jointCount()};
-  const Result<CoverPromise> cover =
+  const Result<HullCover> cover =
       chooseCover(d.decomposition, d.lifted, view, {}, {.tolerance = 0.01, .maxHullVertices = 200});
   ASSERT_TRUE(cover.ok()) << cover.error().message;
-  const std::vector<std::vector<PointIndex>> passengers = passengersOf(d.decomposition, d.lifted);
-  LiveBody body(d.decomposition, d.character, *cover);
+  const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(d.decomposition, d.lifted);
+  LiveBody body = LiveBody::create(d.decomposition, d.character, *cover).value();
   std::vector<Vec3> points(static_cast<std::size_t>(d.decomposition.pointCount()));
   const auto posed = std::span(points).first(d.character.mesh.vertices.size());
   double farthest = 0.0;
@@ -182,13 +181,13 @@ TEST(Passengers, AreHeldByFewPointsInAllSampledPoses) {
     body.update(view.pose(pose));
     skinLinearBlend(d.character, view.pose(pose), posed);
     transfer(d.decomposition, posed, points);
-    for (std::size_t i = 0; i < passengers.size(); ++i) {
-      farthest = std::max(farthest, farthestOut(body.parts()[i], passengers[i], points));
+    for (std::size_t i = 0; i < attached.size(); ++i) {
+      farthest = std::max(farthest, farthestOut(body.parts()[i], attached[i], points));
     }
   }
   EXPECT_LT(farthest, 1e-6 * d.character.height);
 
-  // And the promise survives a file.
+  // The hull cover survives a file round trip.
   const test::TemporaryFolder folder;
   DecompositionFile content;
   content.decomposition = d.decomposition;

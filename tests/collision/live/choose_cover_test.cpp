@@ -12,7 +12,7 @@
 namespace lorica {
 namespace {
 
-/// A dancer with poses to choose in and to hold out.
+/// A dancer with poses to choose in and held-out poses.
 struct Rehearsal {
   test::Dancer dancer;
   std::vector<LiftedPoint> lifted = liftPoints(dancer.character, dancer.decomposition);
@@ -31,12 +31,12 @@ struct Rehearsal {
     }
     return all;
   }
-  [[nodiscard]] Result<CoverPromise> choose(const CoverSettings& settings) const {
+  [[nodiscard]] Result<HullCover> choose(const CoverSettings& settings) const {
     return chooseCover(dancer.decomposition, lifted, view(sampled), view(heldOut), settings);
   }
-  /// How far any point of the body is outside of its part's hull in any of some poses [m].
-  double farthestOut(const CoverPromise& cover, const std::vector<Affine3>& poses) {
-    LiveBody body(dancer.decomposition, dancer.character, cover);
+  /// How far any point of the body is outside its part's hull in any of some poses [m].
+  double farthestOut(const HullCover& cover, const std::vector<Affine3>& poses) {
+    LiveBody body = LiveBody::create(dancer.decomposition, dancer.character, cover).value();
     double farthest = 0.0;
     for (int p = 0; p < view(poses).poseCount(); ++p) {
       const auto pose = view(poses).pose(p);
@@ -45,8 +45,7 @@ struct Rehearsal {
       const std::vector<Vec3> points = dancer.points();
       for (std::size_t i = 0; i < body.parts().size(); ++i) {
         std::vector<Vec3> own;
-        for (const PointIndex k : dancer.decomposition.parts[i].points)
-          own.push_back(points[static_cast<std::size_t>(k)]);
+        for (const PointIndex k : dancer.decomposition.parts[i].points) own.push_back(points[k]);
         farthest = std::max(farthest, largestViolation(worldHull(body.parts()[i]), own));
       }
     }
@@ -56,7 +55,7 @@ struct Rehearsal {
 
 TEST(Cover, ExactKeepsAllCandidatesWhereTheyAre) {
   const Rehearsal r;
-  const CoverPromise exact = coverExactly(r.dancer.decomposition, r.lifted);
+  const HullCover exact = coverExactly(r.dancer.decomposition, r.lifted);
   EXPECT_EQ(exact.tolerance, 0.0);
   EXPECT_EQ(exact.growth, 0.0);
   for (std::size_t i = 0; i < exact.points.size(); ++i) {
@@ -68,27 +67,27 @@ TEST(Cover, ExactKeepsAllCandidatesWhereTheyAre) {
       EXPECT_TRUE(exact.points[i][k].outward.isZero());
     }
   }
-  // No tolerance and no bound ask for the same.
-  const Result<CoverPromise> asked = r.choose({});
+  // No tolerance and no limit request the same.
+  const Result<HullCover> asked = r.choose({});
   ASSERT_TRUE(asked.ok());
   EXPECT_EQ(asked->sampledPoses, 0);
   EXPECT_EQ(asked->points.front().size(), exact.points.front().size());
 }
 
-TEST(Cover, HoldsTheBodyInSampledPosesAndSaysWhatSticksOutInOthers) {
+TEST(Cover, CoversTheBodyInSampledPosesAndReportsWhatProtrudesInOthers) {
   Rehearsal r;
   const double height = r.dancer.character.height;
   for (const CoverSettings& settings : {CoverSettings{.tolerance = 0.004}, CoverSettings{.maxHullVertices = 24},
                                         CoverSettings{.tolerance = 0.02, .maxHullVertices = 255}}) {
     SCOPED_TRACE(testing::Message() << settings.tolerance << ", " << settings.maxHullVertices);
-    const Result<CoverPromise> cover = r.choose(settings);
+    const Result<HullCover> cover = r.choose(settings);
     ASSERT_TRUE(cover.ok()) << cover.error().message;
     EXPECT_EQ(cover->sampledPoses, 20);
     EXPECT_EQ(cover->heldOutPoses, 10);
     for (const std::vector<CoverPoint>& points : cover->points) {
       EXPECT_GE(points.size(), 4u);
-      const int most = settings.maxHullVertices > 0 ? settings.maxHullVertices : 100000;
-      EXPECT_LE(points.size(), static_cast<std::size_t>(most));
+      const int max = settings.maxHullVertices > 0 ? settings.maxHullVertices : 100000;
+      EXPECT_LE(points.size(), static_cast<std::size_t>(max));
       for (const CoverPoint& p : points) EXPECT_LE(p.outward.norm(), cover->growth * (1.0 + 1e-12));
     }
     EXPECT_LE(cover->sampledShortfall, settings.maxHullVertices == 0 ? settings.tolerance : 0.1);
@@ -101,7 +100,7 @@ TEST(Cover, FewerPointsAreNeededForALooserCover) {
   const Rehearsal r;
   std::size_t before = 100000;
   for (const double tolerance : {0.002, 0.005, 0.02}) {
-    const Result<CoverPromise> cover = r.choose({.tolerance = tolerance});
+    const Result<HullCover> cover = r.choose({.tolerance = tolerance});
     ASSERT_TRUE(cover.ok());
     std::size_t count = 0;
     for (const auto& points : cover->points) count += points.size();
@@ -112,8 +111,8 @@ TEST(Cover, FewerPointsAreNeededForALooserCover) {
 
 TEST(Cover, IsTheSameOnAnyNumberOfThreads) {
   const Rehearsal r;
-  const Result<CoverPromise> one = r.choose({.maxHullVertices = 16, .threads = 1});
-  const Result<CoverPromise> three = r.choose({.maxHullVertices = 16, .threads = 3});
+  const Result<HullCover> one = r.choose({.maxHullVertices = 16, .threads = 1});
+  const Result<HullCover> three = r.choose({.maxHullVertices = 16, .threads = 3});
   ASSERT_TRUE(one.ok() && three.ok());
   for (std::size_t i = 0; i < one->points.size(); ++i) {
     ASSERT_EQ(one->points[i].size(), three->points[i].size());
@@ -128,15 +127,15 @@ TEST(Cover, IsTheSameOnAnyNumberOfThreads) {
 TEST(Cover, WrongSettingsGetASentenceAndProgressCancels) {
   const Rehearsal r;
   for (const CoverSettings& wrong : {CoverSettings{.tolerance = -0.1}, CoverSettings{.maxHullVertices = 3}}) {
-    const Result<CoverPromise> refused = r.choose(wrong);
+    const Result<HullCover> refused = r.choose(wrong);
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
   }
   std::atomic<int> calls = 0;
-  const Result<CoverPromise> cancelled = r.choose({.maxHullVertices = 16, .progress = [&](int, int) {
-                                                     ++calls;
-                                                     return false;
-                                                   }});
+  const Result<HullCover> cancelled = r.choose({.maxHullVertices = 16, .progress = [&](int, int) {
+                                                  ++calls;
+                                                  return false;
+                                                }});
   ASSERT_FALSE(cancelled.ok());
   EXPECT_EQ(cancelled.error().code, ErrorCode::kCancelled);
   EXPECT_GE(calls, 1);

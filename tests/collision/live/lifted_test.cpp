@@ -36,7 +36,7 @@ TEST(LiftedPoint, IsWhereSkinningAndTheRecursionPutIt) {
   }
 }
 
-/// Random points over a few bones: some rigid, some blended, as many as asked for.
+/// Random points over a few bones: some rigid, some blended; `count` of them.
 std::vector<LiftedPoint> randomPoints(std::mt19937_64& random, std::size_t count) {
   std::vector<LiftedPoint> points(count);
   for (LiftedPoint& point : points) {
@@ -57,8 +57,8 @@ std::vector<Affine3> randomBones(std::mt19937_64& random) {
   return bones;
 }
 
-/// Where the part's own frame is.
-Isometry3 placeOf(const LiftedPart& part, std::span<const Affine3> worldFromModel) {
+/// The pose of the part's own frame.
+Isometry3 positionOf(const LiftedPart& part, std::span<const Affine3> worldFromModel) {
   const LiftedPart::Moments moments = part.momentsOf(worldFromModel);
   Isometry3 worldFromPart = Isometry3::Identity();
   worldFromPart.linear() = fitRotation(moments.covariance, Mat3::Identity());
@@ -75,10 +75,10 @@ TEST(LiftedPart, IsTheScalarReferenceForAnyNumberOfPointsOnEveryInstructionSet) 
     const std::vector<Affine3> bones = randomBones(random);
     test::onEveryInstructionSet([&] {
       const LiftedPart part(points);
-      const Isometry3 worldFromPart = placeOf(part, bones);
+      const Isometry3 worldFromPart = positionOf(part, bones);
       LiftedPart::TakenPose taken = part.noPose();
       ASSERT_TRUE(part.take(bones, worldFromPart, kTick, taken));
-      ASSERT_FALSE(part.take(bones, worldFromPart, kTick, taken)) << "the same pose again is nothing new";
+      ASSERT_FALSE(part.take(bones, worldFromPart, kTick, taken)) << "the same pose again does not count as moved";
       std::vector<PointRow> rows(part.rowCount());
       const float largest = part.evaluate(taken, rows);
       Vec3 mean = Vec3::Zero();
@@ -107,7 +107,7 @@ TEST(LiftedPart, SeesAndSumsItsBonesTheSameOnEveryInstructionSet) {
   const std::vector<Affine3> bones = randomBones(random);
   const LiftedPart part(points);
   const LiftedPart::Moments moments = part.momentsOf(bones);
-  const Isometry3 worldFromPart = placeOf(part, bones);
+  const Isometry3 worldFromPart = positionOf(part, bones);
   LiftedPart::TakenPose taken = part.noPose();
   ASSERT_TRUE(part.take(bones, worldFromPart, 0x1p-21, taken));
   test::onEveryInstructionSet([&] {
@@ -125,7 +125,7 @@ TEST(LiftedPart, TakesAPoseThatMovesAnyPointAndNoOther) {
   const std::vector<LiftedPoint> points = randomPoints(random, 40);
   const std::vector<Affine3> bones = randomBones(random);
   const LiftedPart part(points);
-  const Isometry3 worldFromPart = placeOf(part, bones);
+  const Isometry3 worldFromPart = positionOf(part, bones);
   test::onEveryInstructionSet([&] {
     for (std::size_t b = 0; b < 5; ++b) {
       LiftedPart::TakenPose taken = part.noPose();
@@ -139,7 +139,7 @@ TEST(LiftedPart, TakesAPoseThatMovesAnyPointAndNoOther) {
       EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken)) << "bone " << b;
       moved[b].translation().z() = std::numeric_limits<double>::quiet_NaN();
       EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken));
-      EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken)) << "what is no number never is as it was";
+      EXPECT_TRUE(part.take(moved, worldFromPart, kTick, taken)) << "NaN always counts as moved";
     }
   });
 }
@@ -153,7 +153,7 @@ TEST(LiftedPart, PlacesItselfAsAFitOfAllPointsWould) {
     std::vector<Vec3> bind;
     Vec3 mean = Vec3::Zero();
     for (const PointIndex p : decomposed.points) {
-      own.push_back(lifted[static_cast<std::size_t>(p)]);
+      own.push_back(lifted[p]);
       bind.push_back(bindPositionOf(own.back()));
       mean += bind.back() / static_cast<double>(decomposed.points.size());
     }
@@ -164,13 +164,13 @@ TEST(LiftedPart, PlacesItselfAsAFitOfAllPointsWould) {
     posed.reserve(own.size());
     for (const LiftedPoint& p : own) posed.push_back(positionOf(p, dancer.worldFromModel));
     const Isometry3 truth = fitRigidMotion(bind, posed, Mat3::Identity());
-    EXPECT_LT((placeOf(part, dancer.worldFromModel).matrix() - truth.matrix()).norm(), 1e-9);
+    EXPECT_LT((positionOf(part, dancer.worldFromModel).matrix() - truth.matrix()).norm(), 1e-9);
   }
 }
 
 TEST(HullCandidates, LeaveOutWhatIsInsideInEveryPoseAndNothingElse) {
-  // A cube of one bone with a point in the middle and one in the middle of an edge: both can never be on the hull. The
-  // same middle point moved by two bones can.
+  // A cube of one bone with a point in the middle and one in the middle of an edge: neither can ever be on the hull.
+  // The same middle point moved by two bones can.
   Decomposition decomposition;
   decomposition.vertexCount = 11;
   decomposition.parts.resize(1);
@@ -180,7 +180,7 @@ TEST(HullCandidates, LeaveOutWhatIsInsideInEveryPoseAndNothingElse) {
   lifted.push_back({{0, Vec3(0.5, 0.0, 0.0), 1.0}});
   lifted.push_back({{0, Vec3::Constant(0.25), 0.5}, {1, Vec3::Constant(0.25), 0.5}});
   for (PointIndex p = 0; p < 11; ++p) decomposition.parts[0].points.push_back(p);
-  // And a cut point between two corners of the part.
+  // Also a cut point between two corners of the part.
   decomposition.cutPoints.push_back({0, 7, 0.25});
   lifted.push_back({{0, Vec3::Constant(0.75), 1.0}});
   decomposition.parts[0].points.push_back(11);
@@ -192,7 +192,7 @@ TEST(FarthestRow, IsTheFirstOfTheFarthestOnEveryInstructionSet) {
   std::mt19937_64 random(24);
   for (const std::size_t count : {1u, 3u, 15u, 16u, 17u, 33u, 200u}) {
     std::vector<PointRow> rows(count);
-    for (PointRow& r : rows) {  // few different coordinates, so that many are as far
+    for (PointRow& r : rows) {  // few different coordinates, so that many are equally far
       const Vec3 p = (3.0 * test::uniformVec3(random, -1.0, 1.0)).array().round();
       r = {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), 0.0f};
     }

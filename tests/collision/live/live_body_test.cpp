@@ -42,11 +42,11 @@ std::vector<Vec3> boxVertices() {
 constexpr double kGrid = 2e-6;
 
 TEST(LiveBody, FirstFrameSetsThePartsFrames) {
-  LiveBody body(halvedBox());
+  LiveBody body = LiveBody::create(halvedBox()).value();
   body.update(boxVertices());
   ASSERT_EQ(body.parts().size(), 2u);
   for (int i : {0, 1}) {
-    const LivePart& part = body.parts()[static_cast<std::size_t>(i)];
+    const LivePart& part = body.parts()[i];
     EXPECT_NEAR(part.shape.volume, 1.0, 1e-12);
     EXPECT_LT((part.worldFromPart.translation() - Vec3(0.5 + i, 0.5, 0.5)).norm(), 1e-12);
     EXPECT_TRUE(part.worldFromPart.linear().isIdentity(0.0));
@@ -59,7 +59,7 @@ TEST(LiveBody, FirstFrameSetsThePartsFrames) {
 }
 
 TEST(LiveBody, RigidMotionGoesIntoTheTransformAndNothingIntoTheShape) {
-  LiveBody body(halvedBox());
+  LiveBody body = LiveBody::create(halvedBox()).value();
   const std::vector<Vec3> first = boxVertices();
   body.update(first);
   const std::vector<LivePart> start(body.parts().begin(), body.parts().end());
@@ -75,7 +75,7 @@ TEST(LiveBody, RigidMotionGoesIntoTheTransformAndNothingIntoTheShape) {
       const LivePart& part = body.parts()[i];
       EXPECT_LT((part.worldFromPart.matrix() - (motion * start[i].worldFromPart).matrix()).norm(), 1e-12);
       EXPECT_TRUE(part.previousWorldFromPart.isApprox(before[i].worldFromPart, 0.0));
-      // The hull may list its corners in another order, so each is compared by the point it came from.
+      // The hull may list its corners in another order, so each is compared by its original point.
       ASSERT_EQ(part.shape.vertices.size(), start[i].shape.vertices.size());
       for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
         const std::vector<VertexIndex>& names = start[i].shape.pointOfVertex;
@@ -90,7 +90,7 @@ TEST(LiveBody, RigidMotionGoesIntoTheTransformAndNothingIntoTheShape) {
 
 TEST(LiveBody, PartTimesShapeIsTheHullWhateverTheDeformation) {
   const Decomposition decomposition = halvedBox();
-  LiveBody body(decomposition);
+  LiveBody body = LiveBody::create(decomposition).value();
   body.update(boxVertices());
   std::mt19937_64 random(12);
   std::vector<Vec3> points(12);
@@ -112,7 +112,7 @@ TEST(LiveBody, PartTimesShapeIsTheHullWhateverTheDeformation) {
 }
 
 TEST(LiveBody, AStillFrameHasNoMotion) {
-  LiveBody body(halvedBox());
+  LiveBody body = LiveBody::create(halvedBox()).value();
   for (int frame = 0; frame < 3; ++frame) body.update(boxVertices());
   for (const LivePart& part : body.parts()) {
     EXPECT_LT((part.worldFromPart.matrix() - part.previousWorldFromPart.matrix()).norm(), 1e-12);
@@ -120,7 +120,7 @@ TEST(LiveBody, AStillFrameHasNoMotion) {
 }
 
 TEST(LiveBody, AFlatPoseHasNoHullButAMotion) {
-  LiveBody body(halvedBox());
+  LiveBody body = LiveBody::create(halvedBox()).value();
   body.update(boxVertices());
   std::vector<Vec3> flat = boxVertices();
   for (Vec3& p : flat) p.z() = 0.25;
@@ -135,7 +135,7 @@ TEST(LiveBody, AFlatPoseHasNoHullButAMotion) {
 }
 
 TEST(LiveBody, ShapesFollowAMeshThatGrowsAThousandfoldAndShrinksAgain) {
-  LiveBody body(halvedBox());
+  LiveBody body = LiveBody::create(halvedBox()).value();
   for (const double scale : {1.0, 1000.0, 1e-3, 0.0, 1.0}) {
     std::vector<Vec3> posed = boxVertices();
     for (Vec3& p : posed) p *= scale;
@@ -149,7 +149,7 @@ TEST(LiveBody, ShapesFollowAMeshThatGrowsAThousandfoldAndShrinksAgain) {
 
 TEST(LiveBody, OfACharacterIsTheHullOfItsSkinInEveryPose) {
   test::Dancer dancer;
-  LiveBody body(dancer.decomposition, dancer.character);
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   std::mt19937_64 random(13);
   std::size_t candidates = 0;
   std::size_t all = 0;
@@ -175,7 +175,7 @@ TEST(LiveBody, OfACharacterIsTheHullOfItsSkinInEveryPose) {
 
 TEST(LiveBody, PartsWhoseBonesMoveAsOneKeepTheirShape) {
   test::Dancer dancer;
-  LiveBody body(dancer.decomposition, dancer.character);
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   std::mt19937_64 random(14);
   dancer.dance(random, 0.5);
   body.update(dancer.worldFromModel);
@@ -194,7 +194,7 @@ TEST(LiveBody, PartsWhoseBonesMoveAsOneKeepTheirShape) {
 
 TEST(LiveBody, BonesThatAreNotNumbersGiveNoHullsUntilTheyAreAgain) {
   test::Dancer dancer;
-  LiveBody body(dancer.decomposition, dancer.character);
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   std::mt19937_64 random(15);
   dancer.dance(random, 0.5);
   body.update(dancer.worldFromModel);
@@ -211,8 +211,9 @@ TEST(LiveBody, BonesThatAreNotNumbersGiveNoHullsUntilTheyAreAgain) {
 
 TEST(LiveBody, SupportIsTheFarthestPointOfTheHullWithFacesOrWithout) {
   test::Dancer dancer;
-  LiveBody faces(dancer.decomposition, dancer.character);
-  LiveBody points(dancer.decomposition, dancer.character, LiveDetail::kSupport);
+  LiveBody faces = LiveBody::create(dancer.decomposition, dancer.character).value();
+  LiveBody points =
+      LiveBody::create(dancer.decomposition, dancer.character, std::nullopt, LiveDetail::kSupport).value();
   std::mt19937_64 random(16);
   for (int frame = 0; frame < 5; ++frame) {
     dancer.dance(random, 1.0);
@@ -236,7 +237,7 @@ TEST(LiveBody, SupportIsTheFarthestPointOfTheHullWithFacesOrWithout) {
 
 TEST(LiveBody, BodiesOfOnePlanAndCopiesGoTheirOwnWays) {
   test::Dancer dancer;
-  const auto plan = std::make_shared<const BodyPlan>(dancer.decomposition, dancer.character);
+  const auto plan = BodyPlan::create(dancer.decomposition, dancer.character).value();
   std::mt19937_64 random(18);
   const auto expectSame = [](const LiveBody& one, const LiveBody& other) {
     for (std::size_t i = 0; i < one.parts().size(); ++i) {
@@ -252,7 +253,7 @@ TEST(LiveBody, BodiesOfOnePlanAndCopiesGoTheirOwnWays) {
   };
   LiveBody first(plan);
   LiveBody second(plan);
-  LiveBody alone(dancer.decomposition, dancer.character);
+  LiveBody alone = LiveBody::create(dancer.decomposition, dancer.character).value();
   for (int frame = 0; frame < 10; ++frame) {
     dancer.dance(random, 0.3);
     second.update(dancer.worldFromModel);
@@ -275,31 +276,54 @@ TEST(LiveBody, BodiesOfOnePlanAndCopiesGoTheirOwnWays) {
 }
 
 TEST(LiveBody, JumpsBetweenUnlikePosesLeaveSoundHullsOfAnyPoints) {
-  // Bodies of 128 points a part once tied their faces into a knot on such jumps.
+  // Regression: bodies of 128 points per part tangled their faces on such jumps.
   test::Dancer dancer;
-  const CoverPromise exact = coverExactly(dancer.decomposition, liftPoints(dancer.character, dancer.decomposition));
+  const HullCover exact = coverExactly(dancer.decomposition, liftPoints(dancer.character, dancer.decomposition));
   std::mt19937_64 random(17);
-  for (const std::size_t most : {8u, 32u, 128u, 500u}) {
-    CoverPromise some = exact;
+  for (const std::size_t max : {8u, 32u, 128u, 500u}) {
+    HullCover some = exact;
     for (std::vector<CoverPoint>& points : some.points) {
       std::shuffle(points.begin(), points.end(), random);
-      points.resize(std::min(points.size(), most));
+      points.resize(std::min(points.size(), max));
       std::sort(points.begin(), points.end(),
                 [](const CoverPoint& a, const CoverPoint& b) { return a.point < b.point; });
     }
-    LiveBody body(dancer.decomposition, dancer.character, some);
+    LiveBody body = LiveBody::create(dancer.decomposition, dancer.character, some).value();
     for (int frame = 0; frame < 60; ++frame) {
       dancer.dance(random, 1.5);
       body.update(dancer.worldFromModel);
       const std::vector<Vec3> all = dancer.points();
       for (std::size_t i = 0; i < body.parts().size(); ++i) {
         std::vector<Vec3> own;
-        for (const CoverPoint& p : some.points[i]) own.push_back(all[static_cast<std::size_t>(p.point)]);
+        for (const CoverPoint& p : some.points[i]) own.push_back(all[p.point]);
         const ConvexHull truth = convexHull(own);
-        EXPECT_NEAR(body.parts()[i].shape.volume / truth.volume, 1.0, 1e-3) << most << " points, frame " << frame;
+        EXPECT_NEAR(body.parts()[i].shape.volume / truth.volume, 1.0, 1e-3) << max << " points, frame " << frame;
       }
     }
   }
+}
+
+TEST(LiveBody, WhatDoesNotFitTheCharacterIsRefused) {
+  const test::Dancer dancer;
+  const auto whyNot = [&](const Decomposition& decomposition, std::optional<HullCover> cover = std::nullopt) {
+    const Result<LiveBody> body = LiveBody::create(decomposition, dancer.character, std::move(cover));
+    EXPECT_FALSE(body.ok());
+    EXPECT_EQ(body.error().code, ErrorCode::kInvalidArgument);
+    return body.error().message;
+  };
+  EXPECT_NE(whyNot(halvedBox()).find("was made from a mesh of 8 vertices"), std::string::npos) << whyNot(halvedBox());
+  Decomposition broken = dancer.decomposition;
+  broken.parts[1].points.clear();
+  EXPECT_NE(whyNot(broken).find("part 1 of the decomposition has no points"), std::string::npos);
+  broken = dancer.decomposition;
+  broken.parts[0].points.back() = broken.pointCount();
+  EXPECT_NE(whyNot(broken).find("part 0 of the decomposition has point"), std::string::npos);
+
+  HullCover cover = coverExactly(dancer.decomposition, liftPoints(dancer.character, dancer.decomposition));
+  cover.points.pop_back();
+  EXPECT_NE(whyNot(dancer.decomposition, cover).find("the hull cover lists the points of"), std::string::npos);
+  cover.points.push_back({{0, Vec3(0.0, std::nan(""), 0.0)}});
+  EXPECT_NE(whyNot(dancer.decomposition, cover).find("finite displacements"), std::string::npos);
 }
 
 }  // namespace

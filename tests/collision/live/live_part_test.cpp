@@ -21,21 +21,21 @@ using test::uniformVec3;
 
 constexpr double kFrame = 1.0 / 30.0;
 
-Isometry3 randomPlace(std::mt19937_64& random) {
+Isometry3 randomPosition(std::mt19937_64& random) {
   return Eigen::Translation3d(uniformVec3(random, -2.0, 2.0)) * uniformRotation(random);
 }
 
-/// A turn about an axis through the origin of the part, and a shift: both in world axes.
-Isometry3 movedBy(const Isometry3& place, const Vec3& axis, double angle, const Vec3& shift) {
-  Isometry3 next = place;
-  next.linear() = Eigen::AngleAxisd(angle, axis) * place.linear();
+/// A rotation about an axis through the origin of the part, and a shift: both in world axes.
+Isometry3 movedBy(const Isometry3& pose, const Vec3& axis, double angle, const Vec3& shift) {
+  Isometry3 next = pose;
+  next.linear() = Eigen::AngleAxisd(angle, axis) * pose.linear();
   next.translation() += shift;
   return next;
 }
 
 TEST(LivePart, AStillPartHasNoVelocity) {
   std::mt19937_64 random(1);
-  LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPlace(random));
+  LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPosition(random));
   moveTo(part, part.worldFromPart);
   for (int i = 0; i < 100; ++i) EXPECT_LT(velocityAt(part, uniformVec3(random, -3.0, 3.0), kFrame).norm(), 1e-12);
 }
@@ -43,7 +43,7 @@ TEST(LivePart, AStillPartHasNoVelocity) {
 TEST(LivePart, SmallTurnsGiveVPlusOmegaCrossR) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 200; ++i) {
-    LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPlace(random));
+    LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPosition(random));
     const Vec3 velocity = uniformVec3(random, -5.0, 5.0);
     const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
     const double angle = 1e-5;
@@ -51,7 +51,7 @@ TEST(LivePart, SmallTurnsGiveVPlusOmegaCrossR) {
     moveTo(part, movedBy(part.worldFromPart, axis, angle, kFrame * velocity));
     const Vec3 point = part.worldFromPart * uniformVec3(random, -0.5, 0.5);
     const Vec3 expected = velocity + omega.cross(Vec3(point - part.worldFromPart.translation()));
-    // The chord differs from the tangent by half the angle squared of the distance: 1e-10 / 2 * 0.9 m, in a frame.
+    // The chord differs from the tangent by half the squared angle times the distance: 1e-10 / 2 * 0.9 m per frame.
     EXPECT_LT((velocityAt(part, point, kFrame) - expected).norm(), 1e-10 / kFrame) << "case " << i;
   }
 }
@@ -59,9 +59,9 @@ TEST(LivePart, SmallTurnsGiveVPlusOmegaCrossR) {
 TEST(LivePart, LargeTurnsGiveThePathOfTheMaterialOverTheFrame) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 200; ++i) {
-    LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPlace(random));
+    LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPosition(random));
     const Isometry3 before = part.worldFromPart;
-    const Isometry3 after = randomPlace(random);
+    const Isometry3 after = randomPosition(random);
     moveTo(part, after);
     const Vec3 own = uniformVec3(random, -0.5, 0.5);
     const double seconds = uniform(random, 0.001, 0.1);
@@ -70,9 +70,9 @@ TEST(LivePart, LargeTurnsGiveThePathOfTheMaterialOverTheFrame) {
   }
 }
 
-TEST(LivePart, TheWorldHullIsTheShapeInItsPlace) {
+TEST(LivePart, TheWorldHullIsTheShapeInItsPose) {
   std::mt19937_64 random(4);
-  const LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPlace(random));
+  const LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPosition(random));
   const ConvexHull hull = worldHull(part);
   ASSERT_EQ(hull.vertices.size(), 8u);
   EXPECT_EQ(hull.triangles, part.shape.triangles);
@@ -86,7 +86,7 @@ TEST(LivePart, TheWorldHullIsTheShapeInItsPlace) {
 
 TEST(LivePart, WhatStandsStillSweepsItself) {
   std::mt19937_64 random(5);
-  LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPlace(random));
+  LivePart part = makeBoxPart(Vec3(0.1, 0.2, 0.3), randomPosition(random));
   moveTo(part, part.worldFromPart);
   const ConvexHull swept = sweptHull(part);
   EXPECT_NEAR(swept.volume, 8 * 0.1 * 0.2 * 0.3, 1e-12);
@@ -109,7 +109,7 @@ TEST(LivePart, ASweptBallIsACapsule) {
   const auto capsule = [&](double r) {
     return std::numbers::pi * r * r * (length + 4.0 / 3.0 * r);  // cylinder, and a ball cut in two
   };
-  // The points are on the ball, and their hull holds the ball that is smaller by the sagitta of the widest gap.
+  // The points are on the ball. Their hull contains the ball that is smaller by the sagitta of the widest gap.
   const double gap = std::hypot(0.5 * std::numbers::pi / rings, std::numbers::pi / segments);
   std::mt19937_64 random(6);
   for (int i = 0; i < 20; ++i) {
@@ -124,7 +124,7 @@ TEST(LivePart, ASweptBallIsACapsule) {
 TEST(LivePart, TheSweptHullHoldsBothEndsThoughTheShapeChanged) {
   std::mt19937_64 random(7);
   for (int i = 0; i < 100; ++i) {
-    LivePart part = makeBoxPart(uniformVec3(random, 0.02, 0.3), randomPlace(random));
+    LivePart part = makeBoxPart(uniformVec3(random, 0.02, 0.3), randomPosition(random));
     const ConvexHull before = worldHull(part);
     moveTo(part, movedBy(part.worldFromPart, uniformRotation(random) * Vec3::UnitX(), uniform(random, 0.0, 1.0),
                          uniformVec3(random, -0.3, 0.3)));
@@ -143,16 +143,16 @@ TEST(LivePart, TheFirstFrameSweepsNoEarlierShape) {
   EXPECT_NEAR(sweptHull(part).volume, part.shape.volume, 1e-12);
 }
 
-/// How far what a turning part passes through sticks out of its swept hull, at most.
+/// Max distance by which the path of a rotating part protrudes from its swept hull.
 double stickingOut(const LivePart& part, const Vec3& axis, double angle, const Vec3& shift) {
   const ConvexHull swept = sweptHull(part);
   double worst = 0.0;
   for (int k = 0; k <= 40; ++k) {
     const double t = k / 40.0;
-    const Isometry3 place = movedBy(part.previousWorldFromPart, axis, t * angle, t * shift);
+    const Isometry3 pose = movedBy(part.previousWorldFromPart, axis, t * angle, t * shift);
     std::vector<Vec3> points;
     points.reserve(part.shape.vertices.size());
-    for (const Vec3& v : part.shape.vertices) points.push_back(place * v);
+    for (const Vec3& v : part.shape.vertices) points.push_back(pose * v);
     worst = std::max(worst, largestViolation(swept, points));
   }
   return worst;
@@ -162,7 +162,7 @@ TEST(LivePart, ATurnLeavesTheSweptHullByItsSagittaAtMost) {
   std::mt19937_64 random(8);
   for (int i = 0; i < 200; ++i) {
     const Vec3 half = uniformVec3(random, 0.02, 0.3);
-    LivePart part = makeBoxPart(half, randomPlace(random));
+    LivePart part = makeBoxPart(half, randomPosition(random));
     const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
     const double angle = uniform(random, 0.0, std::numbers::pi);
     const Vec3 shift = uniformVec3(random, -0.5, 0.5);

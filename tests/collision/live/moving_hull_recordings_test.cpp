@@ -17,7 +17,7 @@ namespace {
 constexpr double kTicksPerMetre = 2e6;
 using Rows = std::vector<PointRow>;
 
-/// The built-in character in parts, its points in every frame of a recording.
+/// The built-in character in parts, with its points in every frame of a recording.
 class Recorded {
  public:
   explicit Recorded(SyntheticMotion motion) {
@@ -27,7 +27,7 @@ class Recorded {
     const std::vector<Vec3> points(static_cast<std::size_t>(parts().pointCount()));
     frames_.assign(static_cast<std::size_t>(poses.keyframeCount()), points);
     for (int f = 0; f < poses.keyframeCount(); ++f) {
-      transfer(parts(), poses.keyframe(f), frames_[static_cast<std::size_t>(f)]);
+      transfer(parts(), poses.keyframe(f), frames_[f]);
     }
   }
 
@@ -38,7 +38,7 @@ class Recorded {
       settings.maxParts = 8;
       const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
       Result<Decomposition> result = decompose(character.mesh, bindPose, settings);
-      CHECK(result.ok(), "the mannequin can be decomposed");
+      LORICA_CHECK(result.ok(), "decomposing the mannequin must succeed");
       return std::move(result).value();
     }();
     return made;
@@ -51,7 +51,7 @@ class Recorded {
     std::vector<Vec3> points;
     const std::vector<PointIndex>& own = parts().parts[part].points;
     points.reserve(own.size() / 5 + 1);
-    for (std::size_t i = 0; i < own.size(); i += 5) points.push_back(frames_[frame][static_cast<std::size_t>(own[i])]);
+    for (std::size_t i = 0; i < own.size(); i += 5) points.push_back(frames_[frame][own[i]]);
     return aboutTheirMean(points, kTicksPerMetre);
   }
 
@@ -81,7 +81,7 @@ void expectFollows(SyntheticMotion motion) {
       ASSERT_EQ(whatIsWrong(hull, rows), "") << "part " << part << ", jump " << jump;
     }
   }
-  EXPECT_LE(rebuilds * 100, frames) << "recorded motion is followed, not built anew";
+  EXPECT_LE(rebuilds * 100, frames) << "recorded motion is repaired, not rebuilt";
 }
 
 TEST(MovingHullRecordings, Walk) {

@@ -19,7 +19,7 @@ using Random = std::mt19937_64;
 
 Cloud sphere(int count, Random& random) {
   Cloud points;
-  points.reserve(static_cast<std::size_t>(count));
+  points.reserve(count);
   for (int i = 0; i < count; ++i) points.push_back(uniformRotation(random) * Vec3::UnitX());
   return points;
 }
@@ -38,12 +38,12 @@ Cloud ball(int count, Random& random) {
 
 Cloud cube(int count, Random& random) {
   Cloud points;
-  points.reserve(static_cast<std::size_t>(count));
+  points.reserve(count);
   for (int i = 0; i < count; ++i) points.push_back(uniformVec3(random, -1.0, 1.0));
   return points;
 }
 
-// A grid on the faces of a box and through it: most points are coplanar or collinear with many.
+// A grid on the faces of a box and through it: most points are coplanar or collinear with many others.
 Cloud boxGrid(int cells) {
   Cloud points;
   points.reserve(static_cast<std::size_t>((cells + 1) * (cells + 1) * (cells + 1)));
@@ -105,7 +105,7 @@ std::vector<Shape> shapes() {
 
 constexpr double kTicks = 1 << 20;  // of one unit
 
-// Runs a shape through poses, each a function of the frame and the resting point, and checks every frame.
+// Runs a shape through poses, each a function of the frame and the rest position, and checks every frame.
 using Motion = std::function<Vec3(int frame, const Vec3& rest)>;
 
 MovingHull::Counts expectFollows(const Shape& shape, int frames, const Motion& motion) {
@@ -151,7 +151,7 @@ TEST(MovingHull, FollowsSmoothDeformation) {
   }
 }
 
-TEST(MovingHull, MendsMostFramesOfASmoothMotionInsteadOfBuildingAnew) {
+TEST(MovingHull, RepairsMostFramesOfASmoothMotionInsteadOfRebuilding) {
   Random random(6);
   const MovingHull::Counts sum = expectFollows({"ball", ball(400, random)}, 40, [](int frame, const Vec3& p) {
     return bent(twisted(p, 0.02 * frame), 0.01 * frame);
@@ -199,7 +199,7 @@ TEST(MovingHull, FoldsThroughItsMirrorImage) {
   }
 }
 
-TEST(MovingHull, FollowsPointsThatChangePlaces) {
+TEST(MovingHull, FollowsPointsThatSwapPositions) {
   for (const Shape& shape : shapes()) {
     Random random(8);
     MovingHull hull(static_cast<int>(shape.points.size()));
@@ -213,7 +213,7 @@ TEST(MovingHull, FollowsPointsThatChangePlaces) {
   }
 }
 
-// Few points on a tiny grid: every degeneracy there is, thousands of times.
+// Few points on a tiny grid: every kind of degeneracy, thousands of times.
 TEST(MovingHull, TinyGridsHoldEveryDegenerateCase) {
   Random random(9);
   int flat = 0;
@@ -245,9 +245,7 @@ TEST(MovingHull, WandersOverASmallGrid) {
       MovingHull hull(count);
       std::vector<PointRow> rows(static_cast<std::size_t>(count));
       const auto within = [&](float v) { return std::clamp(v, static_cast<float>(-half), static_cast<float>(half)); };
-      const auto ticks = [&](int most) {
-        return static_cast<float>(static_cast<int>(random() % (2 * most + 1)) - most);
-      };
+      const auto ticks = [&](int max) { return static_cast<float>(static_cast<int>(random() % (2 * max + 1)) - max); };
       for (PointRow& r : rows) r = {ticks(half), ticks(half), ticks(half), 0.0F};
       for (int frame = 0; frame < 250; ++frame) {
         for (PointRow& r : rows) {
@@ -262,8 +260,8 @@ TEST(MovingHull, WandersOverASmallGrid) {
   EXPECT_GT(repaired, 2000);
 }
 
-// Fig.: a pyramid over and under a pentagon. In the second frame its corners have turned twice as far: every face still
-// looks outwards and every edge is convex, but the surface winds round the origin twice.
+// A pyramid over and under a pentagon. In the second frame its corners have rotated twice as far: every face still
+// looks outwards and every edge is convex, but the surface winds around the origin twice.
 TEST(MovingHull, AStarPentagonIsNotTakenForAHull) {
   const auto bipyramid = [](int step) {
     Cloud points = {Vec3(0, 0, 1), Vec3(0, 0, -1)};
@@ -280,12 +278,12 @@ TEST(MovingHull, AStarPentagonIsNotTakenForAHull) {
   const std::vector<PointRow> second = bipyramid(2);
   hull.update(second);
   EXPECT_EQ(whatIsWrong(hull, second), "");
-  EXPECT_EQ(hull.counts().turnedFaces, 0) << "the trap was laid";
+  EXPECT_EQ(hull.counts().turnedFaces, 0) << "no face is turned, so this check alone does not detect the defect";
   EXPECT_EQ(hull.counts().rebuilds, 1);
 }
 
 TEST(MovingHull, TheLargestCoordinatesAreStillExact) {
-  constexpr float m = kMostTicks;
+  constexpr float m = kMaxTicks;
   std::vector<PointRow> rows;
   for (const float x : {-m, m}) {
     for (const float y : {-m, m}) {
@@ -325,7 +323,7 @@ TEST(MovingHull, SameFramesGiveTheSameFaces) {
   }
 }
 
-// Filters of another width or rounding leave other faces in doubt, and nothing of that may show.
+// Filters of another width or rounding leave other faces in doubt; the result must not show it.
 TEST(MovingHull, EveryInstructionSetGivesTheSameFacesAndVolume) {
   const auto run = [] {
     std::vector<Triangle> all;
@@ -366,9 +364,9 @@ TEST(MovingHull, SupportIsTheHighestOfAllPoints) {
         if (trial % 5 == 0) direction = (uniformVec3(random, -1.4, 1.4)).array().round();
         const auto along = [&](const PointRow& r) { return direction.dot(Vec3(r.x, r.y, r.z)); };
         hint = hull.support(direction, trial % 2 == 0 ? hint : static_cast<VertexIndex>(random() % rows.size()));
-        double most = along(rows[0]);
-        for (const PointRow& r : rows) most = std::max(most, along(r));
-        ASSERT_EQ(along(rows[static_cast<std::size_t>(hint)]), most) << shape.name;
+        double max = along(rows[0]);
+        for (const PointRow& r : rows) max = std::max(max, along(r));
+        ASSERT_EQ(along(rows[hint]), max) << shape.name;
       }
     }
   }

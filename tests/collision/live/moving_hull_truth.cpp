@@ -52,14 +52,13 @@ std::string wrongFaces(const MovingHull& hull, std::span<const Ticks> points, st
   if (corners.size() + faces.size() != edges.size() / 2 + 2) return "Euler's formula does not hold";
   std::vector<VertexIndex> listed(hull.vertices().begin(), hull.vertices().end());
   std::sort(listed.begin(), listed.end());
-  if (listed != corners) return "the vertices are not those of the faces";
+  if (listed != corners) return "the vertices differ from those of the faces";
   for (const Triangle& t : faces) {
-    const Ticks& a = points[static_cast<std::size_t>(t[0])];
-    const Ticks n =
-        cross(minus(points[static_cast<std::size_t>(t[1])], a), minus(points[static_cast<std::size_t>(t[2])], a));
+    const Ticks& a = points[t[0]];
+    const Ticks n = cross(minus(points[t[1]], a), minus(points[t[2]], a));
     const Wide offset = dot(n, a);
-    if (offset <= 0) return fmt::format("face {} {} {} is not turned outwards", t[0], t[1], t[2]);
-    // Doubles clear most points: three products of at most 2^71 each round by less than 2^21 in all.
+    if (offset <= 0) return fmt::format("face {} {} {} does not face outwards", t[0], t[1], t[2]);
+    // Double precision settles most points: three products of at most 2^71 each have a total rounding error below 2^21.
     const Vec3 normal(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
     const Vec3 corner(static_cast<double>(a[0]), static_cast<double>(a[1]), static_cast<double>(a[2]));
     for (std::size_t p = 0; p < points.size(); ++p) {
@@ -97,11 +96,11 @@ std::string whatIsWrong(const MovingHull& hull, std::span<const PointRow> rows) 
   const ConvexHull reference = convexHull(positions);
   if (hull.flat()) {
     if (!hull.vertices().empty() || hull.volume() != 0.0) return "flat, but with vertices or a volume";
-    // The reference may lack points that stand out by next to nothing: if it holds the origin, so do all points.
+    // The reference may lack points that protrude by almost nothing: if it contains the origin, so does the hull of all
+    // points.
     const bool inside = std::all_of(reference.triangles.begin(), reference.triangles.end(), [&](const Triangle& t) {
       const auto at = [&](int i) {
-        return points[static_cast<std::size_t>(
-            reference.pointOfVertex[static_cast<std::size_t>(t[static_cast<std::size_t>(i)])])];
+        return points[reference.pointOfVertex[static_cast<std::size_t>(t[static_cast<std::size_t>(i)])]];
       };
       return dot(cross(at(0), at(1)), at(2)) > 0;
     });
@@ -109,10 +108,10 @@ std::string whatIsWrong(const MovingHull& hull, std::span<const PointRow> rows) 
   }
   std::string wrong = wrongFaces(hull, points, positions);
   if (!wrong.empty()) return wrong;
-  // The reference leaves out what stands out by less than 1e-10 of the diagonal.
+  // The reference leaves out points that protrude by less than 1e-10 of the diagonal.
   const double diagonal = boundsOf(positions).diagonal();
   if (std::abs(hull.volume() - reference.volume) > 1e-9 * diagonal * diagonal * diagonal + 1e-9 * reference.volume) {
-    return fmt::format("volume {}, by convexHull() {}", hull.volume(), reference.volume);
+    return fmt::format("volume {}, but convexHull() gives {}", hull.volume(), reference.volume);
   }
   return "";
 }

@@ -26,7 +26,7 @@ std::vector<Vec3> centered(std::vector<Vec3> points) {
 
 std::vector<Vec3> cloud(std::mt19937_64& random, int count, const Vec3& size) {
   std::vector<Vec3> points;
-  points.reserve(static_cast<std::size_t>(count));
+  points.reserve(count);
   for (int i = 0; i < count; ++i) points.push_back(uniformVec3(random, -1.0, 1.0).cwiseProduct(size));
   return centered(points);
 }
@@ -54,7 +54,7 @@ TEST(RigidFit, RecoversKnownMotions) {
     const std::vector<Vec3> points = cloud(random, 4 + i, uniformVec3(random, 0.01, 1.0));
     const Isometry3 truth = motionOf(uniformRotation(random), uniformVec3(random, -5.0, 5.0));
     const Isometry3 fit = fitRigidMotion(points, moved(points, truth), uniformRotation(random).toRotationMatrix());
-    // The pull towards the previous rotation is weighed against the thinnest axis: (1 / 0.01)^2 * 1e-9.
+    // The pull towards the previous rotation acts against the thinnest axis: (1 / 0.01)^2 * 1e-9.
     EXPECT_LT((fit.matrix() - truth.matrix()).cwiseAbs().maxCoeff(), 2e-5) << "case " << i;
     EXPECT_LT(squaredError(points, moved(points, truth), fit), 1e-9) << "case " << i;
   }
@@ -125,12 +125,12 @@ TEST(RigidFit, PointsOnALineTurnNoMoreThanTheLineDoes) {
     EXPECT_LT(squaredError(line, moved(line, truth), fit), 1e-12);
     const Vec3 before = previous * Vec3::UnitY();
     const Vec3 after = turn * before;
-    const double least = std::acos(std::clamp(before.dot(after), -1.0, 1.0));
-    EXPECT_NEAR(Quat(fit.linear()).angularDistance(previous), least, 1e-6);
+    const double min = std::acos(std::clamp(before.dot(after), -1.0, 1.0));
+    EXPECT_NEAR(Quat(fit.linear()).angularDistance(previous), min, 1e-6);
   }
 }
 
-TEST(RigidFit, PointsInOnePlaceKeepTheRotation) {
+TEST(RigidFit, PointsInOnePositionKeepTheRotation) {
   std::mt19937_64 random(7);
   const Quat previous = uniformRotation(random);
   const std::vector<Vec3> from(5, Vec3::Zero());
@@ -140,7 +140,7 @@ TEST(RigidFit, PointsInOnePlaceKeepTheRotation) {
   EXPECT_LT((fit.translation() - Vec3(1.0, 2.0, 3.0)).norm(), 1e-12);
 }
 
-/// The best proper rotation for a covariance by definition, Kabsch's way, without a previous one.
+/// The best proper rotation for a covariance by definition (Kabsch), without a previous one.
 Mat3 bestRotation(const Mat3& covariance) {
   const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 flip = Mat3::Identity();
@@ -156,14 +156,14 @@ double offOrthonormal(const Mat3& r) {
   return (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff() + std::abs(r.determinant() - 1.0);
 }
 
-/// A covariance with given singular values; the last may be negative: a mirror.
+/// A covariance with given singular values; a negative last one means mirroring.
 Mat3 covarianceWith(std::mt19937_64& random, const Vec3& values) {
   return uniformRotation(random).toRotationMatrix() * values.asDiagonal() *
          uniformRotation(random).toRotationMatrix().transpose();
 }
 
-/// Compares the fit with the truth for random covariances of one kind, and previous rotations near, anywhere, opposite
-/// and drifted.
+/// Compares the fit with the truth for random covariances of one kind, and with previous rotations nearby, arbitrary,
+/// opposite and drifted.
 void expectTruth(std::uint64_t seed, const Vec3& low, const Vec3& high) {
   std::mt19937_64 random(seed);
   for (int i = 0; i < 3000; ++i) {
@@ -181,8 +181,8 @@ void expectTruth(std::uint64_t seed, const Vec3& low, const Vec3& high) {
     const Mat3 fit = fitRotation(covariance, previous);
     EXPECT_LT(offOrthonormal(fit), 1e-12) << "case " << i;
 
-    // What the covariance says about each axis is the sum of the two values across it. The pull, where there is one, is
-    // 1e-9 of the norm.
+    // How well the covariance determines the rotation about an axis is the sum of the two values across it. The pull,
+    // if there is one, is 1e-9 of the norm.
     const Eigen::JacobiSVD<Mat3> svd(covariance);
     const Vec3& sizes = svd.singularValues();
     const double weakest = sizes[1] + (covariance.determinant() < 0.0 ? -sizes[2] : sizes[2]);
@@ -198,10 +198,10 @@ TEST(RigidFit, RotationsAreTheBestForRoundedBodies) {
 }
 
 TEST(RigidFit, RotationsAreTheBestForElongatedBodies) {
-  // A limb 1 : 1000 as points go; the covariance has the squares.
+  // A limb 1 : 1000 in point extents; the covariance has the squares.
   expectTruth(12, Vec3(0.5, 0.5e-6, 0.5e-6), Vec3(1.0, 1.5e-6, 1.5e-6));
   expectTruth(13, Vec3(0.5, 0.5e-3, 0.5e-3), Vec3(1.0, 1.5e-3, 1.5e-3));
-  expectTruth(14, Vec3(0.5, 0.005, 0.005), Vec3(1.0, 0.03, 0.03));  // about where the quick way begins
+  expectTruth(14, Vec3(0.5, 0.005, 0.005), Vec3(1.0, 0.03, 0.03));  // about where the fast method starts to apply
 }
 
 TEST(RigidFit, RotationsAreTheBestForNearlyFlatBodies) {
@@ -238,7 +238,7 @@ TEST(RigidFit, ManyAtOnceAreTheSameAsEachAloneOnEveryInstructionSet) {
     std::vector<Mat3> covariances;
     std::vector<Mat3> previous;
     for (std::size_t i = 0; i < count; ++i) {
-      // Every fifth is flat and every seventh mirrored: they go another way.
+      // Every fifth is flat and every seventh mirrored: they take another code path.
       const Vec3 values(1.0, 0.6, i % 5 == 4 ? 1e-9 : i % 7 == 6 ? -0.3 : 0.4);
       covariances.push_back(covarianceWith(random, values));
       const Quat off(Eigen::AngleAxisd(uniform(random, 0.0, 0.5), uniformRotation(random) * Vec3::UnitX()));

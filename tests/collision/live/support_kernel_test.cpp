@@ -15,12 +15,12 @@ namespace {
 /// The first of the farthest points, one by one.
 int slowSupport(const std::vector<float>& xyz, int count, const Vec3f& direction) {
   int best = 0;
-  float most = -std::numeric_limits<float>::infinity();
+  float max = -std::numeric_limits<float>::infinity();
   for (int i = 0; i < count; ++i) {
-    const auto at = [&](int axis) { return xyz[static_cast<std::size_t>(axis * count + i)]; };
+    const auto at = [&](int axis) { return xyz[axis * count + i]; };
     const float value = direction.x() * at(0) + direction.y() * at(1) + direction.z() * at(2);
-    if (value > most) {
-      most = value;
+    if (value > max) {
+      max = value;
       best = i;
     }
   }

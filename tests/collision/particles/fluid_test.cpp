@@ -25,24 +25,25 @@ Fluid dam(int wide, int high) {
   const double half = 0.5 * wide * kSpacing;
   settings.walls = Aabb{Vec3(-half, 0, -2.0 * half), Vec3(half, 9, 2.0 * half)};
   Fluid fluid(settings);
-  std::vector<Vec3f> places;
-  places.reserve(settings.capacity);
+  std::vector<Vec3f> positions;
+  positions.reserve(settings.capacity);
   const auto left = static_cast<float>(-half);
   for (int y = 0; y < high; ++y) {
     for (int z = 0; z < wide; ++z) {
       for (int x = 0; x < wide; ++x) {
-        places.emplace_back(left + (static_cast<float>(x) + 0.5f) * kSpacing, (static_cast<float>(y) + 0.5f) * kSpacing,
-                            2.0f * left + (static_cast<float>(z) + 0.5f) * kSpacing);
+        positions.emplace_back(left + (static_cast<float>(x) + 0.5f) * kSpacing,
+                               (static_cast<float>(y) + 0.5f) * kSpacing,
+                               2.0f * left + (static_cast<float>(z) + 0.5f) * kSpacing);
       }
     }
   }
-  EXPECT_EQ(fluid.add(places), places.size());
+  EXPECT_EQ(fluid.add(positions), positions.size());
   return fluid;
 }
 
 double meanHeight(const Fluid& fluid) {
   double sum = 0.0;
-  for (const Vec3f& p : fluid.places()) sum += p.y();
+  for (const Vec3f& p : fluid.positions()) sum += p.y();
   return sum / static_cast<double>(fluid.size());
 }
 
@@ -54,25 +55,25 @@ TEST(Fluid, FallsFreelyAsTheClosedFormSays) {
   const int frames = 12;
   for (int i = 0; i < frames; ++i) fluid.step({}, kFrame);
   const double t = frames * kFrame, h = 1.0 / 120.0;
-  EXPECT_NEAR(fluid.places()[0].x(), 0.1 - 0.5 * t, 1e-4);
-  EXPECT_NEAR(fluid.places()[0].y(), 3.0 + t - 0.5 * 9.81 * t * (t + h), 1e-3);
+  EXPECT_NEAR(fluid.positions()[0].x(), 0.1 - 0.5 * t, 1e-4);
+  EXPECT_NEAR(fluid.positions()[0].y(), 3.0 + t - 0.5 * 9.81 * t * (t + h), 1e-3);
 }
 
 TEST(Fluid, ADamBreaksSpreadsAndKeepsItsVolume) {
   Fluid fluid = dam(10, 16);
   for (int i = 0; i < 150; ++i) {
     fluid.step({}, kFrame);
-    for (const Vec3f& p : fluid.places()) {
+    for (const Vec3f& p : fluid.positions()) {
       ASSERT_TRUE(p.allFinite());
       ASSERT_GE(p.y(), 0.5f * kSpacing - 1e-6f);
     }
   }
-  // At rest it stands half as high in twice the room.
+  // At rest it stands half as high in twice the space.
   EXPECT_NEAR(meanHeight(fluid), 0.25 * 16 * kSpacing, 0.08 * 0.25 * 16 * kSpacing);
   std::vector<float> along;
-  for (const Vec3f& p : fluid.places()) along.push_back(p.z());
+  for (const Vec3f& p : fluid.positions()) along.push_back(p.z());
   std::sort(along.begin(), along.end());
-  EXPECT_NEAR(along[along.size() / 2], 0.0f, 0.06f) << "as much on either side";
+  EXPECT_NEAR(along[along.size() / 2], 0.0f, 0.06f) << "half of the fluid on either side";
   double speed = 0.0;
   for (const Vec3f& v : fluid.velocities()) speed += v.norm() / static_cast<double>(fluid.size());
   EXPECT_LT(speed, 0.3);
@@ -84,21 +85,21 @@ TEST(Fluid, DeepWaterStaysWhereItIs) {
   const double half = 5.0 * settings.spacing;
   settings.walls = Aabb{Vec3(-half, 0, -half), Vec3(half, 9, half)};
   Fluid fluid(settings);
-  std::vector<Vec3f> places;
-  places.reserve(settings.capacity);
+  std::vector<Vec3f> positions;
+  positions.reserve(settings.capacity);
   for (int i = 0; i < 3000; ++i) {
-    places.emplace_back(static_cast<float>(settings.spacing) * Vec3f(static_cast<float>(i % 10) - 4.5f,
-                                                                     static_cast<float>(i / 100) + 0.5f,
-                                                                     static_cast<float>(i / 10 % 10) - 4.5f));
+    positions.emplace_back(static_cast<float>(settings.spacing) * Vec3f(static_cast<float>(i % 10) - 4.5f,
+                                                                        static_cast<float>(i / 100) + 0.5f,
+                                                                        static_cast<float>(i / 10 % 10) - 4.5f));
   }
-  fluid.add(places);
+  fluid.add(positions);
   for (int i = 0; i < 60; ++i) fluid.step({}, kFrame);
   const double height = 30 * settings.spacing;
   EXPECT_NEAR(meanHeight(fluid), 0.5 * height, 0.25 * 0.5 * height);
   double highest = 0.0, speed = 0.0;
-  for (const Vec3f& p : fluid.places()) highest = std::max(highest, static_cast<double>(p.y()));
+  for (const Vec3f& p : fluid.positions()) highest = std::max(highest, static_cast<double>(p.y()));
   for (const Vec3f& v : fluid.velocities()) speed += v.norm() / 3000.0;
-  EXPECT_LT(highest, 1.05 * height) << "nothing is flung up";
+  EXPECT_LT(highest, 1.05 * height) << "nothing is thrown up";
   EXPECT_LT(speed, 0.4);
 }
 
@@ -108,12 +109,12 @@ TEST(Fluid, WithoutForcesMomentumIsKept) {
   settings.gravity = Vec3::Zero();
   settings.floor = false;
   Fluid fluid(settings);
-  std::vector<Vec3f> places;
+  std::vector<Vec3f> positions;
   for (int i = 0; i < 1000; ++i) {  // too dense: it bursts
-    places.emplace_back(0.016f * static_cast<float>(i % 10), 1.0f + 0.016f * static_cast<float>(i / 10 % 10),
-                        0.016f * static_cast<float>(i / 100));
+    positions.emplace_back(0.016f * static_cast<float>(i % 10), 1.0f + 0.016f * static_cast<float>(i / 10 % 10),
+                           0.016f * static_cast<float>(i / 100));
   }
-  fluid.add(places, Vec3(1.0, 0.0, 0.5));
+  fluid.add(positions, Vec3(1.0, 0.0, 0.5));
   for (int i = 0; i < 10; ++i) fluid.step({}, kFrame);
   Vec3 mean = Vec3::Zero();
   double spread = 0.0;
@@ -129,7 +130,7 @@ TEST(Fluid, APartPushesItAndHoldsNoneInside) {
   for (int frame = 0; frame < 30; ++frame) {
     moveTo(leg, at(0.0, 0.31, 0.9 - 0.05 * frame));
     fluid.step({&leg, 1}, kFrame);
-    for (const Vec3f& p : fluid.places()) {
+    for (const Vec3f& p : fluid.positions()) {
       const Vec3 own = (leg.worldFromPart.inverse() * p.cast<double>()).cwiseAbs();
       const double in = std::min({0.06 - own.x(), 0.3 - own.y(), 0.06 - own.z()});
       EXPECT_LT(in, -0.5 * kSpacing + 1e-3);
@@ -138,17 +139,17 @@ TEST(Fluid, APartPushesItAndHoldsNoneInside) {
   }
 }
 
-std::vector<Vec3f> places(int threads) {
+std::vector<Vec3f> positions(int threads) {
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   Fluid fluid = dam(12, 16);
   for (int i = 0; i < 8; ++i) fluid.step({}, kFrame);
-  return {fluid.places().begin(), fluid.places().end()};
+  return {fluid.positions().begin(), fluid.positions().end()};
 }
 
 TEST(Fluid, ThreadsAndInstructionSetsChangeNoBit) {
-  const std::vector<Vec3f> one = places(1);
-  EXPECT_EQ(one, places(4));
-  onEveryInstructionSet([&] { EXPECT_EQ(one, places(2)); });
+  const std::vector<Vec3f> one = positions(1);
+  EXPECT_EQ(one, positions(4));
+  onEveryInstructionSet([&] { EXPECT_EQ(one, positions(2)); });
 }
 
 TEST(Fluid, StepsAllocateNothingAfterTheFirst) {
@@ -162,14 +163,14 @@ TEST(Fluid, StepsAllocateNothingAfterTheFirst) {
   EXPECT_EQ(allocationCount() - before, 0);
 }
 
-TEST(Fluid, DropsInOnePlacePart) {
+TEST(Fluid, ParticlesInOnePositionSeparate) {
   FluidSettings settings;
   settings.capacity = 40;
   Fluid fluid(settings);
   EXPECT_EQ(fluid.add(std::vector<Vec3f>(30, Vec3f(0.0f, 0.5f, 0.0f))), 30u);
   EXPECT_EQ(fluid.add(std::vector<Vec3f>{Vec3f(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f)}), 0u);
   for (int i = 0; i < 30; ++i) fluid.step({}, kFrame);
-  for (const Vec3f& p : fluid.places()) ASSERT_TRUE(p.allFinite());
+  for (const Vec3f& p : fluid.positions()) ASSERT_TRUE(p.allFinite());
 }
 
 }  // namespace

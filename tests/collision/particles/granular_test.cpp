@@ -26,27 +26,27 @@ GranularSettings smallSettings(std::size_t capacity) {
   return settings;
 }
 
-/// A block of nx * ny * nx grains above the floor, a little out of line.
-std::vector<Vec3f> block(int nx, int ny, const Vec3f& least) {
+/// A block of nx * ny * nx grains above the floor, slightly out of line.
+std::vector<Vec3f> block(int nx, int ny, const Vec3f& min) {
   RandomNumbers random(4);
-  std::vector<Vec3f> places;
-  places.reserve(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nx));
+  std::vector<Vec3f> positions;
+  positions.reserve(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nx));
   for (int y = 0; y < ny; ++y) {
     for (int z = 0; z < nx; ++z) {
       for (int x = 0; x < nx; ++x) {
         const auto off = static_cast<float>(random.between(-4e-4, 4e-4));
-        places.push_back(least + Vec3f(static_cast<float>(x) * 2.04f * kRadius + off,
-                                       static_cast<float>(y) * 2.04f * kRadius,
-                                       static_cast<float>(z) * 2.04f * kRadius - off));
+        positions.push_back(min + Vec3f(static_cast<float>(x) * 2.04f * kRadius + off,
+                                        static_cast<float>(y) * 2.04f * kRadius,
+                                        static_cast<float>(z) * 2.04f * kRadius - off));
       }
     }
   }
-  return places;
+  return positions;
 }
 
-/// How far a grain is in a part that is a box [m]; 0 or less: it is not.
-double depthIn(const LivePart& part, const Vec3& halfExtents, const Vec3f& place) {
-  const Vec3 outside = (part.worldFromPart.inverse() * place.cast<double>()).cwiseAbs() - halfExtents;
+/// How far a grain is inside a box-shaped part [m]; 0 or less if outside.
+double depthIn(const LivePart& part, const Vec3& halfExtents, const Vec3f& position) {
+  const Vec3 outside = (part.worldFromPart.inverse() * position.cast<double>()).cwiseAbs() - halfExtents;
   const double distance = outside.maxCoeff() > 0.0 ? outside.cwiseMax(0.0).norm() : outside.maxCoeff();
   return kRadius - distance;
 }
@@ -57,10 +57,10 @@ TEST(Granular, FallsFreelyAsTheClosedFormSays) {
   const int frames = 9;
   for (int i = 0; i < frames; ++i) sand.step({}, kFrame);
   const double t = frames * kFrame, h = 1.0 / 240.0;
-  EXPECT_NEAR(sand.places()[0].x(), 0.3 + 0.5 * t, 1e-4);
+  EXPECT_NEAR(sand.positions()[0].x(), 0.3 + 0.5 * t, 1e-4);
   // Substeps add g h t / 2 to the parabola.
-  EXPECT_NEAR(sand.places()[0].y(), 2.0 + t - 0.5 * 9.81 * t * (t + h), 1e-4);
-  EXPECT_NEAR(sand.places()[0].z(), -0.1, 1e-6);
+  EXPECT_NEAR(sand.positions()[0].y(), 2.0 + t - 0.5 * 9.81 * t * (t + h), 1e-4);
+  EXPECT_NEAR(sand.positions()[0].z(), -0.1, 1e-6);
   EXPECT_NEAR(sand.velocities()[0].y(), 1.0 - 9.81 * t, 1e-3);
 }
 
@@ -72,7 +72,7 @@ TEST(Granular, TwoGrainsThatMeetPartWithoutPassingAndLoseNoMomentumSideways) {
   sand.add(std::vector<Vec3f>{Vec3f(-0.1f, 1.0f, 0.0f)}, Vec3(1.0, 0.0, 0.0));
   sand.add(std::vector<Vec3f>{Vec3f(0.1f, 1.0f, 0.0f)}, Vec3(-0.5, 0.0, 0.0));
   for (int i = 0; i < 15; ++i) sand.step({}, kFrame);
-  EXPECT_GT(sand.places()[1].x() - sand.places()[0].x(), 2.0f * kRadius - 1e-4f);
+  EXPECT_GT(sand.positions()[1].x() - sand.positions()[0].x(), 2.0f * kRadius - 1e-4f);
   EXPECT_NEAR(sand.velocities()[0].x() + sand.velocities()[1].x(), 0.5, 1e-3);
   EXPECT_NEAR(sand.velocities()[0].x(), 0.25, 1e-3) << "they do not bounce";
 }
@@ -83,21 +83,21 @@ TEST(Granular, APouredHeapComesToRestWithASlopeAndKeepsItsVolume) {
     if (i < 40) heap.add(block(5, 2, Vec3f(-0.08f, 0.6f, -0.08f)), Vec3(0.0, -2.0, 0.0));
     heap.step({}, kFrame);
   }
-  EXPECT_LT(heap.awakeCount(), 60u) << "nearly all sleep";
-  const std::vector<Vec3f> before(heap.places().begin(), heap.places().end());
+  EXPECT_LT(heap.awakeCount(), 60u) << "nearly all grains sleep";
+  const std::vector<Vec3f> before(heap.positions().begin(), heap.positions().end());
   for (int i = 0; i < 30; ++i) heap.step({}, kFrame);
   double top = 0.0, moved = 0.0, overlap = 0.0;
   std::vector<double> distances;
-  std::vector<Vec3f> byX(heap.places().begin(), heap.places().end());
+  std::vector<Vec3f> byX(heap.positions().begin(), heap.positions().end());
   for (std::size_t i = 0; i < heap.size(); ++i) {
-    const Vec3f& p = heap.places()[i];
+    const Vec3f& p = heap.positions()[i];
     ASSERT_TRUE(p.allFinite());
     EXPECT_GE(p.y(), kRadius - 1e-6f);
     top = std::max(top, static_cast<double>(p.y()));
     moved += (p - before[i]).norm() / static_cast<double>(heap.size());
     distances.push_back(std::hypot(p.x(), p.z()));
   }
-  EXPECT_LT(moved, 1e-3) << "it stays";
+  EXPECT_LT(moved, 1e-3) << "the heap stays in place";
   std::sort(distances.begin(), distances.end());
   const double foot = distances[distances.size() * 95 / 100];
   const double slope = std::atan2(top, foot) * 180.0 / std::numbers::pi;
@@ -109,7 +109,7 @@ TEST(Granular, APouredHeapComesToRestWithASlopeAndKeepsItsVolume) {
       overlap += std::max(0.0f, 2.0f * kRadius - (byX[j] - byX[i]).norm());
     }
   }
-  EXPECT_LT(overlap / static_cast<double>(heap.size()), 0.2 * kRadius) << "grains hold each other apart";
+  EXPECT_LT(overlap / static_cast<double>(heap.size()), 0.2 * kRadius) << "grains keep each other apart";
 }
 
 TEST(Granular, WallsHoldAColumnThatDoesNotCollapse) {
@@ -119,14 +119,14 @@ TEST(Granular, WallsHoldAColumnThatDoesNotCollapse) {
   sand.add(block(12, 15, Vec3f(-0.22f, 0.021f, -0.22f)));
   for (int i = 0; i < 120; ++i) sand.step({}, kFrame);
   double middle = 0.0;
-  for (const Vec3f& p : sand.places()) {
+  for (const Vec3f& p : sand.positions()) {
     ASSERT_TRUE(p.allFinite());
     EXPECT_GE(p.y(), kRadius - 1e-6f);
     EXPECT_LE(std::abs(p.x()), 0.25f - kRadius + 1e-6f);
     EXPECT_LE(std::abs(p.z()), 0.25f - kRadius + 1e-6f);
     middle += p.y() / static_cast<double>(sand.size());
   }
-  // Share of the space that the grains' own volume takes; spheres as they lie by chance take 0.55 to 0.64.
+  // Fraction of the space that the grains' own volume takes; randomly packed spheres take 0.55 to 0.64.
   const double filled = 2160 * 4.0 / 3.0 * std::numbers::pi * std::pow(kRadius, 3) / (0.25 * 2.0 * middle);
   EXPECT_GT(filled, 0.45);
   EXPECT_LT(filled, 0.75);
@@ -137,18 +137,18 @@ TEST(Granular, AFastHandPushesGrainsAndLeavesNoneInside) {
   sand.add(block(10, 8, Vec3f(-0.2f, 0.021f, -0.2f)));
   LivePart hand = makeBoxPart(Vec3(0.03, 0.08, 0.05), at(-0.6, 0.12, 0.0));
   for (int i = 0; i < 60; ++i) sand.step({&hand, 1}, kFrame);
-  const std::vector<Vec3f> before(sand.places().begin(), sand.places().end());
-  for (int frame = 1; frame <= 8; ++frame) {  // 4.5 m/s, turning
+  const std::vector<Vec3f> before(sand.positions().begin(), sand.positions().end());
+  for (int frame = 1; frame <= 8; ++frame) {  // 4.5 m/s, rotating
     Isometry3 next = at(-0.6 + 0.15 * frame, 0.12, 0.0);
     next.rotate(Eigen::AngleAxisd(0.3 * frame, Vec3::UnitY()));
     moveTo(hand, next);
     sand.step({&hand, 1}, kFrame);
-    for (const Vec3f& p : sand.places()) EXPECT_LT(depthIn(hand, Vec3(0.03, 0.08, 0.05), p), 1e-3);
+    for (const Vec3f& p : sand.positions()) EXPECT_LT(depthIn(hand, Vec3(0.03, 0.08, 0.05), p), 1e-3);
   }
   int pushed = 0;
   for (std::size_t i = 0; i < sand.size(); ++i) {
-    EXPECT_GE(sand.places()[i].y(), kRadius - 1e-6f);
-    if (sand.places()[i].x() - before[i].x() > 0.05f) ++pushed;
+    EXPECT_GE(sand.positions()[i].y(), kRadius - 1e-6f);
+    if (sand.positions()[i].x() - before[i].x() > 0.05f) ++pushed;
   }
   EXPECT_GT(pushed, 30);
 }
@@ -160,7 +160,7 @@ TEST(Granular, AFootThatStepsOnGrainsLeavesThemNeitherInsideNorBelowTheFloor) {
   for (int frame = 0; frame <= 20; ++frame) {
     moveTo(foot, at(0.0, std::max(0.041, 0.3 - 0.02 * frame), 0.0));
     sand.step({&foot, 1}, kFrame);
-    for (const Vec3f& p : sand.places()) {
+    for (const Vec3f& p : sand.positions()) {
       ASSERT_TRUE(p.allFinite());
       EXPECT_GE(p.y(), kRadius - 1e-6f);
       EXPECT_LT(depthIn(foot, Vec3(0.06, 0.04, 0.13), p), 1e-3);
@@ -174,16 +174,16 @@ TEST(Granular, WhatLiesOnAPartFallsWhenItLeaves) {
   sand.add(block(4, 2, Vec3f(-0.06f, 0.58f, -0.06f)));
   for (int i = 0; i < 90; ++i) sand.step({&table, 1}, kFrame);
   EXPECT_EQ(sand.awakeCount(), 0u);
-  for (const Vec3f& p : sand.places()) EXPECT_GT(p.y(), 0.55f);
+  for (const Vec3f& p : sand.positions()) EXPECT_GT(p.y(), 0.55f);
   moveTo(table, at(3.0, 0.5, 0.0));
   for (int i = 0; i < 30; ++i) {
     sand.step({&table, 1}, kFrame);
     moveTo(table, at(3.0, 0.5, 0.0));
   }
-  for (const Vec3f& p : sand.places()) EXPECT_LT(p.y(), 0.2f);
+  for (const Vec3f& p : sand.positions()) EXPECT_LT(p.y(), 0.2f);
 }
 
-std::vector<Vec3f> places(int threads) {
+std::vector<Vec3f> positions(int threads) {
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   Granular sand(smallSettings(2000));
   sand.add(block(10, 20, Vec3f(-0.2f, 0.021f, -0.2f)));
@@ -192,13 +192,13 @@ std::vector<Vec3f> places(int threads) {
     moveTo(hand, at(-0.4 + 0.05 * frame, 0.12, 0.0));
     sand.step({&hand, 1}, kFrame);
   }
-  return {sand.places().begin(), sand.places().end()};
+  return {sand.positions().begin(), sand.positions().end()};
 }
 
 TEST(Granular, ThreadsAndInstructionSetsChangeNoBit) {
-  const std::vector<Vec3f> one = places(1);
-  EXPECT_EQ(one, places(4));
-  onEveryInstructionSet([&] { EXPECT_EQ(one, places(2)); });
+  const std::vector<Vec3f> one = positions(1);
+  EXPECT_EQ(one, positions(4));
+  onEveryInstructionSet([&] { EXPECT_EQ(one, positions(2)); });
 }
 
 TEST(Granular, StepsAllocateNothingAfterTheFirst) {
@@ -217,7 +217,7 @@ TEST(Granular, StepsAllocateNothingAfterTheFirst) {
   EXPECT_EQ(allocationCount() - before, 0);
 }
 
-TEST(Granular, NumbersThatAreNoneAndFarPlacesDoNoHarm) {
+TEST(Granular, NonFiniteAndDistantPositionsDoNoHarm) {
   Granular sand(smallSettings(50));
   const float none = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Vec3f> given{Vec3f(none, 1.0f, 0.0f), Vec3f(0.0f, 1.0f, 0.0f), Vec3f(0.0f, 1.0f, 0.0f),
@@ -226,12 +226,12 @@ TEST(Granular, NumbersThatAreNoneAndFarPlacesDoNoHarm) {
   LivePart broken = makeBoxPart(Vec3(0.1, 0.1, 0.1), at(0.0, 0.5, 0.0));
   broken.worldFromPart.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < 40; ++i) sand.step({&broken, 1}, kFrame);
-  for (const Vec3f& p : sand.places()) {
+  for (const Vec3f& p : sand.positions()) {
     ASSERT_TRUE(p.allFinite());
     EXPECT_NEAR(p.y(), kRadius, 0.1f);
   }
-  EXPECT_GT((sand.places()[0] - sand.places()[1]).norm(), kRadius) << "grains in one place part";
-  EXPECT_EQ(sand.add(std::vector<Vec3f>(60, Vec3f(0.0f, 3.0f, 0.0f))), 46u) << "there is room for so many";
+  EXPECT_GT((sand.positions()[0] - sand.positions()[1]).norm(), kRadius) << "grains in one position separate";
+  EXPECT_EQ(sand.add(std::vector<Vec3f>(60, Vec3f(0.0f, 3.0f, 0.0f))), 46u) << "the capacity allows this many";
 }
 
 }  // namespace

@@ -15,22 +15,22 @@ struct Case {
   double extent, height, stray;
 };
 
-/// The lists, by the particles' own numbers.
-std::vector<std::set<std::uint32_t>> listed(const std::vector<ParticleRow>& places, float radius) {
-  ParticleGrid grid(places.size());
-  grid.sort(places, radius);
-  std::vector<float> x(paddedCount(places.size())), y(x.size()), z(x.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const ParticleRow& place = places[grid.order()[i]];
-    x[i] = place.x;
-    y[i] = place.y;
-    z[i] = place.z;
+/// The lists, by the particles' original indices.
+std::vector<std::set<std::uint32_t>> listed(const std::vector<ParticleRow>& positions, float radius) {
+  ParticleGrid grid(positions.size());
+  grid.sort(positions, radius);
+  std::vector<float> x(paddedCount(positions.size())), y(x.size()), z(x.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const ParticleRow& position = positions[grid.order()[i]];
+    x[i] = position.x;
+    y[i] = position.y;
+    z[i] = position.z;
   }
-  NeighbourLists lists(places.size(), 96);
-  lists.build(grid, x.data(), y.data(), z.data(), places.size(), radius, std::vector<std::uint8_t>(x.size()));
+  NeighbourLists lists(positions.size(), 96);
+  lists.build(grid, x.data(), y.data(), z.data(), positions.size(), radius, std::vector<std::uint8_t>(x.size()));
   EXPECT_EQ(lists.overflows(), 0u);
-  std::vector<std::set<std::uint32_t>> result(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  std::vector<std::set<std::uint32_t>> result(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     const std::size_t block = i / kParticleBlock;
     for (int s = 0; s < lists.slotCount(block); ++s) {
       const std::uint32_t other = lists.slots(block)[static_cast<std::size_t>(s) * kParticleBlock + i % kParticleBlock];
@@ -46,22 +46,23 @@ TEST(NeighbourLists, HoldWhatComparingAllPairsFinds) {
   const float radius = 0.05f;
   for (const Case& c : {Case{1, 1, 1, 0}, Case{15, 0.1, 0.1, 0}, Case{16, 0.1, 0.1, 0}, Case{17, 0.1, 0.1, 0},
                         Case{700, 0.5, 0.4, 0}, Case{700, 0.5, 0.4, 60.0}, Case{300, 0.1, 12.0, 0}}) {
-    std::vector<ParticleRow> places;
+    std::vector<ParticleRow> positions;
     for (std::size_t i = 0; i < c.count; ++i) {
       const bool stray = i % 50 == 49;
       const double extent = stray ? c.extent + c.stray : c.extent, height = stray ? c.height + c.stray : c.height;
-      places.push_back({static_cast<float>(random.between(-extent, extent)),
-                        static_cast<float>(random.between(0.0, height)),
-                        static_cast<float>(random.between(-extent, extent)), 0.0f});
+      positions.push_back({static_cast<float>(random.between(-extent, extent)),
+                           static_cast<float>(random.between(0.0, height)),
+                           static_cast<float>(random.between(-extent, extent)), 0.0f});
     }
-    std::vector<std::set<std::uint32_t>> truth(places.size());
-    for (std::uint32_t i = 0; i < places.size(); ++i) {
-      for (std::uint32_t j = 0; j < places.size(); ++j) {
-        const float dx = places[j].x - places[i].x, dy = places[j].y - places[i].y, dz = places[j].z - places[i].z;
+    std::vector<std::set<std::uint32_t>> truth(positions.size());
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
+      for (std::uint32_t j = 0; j < positions.size(); ++j) {
+        const float dx = positions[j].x - positions[i].x, dy = positions[j].y - positions[i].y,
+                    dz = positions[j].z - positions[i].z;
         if (i != j && dx * dx + dy * dy + dz * dz < radius * radius) truth[i].insert(j);
       }
     }
-    onEveryInstructionSet([&] { EXPECT_EQ(listed(places, radius), truth) << c.count << " particles"; });
+    onEveryInstructionSet([&] { EXPECT_EQ(listed(positions, radius), truth) << c.count << " particles"; });
   }
 }
 

@@ -38,24 +38,25 @@ Aabb boundsOfParts(std::span<const LivePart> parts, double more) {
   return box;
 }
 
-/// Random hulls of a few points each about one place, all overlapping.
+/// Random hulls of a few points each around one position, all overlapping.
 std::vector<LivePart> randomParts(std::mt19937_64& random, int count) {
   std::vector<LivePart> parts(static_cast<std::size_t>(count));
   for (LivePart& part : parts) {
     std::vector<Vec3> corners(6 + random() % 60);
     const Vec3 size = uniformVec3(random, 0.02, 0.4);
     for (Vec3& corner : corners) corner = size.cwiseProduct(uniformVec3(random, -1.0, 1.0));
-    Isometry3 place = at(0, 0, 0);
-    place.linear() = uniformRotation(random).toRotationMatrix();
-    place.translation() = uniformVec3(random, -0.5, 0.5);
-    part.worldFromPart = place;
-    part.previousWorldFromPart = place;
+    Isometry3 pose = at(0, 0, 0);
+    pose.linear() = uniformRotation(random).toRotationMatrix();
+    pose.translation() = uniformVec3(random, -0.5, 0.5);
+    part.worldFromPart = pose;
+    part.previousWorldFromPart = pose;
     reshape(part, corners);
   }
   return parts;
 }
 
-/// Pushes, and holds every particle to the truth: who was touched, what it was told, where it is now.
+/// Pushes, and compares every particle with the reference: which were touched, what was reported, and the new
+/// positions.
 /// @return how many were touched
 std::size_t expectPushed(std::span<const LivePart> parts, std::vector<Vec3f> particles, const std::string& what) {
   SCOPED_TRACE(what);
@@ -66,14 +67,14 @@ std::size_t expectPushed(std::span<const LivePart> parts, std::vector<Vec3f> par
   const std::span<const ParticleTouch> touches = push.push(particles);
   std::size_t next = 0;
   double sum = 0.0;
-  double leastSum = 0.0;
+  double minSum = 0.0;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Vec3 was = before[i].cast<double>();
     const Vec3 is = particles[i].cast<double>();
     const double height = truth.lowest(was);
     const bool touched = next < touches.size() && touches[next].particle == i;
     EXPECT_TRUE(touched ? height < kRounding : height > -kRounding) << i << ": " << height;
-    EXPECT_GT(truth.lowest(is), -kRounding) << i << " is inside, and was at " << height;
+    EXPECT_GT(truth.lowest(is), -kRounding) << i << " is inside; its height was " << height;
     if (!touched) {
       EXPECT_EQ(before[i], particles[i]);
       continue;
@@ -81,19 +82,20 @@ std::size_t expectPushed(std::span<const LivePart> parts, std::vector<Vec3f> par
     const ParticleTouch& touch = touches[next++];
     EXPECT_NEAR(touch.depth, (is - was).norm(), kRounding);
     EXPECT_NEAR(touch.normal.norm(), 1.0, 1e-5);
-    EXPECT_NEAR(truth.height(touch.part, is), 0.0, 4 * kRounding) << "on the surface of the part that is named";
-    EXPECT_TRUE(truth.hasFace(touch.part, is, touch.normal.cast<double>(), 2 * kRounding)) << "the normal is a face's";
+    EXPECT_NEAR(truth.height(touch.part, is), 0.0, 4 * kRounding) << "on the surface of the reported part";
+    EXPECT_TRUE(truth.hasFace(touch.part, is, touch.normal.cast<double>(), 2 * kRounding))
+        << "the normal is that of a face";
     const LivePart& part = parts[touch.part];
     EXPECT_NEAR((touch.surfaceVelocity.cast<double>() - velocityAt(part, is, kSecond)).norm(), 0.0, 1e-4);
     if (next % 4 != 0) continue;
     const double way = truth.wayOut(was);
     EXPECT_LE(touch.depth, 4.0 * way + 5e-3) << i << ": there is a much nearer way out";
     sum += touch.depth;
-    leastSum += way;
+    minSum += way;
   }
   EXPECT_EQ(next, touches.size()) << "touches are in order";
-  EXPECT_LE(sum, 1.5 * leastSum + 1e-3) << "on the average, the ways are near the shortest";
-  EXPECT_TRUE(push.push(particles).empty()) << "who is out stays where he is";
+  EXPECT_LE(sum, 1.5 * minSum + 1e-3) << "on average, the distances are close to the shortest";
+  EXPECT_TRUE(push.push(particles).empty()) << "particles that are outside stay in place";
   return touches.size();
 }
 
@@ -124,10 +126,10 @@ TEST(ParticlePush, RandomHullsPushAsAllTheirPlanesSay) {
 TEST(ParticlePush, ABodyInAnyPosePushesAsAllItsPlanesSay) {
   Dancer dancer;
   std::mt19937_64 random(72);
-  LiveBody body(dancer.decomposition, dancer.character);
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   std::size_t touched = 0;
   for (int i = 0; i < 4; ++i) {
-    dancer.dance(random, i == 3 ? 2.5 : 0.4);  // the last one folds in on itself
+    dancer.dance(random, i == 3 ? 2.5 : 0.4);  // in the last pose the body intersects itself
     body.update(dancer.worldFromModel);
     if (i == 0) continue;
     touched += expectPushed(body.parts(), particlesIn(boundsOfParts(body.parts(), 0.02), 700, random),
@@ -169,7 +171,7 @@ TEST(ParticlePush, PositionsThatAreNoNumbersAreLeftAlone) {
   const LivePart box = makeBoxPart({1, 1, 1}, at(0, 0, 0));
   ParticlePush push;
   push.prepare(std::span(&box, 1), kSecond);
-  // A whole packet of each, and then some.
+  // A whole vector of each, and some more.
   for (const Vec3f& odd : {Vec3f(nan, 0, 0), Vec3f(0, nan, 0), Vec3f(0, 0, nan), Vec3f(infinity, 0, 0),
                            Vec3f(0, -infinity, 0), Vec3f(1e30F, 0, 0), Vec3f(nan, nan, nan)}) {
     std::vector<Vec3f> particles(37, odd);
@@ -230,14 +232,15 @@ TEST(ParticlePush, VelocityChangesAsCoulombSays) {
   touch.normal = Vec3f::UnitY();
   touch.surfaceVelocity = Vec3f(1, 2, 0);
   const auto after = [&](const Vec3f& v, float friction) -> Vec3f { return v + velocityChange(touch, v, friction); };
-  EXPECT_EQ(after({0, 3, 0}, 1.0F), Vec3f(0, 3, 0)) << "it leaves already";
+  EXPECT_EQ(after({0, 3, 0}, 1.0F), Vec3f(0, 3, 0)) << "the particle is already leaving";
   EXPECT_EQ(after({0, 0, 0}, 0.0F), Vec3f(0, 2, 0)) << "without friction, along the normal only";
   EXPECT_LT((after({0, 0, 0}, 0.25F) - Vec3f(0.5F, 2, 0)).norm(), 1e-6) << "a quarter of the push";
-  EXPECT_LT((after({0, 0, 0}, 5.0F) - Vec3f(1, 2, 0)).norm(), 1e-6) << "it sticks, and is not thrown the other way";
+  EXPECT_LT((after({0, 0, 0}, 5.0F) - Vec3f(1, 2, 0)).norm(), 1e-6)
+      << "it sticks and is not accelerated past the surface";
   EXPECT_EQ(after({1, 1, 0}, 0.5F), Vec3f(1, 2, 0)) << "nothing slides";
 }
 
-/// What a push gave, bit by bit.
+/// The result of a push, bit by bit.
 std::vector<unsigned char> bytesOf(const std::vector<Vec3f>& particles, std::span<const ParticleTouch> touches) {
   std::vector<unsigned char> bytes(particles.size() * sizeof(Vec3f) + touches.size_bytes());
   std::memcpy(bytes.data(), particles.data(), particles.size() * sizeof(Vec3f));
@@ -289,7 +292,7 @@ TEST(ParticlePush, AnyNumberOfParticlesIsPushedAsOneByOne) {
 TEST(ParticlePush, FramesAllocateNothing) {
   Dancer dancer;
   std::mt19937_64 random(78);
-  LiveBody body(dancer.decomposition, dancer.character);
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   std::vector<std::vector<LivePart>> frames;
   for (int i = 0; i < 6; ++i) {
     dancer.dance(random, 0.4);
@@ -307,7 +310,7 @@ TEST(ParticlePush, FramesAllocateNothing) {
   };
   all();
   const long before = allocationCount();
-  ASSERT_GT(before, 0) << "the counter works: making all this did allocate";
+  ASSERT_GT(before, 0) << "the counter works: the setup allocated memory";
   all();
   EXPECT_EQ(allocationCount() - before, 0);
   EXPECT_GT(touched, 100U);

@@ -18,9 +18,9 @@ ParticleTruth::ParticleTruth(std::span<const LivePart> parts) {
     std::vector<Plane>& planes = planes_.emplace_back();
     const ConvexHull hull = worldHull(part);
     for (const Triangle& t : hull.triangles) {
-      const Vec3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-      const Vec3& b = hull.vertices[static_cast<std::size_t>(t[1])];
-      const Vec3& c = hull.vertices[static_cast<std::size_t>(t[2])];
+      const Vec3& a = hull.vertices[t[0]];
+      const Vec3& b = hull.vertices[t[1]];
+      const Vec3& c = hull.vertices[t[2]];
       const Vec3 cross = (b - a).cross(c - a);
       if (!(cross.norm() > 1e-12)) continue;
       planes.push_back({cross.normalized(), cross.normalized().dot(a)});
@@ -31,15 +31,15 @@ ParticleTruth::ParticleTruth(std::span<const LivePart> parts) {
 }
 
 double ParticleTruth::height(std::size_t part, const Vec3& p) const {
-  double most = -kInfinity;
-  for (const Plane& plane : planes_[part]) most = std::max(most, plane.normal.dot(p) - plane.offset);
-  return planes_[part].empty() ? kInfinity : most;
+  double max = -kInfinity;
+  for (const Plane& plane : planes_[part]) max = std::max(max, plane.normal.dot(p) - plane.offset);
+  return planes_[part].empty() ? kInfinity : max;
 }
 
 double ParticleTruth::lowest(const Vec3& p) const {
-  double least = kInfinity;
-  for (std::size_t part = 0; part < planes_.size(); ++part) least = std::min(least, height(part, p));
-  return least;
+  double min = kInfinity;
+  for (std::size_t part = 0; part < planes_.size(); ++part) min = std::min(min, height(part, p));
+  return min;
 }
 
 bool ParticleTruth::hasFace(std::size_t part, const Vec3& p, const Vec3& normal, double distance) const {
@@ -51,7 +51,7 @@ bool ParticleTruth::hasFace(std::size_t part, const Vec3& p, const Vec3& normal,
 double ParticleTruth::wayOut(const Vec3& p) const {
   double shortest = lowest(p) < 0.0 ? kInfinity : 0.0;
   for (const Vec3& direction : directions_) {
-    // What each hull covers of the ray; the way goes on while one covers its end.
+    // The interval of the ray inside each hull. The way out extends as long as an interval covers its end.
     std::vector<std::pair<double, double>> covered;
     for (const std::vector<Plane>& planes : planes_) {
       double from = 0.0;

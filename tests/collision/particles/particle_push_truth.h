@@ -8,20 +8,19 @@
 
 namespace lorica::test {
 
-/// The hulls of live parts the slow way: all planes of all hulls, in double precision.
+/// Slow reference for the hulls of live parts: all planes of all hulls, in double precision.
 class ParticleTruth {
  public:
   explicit ParticleTruth(std::span<const LivePart> parts);
 
-  /// How far a point is above the highest plane of a part's hull [m]: below 0, so deep inside is it. A part without
-  /// faces is infinitely far.
+  /// How far a point is above the highest plane of a part's hull [m]: below 0 inside. A part without faces is
+  /// infinitely distant.
   [[nodiscard]] double height(std::size_t part, const Vec3& p) const;
-  /// The least height over all parts.
+  /// The min height over all parts.
   [[nodiscard]] double lowest(const Vec3& p) const;
-  /// Whether a face of a part's hull has this normal and a plane that passes the point so closely [m].
+  /// Whether a face of a part's hull has this normal and a plane within this distance of the point [m].
   [[nodiscard]] bool hasFace(std::size_t part, const Vec3& p, const Vec3& normal, double distance) const;
-  /// How far a point has to go at least to be outside of all hulls, or a little more: tried along many directions. 0
-  /// outside.
+  /// Approximate upper bound of the shortest distance out of all hulls, tried along many directions; 0 outside.
   [[nodiscard]] double wayOut(const Vec3& p) const;
 
  private:

@@ -6,9 +6,9 @@
 
 namespace lorica::test {
 
-/// A mesh prop of boxes, each a hull; the origin is moved to the middle of the box around all.
+/// A mesh prop of boxes, each a hull; the origin is moved to the centre of the bounding box.
 [[nodiscard]] Prop propOfBoxes(std::span<const Aabb> boxes);
-/// An L of three cubes, the corner one at the lower left: (0, 0), (1, 0) and (0, 1) in sides of a cube.
+/// An L of three cubes, at (0, 0), (1, 0) and (0, 1) in units of the cube's side.
 [[nodiscard]] Prop propOfLShape(double side);
 /// A square frame of four bars about Y: hole of side `inner`, bars `width` wide and high.
 [[nodiscard]] Prop propOfFrame(double inner, double width);

@@ -16,7 +16,7 @@
 namespace lorica {
 namespace {
 
-/// A mesh sequence of solids that share no point, each a part.
+/// A mesh sequence of separate solids, each one a part.
 struct Pile {
   std::vector<TriMesh> solids;
   TriMesh rest;  // of all
@@ -41,11 +41,11 @@ struct Pile {
       for (std::size_t v = 0; v < solid.vertices.size(); ++v) part.points.push_back(first++);
       if (decomposition.parts.size() > 1) decomposition.splitFrom.push_back(0);
     }
-    return LiveBody(std::move(decomposition));
+    return LiveBody::create(std::move(decomposition)).value();
   }
 };
 
-/// Positions of a pile with each solid moved.
+/// Vertex positions of a pile, with each solid moved.
 std::vector<Vec3> posed(const Pile& pile, std::span<const Isometry3> motion) {
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < pile.solids.size(); ++i) {
@@ -61,21 +61,21 @@ double overlapAlong(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3
   return high - low;
 }
 
-/// The least depth of two convex polyhedra, slowly: over the normals of all faces and the products of all edges.
-/// Negative where they are apart.
+/// Minimum depth of two convex polyhedra by brute force: over all face normals and all cross products of edges.
+/// Negative if they are apart.
 double slowDepth(const ConvexHull& a, const ConvexHull& b) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   const auto look = [&](const Vec3& direction) {
     const double length = direction.norm();
-    if (length > 1e-12) least = std::min(least, overlapAlong(a.vertices, b.vertices, direction / length));
+    if (length > 1e-12) min = std::min(min, overlapAlong(a.vertices, b.vertices, direction / length));
   };
   std::vector<Vec3> edges[2];
   for (int side = 0; side < 2; ++side) {
     const ConvexHull& hull = side == 0 ? a : b;
     for (const Triangle& t : hull.triangles) {
-      const Vec3& p = hull.vertices[static_cast<std::size_t>(t[0])];
-      const Vec3& q = hull.vertices[static_cast<std::size_t>(t[1])];
-      const Vec3& r = hull.vertices[static_cast<std::size_t>(t[2])];
+      const Vec3& p = hull.vertices[t[0]];
+      const Vec3& q = hull.vertices[t[1]];
+      const Vec3& r = hull.vertices[t[2]];
       const Vec3 normal = (q - p).cross(r - p);
       look(side == 0 ? normal : Vec3(-normal));
       if (t[0] < t[1]) edges[side].emplace_back(q - p);
@@ -89,7 +89,7 @@ double slowDepth(const ConvexHull& a, const ConvexHull& b) {
       look(f.cross(e));
     }
   }
-  return least;
+  return min;
 }
 
 TriMesh hullMesh(std::span<const Vec3> points) {
@@ -97,7 +97,7 @@ TriMesh hullMesh(std::span<const Vec3> points) {
   return {std::move(hull.vertices), std::move(hull.triangles)};
 }
 
-TEST(SelfContact, TwoBoxesThatMeetAreToldWithDepthAndDirection) {
+TEST(SelfContact, OverlappingBoxesAreReportedWithDepthAndDirection) {
   Pile pile;
   pile.add(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)));
   pile.add(test::makeBox(Vec3(2, 0, 0), Vec3(3, 1, 1)));
@@ -115,7 +115,7 @@ TEST(SelfContact, TwoBoxesThatMeetAreToldWithDepthAndDirection) {
   EXPECT_EQ(found[0].second, 1);
   EXPECT_NEAR(found[0].depth, 0.2, 1e-4);
   EXPECT_TRUE(found[0].direction.isApprox(Vec3::UnitX(), 1e-3)) << found[0].direction.transpose();
-  EXPECT_NEAR(found[0].place.x(), 0.9, 0.11);
+  EXPECT_NEAR(found[0].position.x(), 0.9, 0.11);
 }
 
 TEST(SelfContact, PartsThatTouchInTheRestPoseAreNeighbours) {
@@ -159,14 +159,14 @@ TEST(SelfContact, DepthsAreThoseOfALookAlongEveryAxis) {
     const std::span<const SelfContact> found = query.find(body.parts());
     std::set<std::pair<PartIndex, PartIndex>> pairs;
     for (const SelfContact& c : found) {
-      const ConvexHull& a = hulls[static_cast<std::size_t>(c.first)];
-      const ConvexHull& b = hulls[static_cast<std::size_t>(c.second)];
+      const ConvexHull& a = hulls[c.first];
+      const ConvexHull& b = hulls[c.second];
       const double depth = slowDepth(a, b);
       EXPECT_GE(c.depth, depth - 1e-9);
       EXPECT_LE(c.depth, 1.01 * depth + 2e-4) << "pose " << pose << ": " << c.first << ", " << c.second;
       EXPECT_NEAR(overlapAlong(a.vertices, b.vertices, c.direction), c.depth, 1e-9);
-      EXPECT_LT(largestViolation(a, std::span(&c.place, 1)), 0.5 * depth + 2e-4);
-      EXPECT_LT(largestViolation(b, std::span(&c.place, 1)), 0.5 * depth + 2e-4);
+      EXPECT_LT(largestViolation(a, std::span(&c.position, 1)), 0.5 * depth + 2e-4);
+      EXPECT_LT(largestViolation(b, std::span(&c.position, 1)), 0.5 * depth + 2e-4);
       EXPECT_TRUE(pairs.emplace(c.first, c.second).second);
     }
     EXPECT_TRUE(std::is_sorted(found.begin(), found.end(), [](const SelfContact& a, const SelfContact& b) {
@@ -174,7 +174,7 @@ TEST(SelfContact, DepthsAreThoseOfALookAlongEveryAxis) {
     }));
     for (PartIndex a = 0; a < kSolids; ++a) {
       for (PartIndex b = a + 1; b < kSolids; ++b) {
-        const double depth = slowDepth(hulls[static_cast<std::size_t>(a)], hulls[static_cast<std::size_t>(b)]);
+        const double depth = slowDepth(hulls[a], hulls[b]);
         if (depth < -1e-4) {
           EXPECT_FALSE(pairs.contains({a, b})) << depth;
         }

@@ -13,20 +13,20 @@ using test::at;
 using test::makeBoxPart;
 using test::moveTo;
 
-/// Every number that a run gives, frame by frame.
+/// All numbers that a run produces, frame by frame.
 struct Trace {
   std::vector<double> numbers;
   void add(const Vec3& v) { numbers.insert(numbers.end(), v.data(), v.data() + 3); }
 };
 
-/// A crowd of props around moving, deforming parts. `clutter` takes memory between the steps and gives some of it
-/// back, so that Bullet's objects lie elsewhere, in another order, in each run.
+/// Many props around moving, deforming parts. `clutter` allocates memory between the steps and frees some of it, so
+/// that Bullet's objects have other addresses, in another order, in each run.
 Trace run(std::uint64_t clutterSeed) {
   std::mt19937_64 clutter(clutterSeed);
   std::vector<std::unique_ptr<char[]>> memory;
   const auto stir = [&] {
     if (clutterSeed == 0) return;
-    // Many small blocks, most of them given back in random order: the next ones of these sizes come from anywhere.
+    // Many small blocks, most of them freed in random order, so that the next blocks of these sizes come from anywhere.
     for (int i = 0; i < 2000; ++i) memory.push_back(std::make_unique<char[]>(16 + clutter() % 256));
     for (int i = 0; i < 1900; ++i) std::swap(memory[clutter() % memory.size()], memory.back()), memory.pop_back();
   };

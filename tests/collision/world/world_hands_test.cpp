@@ -17,12 +17,12 @@ using test::at;
 
 constexpr double kFrame = 1.0 / 60.0;
 
-Prop ball(double radius, const Vec3& place, double mass = 1.0) {
+Prop ball(double radius, const Vec3& pose, double mass = 1.0) {
   Prop prop;
   prop.shape = PropShape::kSphere;
   prop.halfExtents = Vec3::Constant(radius);
   prop.mass = mass;
-  prop.worldFromProp = Eigen::Translation3d(place);
+  prop.worldFromProp = Eigen::Translation3d(pose);
   return prop;
 }
 
@@ -30,8 +30,8 @@ void run(World& world, double seconds) {
   for (int i = 0; i < static_cast<int>(std::lround(seconds / kFrame)); ++i) world.step({}, kFrame);
 }
 
-Vec3 placeOf(const World& world, int prop) {
-  return world.props()[static_cast<std::size_t>(prop)].worldFromProp.translation();
+Vec3 positionOf(const World& world, int prop) {
+  return world.props()[prop].worldFromProp.translation();
 }
 
 TEST(WorldPick, FindsTheNearestPropWhereTheRayEntersIt) {
@@ -42,7 +42,7 @@ TEST(WorldPick, FindsTheNearestPropWhereTheRayEntersIt) {
   ASSERT_TRUE(pick.has_value());
   EXPECT_EQ(pick->prop, 1);
   EXPECT_NEAR(pick->distance, 2.8, 1e-3);
-  EXPECT_TRUE(pick->place.isApprox(Vec3(0, 1, 2.8), 1e-3)) << pick->place.transpose();
+  EXPECT_TRUE(pick->position.isApprox(Vec3(0, 1, 2.8), 1e-3)) << pick->position.transpose();
 }
 
 TEST(WorldPick, NothingIsFoundBesideThroughTheFloorOrAlongNoRay) {
@@ -53,7 +53,7 @@ TEST(WorldPick, NothingIsFoundBesideThroughTheFloorOrAlongNoRay) {
                world.pick({Vec3(0, -1, 3), Vec3::UnitY()})->distance < 1.5);
   EXPECT_FALSE(world.pick({Vec3(0, 1, 0), Vec3::Zero()}).has_value());
   EXPECT_FALSE(world.pick({Vec3(0, 1, 0), Vec3(0, 0, std::numeric_limits<double>::quiet_NaN())}).has_value());
-  // From above at a ball below the floor's surface there is only floor.
+  // A ray from above to a ball below the floor hits only the floor.
   World sunk;
   sunk.addProp(ball(0.2, Vec3(0, -5, 0)));
   EXPECT_FALSE(sunk.pick({Vec3(0, 2, 0), -Vec3::UnitY()}).has_value());
@@ -75,7 +75,7 @@ TEST(WorldPick, SeesThroughAHoleAndPastTheAvatar) {
   EXPECT_EQ(bar->prop, 0);
 }
 
-TEST(WorldGrab, LiftsAPropToThePlaceAndLetsItFall) {
+TEST(WorldGrab, LiftsAPropToThePositionAndLetsItFall) {
   World world;
   world.addProp(ball(0.1, Vec3(0, 0.1, 0), 2.0));
   run(world, 1.0);  // asleep
@@ -84,12 +84,12 @@ TEST(WorldGrab, LiftsAPropToThePlaceAndLetsItFall) {
   run(world, 2.0);
   ASSERT_TRUE(world.held().has_value());
   EXPECT_EQ(world.held()->prop, 0);
-  EXPECT_LT((world.held()->place - Vec3(0.5, 1.2, 0)).norm(), 0.03) << world.held()->place.transpose();
-  EXPECT_NEAR((placeOf(world, 0) - world.held()->place).norm(), 0.1, 0.005);
+  EXPECT_LT((world.held()->position - Vec3(0.5, 1.2, 0)).norm(), 0.03) << world.held()->position.transpose();
+  EXPECT_NEAR((positionOf(world, 0) - world.held()->position).norm(), 0.1, 0.005);
   world.release();
   EXPECT_FALSE(world.held().has_value());
   run(world, 2.0);
-  EXPECT_NEAR(placeOf(world, 0).y(), 0.1, 0.005);
+  EXPECT_NEAR(positionOf(world, 0).y(), 0.1, 0.005);
 }
 
 TEST(WorldGrab, OnlyWhatIsThereAndMovesCanBeHeld) {
@@ -114,11 +114,11 @@ TEST(WorldGrab, ItsForceIsBounded) {
   ASSERT_TRUE(world.grab(0, Vec3(0, 0.6, 0)));
   world.moveGrab(Vec3(0, 1.5, 0));
   run(world, 3.0);
-  EXPECT_GT(placeOf(world, 0).y(), 1.0);
+  EXPECT_GT(positionOf(world, 0).y(), 1.0);
   ASSERT_TRUE(world.grab(1, Vec3(2, 0.6, 0)));
   world.moveGrab(Vec3(2, 1.5, 0));
   run(world, 3.0);
-  EXPECT_LT(placeOf(world, 1).y(), 0.31);
+  EXPECT_LT(positionOf(world, 1).y(), 0.31);
 }
 
 TEST(WorldGrab, AFarTargetHurlsNothing) {
@@ -134,11 +134,11 @@ TEST(WorldGrab, AFarTargetHurlsNothing) {
   for (int i = 0; i < 120; ++i) {
     world.step({}, kFrame);
     EXPECT_LT(world.props()[0].velocity.norm(), 9.0);
-    EXPECT_LT(placeOf(world, 0).x(), 0.87);
+    EXPECT_LT(positionOf(world, 0).x(), 0.87);
   }
 }
 
-/// A row of capsules from a place, along `step` each, hung up at its begin.
+/// A row of capsules from a position, each offset by `step`, fixed to the world at its start.
 /// @return the last one
 int addChain(World& world, const Vec3& begin, const Vec3& step, int links) {
   int before = kWorldItself;
@@ -164,12 +164,12 @@ double fastestIn(const World& world) {
 TEST(WorldLinks, AChainThatAnArmTearsDoesNotSnapBackFasterInShortSubsteps) {
   World::Settings weightless;
   weightless.gravity = Vec3::Zero();
-  // Hung up at both ends. Nothing holds an arm up: it pushes the middle aside by more than the chain is long.
+  // Fixed at both ends. The arm is not held back: it pushes the middle aside by more than the length of the chain.
   const auto run = [&](double handSpeed) {
     World world(weightless);
     const int last = addChain(world, Vec3(0, 0.2, 0), Vec3(0, 0.2, 0), 8);
     world.addLink(last, kWorldItself, Vec3(0, 1.8, 0));
-    // A hand beside it goes to and fro, so that substeps are short.
+    // A hand next to it moves back and forth, so that substeps are short.
     std::array<LivePart, 2> avatar = {test::makeBoxPart(Vec3(0.2, 0.05, 0.05), at(0, 1, -0.08)),
                                       test::makeBoxPart(Vec3(0.05, 0.05, 0.05), at(0.3, 1.6, 0))};
     double fastest = 0.0;
@@ -194,7 +194,7 @@ TEST(WorldGrab, NothingIsHurledWhereALinkIsDraggedThroughChainsAndPastAnArm) {
   std::array<LivePart, 2> avatar = {test::makeBoxPart(Vec3(0.2, 0.8, 0.12), at(0.25, 0.8, 0.3)),
                                     test::makeBoxPart(Vec3(0.05, 0.05, 0.3), at(0.25, 1.3, 0.45))};
   constexpr int kHeld = kLinks + kLinks / 2;
-  Vec3 target = placeOf(world, kHeld), goal = target;
+  Vec3 target = positionOf(world, kHeld), goal = target;
   ASSERT_TRUE(world.grab(kHeld, target));
   std::mt19937_64 random(1);
   for (int frame = 0; frame < 150; ++frame) {
@@ -205,26 +205,26 @@ TEST(WorldGrab, NothingIsHurledWhereALinkIsDraggedThroughChainsAndPastAnArm) {
     test::moveTo(avatar[1], at(0.25 + 0.3 * std::sin(0.13 * frame), 1.3, 0.45 + 0.3 * std::sin(0.2 * frame)));
     world.step(avatar, kFrame);
     ASSERT_LT(world.props()[kHeld].velocity.norm(), 9.0) << frame;
-    ASSERT_LT(fastestIn(world), 20.0) << frame << ": ends of chains are faster than what strikes them";
+    ASSERT_LT(fastestIn(world), 20.0) << frame << ": ends of chains are faster than the part that strikes them";
   }
 }
 
 TEST(WorldThrow, TheOldestThrownComesBackAsTheNext) {
   World world;
   world.addProp(ball(0.2, Vec3(5, 0.2, 0)));
-  for (int i = 0; i < World::kMostThrown; ++i) {
+  for (int i = 0; i < World::kMaxThrown; ++i) {
     EXPECT_EQ(world.throwProp(ball(0.05, Vec3(-4.0 + 0.125 * i, 0.05, 0))), i + 1);
   }
   run(world, 0.5);
   Prop next = ball(0.1, Vec3(0, 3, 2));
   next.velocity = Vec3(0, 0, 4);
   EXPECT_EQ(world.throwProp(next), 1);
-  EXPECT_EQ(std::ssize(world.props()), World::kMostThrown + 1);
+  EXPECT_EQ(std::ssize(world.props()), World::kMaxThrown + 1);
   EXPECT_EQ(world.props()[1].halfExtents.x(), 0.1);
   world.step({}, kFrame);
-  EXPECT_NEAR(placeOf(world, 1).z(), 2 + 4 * kFrame, 1e-3);
+  EXPECT_NEAR(positionOf(world, 1).z(), 2 + 4 * kFrame, 1e-3);
   EXPECT_EQ(world.throwProp(next), 2);
-  EXPECT_NEAR(placeOf(world, 0).x(), 5.0, 1e-3);
+  EXPECT_NEAR(positionOf(world, 0).x(), 5.0, 1e-3);
 }
 
 TEST(WorldThrow, WhatLeanedOnAThrownPropFallsWhenItIsTakenAway) {
@@ -237,15 +237,15 @@ TEST(WorldThrow, WhatLeanedOnAThrownPropFallsWhenItIsTakenAway) {
   box.worldFromProp = at(0, 0.3, 0);
   const int carried = world.addProp(box);
   run(world, 4.0);  // long enough to sleep
-  EXPECT_NEAR(placeOf(world, carried).y(), 0.3, 0.005);
-  for (int i = 0; i < World::kMostThrown; ++i) world.throwProp(ball(0.05, Vec3(4, 1.0 + i, 4)));
+  EXPECT_NEAR(positionOf(world, carried).y(), 0.3, 0.005);
+  for (int i = 0; i < World::kMaxThrown; ++i) world.throwProp(ball(0.05, Vec3(4, 1.0 + i, 4)));
   run(world, 1.0);
-  EXPECT_NEAR(placeOf(world, carried).y(), 0.1, 0.005);
+  EXPECT_NEAR(positionOf(world, carried).y(), 0.1, 0.005);
 }
 
 TEST(WorldThrow, AHeldPropThatIsThrownAgainIsLetGo) {
   World world;
-  for (int i = 0; i < World::kMostThrown; ++i) world.throwProp(ball(0.05, Vec3(0.2 * i, 0.05, 0)));
+  for (int i = 0; i < World::kMaxThrown; ++i) world.throwProp(ball(0.05, Vec3(0.2 * i, 0.05, 0)));
   ASSERT_TRUE(world.grab(0, Vec3(0, 0.1, 0)));
   EXPECT_EQ(world.throwProp(ball(0.05, Vec3(0, 1, 1))), 0);
   EXPECT_FALSE(world.held().has_value());
@@ -256,9 +256,9 @@ TEST(WorldHands, TheSameHandsDoTheSameTwice) {
   const auto last = [] {
     World world;
     for (int i = 0; i < 10; ++i) world.addProp(ball(0.1, Vec3(0.15 * i, 0.5 + 0.1 * i, 0)));
-    std::vector<Isometry3> places;
+    std::vector<Isometry3> poses;
     for (int frame = 0; frame < 120; ++frame) {
-      if (frame == 20) world.grab(3, placeOf(world, 3));
+      if (frame == 20) world.grab(3, positionOf(world, 3));
       if (frame > 20 && frame < 60) world.moveGrab(Vec3(0.02 * frame, 1.0, 0.01 * frame));
       if (frame == 60) world.release();
       if (frame % 3 == 0) {
@@ -268,8 +268,8 @@ TEST(WorldHands, TheSameHandsDoTheSameTwice) {
       }
       world.step({}, kFrame);
     }
-    for (const Prop& prop : world.props()) places.push_back(prop.worldFromProp);
-    return places;
+    for (const Prop& prop : world.props()) poses.push_back(prop.worldFromProp);
+    return poses;
   };
   const std::vector<Isometry3> first = last(), second = last();
   ASSERT_EQ(first.size(), second.size());

@@ -24,40 +24,40 @@ World weightless() {
   return World(settings);
 }
 
-Prop makeProp(PropShape shape, const Vec3& halfExtents, const Isometry3& place) {
+Prop makeProp(PropShape shape, const Vec3& halfExtents, const Isometry3& pose) {
   Prop prop;
   prop.shape = shape;
   prop.halfExtents = halfExtents;
   prop.mass = 0.6;
-  prop.worldFromProp = place;
+  prop.worldFromProp = pose;
   return prop;
 }
 
-/// A hand that goes straight and evenly towards a target, and through it.
+/// A hand that moves on a straight line at constant speed to a target and through it.
 class Hand {
  public:
   Hand(const Vec3& halfExtents, const Quat& rotation, const Vec3& target, const Vec3& velocity, double lead)
       : rotation_(rotation),
-        place_(target - lead * velocity),
+        position_(target - lead * velocity),
         velocity_(velocity),
-        part_(makeBoxPart(halfExtents, Eigen::Translation3d(place_) * rotation)) {}
+        part_(makeBoxPart(halfExtents, Eigen::Translation3d(position_) * rotation)) {}
 
   void step(World& world, double seconds) {
-    place_ += seconds * velocity_;
-    moveTo(part_, Eigen::Translation3d(place_) * rotation_);
+    position_ += seconds * velocity_;
+    moveTo(part_, Eigen::Translation3d(position_) * rotation_);
     world.step({&part_, 1}, seconds);
     for (const Contact& contact : world.contacts()) {
       touched_ = true;
       deepest_ = std::max(deepest_, contact.depth);
     }
   }
-  [[nodiscard]] const Vec3& place() const { return place_; }
+  [[nodiscard]] const Vec3& position() const { return position_; }
   [[nodiscard]] bool touched() const { return touched_; }
   [[nodiscard]] double deepest() const { return deepest_; }
 
  private:
   Quat rotation_;
-  Vec3 place_, velocity_;
+  Vec3 position_, velocity_;
   LivePart part_;
   bool touched_ = false;
   double deepest_ = 0.0;
@@ -71,15 +71,15 @@ TEST(WorldHits, ABallAtRestLeavesAtOnePlusRestitutionTimesTheHand) {
     const double speed = uniform(random, 1.0, 24.9);
     const double seconds = 1.0 / rates[i % 4];
     const Vec3 direction = uniformRotation(random) * Vec3::UnitX();
-    // The face that hits is tilted by up to 30 degrees, and hits a little beside its middle.
-    // Drawn one by one: compilers differ in the order of arguments.
+    // The hitting face is tilted by up to 30 degrees and hits slightly off its centre.
+    // One statement per random number: the evaluation order of arguments differs between compilers.
     const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
     const double angle = uniform(random, 0.0, 0.5);
     const Quat rotation = Eigen::AngleAxisd(angle, axis) * Quat::FromTwoVectors(Vec3::UnitX(), direction);
     const Vec3 normal = rotation * Vec3::UnitX();
 
     World world = weightless();
-    const Vec3 middle(0.3, 20.0, 0.2);  // in a frame or two the floor is not reached
+    const Vec3 middle(0.3, 20.0, 0.2);  // high enough not to reach the floor in a frame or two
     Prop ball = makeProp(PropShape::kSphere, Vec3::Constant(0.1), at(middle.x(), middle.y(), middle.z()));
     ball.restitution = restitution;
     ball.friction = 0.0;
@@ -90,8 +90,8 @@ TEST(WorldHits, ABallAtRestLeavesAtOnePlusRestitutionTimesTheHand) {
     Hand hand(Vec3(thickness, 0.15, 0.2), rotation, target, speed * direction, lead);
     for (int frame = 0; frame < 1000 && !hand.touched(); ++frame) hand.step(world, seconds);
     hand.step(world, seconds);
-    // In the hand's frame an infinitely heavy wall comes at the ball: what is along the normal turns round. Overlaps of
-    // less than 2 mm are undone with up to 0.12 m/s.
+    // In the hand's frame, the ball hits an infinitely heavy wall: its normal velocity is reversed. Overlaps of less
+    // than 2 mm are resolved with up to 0.12 m/s.
     const Vec3 expected = (1.0 + restitution) * speed * direction.dot(normal) * normal;
     EXPECT_LT((world.props()[0].velocity - expected).norm(), 0.001 * speed + 0.12)
         << "case " << i << ", " << speed << " m/s, restitution " << restitution;
@@ -132,7 +132,7 @@ TEST(WorldHits, ABoxHitFlatTakesTheHandsVelocity) {
               uniform(random, 0.067, 0.1) + 0.2 / speed);
     for (int frame = 0; frame < 100 && !hand.touched(); ++frame) hand.step(world, 1.0 / 30.0);
     hand.step(world, 1.0 / 30.0);
-    // A corner may touch before the others and tilt the box a little.
+    // A corner may touch before the others and tilt the box slightly.
     EXPECT_NEAR(world.props()[0].velocity.x(), (1.0 + restitution) * speed, 0.05 * speed) << "case " << i;
   }
 }
@@ -147,8 +147,8 @@ struct Hit {
   bool onFloor = false;
 };
 
-/// A hundred hits near the middle, flat and with the hand in any attitude, from everywhere, in all phases. None may
-/// pass: the prop is touched, flies as fast as what hit it, and the two never get far into each other.
+/// A hundred hits near the centre, flat and with the hand in any orientation, from all directions, at all phases of a
+/// frame. None may pass through: the prop is touched, leaves as fast as the hand, and the two never overlap deeply.
 void expectNoneThrough(const Hit& hit, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   for (int i = 0; i < 100; ++i) {
@@ -174,11 +174,11 @@ void expectNoneThrough(const Hit& hit, std::uint64_t seed) {
     for (double time = 0.0; time < lead + 0.2 / hit.speed; time += seconds) hand.step(world, seconds);
 
     const Vec3 velocity = world.props()[0].velocity;
-    const Vec3 ahead = world.props()[0].worldFromProp.translation() - hand.place();
+    const Vec3 ahead = world.props()[0].worldFromProp.translation() - hand.position();
     EXPECT_TRUE(hand.touched()) << "case " << i;
     EXPECT_LT(hand.deepest(), 0.035) << "case " << i;
     EXPECT_GT(velocity.norm(), 0.5 * hit.speed) << "case " << i;
-    if (!flat) continue;  // an edge may send it aside
+    if (!flat) continue;  // an edge may deflect it sideways
     EXPECT_GT(velocity.dot(direction), 0.7 * hit.speed) << "case " << i;
     EXPECT_GT(ahead.dot(direction), 0.0) << "case " << i;
   }

@@ -43,14 +43,14 @@ TEST(WorldMesh, StartsWhereItIsPutThoughItsMassIsElsewhere) {
   EXPECT_TRUE(world.props()[0].worldFromProp.isApprox(prop.worldFromProp, 1e-6));
 }
 
-/// Small swings of a solid take 2 pi sqrt(I / (m g d)): its period tells inertia and centre of mass at once.
+/// The period of small oscillations of a solid is 2 pi sqrt(I / (m g d)), which tests inertia and centre of mass.
 TEST(WorldMesh, SwingsInThePeriodOfItsInertia) {
-  // An L of three cubes in the plane x, y, hung up at the outer corner of its elbow, the origin of this drawing.
+  // An L of three cubes in the plane x, y, suspended at its outer corner, the origin of this drawing.
   //   [ ]
   //   [ ][ ]
   const double s = 0.2, mass = 3.0, g = 9.81;
   const Vec3 center(5.0 / 6.0 * s, 5.0 / 6.0 * s, 0.5 * s);
-  double inertia = 0.0;  // about the z axis through the corner: each cube's own and its distance
+  double inertia = 0.0;  // about the z axis through the corner (parallel axis theorem)
   for (const Vec3& cube : {Vec3(0.5, 0.5, 0.5), Vec3(1.5, 0.5, 0.5), Vec3(0.5, 1.5, 0.5)}) {
     inertia += mass / 3.0 * (s * s / 6.0 + s * s * cube.head<2>().squaredNorm());
   }
@@ -59,7 +59,7 @@ TEST(WorldMesh, SwingsInThePeriodOfItsInertia) {
 
   Prop prop = test::propOfLShape(s);
   prop.mass = mass;
-  // Hung so that the centre of mass is below the corner, but for a small angle.
+  // Turned so that the centre of mass is below the corner, except for a small angle.
   const double swing = 0.05;
   const double turn = -0.75 * std::numbers::pi + swing;
   const Vec3 pivot(0, 2, 0);
@@ -72,7 +72,7 @@ TEST(WorldMesh, SwingsInThePeriodOfItsInertia) {
   world.addProp(prop);
   world.addLink(0, kWorldItself, pivot);
 
-  // Time from one pass through the middle to the next in the same direction, between frames by a straight line.
+  // Time between two passes through the middle in the same direction, interpolated linearly between frames.
   double before = 0.0, firstPass = -1.0, lastPass = -1.0;
   int passes = 0;
   for (int frame = 0; frame < 60 * 6; ++frame) {
@@ -91,7 +91,7 @@ TEST(WorldMesh, SwingsInThePeriodOfItsInertia) {
   EXPECT_NEAR((lastPass - firstPass) / (passes - 1), period, 0.01 * period);
 }
 
-/// What is hollow lets through what is thinner than its hole; its convex hull would not.
+/// A hollow mesh lets a prop through that is thinner than its hole; its convex hull would not.
 TEST(WorldMesh, AFrameFallsAroundAPost) {
   Prop post;
   post.shape = PropShape::kCylinder;
@@ -104,12 +104,12 @@ TEST(WorldMesh, AFrameFallsAroundAPost) {
   world.addProp(post);
   world.addProp(frame);
   run(world, 2.0);
-  const Vec3 place = world.props()[1].worldFromProp.translation();
-  EXPECT_NEAR(place.y(), 0.03, 0.005);
-  EXPECT_LT(place.head<1>().norm(), 0.2);
+  const Vec3 pose = world.props()[1].worldFromProp.translation();
+  EXPECT_NEAR(pose.y(), 0.03, 0.005);
+  EXPECT_LT(pose.head<1>().norm(), 0.2);
 }
 
-TEST(WorldMesh, AMovingPartPushesItAndIsTold) {
+TEST(WorldMesh, AMovingPartPushesItAndIsReported) {
   Prop prop = test::propOfLShape(0.15);
   prop.worldFromProp = at(0, 0.15, 0);
   World::Settings settings;
@@ -145,7 +145,7 @@ TEST(WorldMesh, AKickAcrossAFrameDoesNotPassThrough) {
   World world(settings);
   world.addProp(prop);
   std::array<LivePart, 1> part = {test::makeBoxPart(Vec3(0.03, 0.1, 0.1), at(-0.4, 0.5, 0))};
-  for (int i = 0; i < 2; ++i) {  // 0.4 m a frame: 12 m/s at 30 frames a second
+  for (int i = 0; i < 2; ++i) {  // 0.4 m per frame: 12 m/s at 30 frames per second
     test::moveTo(part[0], at(-0.4 + 0.4 * (i + 1), 0.5, 0));
     world.step(part, 1.0 / 30.0);
   }
@@ -161,9 +161,9 @@ TEST(WorldMesh, StacksAndScattersTheSameTwice) {
       world.addProp(prop);
     }
     run(world, 1.5);
-    std::vector<Isometry3> places;
-    for (const Prop& prop : world.props()) places.push_back(prop.worldFromProp);
-    return places;
+    std::vector<Isometry3> poses;
+    for (const Prop& prop : world.props()) poses.push_back(prop.worldFromProp);
+    return poses;
   };
   const std::vector<Isometry3> first = last(), second = last();
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first[i].matrix(), second[i].matrix()) << i;

@@ -22,15 +22,15 @@ World weightless() {
   return World(settings);
 }
 
-Prop makeProp(PropShape shape, double halfSize, const Isometry3& place) {
+Prop makeProp(PropShape shape, double halfSize, const Isometry3& pose) {
   Prop prop;
   prop.shape = shape;
   prop.halfExtents = Vec3::Constant(halfSize);
-  prop.worldFromProp = place;
+  prop.worldFromProp = pose;
   return prop;
 }
 
-Vec3 placeOf(const World& world, std::size_t prop = 0) {
+Vec3 positionOf(const World& world, std::size_t prop = 0) {
   return world.props()[prop].worldFromProp.translation();
 }
 
@@ -62,15 +62,15 @@ TEST(WorldParts, APropThatAFootPressesIntoTheFloorDoesNotGoThroughIt) {
     for (int i = 1; i <= 30; ++i) {
       moveTo(foot, at(x, std::max(0.05, 0.5 - 0.05 * i), 0));
       world.step({&foot, 1}, kFrame);
-      EXPECT_GE(placeOf(world).y(), -1e-6) << "frame " << i;
+      EXPECT_GE(positionOf(world).y(), -1e-6) << "frame " << i;
     }
     moveTo(foot, at(5, 0.5, 0));
     for (int i = 0; i < 60; ++i) world.step({&foot, 1}, kFrame);
-    EXPECT_NEAR(placeOf(world).y(), 0.1, 0.005) << "it comes up again";
+    EXPECT_NEAR(positionOf(world).y(), 0.1, 0.005) << "it rises again";
   }
 }
 
-TEST(WorldParts, ATurningArmGivesTheSpeedOfThePlaceItHitsWith) {
+TEST(WorldParts, ATurningArmGivesTheSpeedOfThePointItHitsWith) {
   World world = weightless();
   Prop prop = makeProp(PropShape::kSphere, 0.05, at(0.4, 1.5, 0.2));
   prop.restitution = 0.0;
@@ -115,13 +115,13 @@ TEST(WorldParts, ABallBouncesOnAPartAndComesToRestOnTop) {
     fastestUp = std::max(fastestUp, world.props()[0].velocity.y());
   }
   EXPECT_NEAR(fastestUp, 0.6 * std::sqrt(2.0 * 9.81 * 0.9), 0.1) << "read at the end of a frame";
-  EXPECT_NEAR(placeOf(world).y(), 1.1, 0.003);
+  EXPECT_NEAR(positionOf(world).y(), 1.1, 0.003);
   ASSERT_FALSE(world.contacts().empty());
   EXPECT_GT(world.contacts()[0].normal.y(), 0.99) << "from the part to the prop";
   EXPECT_NEAR(world.contacts()[0].point.y(), 1.0, 0.004);
   double impulse = 0.0;
   for (const Contact& contact : world.contacts()) impulse += contact.impulse;
-  EXPECT_NEAR(impulse, 1.0 * 9.81 * kFrame, 0.02 * 9.81 * kFrame) << "what rests is carried by m g t";
+  EXPECT_NEAR(impulse, 1.0 * 9.81 * kFrame, 0.02 * 9.81 * kFrame) << "a resting prop is carried by m g t";
 }
 
 TEST(WorldParts, ABoxLiesStillOnAPartWhoseShapeChangesInEveryFrame) {
@@ -132,9 +132,9 @@ TEST(WorldParts, ABoxLiesStillOnAPartWhoseShapeChangesInEveryFrame) {
     test::reshapeToBox(table, Vec3(0.5 + (i % 2) * 0.01, 0.1, 0.5));
     world.step({&table, 1}, kFrame);
   }
-  EXPECT_NEAR(placeOf(world).y(), 1.1, 0.003);
-  // Friction forgets its anchors with the contacts: it may creep by a millimetre a second, no more.
-  EXPECT_LT(placeOf(world).cwiseProduct(Vec3(1, 0, 1)).norm(), 0.01);
+  EXPECT_NEAR(positionOf(world).y(), 1.1, 0.003);
+  // Friction loses its anchors with the contacts: it may creep by up to a millimetre per second.
+  EXPECT_LT(positionOf(world).cwiseProduct(Vec3(1, 0, 1)).norm(), 0.01);
 }
 
 TEST(WorldParts, ACarriedBoxRidesAlong) {
@@ -146,17 +146,17 @@ TEST(WorldParts, ACarriedBoxRidesAlong) {
     moveTo(tray, at(0.3 * kFrame * i, 0.9 + 0.2 * kFrame * i, 0));
     world.step({&tray, 1}, kFrame);
   }
-  EXPECT_NEAR(placeOf(world).x(), 0.6, 0.06);
-  EXPECT_NEAR(placeOf(world).y(), 1.5, 0.01);
+  EXPECT_NEAR(positionOf(world).x(), 0.6, 0.06);
+  EXPECT_NEAR(positionOf(world).y(), 1.5, 0.01);
 }
 
-/// A box rests on a part for a second, sleeping or not; then `change` is done, and the box must fall freely.
+/// A box rests on a part for a second, sleeping or not; then `change` is applied, and the box must fall freely.
 void expectFallAfter(const std::function<std::vector<LivePart>(LivePart)>& change) {
   World world;
   world.addProp(makeProp(PropShape::kBox, 0.1, at(0, 1.602, 0)));
   LivePart table = makeBoxPart(Vec3(0.3, 0.3, 0.3), at(0, 1.2, 0));
   for (int i = 0; i < 150; ++i) world.step({&table, 1}, kFrame);
-  const double y = placeOf(world).y();
+  const double y = positionOf(world).y();
   ASSERT_NEAR(y, 1.6, 0.004);
 
   std::vector<LivePart> changed = change(table);
@@ -165,7 +165,7 @@ void expectFallAfter(const std::function<std::vector<LivePart>(LivePart)>& chang
     for (LivePart& part : changed) moveTo(part, part.worldFromPart);
     EXPECT_TRUE(world.contacts().empty());
   }
-  EXPECT_NEAR(placeOf(world).y(), y - 0.5 * 9.81 * 0.2 * 0.2, 0.01);
+  EXPECT_NEAR(positionOf(world).y(), y - 0.5 * 9.81 * 0.2 * 0.2, 0.01);
 }
 
 TEST(WorldParts, ABoxFallsWhenWhatCarriedItShrinks) {
@@ -176,7 +176,7 @@ TEST(WorldParts, ABoxFallsWhenWhatCarriedItShrinks) {
 }
 
 TEST(WorldParts, ABoxFallsWhenTheShapeSinksUnderItWithinItsBounds) {
-  // The bounds still overlap, so Bullet keeps the pair, and with it the contacts that nothing carries any more.
+  // The bounds still overlap, so Bullet keeps the pair, and with it the contacts that are no longer valid.
   expectFallAfter([](LivePart table) {
     test::reshape(table, std::vector<Vec3>{{-1.0, 0.35, -0.3},
                                            {-1.0, 0.35, 0.3},
@@ -230,7 +230,7 @@ TEST(WorldParts, AHullThatGrowsLiftsWithoutKicking) {
     fastest = std::max(fastest, world.props()[0].velocity.norm());
   }
   EXPECT_LT(fastest, 0.2);
-  EXPECT_NEAR(placeOf(world).y(), 1.15, 0.004);
+  EXPECT_NEAR(positionOf(world).y(), 1.15, 0.004);
 }
 
 TEST(WorldParts, PartsTouchNeitherTheFloorNorEachOther) {
@@ -273,7 +273,7 @@ TEST(WorldParts, AHullOfManyCornersCarriesAsItsShapeSays) {
   double lowest = 10.0;
   for (int i = 0; i < 30; ++i) {
     world.step({&part, 1}, kFrame);
-    lowest = std::min(lowest, (placeOf(world) - Vec3(0, 1.0, 0)).norm());
+    lowest = std::min(lowest, (positionOf(world) - Vec3(0, 1.0, 0)).norm());
   }
   EXPECT_NEAR(lowest, 0.25, 0.004);
 }

@@ -11,16 +11,16 @@ using test::at;
 
 constexpr double kFrame = 1.0 / 30.0;
 
-Prop box(const Vec3& halfExtents, const Isometry3& place, const Vec3& velocity = Vec3::Zero()) {
+Prop box(const Vec3& halfExtents, const Isometry3& pose, const Vec3& velocity = Vec3::Zero()) {
   Prop prop;
   prop.halfExtents = halfExtents;
-  prop.worldFromProp = place;
+  prop.worldFromProp = pose;
   prop.velocity = velocity;
   return prop;
 }
 
-Prop ball(double radius, const Isometry3& place, const Vec3& velocity = Vec3::Zero()) {
-  Prop prop = box(Vec3::Constant(radius), place, velocity);
+Prop ball(double radius, const Isometry3& pose, const Vec3& velocity = Vec3::Zero()) {
+  Prop prop = box(Vec3::Constant(radius), pose, velocity);
   prop.shape = PropShape::kSphere;
   return prop;
 }
@@ -58,15 +58,15 @@ TEST(WorldProps, BoxesAndBallsRestOnTheFloorAtTheirHalfHeight) {
   }
 }
 
-/// Forty boxes, 10 cm thin, thrown down in all attitudes.
+/// Forty boxes of 10 cm thickness, thrown down in all orientations.
 World hail(double slowest, double fastest) {
   World world;
   std::mt19937_64 random(21);
   for (int i = 0; i < 40; ++i) {
-    Isometry3 place = at(2.0 * (i % 8) - 8.0, 3.0, 2.0 * (i / 8) - 5.0);
-    place.rotate(test::uniformRotation(random));
+    Isometry3 pose = at(2.0 * (i % 8) - 8.0, 3.0, 2.0 * (i / 8) - 5.0);
+    pose.rotate(test::uniformRotation(random));
     const double speed = slowest + (fastest - slowest) * i / 39.0;
-    world.addProp(box(Vec3(0.1, 0.05, 0.15), place, Vec3(test::uniform(random, -3, 3), -speed, 0)));
+    world.addProp(box(Vec3(0.1, 0.05, 0.15), pose, Vec3(test::uniform(random, -3, 3), -speed, 0)));
   }
   return world;
 }
@@ -82,7 +82,7 @@ TEST(WorldProps, TheMiddleOfAThrownBoxStaysAboveTheFloor) {
 }
 
 TEST(WorldProps, NothingGoesThroughTheFloorHoweverFast) {
-  // At 130 m/s a box covers half a metre in a substep, so it dips in for one or two; it must come back.
+  // At 130 m/s a box moves half a metre in a substep, so it is in the floor for one or two; it must come back.
   World world = hail(20.0, 130.0);
   run(world, 15.0);
   for (const Prop& prop : world.props()) {
@@ -110,7 +110,7 @@ TEST(WorldProps, CollisionsKeepMomentumAndMakeNoEnergy) {
     run(world, 1.0);
     const Vec3 va = world.props()[0].velocity;
     const Vec3 vb = world.props()[1].velocity;
-    EXPECT_LT(va.x(), vb.x()) << "they met and parted, case " << i;
+    EXPECT_LT(va.x(), vb.x()) << "they met and separated, case " << i;
     EXPECT_LT((a.mass * va + b.mass * vb - momentum).norm(), 1e-4) << "case " << i;
     EXPECT_LE(0.5 * (a.mass * va.squaredNorm() + b.mass * vb.squaredNorm()), energy * 1.001) << "case " << i;
   }
@@ -121,8 +121,8 @@ TEST(WorldProps, AStackStands) {
   for (int i = 0; i < 10; ++i) world.addProp(box(Vec3::Constant(0.1), at(0.01 * (i % 2), 0.1 + 0.2 * i, 0)));
   run(world, 20.0);
   for (int i = 0; i < 10; ++i) {
-    const Vec3 place = world.props()[static_cast<std::size_t>(i)].worldFromProp.translation();
-    EXPECT_LT((place - Vec3(0.01 * (i % 2), 0.1 + 0.2 * i, 0)).norm(), 0.006) << "box " << i;
+    const Vec3 pose = world.props()[i].worldFromProp.translation();
+    EXPECT_LT((pose - Vec3(0.01 * (i % 2), 0.1 + 0.2 * i, 0)).norm(), 0.006) << "box " << i;
   }
 }
 
@@ -143,8 +143,8 @@ TEST(WorldProps, AWorldCanBeMoved) {
   EXPECT_LT(second.props()[0].worldFromProp.translation().y(), 0.2);
 }
 
-Prop shaped(PropShape shape, double radius, double halfHeight, const Isometry3& place) {
-  Prop prop = box(Vec3(radius, halfHeight, radius), place);
+Prop shaped(PropShape shape, double radius, double halfHeight, const Isometry3& pose) {
+  Prop prop = box(Vec3(radius, halfHeight, radius), pose);
   prop.shape = shape;
   return prop;
 }
@@ -163,7 +163,7 @@ TEST(WorldProps, CapsulesAndCylindersRestOnTheirSidesAndEnds) {
   EXPECT_NEAR(world.props()[2].worldFromProp.translation().y(), 0.1, 0.002);
 }
 
-TEST(WorldProps, FurnitureStaysAndCarriesWhatLiesOnIt) {
+TEST(WorldProps, StaticBodiesStayAndCarryProps) {
   World world;
   Prop table = box(Vec3(0.5, 0.02, 0.5), at(0, 0.7, 0));
   table.mass = 0.0;
@@ -176,13 +176,13 @@ TEST(WorldProps, FurnitureStaysAndCarriesWhatLiesOnIt) {
 
 TEST(WorldProps, ARodSwingsAsFastAsItsLengthSays) {
   World world;
-  // A thin rod of a metre, hung up at one end and moved aside by 0.1 rad.
+  // A thin rod of 1 m length, suspended at one end and deflected by 0.1 rad.
   const Vec3 pivot(0, 3, 0);
-  Isometry3 place = Isometry3(Eigen::Translation3d(pivot)) * Eigen::AngleAxisd(0.1, Vec3::UnitZ());
-  place.translate(Vec3(0, -0.5, 0));
-  world.addProp(shaped(PropShape::kCapsule, 0.01, 0.5, place));
+  Isometry3 pose = Isometry3(Eigen::Translation3d(pivot)) * Eigen::AngleAxisd(0.1, Vec3::UnitZ());
+  pose.translate(Vec3(0, -0.5, 0));
+  world.addProp(shaped(PropShape::kCapsule, 0.01, 0.5, pose));
   world.addLink(0, kWorldItself, pivot);
-  double previous = place.translation().x();
+  double previous = pose.translation().x();
   ASSERT_GT(previous, 0.0);
   std::vector<double> crossings;  // downwards through the middle
   for (int i = 0; i < 400; ++i) {

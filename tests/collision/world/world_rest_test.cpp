@@ -16,13 +16,13 @@ using test::uniform;
 
 constexpr double kFrame = 1.0 / 30.0;
 constexpr double kHalf = 0.1;  // of the boxes [m]
-constexpr double kTop = 1.0;   // of the table, in the mean [m]
+constexpr double kTop = 1.0;   // mean height of the table [m]
 
-/// A table whose hull has other vertices in every frame, in another order, as a live hull does.
+/// A table whose hull has other vertices, in another order, in every frame, like a live hull.
 struct Table {
-  double noise = 0.0;    ///< of each vertex, up and down [m]
-  double breath = 0.0;   ///< the top goes up and down evenly [m]
-  double seconds = 4.0;  ///< of a breath
+  double noise = 0.0;    ///< vertical, of each vertex [m]
+  double breath = 0.0;   ///< amplitude of the top's vertical motion [m]
+  double seconds = 4.0;  ///< period of that motion
 
   [[nodiscard]] double heightAt(double time) const {
     return kTop + breath * std::sin(2.0 * std::numbers::pi * time / seconds);
@@ -47,13 +47,13 @@ struct Table {
   }
 };
 
-/// What boxes on a table did after their first second.
+/// Motion of boxes on a table after their first second.
 struct Rest {
-  double creep = 0.0;      ///< sideways, of the one that went farthest, from the first second to the last [m]
-  double offHeight = 0.0;  ///< at most, from where the table should carry it [m]
-  double tilt = 0.0;       ///< at most [rad]
-  double speed = 0.0;      ///< at most [m/s]
-  int framesAlone = 0;     ///< in which nothing touched the table
+  double creep = 0.0;      ///< maximum sideways motion of a box from the first second to the last [m]
+  double offHeight = 0.0;  ///< maximum deviation from the height on the table [m]
+  double tilt = 0.0;       ///< maximum [rad]
+  double speed = 0.0;      ///< maximum [m/s]
+  int framesAlone = 0;     ///< frames in which nothing touched the table
 };
 
 Rest restOn(const Table& table, int boxes, std::uint64_t seed) {
@@ -74,13 +74,13 @@ Rest restOn(const Table& table, int boxes, std::uint64_t seed) {
     if (frame < 30) continue;
     rest.framesAlone += world.contacts().empty() ? 1 : 0;
     for (int i = 0; i < boxes; ++i) {
-      const Prop& box = world.props()[static_cast<std::size_t>(i)];
-      const Vec3 place = box.worldFromProp.translation();
-      if (frame == 30) first.push_back(place);
-      const Vec3 sideways = (place - first[static_cast<std::size_t>(i)]).cwiseProduct(Vec3(1, 0, 1));
+      const Prop& box = world.props()[i];
+      const Vec3 position = box.worldFromProp.translation();
+      if (frame == 30) first.push_back(position);
+      const Vec3 sideways = (position - first[i]).cwiseProduct(Vec3(1, 0, 1));
       if (frame == 299) rest.creep = std::max(rest.creep, sideways.norm());
       const double carried = table.heightAt(frame * kFrame) + kHalf * (2 * i + 1);
-      rest.offHeight = std::max(rest.offHeight, std::abs(place.y() - carried));
+      rest.offHeight = std::max(rest.offHeight, std::abs(position.y() - carried));
       rest.tilt = std::max(rest.tilt, std::acos(std::min(1.0, box.worldFromProp.linear()(1, 1))));
       rest.speed = std::max(rest.speed, box.velocity.norm());
     }
@@ -116,7 +116,7 @@ TEST(WorldRest, ABoxRidesOnATableThatBreathes) {
     EXPECT_LT(rest.creep, 0.0005);
     EXPECT_LT(rest.offHeight, 0.0015);
     EXPECT_LT(rest.tilt, 0.005);
-    EXPECT_LT(rest.speed, 0.05) << "the top itself goes up and down with 8 mm/s";
+    EXPECT_LT(rest.speed, 0.05) << "the top itself moves with up to 8 mm/s";
     EXPECT_EQ(rest.framesAlone, 0);
   }
 }
@@ -142,7 +142,7 @@ TEST(WorldRest, ABoxFollowsATableThatSinksSlowly) {
   world.addProp(box);
   LivePart part = makeBoxPart(Vec3(0.5, 0.1, 0.5), at(0, 0.9, 0));
   for (int frame = 0; frame < 150; ++frame) {
-    // The vertices go down, not the part: by a centimetre a second, ten times the tolerance of a contact.
+    // The vertices move down, not the part: by a centimetre per second, ten times the tolerance of a contact.
     test::reshapeToBox(part, Vec3(0.5, 0.1 - 0.01 * kFrame * frame, 0.5));
     world.step({&part, 1}, kFrame);
   }

@@ -31,7 +31,7 @@ class CoverPosesOf : public testing::Test {
     return performAll(character_.skeleton, recordings_).value();
   }
 
-  /// What sessions of the recordings do: worldFromModel of every frame.
+  /// worldFromModel of every frame in sessions of the recordings.
   std::vector<std::vector<Affine3>> framesOfSessions() {
     const PoseView bindPose{character_.mesh.vertices, static_cast<int>(character_.mesh.vertices.size())};
     const Result<Decomposition> whole = decompose(character_.mesh, bindPose, {.maxParts = 1});
@@ -51,7 +51,7 @@ class CoverPosesOf : public testing::Test {
     return all;
   }
 
-  /// The rotations of a pose, from where it takes the bind pose.
+  /// The joint rotations of a pose, computed from its transforms relative to the bind pose.
   Pose localPose(std::span<const Affine3> worldFromModel) {
     Pose pose = restPose(character_.skeleton);
     const auto worldFromJoint = [&](std::size_t j) {
@@ -139,7 +139,7 @@ TEST_F(CoverPosesOf, WhatOneKindCannotGiveTheOtherMakesUpFor) {
   EXPECT_EQ(random->randomPoses, 20);
   EXPECT_EQ(random->sampledView().poseCount(), 20);
 
-  // A root that is turned at rest: the axes of the joint limits are not those of the bones.
+  // A root with a rest rotation: the axes of the joint limits are not those of the bones.
   std::vector<Joint> joints(character_.skeleton.joints().begin(), character_.skeleton.joints().end());
   joints.front().rest.rotation = Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
   character_.skeleton = *Skeleton::create(joints);

@@ -27,7 +27,7 @@ class Keyframes : public testing::Test {
                                                          firstFrames(SyntheticMotion::kPunchAndKick, 30)};
   std::vector<SkeletalMotion> motions_ = performAll(character_.skeleton, recordings_).value();
 
-  /// Which frame of the recordings laid end to end each keyframe is.
+  /// Index of each keyframe in the concatenated recordings.
   std::vector<int> framesOf(const std::vector<Vec3>& keyframes) {
     std::vector<Vec3> all;
     for (const SkeletalMotion& motion : motions_) {
@@ -93,7 +93,7 @@ TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
     EXPECT_EQ(source.time, recordings_[source.motion][source.frame].time);
     EXPECT_EQ(static_cast<std::size_t>(frames[k]), source.frame + (source.motion == 1 ? 17 : 0));
   }
-  EXPECT_EQ(frames.front(), 0) << "the first frame is always one";
+  EXPECT_EQ(frames.front(), 0) << "the first frame is always a keyframe";
   EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end()));
   EXPECT_EQ(std::adjacent_find(frames.begin(), frames.end()), frames.end());
   EXPECT_GT(chosen->farthest, 0.0);
@@ -107,7 +107,7 @@ TEST_F(Keyframes, MoreOfThemLeaveNoFrameFartherAway) {
     EXPECT_LE(chosen->farthest, before);
     before = chosen->farthest;
   }
-  // Asked for more than there are frames, or for no more than what differs, they stop by themselves.
+  // It stops by itself if all frames are keyframes or no frame is more distant than the limit.
   const Result<ChosenKeyframes> all = chooseKeyframes(character_, motions_, 1000, 0.0);
   ASSERT_TRUE(all.ok());
   EXPECT_LE(all->sources.size(), 47u);
@@ -119,7 +119,7 @@ TEST_F(Keyframes, MoreOfThemLeaveNoFrameFartherAway) {
 }
 
 TEST_F(Keyframes, WhereTheBodyStandsAndTurnsDoesNotCount) {
-  // The same pose elsewhere, then a different pose in the old place: only the latter is worth a keyframe.
+  // The same pose at another position, then a different pose at the old position: only the latter is a new keyframe.
   const std::vector<SkeletonFrame> walk = synthesizeMotion(SyntheticMotion::kWalk);
   const auto moved = [](SkeletonFrame frame, const Quat& rotation, const Vec3& shift) {
     for (TrackedJoint& joint : frame.joints) {

@@ -23,13 +23,13 @@ double volumeOf(const Character& character) {
   return signedVolume(character.mesh.vertices, character.mesh.triangles);
 }
 
-bool hasNote(const Body& body, const std::string& part) {
+bool hasNote(const ClosedBody& body, const std::string& part) {
   return std::any_of(body.notes.begin(), body.notes.end(),
                      [&](const std::string& note) { return note.find(part) != std::string::npos; });
 }
 
-/// What every body promises, whatever it was made of.
-void expectSound(const Body& body) {
+/// Checks the guarantees of every body, whatever its input.
+void expectSound(const ClosedBody& body) {
   EXPECT_TRUE(checkClosedTwoManifold(body.character.mesh).ok());
   const Result<void> checked = checkCharacter(body.character);
   EXPECT_TRUE(checked.ok()) << checked.error().message;
@@ -40,10 +40,10 @@ void expectSound(const Body& body) {
   std::vector<bool> used(body.character.mesh.vertices.size(), false);
   for (const auto* triangles : {&body.character.mesh.triangles, &body.character.shown}) {
     for (const Triangle& t : *triangles) {
-      for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = true;
+      for (const VertexIndex v : t) used[v] = true;
     }
   }
-  EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "vertices that nobody sees would be covered in vain";
+  EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "invisible vertices need not be covered";
   for (std::size_t v = 0; v < static_cast<std::size_t>(bodyVertices) && body.made; ++v) {
     EXPECT_LE(influencesOf(body.character, v).size(), 8u);
   }
@@ -58,7 +58,7 @@ Character rigid(const TriMesh& mesh) {
 
 TEST(Body, AClosedMeshStaysAsItIs) {
   const Character mannequin = makeMannequin();
-  const Result<Body> body = makeBody(mannequin);
+  const Result<ClosedBody> body = makeBody(mannequin);
   ASSERT_TRUE(body.ok()) << body.error().message;
   expectSound(*body);
   EXPECT_FALSE(body->made);
@@ -74,14 +74,14 @@ TEST(Body, AClosedMeshStaysAsItIs) {
 
 TEST(Body, ASeamIsWeldedAndKeepsItsWeights) {
   const Character mannequin = makeMannequin();
-  const Result<Body> body = makeBody(test::unindexed(mannequin));
+  const Result<ClosedBody> body = makeBody(test::unindexed(mannequin));
   ASSERT_TRUE(body.ok()) << body.error().message;
   expectSound(*body);
   EXPECT_FALSE(body->made);
   ASSERT_EQ(body->character.mesh.vertices.size(), mannequin.mesh.vertices.size());
   EXPECT_TRUE(hasNote(*body, "welded"));
   EXPECT_DOUBLE_EQ(volumeOf(body->character), volumeOf(mannequin));
-  // Vertices come in another order: the first triangle's first.
+  // Vertices are in another order: those of the first triangle come first.
   for (std::size_t k = 0; k < mannequin.mesh.triangles.size(); k += 97) {
     const auto was = static_cast<std::size_t>(mannequin.mesh.triangles[k][0]);
     const auto is = static_cast<std::size_t>(body->character.mesh.triangles[k][0]);
@@ -104,12 +104,12 @@ TEST(Body, WhereWeldedVerticesDifferTheMeanOfTheirWeightsIsTaken) {
   left.triangles.resize(6);
   test::add(box, left, 0);
   test::add(box, right, 1);
-  const Result<Body> body = makeBody(test::finished(box));
+  const Result<ClosedBody> body = makeBody(test::finished(box));
   ASSERT_TRUE(body.ok()) << body.error().message;
   expectSound(*body);
   EXPECT_FALSE(body->made);
   EXPECT_EQ(body->bodyVertices, 8);
-  EXPECT_TRUE(hasNote(*body, "the mean was taken"));
+  EXPECT_TRUE(hasNote(*body, "their mean is used"));
   int shared = 0;
   for (std::size_t v = 0; v < 8; ++v) {
     const auto influences = influencesOf(body->character, v);
@@ -124,15 +124,15 @@ TEST(Body, WhereWeldedVerticesDifferTheMeanOfTheirWeightsIsTaken) {
 TEST(Body, WhatIsInsideOutIsTurned) {
   TriMesh box = test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1));
   for (Triangle& t : box.triangles) std::swap(t[1], t[2]);
-  const Result<Body> body = makeBody(rigid(box));
+  const Result<ClosedBody> body = makeBody(rigid(box));
   ASSERT_TRUE(body.ok()) << body.error().message;
   EXPECT_FALSE(body->made);
   EXPECT_NEAR(volumeOf(body->character), 1.0, 1e-12);
   EXPECT_TRUE(hasNote(*body, "inside out"));
 }
 
-TEST(Body, CrowdedEdgesOfAClosedMeshAreMended) {
-  const Result<Body> body =
+TEST(Body, NonManifoldEdgesOfAClosedMeshAreRepaired) {
+  const Result<ClosedBody> body =
       makeBody(rigid(test::makeVoxelSurface({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 1}, {1, 1, 1}})));
   ASSERT_TRUE(body.ok()) << body.error().message;
   expectSound(*body);
@@ -141,18 +141,18 @@ TEST(Body, CrowdedEdgesOfAClosedMeshAreMended) {
 }
 
 TEST(Body, ShellsThatAreApartStayAsTheyAre) {
-  const Result<Body> body = makeBody(
+  const Result<ClosedBody> body = makeBody(
       rigid(test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)), test::makeBox(Vec3(2, 0, 0), Vec3(3, 1, 1)))));
   ASSERT_TRUE(body.ok()) << body.error().message;
   EXPECT_FALSE(body->made);
   EXPECT_EQ(body->shells, 2);
 }
 
-// Volumes of these are known. The surface is smoothed, which rounds edges: 2 % of so coarse solids.
+// The volumes of these solids are known. Smoothing rounds edges, which costs 2 % at this coarse resolution.
 TEST(Body, OverlappingShellsBecomeOneSurface) {
   const TriMesh two = test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)),
                                    test::makeBox(Vec3(0.5, 0.25, 0.25), Vec3(2, 0.75, 0.75)));
-  const Result<Body> body = makeBody(rigid(two));
+  const Result<ClosedBody> body = makeBody(rigid(two));
   ASSERT_TRUE(body.ok()) << body.error().message;
   expectSound(*body);
   EXPECT_TRUE(body->made);
@@ -171,7 +171,7 @@ TEST(Body, WhatLiesInsideCountsOnce) {
       for (Triangle& t : eye.triangles) std::swap(t[1], t[2]);
     }
     const TriMesh head = test::makeSphere(1.0, 24, 32);
-    const Result<Body> body = makeBody(rigid(test::joined(head, eye)));
+    const Result<ClosedBody> body = makeBody(rigid(test::joined(head, eye)));
     ASSERT_TRUE(body.ok()) << body.error().message;
     expectSound(*body);
     EXPECT_NEAR(volumeOf(body->character), signedVolume(head.vertices, head.triangles), 0.02);
@@ -184,10 +184,10 @@ TEST(Body, ASheetAloneEnclosesNothing) {
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
   for (const bool both : {false, true}) {
     if (both) sheet.triangles.insert(sheet.triangles.end(), {{0, 2, 1}, {0, 3, 2}});
-    const Result<Body> body = makeBody(rigid(sheet));
+    const Result<ClosedBody> body = makeBody(rigid(sheet));
     ASSERT_FALSE(body.ok());
     EXPECT_EQ(body.error().code, ErrorCode::kBadMesh);
-    EXPECT_NE(body.error().message.find("encloses anything"), std::string::npos) << body.error().message;
+    EXPECT_NE(body.error().message.find("enclose nothing thicker than"), std::string::npos) << body.error().message;
   }
 }
 
@@ -208,15 +208,15 @@ TEST(Body, DegenerateInputIsRefusedInWords) {
   EXPECT_EQ(makeBody(open, {.resolution = -1.0}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(makeBody(open, {.resolution = std::nan("")}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(makeBody(open, {.threads = -1}).error().code, ErrorCode::kInvalidArgument);
-  const Result<Body> fine = makeBody(open, {.resolution = 1e-6});
+  const Result<ClosedBody> fine = makeBody(open, {.resolution = 1e-6});
   ASSERT_FALSE(fine.ok());
   EXPECT_EQ(fine.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(fine.error().message.find("voxels of 1e-06 m"), std::string::npos) << fine.error().message;
   EXPECT_NE(fine.error().message.find("expected voxels of at least 0."), std::string::npos) << fine.error().message;
-  const Result<Body> coarse = makeBody(open, {.resolution = 0.13});
+  const Result<ClosedBody> coarse = makeBody(open, {.resolution = 0.13});
   ASSERT_FALSE(coarse.ok());
   EXPECT_EQ(coarse.error().message,
-            "a body of voxels of 0.13 m: expected at most 0.125 m, an eighth of its longest side");
+            "body resolution 0.13 m: expected at most 0.125 m, an eighth of the character's longest side");
 }
 
 TEST(Body, CanBeCancelledAtEveryStep) {
@@ -237,7 +237,7 @@ TEST(Body, CanBeCancelledAtEveryStep) {
   for (int at = 0; at + 1 < calls; ++at) {
     int k = 0;
     settings.progress = [&](int, int) { return k++ < at; };
-    const Result<Body> body = makeBody(boxes, settings);
+    const Result<ClosedBody> body = makeBody(boxes, settings);
     ASSERT_FALSE(body.ok()) << at;
     EXPECT_EQ(body.error().code, ErrorCode::kCancelled);
   }
@@ -245,8 +245,8 @@ TEST(Body, CanBeCancelledAtEveryStep) {
 
 TEST(Body, DoesNotDependOnThreads) {
   const Character torn = test::tornMannequin(40);
-  const Result<Body> one = makeBody(torn, {.resolution = 0.03, .threads = 1});
-  const Result<Body> three = makeBody(torn, {.resolution = 0.03, .threads = 3});
+  const Result<ClosedBody> one = makeBody(torn, {.resolution = 0.03, .threads = 1});
+  const Result<ClosedBody> three = makeBody(torn, {.resolution = 0.03, .threads = 3});
   ASSERT_TRUE(one.ok() && three.ok());
   EXPECT_EQ(one->character.mesh.vertices, three->character.mesh.vertices);
   EXPECT_EQ(one->character.mesh.triangles, three->character.mesh.triangles);
@@ -259,8 +259,8 @@ TEST(Body, DoesNotDependOnThreads) {
 }
 
 TEST(BodyDistances, AgreeWithAClosedForm) {
-  // A body of 2 m in the middle of what people see, 2.4 m: all of that is 0.2 m outside, or more at edges and corners.
-  Body body;
+  // A body of 2 m in the middle of a visible box of 2.4 m, which is 0.2 m outside, or more at edges and corners.
+  ClosedBody body;
   body.made = true;
   body.bodyVertices = 8;
   body.character = rigid(test::makeBox(Vec3::Constant(-1.0), Vec3::Constant(1.0)));
@@ -275,7 +275,7 @@ TEST(BodyDistances, AgreeWithAClosedForm) {
     EXPECT_NEAR(d.farthestOutside, 0.2 * std::sqrt(3.0), 1e-12);
     EXPECT_NEAR(d.meanToOriginal, 0.2, 1e-12);
     EXPECT_NEAR(d.farthestToOriginal, 0.2, 1e-12);
-    // The mean over the large box: faces 0.2; along borders, where it grows, by integration.
+    // The mean over the large box: 0.2 on faces; along borders, where the distance increases, by integration.
     double mean = 0.0;
     constexpr int kCells = 600;
     for (int i = 0; i < kCells; ++i) {
@@ -285,7 +285,7 @@ TEST(BodyDistances, AgreeWithAClosedForm) {
       }
     }
     EXPECT_NEAR(d.meanOutside, mean, 1e-3);
-    // The same wherever it stands.
+    // The same at any position.
     pose = Eigen::Translation3d(3.0, -2.0, 1.0) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized());
   }
 }

@@ -26,7 +26,7 @@ Character bonesAt(const std::vector<Peg>& pegs) {
     Joint joint;
     joint.name = peg.name;
     joint.parent = peg.parent;
-    const Vec3 from = peg.parent == kNoJoint ? Vec3::Zero() : pegs[static_cast<std::size_t>(peg.parent)].at;
+    const Vec3 from = peg.parent == kNoJoint ? Vec3::Zero() : pegs[peg.parent].at;
     joint.rest.translation = peg.at - from;
     joints.push_back(joint);
     Affine3 jointFromModel = Affine3::Identity();

@@ -8,7 +8,7 @@
 
 namespace lorica::test {
 
-/// A skeleton of joints at given places, each hanging on another; all rest without rotation.
+/// A joint at a given position below a parent; all rest rotations are identities.
 struct Peg {
   std::string name;
   JointIndex parent = kNoJoint;
@@ -18,16 +18,16 @@ struct Peg {
 /// A character without a mesh.
 [[nodiscard]] Character bonesAt(const std::vector<Peg>& pegs);
 
-/// Adds a mesh that one joint moves alone.
+/// Adds a mesh that only one joint moves.
 void add(Character& character, const TriMesh& mesh, JointIndex joint);
 
-/// Sets what follows from the mesh.
+/// Sets the members that depend on the mesh.
 [[nodiscard]] Character finished(Character character);
 
-/// The same triangles, each with three vertices of its own.
+/// The same triangles, each with its own three vertices.
 [[nodiscard]] Character unindexed(const Character& character);
 
-/// Without some triangles; vertices stay.
+/// Without some triangles; vertices are kept.
 [[nodiscard]] Character without(const Character& character, const std::function<bool(const Triangle&)>& dropped);
 
 /// The mannequin with holes: about one triangle in `oneIn` is missing.
@@ -39,7 +39,7 @@ void add(Character& character, const TriMesh& mesh, JointIndex joint);
 /// The same with every other shell inside out.
 [[nodiscard]] Character openMannequinInsideOut();
 
-/// A cape of 0.6 x 0.9 m that hangs down from the shoulders, 15 cm behind the back, curved round it. One layer.
+/// Adds a cape of 0.6 x 0.9 m that hangs from the shoulders, 15 cm behind the back, curved around it. One layer.
 void addCape(Character& mannequin);
 
 }  // namespace lorica::test

@@ -1,7 +1,7 @@
-// The mannequin torn, opened, turned and dressed: what comes back must be the mannequin.
+// The mannequin with holes, open shells, flipped shells and a cape: the resulting body must be the mannequin.
 
+#include "geometry/triangle_tree.h"
 #include "skinning/body/closed_body.h"
-#include "skinning/body/triangle_tree.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/skinning/body/hard_characters.h"
 
@@ -25,12 +25,12 @@ double weightOf(std::span<const Influence> influences, JointIndex joint) {
   return sum;
 }
 
-/// What one makes of the mannequin, however it was spoilt.
+/// Checks that the body of a degraded mannequin is the mannequin.
 void expectMannequin(const Character& spoilt, double volumeShare) {
   const Character truth = makeMannequin();
-  const Result<Body> made = makeBody(spoilt);
+  const Result<ClosedBody> made = makeBody(spoilt);
   ASSERT_TRUE(made.ok()) << made.error().message;
-  const Body& body = *made;
+  const ClosedBody& body = *made;
   EXPECT_TRUE(checkClosedTwoManifold(body.character.mesh).ok());
   EXPECT_TRUE(checkCharacter(body.character).ok());
   EXPECT_TRUE(body.made);
@@ -42,7 +42,7 @@ void expectMannequin(const Character& spoilt, double volumeShare) {
                   signedVolume(truth.mesh.vertices, truth.mesh.triangles),
               1.0, volumeShare);
 
-  // Against the whole mannequin, not the spoilt one: distances both ways, and weights.
+  // Compared with the intact mannequin, not the degraded one: distances both ways, and weights.
   const TriangleTree tree(truth.mesh.vertices, truth.mesh.triangles);
   double sumDistance = 0.0;
   double farthest = 0.0;
@@ -57,13 +57,12 @@ void expectMannequin(const Character& spoilt, double volumeShare) {
     sumDistance += hit.distance;
     farthest = std::max(farthest, hit.distance);
     const auto own = influencesOf(body.character, v);
-    const Triangle& t = truth.mesh.triangles[static_cast<std::size_t>(hit.triangle)];
+    const Triangle& t = truth.mesh.triangles[hit.triangle];
     double shared = 0.0;
     for (const Influence& i : own) {
       double there = 0.0;
       for (int k = 0; k < 3; ++k) {
-        there += hit.shares[k] *
-                 weightOf(influencesOf(truth, static_cast<std::size_t>(t[static_cast<std::size_t>(k)])), i.joint);
+        there += hit.shares[k] * weightOf(influencesOf(truth, static_cast<std::size_t>(t[k])), i.joint);
       }
       shared += std::min(i.weight, there);
     }
@@ -100,12 +99,12 @@ TEST(MannequinBody, WithACape) {
   const std::size_t skin = dressed.mesh.vertices.size();
   test::addCape(dressed);
   expectMannequin(dressed, 0.02);
-  const Result<Body> body = makeBody(dressed);
+  const Result<ClosedBody> body = makeBody(dressed);
   ASSERT_TRUE(body.ok());
   EXPECT_EQ(body->character.mesh.vertices.size(),
             static_cast<std::size_t>(body->bodyVertices) + dressed.mesh.vertices.size());
   EXPECT_GT(dressed.mesh.vertices.size(), skin);
-  // The cape sticks out, and that is said.
+  // The cape protrudes, and the distances report it.
   EXPECT_GT(body->distances.farthestOutside, 0.1);
 }
 
@@ -158,7 +157,7 @@ Character legs(double gap) {
 TEST(MannequinBody, LegsThatTouchStayTwo) {
   for (const double gap : {0.02, 0.005, 0.0, -0.005}) {
     SCOPED_TRACE(gap);
-    const Result<Body> body = makeBody(legs(gap), {.resolution = 0.012});
+    const Result<ClosedBody> body = makeBody(legs(gap), {.resolution = 0.012});
     ASSERT_TRUE(body.ok()) << body.error().message;
     // Below the hips no triangle joins the two legs.
     int across = 0;
@@ -169,10 +168,10 @@ TEST(MannequinBody, LegsThatTouchStayTwo) {
       bool below = true;
       for (const VertexIndex v : t) {
         const auto own = influencesOf(body->character, static_cast<std::size_t>(v));
-        below = below && at[static_cast<std::size_t>(v)].y() < 0.6;
+        below = below && at[v].y() < 0.6;
         legs[0] = legs[0] || weightOf(own, 1) > 0.5;
         legs[1] = legs[1] || weightOf(own, 2) > 0.5;
-        if (at[static_cast<std::size_t>(v)].y() < 0.6) {
+        if (at[v].y() < 0.6) {
           mixed = std::max(mixed, std::min(weightOf(own, 1), weightOf(own, 2)));
         }
       }
@@ -189,8 +188,8 @@ TEST(MannequinBody, TheUnitOfLengthDoesNotMatter) {
   for (Vec3& v : large.mesh.vertices) v *= 128.0;
   for (Affine3& m : large.jointFromModel) m.translation() *= 128.0;
   large.height *= 128.0;
-  const Result<Body> a = makeBody(torn);
-  const Result<Body> b = makeBody(large);
+  const Result<ClosedBody> a = makeBody(torn);
+  const Result<ClosedBody> b = makeBody(large);
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_NEAR(b->resolution / a->resolution, 128.0, 1e-6);
   EXPECT_NEAR(static_cast<double>(b->bodyVertices) / a->bodyVertices, 1.0, 1e-2);

@@ -1,4 +1,4 @@
-// Characters that others drew, each in its own way open, torn or in many shells.
+// Characters by other artists, each open, torn or in many shells in its own way.
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
@@ -20,7 +20,7 @@ namespace {
 
 struct Shared {
   const char* file;
-  bool made;  ///< its surface is not closed, or not one body
+  bool made;  ///< its surface is not closed, or not one solid
 };
 
 void PrintTo(const Shared& shared, std::ostream* out) {
@@ -40,7 +40,7 @@ double weightOf(std::span<const Influence> influences, std::span<const JointInde
   return sum;
 }
 
-/// The joints of one leg; none where the skeleton is not a human's.
+/// The joints of one leg; none if the skeleton is not human.
 std::vector<JointIndex> legOf(const Skeleton& skeleton, const std::array<HumanBone, 4>& bones) {
   std::vector<JointIndex> joints;
   for (const HumanBone bone : bones) {
@@ -56,13 +56,13 @@ double strayed(const Character& character, std::size_t begin, std::size_t end) {
       legOf(skeleton, {HumanBone::kLeftUpperLeg, HumanBone::kLeftLowerLeg, HumanBone::kLeftFoot, HumanBone::kLeftToes});
   const std::vector<JointIndex> right = legOf(
       skeleton, {HumanBone::kRightUpperLeg, HumanBone::kRightLowerLeg, HumanBone::kRightFoot, HumanBone::kRightToes});
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t v = begin; v < end; ++v) {
     const auto influences = influencesOf(character, v);
     const double ofLeft = weightOf(influences, left), ofRight = weightOf(influences, right);
-    if (std::max(ofLeft, ofRight) > 0.5) most = std::max(most, std::min(ofLeft, ofRight));
+    if (std::max(ofLeft, ofRight) > 0.5) max = std::max(max, std::min(ofLeft, ofRight));
   }
-  return most;
+  return max;
 }
 
 class SharedCharacter : public testing::TestWithParam<Shared> {};
@@ -72,7 +72,7 @@ TEST_P(SharedCharacter, HasABodyAndHullsThatHoldAllThatPeopleSee) {
   const Result<CharacterFile> read = readCharacterFile(file);
   ASSERT_TRUE(read.ok()) << read.error().message;
   const Character& original = read->character;
-  const Result<Body> made = makeBody(original);
+  const Result<ClosedBody> made = makeBody(original);
   ASSERT_TRUE(made.ok()) << made.error().message;
   const Character& character = made->character;
   const auto bodyVertices = static_cast<std::size_t>(made->bodyVertices);
@@ -86,19 +86,19 @@ TEST_P(SharedCharacter, HasABodyAndHullsThatHoldAllThatPeopleSee) {
     EXPECT_LT(made->distances.meanToOriginal, 0.2 * made->resolution);
     EXPECT_LT(made->distances.farthestToOriginal, 2.0 * made->resolution);
   }
-  // No more of the other leg than where the original itself has it, between the legs.
+  // No more weight of the other leg than in the original itself, between the legs.
   EXPECT_LE(strayed(character, 0, bodyVertices), strayed(original, 0, original.mesh.vertices.size()));
 
-  // Cut for the bind pose, posed by its own clips: everything that people see is in the hulls.
+  // Decomposed in the bind pose, posed by its own clips: everything visible is in the hulls.
   const PoseView bindPose{character.mesh.vertices, static_cast<int>(character.mesh.vertices.size())};
   const Result<Decomposition> parts = decompose(character.mesh, bindPose, {.maxParts = 12});
   ASSERT_TRUE(parts.ok()) << parts.error().message;
-  LiveBody body(*parts, character);
+  LiveBody body = LiveBody::create(*parts, character).value();
   Pose pose = restPose(character.skeleton);
   std::vector<Affine3> worldFromModel(pose.size());
   std::vector<Vec3> points(static_cast<std::size_t>(parts->pointCount()));
   const auto posed = std::span(points).first(character.mesh.vertices.size());
-  const std::vector<std::vector<PointIndex>> passengers = passengersOf(*parts, liftPoints(character, *parts));
+  const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(*parts, liftPoints(character, *parts));
   std::vector<Vec3> own;
   double farthest = 0.0;
   BodyDistances worst;
@@ -113,12 +113,12 @@ TEST_P(SharedCharacter, HasABodyAndHullsThatHoldAllThatPeopleSee) {
     body.update(worldFromModel);
     skinLinearBlend(character, worldFromModel, posed);
     transfer(*parts, posed, points);
-    for (std::size_t i = 0; i < passengers.size(); ++i) {
+    for (std::size_t i = 0; i < attached.size(); ++i) {
       const LivePart& part = body.parts()[i];
       const Isometry3 partFromWorld = part.worldFromPart.inverse();
       own.clear();
-      for (const auto* held : {&parts->parts[i].points, &passengers[i]}) {
-        for (const PointIndex p : *held) own.push_back(partFromWorld * points[static_cast<std::size_t>(p)]);
+      for (const auto* held : {&parts->parts[i].points, &attached[i]}) {
+        for (const PointIndex p : *held) own.push_back(partFromWorld * points[p]);
       }
       farthest = std::max(farthest, largestViolation(part.shape, own));
     }

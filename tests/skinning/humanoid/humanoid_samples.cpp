@@ -464,13 +464,13 @@ std::string contradictions(const Skeleton& skeleton, const HumanoidGuess& guess)
     const auto bone = static_cast<HumanBone>(i);
     const JointIndex joint = guess[bone];
     if (joint == kNoJoint) continue;
-    if (!used.insert(joint).second) text += fmt::format("\n  {} is two bones", skeleton.joint(joint).name);
+    if (!used.insert(joint).second) text += fmt::format("\n  {} is assigned to two bones", skeleton.joint(joint).name);
     std::optional<HumanBone> above = parentBone(bone);
     while (above && guess[*above] == kNoJoint) above = parentBone(*above);
     if (!above) continue;
     JointIndex ancestor = skeleton.joint(joint).parent;
     while (ancestor != kNoJoint && ancestor != guess[*above]) ancestor = skeleton.joint(ancestor).parent;
-    if (ancestor == kNoJoint) text += fmt::format("\n  {} does not hang on {}", nameOf(bone), nameOf(*above));
+    if (ancestor == kNoJoint) text += fmt::format("\n  {} is not below {}", nameOf(bone), nameOf(*above));
   }
   return text;
 }

@@ -11,36 +11,36 @@
 
 namespace lorica::test {
 
-/// What a rig calls its bones. In a name % stands for the side, @ for the finger, # for the finger's segment.
+/// Bone names of a rig. In a name % is the side, @ the finger, # the finger's segment.
 struct RigNames {
   std::string_view rig;
-  std::string_view by;  ///< what guessHumanoid() should say
+  std::string_view by;  ///< expected HumanoidGuess::by
   std::string_view left;
   std::string_view right;
-  std::array<std::string_view, 6> trunk;  ///< hips, spine, chest, upper chest, neck, head; "" where it has none
+  std::array<std::string_view, 6> trunk;  ///< hips, spine, chest, upper chest, neck, head; "" if it has none
   std::array<std::string_view, 4> leg;    ///< upper, lower, foot, toes
   std::array<std::string_view, 4> arm;    ///< shoulder, upper, lower, hand
-  std::string_view finger;                ///< "" where it has no fingers
+  std::string_view finger;                ///< "" if it has no fingers
   std::array<std::string_view, 5> fingers;
   std::array<std::string_view, 3> segments;
 };
 
 [[nodiscard]] std::span<const RigNames> rigNames();
 
-/// Bone names of a rig, written out for both sides; the bones that it lacks are not in it.
+/// Bone names of a rig for both sides, without the bones that it lacks.
 [[nodiscard]] std::map<HumanBone, std::string> namesOf(const RigNames& rig);
 
-/// The mannequin's skeleton with these joints alone, so called, none marked as a bone.
+/// The mannequin's skeleton with only these joints, with these names, none marked as a bone.
 [[nodiscard]] Skeleton renamedMannequin(const std::map<HumanBone, std::string>& names);
 
-/// The names of the joints that a guess took for each bone.
+/// The names of the joints that a guess assigns to each bone.
 [[nodiscard]] std::map<HumanBone, std::string> namesOf(const Skeleton& skeleton, const HumanoidGuess& guess);
 
-/// What differs between the guess and the truth, a line each; empty when they agree.
+/// Differences between the guess and the truth, one line each; empty if they agree.
 [[nodiscard]] std::string differences(const std::map<HumanBone, std::string>& expected,
                                       const std::map<HumanBone, std::string>& found);
 
-/// Whether each bone's joint hangs on that of the bone above, and no joint is two bones.
+/// Violations, one line each: a joint not below that of the parent bone, or assigned to two bones; empty if none.
 [[nodiscard]] std::string contradictions(const Skeleton& skeleton, const HumanoidGuess& guess);
 
 }  // namespace lorica::test

@@ -23,10 +23,10 @@ using test::differences;
 using test::namesOf;
 using enum HumanBone;
 
-/// Where joints lie and what hangs on what: bodies are bent and changed in this form.
+/// Positions and hierarchy of joints; the tests bend and change bodies in this form.
 struct Figure {
   struct Part {
-    std::string name;  ///< the bone's, or one of no meaning
+    std::string name;  ///< the bone's, or a meaningless one
     int parent = -1;
     Vec3 position = Vec3::Zero();
   };
@@ -40,12 +40,12 @@ struct Figure {
     return 0;
   }
   [[nodiscard]] bool isBelowOrSame(int part, int ancestor) const {
-    while (part != -1 && part != ancestor) part = parts[static_cast<std::size_t>(part)].parent;
+    while (part != -1 && part != ancestor) part = parts[part].parent;
     return part == ancestor;
   }
-  [[nodiscard]] Vec3 at(std::string_view name) const { return parts[static_cast<std::size_t>(find(name))].position; }
+  [[nodiscard]] Vec3 at(std::string_view name) const { return parts[find(name)].position; }
 
-  /// Turns a part and all below about it.
+  /// Rotates a part and everything below about it.
   void bend(std::string_view name, double degrees, const Vec3& axis) {
     const int top = find(name);
     const Vec3 centre = at(name);
@@ -67,13 +67,13 @@ struct Figure {
   void add(std::string name, std::string_view parent, const Vec3& offset) {
     parts.push_back({std::move(name), find(parent), at(parent) + offset});
   }
-  /// Puts a joint between a part and what it hangs on.
+  /// Inserts a joint between a part and its parent.
   void insertAbove(std::string_view name, double fraction) {
     const int below = find(name);
-    const int above = parts[static_cast<std::size_t>(below)].parent;
-    const Vec3 between = (1.0 - fraction) * parts[static_cast<std::size_t>(above)].position + fraction * at(name);
+    const int above = parts[below].parent;
+    const Vec3 between = (1.0 - fraction) * parts[above].position + fraction * at(name);
     parts.push_back({"extra above " + std::string(name), above, between});
-    parts[static_cast<std::size_t>(below)].parent = static_cast<int>(parts.size()) - 1;
+    parts[below].parent = static_cast<int>(parts.size()) - 1;
   }
 };
 
@@ -96,7 +96,7 @@ struct Built {
   std::map<HumanBone, std::string> truth;
 };
 
-/// The figure as a skeleton whose names mean nothing, in another order of siblings, with crooked joint axes.
+/// The figure as a skeleton with meaningless names, another order of siblings and rotated joint axes.
 [[nodiscard]] Built build(const Figure& figure, const Affine3& worldFromFigure, std::uint64_t seed) {
   RandomNumbers random(seed);
   std::vector<int> order;
@@ -115,7 +115,7 @@ struct Built {
   std::map<int, JointIndex> indexOf;
   Built built{makeMannequinSkeleton(), {}};
   for (const int i : order) {
-    const Figure::Part& part = figure.parts[static_cast<std::size_t>(i)];
+    const Figure::Part& part = figure.parts[i];
     Joint joint;
     joint.name = fmt::format("q{:x}", random.bits() % 0xffffff);
     joint.parent = part.parent == -1 ? kNoJoint : indexOf.at(part.parent);
@@ -123,8 +123,7 @@ struct Built {
     Affine3 world = Affine3::Identity();
     world.translate(worldFromFigure * part.position)
         .rotate(Eigen::AngleAxisd(random.between(-3.0, 3.0), (axis + Vec3(0, 0, 1e-3)).normalized()));
-    const Affine3 local =
-        joint.parent == kNoJoint ? world : worldFromJoint[static_cast<std::size_t>(joint.parent)].inverse() * world;
+    const Affine3 local = joint.parent == kNoJoint ? world : worldFromJoint[joint.parent].inverse() * world;
     joint.rest.translation = local.translation();
     joint.rest.rotation = Quat(local.rotation()).normalized();
     if (const std::optional<HumanBone> bone = humanBoneNamed(part.name)) built.truth[*bone] = joint.name;
@@ -184,7 +183,7 @@ TEST(HumanoidShape, ArmsMayHangInAnyRestPose) {
   }
 }
 
-// The toes tell which way it faces, wherever it lies.
+// The toes determine the facing direction in any orientation.
 TEST(HumanoidShape, RestPosesMayBeTurned) {
   for (const double degrees : {45.0, 90.0, 180.0, 270.0}) {
     for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ()), Vec3(1, 1, 1)}) {
@@ -207,12 +206,12 @@ TEST(HumanoidShape, StraightLegsWithoutToesFaceAhead) {
   for (const char* side : {"left", "right"}) {
     const Vec3 hip = figure.at(side + std::string("UpperLeg"));
     const Vec3 foot = figure.at(side + std::string("Foot"));
-    figure.parts[static_cast<std::size_t>(figure.find(side + std::string("LowerLeg")))].position = 0.5 * (hip + foot);
+    figure.parts[figure.find(side + std::string("LowerLeg"))].position = 0.5 * (hip + foot);
   }
   expectFound(figure, "straight legs");
 }
 
-// Names that mean nothing but sides: they beat what the toes say.
+// Names that contain only sides: they take precedence over the toes.
 TEST(HumanoidShape, SidesInNamesAreBelieved) {
   Built built = build(mannequin(), turned(180.0, Vec3::UnitY()), 5);
   std::vector<Joint> joints(built.skeleton.joints().begin(), built.skeleton.joints().end());
@@ -239,7 +238,8 @@ TEST(HumanoidShape, FewerJointsAreEnough) {
   expectFound(without(noFingers, {"upperChest"}), "two joints of the spine");
   expectFound(without(noFingers, {"upperChest", "chest"}), "one joint of the spine");
   expectFound(without(noFingers, {"neck"}), "no neck");
-  expectFound(without(mannequin(), {"leftShoulder", "rightShoulder", "neck", "upperChest"}), "fingers but little else");
+  expectFound(without(mannequin(), {"leftShoulder", "rightShoulder", "neck", "upperChest"}),
+              "fingers but few other joints");
 }
 
 TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
@@ -269,7 +269,7 @@ TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
   root.add("camera", "armature", {3.0, 1.0, 2.0});
   root.add("left foot's target", "armature", {0.1, 0.1, 0.0});
   root.add("right foot's target", "armature", {-0.1, 0.1, 0.0});
-  expectFound(root, "a root above the hips, and what hangs on it");
+  expectFound(root, "a root above the hips, and its other children");
 }
 
 TEST(HumanoidShape, OrnamentsAreNoLimbs) {
@@ -299,17 +299,14 @@ TEST(HumanoidShape, ProportionsMayDiffer) {
     const double arms = random.between(0.75, 1.2);
     std::vector<Vec3> offsets;
     for (const Figure::Part& part : figure.parts) {
-      const Vec3 offset = part.parent == -1
-                              ? part.position
-                              : Vec3(part.position - figure.parts[static_cast<std::size_t>(part.parent)].position);
+      const Vec3 offset = part.parent == -1 ? part.position : Vec3(part.position - figure.parts[part.parent].position);
       const bool leg = part.name.ends_with("LowerLeg") || part.name.ends_with("Foot");
       const bool arm = part.name.ends_with("LowerArm") || part.name.ends_with("Hand");
       offsets.push_back(offset * (leg ? legs : arm ? arms : 1.0) * random.between(0.95, 1.05));
     }
     for (std::size_t i = 0; i < figure.parts.size(); ++i) {
       const int parent = figure.parts[i].parent;
-      figure.parts[i].position =
-          offsets[i] + (parent == -1 ? Vec3(Vec3::Zero()) : figure.parts[static_cast<std::size_t>(parent)].position);
+      figure.parts[i].position = offsets[i] + (parent == -1 ? Vec3(Vec3::Zero()) : figure.parts[parent].position);
     }
     figure = armsAt(figure, random.between(0.0, 75.0));
     figure.bend("leftLowerArm", -random.between(0.0, 30.0), Vec3::UnitY());
@@ -322,7 +319,7 @@ TEST(HumanoidShape, ProportionsMayDiffer) {
 }
 
 TEST(HumanoidShape, AnimalsAndMachinesAreNoHumans) {
-  // A mannequin on all fours has a dog's skeleton: legs and arms hang from a level trunk.
+  // A mannequin on all fours has a dog's skeleton: legs and arms point down from a horizontal trunk.
   Figure dog = mannequin();
   dog.bend("spine", 90.0, Vec3::UnitX());
   dog.bend("head", -70.0, Vec3::UnitX());
@@ -362,7 +359,7 @@ TEST(HumanoidShape, AnimalsAndMachinesAreNoHumans) {
   expectNoHuman(crane, "a crane");
 }
 
-// A dog whose joints have a person's names stays a dog.
+// A dog whose joints have human names is still a dog.
 TEST(HumanoidShape, AnimalsWithHumanNamesAreNoHumans) {
   Figure dog = mannequin();
   dog.bend("spine", 90.0, Vec3::UnitX());
@@ -373,15 +370,13 @@ TEST(HumanoidShape, AnimalsWithHumanNamesAreNoHumans) {
     Joint joint;
     joint.name = part.name;
     joint.parent = part.parent;
-    joint.rest.translation = part.parent == -1
-                                 ? part.position
-                                 : Vec3(part.position - dog.parts[static_cast<std::size_t>(part.parent)].position);
+    joint.rest.translation = part.parent == -1 ? part.position : Vec3(part.position - dog.parts[part.parent].position);
     joints.push_back(joint);
   }
   EXPECT_EQ(guessHumanoid(*Skeleton::create(joints)).by, "");
 }
 
-// Names for the limbs alone: the shape tells the rest.
+// Names for the limbs only: the shape determines the rest.
 TEST(HumanoidShape, ShapeFillsWhatNamesLack) {
   Figure figure = mannequin();
   std::map<HumanBone, std::string> names;

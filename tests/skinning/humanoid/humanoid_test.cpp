@@ -57,7 +57,7 @@ TEST(Humanoid, EveryRigIsFullyRecovered) {
   }
 }
 
-// Exporters write names in capitals, small letters, with blanks for underscores.
+// Exporters change case and write blanks for underscores.
 TEST(Humanoid, CaseAndSeparatorsDoNotMatter) {
   for (const std::string_view name : {"3ds Max Biped", "Kinect v1", "Blender", "MakeHuman's game engine", "KayKit"}) {
     std::map<HumanBone, std::string> truth = namesOf(rig(name));
@@ -72,7 +72,7 @@ TEST(Humanoid, CaseAndSeparatorsDoNotMatter) {
   }
 }
 
-// Viewers and converters hang a number on each joint: "mixamorig:LeftArm_09", "upper_arm.L_012".
+// Viewers and converters append a number to each joint: "mixamorig:LeftArm_09", "upper_arm.L_012".
 TEST(Humanoid, RunningNumbersAndCommonEndingsAreNoNames) {
   for (const RigNames& names : rigNames()) {
     std::map<HumanBone, std::string> numbered = namesOf(names);
@@ -97,7 +97,7 @@ TEST(Humanoid, MetacarpalsAreBonesOfTheThumbAlone) {
     truth[at(kLeftThumbMetacarpal)] = side + "Digit1Metacarpal";
     truth[at(kLeftThumbProximal)] = side + "Digit1ProximalPhalange";
     truth[at(kLeftThumbDistal)] = side + "Digit1DistalPhalange";
-    // Of the index finger's four joints the mannequin has three: its first stands for the metacarpal.
+    // The mannequin has three of the index finger's four joints: its first represents the metacarpal.
     truth[at(kLeftIndexProximal)] = side + "Digit2Metacarpal";
     truth[at(kLeftIndexIntermediate)] = side + "Digit2ProximalPhalange";
     truth[at(kLeftIndexDistal)] = side + "Digit2IntermediatePhalange";
@@ -130,7 +130,7 @@ TEST(Humanoid, HelpersAreNoBones) {
   EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
 }
 
-// A Rigify file with its whole rig: each bone three times, in three trees that hang on one root.
+// A Rigify file with its whole rig: each bone three times, in three trees below one root.
 TEST(Humanoid, OfDeformAndControlJointsTheDeformingChainIsTaken) {
   std::map<HumanBone, std::string> truth = namesOf(rig("Rigify"));
   const Skeleton deform = renamedMannequin(truth);
@@ -151,7 +151,7 @@ TEST(Humanoid, OfDeformAndControlJointsTheDeformingChainIsTaken) {
   EXPECT_EQ(contradictions(whole, guess), "");
 }
 
-// As the BVH files of CMU's database have them: joints of no length between, and a mitten for a hand.
+// As in the BVH files of CMU's database: zero-length joints in between, and a mitten for a hand.
 TEST(Humanoid, CmuHasMoreJointsThanBones) {
   std::map<HumanBone, std::string> truth = namesOf(rig("CMU"));
   truth[kLeftThumbMetacarpal] = "LThumb";
@@ -167,7 +167,7 @@ TEST(Humanoid, CmuHasMoreJointsThanBones) {
     std::vector<Joint> all;
     std::vector<JointIndex> movedTo;
     for (Joint joint : joints) {
-      if (joint.parent != kNoJoint) joint.parent = movedTo[static_cast<std::size_t>(joint.parent)];
+      if (joint.parent != kNoJoint) joint.parent = movedTo[joint.parent];
       if (const auto between = above.find(joint.name); between != above.end()) {
         all.push_back(child(joint.parent, between->second, Vec3::Zero()));
         joint.parent = static_cast<JointIndex>(all.size()) - 1;
@@ -182,7 +182,7 @@ TEST(Humanoid, CmuHasMoreJointsThanBones) {
   EXPECT_EQ(guess.by, "names (CMU)");
 }
 
-// Biped hangs the thighs on the first spine and the collar bones on the neck.
+// Biped's thighs are children of the first spine joint, its collar bones of the neck.
 TEST(Humanoid, OldBipedsHangThighsOnTheSpineAndCollarBonesOnTheNeck) {
   std::map<HumanBone, std::string> truth = namesOf(rig("3ds Max Biped"));
   const Skeleton skeleton = changed(renamedMannequin(truth), [](std::vector<Joint>& joints) {
@@ -193,14 +193,14 @@ TEST(Humanoid, OldBipedsHangThighsOnTheSpineAndCollarBonesOnTheNeck) {
       return kNoJoint;
     };
     for (const char* name : {"Bip01 L Thigh", "Bip01 R Thigh"}) {
-      joints[static_cast<std::size_t>(find(name))].parent = find("Bip01 Spine");
+      joints[find(name)].parent = find("Bip01 Spine");
     }
     for (const char* name : {"Bip01 L Clavicle", "Bip01 R Clavicle"}) {
-      joints[static_cast<std::size_t>(find(name))].parent = find("Bip01 Neck");
+      joints[find(name)].parent = find("Bip01 Neck");
     }
   });
   const HumanoidGuess guess = guessHumanoid(skeleton);
-  // A spine that turned the legs is none: the next two are.
+  // A spine joint that rotates the legs is not used: the next two are the spine.
   truth[kSpine] = "Bip01 Spine1";
   truth[kChest] = "Bip01 Spine2";
   truth.erase(kUpperChest);
@@ -213,7 +213,7 @@ TEST(Humanoid, LongSpinesKeepTheirFirstMiddleAndLast) {
   truth[kSpine] = "spine_01";
   truth[kChest] = "spine_05";
   const Skeleton skeleton = changed(renamedMannequin(truth), [](std::vector<Joint>& joints) {
-    // spine_02 to spine_04 go in between: those that come after move by three.
+    // spine_02 to spine_04 are inserted: later joints move by three.
     std::vector<Joint> longer;
     for (Joint joint : joints) {
       if (joint.name == "spine_05") {
@@ -237,7 +237,7 @@ TEST(Humanoid, LongSpinesKeepTheirFirstMiddleAndLast) {
 }
 
 TEST(Humanoid, NamesThatTheHierarchyContradictsAreNotTaken) {
-  // Feet as targets of their own beside the legs, as game rigs have them.
+  // Feet as separate targets beside the legs, as in game rigs.
   std::map<HumanBone, std::string> truth = namesOf(rig("KayKit"));
   const Skeleton skeleton = changed(renamedMannequin(truth), [](std::vector<Joint>& joints) {
     for (Joint& joint : joints) {
@@ -257,7 +257,7 @@ TEST(Humanoid, WordsAloneMakeNoHuman) {
     joints.push_back(child(0, name, {0.1, 0.1, 0.0}));
   }
   const Skeleton flat = std::move(*Skeleton::create(joints));
-  EXPECT_EQ(guessHumanoid(flat).by, "") << "no lower leg hangs on an upper one";
+  EXPECT_EQ(guessHumanoid(flat).by, "") << "no lower leg is below an upper one";
 
   std::vector<Joint> oneLeg = {child(kNoJoint, "hips", Vec3::Zero()), child(0, "leftUpperLeg", {0.1, 0.0, 0.0}),
                                child(1, "leftLowerLeg", {0.0, -0.4, 0.0}), child(0, "spine", {0.0, 0.2, 0.0})};
@@ -267,9 +267,8 @@ TEST(Humanoid, WordsAloneMakeNoHuman) {
 TEST(Humanoid, BonesThatAreThereAreKept) {
   const Skeleton mannequin = makeMannequinSkeleton();
   HumanoidGuess all;
-  for (int i = 0; i < kHumanBoneCount; ++i)
-    all.jointOf[static_cast<std::size_t>(i)] = mannequin.jointOf(static_cast<HumanBone>(i));
-  // The chest is said to be what is called the upper chest; all else is taken from names.
+  for (int i = 0; i < kHumanBoneCount; ++i) all.jointOf[i] = mannequin.jointOf(static_cast<HumanBone>(i));
+  // The chest is given as the joint named upper chest; everything else is found by names.
   HumanoidGuess given;
   given.jointOf.fill(kNoJoint);
   given.jointOf[static_cast<std::size_t>(kSpine)] = mannequin.jointOf(kChest);
@@ -305,7 +304,7 @@ TEST(Humanoid, ParentBonesLeadToTheHips) {
   }
 }
 
-// Names and trees that a file may hold: nothing of it may take long or end badly.
+// Names and trees that a file may contain: none may take long or crash.
 TEST(Humanoid, OddSkeletonsAreSurvived) {
   const auto guess = [](const std::vector<Joint>& joints) { return guessHumanoid(*Skeleton::create(joints)).by; };
   EXPECT_EQ(guess({child(kNoJoint, "", Vec3::Zero())}), "");
@@ -313,7 +312,7 @@ TEST(Humanoid, OddSkeletonsAreSurvived) {
   EXPECT_EQ(guess({child(kNoJoint, "L", Vec3::Zero()), child(0, "left", Vec3::Zero()), child(0, "l0", Vec3::Zero())}),
             "");
 
-  std::vector<Joint> chain;  // far too long to walk by recursion, and every joint of one name
+  std::vector<Joint> chain;  // far too long for recursion, and all joints have one name
   for (JointIndex i = 0; i < 200000; ++i) chain.push_back(child(i - 1, "LeftUpLeg", {0.0, 1e-4, 0.0}));
   EXPECT_EQ(guess(chain), "");
 

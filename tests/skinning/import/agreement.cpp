@@ -11,7 +11,7 @@ namespace lorica::test {
 std::vector<Vec3> posedVertices(const CharacterFile& file, int clip, double time) {
   const Character& character = file.character;
   Pose pose = restPose(character.skeleton);
-  if (clip >= 0) sampleClip(file.clips[static_cast<std::size_t>(clip)], time, pose);
+  if (clip >= 0) sampleClip(file.clips[clip], time, pose);
   std::vector<Affine3> transforms(pose.size());
   computeWorldFromJoint(character.skeleton, pose, transforms);
   computeWorldFromModel(character, transforms, transforms);
@@ -26,11 +26,11 @@ double farthestFromTruth(const CharacterFile& file, const GltfTruth& truth, int 
   const std::vector<Triangle>& triangles = file.character.mesh.triangles;
   EXPECT_EQ(triangles.size(), expected.size());
   if (triangles.size() != expected.size()) return 1e300;
-  // VRM 0.x looks the other way.
+  // VRM 0.x faces the other way.
   const double turn = file.format == "VRM 0.x" ? -1.0 : 1.0;
   const auto distance = [&](VertexIndex v, const Vec3& p) {
     const Vec3 metres = file.metresPerUnit * Vec3(turn * p.x(), p.y(), turn * p.z());
-    return (posed[static_cast<std::size_t>(v)] - metres).norm();
+    return (posed[v] - metres).norm();
   };
   double farthest = 0.0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {

@@ -15,7 +15,7 @@
 namespace lorica {
 namespace {
 
-/// A file read by us, and by assimp for a second look.
+/// A file read by Lorica, and by assimp for comparison.
 struct Both {
   Both(const std::filesystem::path& path, bool fbx) : file(readCharacterFile(path)) {
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, !fbx);
@@ -26,11 +26,11 @@ struct Both {
   const aiScene* scene = nullptr;
 };
 
-/// How far joints lie from assimp's nodes of the same name, at most [m].
+/// The largest distance of joints from assimp's nodes of the same name [m].
 double farthestJoint(const CharacterFile& file, const aiScene& scene, int clip, double time) {
   const Skeleton& skeleton = file.character.skeleton;
   Pose pose = restPose(skeleton);
-  if (clip >= 0) sampleClip(file.clips[static_cast<std::size_t>(clip)], time, pose);
+  if (clip >= 0) sampleClip(file.clips[clip], time, pose);
   std::vector<Affine3> worldFromJoint(pose.size());
   computeWorldFromJoint(skeleton, pose, worldFromJoint);
   const std::map<std::string, Mat4> nodes = test::assimpNodes(scene, clip, time);
@@ -41,7 +41,7 @@ double farthestJoint(const CharacterFile& file, const aiScene& scene, int clip, 
     if (node == nodes.end()) continue;
     ++found;
     const Vec3 expected = file.metresPerUnit * node->second.block<3, 1>(0, 3);
-    farthest = std::max(farthest, (worldFromJoint[static_cast<std::size_t>(j)].translation() - expected).norm());
+    farthest = std::max(farthest, (worldFromJoint[j].translation() - expected).norm());
   }
   EXPECT_GT(found, 5);
   return farthest;
@@ -55,8 +55,7 @@ double farthestCorner(const CharacterFile& file, const aiScene& scene, int clip,
   std::size_t corner = 0;
   for (const Triangle& triangle : file.character.mesh.triangles) {
     for (const VertexIndex v : triangle) {
-      farthest =
-          std::max(farthest, (posed[static_cast<std::size_t>(v)] - file.metresPerUnit * expected[corner]).norm());
+      farthest = std::max(farthest, (posed[v] - file.metresPerUnit * expected[corner]).norm());
       ++corner;
     }
   }
@@ -73,9 +72,9 @@ TEST(FbxFile, ACharacterInCentimetresStandsInMetres) {
   EXPECT_EQ(file.metresPerUnit, 0.01);
   EXPECT_NEAR(file.character.height, 1.83, 0.01);
   EXPECT_EQ(file.character.mesh.triangles.size(), 6670u);
-  EXPECT_EQ(file.mendedVertices, 0);
+  EXPECT_EQ(file.repairedVertices, 0);
   EXPECT_LE(farthestCorner(file, *both.scene, -1, 0.0), 1e-5 * file.character.height);
-  // Once welded it is the closed surface that its source says it is.
+  // Once welded it is the closed surface that its source describes.
   TriMesh welded = file.character.mesh;
   weldEqualVertices(welded);
   EXPECT_EQ(welded.vertices.size(), 3337u);
@@ -99,7 +98,7 @@ TEST(FbxFile, ClipFilesMoveTheSameJoints) {
     for (const double part : {0.0, 0.31, 0.77, 1.0}) {
       EXPECT_LE(farthestJoint(clipFile, *both.scene, 0, part * clip.seconds), 1.8e-5);
     }
-    // All 53 bones of the body are there by name.
+    // All 53 bones of the body exist by name.
     int shared = 0;
     for (const Joint& joint : body->character.skeleton.joints()) {
       const auto joints = clipFile.character.skeleton.joints();
@@ -122,10 +121,10 @@ TEST(FbxFile, SkinsAndClipsInOneFileAgreeWithAssimpsOwnMeaning) {
       EXPECT_LE(farthestCorner(*both.file, *both.scene, 0, time), 1e-5 * both.file->character.height) << name;
     }
   }
-  if (seen == 0) GTEST_SKIP() << "the Debian package assimp-testmodels is absent";
+  if (seen == 0) GTEST_SKIP() << "the Debian package assimp-testmodels is not installed";
 }
 
-/// A tetrahedron 0, x, y, z in an FBX file of text.
+/// A tetrahedron 0, x, y, z in a text FBX file.
 std::string fbxText(const std::string& settings) {
   return "; FBX 7.3.0 project file\n"
          "FBXHeaderExtension:  {\n FBXHeaderVersion: 1003\n FBXVersion: 7300\n}\n"
@@ -151,7 +150,7 @@ Result<CharacterFile> parsedText(const std::string& text, const std::string& nam
 }
 
 TEST(FbxFile, ItsUnitAndAxesAreFollowed) {
-  // Z up, -Y to the front, as 3ds Max has it; the unit is 2 cm.
+  // Z up, -Y to the front, as in 3ds Max; the unit is 2 cm.
   const std::string settings = property("UpAxis", 2) + property("UpAxisSign", 1) + property("FrontAxis", 1) +
                                property("FrontAxisSign", -1) + property("CoordAxis", 0) + property("CoordAxisSign", 1) +
                                "  P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",2\n";
@@ -169,7 +168,7 @@ TEST(FbxFile, ItsUnitAndAxesAreFollowed) {
   EXPECT_NEAR((boundsOf(plain->character.mesh.vertices).max - Vec3::Ones()).norm(), 0.0, 1e-6);
 }
 
-/// A tetrahedron whose corner at z hangs on the bone "tip", the others on "root"; "tip" is 60 cm above "root".
+/// A tetrahedron whose corner at z follows the bone "tip", the others "root"; "tip" is 60 cm above "root".
 std::string colladaText(const std::string& upAxis) {
   return R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -215,10 +214,10 @@ TEST(ColladaFile, ItsUnitAxesAndSkinAreFollowed) {
     ASSERT_TRUE(file.ok()) << file.error().message;
     EXPECT_EQ(file->format, "COLLADA");
     EXPECT_EQ(file->skins, 1);
-    EXPECT_EQ(file->mendedVertices, 0);
+    EXPECT_EQ(file->repairedVertices, 0);
     EXPECT_NEAR(file->character.height, 1.0, 1e-6);
     EXPECT_NEAR(signedVolume(file->character.mesh.vertices, file->character.mesh.triangles), 1.0 / 6.0, 1e-6);
-    // Where the bone's tip is, seen from Y up.
+    // The position of the bone's tip, with Y up.
     const Skeleton& skeleton = file->character.skeleton;
     Pose pose = restPose(skeleton);
     std::vector<Affine3> worldFromJoint(pose.size());
@@ -228,7 +227,7 @@ TEST(ColladaFile, ItsUnitAxesAndSkinAreFollowed) {
       if (skeleton.joint(j).name != "tip") continue;
       found = true;
       const Vec3 expected = zUp ? Vec3(0.0, 0.6, 0.0) : Vec3(0.0, 0.0, 0.6);
-      EXPECT_NEAR((worldFromJoint[static_cast<std::size_t>(j)].translation() - expected).norm(), 0.0, 1e-6);
+      EXPECT_NEAR((worldFromJoint[j].translation() - expected).norm(), 0.0, 1e-6);
     }
     EXPECT_TRUE(found);
     // At rest the skin is as it was bound.
@@ -261,16 +260,16 @@ TEST(ColladaFile, WhatAssimpDoesNotBearIsRefusedBefore) {
     const Result<CharacterFile> file = parsedText(text, "t.dae");
     return file.ok() ? std::string() : file.error().message;
   };
-  EXPECT_EQ(complaint("<p>0 2 1", "<p>0 x 1"), "t.dae: line 11: <p> holds byte 120, expected whole numbers");
-  EXPECT_EQ(complaint("<v>0 0", "<v>0 \x9e"), "t.dae: line 27: <v> holds byte 158, expected whole numbers");
+  EXPECT_EQ(complaint("<p>0 2 1", "<p>0 x 1"), "t.dae: line 11: <p> contains byte 120, expected whole numbers");
+  EXPECT_EQ(complaint("<v>0 0", "<v>0 \x9e"), "t.dae: line 27: <v> contains byte 158, expected whole numbers");
   EXPECT_EQ(complaint("count=\"32\"", "count=\"-2\""),
             "t.dae: line 18: <float_array> has no count, expected a whole number");
   EXPECT_EQ(complaint("count=\"32\"", "count=\"4000000000\""),
-            "t.dae: line 18: <float_array> says 4,000,000,000 values in 67 bytes");
+            "t.dae: line 18: <float_array> declares 4,000,000,000 values in 67 bytes");
   EXPECT_EQ(complaint("count=\"2\" stride=\"16\"", "count=\"3\" stride=\"16\""),
             "t.dae: line 20: <accessor> reads 48 values of 'ba', which has 32");
   EXPECT_EQ(complaint("source=\"#pa\"", "source=\"#pb\""),
-            "t.dae: line 6: <accessor> reads from 'pb', which is not there");
+            "t.dae: line 6: <accessor> reads from 'pb', which does not exist");
   EXPECT_EQ(complaint("<library_geometries>", "<!-- <p>x</p> --><library_geometries>"), "");
 }
 

@@ -29,7 +29,7 @@ using enum HumanBone;
   return made;
 }
 
-/// A root, hips, a leg of two, a tail; "Head" stands twice.
+/// A root, hips, a leg of two joints, a tail; "Head" occurs twice.
 [[nodiscard]] Skeleton small() {
   return std::move(
       *Skeleton::create({joint("Root", kNoJoint), joint("Pelvis", 0, kHips), joint("Thigh.L", 1, kLeftUpperLeg),
@@ -105,8 +105,8 @@ TEST(BoneMap, AnEditedMapChangesBones) {
   const Result<Skeleton> applied = applyBoneMap(small(), *map, "map.json");
   ASSERT_TRUE(applied.ok()) << applied.error().message;
   EXPECT_EQ(applied->jointOf(kSpine), 7);
-  EXPECT_EQ(applied->jointOf(kLeftUpperLeg), kNoJoint) << "null takes it away";
-  EXPECT_EQ(applied->jointOf(kHead), kNoJoint) << "left out is null";
+  EXPECT_EQ(applied->jointOf(kLeftUpperLeg), kNoJoint) << "null removes it";
+  EXPECT_EQ(applied->jointOf(kHead), kNoJoint) << "omitted is null";
   EXPECT_EQ(map->character, "");
 }
 
@@ -115,26 +115,26 @@ TEST(BoneMap, WrongFilesAreRefusedInSentences) {
             ": not JSON: parse error at line 1, column 1: syntax error while parsing value - "
             "unexpected end of input; expected '[', '{', or a literal");
   EXPECT_NE(readMessage("{\n \"lorica\": \"bone map 1\"\n \"bones\": {}}").find("line 3"), std::string::npos);
-  EXPECT_EQ(readMessage("[]"), ": no bone map, expected an object with \"lorica\": \"bone map 1\"");
-  EXPECT_EQ(readMessage("{\"bones\": {}}"), ": no bone map, expected an object with \"lorica\": \"bone map 1\"");
+  EXPECT_EQ(readMessage("[]"), ": not a bone map, expected an object with \"lorica\": \"bone map 1\"");
+  EXPECT_EQ(readMessage("{\"bones\": {}}"), ": not a bone map, expected an object with \"lorica\": \"bone map 1\"");
   EXPECT_EQ(readMessage("{\"lorica\": \"bone map 2\", \"bones\": {}}"),
             ": lorica is \"bone map 2\", expected \"bone map 1\"");
   EXPECT_EQ(readMessage("{\"lorica\": \"bone map 1\", \"bone\": {}}"),
-            ": \"bone\" is unknown; the nearest is \"bones\"");
+            ": unknown key \"bone\"; did you mean \"bones\"?");
   EXPECT_EQ(readMessage("{\"lorica\": \"bone map 1\"}"),
-            ": bones is missing, expected an object with a joint's name for each bone");
+            ": bones is missing, expected an object with a joint name for each bone");
   EXPECT_EQ(readMessage("{\"lorica\": \"bone map 1\", \"bones\": []}"),
-            ": bones is missing, expected an object with a joint's name for each bone");
+            ": bones is missing, expected an object with a joint name for each bone");
   EXPECT_EQ(readMessage("{\"lorica\": \"bone map 1\", \"character\": 1, \"bones\": {}}"),
-            ": character is no text, expected a file's name");
+            ": character is not a string, expected a file name");
   EXPECT_EQ(bonesMessage("\"leftUperArm\": null"),
-            ": bones: \"leftUperArm\" is no bone; the nearest is \"leftUpperArm\"");
+            ": bones: \"leftUperArm\" is not a bone; did you mean \"leftUpperArm\"?");
   EXPECT_EQ(bonesMessage("\"LeftUpperArm\": null"),
-            ": bones: \"LeftUpperArm\" is no bone; the nearest is \"leftUpperArm\"");
-  EXPECT_EQ(bonesMessage("\"xyzzyxyzzyxyzzy\": null"), ": bones: \"xyzzyxyzzyxyzzy\" is no bone");
-  EXPECT_EQ(bonesMessage("\"hips\": 3"), ": bones: hips is a number, expected a joint's name or null");
-  EXPECT_EQ(bonesMessage("\"hips\": \"\""), ": bones: hips is an empty text, expected a joint's name or null");
-  EXPECT_EQ(bonesMessage("\"hips\": \"a\", \"head\": null, \"hips\": \"b\""), ": \"hips\" stands twice, expected once");
+            ": bones: \"LeftUpperArm\" is not a bone; did you mean \"leftUpperArm\"?");
+  EXPECT_EQ(bonesMessage("\"xyzzyxyzzyxyzzy\": null"), ": bones: \"xyzzyxyzzyxyzzy\" is not a bone");
+  EXPECT_EQ(bonesMessage("\"hips\": 3"), ": bones: hips is a number, expected a joint name or null");
+  EXPECT_EQ(bonesMessage("\"hips\": \"\""), ": bones: hips is an empty string, expected a joint name or null");
+  EXPECT_EQ(bonesMessage("\"hips\": \"a\", \"head\": null, \"hips\": \"b\""), ": duplicate key \"hips\"");
   EXPECT_EQ(bonesMessage("\"hips\": \"\xff\"").substr(0, 10), ": not JSON");
 
   const Result<BoneMap> missing = readBoneMap("/nowhere/map.json");
@@ -147,7 +147,7 @@ TEST(BoneMap, EveryBeginningOfAFileEndsInASentence) {
   const std::filesystem::path file = folder.path() / "map.json";
   ASSERT_TRUE(writeBoneMap(file, small(), "hero.glb").ok());
   const std::string whole = *readFile(file);
-  const std::string body = whole.substr(0, whole.size() - 1);  // the line's end may be missing
+  const std::string body = whole.substr(0, whole.size() - 1);  // the last newline may be missing
   for (std::size_t size = 0; size < body.size(); ++size) {
     EXPECT_FALSE(parseBoneMap(body.substr(0, size), "map.json").ok()) << size;
   }
@@ -163,7 +163,7 @@ TEST(BoneMap, JointsThatDoNotFitAreRefusedInSentences) {
 
   map.jointOf[at(kLeftUpperLeg)] = "Thigh_L";
   EXPECT_EQ(applyMessage(map),
-            "map.json: leftUpperLeg: the character has no joint \"Thigh_L\"; the nearest is \"Thigh.L\"");
+            "map.json: leftUpperLeg: the character has no joint \"Thigh_L\"; did you mean \"Thigh.L\"?");
   map.jointOf[at(kLeftUpperLeg)] = "mixamorig:LeftUpLeg";
   EXPECT_EQ(applyMessage(map), "map.json: leftUpperLeg: the character has no joint \"mixamorig:LeftUpLeg\"");
   map.jointOf[at(kLeftUpperLeg)] = "Pelvis";
@@ -171,15 +171,15 @@ TEST(BoneMap, JointsThatDoNotFitAreRefusedInSentences) {
   map.jointOf[at(kLeftUpperLeg)] = "Shin.L";
   map.jointOf[at(kLeftLowerLeg)] = "Thigh.L";
   EXPECT_EQ(applyMessage(map),
-            "map.json: leftLowerLeg is \"Thigh.L\", which does not hang on \"Shin.L\", the leftUpperLeg");
+            "map.json: leftLowerLeg is \"Thigh.L\", which is not below \"Shin.L\", the leftUpperLeg");
 
   BoneMap head;
   head.jointOf[at(kHips)] = "Pelvis";
   head.jointOf[at(kHead)] = "Head";
   EXPECT_EQ(applyMessage(head),
-            "map.json: head: 2 joints are called \"Head\", expected one: write \"Neck/Head\" or \"Root/Head\"");
+            "map.json: head: 2 joints are named \"Head\", expected one: write \"Neck/Head\" or \"Root/Head\"");
   head.jointOf[at(kHead)] = "Root/Head";
-  EXPECT_EQ(applyMessage(head), "map.json: head is \"Root/Head\", which does not hang on \"Pelvis\", the hips");
+  EXPECT_EQ(applyMessage(head), "map.json: head is \"Root/Head\", which is not below \"Pelvis\", the hips");
   head.jointOf[at(kHead)] = "Pelvis/Neck/Head";
   EXPECT_EQ(applyMessage(head), "applied");
 }
@@ -198,7 +198,7 @@ TEST(BoneMap, NamesThatAreNoTextSurviveAFile) {
   HumanoidGuess none;
   none.jointOf.fill(kNoJoint);
   BoneMap withoutHead = *map;
-  withoutHead.jointOf[at(kHead)].clear();  // it hangs beside the spine
+  withoutHead.jointOf[at(kHead)].clear();  // it is beside the spine
   const Result<Skeleton> applied = applyBoneMap(withBones(skeleton, none), withoutHead, "map.json");
   ASSERT_TRUE(applied.ok()) << applied.error().message;
   EXPECT_EQ(applied->jointOf(kHips), 0);
@@ -206,7 +206,7 @@ TEST(BoneMap, NamesThatAreNoTextSurviveAFile) {
   EXPECT_EQ(map->jointOf[at(kHead)], "Kopf/\n\t\"");
 }
 
-// Thousands of joints of one name, as a hostile file has them: written soon, if not usefully.
+// Thousands of joints with one name, as in a malicious file: writing is fast, even if the result is not useful.
 TEST(BoneMap, ManyJointsOfOneNameAreWritten) {
   std::vector<Joint> chain;
   std::vector<Joint> star;

@@ -34,13 +34,14 @@ void expectBones(const std::filesystem::path& file, const std::map<HumanBone, st
   EXPECT_EQ(guess.by, by) << file;
   for (int bone = 0; bone < kHumanBoneCount; ++bone) {
     EXPECT_EQ(skeleton.jointOf(static_cast<HumanBone>(bone)), guess[static_cast<HumanBone>(bone)])
-        << file << ": reading marks them, " << nameOf(static_cast<HumanBone>(bone));
+        << file << ": reading marks the bones, " << nameOf(static_cast<HumanBone>(bone));
   }
 }
 
 TEST(CharacterBones, CesiumMan) {
   LORICA_REQUIRE_DATASET(file, "characters/cesiumman/CesiumMan.glb");
-  // Numbered chains with other numbers left and right: no convention, so the shape tells, and the sides the names.
+  // Numbered chains with different numbers left and right: no convention, so the shape is used, and the names for
+  // sides.
   const RigNames rig = {"",
                         "",
                         "L",
@@ -67,7 +68,7 @@ TEST(CharacterBones, ArnaudAndHisClipFiles) {
                         "",
                         "Left",
                         "Right",
-                        {"Hips", "Spine1", "Spine2", "Spine3", "Neck", "Head"},  // the thighs hang on Spine
+                        {"Hips", "Spine1", "Spine2", "Spine3", "Neck", "Head"},  // the thighs are below Spine
                         {"%UpLeg", "%Leg", "%Foot", "%FootThumb1"},
                         {"%Shoulder", "%Arm", "%ForeArm", "%Hand"},
                         "%Hand@#",
@@ -103,8 +104,8 @@ TEST(CharacterBones, KayKit) {
 
 TEST(CharacterBones, RaylibRobot) {
   LORICA_REQUIRE_DATASET(file, "characters/raylib_robot/robot.glb");
-  // Its feet hang on the root and its thumbs on the forearms: what does not hang on the limb is no bone of it. Hips is
-  // a joint of the trunk alone: Body carries both.
+  // Its feet are below the root and its thumbs below the forearms: joints not below the limb are not its bones. Hips is
+  // only a joint of the trunk: Body carries trunk and legs.
   const RigNames rig = {"",
                         "",
                         "L",
@@ -137,7 +138,7 @@ TEST(CharacterBones, TheFoxIsNoHuman) {
   expectBones(file, {}, "");
 }
 
-// The list in the VRM file was made by its artist: the guess must agree wherever it says anything.
+// The list in the VRM file was made by its artist: the guess must agree for every bone that it finds.
 TEST(CharacterBones, GodetteAsHerOwnListHasHer) {
   LORICA_REQUIRE_DATASET(file, "characters/godette/Godette_vrm_v4.vrm");
   const Result<CharacterFile> read = readCharacterFile(file);
@@ -154,7 +155,7 @@ TEST(CharacterBones, GodetteAsHerOwnListHasHer) {
     ++found;
   }
   EXPECT_EQ(listed, 45);
-  EXPECT_EQ(found, 27) << "all but six fingers, whose names say nothing";
+  EXPECT_EQ(found, 27) << "all but six fingers, whose names are meaningless";
 }
 
 }  // namespace

@@ -30,9 +30,9 @@ TEST(CharacterFile, WhatIsNoneIsRefusedInASentence) {
     return file.ok() ? std::string() : file.error().message;
   };
   const std::filesystem::path text = folder.write("a.glb", "once upon a time");
-  EXPECT_EQ(complaint(text), text.string() + ": holds neither glTF, VRM, FBX nor COLLADA, expected one of them");
+  EXPECT_EQ(complaint(text), text.string() + ": unknown format, expected glTF, VRM, FBX or COLLADA");
   const std::filesystem::path blank = folder.write("b.glb", "  \n ");
-  EXPECT_EQ(complaint(blank), blank.string() + ": holds neither glTF, VRM, FBX nor COLLADA, expected one of them");
+  EXPECT_EQ(complaint(blank), blank.string() + ": unknown format, expected glTF, VRM, FBX or COLLADA");
   const std::filesystem::path empty = folder.write("c.vrm", "");
   EXPECT_EQ(complaint(empty), empty.string() + ": is empty, expected a character");
   EXPECT_NE(complaint(folder.path() / "absent.glb"), "");

@@ -13,13 +13,13 @@
 
 namespace lorica::test {
 
-/// Writes small GLB files, sound or not: what a test puts into `document` is what the file says.
+/// Writes small GLB files, valid or not: `document` is written as the test sets it.
 class GlbWriter {
  public:
   nlohmann::json document = {{"asset", {{"version", "2.0"}}}};
   std::string binary;
 
-  /// A buffer view of these numbers; with a stride, elements of `components` numbers lie that many bytes apart.
+  /// A buffer view of these numbers; with a stride, elements of `components` numbers are that many bytes apart.
   template <typename T>
   int view(const std::vector<T>& numbers, std::size_t components = 1, std::size_t stride = 0) {
     while (binary.size() % 4 != 0) binary.push_back('\0');
@@ -51,14 +51,14 @@ class GlbWriter {
 
   int positions(std::span<const Vec3> points);
   int triangles(std::span<const Triangle> triangles);
-  /// Column after column, as glTF has them.
+  /// Column by column, as in glTF.
   int matrices(std::span<const Affine3> transforms);
 
-  /// Appends to a list of the document, and says at which index.
+  /// Appends to a list of the document. @return the index
   int add(const std::string& list, nlohmann::json element);
 
   [[nodiscard]] std::string glb() const;
-  /// A .gltf whose buffer is elsewhere.
+  /// A .gltf with an external buffer.
   [[nodiscard]] std::string gltf(const std::string& bufferUri) const;
 
   [[nodiscard]] static std::size_t componentsOf(const std::string& type);

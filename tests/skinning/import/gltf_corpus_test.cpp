@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-/// What the fuzzer starts from, and what it once broke: read or refused, in the same way each time.
+/// The fuzzer's seeds and the crashes it once found: read or rejected, with the same result each time.
 TEST(GltfCorpus, IsReadOrRefusedAndNothingElse) {
   const std::filesystem::path folder = test::recordingsFolder().parent_path() / "tests" / "fuzz" / "corpus" / "glb";
   int read = 0;
@@ -30,7 +30,7 @@ TEST(GltfCorpus, IsReadOrRefusedAndNothingElse) {
     if (file.ok() && !file->character.mesh.vertices.empty()) {
       EXPECT_TRUE(checkCharacter(file->character).ok());
     }
-    // A sound file by its name has to stay one.
+    // A file named as valid must stay valid.
     const std::string name = entry.path().filename().string();
     for (const char* sound : {"small", "random", "vrm", "datauri"}) {
       EXPECT_TRUE(file.ok() || !name.starts_with(sound)) << file.error().message;

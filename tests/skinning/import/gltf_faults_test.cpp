@@ -17,7 +17,7 @@ using test::smallCharacter;
 struct Fault {
   const char* name;
   std::function<void(GlbWriter&)> make;
-  const char* sentence;  ///< the whole of it
+  const char* sentence;  ///< the whole message
   ErrorCode code = ErrorCode::kBadFormat;
 };
 
@@ -38,13 +38,13 @@ TEST_P(GltfFaults, AreToldInOneSentence) {
 
 std::vector<Fault> allFaults() {
   const auto accessor = [](int i, const char* key, json value) {
-    return [=](GlbWriter& w) { w.document["accessors"][static_cast<std::size_t>(i)][key] = value; };
+    return [=](GlbWriter& w) { w.document["accessors"][i][key] = value; };
   };
   const auto view = [](int i, const char* key, json value) {
-    return [=](GlbWriter& w) { w.document["bufferViews"][static_cast<std::size_t>(i)][key] = value; };
+    return [=](GlbWriter& w) { w.document["bufferViews"][i][key] = value; };
   };
   const auto node = [](int i, const char* key, json value) {
-    return [=](GlbWriter& w) { w.document["nodes"][static_cast<std::size_t>(i)][key] = value; };
+    return [=](GlbWriter& w) { w.document["nodes"][i][key] = value; };
   };
   const auto set = [](const char* pointer, json value) {
     return [=](GlbWriter& w) { w.document[json::json_pointer(pointer)] = value; };
@@ -55,14 +55,14 @@ std::vector<Fault> allFaults() {
   const float infinity = std::numeric_limits<float>::infinity();
   return {
       {"accessor too long", accessor(0, "count", 4000),
-       "hero.glb: accessor 0: 4,000 elements of 12 bytes end at byte 48,000, its buffer view 0 has 96"},
+       "hero.glb: accessor 0: 4,000 elements of 12 bytes end at byte 48,000, but buffer view 0 has 96"},
       {"accessor starts late", accessor(0, "byteOffset", 4),
-       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 100, its buffer view 0 has 96"},
+       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 100, but buffer view 0 has 96"},
       {"huge count", accessor(0, "count", 4611686018427387904u),
-       "hero.glb: accessor 0: 4,611,686,018,427,387,904 elements of 12 bytes end at byte 5.53e+19, its buffer view 0 "
+       "hero.glb: accessor 0: 4,611,686,018,427,387,904 elements of 12 bytes end at byte 5.53e+19, but buffer view 0 "
        "has 96"},
       {"huge offset", accessor(0, "byteOffset", 18446744073709551615u),
-       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 1.84e+19, its buffer view 0 has 96"},
+       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 1.84e+19, but buffer view 0 has 96"},
       {"no elements", accessor(0, "count", 0),
        "hero.glb: accessor 0: has no elements, expected at least one for mesh 0 'Body', primitive 0: POSITION"},
       {"huge count of zeros",
@@ -70,34 +70,36 @@ std::vector<Fault> allFaults() {
          w.document["accessors"][0].erase("bufferView");
          w.document["accessors"][0]["count"] = 1000000000;
        },
-       "hero.glb: accessor 0: 1,000,000,000 elements, more than a file of 1,808 bytes can justify"},
+       "hero.glb: accessor 0: 1,000,000,000 elements, too many for a file of 1,808 bytes"},
       {"wrong shape", accessor(0, "type", "VEC4"),
-       "hero.glb: accessor 0: has 4 numbers an element, expected VEC3 for mesh 0 'Body', primitive 0: POSITION"},
+       "hero.glb: accessor 0: has 4 numbers per element, expected VEC3 for mesh 0 'Body', primitive 0: POSITION"},
       {"unknown number", accessor(0, "componentType", 5124),
        "hero.glb: accessor 0: component type 5124, expected 5120 to 5123, 5125 or 5126 for mesh 0 'Body', primitive 0: "
        "POSITION"},
       {"joints in floats", accessor(2, "componentType", 5126),
        "hero.glb: accessor 2: component type 5126, expected unsigned integers (5121, 5123 or 5125) for mesh 0 'Body', "
        "primitive 0: JOINTS_0"},
-      {"view not there", accessor(0, "bufferView", 99), "hero.glb: accessor 0: names buffer view 99, expected 0 to 6"},
-      {"negative view", accessor(0, "bufferView", -7), "hero.glb: accessor 0: names buffer view -7, expected 0 to 6"},
-      {"buffer not there", view(0, "buffer", 3), "hero.glb: buffer view 0: names buffer 3, expected 0 to 0"},
+      {"view does not exist", accessor(0, "bufferView", 99),
+       "hero.glb: accessor 0: refers to buffer view 99, expected 0 to 6"},
+      {"negative view", accessor(0, "bufferView", -7),
+       "hero.glb: accessor 0: refers to buffer view -7, expected 0 to 6"},
+      {"buffer does not exist", view(0, "buffer", 3), "hero.glb: buffer view 0: refers to buffer 3, expected 0 to 0"},
       {"view too long", view(0, "byteLength", 1000000),
-       "hero.glb: buffer view 0: 1,000,000 bytes from byte 0 on, buffer 0 has 496"},
+       "hero.glb: buffer view 0: 1,000,000 bytes from byte 0, but buffer 0 has 496"},
       {"view starts late", view(0, "byteOffset", 18446744073709551615u),
-       "hero.glb: buffer view 0: 96 bytes from byte 18,446,744,073,709,551,615 on, buffer 0 has 496"},
+       "hero.glb: buffer view 0: 96 bytes from byte 18,446,744,073,709,551,615, but buffer 0 has 496"},
       {"steps too small", view(0, "byteStride", 4),
-       "hero.glb: accessor 0: elements of 12 bytes in steps of 4, of buffer view 0"},
-      {"accessor not there", set("/meshes/0/primitives/0/attributes/POSITION", 77),
-       "hero.glb: mesh 0 'Body', primitive 0: POSITION: names accessor 77, expected 0 to 6"},
+       "hero.glb: accessor 0: elements of 12 bytes, but the stride of buffer view 0 is 4"},
+      {"accessor does not exist", set("/meshes/0/primitives/0/attributes/POSITION", 77),
+       "hero.glb: mesh 0 'Body', primitive 0: POSITION: refers to accessor 77, expected 0 to 6"},
       {"index out of range", [](GlbWriter& w) { w.binary[96 + 4] = 8; },
-       "hero.glb: mesh 0 'Body', primitive 0: index 2 names vertex 8, it has 8"},
+       "hero.glb: mesh 0 'Body', primitive 0: index 2 refers to vertex 8, but it has 8"},
       {"mode", set("/meshes/0/primitives/0/mode", 9), "hero.glb: mesh 0 'Body', primitive 0: mode 9, expected 0 to 6"},
       {"fewer joints than positions", accessor(2, "count", 7),
        "hero.glb: mesh 0 'Body', primitive 0: JOINTS_0 has 7 elements, expected 8, one for each position"},
       {"fewer weights than positions", accessor(3, "count", 2),
        "hero.glb: mesh 0 'Body', primitive 0: WEIGHTS_0 has 2 elements, expected 8, one for each position"},
-      {"position no number", floatAt(16, std::numeric_limits<float>::quiet_NaN()),
+      {"position not a number", floatAt(16, std::numeric_limits<float>::quiet_NaN()),
        "hero.glb: accessor 0: element 1 has nan, expected finite numbers for mesh 0 'Body', primitive 0: POSITION"},
       {"infinite inverse bind matrix", floatAt(96 + 72 + 32 + 128 + 64, -infinity),
        "hero.glb: accessor 4: element 1 has -inf, expected finite numbers for skin 0: inverse bind matrices"},
@@ -106,24 +108,27 @@ std::vector<Fault> allFaults() {
       {"fewer matrices than joints", accessor(4, "count", 1), "hero.glb: skin 0: 1 inverse bind matrices for 2 joints"},
       {"skin without joints", set("/skins/0/joints", json::array()),
        "hero.glb: skin 0: has no joints, expected at least one"},
-      {"joint not there", set("/skins/0/joints/1", 5), "hero.glb: skin 0: names joint node 5, expected 0 to 2"},
-      {"skin not there", node(2, "skin", 1), "hero.glb: node 2: names skin 1, expected 0 to 0"},
-      {"mesh not there", node(2, "mesh", 1), "hero.glb: node 2: names mesh 1, expected 0 to 0"},
-      {"child not there", node(0, "children", {1, 44}), "hero.glb: node 0: names child node 44, expected 0 to 2"},
+      {"joint does not exist", set("/skins/0/joints/1", 5),
+       "hero.glb: skin 0: refers to joint node 5, expected 0 to 2"},
+      {"skin does not exist", node(2, "skin", 1), "hero.glb: node 2: refers to skin 1, expected 0 to 0"},
+      {"mesh does not exist", node(2, "mesh", 1), "hero.glb: node 2: refers to mesh 1, expected 0 to 0"},
+      {"child does not exist", node(0, "children", {1, 44}),
+       "hero.glb: node 0: refers to child node 44, expected 0 to 2"},
       {"two parents", node(2, "children", {1}),
        "hero.glb: node 1 'upper': is a child of node 0 and of node 2, expected one parent"},
       {"own ancestor", node(1, "children", {0}), "hero.glb: node 0 'lower': is its own ancestor"},
       {"own child", node(2, "children", {2}), "hero.glb: node 2 'box': is its own ancestor"},
       {"three numbers of rotation", node(1, "rotation", {0, 0, 1}),
-       "hero.glb: node 1: 3 numbers of rotation, expected 4"},
+       "hero.glb: node 1: rotation has 3 numbers, expected 4"},
       {"fifteen numbers of matrix", node(1, "matrix", std::vector<int>(15, 1)),
-       "hero.glb: node 1: 15 numbers of matrix, expected 16"},
-      {"scene not there", set("/scene", 2), "hero.glb: the file: names scene 2, expected 0 to 0"},
-      {"scene's node not there", set("/scenes/0/nodes/0", 9), "hero.glb: scene 0: names node 9, expected 0 to 2"},
-      {"animated node not there", set("/animations/0/channels/0/target/node", 9),
-       "hero.glb: animation 0 'bend', channel 0: names node 9, expected 0 to 2"},
-      {"sampler not there", set("/animations/0/channels/0/sampler", 1),
-       "hero.glb: animation 0 'bend', channel 0: names sampler 1, expected 0 to 0"},
+       "hero.glb: node 1: matrix has 15 numbers, expected 16"},
+      {"scene does not exist", set("/scene", 2), "hero.glb: the file: refers to scene 2, expected 0 to 0"},
+      {"scene's node does not exist", set("/scenes/0/nodes/0", 9),
+       "hero.glb: scene 0: refers to node 9, expected 0 to 2"},
+      {"animated node does not exist", set("/animations/0/channels/0/target/node", 9),
+       "hero.glb: animation 0 'bend', channel 0: refers to node 9, expected 0 to 2"},
+      {"sampler does not exist", set("/animations/0/channels/0/sampler", 1),
+       "hero.glb: animation 0 'bend', channel 0: refers to sampler 1, expected 0 to 0"},
       {"interpolation", set("/animations/0/samplers/0/interpolation", "QUINTIC"),
        "hero.glb: animation 0 'bend', channel 0: interpolation 'QUINTIC', expected STEP, LINEAR or CUBICSPLINE"},
       {"keys without values", accessor(6, "count", 1),
@@ -142,18 +147,18 @@ std::vector<Fault> allFaults() {
       {"more sparse than all",
        set("/accessors/0/sparse",
            {{"count", 9}, {"indices", {{"bufferView", 0}, {"componentType", 5121}}}, {"values", {{"bufferView", 0}}}}),
-       "hero.glb: accessor 0: its sparse part has 9 elements at bytes 0 and 0 with indices of kind 5121, expected 1 to "
+       "hero.glb: accessor 0: its sparse part has 9 elements at bytes 0 and 0 with indices of type 5121, expected 1 to "
        "8 elements, offsets of 0 or more and unsigned indices"},
       {"sparse values too short",
        set("/accessors/0/sparse",
            {{"count", 4}, {"indices", {{"bufferView", 1}, {"componentType", 5121}}}, {"values", {{"bufferView", 2}}}}),
-       "hero.glb: accessor 0, sparse values: 4 elements of 12 bytes end at byte 48, its buffer view 2 has 32"},
+       "hero.glb: accessor 0, sparse values: 4 elements of 12 bytes end at byte 48, but buffer view 2 has 32"},
       {"buffer longer than the binary", set("/buffers", json::array({{{"byteLength", 5000}}})),
        "hero.glb: buffer 0: byteLength is 5,000, but there are 496 bytes"},
       {"no byteLength", set("/buffers", json::array({{{"uri", "x.bin"}}})),
        "hero.glb: buffer 0: has no byteLength, expected a whole number"},
       {"other file", set("/buffers", json::array({{{"byteLength", 5}, {"uri", "x.bin"}}})),
-       "hero.glb: buffer 0: is in another file, 'x.bin', which cannot be had here"},
+       "hero.glb: buffer 0: is in another file, 'x.bin', which is not available here"},
       {"data not in base64",
        set("/buffers", json::array({{{"byteLength", 5}, {"uri", "data:application/octet-stream;base64,AA!A"}}})),
        "hero.glb: buffer 0: its data URI has byte 33 at 2, expected base64"},
@@ -162,19 +167,19 @@ std::vector<Fault> allFaults() {
          w.document["buffers"] = {{{"byteLength", 496}}, {{"byteLength", 96}}};
          w.document["bufferViews"][0]["buffer"] = 1;
        },
-       "hero.glb: buffer view 0: buffer 1 has no data, neither in the file nor in another"},
+       "hero.glb: buffer view 0: buffer 1 has no data, neither embedded nor in another file"},
       {"version", set("/asset/version", "1.0"), "hero.glb: glTF version '1.0', expected 2.0", ErrorCode::kUnsupported},
       {"no asset", [](GlbWriter& w) { w.document.erase("asset"); }, "hero.glb: glTF version '', expected 2.0"},
       {"draco", set("/extensionsRequired", {"KHR_draco_mesh_compression"}),
-       "hero.glb: its meshes are compressed (KHR_draco_mesh_compression), expected plain ones: export it again without "
-       "mesh compression, or unpack it with 'gltf-transform copy IN OUT'",
+       "hero.glb: its meshes are compressed (KHR_draco_mesh_compression), which is not supported: export it again "
+       "without mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
        ErrorCode::kUnsupported},
       {"meshopt", set("/extensionsRequired", {"EXT_meshopt_compression"}),
-       "hero.glb: its meshes are compressed (EXT_meshopt_compression), expected plain ones: export it again without "
-       "mesh compression, or unpack it with 'gltf-transform copy IN OUT'",
+       "hero.glb: its meshes are compressed (EXT_meshopt_compression), which is not supported: export it again without "
+       "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
        ErrorCode::kUnsupported},
       {"too many nodes", [](GlbWriter& w) { w.document["nodes"] = std::vector<json>(100001, json::object()); },
-       "hero.glb: 100,001 nodes, at most 100,000 are read", ErrorCode::kUnsupported},
+       "hero.glb: 100,001 nodes, expected at most 100,000", ErrorCode::kUnsupported},
       {"nothing",
        [](GlbWriter& w) {
          w.document = {{"asset", {{"version", "2.0"}}}};
@@ -200,14 +205,14 @@ TEST(GltfFile, ContainersAreCheckedBeforeTheirContent) {
     return complaint(bytes);
   };
   EXPECT_EQ(complaint(""), "hero.glb: is empty, expected a character");
-  EXPECT_EQ(complaint("glTF"), "hero.glb: 4 bytes, expected at least 12 of a GLB header: it is cut short");
+  EXPECT_EQ(complaint("glTF"), "hero.glb: 4 bytes, expected at least 12 for a GLB header: the file is truncated");
   EXPECT_EQ(changed(4, 1), "hero.glb: GLB version 1, expected 2");
-  EXPECT_EQ(changed(0, 'h'), "hero.glb: holds neither glTF, VRM, FBX nor COLLADA, expected one of them");
-  EXPECT_EQ(changed(16, 'X'), "hero.glb: chunk 0 is of kind 0x4e4f5358, expected JSON");
+  EXPECT_EQ(changed(0, 'h'), "hero.glb: unknown format, expected glTF, VRM, FBX or COLLADA");
+  EXPECT_EQ(changed(16, 'X'), "hero.glb: chunk 0 has type 0x4e4f5358, expected JSON");
   EXPECT_EQ(changed(15, 1).substr(0, 25), "hero.glb: chunk 0 of 16,7");
   EXPECT_EQ(complaint(sound.substr(0, 100)),
-            "hero.glb: its header says 1,812 bytes, the file has 100: it is cut short");
-  EXPECT_EQ(complaint(test::glbOf("[]", "")), "hero.glb: its JSON is no object, expected one of glTF");
+            "hero.glb: its header declares 1,812 bytes, the file has 100: it is truncated");
+  EXPECT_EQ(complaint(test::glbOf("[]", "")), "hero.glb: its JSON is not an object, expected a glTF object");
   EXPECT_EQ(complaint(test::glbOf("{\"asset\":", "")).substr(0, 29), "hero.glb: its JSON is broken:");
 }
 
@@ -227,7 +232,7 @@ TEST(GltfFile, TheSameBytesUnderManyNamesAreReadOnlySoOften) {
   writer.document["nodes"][2].erase("skin");
   const Result<CharacterFile> file = parsed(writer);
   ASSERT_FALSE(file.ok());
-  EXPECT_NE(file.error().message.find("more than a file of"), std::string::npos) << file.error().message;
+  EXPECT_NE(file.error().message.find("too many for a file of"), std::string::npos) << file.error().message;
 }
 
 TEST(GltfFile, BuffersBesideTheFileAndInDataUrisAreRead) {
@@ -262,7 +267,7 @@ TEST(GltfFile, NothingOutsideTheFolderIsRead) {
         std::string("C:/secret.bin")}) {
     const Result<CharacterFile> file = readCharacterFile(folder.write("inside/hero.gltf", writer.gltf(uri)));
     ASSERT_FALSE(file.ok()) << uri;
-    EXPECT_NE(file.error().message.find("leads out of the file's folder"), std::string::npos) << file.error().message;
+    EXPECT_NE(file.error().message.find("is outside the file's folder"), std::string::npos) << file.error().message;
   }
 }
 

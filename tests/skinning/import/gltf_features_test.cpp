@@ -39,7 +39,7 @@ TEST(GltfFeatures, ASmallCharacterIsReadWhole) {
   ASSERT_TRUE(file.ok()) << file.error().message;
   EXPECT_EQ(file->format, "glTF 2.0");
   EXPECT_EQ(file->character.name, "hero");
-  EXPECT_EQ(file->character.skeleton.jointCount(), 3);  // the file's own, lower, upper
+  EXPECT_EQ(file->character.skeleton.jointCount(), 3);  // (file), lower, upper
   EXPECT_EQ(file->character.mesh.vertices.size(), 8u);
   EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
   EXPECT_NEAR(file->character.height, 2.0, 1e-6);
@@ -47,8 +47,8 @@ TEST(GltfFeatures, ASmallCharacterIsReadWhole) {
   EXPECT_EQ(file->meshes, 1);
   EXPECT_EQ(file->primitives, 1);
   EXPECT_EQ(file->skins, 1);
-  EXPECT_EQ(file->mostInfluences, 1);
-  EXPECT_EQ(file->mendedVertices, 0);
+  EXPECT_EQ(file->maxInfluences, 1);
+  EXPECT_EQ(file->repairedVertices, 0);
   EXPECT_TRUE(file->notes.empty());
   ASSERT_EQ(file->clips.size(), 1u);
   EXPECT_EQ(file->clips[0].name, "bend");
@@ -88,8 +88,8 @@ TEST(GltfFeatures, NormalisedWeightsAreSharesOfTheirWhole) {
   attributes["WEIGHTS_0"] = writer.accessor(weights, "VEC4", true);
   const Result<CharacterFile> file = parsed(writer);
   ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_EQ(file->mendedVertices, 0);
-  EXPECT_EQ(file->mostInfluences, 2);
+  EXPECT_EQ(file->repairedVertices, 0);
+  EXPECT_EQ(file->maxInfluences, 2);
   const std::vector<Influence> influences = influencesOf(*file, 3);
   ASSERT_EQ(influences.size(), 2u);
   EXPECT_EQ(influences[0].joint, jointNamed(*file, "lower"));
@@ -97,7 +97,7 @@ TEST(GltfFeatures, NormalisedWeightsAreSharesOfTheirWhole) {
   EXPECT_NEAR(influences[1].weight, 0.2, 1e-12);
 }
 
-TEST(GltfFeatures, WeightsAreMendedAndCounted) {
+TEST(GltfFeatures, WeightsAreRepairedAndCounted) {
   GlbWriter writer = smallCharacter();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<std::uint8_t> joints = {0, 1,  0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0,  1, 0, 0,
@@ -109,18 +109,18 @@ TEST(GltfFeatures, WeightsAreMendedAndCounted) {
   attributes["WEIGHTS_0"] = writer.accessor(weights, "VEC4");
   const Result<CharacterFile> file = parsed(writer);
   ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_EQ(file->mendedVertices, 6);
+  EXPECT_EQ(file->repairedVertices, 6);
   EXPECT_TRUE(hasNote(*file, "6 vertices had weights"));
   const JointIndex lower = jointNamed(*file, "lower");
   const JointIndex upper = jointNamed(*file, "upper");
   const std::vector<std::vector<Influence>> expected = {{{lower, 0.5}, {upper, 0.5}},
                                                         {{lower, 0.25}, {upper, 0.75}},  // summed to 4
                                                         {{lower, 1.0}},                  // one was negative
-                                                        {{upper, 1.0}},                  // one was no number
-                                                        {{upper, 1.0}},   // one named a bone that is not there
-                                                        {{upper, 1.0}},   // all were zero: the first that it names
+                                                        {{upper, 1.0}},                  // one was not a number
+                                                        {{upper, 1.0}},   // one referred to a missing bone
+                                                        {{upper, 1.0}},   // all were zero: the first joint listed
                                                         {{upper, 1.0}},   // three times the same
-                                                        {{lower, 1.0}}};  // none named a bone that is there
+                                                        {{lower, 1.0}}};  // none referred to an existing bone
   for (std::size_t v = 0; v < 8; ++v) {
     const std::vector<Influence> got = influencesOf(*file, v);
     ASSERT_EQ(got.size(), expected[v].size()) << v;
@@ -148,7 +148,7 @@ TEST(GltfFeatures, ASparseAccessorReplacesOnlyWhatItNames) {
 
 TEST(GltfFeatures, OneBoneBoundInTwoWaysIsTwoJoints) {
   GlbWriter writer = smallCharacter();
-  // A second skin over the same bones, whose upper one was bound turned by 90 degrees and half a metre lower.
+  // A second skin over the same bones, whose upper one was bound rotated by 90 degrees and half a metre lower.
   const Affine3 turned = Eigen::Translation3d(0.0, 0.5, 0.0) *
                          Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()) *
                          Eigen::Translation3d(0.0, -1.0, 0.0);
@@ -164,7 +164,7 @@ TEST(GltfFeatures, OneBoneBoundInTwoWaysIsTwoJoints) {
   EXPECT_EQ(copy.name, "upper (bind 2)");
   EXPECT_EQ(copy.parent, jointNamed(*file, "upper"));
   EXPECT_TRUE(copy.rest.matrix().isApprox(Affine3::Identity()));
-  EXPECT_TRUE(hasNote(*file, "1 joints more"));
+  EXPECT_TRUE(hasNote(*file, "1 joints added"));
   const test::GltfTruth truth(writer.glb());
   EXPECT_LE(test::farthestFromTruth(*file, truth, -1, 0.0), 2e-6);
   EXPECT_LE(test::farthestFromTruth(*file, truth, 0, 1.3), 2e-6);
@@ -280,9 +280,9 @@ TEST(GltfFeatures, StripsAndFansCoverWhatTheirTrianglesDo) {
     ASSERT_EQ(mesh.triangles.size(), 2u) << mode;
     EXPECT_NEAR(surfaceArea(mesh.vertices, mesh.triangles), 1.0, 1e-12);
     for (const Triangle& t : mesh.triangles) {  // all face +Z
-      const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])];
-      const Vec3 b = mesh.vertices[static_cast<std::size_t>(t[1])];
-      const Vec3 c = mesh.vertices[static_cast<std::size_t>(t[2])];
+      const Vec3 a = mesh.vertices[t[0]];
+      const Vec3 b = mesh.vertices[t[1]];
+      const Vec3 c = mesh.vertices[t[2]];
       EXPECT_GT((b - a).cross(c - a).z(), 0.5) << mode;
     }
   }
@@ -305,8 +305,8 @@ TEST(GltfFeatures, PointsAndLinesAndEmptyTrianglesAreLeftOutWithANote) {
   EXPECT_EQ(file->character.mesh.triangles.size(), 13u);
   EXPECT_EQ(file->character.mesh.vertices.size(), 11u);  // three of the second list are used
   EXPECT_TRUE(hasNote(*file, "2 primitives are points or lines"));
-  EXPECT_TRUE(hasNote(*file, "2 triangles name a vertex twice"));
-  EXPECT_TRUE(hasNote(*file, "2 indices make no whole triangle"));
+  EXPECT_TRUE(hasNote(*file, "2 triangles use a vertex twice"));
+  EXPECT_TRUE(hasNote(*file, "2 indices do not form a complete triangle"));
 }
 
 TEST(GltfFeatures, MorphTargetsShapeTheRestByTheWeightsOfTheNodeElseOfTheMesh) {
@@ -344,8 +344,8 @@ TEST(GltfFeatures, OnlyWhatTheDefaultSceneDrawsIsRead) {
   Result<CharacterFile> file = parsed(writer);
   ASSERT_TRUE(file.ok()) << file.error().message;
   EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
-  EXPECT_EQ(file->mostInfluences, 1);
-  EXPECT_TRUE(hasNote(*file, "1 nodes with a mesh are in no drawn scene"));
+  EXPECT_EQ(file->maxInfluences, 1);
+  EXPECT_TRUE(hasNote(*file, "1 nodes with a mesh are not in the drawn scene"));
   writer.document.erase("scenes");
   file = parsed(writer);
   ASSERT_TRUE(file.ok()) << file.error().message;
@@ -372,10 +372,10 @@ TEST(GltfFeatures, LateKeysAndOddChannelsAreLeftOutWithANote) {
   const KeyTrack<Vec3>& track = *file->clips[0].tracks[0].translation;
   EXPECT_EQ(track.times, (std::vector<double>{0.0, 1.0, 3.0}));
   EXPECT_EQ(track.values[2], Vec3(4.0, 0.0, 0.0));
-  EXPECT_TRUE(hasNote(*file, "2 animation keys do not come after"));
-  EXPECT_TRUE(hasNote(*file, "1 animation channels move morph weights"));
-  EXPECT_TRUE(hasNote(*file, "1 animation channels move something else"));
-  EXPECT_TRUE(hasNote(*file, "1 animation channels move what another moves"));
+  EXPECT_TRUE(hasNote(*file, "2 animation keys are not later than"));
+  EXPECT_TRUE(hasNote(*file, "1 animation channels animate morph weights"));
+  EXPECT_TRUE(hasNote(*file, "1 animation channels animate something other"));
+  EXPECT_TRUE(hasNote(*file, "1 animation channels animate what another already animates"));
 }
 
 TEST(GltfFeatures, VrmListsNameTheBones) {
@@ -395,12 +395,12 @@ TEST(GltfFeatures, VrmListsNameTheBones) {
   EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kHips), jointNamed(*file, "lower"));
   EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kLeftThumbProximal), jointNamed(*file, "upper"));
   EXPECT_EQ(file->character.skeleton.jointOf(HumanBone::kHead), kNoJoint);
-  EXPECT_TRUE(hasNote(*file, "bone head names node 4711"));
-  EXPECT_TRUE(hasNote(*file, "bone neck names node null"));
+  EXPECT_TRUE(hasNote(*file, "bone head refers to node 4711"));
+  EXPECT_TRUE(hasNote(*file, "bone neck refers to node null"));
   EXPECT_TRUE(hasNote(*file, "bone spine or its node 1 is listed twice"));
   EXPECT_NEAR(boundsOf(file->character.mesh.vertices).max.y(), 2.0, 1e-6);
 
-  // In 0.x it is a list, the thumb's bones have other names, and the front is -Z.
+  // In 0.x the bones are a list, the thumb's bones have other names, and the front is -Z.
   writer.document["extensions"] = {{"VRM",
                                     {{"humanoid",
                                       {{"humanBones",
@@ -424,7 +424,7 @@ TEST(GltfFeatures, ManyHundredUnitsAreCentimetresAndTinyOnesHundredsOfMetres) {
     ASSERT_TRUE(file.ok()) << file.error().message;
     EXPECT_EQ(file->metresPerUnit, expected) << size;
     EXPECT_NEAR(file->character.height, 2.0 * size * expected, 1e-5 * file->character.height);
-    EXPECT_EQ(hasNote(*file, "a unit is taken to be"), expected != 1.0);
+    EXPECT_EQ(hasNote(*file, "m per unit"), expected != 1.0);
     EXPECT_LE(test::farthestFromTruth(*file, test::GltfTruth(writer.glb()), 0, 1.2), 1e-5 * file->character.height);
   }
 }

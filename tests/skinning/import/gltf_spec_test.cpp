@@ -24,7 +24,7 @@ TEST_P(GltfSpecification, SkinnedPositionsAgreeWithAnIndependentEvaluation) {
   double worst = 0.0;
   for (int clip = 0; clip < truth.animationCount(); ++clip) {
     const double seconds = truth.seconds(clip);
-    EXPECT_NEAR(file->clips[static_cast<std::size_t>(clip)].seconds, seconds, 1e-12);
+    EXPECT_NEAR(file->clips[clip].seconds, seconds, 1e-12);
     for (const double part : {0.0, 0.3819, 1.0}) {
       const double far = test::farthestFromTruth(*file, truth, clip, part * seconds);
       EXPECT_LE(far, tolerance) << "clip " << clip << " at " << part * seconds << " s";

@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 template <typename T>
 T at(std::string_view bytes, std::size_t offset) {
-  if (offset + sizeof(T) > bytes.size()) throw std::runtime_error("the truth is for sound files only");
+  if (offset + sizeof(T) > bytes.size()) throw std::runtime_error("the truth is only for valid files");
   T value;
   std::memcpy(&value, bytes.data() + offset, sizeof(T));
   return value;
@@ -54,7 +54,7 @@ GltfTruth GltfTruth::ofFile(const std::filesystem::path& file) {
 
 double GltfTruth::stored(const Json& accessor, int view, std::size_t offset, std::size_t element,
                          std::size_t component) const {
-  const Json& bufferView = document_["bufferViews"][static_cast<std::size_t>(view)];
+  const Json& bufferView = document_["bufferViews"][view];
   const int type = accessor["componentType"];
   const std::size_t size = componentBytes(type);
   const std::size_t tight = size * componentCount(accessor.value("type", "SCALAR"));
@@ -86,8 +86,7 @@ double GltfTruth::stored(const Json& accessor, int view, std::size_t offset, std
 }
 
 double GltfTruth::number(int index, std::size_t element, std::size_t component) const {
-  const std::size_t components =
-      componentCount(document_["accessors"][static_cast<std::size_t>(index)]["type"].get_ref<const std::string&>());
+  const std::size_t components = componentCount(document_["accessors"][index]["type"].get_ref<const std::string&>());
   std::vector<double>& numbers = numbers_[index];
   if (numbers.empty()) {
     const std::size_t elements = count(index);
@@ -99,7 +98,7 @@ double GltfTruth::number(int index, std::size_t element, std::size_t component) 
 }
 
 double GltfTruth::numberInFile(int index, std::size_t element, std::size_t component) const {
-  const Json& accessor = document_["accessors"][static_cast<std::size_t>(index)];
+  const Json& accessor = document_["accessors"][index];
   if (accessor.contains("sparse")) {
     const Json& sparse = accessor["sparse"];
     for (std::size_t i = sparse["count"]; i-- > 0;) {
@@ -117,7 +116,7 @@ double GltfTruth::numberInFile(int index, std::size_t element, std::size_t compo
 }
 
 std::size_t GltfTruth::count(int accessor) const {
-  return document_["accessors"][static_cast<std::size_t>(accessor)]["count"];
+  return document_["accessors"][accessor]["count"];
 }
 
 int GltfTruth::animationCount() const {
@@ -126,7 +125,7 @@ int GltfTruth::animationCount() const {
 
 double GltfTruth::seconds(int animation) const {
   double last = 0.0;
-  const Json& from = document_["animations"][static_cast<std::size_t>(animation)];
+  const Json& from = document_["animations"][animation];
   for (const Json& channel : from["channels"]) {
     if (channel["target"]["path"] == "weights") continue;
     const int input = from["samplers"][channel["sampler"].get<std::size_t>()]["input"];
@@ -194,17 +193,17 @@ std::vector<double> GltfTruth::sampled(const Json& sampler, bool rotation, doubl
 }
 
 Mat4 GltfTruth::local(int index, int animation, double time) const {
-  const Json& node = document_["nodes"][static_cast<std::size_t>(index)];
+  const Json& node = document_["nodes"][index];
   if (node.contains("matrix")) {
     Mat4 m;
-    for (int i = 0; i < 16; ++i) m(i % 4, i / 4) = node["matrix"][static_cast<std::size_t>(i)].get<double>();
+    for (int i = 0; i < 16; ++i) m(i % 4, i / 4) = node["matrix"][i].get<double>();
     return m;
   }
   std::vector<double> t = node.value("translation", std::vector<double>{0.0, 0.0, 0.0});
   std::vector<double> r = node.value("rotation", std::vector<double>{0.0, 0.0, 0.0, 1.0});
   std::vector<double> s = node.value("scale", std::vector<double>{1.0, 1.0, 1.0});
   if (animation >= 0) {
-    const Json& clip = document_["animations"][static_cast<std::size_t>(animation)];
+    const Json& clip = document_["animations"][animation];
     for (const Json& channel : clip["channels"]) {
       if (channel["target"].value("node", -1) != index) continue;
       const std::string path = channel["target"]["path"];
@@ -226,8 +225,8 @@ Mat4 GltfTruth::local(int index, int animation, double time) const {
       2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),                         //
       2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
   for (int c = 0; c < 3; ++c) {
-    m.block<3, 1>(0, c) *= s[static_cast<std::size_t>(c)];
-    m(c, 3) = t[static_cast<std::size_t>(c)];
+    m.block<3, 1>(0, c) *= s[c];
+    m(c, 3) = t[c];
   }
   return m;
 }
@@ -245,8 +244,8 @@ std::vector<Mat4> GltfTruth::globals(int animation, double time) const {
   std::vector<Mat4> all;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     Mat4 m = locals[i];
-    for (int p = parent[i]; p != -1; p = parent[static_cast<std::size_t>(p)]) {
-      m = (locals[static_cast<std::size_t>(p)] * m).eval();
+    for (int p = parent[i]; p != -1; p = parent[p]) {
+      m = (locals[p] * m).eval();
     }
     all.push_back(m);
   }
@@ -301,7 +300,7 @@ std::vector<GltfTruth::Corners> GltfTruth::triangles(int animation, double time)
               const double weight = number(attributes["WEIGHTS_" + std::to_string(set)], v, i);
               if (weight == 0.0) continue;
               const double joint = number(attributes["JOINTS_" + std::to_string(set)], v, i);
-              moved += weight * (fromMesh[static_cast<std::size_t>(joint)] * p);
+              moved += weight * (fromMesh[joint] * p);
               sum += weight;
             }
           }

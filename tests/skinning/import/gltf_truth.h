@@ -13,8 +13,8 @@
 
 namespace lorica::test {
 
-/// The glTF 2.0 specification, evaluated plainly from a GLB's JSON and bytes: 4x4 matrices, and nothing of import/. For
-/// files that keep to the specification.
+/// The glTF 2.0 specification, evaluated directly from a GLB's JSON and bytes with 4x4 matrices, without any code of
+/// import/. For files that conform to the specification.
 class GltfTruth {
  public:
   explicit GltfTruth(std::string_view glb);
@@ -23,12 +23,12 @@ class GltfTruth {
   using Corners = std::array<Vec3, 3>;
 
   /// The triangles that the default scene draws, in the file's own units and axes: nodes in order, their primitives,
-  /// their triangles; those that name a vertex twice left out.
+  /// their triangles; without those that use a vertex twice.
   /// @param animation  -1: at rest
   [[nodiscard]] std::vector<Corners> triangles(int animation, double time) const;
 
   [[nodiscard]] int animationCount() const;
-  /// Time of the last key of what moves nodes [s].
+  /// Time of the last key of the channels that move nodes [s].
   [[nodiscard]] double seconds(int animation) const;
   [[nodiscard]] const nlohmann::json& document() const { return document_; }
 
@@ -44,7 +44,7 @@ class GltfTruth {
 
   nlohmann::json document_;
   std::string binary_;
-  mutable std::map<int, std::vector<double>> numbers_;  // of accessors, once asked for
+  mutable std::map<int, std::vector<double>> numbers_;  // cached per accessor
 };
 
 }  // namespace lorica::test

@@ -52,8 +52,8 @@ class Maker {
       Json node = {{"name", std::to_string(i)}};
       if (oneIn(4)) {
         std::vector<float> m = floats(16, 1.0);
-        for (const int c : {0, 5, 10}) m[static_cast<std::size_t>(c)] += 1.5F;  // sheared, but not flat
-        for (const int c : {3, 7, 11}) m[static_cast<std::size_t>(c)] = 0.0F;
+        for (const int c : {0, 5, 10}) m[c] += 1.5F;  // sheared, but not flat
+        for (const int c : {3, 7, 11}) m[c] = 0.0F;
         m[15] = 1.0F;
         node["matrix"] = m;
         fixed_.push_back(true);
@@ -65,8 +65,8 @@ class Maker {
         fixed_.push_back(false);
       }
       out_.add("nodes", node);
-      // Parents at lower or higher indices: any tree will do.
-      if (i > 0 && !oneIn(5)) out_.document["nodes"][static_cast<std::size_t>(below(i))]["children"].push_back(i);
+      // Parents at lower or higher indices: any tree is valid.
+      if (i > 0 && !oneIn(5)) out_.document["nodes"][below(i)]["children"].push_back(i);
     }
   }
 
@@ -100,7 +100,7 @@ class Maker {
         for (int i = 0; i < 3 * vertices; ++i) shorts.push_back(static_cast<std::int16_t>(random_.bits()));
         return out_.accessor(shorts, "VEC3", true, 8);
       }
-      case 1: {  // zeros, but for some
+      case 1: {  // zeros, with some replaced
         std::vector<std::uint16_t> rows;
         for (int v = 0; v < vertices; v += 2) rows.push_back(static_cast<std::uint16_t>(v));
         const int rowView = out_.view(rows);
@@ -113,15 +113,14 @@ class Maker {
                                         {"indices", {{"bufferView", rowView}, {"componentType", 5123}}},
                                         {"values", {{"bufferView", valueView}}}}}});
       }
-      case 2: {  // floats wide apart, some replaced
+      case 2: {  // floats with a stride, some replaced
         const int base = out_.accessor(floats(3 * vertices, 1.0), "VEC3", false, 20);
         const std::vector<std::uint32_t> rows = {1, static_cast<std::uint32_t>(vertices - 1)};
         const int rowView = out_.view(rows);
         const int valueView = out_.view(floats(6, 1.0));
-        out_.document["accessors"][static_cast<std::size_t>(base)]["sparse"] = {
-            {"count", 2},
-            {"indices", {{"bufferView", rowView}, {"componentType", 5125}}},
-            {"values", {{"bufferView", valueView}}}};
+        out_.document["accessors"][base]["sparse"] = {{"count", 2},
+                                                      {"indices", {{"bufferView", rowView}, {"componentType", 5125}}},
+                                                      {"values", {{"bufferView", valueView}}}};
         return base;
       }
       default:
@@ -139,7 +138,7 @@ class Maker {
       std::vector<std::uint8_t> weights8;
       std::vector<std::uint16_t> weights16;
       for (int v = 0; v < vertices; ++v) {
-        // Shares of 1 that bytes and shorts hold: k / 255 and k / 65535 with sums of 255 and 65535.
+        // Fractions of 1 that bytes and shorts can store: k / 255 and k / 65535 with sums of 255 and 65535.
         std::array<int, 4> shares{};
         const int whole = kind == 1 ? 255 : 65535;
         int left = set + 1 < sets ? whole / 2 : sets == 1 ? whole : whole - whole / 2;
@@ -164,7 +163,7 @@ class Maker {
 
   void addMesh() {
     const int node = below(nodeCount_);
-    Json& drawn = out_.document["nodes"][static_cast<std::size_t>(node)];
+    Json& drawn = out_.document["nodes"][node];
     if (drawn.contains("mesh")) return;
     const int skin = skinSizes_.empty() || oneIn(3) ? -1 : below(static_cast<int>(skinSizes_.size()));
     const int targets = oneIn(3) ? 2 : 0;
@@ -175,7 +174,7 @@ class Maker {
       Json primitive;
       primitive["attributes"]["POSITION"] = addPositions(vertices);
       for (int t = 0; t < targets; ++t) primitive["targets"].push_back({{"POSITION", addPositions(vertices)}});
-      if (skin != -1) addInfluences(primitive["attributes"], vertices, skinSizes_[static_cast<std::size_t>(skin)]);
+      if (skin != -1) addInfluences(primitive["attributes"], vertices, skinSizes_[skin]);
       if (!oneIn(3)) primitive["mode"] = 4 + below(3);
       if (!oneIn(3)) {
         std::vector<std::uint8_t> indices;
@@ -185,16 +184,16 @@ class Maker {
       mesh["primitives"].push_back(primitive);
     }
     if (targets > 0) mesh["weights"] = {0.5, -0.25};
-    Json& place = out_.document["nodes"][static_cast<std::size_t>(node)];
-    if (targets > 0 && oneIn(2)) place["weights"] = {0.0, 1.0};
-    place["mesh"] = out_.add("meshes", mesh);
-    if (skin != -1) place["skin"] = skin;
+    Json& position = out_.document["nodes"][node];
+    if (targets > 0 && oneIn(2)) position["weights"] = {0.0, 1.0};
+    position["mesh"] = out_.add("meshes", mesh);
+    if (skin != -1) position["skin"] = skin;
   }
 
   void addClip() {
     Json clip;
     for (int n = 0; n < nodeCount_; ++n) {
-      if (fixed_[static_cast<std::size_t>(n)] || oneIn(3)) continue;
+      if (fixed_[n] || oneIn(3)) continue;
       for (const std::string path : {"translation", "rotation", "scale"}) {
         if (oneIn(2)) continue;
         const std::array<const char*, 3> kinds = {"STEP", "LINEAR", "CUBICSPLINE"};
@@ -218,8 +217,7 @@ class Maker {
           output = out_.accessor(values, path == "rotation" ? "VEC4" : "VEC3");
         }
         const std::size_t sampler = clip.contains("samplers") ? clip["samplers"].size() : 0;
-        clip["samplers"].push_back(
-            {{"input", input}, {"output", output}, {"interpolation", kinds[static_cast<std::size_t>(kind)]}});
+        clip["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", kinds[kind]}});
         clip["channels"].push_back({{"sampler", sampler}, {"target", {{"node", n}, {"path", path}}}});
       }
     }

@@ -5,10 +5,10 @@
 
 namespace lorica::test {
 
-/// A character that keeps to glTF 2.0 and uses much of it: nodes by matrix (sheared ones too) and by translation,
-/// rotation and scale (mirrored and uneven ones too); skins of other inverse bind matrices over the same bones, some
-/// without any; 4 to 8 influences in bytes, shorts or floats; rigid meshes; strips, fans, indices and none; strides,
-/// sparse and normalised positions; morph targets; clips of all three interpolations.
+/// A character that conforms to glTF 2.0 and uses many of its features: nodes by matrix (sheared ones too) and by
+/// translation, rotation and scale (mirrored and uneven ones too); skins with different inverse bind matrices over the
+/// same bones, some without any; 4 to 8 influences in bytes, shorts or floats; rigid meshes; strips, fans, indices and
+/// none; strides, sparse and normalised positions; morph targets; clips of all three interpolations.
 [[nodiscard]] std::string randomGlb(std::uint64_t seed);
 
 }  // namespace lorica::test

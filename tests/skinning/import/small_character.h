@@ -5,8 +5,8 @@
 
 namespace lorica::test {
 
-/// A box 0.4 x 2 x 0.4 m on the floor, in two halves one of which hangs on each of two bones, 1 m apart; a clip turns
-/// the upper one. Nodes: 0 "lower", 1 "upper" (its child), 2 "box" with mesh 0 and skin 0. Accessors, in this order:
+/// A box 0.4 x 2 x 0.4 m on the floor, in two halves, each attached to one of two bones 1 m apart; a clip rotates the
+/// upper one. Nodes: 0 "lower", 1 "upper" (its child), 2 "box" with mesh 0 and skin 0. Accessors, in this order:
 /// 0 positions, 1 indices, 2 joints, 3 weights, 4 inverse bind matrices, 5 times, 6 rotations.
 [[nodiscard]] GlbWriter smallCharacter();
 

@@ -15,7 +15,7 @@ const Character& mannequin() {
 std::vector<Vec3> posedWith(std::initializer_list<std::pair<HumanBone, Eigen::AngleAxisd>> turns) {
   Pose pose = restPose(mannequin().skeleton);
   for (const auto& [bone, turn] : turns) {
-    pose[static_cast<std::size_t>(mannequin().skeleton.jointOf(bone))].rotation = Quat(turn);
+    pose[mannequin().skeleton.jointOf(bone)].rotation = Quat(turn);
   }
   std::vector<Affine3> world(pose.size());
   std::vector<Affine3> skin(pose.size());
@@ -26,14 +26,11 @@ std::vector<Vec3> posedWith(std::initializer_list<std::pair<HumanBone, Eigen::An
   return vertices;
 }
 
-/// Volume of what lies beyond a plane in the bind pose: the flux of (p - o) . n n, which the cut itself does not add
-/// to.
+/// Volume beyond a plane in the bind pose: the flux of (p - o) . n n, to which the cut itself does not contribute.
 double volumeBeyond(const Vec3& o, const Vec3& n) {
   double sum = 0.0;
   for (const Triangle& t : mannequin().mesh.triangles) {
-    const auto at = [&](std::size_t i) -> const Vec3& {
-      return mannequin().mesh.vertices[static_cast<std::size_t>(t[i])];
-    };
+    const auto at = [&](std::size_t i) -> const Vec3& { return mannequin().mesh.vertices[t[i]]; };
     const double depth = n.dot((at(0) + at(1) + at(2)) / 3.0 - o);
     if (depth > 0.0) sum += depth * 0.5 * n.dot((at(1) - at(0)).cross(at(2) - at(0)));
   }

@@ -44,7 +44,7 @@ TEST(Mannequin, IsAClosedOrientedTwoManifold) {
     ASSERT_NE(edge.first, edge.second);
   }
 
-  // One fan of triangles around each vertex: walking from edge to edge comes back only after all of them.
+  // One fan of triangles around each vertex: stepping from edge to edge returns only after all of them.
   std::map<VertexIndex, std::map<VertexIndex, VertexIndex>> nextAround;
   for (const Triangle& t : mannequin().mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) nextAround[t[i]][t[(i + 1) % 3]] = t[(i + 2) % 3];
@@ -71,10 +71,10 @@ TEST(Mannequin, IsOnePieceWithoutHoles) {
   std::vector<VertexIndex> group(mesh.vertices.size());
   for (std::size_t v = 0; v < group.size(); ++v) group[v] = static_cast<VertexIndex>(v);
   const auto rootOf = [&](VertexIndex v) {
-    while (group[static_cast<std::size_t>(v)] != v) v = group[static_cast<std::size_t>(v)];
+    while (group[v] != v) v = group[v];
     return v;
   };
-  for (const auto& [edge, times] : edges) group[static_cast<std::size_t>(rootOf(edge.first))] = rootOf(edge.second);
+  for (const auto& [edge, times] : edges) group[rootOf(edge.first)] = rootOf(edge.second);
   for (std::size_t v = 0; v < group.size(); ++v) ASSERT_EQ(rootOf(static_cast<VertexIndex>(v)), rootOf(0));
 }
 
@@ -106,7 +106,7 @@ TEST(Mannequin, FacesForwardWithItsLeftHandAtPositiveX) {
   EXPECT_GT(jointPosition(HumanBone::kLeftHand).x(), 0.6);
   EXPECT_LT(jointPosition(HumanBone::kRightHand).x(), -0.6);
   EXPECT_GT(jointPosition(HumanBone::kLeftToes).z(), jointPosition(HumanBone::kLeftFoot).z() + 0.1);
-  // The nose is the foremost point of the head, and lies in the plane of symmetry.
+  // The nose is the foremost point of the head, and is in the plane of symmetry.
   Vec3 nose = Vec3::Zero();
   for (const Vec3& p : mannequin().mesh.vertices) {
     if (p.y() > 1.55 && p.z() > nose.z()) nose = p;
@@ -118,7 +118,7 @@ TEST(Mannequin, FacesForwardWithItsLeftHandAtPositiveX) {
 TEST(Mannequin, DoesNotCrossItself) {
   const auto edges = piercingEdges(mannequin().mesh);
   EXPECT_TRUE(edges.empty()) << edges.size() << " edges, the first from "
-                             << mannequin().mesh.vertices[static_cast<std::size_t>(edges[0].first)].transpose();
+                             << mannequin().mesh.vertices[edges[0].first].transpose();
 }
 
 TEST(Mannequin, IsItsOwnMirrorImage) {
@@ -127,7 +127,7 @@ TEST(Mannequin, IsItsOwnMirrorImage) {
   std::map<Key, std::size_t> vertexAt;
   for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
     const Vec3& p = character.mesh.vertices[v];
-    ASSERT_TRUE(vertexAt.emplace(Key{p.x() + 0.0, p.y(), p.z()}, v).second) << "two vertices at one place: " << v;
+    ASSERT_TRUE(vertexAt.emplace(Key{p.x() + 0.0, p.y(), p.z()}, v).second) << "two vertices at one position: " << v;
   }
   const auto weightsByName = [&](std::size_t v, bool swapped) {
     std::map<std::string, double> weights;
@@ -171,7 +171,7 @@ TEST(Mannequin, HasEveryHumanBoneNamedAndPlacedInsideItsSkin) {
     EXPECT_TRUE(skeleton.joint(j).rest.rotation.coeffs() == Quat::Identity().coeffs());
     EXPECT_EQ(skeleton.joint(j).rest.scale, Vec3::Ones());
     EXPECT_NEAR(windingNumber(mannequin().mesh, jointPosition(bone)), 1.0, 1e-9) << nameOf(bone);
-    EXPECT_LT((mannequin().jointFromModel[static_cast<std::size_t>(j)] * jointPosition(bone)).norm(), 1e-15);
+    EXPECT_LT((mannequin().jointFromModel[j] * jointPosition(bone)).norm(), 1e-15);
   }
 }
 

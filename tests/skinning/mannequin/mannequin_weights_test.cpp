@@ -16,7 +16,7 @@ const Character& mannequin() {
 std::vector<double> weightsOf(std::size_t v) {
   std::vector<double> weights(static_cast<std::size_t>(mannequin().skeleton.jointCount()), 0.0);
   for (std::uint32_t i = mannequin().influenceBegin[v]; i < mannequin().influenceBegin[v + 1]; ++i) {
-    weights[static_cast<std::size_t>(mannequin().influences[i].joint)] += mannequin().influences[i].weight;
+    weights[mannequin().influences[i].joint] += mannequin().influences[i].weight;
   }
   return weights;
 }
@@ -25,7 +25,7 @@ const std::string& nameOfJoint(std::size_t j) {
   return mannequin().skeleton.joint(static_cast<JointIndex>(j)).name;
 }
 
-/// "Index" for "leftIndexDistal"; empty for what is no finger.
+/// "Index" for "leftIndexDistal"; empty for other bones.
 std::string fingerOf(const std::string& name) {
   for (const char* finger : {"Thumb", "Index", "Middle", "Ring", "Little"}) {
     if (name.find(finger) != std::string::npos) return finger;
@@ -47,23 +47,23 @@ TEST(MannequinWeights, AtMostFourAndTheySumToOne) {
       joints.insert(mannequin().influences[i].joint);
     }
     ASSERT_NEAR(sum, 1.0, 1e-12) << "vertex " << v;
-    ASSERT_EQ(joints.size(), end - begin) << "vertex " << v << " names a joint twice";
+    ASSERT_EQ(joints.size(), end - begin) << "vertex " << v << " has a joint twice";
   }
   EXPECT_TRUE(checkCharacter(mannequin()).ok());
 }
 
 TEST(MannequinWeights, EveryBoneMovesSomething) {
-  std::vector<double> most(static_cast<std::size_t>(mannequin().skeleton.jointCount()), 0.0);
+  std::vector<double> max(static_cast<std::size_t>(mannequin().skeleton.jointCount()), 0.0);
   for (std::size_t v = 0; v < mannequin().mesh.vertices.size(); ++v) {
     const std::vector<double> weights = weightsOf(v);
-    for (std::size_t j = 0; j < most.size(); ++j) most[j] = std::max(most[j], weights[j]);
+    for (std::size_t j = 0; j < max.size(); ++j) max[j] = std::max(max[j], weights[j]);
   }
-  for (std::size_t j = 0; j < most.size(); ++j) EXPECT_GT(most[j], 0.3) << nameOfJoint(j);
+  for (std::size_t j = 0; j < max.size(); ++j) EXPECT_GT(max[j], 0.3) << nameOfJoint(j);
   for (const HumanBone bone :
        {HumanBone::kHips, HumanBone::kHead, HumanBone::kLeftUpperArm, HumanBone::kLeftLowerArm, HumanBone::kLeftHand,
         HumanBone::kLeftUpperLeg, HumanBone::kLeftLowerLeg, HumanBone::kLeftFoot, HumanBone::kLeftToes}) {
     const auto j = static_cast<std::size_t>(mannequin().skeleton.jointOf(bone));
-    EXPECT_GT(most[j], 0.9) << nameOfJoint(j);
+    EXPECT_GT(max[j], 0.9) << nameOfJoint(j);
   }
 }
 
@@ -89,7 +89,7 @@ TEST(MannequinWeights, NoFingerFollowsAnother) {
     const std::vector<double> weights = weightsOf(v);
     const auto strongest = static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
     const std::string finger = fingerOf(nameOfJoint(strongest));
-    // The webs belong to two fingers; beyond them a vertex hangs on its own alone.
+    // The webs belong to two fingers; beyond them a vertex follows only its own finger.
     const bool beyondWeb = nameOfJoint(strongest).find("Intermediate") != std::string::npos ||
                            nameOfJoint(strongest).find("Distal") != std::string::npos;
     if (finger.empty() || !beyondWeb) continue;
@@ -111,11 +111,11 @@ TEST(MannequinWeights, NeighboursDifferLittle) {
   std::vector<std::vector<double>> all;
   for (std::size_t v = 0; v < mannequin().mesh.vertices.size(); ++v) all.push_back(weightsOf(v));
   for (const auto& [edge, count] : directedEdges(mannequin().mesh)) {
-    const std::vector<double>& a = all[static_cast<std::size_t>(edge.first)];
-    const std::vector<double>& b = all[static_cast<std::size_t>(edge.second)];
-    double moved = 0.0;  // the share of the weight that changes hands along this edge
+    const std::vector<double>& a = all[edge.first];
+    const std::vector<double>& b = all[edge.second];
+    double moved = 0.0;  // the fraction of the weight that changes along this edge
     for (std::size_t j = 0; j < a.size(); ++j) moved += 0.5 * std::abs(a[j] - b[j]);
-    if (moved > worst) where = mannequin().mesh.vertices[static_cast<std::size_t>(edge.first)];
+    if (moved > worst) where = mannequin().mesh.vertices[edge.first];
     worst = std::max(worst, moved);
   }
   EXPECT_LT(worst, 0.25) << "at " << where.transpose();

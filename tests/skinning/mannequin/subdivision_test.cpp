@@ -60,7 +60,7 @@ TEST(CatmullClark, WeightsAreAveragesSoRowsSumToOneAndNoneIsNegative) {
 }
 
 TEST(CatmullClark, FlatRegularGridStaysEven) {
-  // A torus of 4 x 4 quads, seen as a periodic grid: a vertex's new place is the average known for bicubic splines.
+  // A torus of 4 x 4 quads, seen as a periodic grid: a vertex's new position is the average known for bicubic splines.
   PolygonFaces faces;
   const auto at = [](int i, int j) { return (i % 4) * 4 + j % 4; };
   for (int i = 0; i < 4; ++i) {

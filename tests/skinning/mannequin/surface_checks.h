@@ -31,9 +31,9 @@ inline double volumeOf(std::span<const Vec3> vertices, std::span<const Triangle>
   const Vec3 o(0.0, 1.0, 0.0);
   double sum = 0.0;
   for (const Triangle& t : triangles) {
-    const Vec3 a = vertices[static_cast<std::size_t>(t[0])] - o;
-    const Vec3 b = vertices[static_cast<std::size_t>(t[1])] - o;
-    const Vec3 c = vertices[static_cast<std::size_t>(t[2])] - o;
+    const Vec3 a = vertices[t[0]] - o;
+    const Vec3 b = vertices[t[1]] - o;
+    const Vec3 c = vertices[t[2]] - o;
     sum += a.dot(b.cross(c)) / 6.0;
   }
   return sum;
@@ -43,9 +43,9 @@ inline double volumeOf(std::span<const Vec3> vertices, std::span<const Triangle>
 inline double windingNumber(const TriMesh& mesh, const Vec3& p) {
   double angle = 0.0;
   for (const Triangle& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])] - p;
-    const Vec3 b = mesh.vertices[static_cast<std::size_t>(t[1])] - p;
-    const Vec3 c = mesh.vertices[static_cast<std::size_t>(t[2])] - p;
+    const Vec3 a = mesh.vertices[t[0]] - p;
+    const Vec3 b = mesh.vertices[t[1]] - p;
+    const Vec3 c = mesh.vertices[t[2]] - p;
     const double la = a.norm();
     const double lb = b.norm();
     const double lc = c.norm();
@@ -69,7 +69,7 @@ inline bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, 
 inline std::vector<std::pair<VertexIndex, VertexIndex>> piercingEdges(const TriMesh& mesh) {
   constexpr double kCell = 0.02;
   const auto cellOf = [](double x) { return static_cast<std::int64_t>(std::floor(x / kCell)) + 1000; };
-  const auto at = [&](VertexIndex v) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(v)]; };
+  const auto at = [&](VertexIndex v) -> const Vec3& { return mesh.vertices[v]; };
   const auto forCells = [&](std::initializer_list<VertexIndex> corners, const auto& visit) {
     Aabb box;
     for (const VertexIndex v : corners) box.extend(at(v));
@@ -108,9 +108,9 @@ inline std::vector<std::pair<VertexIndex, VertexIndex>> piercingEdges(const TriM
 inline double smallestAngle(const TriMesh& mesh, const Triangle& t) {
   double smallest = std::numbers::pi;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3& p = mesh.vertices[static_cast<std::size_t>(t[i])];
-    const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[(i + 1) % 3])] - p;
-    const Vec3 b = mesh.vertices[static_cast<std::size_t>(t[(i + 2) % 3])] - p;
+    const Vec3& p = mesh.vertices[t[i]];
+    const Vec3 a = mesh.vertices[t[(i + 1) % 3]] - p;
+    const Vec3 b = mesh.vertices[t[(i + 2) % 3]] - p;
     smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
   }
   return smallest;

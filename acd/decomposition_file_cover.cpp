@@ -1,4 +1,4 @@
-#include "acd/decomposition_file_version3.h"
+#include "acd/decomposition_file_cover.h"
 
 #include "acd/packed_numbers.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kCoverPartBytes = 4 + 1;
-constexpr std::size_t kPackedBytes = 1;  // of a packed number, the least
+constexpr std::size_t kPackedBytes = 1;  // a packed number takes one or more
 constexpr std::size_t kVectorBytes = 3 * 8;
 
 void appendCount(std::size_t count, std::string& payload) {
@@ -71,7 +71,7 @@ void takeProbes(ByteReader& reader, int pointCount, std::vector<PointIndex>& pro
   if (!reader.ok()) return;
   const std::size_t begin = reader.offset();
   std::vector<std::uint32_t> differences(count);
-  reader.takePacked("the probes", differences);
+  takePacked(reader, "the probes", differences);
   probes.resize(count);
   std::uint32_t probe = 0;
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
@@ -107,27 +107,27 @@ TrainingRange takeTraining(ByteReader& reader, int pointCount) {
 /// What is neither is past that end, too, and reading back refuses it.
 void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, int vertexCount, std::string& payload) {
   appendCount(points.size(), payload);
-  std::vector<std::uint32_t> places;
-  places.reserve(points.size());
+  std::vector<std::uint32_t> positions;
+  positions.reserve(points.size());
   std::uint32_t before = 0;
   bool displaced = false;
   for (const CoverPoint& point : points) {
     const auto found = std::lower_bound(part.points.begin(), part.points.end(), point.point);
     const bool isThere = found != part.points.end() && *found == point.point;
     const PointIndex beside = point.point >= 0 && point.point < vertexCount ? point.point : vertexCount;
-    const auto place = isThere ? static_cast<std::uint32_t>(found - part.points.begin())
-                               : static_cast<std::uint32_t>(part.points.size()) + static_cast<std::uint32_t>(beside);
-    places.push_back(zigzag(place - before));
-    before = place;
+    const auto position = isThere ? static_cast<std::uint32_t>(found - part.points.begin())
+                                  : static_cast<std::uint32_t>(part.points.size()) + static_cast<std::uint32_t>(beside);
+    positions.push_back(zigzag(position - before));
+    before = position;
     displaced = displaced || point.outward != Vec3::Zero();
   }
-  appendPacked(places, payload);
+  appendPacked(positions, payload);
   appendLittleEndian(static_cast<std::uint8_t>(displaced ? 1 : 0), payload);
   if (!displaced) return;
   for (const CoverPoint& point : points) appendVector(point.outward, payload);
 }
 
-void appendCover(const CoverPromise& cover, const Decomposition& decomposition, std::string& payload) {
+void appendCover(const HullCover& cover, const Decomposition& decomposition, std::string& payload) {
   const std::span<const Part> parts = decomposition.parts;
   appendLittleEndian(cover.tolerance, payload);
   appendLittleEndian(static_cast<std::int32_t>(cover.maxHullVertices), payload);
@@ -148,28 +148,28 @@ bool isInAPart(PointIndex point, std::span<const Part> parts) {
   });
 }
 
-/// @param beside  how many vertices of the mesh may stand after the part's points; none before version 4
+/// @param vertexCount  of the mesh, whose vertices are numbered after the part's points
 std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, std::span<const Part> parts,
-                                        std::size_t beside) {
+                                        std::size_t vertexCount) {
   const Part& part = parts[index];
   const std::size_t count = reader.takeCount("the number of a part's cover points", kPackedBytes);
   const std::size_t begin = reader.offset();
-  std::vector<std::uint32_t> places(count);
-  reader.takePacked("the cover points of a part", places);
+  std::vector<std::uint32_t> positions(count);
+  takePacked(reader, "the cover points of a part", positions);
   std::vector<CoverPoint> points(reader.ok() ? count : 0);
-  std::uint32_t place = 0;
+  std::uint32_t position = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    place += unzigzag(places[i]);
-    if (place >= part.points.size() + beside) {
+    position += unzigzag(positions[i]);
+    if (position >= part.points.size() + vertexCount) {
       reader.fail(begin, fmt::format("cover point {} of part {} is the part's point {}, expected 0 to {}", i, index,
-                                     place, part.points.size() + beside - 1));
+                                     position, part.points.size() + vertexCount - 1));
       return {};
     }
-    if (place < part.points.size()) {
-      points[i].point = part.points[place];
+    if (position < part.points.size()) {
+      points[i].point = part.points[position];
       continue;
     }
-    points[i].point = static_cast<PointIndex>(place - part.points.size());
+    points[i].point = static_cast<PointIndex>(position - part.points.size());
     if (isInAPart(points[i].point, parts)) {
       reader.fail(begin, fmt::format("cover point {} of part {} is vertex {}, expected one of the part or of no part",
                                      i, index, points[i].point));
@@ -181,9 +181,9 @@ std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, s
   return points;
 }
 
-CoverPromise takeCover(ByteReader& reader, std::uint32_t version, const Decomposition& decomposition) {
+HullCover takeCover(ByteReader& reader, const Decomposition& decomposition) {
   const std::span<const Part> parts = decomposition.parts;
-  CoverPromise cover;
+  HullCover cover;
   cover.tolerance = takeDistance(reader, "the tolerance of the cover");
   cover.maxHullVertices = reader.takeIndex("the bound on a hull's vertices", 0, kLargestIndex + 1);
   cover.sampledPoses = reader.takeIndex("the number of sampled poses", 0, kLargestIndex + 1);
@@ -196,40 +196,28 @@ CoverPromise takeCover(ByteReader& reader, std::uint32_t version, const Decompos
     reader.fail(reader.offset() - 4, fmt::format("{} parts with cover points, expected {}", count, parts.size()));
   }
   if (!reader.ok()) return cover;
-  const std::size_t beside = version >= 4 ? static_cast<std::size_t>(decomposition.vertexCount) : 0;
   cover.points.reserve(count);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    cover.points.push_back(takeCoverPoints(reader, i, parts, beside));
+    cover.points.push_back(takeCoverPoints(reader, i, parts, static_cast<std::size_t>(decomposition.vertexCount)));
   }
   return cover;
 }
 
 }  // namespace
 
-void appendVersion3(const DecompositionFile& content, std::string& payload) {
+void appendTrainingAndCover(const DecompositionFile& content, std::string& payload) {
   appendLittleEndian(static_cast<std::uint8_t>(content.training ? 1 : 0), payload);
   if (content.training) appendTraining(*content.training, payload);
   appendLittleEndian(static_cast<std::uint8_t>(content.cover ? 1 : 0), payload);
   if (content.cover) appendCover(*content.cover, content.decomposition, payload);
 }
 
-bool needsVersion4(const DecompositionFile& content) {
-  if (!content.cover) return false;
-  const std::vector<Part>& parts = content.decomposition.parts;
-  for (std::size_t i = 0; i < std::min(content.cover->points.size(), parts.size()); ++i) {
-    for (const CoverPoint& p : content.cover->points[i]) {
-      if (!std::binary_search(parts[i].points.begin(), parts[i].points.end(), p.point)) return true;
-    }
-  }
-  return false;
-}
-
-void takeVersion3Or4(ByteReader& reader, std::uint32_t version, DecompositionFile& content) {
+void takeTrainingAndCover(ByteReader& reader, DecompositionFile& content) {
   if (takeKnown(reader, "whether the training is known")) {
     content.training = takeTraining(reader, content.decomposition.pointCount());
   }
   if (takeKnown(reader, "whether the cover is known")) {
-    content.cover = takeCover(reader, version, content.decomposition);
+    content.cover = takeCover(reader, content.decomposition);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "apps/quality.h"
+#include "session/prepare/quality.h"
 
 #include "acd/hull_distance.h"
 #include "acd/transfer.h"

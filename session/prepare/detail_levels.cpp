@@ -1,4 +1,4 @@
-#include "apps/detail_levels.h"
+#include "session/prepare/detail_levels.h"
 
 #include "acd/level_of_detail.h"
 
@@ -8,18 +8,18 @@
 namespace lorica {
 namespace {
 
-/// The part of the level that holds each part of the decomposition.
+/// For each part of the decomposition, the part of the level that contains it.
 std::vector<std::size_t> levelParts(const Decomposition& decomposition, std::size_t partCount) {
   std::vector<std::size_t> level(decomposition.parts.size());
   for (std::size_t p = 0; p < level.size(); ++p) {
-    level[p] = p < partCount ? p : level[static_cast<std::size_t>(decomposition.splitFrom[p - 1])];
+    level[p] = p < partCount ? p : level[decomposition.splitFrom[p - 1]];
   }
   return level;
 }
 
-CoverPromise coverOfLevel(const BodyPlan& finest, std::size_t partCount) {
+HullCover coverOfLevel(const BodyPlan& finest, std::size_t partCount) {
   const std::vector<std::size_t> level = levelParts(finest.decomposition(), partCount);
-  CoverPromise cover = finest.coverage();
+  HullCover cover = finest.coverage();
   const std::vector<std::vector<CoverPoint>> all = std::exchange(cover.points, {});
   cover.points.resize(partCount);
   cover.maxHullVertices = 0;
@@ -37,11 +37,11 @@ std::shared_ptr<const BodyPlan> planOfLevel(const std::shared_ptr<const BodyPlan
   const auto parts = static_cast<std::size_t>(partCount);
   if (parts == finest->parts().size()) return finest;
   Decomposition level = levelOfDetail(finest->decomposition(), partCount);
-  // Without a tolerance nothing was chosen: all points are there that a hull may need, and fewer parts need fewer.
+  // Without a tolerance the cover is exact: the points of the joined parts, which need fewer, are determined again.
   if (finest->coverage().tolerance == 0.0 && finest->coverage().maxHullVertices == 0) {
-    return std::make_shared<const BodyPlan>(std::move(level), character);
+    return BodyPlan::create(std::move(level), character).value();
   }
-  return std::make_shared<const BodyPlan>(std::move(level), character, coverOfLevel(*finest, parts));
+  return BodyPlan::create(std::move(level), character, coverOfLevel(*finest, parts)).value();
 }
 
 DetailLevels::DetailLevels(std::shared_ptr<const BodyPlan> finest, const Character& character)
@@ -50,7 +50,7 @@ DetailLevels::DetailLevels(std::shared_ptr<const BodyPlan> finest, const Charact
 }
 
 void DetailLevels::ask(int partCount) {
-  CHECK(partCount >= 1 && partCount <= mostParts(), "a level of detail has between one part and all");
+  LORICA_CHECK(partCount >= 1 && partCount <= maxParts(), "a level of detail has between one part and all");
   asked_ = partCount;
 }
 
@@ -61,7 +61,7 @@ std::shared_ptr<const BodyPlan> DetailLevels::take() {
     made_[parts - 1] = std::move(plan);
   }
   if (!asked_) return nullptr;
-  const std::shared_ptr<const BodyPlan>& wanted = made_[static_cast<std::size_t>(*asked_ - 1)];
+  const std::shared_ptr<const BodyPlan>& wanted = made_[*asked_ - 1];
   if (wanted != nullptr) {
     asked_.reset();
     return wanted;

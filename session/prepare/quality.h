@@ -6,7 +6,7 @@
 
 namespace lorica {
 
-/// How close a decomposition's hulls are to the mesh, as means over poses; a mesh has one pose.
+/// How closely a decomposition's hulls fit the mesh, as means over poses; a mesh has one pose.
 struct Quality {
   double meshVolume = 0.0;  ///< [cubed units of the mesh; m^3 for a character]
   double hullVolume = 0.0;  ///< sum over the parts
@@ -18,8 +18,8 @@ struct Quality {
 /// Means of the volumes, of the score and of the error over the keyframes.
 [[nodiscard]] Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes);
 
-/// How far the hulls stand off the surface of their parts, in the worst keyframe: never less, at most 1 % more, and not
-/// told apart below `ignoreBelow` [mesh units; m for a character].
+/// Largest distance of the hulls from the surface of their parts, over all keyframes: an upper bound that is at most 1
+/// % too large. Distances below `ignoreBelow` are not resolved [mesh units; m for a character].
 [[nodiscard]] double measureDistance(const Decomposition& decomposition, PoseView keyframes, double ignoreBelow);
 
 }  // namespace lorica

@@ -11,34 +11,41 @@
 
 namespace lorica {
 
-/// Answers where a surface is nearest and how often it winds round a point, by a tree of boxes. Internal to body/:
-/// unlike acd/nearest_triangle.h it says which triangle and where on it, and can be told to pass triangles over.
+/// A bounding volume hierarchy for nearest points and winding numbers of a surface. Internal: not installed.
 class TriangleTree {
  public:
   struct Hit {
-    double distance = std::numeric_limits<double>::infinity();  ///< [m]; infinite when there is none
-    std::int32_t triangle = -1;                                 ///< in the order in which they were given
+    double distance = std::numeric_limits<double>::infinity();  ///< [m]; infinite if there is none
+    std::int32_t triangle = -1;                                 ///< index in the input
+    std::int32_t entry = -1;                                    ///< for corners()
     Vec3 shares = Vec3::Zero();                                 ///< barycentric: point = sum of shares x corners
   };
 
+  /// @param corners  of at least one triangle; segments and points (equal corners) are allowed
+  explicit TriangleTree(std::vector<std::array<Vec3, 3>> corners);
   /// @param triangles  at least one
   TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-  /// The nearest of the triangles that `accept(triangle)` does not pass over; of several as near the first.
-  /// @param within  farther ones are none [m]
+  /// The nearest of the triangles for which `accept(triangle)` is true; on ties the first.
+  /// @param within  maximum distance [m]
   template <typename Accept>
   [[nodiscard]] Hit nearest(const Vec3& p, double within, Accept&& accept) const;
   [[nodiscard]] Hit nearest(const Vec3& p) const {
     return nearest(p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; });
   }
 
-  /// Calls visit(triangle, distance) for all triangles that come as near as `radius` to p.
+  /// Distance from p to the nearest triangle [m].
+  [[nodiscard]] double distance(const Vec3& p) const { return nearest(p).distance; }
+  /// The nearest triangle.
+  [[nodiscard]] const std::array<Vec3, 3>& corners(const Hit& hit) const { return corners_[hit.entry]; }
+
+  /// Calls visit(triangle, distance) for all triangles within `radius` of p.
   template <typename Visit>
   void forEachWithin(const Vec3& p, double radius, Visit&& visit) const;
 
-  /// How often the surface winds round p: 1 inside and 0 outside where it is closed and its triangles run
-  /// counter-clockwise from outside; something between where it is open (Jacobson et al. 2013). Far groups of triangles
-  /// count as one dipole (Barill et al. 2018), which is good to a few hundredths.
+  /// How often the surface winds around p: 1 inside and 0 outside if it is closed and its triangles are
+  /// counter-clockwise from outside; values in between if it is open (Jacobson et al. 2013). Distant groups of
+  /// triangles are treated as one dipole (Barill et al. 2018), accurate to a few hundredths.
   [[nodiscard]] double windingNumber(const Vec3& p) const;
 
  private:
@@ -46,9 +53,9 @@ class TriangleTree {
     Aabb box;
     Vec3 center = Vec3::Zero();  ///< mean of the triangles, by area
     Vec3 dipole = Vec3::Zero();  ///< sum of normal x area
-    double radius = 0.0;         ///< about the center, of all corners
+    double radius = 0.0;         ///< around the center, of all corners
     std::int32_t first = 0;      ///< leaf: its first triangle; else: its second child (the first one follows it)
-    std::int32_t count = 0;      ///< leaf: how many; 0 for an inner node
+    std::int32_t count = 0;      ///< leaf: number of triangles; 0 for an inner node
   };
   void build(std::size_t first, std::size_t count);
   void measure(Node& node, std::size_t first, std::size_t count) const;
@@ -58,7 +65,7 @@ class TriangleTree {
   std::vector<Node> nodes_;
 };
 
-/// The nearest point of a triangle, which may be as thin as it likes.
+/// The nearest point of a triangle, which may be degenerate.
 /// @return squared distance and barycentric coordinates
 [[nodiscard]] std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& triangle);
 
@@ -76,21 +83,20 @@ TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& a
   while (depth > 0) {
     const auto [index, boxDistanceSq] = stack[--depth];
     if (boxDistanceSq > best) continue;
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Node& node = nodes_[index];
     if (node.count > 0) {
       for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
         const auto [distanceSq, shares] = nearestOnTriangle(p, corners_[i]);
         if (distanceSq > best || (distanceSq == best && hit.triangle >= 0 && original_[i] > hit.triangle)) continue;
         if (!accept(original_[i])) continue;
         best = distanceSq;
-        hit = {std::sqrt(distanceSq), original_[i], shares};
+        hit = {std::sqrt(distanceSq), original_[i], static_cast<std::int32_t>(i), shares};
       }
       continue;
     }
     std::pair<std::int32_t, double> near{index + 1,
                                          distanceSqToBox(p, nodes_[static_cast<std::size_t>(index) + 1].box)};
-    std::pair<std::int32_t, double> far{node.first,
-                                        distanceSqToBox(p, nodes_[static_cast<std::size_t>(node.first)].box)};
+    std::pair<std::int32_t, double> far{node.first, distanceSqToBox(p, nodes_[node.first].box)};
     if (far.second < near.second) std::swap(near, far);
     stack[depth++] = far;
     stack[depth++] = near;
@@ -106,7 +112,7 @@ void TriangleTree::forEachWithin(const Vec3& p, double radius, Visit&& visit) co
   stack[depth++] = 0;
   while (depth > 0) {
     const std::int32_t index = stack[--depth];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Node& node = nodes_[index];
     if (distanceSqToBox(p, node.box) > radiusSq) continue;
     if (node.count == 0) {
       stack[depth++] = node.first;

@@ -1,4 +1,4 @@
-#include "skinning/body/triangle_tree.h"
+#include "geometry/triangle_tree.h"
 
 #include "geometry/random_numbers.h"
 #include "tests/support/meshes.h"
@@ -18,7 +18,7 @@ Vec3 somewhere(RandomNumbers& random, double reach) {
   return {x, y, random.between(-reach, reach)};
 }
 
-/// Triangles anywhere, some of them slivers, segments and points.
+/// Random triangles, some of them slivers, segments and points.
 TriMesh soup(int count, RandomNumbers& random) {
   TriMesh mesh;
   for (int i = 0; i < count; ++i) {
@@ -36,21 +36,20 @@ TriMesh soup(int count, RandomNumbers& random) {
 
 std::array<Vec3, 3> cornersOf(const TriMesh& mesh, std::size_t k) {
   const Triangle& t = mesh.triangles[k];
-  return {mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
-          mesh.vertices[static_cast<std::size_t>(t[2])]};
+  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
-/// The nearest point of a triangle by looking at many.
+/// The nearest point of a triangle by sampling many points.
 double distanceBySampling(const Vec3& p, const std::array<Vec3, 3>& t) {
   constexpr int kSteps = 120;
-  double least = 1e9;
+  double min = 1e9;
   for (int i = 0; i <= kSteps; ++i) {
     for (int j = 0; i + j <= kSteps; ++j) {
       const double u = static_cast<double>(i) / kSteps, v = static_cast<double>(j) / kSteps;
-      least = std::min(least, (t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]) - p).norm());
+      min = std::min(min, (t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]) - p).norm());
     }
   }
-  return least;
+  return min;
 }
 
 TEST(TriangleTree, TheNearestPointOfATriangleIsIt) {
@@ -76,20 +75,20 @@ TEST(TriangleTree, FindsWhatASearchOfAllFinds) {
     const TriangleTree tree(mesh.vertices, mesh.triangles);
     for (int i = 0; i < 200; ++i) {
       const Vec3 p = somewhere(random, 1.5);
-      double least = 1e9, leastEven = 1e9;
+      double min = 1e9, minEven = 1e9;
       std::set<std::int32_t> within;
       for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
         const double distance = std::sqrt(nearestOnTriangle(p, cornersOf(mesh, k)).first);
-        least = std::min(least, distance);
-        if (k % 2 == 0) leastEven = std::min(leastEven, distance);
+        min = std::min(min, distance);
+        if (k % 2 == 0) minEven = std::min(minEven, distance);
         if (distance <= 0.3) within.insert(static_cast<std::int32_t>(k));
       }
-      EXPECT_DOUBLE_EQ(tree.nearest(p).distance, least);
+      EXPECT_DOUBLE_EQ(tree.nearest(p).distance, min);
       const auto even =
           tree.nearest(p, std::numeric_limits<double>::infinity(), [](std::int32_t t) { return t % 2 == 0; });
-      EXPECT_DOUBLE_EQ(even.distance, leastEven);
+      EXPECT_DOUBLE_EQ(even.distance, minEven);
       EXPECT_EQ(even.triangle % 2, 0);
-      EXPECT_EQ(tree.nearest(p, 0.9 * least, [](std::int32_t) { return true; }).triangle, -1);
+      EXPECT_EQ(tree.nearest(p, 0.9 * min, [](std::int32_t) { return true; }).triangle, -1);
       std::set<std::int32_t> visited;
       tree.forEachWithin(p, 0.3, [&](std::int32_t t, double distance) {
         visited.insert(t);
@@ -106,9 +105,7 @@ TEST(TriangleTree, WindingNumbersAreThoseOfClosedForms) {
   const TriangleTree whole(sphere.vertices, sphere.triangles);
   TriMesh half = sphere;
   std::erase_if(half.triangles, [&](const Triangle& t) {
-    return (sphere.vertices[static_cast<std::size_t>(t[0])] + sphere.vertices[static_cast<std::size_t>(t[1])] +
-            sphere.vertices[static_cast<std::size_t>(t[2])])
-               .y() < 0.0;
+    return (sphere.vertices[t[0]] + sphere.vertices[t[1]] + sphere.vertices[t[2]]).y() < 0.0;
   });
   const TriangleTree dome(half.vertices, half.triangles);
   for (int i = 0; i < 500; ++i) {
@@ -116,7 +113,7 @@ TEST(TriangleTree, WindingNumbersAreThoseOfClosedForms) {
     if (std::abs(p.norm() - 1.0) > 0.02) {
       EXPECT_NEAR(whole.windingNumber(p), p.norm() < 1.0 ? 1.0 : 0.0, 0.05);
     }
-    // On the axis of the dome its missing disc is seen under a cone.
+    // From the dome's axis its missing disc is seen as a cone.
     const double y = random.between(-1.9, 0.9);
     const double cone = 0.5 * (1.0 - std::abs(y) / std::sqrt(1.0 + y * y));
     EXPECT_NEAR(dome.windingNumber(Vec3(0, y, 0)), y > 0.0 ? 1.0 - cone : cone, 0.05) << y;

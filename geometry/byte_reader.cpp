@@ -1,17 +1,14 @@
-#include "acd/byte_reader.h"
-
-#include "acd/packed_numbers.h"
+#include "geometry/byte_reader.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace lorica {
 
-ByteReader::ByteReader(std::string_view bytes, std::size_t offset, std::string fileName)
-    : bytes_(bytes), offset_(offset), fileName_(std::move(fileName)) {}
+ByteReader::ByteReader(std::string_view bytes, std::size_t offset, std::string name)
+    : bytes_(bytes), offset_(offset), name_(std::move(name)) {}
 
 double ByteReader::takeFinite(const char* what) {
   const auto value = take<double>(what);
@@ -19,10 +16,10 @@ double ByteReader::takeFinite(const char* what) {
   return value;
 }
 
-std::int32_t ByteReader::takeIndex(const char* what, std::int64_t least, std::int64_t end) {
+std::int32_t ByteReader::takeIndex(const char* what, std::int64_t min, std::int64_t end) {
   const auto value = take<std::int32_t>(what);
-  if (value < least || value >= end) {
-    fail(offset_ - 4, fmt::format("{} is {}, expected {} to {}", what, value, least, end - 1));
+  if (value < min || value >= end) {
+    fail(offset_ - 4, fmt::format("{} is {}, expected {} to {}", what, value, min, end - 1));
   }
   return value;
 }
@@ -42,20 +39,8 @@ std::string ByteReader::takeText(std::size_t length) {
   return text;
 }
 
-void ByteReader::takePacked(const char* what, std::span<std::uint32_t> values) {
-  if (!error_) {
-    if (const std::optional<std::size_t> taken = unpack(bytes_.substr(offset_), values)) {
-      offset_ += *taken;
-      return;
-    }
-    fail(offset_, fmt::format("expected {}: {} packed numbers, which do not fit the {} bytes that are left", what,
-                              values.size(), left()));
-  }
-  std::fill(values.begin(), values.end(), 0u);
-}
-
 void ByteReader::fail(std::size_t at, std::string_view message) {
-  if (!error_) error_ = Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", fileName_, at, message)};
+  if (!error_) error_ = Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", name_, at, message)};
 }
 
 bool ByteReader::has(std::size_t size, const char* what) {

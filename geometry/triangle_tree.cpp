@@ -1,4 +1,4 @@
-#include "skinning/body/triangle_tree.h"
+#include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace lorica {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;
-constexpr double kFar = 2.0;  // in radii of a group: from there on it counts as one dipole
+constexpr double kFar = 2.0;  // in radii of a group: beyond this distance it is treated as one dipole
 
 /// Signed solid angle of a triangle over 4 pi (Van Oosterom and Strackee 1983).
 double windingOf(const Vec3& p, const std::array<Vec3, 3>& triangle) {
@@ -38,7 +38,7 @@ std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 
   const Vec3 normal = (b - a).cross(c - a);
   const double normalSq = normal.squaredNorm();
   const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  // Of a sliver only the edges count: its normal is noise.
+  // For a sliver only the edges are used: its normal is noise.
   if (normalSq > 1e-24 * longestSq * longestSq) {
     const Vec3 shares((c - b).cross(p - b).dot(normal), (a - c).cross(p - c).dot(normal),
                       (b - a).cross(p - a).dot(normal));
@@ -50,8 +50,7 @@ std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 
   std::pair<double, Vec3> best{std::numeric_limits<double>::infinity(), Vec3::Zero()};
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const auto [distanceSq, t] =
-        nearestOnSegment(p, triangle[static_cast<std::size_t>(i)], triangle[static_cast<std::size_t>(j)]);
+    const auto [distanceSq, t] = nearestOnSegment(p, triangle[i], triangle[j]);
     if (distanceSq >= best.first) continue;
     best.first = distanceSq;
     best.second.setZero();
@@ -61,28 +60,31 @@ std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 
   return best;
 }
 
-TriangleTree::TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
-    : original_(triangles.size()) {
-  CHECK(!triangles.empty(), "a tree of no triangles: makeBody() refuses these");
-  corners_.reserve(triangles.size());
-  for (const Triangle& t : triangles) {
-    corners_.push_back({vertices[static_cast<std::size_t>(t[0])], vertices[static_cast<std::size_t>(t[1])],
-                        vertices[static_cast<std::size_t>(t[2])]});
-  }
+TriangleTree::TriangleTree(std::vector<std::array<Vec3, 3>> corners)
+    : corners_(std::move(corners)), original_(corners_.size()) {
+  LORICA_CHECK(!corners_.empty(), "a triangle tree needs at least one triangle");
   std::iota(original_.begin(), original_.end(), 0);
-  nodes_.reserve(triangles.size());
-  build(0, triangles.size());
-  // The tree was built over indices: now the corners follow them.
+  nodes_.reserve(corners_.size());
+  build(0, corners_.size());
+  // The tree was built over indices: reorder the corners to match.
   std::vector<std::array<Vec3, 3>> ordered;
   ordered.reserve(corners_.size());
-  for (const std::int32_t i : original_) ordered.push_back(corners_[static_cast<std::size_t>(i)]);
+  for (const std::int32_t i : original_) ordered.push_back(corners_[i]);
   corners_ = std::move(ordered);
 }
+
+TriangleTree::TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
+    : TriangleTree([&] {
+        std::vector<std::array<Vec3, 3>> corners;
+        corners.reserve(triangles.size());
+        for (const Triangle& t : triangles) corners.push_back({vertices[t[0]], vertices[t[1]], vertices[t[2]]});
+        return corners;
+      }()) {}
 
 void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) const {
   double area = 0.0;
   for (std::size_t i = first; i < first + count; ++i) {
-    const auto& [a, b, c] = corners_[static_cast<std::size_t>(original_[i])];
+    const auto& [a, b, c] = corners_[original_[i]];
     const Vec3 normal = 0.5 * (b - a).cross(c - a);
     const double own = normal.norm();
     node.dipole += normal;
@@ -92,7 +94,7 @@ void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) con
   }
   node.center = area > 0.0 ? Vec3(node.center / area) : node.box.center();
   for (std::size_t i = first; i < first + count; ++i) {
-    for (const Vec3& corner : corners_[static_cast<std::size_t>(original_[i])]) {
+    for (const Vec3& corner : corners_[original_[i]]) {
       node.radius = std::max(node.radius, (corner - node.center).squaredNorm());
     }
   }
@@ -109,7 +111,7 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
     return;
   }
   const auto center = [&](std::int32_t i) -> Vec3 {
-    const auto& [a, b, c] = corners_[static_cast<std::size_t>(i)];
+    const auto& [a, b, c] = corners_[i];
     return a + b + c;
   };
   Aabb centers;
@@ -135,7 +137,7 @@ double TriangleTree::windingNumber(const Vec3& p) const {
   stack[depth++] = 0;
   while (depth > 0) {
     const std::int32_t index = stack[--depth];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Node& node = nodes_[index];
     const Vec3 offset = node.center - p;
     const double distanceSq = offset.squaredNorm();
     if (distanceSq > kFar * kFar * node.radius * node.radius) {

@@ -1,0 +1,163 @@
+#include "session/prepare/decomposition_cache.h"
+
+#include "collision/live/lifted_point.h"
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kParts = 16;
+
+/// Hash of everything that a decomposition depends on.
+std::uint64_t cacheKey(const TriMesh& mesh, const Keyframes& keyframes, const DecomposeSettings& settings) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are hashed as bytes");
+  const std::string_view positions(reinterpret_cast<const char*>(keyframes.positions.data()),
+                                   keyframes.positions.size() * sizeof(Vec3));
+  const std::string rest = fmt::format("{} {} {} {} {}", kAlgorithmVersion, topologyHash(mesh), keyframes.count,
+                                       settings.maxParts, static_cast<int>(settings.preset));
+  return contentHash(rest, contentHash(positions));
+}
+
+/// Hash of everything that a cover depends on.
+std::uint64_t cacheKey(const Character& character, const Decomposition& decomposition, const CoverPoses& poses,
+                       const CoverRequest& request) {
+  std::vector<double> numbers;
+  for (const std::vector<Affine3>* of : {&poses.sampled, &poses.heldOut}) {
+    for (const Affine3& worldFromModel : *of) {
+      numbers.insert(numbers.end(), worldFromModel.data(), worldFromModel.data() + 16);
+    }
+  }
+  for (const LiftedPoint& point : liftPoints(character, decomposition)) {
+    for (const LiftedTerm& t : point) {
+      numbers.insert(numbers.end(), {static_cast<double>(t.joint), t.moment.x(), t.moment.y(), t.moment.z(), t.weight});
+    }
+  }
+  const std::string_view bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double));
+  const std::string rest =
+      fmt::format("cover {} {} {} {} {}", kAlgorithmVersion, hashOf(decomposition), poses.sampledView().poseCount(),
+                  request.tolerance.value_or(0.0), request.hullVertices);
+  return contentHash(rest, contentHash(bytes));
+}
+
+fs::path cacheFile(const DecompositionCache& cache, std::uint64_t key) {
+  return cache.folder.empty() ? fs::path() : cache.folder / (hexDigits(key) + ".lorica");
+}
+
+void warn(const DecompositionCache& cache, const std::string& sentence) {
+  if (cache.warn) cache.warn(sentence);
+}
+
+/// The content of a cache file, if it is whole and fits the mesh.
+std::optional<DecompositionFile> readCache(const DecompositionCache& cache, const fs::path& file, const TriMesh& mesh) {
+  std::error_code ignored;
+  if (file.empty() || !fs::exists(file, ignored)) return std::nullopt;
+  Result<DecompositionFile> cached = readDecomposition(file);
+  if (!cached) {
+    warn(cache, cached.error().message + "; it is computed again");
+    return std::nullopt;
+  }
+  if (cached->meshHash != topologyHash(mesh)) {
+    warn(cache, file.string() + ": made from another mesh; it is computed again");
+    return std::nullopt;
+  }
+  return std::move(*cached);
+}
+
+void writeCache(const DecompositionCache& cache, const fs::path& file, const DecompositionFile& content) {
+  const char* what = content.cover ? "cover" : "decomposition";
+  if (file.empty()) {
+    warn(cache, fmt::format("neither XDG_CACHE_HOME nor HOME is an absolute path: the {} is not cached", what));
+    return;
+  }
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  std::string problem = error ? fmt::format("{}: {}", file.parent_path().string(), error.message()) : "";
+  if (!error) {
+    if (const Result<void> written = writeDecomposition(file, content); !written) problem = written.error().message;
+  }
+  if (!problem.empty()) warn(cache, fmt::format("{}; the {} is not cached", problem, what));
+}
+
+/// Reads a decomposition of keyframes from the cache, or computes and caches it.
+Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMesh& mesh, const Character* character,
+                                            const Training* training, const Keyframes& keyframes,
+                                            const DecomposeSettings& settings, const DecompositionCache& cache) {
+  const fs::path file = cacheFile(cache, cacheKey(mesh, keyframes, settings));
+  if (std::optional<DecompositionFile> cached = readCache(cache, file, mesh)) {
+    return CachedDecomposition{std::move(*cached), true, 0.0};
+  }
+  const PoseView poses{keyframes.positions, static_cast<int>(mesh.vertices.size())};
+  const auto start = std::chrono::steady_clock::now();
+  Result<Decomposition> made = decompose(mesh, poses, settings);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!made) {
+    // The error names the mesh element; the name of the file is added here.
+    if (made.error().code == ErrorCode::kBadMesh) return Error{ErrorCode::kBadMesh, name + ": " + made.error().message};
+    return made.error();
+  }
+  const Quality quality = measureQuality(*made, mesh, poses);
+  DecompositionFile content = fileContent(name, mesh, character, training, poses, std::move(*made), quality);
+  writeCache(cache, file, content);
+  return CachedDecomposition{std::move(content), false, seconds};
+}
+
+fs::path environmentPath(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? fs::path() : fs::path(value);
+}
+
+}  // namespace
+
+std::filesystem::path userCacheFolder() {
+  // The XDG specification requires that relative paths are ignored.
+  if (const fs::path cache = environmentPath("XDG_CACHE_HOME"); cache.is_absolute()) return cache / "lorica";
+  if (const fs::path home = environmentPath("HOME"); home.is_absolute()) return home / ".cache" / "lorica";
+  return {};
+}
+
+Result<CachedDecomposition> defaultDecomposition(const Character& character, const Training& training,
+                                                 const DecomposeSettings& settings, const DecompositionCache& cache) {
+  const Result<Keyframes> keyframes = trainingKeyframes(character, training, std::nullopt);
+  if (!keyframes) return keyframes.error();
+  DecomposeSettings chosen;
+  chosen.maxParts = kParts;
+  chosen.threads = settings.threads;
+  chosen.progress = settings.progress;
+  return decomposeCached(character.name, character.mesh, &character, &training, *keyframes, chosen, cache);
+}
+
+Result<CachedDecomposition> meshDecomposition(const std::string& name, const TriMesh& mesh,
+                                              const DecomposeSettings& settings, const DecompositionCache& cache) {
+  Keyframes keyframes;
+  keyframes.positions = mesh.vertices;
+  keyframes.count = 1;
+  return decomposeCached(name, mesh, nullptr, nullptr, keyframes, settings, cache);
+}
+
+Result<HullCover> cachedCover(const Character& character, const DecompositionFile& content, const CoverPoses& poses,
+                              const CoverRequest& request, const std::function<Result<HullCover>()>& choose,
+                              const DecompositionCache& cache) {
+  const fs::path file = cacheFile(cache, cacheKey(character, content.decomposition, poses, request));
+  std::optional<DecompositionFile> cached = readCache(cache, file, character.mesh);
+  if (cached && cached->cover && hashOf(cached->decomposition) == hashOf(content.decomposition)) {
+    return std::move(*cached->cover);
+  }
+  Result<HullCover> cover = choose();
+  if (!cover) return cover.error();
+  DecompositionFile kept = content;
+  kept.cover = *cover;
+  writeCache(cache, file, kept);
+  return cover;
+}
+
+}  // namespace lorica

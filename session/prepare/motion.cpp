@@ -1,0 +1,54 @@
+#include "session/prepare/motion.h"
+
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/skeletal_retarget.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kClipRate = 60.0;  // [1/s]
+
+Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
+  return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
+}
+
+}  // namespace
+
+SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip) {
+  return sampleWhole(skeleton, clip, kClipRate);
+}
+
+Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion, const JointSettings& settings) {
+  const auto named = [&](Result<SkeletalMotion> performed) -> Result<SkeletalMotion> {
+    if (!performed) return onCharacter(motion, character, performed.error());
+    performed->name = motion.name;
+    return performed;
+  };
+  if (!motion.bones) return named(perform(character, motion.joints, settings));
+  if (motion.fromCharacterFile && !settings.mirror) {
+    Result<SkeletalMotion> renamed = retargetByJointNames(*motion.bones, character.skeleton);
+    if (renamed) return named(std::move(renamed));
+  }
+  SkeletalRetargetSettings retargeting;
+  retargeting.mirror = settings.mirror;
+  return named(retargetMotion(*motion.bones, character, retargeting));
+}
+
+Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
+                                                 const SourceTreatment& treatment) {
+  if (!motion.bones) {
+    Result<std::unique_ptr<PoseSource>> source =
+        makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
+    if (!source) return onCharacter(motion, character, source.error());
+    return source;
+  }
+  Result<SkeletalMotion> performed = performedBy(character, motion, treatment.joints);
+  if (!performed) return performed.error();
+  return makeTreatedSource(makeMotionPoseSource(std::move(*performed)), treatment);
+}
+
+}  // namespace lorica

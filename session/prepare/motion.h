@@ -1,0 +1,47 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+#include "geometry/result.h"
+#include "session/pose_source.h"
+#include "session/treated_source.h"
+#include "skinning/character.h"
+#include "skinning/clip.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A recorded motion before a character performs it: joints, or the motion of a skeleton of its own.
+struct Motion {
+  std::string name;  ///< a file's stem or a shipped name; "hero: Run" for a clip
+  std::vector<SkeletonFrame> joints;
+  std::optional<SkeletalMotion> bones;  ///< if set, there are no joints
+  bool fromCharacterFile = false;       ///< the bones are those of a character; another one may use the same names
+  std::string format;                   ///< "BVH", "joints (lorica)", "glTF 2.0"
+  std::vector<std::string> notes;       ///< what was guessed, repaired or left out
+
+  [[nodiscard]] int frameCount() const { return bones ? bones->frameCount() : static_cast<int>(joints.size()); }
+  [[nodiscard]] double firstTime() const { return bones ? bones->times.front() : joints.front().time; }
+  /// From the first frame to the last [s].
+  [[nodiscard]] double seconds() const { return (bones ? bones->times.back() : joints.back().time) - firstTime(); }
+};
+
+/// A clip as a motion of its skeleton, at 60 frames a second.
+[[nodiscard]] SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip);
+
+/// The whole motion on a character's skeleton: joints and other humanoids' bones are retargeted; bones from a character
+/// file move the character's bones of the same names.
+/// @param settings  of joints; of bones only `mirror` counts
+/// @return the motion; or which humanoid bones are missing in the character or in the motion
+[[nodiscard]] Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion,
+                                                 const JointSettings& settings = {});
+
+/// The same as a source of poses: joints are retargeted frame by frame, as live ones are, and faults are injected.
+/// @return the source; the errors of performedBy(); or that the faults do not apply to a motion of bones
+[[nodiscard]] Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
+                                                               const SourceTreatment& treatment = {});
+
+}  // namespace lorica

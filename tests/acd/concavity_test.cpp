@@ -1,0 +1,279 @@
+#include "acd/concavity.h"
+
+#include "tests/acd/hard_meshes.h"
+#include "tests/acd/parts.h"
+#include "tests/support/meshes.h"
+#include "tests/support/voxels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+namespace lorica {
+namespace {
+
+std::vector<ConcaveEdge> concaveEdgesOf(const TriMesh& mesh, const Part& part, std::span<const Vec3> points, int count,
+                                        double spacing) {
+  std::vector<Vec3> own;
+  for (const PointIndex p : part.points) own.push_back(points[p]);
+  return deepestConcaveEdges(creasesOf(part), mesh.triangles, unitNormals(mesh.triangles, points), points,
+                             convexHull(own), count, spacing);
+}
+
+std::vector<ConcaveEdge> concaveEdgesOf(const TriMesh& mesh, int count = 1000, double spacing = 0.0) {
+  return concaveEdgesOf(mesh, test::wholeOf(mesh), mesh.vertices, count, spacing);
+}
+
+/// Independent reference: the midpoints of all edges of unit cubes that exactly three cubes surround.
+std::set<std::array<double, 3>> concaveMidpoints(const std::set<test::Voxel>& voxels) {
+  std::set<std::array<double, 3>> midpoints;
+  for (const test::Voxel& cube : voxels) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (int corner = 0; corner < 4; ++corner) {
+        test::Voxel at = cube;  // the lower end of an edge along the axis
+        at[(axis + 1) % 3] += corner & 1;
+        at[(axis + 2) % 3] += corner >> 1;
+        int around = 0;
+        for (int other = 0; other < 4; ++other) {
+          test::Voxel near = at;
+          near[(axis + 1) % 3] -= other & 1;
+          near[(axis + 2) % 3] -= other >> 1;
+          around += voxels.contains(near) ? 1 : 0;
+        }
+        if (around != 3) continue;
+        std::array<double, 3> middle = {1.0 * at[0], 1.0 * at[1], 1.0 * at[2]};
+        middle[axis] += 0.5;
+        midpoints.insert(middle);
+      }
+    }
+  }
+  return midpoints;
+}
+
+TEST(Creases, AreAllEdgesOfTheMeshButNotTheBordersOfCaps) {
+  EXPECT_TRUE(creasesOf({}).empty());
+  const TriMesh mesh = test::makeLShape();
+  // Cut through the inner edge and all others along z, at a third of their length.
+  const CutResult cut =
+      cutPart(test::wholeOf(mesh), mesh.vertices, {Vec3::UnitZ(), 1.0 / 3.0}, 1e-9, static_cast<PointIndex>(12));
+  for (const Part& part : {test::wholeOf(mesh), cut.below, cut.above}) {
+    const std::vector<Crease> creases = creasesOf(part);
+    // Slow reference: every pair of triangles with the same edge in opposite directions.
+    std::set<std::array<int, 4>> expected, found;
+    for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+      for (std::size_t j = 0; j < part.triangles.size(); ++j) {
+        const std::int32_t left = part.sourceTriangle[i], right = part.sourceTriangle[j];
+        if (left < 0 || right < 0 || left == right) continue;
+        for (int e = 0; e < 9; ++e) {
+          const Triangle &s = part.triangles[i], &t = part.triangles[j];
+          const PointIndex from = s[e / 3], to = s[(e / 3 + 1) % 3];
+          if (from < to && t[e % 3] == to && t[(e % 3 + 1) % 3] == from) expected.insert({from, to, left, right});
+        }
+      }
+    }
+    for (const Crease& c : creases) {
+      found.insert(c.from < c.to ? std::array<int, 4>{c.from, c.to, c.left, c.right}
+                                 : std::array<int, 4>{c.to, c.from, c.right, c.left});
+    }
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(found.size(), creases.size());
+  }
+  // 20 triangles have 30 edges.
+  EXPECT_EQ(creasesOf(test::wholeOf(mesh)).size(), 30u);
+}
+
+TEST(ConcaveEdges, AConvexPartHasNone) {
+  for (const TriMesh& mesh :
+       {test::makeTetrahedron(), test::makeBox({0, 0, 0}, {1, 2, 3}), test::makeSphere(1.0, 9, 14)}) {
+    EXPECT_TRUE(concaveEdgesOf(mesh).empty());
+  }
+  // The L-shape has one; when it is flat, no angle has a meaning.
+  const TriMesh shape = test::makeLShape();
+  std::vector<Vec3> flat = shape.vertices;
+  for (Vec3& v : flat) v.z() = 0.0;
+  EXPECT_EQ(concaveEdgesOf(shape).size(), 1u);
+  EXPECT_TRUE(concaveEdgesOf(shape, test::wholeOf(shape), flat, 1000, 0.0).empty());
+}
+
+TEST(ConcaveEdges, OfCubesAreThoseWithThreeCubesAround) {
+  // A cross with arms of different length in all six directions, and a staircase.
+  std::set<test::Voxel> cross, stairs;
+  for (int i = -1; i <= 2; ++i) cross.insert({i, 0, 0});
+  for (int i = -3; i <= 1; ++i) cross.insert({0, i, 0});
+  for (int i = -2; i <= 4; ++i) cross.insert({0, 0, i});
+  for (int x = 0; x < 5; ++x) {
+    for (int y = 0; y <= x; ++y) stairs.insert({x, y, 0});
+  }
+  for (const std::set<test::Voxel>& voxels : {cross, stairs}) {
+    const TriMesh mesh = test::makeVoxelSurface(voxels);
+    const ConvexHull hull = convexHull(mesh.vertices);
+    const std::vector<ConcaveEdge> edges = concaveEdgesOf(mesh);
+    std::set<std::array<double, 3>> midpoints;
+    double last = std::numeric_limits<double>::infinity();
+    for (const ConcaveEdge& edge : edges) {
+      EXPECT_TRUE(midpoints.insert({edge.point.x(), edge.point.y(), edge.point.z()}).second);
+      double depth = std::numeric_limits<double>::infinity();
+      for (const Triangle& t : hull.triangles) {
+        const Vec3& a = hull.vertices[t[0]];
+        const Vec3 normal = (hull.vertices[t[1]] - a).cross(hull.vertices[t[2]] - a).normalized();
+        depth = std::min(depth, normal.dot(a - edge.point));
+      }
+      EXPECT_NEAR(edge.depth, depth, 1e-12);
+      EXPECT_LE(edge.depth, last + 1e-12) << "deepest first";
+      last = edge.depth;
+      // Perpendicular faces, the left one on the left of the edge, and the solid in the other three quarters.
+      EXPECT_NEAR(edge.direction.norm(), 1.0, 1e-12);
+      EXPECT_NEAR((edge.rightNormal.cross(edge.leftNormal) - edge.direction).norm(), 0.0, 1e-12);
+      const Vec3 empty = edge.point + 0.25 * (edge.leftNormal + edge.rightNormal);
+      EXPECT_FALSE(voxels.contains({static_cast<int>(std::floor(empty.x())), static_cast<int>(std::floor(empty.y())),
+                                    static_cast<int>(std::floor(empty.z()))}));
+    }
+    EXPECT_EQ(midpoints, concaveMidpoints(voxels));
+    // The first few of all are those that are returned if only a few are wanted.
+    for (const int count : {0, 1, 3}) {
+      const std::vector<ConcaveEdge> few = concaveEdgesOf(mesh, count);
+      ASSERT_EQ(few.size(), static_cast<std::size_t>(count));
+      for (std::size_t i = 0; i < few.size(); ++i) EXPECT_EQ(few[i].point, edges[i].point);
+    }
+  }
+}
+
+TEST(ConcaveEdges, KeepTheirDistanceAndOneSectionOfEach) {
+  // All edges of a cube with an arm on every side: 12 in number, all at the depth of the slanted faces.
+  const TriMesh cross =
+      test::makeVoxelSurface({{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}});
+  const std::vector<ConcaveEdge> all = concaveEdgesOf(cross);
+  ASSERT_EQ(all.size(), 12u);
+  for (const ConcaveEdge& edge : all) EXPECT_NEAR(edge.depth, std::sqrt(0.5), 1e-12);
+  for (const double spacing : {0.6, 0.8, 1.2, 9.0}) {
+    const std::vector<ConcaveEdge> some = concaveEdgesOf(cross, 1000, spacing);
+    for (const ConcaveEdge& edge : all) {
+      const auto inReach = std::count_if(some.begin(), some.end(),
+                                         [&](const ConcaveEdge& e) { return (e.point - edge.point).norm() < spacing; });
+      const bool kept =
+          std::any_of(some.begin(), some.end(), [&](const ConcaveEdge& e) { return e.point == edge.point; });
+      if (kept) {
+        EXPECT_EQ(inReach, 1) << "only itself, at spacing " << spacing;
+      } else {
+        EXPECT_GE(inReach, 1) << "left out without a reason, at spacing " << spacing;
+      }
+    }
+    EXPECT_EQ(some.size() == 12, spacing < std::sqrt(0.5)) << "neighbours are that far apart";
+  }
+  // The edge of the L-shape in two sections, one from z = 0 to 0.25, the other from there to 1: only the deeper counts.
+  const TriMesh shape = test::makeLShape();
+  std::vector<Vec3> points = shape.vertices;
+  points.emplace_back(1, 1, 0.25);
+  const std::vector<Crease> whole = creasesOf(test::wholeOf(shape));
+  const auto inner = std::find_if(whole.begin(), whole.end(), [](const Crease& c) { return c.from == 3 && c.to == 9; });
+  ASSERT_NE(inner, whole.end());
+  for (const bool swapped : {false, true}) {
+    std::vector<Crease> sections = {{3, 12, inner->left, inner->right}, {9, 12, inner->right, inner->left}};
+    if (swapped) std::swap(sections[0], sections[1]);
+    const auto edges = deepestConcaveEdges(sections, shape.triangles, unitNormals(shape.triangles, shape.vertices),
+                                           points, convexHull(shape.vertices), 8, 0.0);
+    ASSERT_EQ(edges.size(), 1u);
+    EXPECT_EQ(edges[0].point, Vec3(1, 1, 0.625));
+    EXPECT_NEAR(edges[0].depth, 0.375, 1e-12);
+  }
+}
+
+TEST(PlanesThrough, DivideTheAngleBetweenTheFacesEvenly) {
+  const std::uint64_t seed = 41;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  for (const double angle : {0.05, 0.5, 0.5 * std::numbers::pi, 2.0, 3.1}) {
+    // The edge runs along z; seen from above, the empty angle is between the left face, at 0, and the right face.
+    const Quat rotation = dice.rotation();
+    const auto at = [&](double direction) -> Vec3 {
+      return rotation * Vec3(std::cos(direction), std::sin(direction), 0.0);
+    };
+    ConcaveEdge edge;
+    edge.point = dice.inBox(3.0);
+    edge.direction = rotation * Vec3::UnitZ();
+    edge.leftNormal = at(0.5 * std::numbers::pi);
+    edge.rightNormal = at(angle - 0.5 * std::numbers::pi);
+    for (const int count : {1, 2, 3, 5, 8}) {
+      SCOPED_TRACE(testing::Message() << count << " planes, angle " << angle);
+      const std::vector<Plane> planes = planesThrough(edge, count);
+      ASSERT_EQ(planes.size(), static_cast<std::size_t>(count));
+      for (int i = 0; i < count; ++i) {
+        // The opposite half-planes, in the solid, go on where the faces end: from pi to pi + angle.
+        const double share = count == 1 ? 0.5 : static_cast<double>(i) / (count - 1);
+        const Vec3 expected = at(std::numbers::pi + share * angle);
+        const Plane& plane = planes[static_cast<std::size_t>(i)];
+        EXPECT_NEAR(plane.normal.norm(), 1.0, 1e-12);
+        EXPECT_NEAR(plane.normal.dot(edge.point), plane.offset, 1e-12);
+        EXPECT_NEAR(plane.normal.dot(edge.direction), 0.0, 1e-12);
+        EXPECT_NEAR(plane.normal.dot(expected), 0.0, 1e-11) << "plane " << i;
+      }
+    }
+  }
+  // Faces folded onto each other leave only their own plane.
+  ConcaveEdge folded{Vec3(1, 2, 3), Vec3::UnitZ(), Vec3::UnitY(), -Vec3::UnitY()};
+  const std::vector<Plane> planes = planesThrough(folded, 5);
+  ASSERT_EQ(planes.size(), 1u);
+  EXPECT_NEAR(std::abs(planes[0].normal.y()), 1.0, 1e-12);
+}
+
+TEST(ComponentPlanes, AreHalfwayBetweenHullsThatDoNotTouch) {
+  const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
+  const auto shifted = [](TriMesh mesh, const Vec3& by) {
+    for (Vec3& v : mesh.vertices) v += by;
+    return mesh;
+  };
+  const auto planesOf = [](const TriMesh& mesh) { return componentPlanes(test::wholeOf(mesh), mesh.vertices); };
+  EXPECT_TRUE(componentPlanes({}, {}).empty());
+  EXPECT_TRUE(planesOf(box).empty());
+  EXPECT_TRUE(planesOf(test::joined(box, box)).empty());
+  EXPECT_TRUE(planesOf(test::joined(box, shifted(box, {1, 0, 0}))).empty()) << "a face in common";
+  EXPECT_TRUE(planesOf(test::joined(box, shifted(box, {1, 1, 1}))).empty()) << "a corner in common";
+  EXPECT_TRUE(planesOf(test::joined(box, test::makeBox({-1, -1, -1}, {2, 2, 2}))).empty()) << "one in the other";
+  // Rings in one another: apart, but their hulls are not.
+  TriMesh ring = test::makeTorus(1.0, 0.2, 20, 8);
+  for (Vec3& v : ring.vertices) v = Vec3(v.x() + 1.0, v.z(), v.y());
+  EXPECT_TRUE(planesOf(test::joined(test::makeTorus(1.0, 0.2, 20, 8), ring)).empty());
+
+  const std::uint64_t seed = 42;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  for (int trial = 0; trial < 50; ++trial) {
+    // Balls of radius 1 and 2, a gap apart, and a box farther away: three pairs, so three planes.
+    const Quat rotation = dice.rotation();
+    const double gap = dice.between(0.01, 1.0);
+    const std::array<TriMesh, 3> solids = {test::makeSphere(1.0, 8, 12),
+                                           shifted(test::makeSphere(2.0, 9, 14), {3.0 + gap, 0, 0}),
+                                           shifted(box, {0.5, -4.0 - gap, 0.5})};
+    TriMesh mesh = test::joined(test::joined(solids[0], solids[1]), solids[2]);
+    for (Vec3& v : mesh.vertices) v = rotation * v;
+    const std::vector<Plane> planes = planesOf(mesh);
+    ASSERT_EQ(planes.size(), 3u);
+    const auto reach = [&](const Plane& plane, std::size_t solid) {
+      double low = 1e9, high = -1e9;
+      for (const Vec3& v : solids[solid].vertices) {
+        low = std::min(low, plane.normal.dot(rotation * v) - plane.offset);
+        high = std::max(high, plane.normal.dot(rotation * v) - plane.offset);
+      }
+      return std::pair{low, high};
+    };
+    std::set<std::pair<std::size_t, std::size_t>> separated;
+    for (const Plane& plane : planes) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b) {
+          if (reach(plane, a).first > 0.0 && std::abs(reach(plane, a).first + reach(plane, b).second) < 1e-12) {
+            separated.insert(std::minmax(a, b));
+          }
+        }
+      }
+    }
+    EXPECT_EQ(separated.size(), 3u) << "trial " << trial;
+  }
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,238 @@
+#include "acd/part_tree.h"
+
+#include "tests/acd/hard_meshes.h"
+#include "tests/acd/parts.h"
+#include "tests/support/meshes.h"
+#include "tests/support/voxels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+namespace lorica {
+namespace {
+
+constexpr double kTolerance = 1e-9;
+
+/// A torus in two keyframes, different in all directions, and its tree for planes in one of them.
+struct TorusTree : ::testing::Test {
+  TorusTree() : mesh(test::makeTorus(1.0, 0.4, 40, 18)), part(test::wholeOf(mesh)), keyframes(2, mesh.vertices) {
+    for (Vec3& v : keyframes[1]) v = Vec3(2.0 * v.z(), v.x() + 0.5 * v.z() * v.z(), 3.0 - v.y());
+  }
+  [[nodiscard]] PartTree treeFor(std::size_t keyframe) const { return {part, keyframes, keyframe}; }
+
+  /// The mesh vertex of every point of a tree, found by its positions in all keyframes.
+  [[nodiscard]] std::vector<PointIndex> verticesOf(const PartTree& tree) const {
+    using Position = std::array<double, 6>;
+    const auto key = [](const Vec3& a, const Vec3& b) -> Position {
+      return {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
+    };
+    std::map<Position, PointIndex> vertexAt;
+    for (const PointIndex p : part.points) vertexAt[key(keyframes[0][p], keyframes[1][p])] = p;
+    std::vector<PointIndex> vertices;
+    for (std::size_t i = 0; i < tree.points(0).size(); ++i) {
+      const auto found = vertexAt.find(key(tree.points(0)[i], tree.points(1)[i]));
+      EXPECT_NE(found, vertexAt.end()) << "point " << i;
+      vertices.push_back(found == vertexAt.end() ? -1 : found->second);
+    }
+    return vertices;
+  }
+
+  /// Planes that cross the part in a keyframe: arbitrary ones, and some through vertices.
+  [[nodiscard]] std::vector<Plane> planes(std::size_t keyframe, test::Dice& dice) const {
+    std::vector<Plane> result;
+    const std::vector<Vec3>& points = keyframes[keyframe];
+    const auto vertex = [&] {
+      return points[static_cast<std::size_t>(dice.whole(0, static_cast<int>(points.size()) - 1))];
+    };
+    while (result.size() < 40) {
+      const Vec3 a = vertex(), b = vertex(), c = vertex();
+      const Vec3 normal = result.size() % 2 == 0 ? Vec3((b - a).cross(c - a)) : dice.inBox(1.0);
+      if (normal.norm() < 1e-2) continue;
+      result.push_back({normal.normalized(), normal.normalized().dot(a)});
+    }
+    return result;
+  }
+
+  TriMesh mesh;
+  Part part;
+  std::vector<std::vector<Vec3>> keyframes;
+};
+
+TEST(PartTree, APartOfFewTrianglesIsOneLeaf) {
+  const TriMesh mesh = test::makeTetrahedron();
+  const std::vector<std::vector<Vec3>> keyframes = {mesh.vertices};
+  PartTree::Sketch sketch;
+  const PartTree nothing(Part{}, keyframes, 0);
+  EXPECT_EQ(nothing.nodes().size(), 1u);
+  EXPECT_TRUE(nothing.points(0).empty());
+  EXPECT_FALSE(nothing.sketch({Vec3::UnitX(), 0.5}, kTolerance, sketch));
+
+  const PartTree tree(test::wholeOf(mesh), keyframes, 0);
+  ASSERT_EQ(tree.nodes().size(), 1u);
+  EXPECT_EQ(tree.keyframeCount(), 1u);
+  EXPECT_LT(tree.nodes()[0].second, 0);
+  EXPECT_EQ(tree.nodes()[0].first, 0);
+  EXPECT_EQ(tree.nodes()[0].last, 4);
+  EXPECT_EQ(tree.nodes()[0].box.min, Vec3(0, 0, 0));
+  EXPECT_EQ(tree.nodes()[0].box.max, Vec3(1, 1, 1));
+  EXPECT_EQ(tree.points(0).size(), 4u);
+  EXPECT_EQ(tree.pointsOf(0).size(), 4u);
+}
+
+TEST(PartTree, APlaneThatOnlyTouchesThePartDoesNotDivideIt) {
+  const TriMesh mesh = test::makeTetrahedron();
+  const std::vector<std::vector<Vec3>> keyframes = {mesh.vertices};
+  const PartTree tree(test::wholeOf(mesh), keyframes, 0);
+  PartTree::Sketch sketch;
+  // Beside it, along a side, along the slanted side, through an edge, through a corner, and just inside that corner.
+  const Vec3 slanted = Vec3(1, 1, 1).normalized();
+  for (const Plane& plane : {Plane{Vec3::UnitX(), -1.0}, Plane{Vec3::UnitX(), 0.0}, Plane{slanted, slanted.x()},
+                             Plane{Vec3(1, 1, 0).normalized(), 0.0}, Plane{Vec3::UnitX(), 1.0},
+                             Plane{Vec3::UnitX(), 1.0 - 0.5 * kTolerance}}) {
+    EXPECT_FALSE(tree.sketch(plane, kTolerance, sketch)) << plane.normal.transpose() << ", " << plane.offset;
+    EXPECT_FALSE(tree.sketch({-plane.normal, -plane.offset}, kTolerance, sketch));
+  }
+  EXPECT_TRUE(tree.sketch({Vec3::UnitX(), 1.0 - 2.0 * kTolerance}, kTolerance, sketch));
+  EXPECT_EQ(sketch.crossings.size(), 3u);
+
+  // A slab of many squares: some leaves contain nothing but triangles of its top, which are on the plane too.
+  std::set<test::Voxel> voxels;
+  for (int i = 0; i < 64; ++i) voxels.insert({i % 8, i / 8, 0});
+  const TriMesh slab = test::makeVoxelSurface(voxels);
+  const std::vector<std::vector<Vec3>> slabKeyframes = {slab.vertices};
+  const PartTree leaves(test::wholeOf(slab), slabKeyframes, 0);
+  EXPECT_GT(leaves.nodes().size(), 7u);
+  for (const double below : {0.0, 0.5 * kTolerance}) {
+    EXPECT_FALSE(leaves.sketch({Vec3::UnitZ(), 1.0 - below}, kTolerance, sketch));
+    EXPECT_TRUE(sketch.above.nodes.empty());
+    EXPECT_TRUE(sketch.above.points.empty());
+  }
+  EXPECT_TRUE(leaves.sketch({Vec3::UnitZ(), 0.5}, kTolerance, sketch));
+}
+
+TEST_F(TorusTree, ChildrenDivideTheTrianglesOfTheirParent) {
+  for (const std::size_t keyframe : {0u, 1u}) {
+    const PartTree tree = treeFor(keyframe);
+    const std::span<const PartTree::Node> nodes = tree.nodes();
+    EXPECT_EQ(nodes[0].first, 0);
+    EXPECT_EQ(nodes[0].last, static_cast<std::int32_t>(mesh.triangles.size()));
+    EXPECT_GT(nodes.size(), 16u);
+    std::int32_t fresh = 0;
+    std::set<std::size_t> reached = {0};
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const PartTree::Node& node = nodes[n];
+      Aabb box;
+      for (const std::int32_t p : tree.pointsOf(static_cast<std::int32_t>(n))) box.extend(tree.points(keyframe)[p]);
+      EXPECT_EQ(node.box.min, box.min) << "node " << n;
+      EXPECT_EQ(node.box.max, box.max) << "node " << n;
+      EXPECT_LT(node.first, node.last);
+      if (node.second >= 0) {
+        const auto second = static_cast<std::size_t>(node.second);
+        ASSERT_LT(second, nodes.size());
+        EXPECT_EQ(nodes[n + 1].first, node.first);
+        EXPECT_EQ(nodes[n + 1].last, nodes[second].first);
+        EXPECT_EQ(nodes[second].last, node.last);
+        EXPECT_TRUE(reached.insert(n + 1).second);
+        EXPECT_TRUE(reached.insert(second).second);
+        continue;
+      }
+      // Points are numbered in the order in which leaves first use them.
+      std::set<std::int32_t> own;
+      for (const std::int32_t p : tree.pointsOf(static_cast<std::int32_t>(n))) {
+        EXPECT_TRUE(own.insert(p).second) << "a leaf lists a point once";
+        EXPECT_LE(p, fresh);
+        fresh = std::max(fresh, p + 1);
+      }
+    }
+    EXPECT_EQ(reached.size(), nodes.size());
+    EXPECT_EQ(static_cast<std::size_t>(fresh), part.points.size());
+    std::vector<PointIndex> vertices = verticesOf(tree);
+    std::sort(vertices.begin(), vertices.end());
+    EXPECT_EQ(vertices, part.points);
+  }
+}
+
+TEST_F(TorusTree, ASketchFindsThePointsOfTheActualCut) {
+  const std::uint64_t seed = 21;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  PartTree::Sketch sketch;  // reused: nothing of an earlier plane may remain
+  for (const std::size_t keyframe : {0u, 1u}) {
+    const PartTree tree = treeFor(keyframe);
+    const std::vector<PointIndex> vertexOf = verticesOf(tree);
+    const auto firstNew = static_cast<PointIndex>(mesh.vertices.size());
+    for (const Plane& plane : planes(keyframe, dice)) {
+      SCOPED_TRACE(testing::Message() << "normal " << plane.normal.transpose() << ", offset " << plane.offset);
+      const CutResult cut = cutPart(part, keyframes[keyframe], plane, kTolerance, firstNew);
+      EXPECT_EQ(tree.sketch(plane, kTolerance, sketch), !cut.above.triangles.empty() && !cut.below.triangles.empty());
+
+      for (const auto& [half, truth] : {std::pair{&sketch.above, &cut.above}, std::pair{&sketch.below, &cut.below}}) {
+        std::set<PointIndex> found;
+        for (const std::int32_t node : half->nodes) {
+          for (const std::int32_t p : tree.pointsOf(node)) found.insert(vertexOf[p]);
+        }
+        for (const std::int32_t p : half->points) found.insert(vertexOf[p]);
+        std::set<PointIndex> expected(truth->points.begin(), truth->points.end());
+        expected.erase(expected.lower_bound(firstNew), expected.end());
+        EXPECT_EQ(found, expected);
+      }
+
+      // The same edges are crossed at the same place; a point number in the tree may reverse an edge.
+      std::map<std::pair<PointIndex, PointIndex>, double> lambdas;
+      for (const CutPoint& c : cut.newPoints) {
+        lambdas[{c.first, c.second}] = c.lambda;
+      }
+      ASSERT_EQ(sketch.crossings.size(), lambdas.size());
+      for (const CutPoint& c : sketch.crossings) {
+        const PointIndex a = vertexOf[c.first], b = vertexOf[c.second];
+        const auto truth = lambdas.find(std::minmax(a, b));
+        ASSERT_NE(truth, lambdas.end()) << a << "-" << b;
+        EXPECT_NEAR(a < b ? c.lambda : 1.0 - c.lambda, truth->second, 1e-12);
+      }
+    }
+  }
+}
+
+TEST_F(TorusTree, EveryEntryOfASketchBelongsToItsLeaf) {
+  const std::uint64_t seed = 22;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  const PartTree tree = treeFor(1);
+  PartTree::Sketch sketch;
+  for (const Plane& plane : planes(1, dice)) {
+    ASSERT_TRUE(tree.sketch(plane, kTolerance, sketch) || sketch.crossings.empty());
+    std::size_t above = 0, below = 0, crossing = 0;
+    std::set<std::int32_t> onceOnly;
+    for (const PartTree::CutLeaf& leaf : sketch.leaves) {
+      EXPECT_LT(tree.nodes()[leaf.node].second, 0);
+      EXPECT_TRUE(onceOnly.insert(leaf.node).second);
+      const std::span<const std::int32_t> points = tree.pointsOf(leaf.node);
+      const std::set<std::int32_t> own(points.begin(), points.end());
+      ASSERT_LE(leaf.endAbove, sketch.above.points.size());
+      ASSERT_LE(leaf.endBelow, sketch.below.points.size());
+      ASSERT_LE(leaf.endCrossings, sketch.crossings.size());
+      for (; above < leaf.endAbove; ++above) EXPECT_TRUE(own.contains(sketch.above.points[above]));
+      for (; below < leaf.endBelow; ++below) EXPECT_TRUE(own.contains(sketch.below.points[below]));
+      for (; crossing < leaf.endCrossings; ++crossing) {
+        EXPECT_TRUE(own.contains(sketch.crossings[crossing].first));
+        EXPECT_TRUE(own.contains(sketch.crossings[crossing].second));
+      }
+    }
+    EXPECT_EQ(above, sketch.above.points.size());
+    EXPECT_EQ(below, sketch.below.points.size());
+    EXPECT_EQ(crossing, sketch.crossings.size());
+    // No point is listed twice on one side.
+    for (const auto* list : {&sketch.above.points, &sketch.below.points}) {
+      EXPECT_EQ(std::set<std::int32_t>(list->begin(), list->end()).size(), list->size());
+    }
+    for (const std::int32_t node : sketch.above.nodes) EXPECT_TRUE(onceOnly.insert(node).second);
+    for (const std::int32_t node : sketch.below.nodes) EXPECT_TRUE(onceOnly.insert(node).second);
+  }
+}
+
+}  // namespace
+}  // namespace lorica

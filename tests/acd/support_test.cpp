@@ -1,0 +1,201 @@
+#include "acd/support.h"
+
+#include "geometry/convex_hull.h"
+#include "tests/acd/hard_meshes.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace lorica {
+namespace {
+
+FloatPoints floats(std::span<const Vec3> points) {
+  FloatPoints result;
+  result.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    result.x[i] = static_cast<float>(points[i].x());
+    result.y[i] = static_cast<float>(points[i].y());
+    result.z[i] = static_cast<float>(points[i].z());
+  }
+  return result;
+}
+
+std::vector<Vec3> randomPoints(test::Dice& dice, int count) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) points.push_back(dice.inBox(1.0));
+  return points;
+}
+
+Support supportOf(std::span<const Vec3> points, std::int32_t first = 0) {
+  std::vector<std::int32_t> ids(points.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  Support support;
+  support.clear();
+  include(support, floats(points), ids, first, nullptr);
+  return support;
+}
+
+double enclosed(std::span<const Vec3> points) {
+  return enclosedVolume(supportOf(points), floats(points), {});
+}
+
+/// The positive direction of each pair: a point's coordinates along it are those of the axes' unit points.
+std::vector<Vec3f> directions() {
+  const Support x = supportOf(std::array{Vec3(1, 0, 0)}), y = supportOf(std::array{Vec3(0, 1, 0)}),
+                z = supportOf(std::array{Vec3(0, 0, 1)});
+  std::vector<Vec3f> result;
+  for (std::size_t i = 0; i < Support::kPairs; ++i) result.emplace_back(x.high[i], y.high[i], z.high[i]);
+  return result;
+}
+
+void expectEqual(const Support& a, const Support& b) {
+  EXPECT_EQ(a.high, b.high);
+  EXPECT_EQ(a.low, b.low);
+  EXPECT_EQ(a.highest, b.highest);
+  EXPECT_EQ(a.lowest, b.lowest);
+}
+
+TEST(Support, OfNothingAndOfOnePoint) {
+  const std::vector<Vec3> points = {{0.5, -2, 3}, {1, 1, 1}};
+  Support empty;
+  empty.clear();
+  Support same = empty;
+  include(same, floats(points), {}, 0, nullptr);
+  include(same, empty);
+  expectEqual(same, empty);
+  for (std::size_t i = 0; i < Support::kPairs; ++i) EXPECT_LT(empty.high[i], empty.low[i]);
+
+  const Support one = supportOf(std::span(points).first(1), 7);
+  EXPECT_EQ(one.high, one.low);
+  EXPECT_EQ(std::count(one.highest.begin(), one.highest.end(), 7), std::ssize(one.highest));
+  EXPECT_EQ(one.lowest, one.highest);
+  // The empty set adds nothing to another one, on either side.
+  Support left = one, right = empty;
+  include(left, empty);
+  include(right, one);
+  expectEqual(left, one);
+  expectEqual(right, one);
+}
+
+TEST(Support, DirectionsAreSpreadEvenlyOverTheSphere) {
+  const std::vector<Vec3f> all = directions();
+  for (const Vec3f& d : all) EXPECT_NEAR(d.norm(), 1.0f, 1e-6f);
+  // 46 pairs, then two copies.
+  EXPECT_EQ(all[46], all[0]);
+  EXPECT_EQ(all[47], all[0]);
+  // Neighbours among 92 directions can be up to 23 degrees apart. These are at least 20, and no direction at all is
+  // more than 14 degrees from one of them.
+  const double degree = std::numbers::pi / 180.0;
+  double narrowest = 9.0;
+  for (std::size_t i = 0; i < 46; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      narrowest = std::min(narrowest, std::acos(std::abs(static_cast<double>(all[i].dot(all[j])))));
+    }
+  }
+  EXPECT_GT(narrowest, 20.0 * degree);
+  const std::uint64_t seed = 61;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  for (int trial = 0; trial < 10000; ++trial) {
+    const Vec3f d = (dice.rotation() * Vec3::UnitX()).cast<float>();
+    float nearest = 0.0f;
+    for (const Vec3f& known : all) nearest = std::max(nearest, std::abs(d.dot(known)));
+    EXPECT_GT(nearest, std::cos(14.0 * degree));
+  }
+}
+
+TEST(Support, EqualsOneByOneInEveryDirection) {
+  const std::uint64_t seed = 62;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  const std::vector<Vec3f> all = directions();
+  for (const int count : {1, 2, 3, 15, 16, 17, 200}) {
+    const std::vector<Vec3> points = randomPoints(dice, count);
+    const FloatPoints cloud = floats(points);
+    // Every other point, named by its number plus 1000.
+    std::vector<std::int32_t> ids;
+    for (std::int32_t id = 0; id < count; id += 2) ids.push_back(id);
+    Support support;
+    support.clear();
+    include(support, cloud, ids, 1000, nullptr);
+    for (std::size_t i = 0; i < Support::kPairs; ++i) {
+      float high = -std::numeric_limits<float>::infinity(), low = -high;
+      std::int32_t highest = -1, lowest = -1;
+      for (const std::int32_t id : ids) {
+        const auto p = static_cast<std::size_t>(id);
+        const float value = all[i].x() * cloud.x[p] + all[i].y() * cloud.y[p] + all[i].z() * cloud.z[p];
+        if (value > high) {
+          high = value;
+          highest = id + 1000;
+        }
+        if (value < low) {
+          low = value;
+          lowest = id + 1000;
+        }
+      }
+      EXPECT_EQ(support.high[i], high);
+      EXPECT_EQ(support.low[i], low);
+      EXPECT_EQ(support.highest[i], highest);
+      EXPECT_EQ(support.lowest[i], lowest);
+    }
+  }
+}
+
+TEST(EnclosedVolume, IsZeroWithoutThickness) {
+  const std::vector<Vec3> corners = {{1, 2, 3}, {2, 2, 3}, {1, 3, 3}, {3, 5, 3}};
+  for (const std::size_t count : {1u, 2u, 3u, 4u}) EXPECT_EQ(enclosed(std::span(corners).first(count)), 0.0) << count;
+}
+
+TEST(EnclosedVolume, OfSimpleSolidsInClosedForm) {
+  const std::vector<Vec3> tetrahedron = test::makeTetrahedron().vertices;
+  EXPECT_NEAR(enclosed(tetrahedron), 1.0 / 6.0, 1e-7);
+  const std::vector<Vec3> octahedron = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  EXPECT_NEAR(enclosed(octahedron), 4.0 / 3.0, 1e-6);
+  std::vector<Vec3> box = test::makeBox({0, 0, 0}, {2, 3, 4}).vertices;
+  box.push_back({1, 1, 1});  // inside: adds nothing
+  EXPECT_NEAR(enclosed(box), 24.0, 1e-4);
+
+  // Far from the origin the volume is the same, up to the rounding of coordinates; enlarged it grows as a cube.
+  for (Vec3& v : box) v += Vec3(1000, -2000, 500);
+  EXPECT_NEAR(enclosed(box), 24.0, 1e-2);
+  for (Vec3& v : box) v *= 0.5;
+  EXPECT_NEAR(enclosed(box), 3.0, 1e-2);
+}
+
+TEST(EnclosedVolume, IsThatOfTheSupportPointsAlone) {
+  const std::uint64_t seed = 63;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  for (int trial = 0; trial < 50; ++trial) {
+    const std::vector<Vec3> points = randomPoints(dice, 100);
+    const double volume = enclosed(points);
+    EXPECT_LE(volume, convexHullVolume(points) * (1.0 + 1e-5)) << "trial " << trial;
+
+    // The same in two lists, of which the second continues the numbers of the first.
+    const auto first = std::span(points).first(60), second = std::span(points).subspan(60);
+    Support support = supportOf(first);
+    include(support, supportOf(second, 60));
+    EXPECT_EQ(enclosedVolume(support, floats(first), floats(second)), volume);
+
+    // Points that no direction names do not count.
+    const Support all = supportOf(points);
+    std::vector<Vec3> named;
+    for (std::int32_t id = 0; id < 100; ++id) {
+      const bool is = std::count(all.highest.begin(), all.highest.end(), id) > 0 ||
+                      std::count(all.lowest.begin(), all.lowest.end(), id) > 0;
+      if (is) named.push_back(points[static_cast<std::size_t>(id)]);
+    }
+    EXPECT_LT(named.size(), points.size());
+    EXPECT_NEAR(enclosed(named), volume, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,171 @@
+#include "acd/transfer.h"
+
+#include "acd/decompose.h"
+#include "tests/acd/hard_meshes.h"
+#include "tests/acd/parts.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+/// The L-shape as one part, and cut along an inner face into boxes of 1 x 2 x 1 and 1 x 1 x 1.
+struct LShape : ::testing::Test {
+  LShape() : mesh(test::makeLShape()) {
+    whole.vertexCount = halves.vertexCount = static_cast<int>(mesh.vertices.size());
+    whole.triangleCount = halves.triangleCount = static_cast<int>(mesh.triangles.size());
+    whole.parts = {test::wholeOf(mesh)};
+    CutResult cut = cutPart(whole.parts[0], mesh.vertices, {Vec3::UnitX(), 1.0}, 1e-9, halves.vertexCount);
+    halves.cutPoints = std::move(cut.newPoints);
+    halves.parts = {std::move(cut.below), std::move(cut.above)};
+    halves.splitFrom = {0};
+  }
+  template <class Map>
+  [[nodiscard]] std::vector<Vec3> posed(Map map) const {
+    std::vector<Vec3> positions;
+    for (const Vec3& v : mesh.vertices) positions.push_back(map(v));
+    return positions;
+  }
+
+  TriMesh mesh;
+  Decomposition whole, halves;
+};
+
+std::vector<Vec3> transferred(const Decomposition& decomposition, std::span<const Vec3> posed) {
+  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  transfer(decomposition, posed, points);
+  return points;
+}
+
+double hullVolume(std::span<const PointIndex> ids, std::span<const Vec3> points) {
+  std::vector<Vec3> own;
+  for (const PointIndex p : ids) own.push_back(points[p]);
+  return convexHullVolume(own);
+}
+
+TEST(Transfer, WithoutCutPointsOnlyCopies) {
+  Decomposition none;
+  transfer(none, {}, {});
+  none.vertexCount = 2;
+  const std::vector<Vec3> posed = {{1, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(transferred(none, posed), posed);
+}
+
+TEST_F(LShape, TransferWorksInPlaceAndKeepsRatios) {
+  // The crossings of the plane x = 1 stay at half of their edges in any affine pose.
+  ASSERT_EQ(halves.cutPoints.size(), 3u);
+  Mat3 map;
+  map << 2, 1, 0, 0, 3, 1, 1, 0, 4;
+  const std::vector<Vec3> pose = posed([&](const Vec3& v) -> Vec3 { return map * v + Vec3(5, 6, 7); });
+  const std::vector<Vec3> still = transferred(halves, mesh.vertices), points = transferred(halves, pose);
+  ASSERT_EQ(points.size(), 15u);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LT((map * still[i] + Vec3(5, 6, 7) - points[i]).norm(), 1e-12) << i;
+  }
+  for (std::size_t i = 12; i < 15; ++i) EXPECT_EQ(still[i].x(), 1.0);
+  std::vector<Vec3> inPlace = pose;
+  inPlace.resize(points.size(), Vec3(9, 9, 9));
+  transfer(halves, std::span(inPlace).first(pose.size()), inPlace);
+  EXPECT_EQ(inPlace, points);
+}
+
+TEST(SpanningPoints, LeaveOutBlendsEvenOfPointsThatThePartHasNot) {
+  Decomposition d;
+  d.vertexCount = 4;
+  d.cutPoints = {{0, 1, 0.5}, {2, 4, 0.5}, {3, 4, 0.25}, {5, 6, 0.5}};  // points 4 to 7
+  const auto spanning = [&](std::vector<PointIndex> points) {
+    Part part;
+    part.points = std::move(points);
+    return spanningPoints(d, part);
+  };
+  using Points = std::vector<PointIndex>;
+  EXPECT_EQ(spanning({}), (Points{}));
+  EXPECT_EQ(spanning({0, 1, 2, 3}), (Points{0, 1, 2, 3}));
+  EXPECT_EQ(spanning({0, 4}), (Points{0, 4})) << "one end only";
+  EXPECT_EQ(spanning({0, 1, 4}), (Points{0, 1}));
+  EXPECT_EQ(spanning({2, 4, 5, 6}), (Points{2, 4, 6}));
+  EXPECT_EQ(spanning({5, 6, 7}), (Points{5, 6}));
+  // 4 is not a point of the part, but as a blend of 0 and 1 it is in the part's hull; so are all others.
+  EXPECT_EQ(spanning({0, 1, 2, 5}), (Points{0, 1, 2}));
+  EXPECT_EQ(spanning({0, 1, 2, 3, 7}), (Points{0, 1, 2, 3}));
+}
+
+TEST(SpanningPoints, HaveThePartsHullInEveryPose) {
+  const std::uint64_t seed = 51;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  const TriMesh torus = test::makeTorus(1.0, 0.4, 24, 10);
+  // Cut into more parts than wanted, then merged again: that leaves blends.
+  const auto decomposition = decompose(torus, {torus.vertices, static_cast<int>(torus.vertices.size())},
+                                       {.maxParts = 6, .preset = DecomposePreset::kFast});
+  ASSERT_TRUE(decomposition.ok());
+  std::size_t all = 0, kept = 0;
+  for (const Part& part : decomposition->parts) {
+    const std::vector<PointIndex> spanning = spanningPoints(*decomposition, part);
+    EXPECT_TRUE(std::is_sorted(spanning.begin(), spanning.end()));
+    EXPECT_TRUE(std::includes(part.points.begin(), part.points.end(), spanning.begin(), spanning.end()));
+    all += part.points.size();
+    kept += spanning.size();
+    for (int trial = 0; trial < 20; ++trial) {
+      std::vector<Vec3> posed = torus.vertices;
+      for (Vec3& v : posed) v += dice.inBox(0.5);
+      const std::vector<Vec3> points = transferred(*decomposition, posed);
+      const double volume = hullVolume(part.points, points);
+      EXPECT_NEAR(hullVolume(spanning, points), volume, 1e-9 * volume);
+    }
+  }
+  EXPECT_LT(kept, all);
+}
+
+TEST_F(LShape, HullsAreThoseOfThePartsInOrder) {
+  EXPECT_TRUE(partHulls({}, {}).empty());
+  const std::vector<Vec3> flat = transferred(halves, posed([](const Vec3& v) { return Vec3(v.x(), v.y(), 0); }));
+  for (const ConvexHull& hull : partHulls(halves, flat)) {
+    EXPECT_TRUE(hull.degenerate());
+    EXPECT_EQ(hull.volume, 0.0);
+  }
+  const std::vector<Vec3> points = transferred(halves, mesh.vertices);
+  const std::vector<ConvexHull> hulls = partHulls(halves, points);
+  ASSERT_EQ(hulls.size(), 2u);
+  EXPECT_NEAR(hulls[0].volume, 2.0, 1e-12);
+  EXPECT_NEAR(hulls[1].volume, 1.0, 1e-12);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ConvexHull alone = partHull(halves.parts[i], points);
+    EXPECT_EQ(alone.vertices, hulls[i].vertices);
+    EXPECT_EQ(alone.triangles, hulls[i].triangles);
+    EXPECT_EQ(alone.vertices.size(), 8u) << "the corners of a box";
+  }
+}
+
+TEST_F(LShape, ErrorInAPoseIsThatOfClosedForms) {
+  const auto same = [](const Vec3& v) { return v; };
+  EXPECT_NEAR(errorInPose(whole, mesh, posed(same)).meshVolume, 3.0, 1e-12);
+  EXPECT_NEAR(errorInPose(whole, mesh, posed(same)).hullVolume, 3.5, 1e-12);
+  EXPECT_NEAR(errorInPose(whole, mesh, posed(same)).relative(), 1.0 / 6.0, 1e-12);
+  EXPECT_NEAR(errorInPose(halves, mesh, posed(same)).hullVolume, 3.0, 1e-12);
+  EXPECT_NEAR(errorInPose(halves, mesh, posed(same)).relative(), 0.0, 1e-12);
+
+  // Stretched and sheared: volumes grow by 2 * 3 * 4, and boxes stay convex.
+  const auto sheared = [](const Vec3& v) { return Vec3(2.0 * v.x() + v.y(), 3.0 * v.y(), 4.0 * v.z() - v.x()); };
+  EXPECT_NEAR(errorInPose(whole, mesh, posed(sheared)).hullVolume, 24.0 * 3.5, 1e-11);
+  EXPECT_NEAR(errorInPose(halves, mesh, posed(sheared)).meshVolume, 24.0 * 3.0, 1e-11);
+  EXPECT_NEAR(errorInPose(halves, mesh, posed(sheared)).relative(), 0.0, 1e-12);
+
+  //  5---4
+  //  |   |           The arm pulled out to x = 4: its lower edge is now cut at c = (2, 0), still halfway, but its upper
+  //  |   3-------2   one still at vertex 3, (1, 1). The hulls' profiles are 0 c 4 5, of area 3, and c 1 2 3, of area
+  //  |           |   5/2; they overlap in the triangle 3 c (3/2, 1) and leave nothing out.
+  //  0-----c-----1
+  const auto pulled = [](const Vec3& v) { return Vec3(v.x() > 1.5 ? 4.0 : v.x(), v.y(), v.z()); };
+  const PoseError error = errorInPose(halves, mesh, posed(pulled));
+  EXPECT_NEAR(error.meshVolume, 5.0, 1e-12);
+  EXPECT_NEAR(error.hullVolume, 5.5, 1e-12);
+  EXPECT_NEAR(error.relative(), 0.1, 1e-12);
+}
+
+}  // namespace
+}  // namespace lorica

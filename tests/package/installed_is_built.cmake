@@ -1,0 +1,33 @@
+# cmake -D BUILD=<build folder> -P installed_is_built.cmake
+# Everything that `cmake --install` copies from the build folder is built by the target lorica, which scripts/demo builds:
+# README.md installs after the demo.
+cmake_minimum_required(VERSION 3.25)
+
+execute_process(COMMAND ninja -C ${BUILD} -t inputs lorica RESULT_VARIABLE status OUTPUT_VARIABLE inputs)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "ninja -t inputs lorica: exit status ${status}")
+endif()
+string(REPLACE "\n" ";" inputs "${inputs}")
+list(TRANSFORM inputs STRIP)
+list(APPEND inputs lorica)
+
+file(GLOB_RECURSE scripts ${BUILD}/cmake_install.cmake)
+set(checked 0)
+foreach(script ${scripts})
+  if(script MATCHES "/tests/consumer/work/")
+    continue()
+  endif()
+  file(READ ${script} text)
+  string(REGEX MATCHALL "\"${BUILD}/[^\"]+\\.(a|so|so\\.0)\"|\"${BUILD}/lorica[^/\".]*\"" files "${text}")
+  foreach(file ${files})
+    string(REGEX REPLACE "^\"${BUILD}/(.*)\"$" "\\1" file ${file})
+    if(NOT file IN_LIST inputs)
+      message(SEND_ERROR "${file} is installed, but the target lorica does not build it")
+    endif()
+    math(EXPR checked "${checked} + 1")
+  endforeach()
+endforeach()
+if(checked LESS 20)
+  message(FATAL_ERROR "found ${checked} installed files, expected at least 20")
+endif()
+message("${checked} installed files, all built by lorica")
