@@ -253,7 +253,7 @@ void takeTriangles(ByteReader& reader, std::size_t index, Scratch& values, Part&
   takePacked(reader, "the corners of a part", values);
   if (!reader.ok()) return;
   std::vector<std::uint8_t> usedPoints(part.points.size(), 0);
-  // Where each begins, once: a byte that is stored may be part of anything, and all would be looked up again.
+  // Spans, taken once: storing a byte may alias anything, and every begin() would be read again.
   const std::span<std::uint8_t> used = usedPoints;
   const std::span<const std::uint32_t> differences = values;
   const std::span<const PointIndex> points = part.points;

@@ -101,7 +101,7 @@ TrainingRange takeTraining(ByteReader& reader, int pointCount) {
   return training;
 }
 
-// ---- Cover promise ----
+// ---- Hull cover ----
 
 /// Where each point stands in the part's list; past its end stand all vertices of the mesh, for those that no part has.
 /// What is neither is past that end, too, and reading back refuses it.

@@ -27,7 +27,7 @@ enum class ErrorCode {
   kBadMesh,          ///< a mesh that the algorithms cannot take
   kInvalidArgument,  ///< a setting out of range
   kUnsupported,      ///< understood, but not handled
-  kNoDisplay,        ///< no window or no off-screen renderer can be had
+  kNoDisplay,        ///< no window or off-screen renderer is available
   kCancelled,        ///< the caller asked to stop
 };
 

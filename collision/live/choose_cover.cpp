@@ -362,15 +362,15 @@ class PartCover {
 }  // namespace
 
 HullCover coverExactly(const Decomposition& decomposition, std::span<const LiftedPoint> lifted) {
-  HullCover promise;
-  promise.points.resize(decomposition.parts.size());
+  HullCover cover;
+  cover.points.resize(decomposition.parts.size());
   const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(decomposition, lifted);
-  for (std::size_t i = 0; i < promise.points.size(); ++i) {
+  for (std::size_t i = 0; i < cover.points.size(); ++i) {
     for (const PointIndex p : hullCandidates(decomposition, decomposition.parts[i], lifted, attached[i])) {
-      promise.points[i].push_back({p, Vec3::Zero()});
+      cover.points[i].push_back({p, Vec3::Zero()});
     }
   }
-  return promise;
+  return cover;
 }
 
 Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<const LiftedPoint> lifted,
@@ -385,14 +385,14 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
         ErrorCode::kInvalidArgument,
         fmt::format("the maximum number of hull vertices is {}, expected 4 or more", settings.maxHullVertices)};
   }
-  HullCover promise = coverExactly(decomposition, lifted);
-  promise.tolerance = settings.tolerance;
-  promise.maxHullVertices = settings.maxHullVertices;
-  if (settings.tolerance == 0.0 && settings.maxHullVertices == 0) return promise;
-  promise.sampledPoses = sampled.poseCount();
-  promise.heldOutPoses = heldOut.poseCount();
+  HullCover cover = coverExactly(decomposition, lifted);
+  cover.tolerance = settings.tolerance;
+  cover.maxHullVertices = settings.maxHullVertices;
+  if (settings.tolerance == 0.0 && settings.maxHullVertices == 0) return cover;
+  cover.sampledPoses = sampled.poseCount();
+  cover.heldOutPoses = heldOut.poseCount();
 
-  const std::size_t partCount = promise.points.size();
+  const std::size_t partCount = cover.points.size();
   const std::size_t atMost =
       settings.maxHullVertices == 0 ? std::size_t(-1) : static_cast<std::size_t>(settings.maxHullVertices);
   struct Outcome {
@@ -408,16 +408,16 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
     tbb::parallel_for(std::size_t{0}, partCount, [&](std::size_t i) {
       if (cancelled) return;
       std::vector<PointIndex> candidates;
-      candidates.reserve(promise.points[i].size());
-      for (const CoverPoint& p : promise.points[i]) candidates.push_back(p.point);
+      candidates.reserve(cover.points[i].size());
+      for (const CoverPoint& p : cover.points[i]) candidates.push_back(p.point);
       if (candidates.size() > 4) {
-        PartCover cover(candidates, lifted, sampled);
-        cover.choose(settings.tolerance, atMost);
-        outcomes[i].held = cover.grow(atMost);
-        outcomes[i].shortfall = cover.shortfall();
-        outcomes[i].growth = cover.longestPush();
-        outcomes[i].heldOut = cover.farthestOut(heldOut);
-        promise.points[i] = cover.points();
+        PartCover part(candidates, lifted, sampled);
+        part.choose(settings.tolerance, atMost);
+        outcomes[i].held = part.grow(atMost);
+        outcomes[i].shortfall = part.shortfall();
+        outcomes[i].growth = part.longestPush();
+        outcomes[i].heldOut = part.farthestOut(heldOut);
+        cover.points[i] = part.points();
       }
       const std::scoped_lock lock(progressMutex);
       ++done;
@@ -430,13 +430,13 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
       return Error{ErrorCode::kInvalidArgument,
                    fmt::format("part {}: {} points cannot cover the body in all {} sampled poses; allow more vertices "
                                "or reduce the tolerance",
-                               i, promise.points[i].size(), sampled.poseCount())};
+                               i, cover.points[i].size(), sampled.poseCount())};
     }
-    promise.growth = std::max(promise.growth, outcomes[i].growth);
-    promise.sampledShortfall = std::max(promise.sampledShortfall, outcomes[i].shortfall);
-    promise.heldOutShortfall = std::max(promise.heldOutShortfall, outcomes[i].heldOut);
+    cover.growth = std::max(cover.growth, outcomes[i].growth);
+    cover.sampledShortfall = std::max(cover.sampledShortfall, outcomes[i].shortfall);
+    cover.heldOutShortfall = std::max(cover.heldOutShortfall, outcomes[i].heldOut);
   }
-  return promise;
+  return cover;
 }
 
 LiftedPoint pushed(LiftedPoint point, const Vec3& outward) {

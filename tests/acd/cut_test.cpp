@@ -213,6 +213,14 @@ TEST(Cut, AnyPlaneLeavesTwoClosedHalvesAndEveryTriangleOnce) {
       std::vector<Triangle> reversed = test::capsOf(cut.halves.below);
       for (Triangle& t : reversed) std::swap(t[1], t[2]);
       EXPECT_EQ(test::capsOf(cut.halves.above), reversed);
+      // Without it the area vectors add up to the area that it has to fill, unless its triangles overlap.
+      Vec3 open = Vec3::Zero();
+      for (std::size_t i = 0; i < cut.halves.above.triangles.size(); ++i) {
+        const Triangle& t = cut.halves.above.triangles[i];
+        if (cut.halves.above.sourceTriangle[i] < 0) continue;
+        open += 0.5 * (cut.points[t[1]] - cut.points[t[0]]).cross(cut.points[t[2]] - cut.points[t[0]]);
+      }
+      EXPECT_NEAR(surfaceArea(cut.points, reversed), plane.normal.dot(open), 1e-9);
 
       // A rigid motion only moves the points.
       const Quat rotation = dice.rotation();

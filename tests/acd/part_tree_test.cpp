@@ -99,19 +99,20 @@ TEST(PartTree, APlaneThatOnlyTouchesThePartDoesNotDivideIt) {
   EXPECT_TRUE(tree.sketch({Vec3::UnitX(), 1.0 - 2.0 * kTolerance}, kTolerance, sketch));
   EXPECT_EQ(sketch.crossings.size(), 3u);
 
-  // A slab of many squares: some leaves contain nothing but triangles of its top, which are on the plane too.
+  // A block whose top has many triangles: some leaves contain nothing else, and all of their points are on the plane.
   std::set<test::Voxel> voxels;
   for (int i = 0; i < 64; ++i) voxels.insert({i % 8, i / 8, 0});
-  const TriMesh slab = test::makeVoxelSurface(voxels);
-  const std::vector<std::vector<Vec3>> slabKeyframes = {slab.vertices};
-  const PartTree leaves(test::wholeOf(slab), slabKeyframes, 0);
+  TriMesh block = test::makeVoxelSurface(voxels);
+  for (Vec3& v : block.vertices) v.z() *= 20.0;
+  const std::vector<std::vector<Vec3>> blockKeyframes = {block.vertices};
+  const PartTree leaves(test::wholeOf(block), blockKeyframes, 0);
   EXPECT_GT(leaves.nodes().size(), 7u);
   for (const double below : {0.0, 0.5 * kTolerance}) {
-    EXPECT_FALSE(leaves.sketch({Vec3::UnitZ(), 1.0 - below}, kTolerance, sketch));
+    EXPECT_FALSE(leaves.sketch({Vec3::UnitZ(), 20.0 - below}, kTolerance, sketch));
     EXPECT_TRUE(sketch.above.nodes.empty());
     EXPECT_TRUE(sketch.above.points.empty());
   }
-  EXPECT_TRUE(leaves.sketch({Vec3::UnitZ(), 0.5}, kTolerance, sketch));
+  EXPECT_TRUE(leaves.sketch({Vec3::UnitZ(), 10.0}, kTolerance, sketch));
 }
 
 TEST_F(TorusTree, ChildrenDivideTheTrianglesOfTheirParent) {

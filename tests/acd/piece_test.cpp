@@ -81,6 +81,7 @@ TEST(CutContext, CoplanarVerticesStayOnTheirPlaneFarFromTheOrigin) {
       const std::vector<Vec3> positions =
           keyframesOf(shape, [&](const Vec3& v) -> Vec3 { return rotation * v + shift; });
       const CutContext context = contextOf(shape, positions);
+      EXPECT_LT(context.onPlane[0], 1e-8 + 1e-14 * distance);
       // The planes of the inner faces, x = 1 and y = 1, contain four vertices each, and the bottom, z = 0, six.
       for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
         const double level = axis.z() == 0.0 ? 1.0 : 0.0;

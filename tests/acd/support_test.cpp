@@ -163,7 +163,7 @@ TEST(EnclosedVolume, OfSimpleSolidsInClosedForm) {
   EXPECT_NEAR(enclosed(box), 24.0, 1e-4);
 
   // Far from the origin the volume is the same, up to the rounding of coordinates; enlarged it grows as a cube.
-  for (Vec3& v : box) v += Vec3(1000, -2000, 500);
+  for (Vec3& v : box) v += Vec3(1000.3, -2000.7, 500.1);
   EXPECT_NEAR(enclosed(box), 24.0, 1e-2);
   for (Vec3& v : box) v *= 0.5;
   EXPECT_NEAR(enclosed(box), 3.0, 1e-2);

@@ -29,7 +29,7 @@ std::string glbOf(std::string_view json, std::string_view binary) {
 
 void require(bool holds, const char* what) {
   if (holds) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
+  std::fprintf(stderr, "broken guarantee: %s\n", what);
   std::abort();
 }
 

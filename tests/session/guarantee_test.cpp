@@ -30,7 +30,7 @@ int poseCount() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return 1000;
 #else
-  return std::getenv("LORICA_LONG_TESTS") != nullptr ? 100000 : 20000;
+  return std::getenv("LORICA_LONG_TESTS") != nullptr ? 100000 : 4000;
 #endif
 }
 constexpr int kPosesAChunk = 500;
@@ -240,10 +240,10 @@ Outside throwPoses(const LiveBody& fresh, int first, int poses, double limit) {
 }
 
 // All poses are split into kShares shares that can run in parallel.
-class Promise : public testing::TestWithParam<int> {};
+class Guarantee : public testing::TestWithParam<int> {};
 constexpr int kShares = 2;
 
-TEST_P(Promise, ExactHullsHoldTheSurfaceInRandomPoses) {
+TEST_P(Guarantee, ExactHullsHoldTheSurfaceInRandomPoses) {
   const Subject& s = subject();
   const LiveBody body = LiveBody::create(s.decomposition, s.character).value();
   EXPECT_EQ(body.coverage().tolerance, 0.0);
@@ -255,7 +255,7 @@ TEST_P(Promise, ExactHullsHoldTheSurfaceInRandomPoses) {
   EXPECT_LT(outside.farthest, 1e-6 * s.character.height);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shares, Promise, testing::Range(0, kShares));
+INSTANTIATE_TEST_SUITE_P(Shares, Guarantee, testing::Range(0, kShares));
 
 /// How far the surface protrudes from a body in given poses.
 Outside inPoses(LiveBody body, BonePoseView poses, double limit) {
@@ -275,7 +275,7 @@ Outside inPoses(LiveBody body, BonePoseView poses, double limit) {
   return outside;
 }
 
-TEST(PromiseOfFewPoints, CoversAllSampledPosesAndReportsTheShortfallInOthers) {
+TEST(GuaranteeOfFewPoints, CoversAllSampledPosesAndReportsTheShortfallInOthers) {
   const Subject& s = subject();
   const double height = s.character.height;
   const Result<CoverPoses> poses = coverPoses(s.character, s.motions);
