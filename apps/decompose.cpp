@@ -244,7 +244,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     training = std::move(*motions);
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
     Result<Keyframes> sampled = trainingKeyframes(*subject->character, *training, count);
-    if (!sampled) return sampled.error();
+    if (!sampled) return Error{sampled.error().code, "--keyframes: " + sampled.error().message};
     outcome.keyframes = std::move(*sampled);
     if (!options.cover.exact()) {
       Result<CoverPoses> poses = coverPoses(*subject->character, training->motions);

@@ -71,7 +71,7 @@ int main() {
   lorica::Pose pose = lorica::restPose(character.skeleton);
   std::vector<lorica::Affine3> transforms(pose.size());
   int contacts = 0;
-  double deepest = 0.0;
+  int stuck = 0;  // balls more than 5 mm inside a part after a frame: squeezed against the floor or another part
   for (int frame = 0; frame < 90; ++frame) {
     lorica::poseAt(motion, motion.times.front() + frame * kStep, pose);
     lorica::computeWorldFromJoint(character.skeleton, pose, transforms);
@@ -81,15 +81,21 @@ int main() {
     for (Ball& ball : balls) {
       ball.velocity.y() -= 9.81 * kStep;
       ball.position += kStep * ball.velocity;
-      for (const lorica::LivePart& part : body.parts()) {
-        const std::optional<Contact> contact = touch(part, ball.position);
-        if (!contact) continue;
-        ++contacts;
-        ball.position += contact->depth * contact->normal;
-        // The part's own motion at that point pushes the ball.
-        const lorica::Vec3 pushed = lorica::velocityAt(part, ball.position, kStep);
-        const double approach = (ball.velocity - pushed).dot(contact->normal);
-        if (approach < 0.0) ball.velocity -= 1.3 * approach * contact->normal;
+      // Out of one part may be into its neighbour: a few rounds.
+      for (int round = 0; round < 8; ++round) {
+        bool touched = false;
+        for (const lorica::LivePart& part : body.parts()) {
+          const std::optional<Contact> contact = touch(part, ball.position);
+          if (!contact) continue;
+          touched = true;
+          ++contacts;
+          ball.position += contact->depth * contact->normal;
+          // The part's own motion at that point pushes the ball.
+          const lorica::Vec3 pushed = lorica::velocityAt(part, ball.position, kStep);
+          const double approach = (ball.velocity - pushed).dot(contact->normal);
+          if (approach < 0.0) ball.velocity -= 1.3 * approach * contact->normal;
+        }
+        if (!touched) break;
       }
       if (ball.position.y() < kRadius) {
         ball.position.y() = kRadius;
@@ -97,10 +103,10 @@ int main() {
         ball.velocity.y() = std::abs(ball.velocity.y());
       }
       for (const lorica::LivePart& part : body.parts()) {
-        if (const auto left = touch(part, ball.position)) deepest = std::max(deepest, left->depth);
+        if (const auto left = touch(part, ball.position); left && left->depth > 0.005) ++stuck;
       }
     }
   }
   std::printf("%d contacts of %zu balls with %zu parts\n", contacts, balls.size(), body.parts().size());
-  std::printf("deepest overlap left after a frame: %.0f mm\n", 1e3 * deepest);
+  std::printf("%.2f %% of the positions overlap a part by more than 5 mm\n", 100.0 * stuck / (90.0 * balls.size()));
 }

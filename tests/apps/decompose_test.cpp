@@ -137,7 +137,7 @@ TEST(Decompose, EdgeOfFourTrianglesIsRepairedAndReported) {
   const std::filesystem::path file = writeObj(folder, "fan.obj", mesh);
   const nlohmann::json json = runLorica({"decompose", file, "--parts", "2", "--json", "-"}).json();
   EXPECT_NEAR(json["meshVolume"].get<double>(), 2.0, 1e-12);
-  EXPECT_NE(json["repaired"].get<std::string>().find("1 edge"), std::string::npos) << json["repaired"];
+  EXPECT_NE(json["repaired"].get<std::string>().find("1 non-manifold edge"), std::string::npos) << json["repaired"];
 }
 
 TEST(Decompose, ConvexMeshIsNotCut) {
