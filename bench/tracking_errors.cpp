@@ -34,7 +34,8 @@ double JointErrors::mean() const {
 }
 
 bool JointErrors::limbWrong() const {
-  return !tracked || std::ranges::any_of(kLimbs, [&](J joint) { return distance[joint] > kWrong; });
+  return !tracked ||
+         std::ranges::any_of(kLimbs, [&](J joint) { return distance[static_cast<std::size_t>(joint)] > kWrong; });
 }
 
 JointErrors errorsOf(const SkeletonFrame& truth, bool visible, const std::optional<SkeletonFrame>& tracked) {
