@@ -5,6 +5,7 @@
 #include "bench/plot.h"
 #include "bench/tracking_errors.h"
 #include "bench/tracking_motions.h"
+#include "bench/tracking_real.h"
 #include "capture/tracking/tracker.h"
 #include "geometry/files.h"
 
@@ -32,6 +33,8 @@ struct Options {
   double from = 1.0;
   std::string plots;
   bool quick = false;
+  std::string real;
+  RealOptions realOptions;
 };
 
 /// One run of one motion by one body.
@@ -318,6 +321,14 @@ int main(int argc, char** argv) {
   app.add_option("--from", options.from, "time from which errors are evaluated [s]");
   app.add_option("--plots", options.plots, "folder for a chart of each motion");
   app.add_flag("--quick", options.quick, "one seed, 120 frames, two bodies, no clean depth");
+  app.add_option("--real", options.real, "measure on the depth recordings of real people in this folder instead");
+  app.add_option("--name", options.realOptions.names, "with --real: only recordings whose name begins like this")
+      ->delimiter(',');
+  app.add_option("--results", options.realOptions.results, "with --real: folder for the joints and labels");
+  app.add_option("--pictures", options.realOptions.pictures,
+                 "with --real: folder for pictures of the tracked (red) and recorded (green) joints over the depth");
+  app.add_option("--picture-step", options.realOptions.pictureStep, "with --pictures: draw every n-th frame")
+      ->check(CLI::Range(1, 10'000));
   CLI11_PARSE(app, argc, argv);
   if (options.quick) {
     options.seeds = 1;
@@ -325,6 +336,8 @@ int main(int argc, char** argv) {
     if (options.frames == 0) options.frames = 120;
     if (options.bodies.empty()) options.bodies = {"tall", "heavy"};
   }
-  if (lorica::Result<void> done = measure(options); !done) return fail(done.error());
+  if (lorica::Result<void> done =
+          options.real.empty() ? measure(options) : measureRealPeople(options.real, options.realOptions);
+      !done) return fail(done.error());
   return 0;
 }

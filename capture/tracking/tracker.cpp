@@ -134,5 +134,8 @@ const Isometry3& Tracker::floorFromCamera() const {
 bool Tracker::floorFound() const {
   return impl_->finder.floorFound();
 }
+std::span<const std::uint8_t> Tracker::labels() const {
+  return impl_->finder.labels();
+}
 
 }  // namespace lorica

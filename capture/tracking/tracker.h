@@ -45,6 +45,8 @@ class Tracker {
 
   [[nodiscard]] const Isometry3& floorFromCamera() const;
   [[nodiscard]] bool floorFound() const;
+  /// Of the last frame, width x height: 0 nobody, 255 not measured, else one number for each person's pixels.
+  [[nodiscard]] std::span<const std::uint8_t> labels() const;
 
  private:
   struct Impl;
