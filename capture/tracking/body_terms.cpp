@@ -154,7 +154,7 @@ SamplePulls pullsOf(const BodyView& view, const PosedModel& body, const Sample& 
     const float each = 1.0F / (deviation * deviation);
     out.pull[out.count++] = {derivative, residual, each * r.weight, each * r.cost};
   };
-  const float under = ball.radius - ball.centre.y() - 0.01F;
+  const float under = ball.radius - (ball.centre.y() - view.ground().value_or(-1e3F)) - 0.01F;
   if (under > 0.0F) add(-V3::UnitY(), under, kFloorDeviation, 0.2F);
   const BodyView::Sight sight = view.sightOf(ball.centre);
   if (!sight.inside) return out;

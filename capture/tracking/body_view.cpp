@@ -7,11 +7,12 @@ namespace lorica::fit {
 namespace {
 
 constexpr int kMargin = 14;           ///< around the person [blocks]
-constexpr int kMinPixels = 5;         ///< of the person for a block to count as theirs
 constexpr float kLayer = 0.06F;       ///< depths this far behind a block's nearest one belong to another layer [m]
 constexpr float kNormalStep = 0.07F;  ///< neighbours that differ by more in depth belong to another surface [m]
 constexpr int kCutBlocks = 6;         ///< blocks at the image border for the person to count as cut off
 constexpr std::size_t kMaxPoints = 4000;
+constexpr std::size_t kLowShare = 100;  ///< one of so many points may lie below the ground that the others show
+constexpr float kLowMargin = 0.02F;     ///< from the lowest points seen down to the ground [m]
 
 enum Kind : std::uint8_t { kElse, kPerson, kUnknown };
 
@@ -30,10 +31,11 @@ int bayerRank(int x, int y) {
 
 BodyView::BodyView(const DepthCamera& camera)
     : camera_(camera),
+      block_(camera.width < 400 ? 2 : 4),
       focalX_(static_cast<float>(camera.focalX())),
       focalY_(static_cast<float>(camera.focalY())),
-      columns_(camera.width / kBlock),
-      rows_(camera.height / kBlock) {
+      columns_(camera.width / block_),
+      rows_(camera.height / block_) {
   const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   blocks_.resize(count);
   positions_.resize(count);
@@ -49,12 +51,25 @@ V3 BodyView::cameraPositionOf(float column, float row, float depth) const {
 }
 
 void BodyView::look(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label,
-                    const Isometry3& floorFromCamera) {
+                    const Isometry3& floorFromCamera, bool floorFound) {
   floorFromCamera_ = floorFromCamera.linear().cast<float>();
   cameraPosition_ = floorFromCamera.translation().cast<float>();
   gather(depthMm, labels, label);
   distances();
   makePoints();
+  findGround(floorFound);
+}
+
+void BodyView::findGround(bool floorFound) {
+  ground_.reset();
+  if (floorFound) {
+    ground_ = 0.0F;
+  } else if (!cutBelow_ && !points_.empty()) {
+    for (std::size_t k = 0; k < points_.size(); ++k) scratch_[k] = points_[k].position.y();
+    const auto low = scratch_.begin() + static_cast<std::ptrdiff_t>(points_.size() / kLowShare);
+    std::nth_element(scratch_.begin(), low, scratch_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
+    ground_ = *low - kLowMargin;
+  }
 }
 
 void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels,
@@ -64,17 +79,19 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   top_ = rows_;
   bottom_ = 0;
   const int width = camera_.width;
+  // Pixels of the person for a block to count as theirs, and those that must lie in its nearest layer.
+  const int minPixels = block_ == 4 ? 5 : 2, minLayer = block_ == 4 ? 3 : 1;
   for (int by = 0; by < rows_; ++by) {
     for (int bx = 0; bx < columns_; ++bx) {
-      const auto first = static_cast<std::size_t>(by * kBlock) * static_cast<std::size_t>(width) +
-                         static_cast<std::size_t>(bx * kBlock);
+      const auto first = static_cast<std::size_t>(by * block_) * static_cast<std::size_t>(width) +
+                         static_cast<std::size_t>(bx * block_);
       int mine = 0;
       int missing = 0;
       std::uint16_t nearest = 0xffff;
       std::uint16_t nearestElse = 0xffff;
-      for (int y = 0; y < kBlock; ++y) {
+      for (int y = 0; y < block_; ++y) {
         const std::size_t at = first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-        for (std::size_t x = 0; x < kBlock; ++x) {
+        for (std::size_t x = 0; x < static_cast<std::size_t>(block_); ++x) {
           const std::uint16_t mm = depthMm[at + x];
           if (mm == 0) {
             ++missing;
@@ -91,16 +108,16 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       Block& block = blocks_[index];
       block.kind = kElse;
       block.depth = nearestElse == 0xffff ? 0.0F : 0.001F * static_cast<float>(nearestElse);
-      if (mine < kMinPixels) {
-        if (missing > kBlock * kBlock / 2) block.kind = kUnknown;
+      if (mine < minPixels) {
+        if (missing > block_ * block_ / 2) block.kind = kUnknown;
         continue;
       }
       float sum = 0.0F, sumX = 0.0F, sumY = 0.0F;
       int count = 0;
       const float limit = static_cast<float>(nearest) + 1000.0F * kLayer;
-      for (int y = 0; y < kBlock; ++y) {
+      for (int y = 0; y < block_; ++y) {
         const std::size_t at = first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-        for (std::size_t x = 0; x < kBlock; ++x) {
+        for (std::size_t x = 0; x < static_cast<std::size_t>(block_); ++x) {
           const auto mm = static_cast<float>(depthMm[at + x]);
           if (mm == 0.0F || labels[at + x] != label || mm > limit) continue;
           sum += mm;
@@ -109,12 +126,12 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
           ++count;
         }
       }
-      if (count < 3) continue;
+      if (count < minLayer) continue;
       const float share = 1.0F / static_cast<float>(count);
       block.kind = kPerson;
       block.depth = 0.001F * sum * share;
-      positions_[index] = cameraPositionOf(static_cast<float>(bx * kBlock) + 0.5F + sumX * share,
-                                           static_cast<float>(by * kBlock) + 0.5F + sumY * share, block.depth);
+      positions_[index] = cameraPositionOf(static_cast<float>(bx * block_) + 0.5F + sumX * share,
+                                           static_cast<float>(by * block_) + 0.5F + sumY * share, block.depth);
       left_ = std::min(left_, bx);
       right_ = std::max(right_, bx + 1);
       top_ = std::min(top_, by);
@@ -141,6 +158,7 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
     }
   }
   cut_ = border >= kCutBlocks;
+  cutBelow_ = bottom_ >= rows_ - 1;
   left_ = std::max(0, left_ - kMargin);
   top_ = std::max(0, top_ - kMargin);
   right_ = std::min(columns_, right_ + kMargin);
@@ -265,9 +283,9 @@ BodyView::Sight BodyView::sightOf(const V3& position) const {
   sight.depth = -p.z();
   sight.axis = -floorFromCamera_.col(2);
   if (sight.depth < 0.2F) return sight;
-  const float column = (0.5F * static_cast<float>(camera_.width) + focalX_ * p.x() / sight.depth) / kBlock - 0.5F;
-  const float row = (0.5F * static_cast<float>(camera_.height) - focalY_ * p.y() / sight.depth) / kBlock - 0.5F;
-  sight.metresPerBlock = kBlock * sight.depth / focalX_;
+  const float column = (0.5F * static_cast<float>(camera_.width) + focalX_ * p.x() / sight.depth) / static_cast<float>(block_) - 0.5F;
+  const float row = (0.5F * static_cast<float>(camera_.height) - focalY_ * p.y() / sight.depth) / static_cast<float>(block_) - 0.5F;
+  sight.metresPerBlock = static_cast<float>(block_) * sight.depth / focalX_;
   sight.inside = column > -0.5F && row > -0.5F && column < static_cast<float>(columns_) - 0.5F &&
                  row < static_cast<float>(rows_) - 0.5F;
   if (!sight.inside || right_ - left_ < 2 || bottom_ - top_ < 2) return sight;

@@ -4,17 +4,16 @@
 #include "capture/tracking/body_model.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace lorica::fit {
 
 /// The part of a depth image that one person's fit needs: evenly distributed surface points with normals, and for each
-/// block of 4 x 4 pixels around the person the distance from the person's outline and the depth seen there.
+/// block of pixels around the person the distance from the person's outline and the depth seen there.
 class BodyView {
  public:
-  static constexpr int kBlock = 4;  ///< pixels
-
   struct Point {
     V3 position;                ///< floor frame [m]
     V3 normal;                  ///< out of the surface, floor frame; zero if unknown
@@ -28,19 +27,22 @@ class BodyView {
   /// @param labels           width x height: 0 background, 255 not measured, else a person
   /// @param label            of the person to look at
   /// @param floorFromCamera  rigid
+  /// @param floorFound       whether y = 0 is the floor; else the ground is where the person's lowest points are
   void look(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label,
-            const Isometry3& floorFromCamera);
+            const Isometry3& floorFromCamera, bool floorFound = true);
 
   /// Ordered such that every prefix is evenly distributed over the person.
   [[nodiscard]] std::span<const Point> points() const { return points_; }
   /// Area that one point represents, perpendicular to the view [m^2].
   [[nodiscard]] float areaOf(const Point& point) const {
     const float away = (point.position - cameraPosition_).norm();
-    return kBlock * kBlock * away * away / (focalX_ * focalY_);
+    return static_cast<float>(block_ * block_) * away * away / (focalX_ * focalY_);
   }
   [[nodiscard]] const V3& cameraPosition() const { return cameraPosition_; }
   /// Whether the person clearly touches the image border.
   [[nodiscard]] bool cut() const { return cut_; }
+  /// Height of the ground under the person: 0 if the floor was found; nothing if the feet are outside the image [m].
+  [[nodiscard]] std::optional<float> ground() const { return ground_; }
   /// Floor frame, the median of each coordinate.
   [[nodiscard]] const V3& middle() const { return middle_; }
 
@@ -67,9 +69,11 @@ class BodyView {
   void gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label);
   void distances();
   void makePoints();
+  void findGround(bool floorFound);
   [[nodiscard]] V3 cameraPositionOf(float column, float row, float depth) const;
 
   DepthCamera camera_;
+  int block_;  ///< pixels along either side of a block: 4, or 2 if the image is less than 400 wide
   float focalX_, focalY_;
   int columns_, rows_;
   int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  ///< of the person with a margin [blocks]
@@ -82,7 +86,9 @@ class BodyView {
   M3 floorFromCamera_ = M3::Identity();
   V3 cameraPosition_ = V3::Zero();
   V3 middle_ = V3::Zero();
+  std::optional<float> ground_;
   bool cut_ = false;
+  bool cutBelow_ = false;
 };
 
 }  // namespace lorica::fit

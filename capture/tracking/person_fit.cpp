@@ -31,7 +31,13 @@ constexpr float kLearnt = 0.0003F;
 constexpr int kEarlyViews = 60;        ///< during which rivals are searched for without pause
 constexpr int kChallengePause = 60;    ///< views between later searches for rivals
 constexpr int kRivalViews = 6;         ///< views that a rival is tracked before it can win
-constexpr float kRivalShare = 0.93F;   ///< fraction of the present cost that a rival must stay below
+// Fraction of the present cost that a rival must stay below: in general, if it faces the other way, and the same at
+// first, when people are taken to face the camera.
+constexpr float kRivalShare = 0.93F;
+constexpr float kTurnedShare = 0.80F;
+constexpr float kTurnedAwayShare = 0.75F;
+constexpr float kTurnedToCameraShare = 1.0F;
+constexpr float kHopeless = 1.1F;      ///< a rival that costs more than this multiple of its limit is given up at once
 constexpr float kStartEffort = 12.0F;  ///< milliseconds per view, approximately
 constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
@@ -158,10 +164,14 @@ void PersonFit::compareRival(const BodyView& view) {
   rivalCost_ += judge(*rival_);
   ownCost_ += judge({pose_, proportions_});
   ++rivalViews_;
-  if (rivalCost_ > ownCost_) {
+  const float facing = facingOf(view, rival_->pose);
+  const bool turned = facing * facingOf(view, pose_) < 0.0F;
+  const float turnedEarly = facing > 0.0F ? kTurnedToCameraShare : kTurnedAwayShare;
+  const float share = !turned ? kRivalShare : views_ < kEarlyViews ? turnedEarly : kTurnedShare;
+  if (rivalCost_ > kHopeless * share * ownCost_) {
     rival_.reset();
   } else if (rivalViews_ >= kRivalViews) {
-    if (rivalCost_ < kRivalShare * ownCost_) {
+    if (rivalCost_ < share * ownCost_) {
       take(*rival_);
     } else {
       rival_.reset();

@@ -14,6 +14,8 @@ constexpr float kUnusualWeight = 5.0F;      ///< of proportions that differ from
 constexpr float kReachHeight = 2.15F;       ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;        ///< [m]
 
+constexpr float kAway = 0.25F;              ///< added share of the cost of a newcomer who faces away from the camera
+
 constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
 constexpr std::array<FitStage, 2> kMedium = {{{0.15F, 200, 6}, {0.08F, 400, 6}}};
 constexpr std::array<FitStage, 1> kClose = {{{0.08F, 400, 4}}};
@@ -33,6 +35,13 @@ PosePrior weakly(const BodyPose& pose, float stiffness) {
   prior.pose = pose;
   prior.stiffness.setConstant(stiffness);
   return prior;
+}
+
+float facingOf(const BodyView& view, const BodyPose& pose) {
+  V3 front = pose.turn[kPelvis] * V3::UnitZ();
+  V3 camera = view.cameraPosition() - pose.root;
+  front.y() = camera.y() = 0.0F;
+  return front.normalized().dot(camera.normalized());
 }
 
 bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
@@ -89,6 +98,7 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
   phase_ = 0;
   rough_ = true;
   busy_ = true;
+  newcomer_ = !present;
   middle_ = view.middle();
   float top = -1e9F;
   for (const BodyView::Point& point : view.points()) top = std::max(top, point.position.y());
@@ -102,11 +112,14 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
     proportions.factor[kSize] = std::clamp(size, 0.6F, 1.25F);
     return proportions;
   };
-  const Proportions standing = present ? present->proportions : sized(top / kMannequinHeight);
+  // Without ground, the feet are out of sight: nothing is known about the size.
+  const std::optional<float> ground = view.ground();
+  const float tall = top - ground.value_or(0.0F);
+  const Proportions standing = present ? present->proportions : sized(tall / kMannequinHeight);
   const Proportions usual = present ? present->proportions : Proportions();
-  const Proportions reaching = present ? present->proportions : sized(top / kReachHeight);
+  const Proportions reaching = present ? present->proportions : sized(tall / kReachHeight);
   // Children and cartoon figures: a large head.
-  Proportions comic = sized(0.86F * top / kMannequinHeight);
+  Proportions comic = sized(0.86F * tall / kMannequinHeight);
   comic.factor[kHeadSize] = 1.6F;
   if (present) {
     add(turnedAbout(present->pose, present->proportions), present->proportions);
@@ -115,31 +128,28 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
   const auto hips = [&](float height) { return V3(position.x(), height, position.z()); };
   for (const float turn : {0.0F, kPi, 0.5F * kPi, -0.5F * kPi}) {
     const float heading = towards + turn;
-    const float size = standing.factor[kSize];
-    const float under = top - (kMannequinHeight - kHipHeight) * size;
-    add(standingPose(hips(under), heading, 0.15F, 0.0F, 0.2F), standing);
-    add(standingPose(hips(under), heading, 1.4F, 0.0F, 0.2F), standing);
-    add(standingPose(hips(under), heading, 0.2F, 0.8F, 1.2F), standing);
-    if (top > 1.2F) {
-      const float r = reaching.factor[kSize];
-      add(standingPose(hips(kHipHeight * r), heading, 2.8F, 0.0F, 0.2F), reaching);
+    const float under = top - (kMannequinHeight - kHipHeight) * standing.factor[kSize];
+    const float s = usual.factor[kSize];
+    if (ground) {
+      add(standingPose(hips(under), heading, 0.15F, 0.0F, 0.2F), standing);
+      add(standingPose(hips(under), heading, 1.4F, 0.0F, 0.2F), standing);
+      add(standingPose(hips(under), heading, 0.2F, 0.8F, 1.2F), standing);
+      if (tall > 1.2F) {
+        add(standingPose(hips(*ground + kHipHeight * reaching.factor[kSize]), heading, 2.8F, 0.0F, 0.2F), reaching);
+      }
+      if (tall > 0.7F && tall < 1.55F) add(sittingPose(hips(top - 0.80F * s), heading), usual);
+      add(standingPose(hips(*ground + kHipHeight * comic.factor[kSize]), heading, 0.3F, 0.0F, 0.2F), comic);
+      if (present) {
+        const Proportions other = sized(tall / kMannequinHeight);
+        add(standingPose(hips(*ground + kHipHeight * other.factor[kSize]), heading, 0.15F, 0.0F, 0.2F), other);
+      }
     }
-    if (top > 0.7F && top < 1.55F) {
-      const float s = usual.factor[kSize];
-      add(sittingPose(hips(top - 0.80F * s), heading), usual);
-    }
-    if (view.cut()) {
+    if (view.cut() || !ground) {
       // The feet or the head may be out of sight: a standard body with its head at the top, or with its feet on the
-      // floor.
-      const float s = usual.factor[kSize];
+      // ground.
       add(standingPose(hips(top - 0.84F * s), heading, 0.15F, 0.2F, 0.4F), usual);
-      add(standingPose(hips(kHipHeight * s), heading, 0.15F, 0.2F, 0.4F), usual);
+      if (ground) add(standingPose(hips(*ground + kHipHeight * s), heading, 0.15F, 0.2F, 0.4F), usual);
     }
-    const float low = kHipHeight * comic.factor[kSize];
-    add(standingPose(hips(low), heading, 0.3F, 0.0F, 0.2F), comic);
-    if (present)
-      add(standingPose(hips(kHipHeight * sized(top / kMannequinHeight).factor[kSize]), heading, 0.15F, 0.0F, 0.2F),
-          sized(top / kMannequinHeight));
   }
 }
 
@@ -174,6 +184,11 @@ float PersonSearch::unusual(const Proportions& proportions) {
   return kUnusualWeight * sum;
 }
 
+float PersonSearch::judged(const BodyView& view, const Figure& figure, float plausible) const {
+  const float away = newcomer_ ? 0.5F * (1.0F - facingOf(view, figure.pose)) : 0.0F;
+  return (1.0F + kAway * away) * (plausible + unusual(figure.proportions));
+}
+
 void PersonSearch::pickFinalists() {
   if (count_ <= kFinal) return;
   const auto begin = candidates_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
@@ -196,8 +211,8 @@ void PersonSearch::pickFinalists() {
 float PersonSearch::oneStep(const BodyView& view) {
   Candidate& c = candidates_[next_];
   if (rough_) {
-    c.cost = fitter_.fit(view, c.figure.proportions, weakly(c.figure.pose, 0.5F), kRough, c.figure.pose).plausible();
-    c.cost += unusual(c.figure.proportions);
+    const FitCost cost = fitter_.fit(view, c.figure.proportions, weakly(c.figure.pose, 0.5F), kRough, c.figure.pose);
+    c.cost = judged(view, c.figure, cost.plausible());
     if (++next_ < count_) return kRoughEffort;
     pickFinalists();
     next_ = 0;
@@ -213,9 +228,8 @@ float PersonSearch::oneStep(const BodyView& view) {
   best_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     Figure& figure = candidates_[i].figure;
-    candidates_[i].cost =
-        fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose).plausible();
-    candidates_[i].cost += unusual(figure.proportions);
+    const FitCost cost = fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose);
+    candidates_[i].cost = judged(view, figure, cost.plausible());
     if (candidates_[i].cost < candidates_[best_].cost) best_ = i;
   }
   busy_ = false;

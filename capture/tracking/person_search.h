@@ -19,7 +19,8 @@ struct Figure {
 /// best.
 class PersonSearch {
  public:
-  /// @param present  current estimate: tried too, also turned about; other candidates use its proportions
+  /// @param present  current estimate: tried too, also turned about; other candidates use its proportions. Without it,
+  /// the person is a newcomer, who faces the camera unless the image clearly says otherwise
   void begin(const BodyView& view, const std::optional<Figure>& present);
   /// @param effort  about how many milliseconds to spend
   /// @return whether the search has finished
@@ -39,6 +40,7 @@ class PersonSearch {
 
   void add(const BodyPose& pose, const Proportions& proportions);
   [[nodiscard]] static float unusual(const Proportions& proportions);
+  [[nodiscard]] float judged(const BodyView& view, const Figure& figure, float plausible) const;
   void pickFinalists();
   float oneStep(const BodyView& view);
   void refine(const BodyView& view, Figure& figure, int phase);
@@ -51,6 +53,7 @@ class PersonSearch {
   int phase_ = 0;
   bool rough_ = true;
   bool busy_ = false;
+  bool newcomer_ = false;
   std::size_t best_ = 0;
   V3 middle_ = V3::Zero();  ///< of the view that the candidates refer to
 };
@@ -65,6 +68,10 @@ bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
 /// @param left  kLeftArm or kLeftLeg
 bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
                  Limb left, BodyPose& pose);
+
+/// Cosine of the angle, seen from above, between where a body faces and the direction to the camera: 1 = it faces the
+/// camera.
+[[nodiscard]] float facingOf(const BodyView& view, const BodyPose& pose);
 
 /// The stage at which figures are compared.
 inline constexpr FitStage kJudge = {0.08F, 600, 0};

@@ -13,8 +13,8 @@ namespace {
 
 /// A person unseen for this long is no longer tracked [s].
 constexpr double kForgetSeconds = 2.0;
-/// Fewer pixels than this show no pose.
-constexpr int kMinPixels = 1200;
+/// A person who covers less than one of so many pixels of the image shows no pose.
+constexpr int kMinShare = 256;
 
 /// The fit of one person; reused for later people to keep its memory.
 struct Seat {
@@ -39,7 +39,7 @@ struct Tracker::Impl {
     for (Seat& seat : seats) {
       if (seat.user == person.user) return &seat;
     }
-    if (person.pixelCount < kMinPixels) return nullptr;
+    if (person.pixelCount * kMinShare < camera.width * camera.height) return nullptr;
     for (Seat& seat : seats) {
       if (seat.user != 0) continue;
       seat.user = person.user;
@@ -107,8 +107,8 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
   const auto people = t.finder.people();
   for (std::size_t i = 0; i < people.size(); ++i) {
     Seat* seat = t.seatOf(people[i], frame.time);
-    if (!seat || people[i].pixelCount < kMinPixels / 3) continue;
-    t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor);
+    if (!seat || people[i].pixelCount * kMinShare < t.camera.width * t.camera.height / 3) continue;
+    t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor, t.finder.floorFound());
     seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
     if (seat->seen) seat->lastTime = frame.time;
   }
