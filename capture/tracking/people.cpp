@@ -35,6 +35,7 @@ struct PeopleFinder::Impl {
   void classify();
   void measure();
   void giveUpFurniture(bool floorIsNew);
+  void makeBackground(int slot);
   void report();
   void paint(std::span<const std::uint16_t> depthMm);
   void find(const DepthFrame& frame);
@@ -165,13 +166,17 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
     const bool likely = age < kStillSeconds || (age < kPersonSeconds && hasHeadAndShoulders(grid, positions, person, k,
                                                                                             slot.top, slot.cutAside));
     if (!low && likely) continue;
-    for (std::size_t i = 0; i < person.size(); ++i) {
-      if (person[i] != k + 1) continue;
-      person[i] = 0;
-      background.absorb(grid, i);
-    }
-    slot = PersonSlot{};
+    makeBackground(k);
   }
+}
+
+void PeopleFinder::Impl::makeBackground(int k) {
+  for (std::size_t i = 0; i < person.size(); ++i) {
+    if (person[i] != k + 1) continue;
+    person[i] = 0;
+    background.absorb(grid, i);
+  }
+  slots[k] = PersonSlot{};
 }
 
 /// True for a person who has moved or stands free. Something cut off by the image's top or sides may also be a shelf:
@@ -236,6 +241,7 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
     segment.top = camera.height;
     segment.middle = next->middle.cast<double>();
     segment.topHeight = next->top;
+    segment.moved = next->moved;
     people.push_back(segment);
     numbers[next - slots.data()] = static_cast<std::uint8_t>(people.size());
   }
@@ -280,6 +286,13 @@ PeopleFinder::~PeopleFinder() = default;
 void PeopleFinder::find(const DepthFrame& frame) {
   LORICA_CHECK(frame.depthMm.size() == impl_->labels.size(), "the depth image must have the camera's size");
   impl_->find(frame);
+}
+void PeopleFinder::reject(int user) {
+  for (int k = 0; k < kPersonSlots; ++k) {
+    if (!impl_->slots[k].used || impl_->slots[k].user != user) continue;
+    impl_->makeBackground(k);
+    std::ranges::replace(impl_->lastPerson, static_cast<std::uint8_t>(k + 1), std::uint8_t{0});
+  }
 }
 std::span<const PersonSegment> PeopleFinder::people() const {
   return impl_->people;

@@ -18,6 +18,7 @@ struct PersonSegment {
   Vec3 middle = Vec3::Zero();  ///< of its points, floor frame [m]
   double topHeight = 0.0;      ///< the highest point over the floor [m]
   bool cutByBorder = false;    ///< touches the image border
+  bool moved = false;          ///< since found; furniture does not move
 };
 
 /// Finds the floor, removes the background, and separates people from it and from each other. See Tracker for frames.
@@ -30,6 +31,10 @@ class PeopleFinder {
 
   /// @param frame  width x height of the camera
   void find(const DepthFrame& frame);
+
+  /// What was taken for this person is furniture: it becomes background.
+  /// @param user  of the last frame
+  void reject(int user);
 
   /// By increasing user number.
   [[nodiscard]] std::span<const PersonSegment> people() const;

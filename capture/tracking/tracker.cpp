@@ -1,11 +1,13 @@
 #include "capture/tracking/tracker.h"
 
+#include "capture/tracking/body_belief.h"
 #include "capture/tracking/people.h"
 #include "capture/tracking/person_fit.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 namespace lorica {
@@ -13,15 +15,19 @@ namespace {
 
 /// A person unseen for this long is no longer tracked [s].
 constexpr double kForgetSeconds = 2.0;
+/// Something still that the body has not explained for this long is furniture [s].
+constexpr double kDoubtSeconds = 1.0;
 /// A person who covers less than one of so many pixels of the image shows no pose.
 constexpr int kMinShare = 256;
+constexpr std::uint8_t kNotMeasured = 255;
 
 /// The fit of one person; reused for later people to keep its memory.
 struct Seat {
   int user = 0;  ///< 0 = free
-  double lastTime = 0.0;
+  double firstTime = 0.0, lastTime = 0.0;
   bool seen = false;
   fit::PersonFit fit;
+  fit::BodyBelief belief;
 };
 
 }  // namespace
@@ -33,6 +39,7 @@ struct Tracker::Impl {
         view(device),
         seats(static_cast<std::size_t>(settings.maxPeople)) {
     reported.reserve(seats.size());
+    labels.resize(static_cast<std::size_t>(device.width) * static_cast<std::size_t>(device.height));
   }
 
   Seat* seatOf(const PersonSegment& person, double time) {
@@ -43,8 +50,9 @@ struct Tracker::Impl {
     for (Seat& seat : seats) {
       if (seat.user != 0) continue;
       seat.user = person.user;
-      seat.lastTime = time;
+      seat.firstTime = seat.lastTime = time;
       seat.fit.forget();
+      seat.belief.forget();
       return &seat;
     }
     return nullptr;
@@ -55,6 +63,8 @@ struct Tracker::Impl {
   fit::BodyView view;
   std::vector<Seat> seats;
   std::vector<TrackedPerson> reported;
+  std::vector<std::uint8_t> labels;           ///< of those who are believed
+  std::array<std::uint8_t, 256> shown{};      ///< label of the finder to label
   Isometry3 floorFromCamera = Isometry3::Identity();
   bool begun = false;
 };
@@ -105,15 +115,26 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     if (seat.user != 0 && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
   }
   const auto people = t.finder.people();
+  t.shown.fill(0);
+  t.shown[kNotMeasured] = kNotMeasured;
   for (std::size_t i = 0; i < people.size(); ++i) {
     Seat* seat = t.seatOf(people[i], frame.time);
     if (!seat || people[i].pixelCount * kMinShare < t.camera.width * t.camera.height / 3) continue;
     t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor, t.finder.floorFound());
     seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
-    if (seat->seen) seat->lastTime = frame.time;
+    if (!seat->seen) continue;
+    seat->lastTime = frame.time;
+    seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved});
+    if (seat->belief.believed()) {
+      t.shown[i + 1] = static_cast<std::uint8_t>(i + 1);
+    } else if (!people[i].moved && frame.time - seat->firstTime > kDoubtSeconds) {
+      t.finder.reject(seat->user);
+      seat->user = 0;
+    }
   }
+  for (std::size_t i = 0; i < pixels; ++i) t.labels[i] = t.shown[t.finder.labels()[i]];
   for (Seat& seat : t.seats) {
-    if (seat.user == 0 || !seat.seen) continue;
+    if (seat.user == 0 || !seat.seen || !seat.belief.believed()) continue;
     TrackedPerson person;
     seat.fit.report(person.skeleton);
     person.skeleton.time = frame.time;
@@ -135,7 +156,7 @@ bool Tracker::floorFound() const {
   return impl_->finder.floorFound();
 }
 std::span<const std::uint8_t> Tracker::labels() const {
-  return impl_->finder.labels();
+  return impl_->labels;
 }
 
 }  // namespace lorica
