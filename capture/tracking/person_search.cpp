@@ -47,13 +47,13 @@ float facingOf(const BodyView& view, const BodyPose& pose) {
 bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
                  Limb limb, BodyPose& pose) {
   const auto candidates = search.search(view, proportions, pose, limb);
-  if (candidates.empty() || candidates[0].cost > search.presentCost() - 10.0F) return false;
+  if (candidates.empty() || candidates[0].cost > search.presentCost() + 100.0F) return false;
   const FitCost present = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose);
   BodyPose best = pose;
   float bestCost = present.plausible() - 6.0F;
   bool found = false;
   for (const LimbSearch::Candidate& candidate : candidates) {
-    if (candidate.cost > search.presentCost() - 5.0F) break;
+    if (candidate.cost > search.presentCost() + 100.0F) break;
     BodyPose tried = candidate.pose;
     fitter.fit(view, proportions, weakly(tried, 4.0F), kClose, tried);
     const float cost = fitter.costOf(view, proportions, weakly(tried, 0.5F), kJudge, tried).plausible();
