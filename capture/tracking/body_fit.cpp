@@ -341,7 +341,7 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
   poseBody(pose, proportions, body_);
   const auto points = view.points();
   if (owner) owner->assign(points.size(), kNobody);
-  const std::size_t n = std::min<std::size_t>(points.size(), 1000);
+  const std::size_t n = std::min<std::size_t>(points.size(), 500);
   int unexplained = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const SurfaceMatch m = match(points[i], lastCapsule_[i]);

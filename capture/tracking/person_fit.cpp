@@ -26,7 +26,8 @@ constexpr float kMomentum = 0.7F;    ///< fraction of the last step, in the pred
 constexpr int kLearningViews = 30;
 constexpr float kLearning = 0.01F;
 constexpr float kLearningCut = 0.001F;  // while the image has not shown the whole body for long enough
-constexpr float kLearnt = 0.0003F;
+constexpr float kLearnt = 0.0005F;
+constexpr int kLearntPause = 3;  // views between such small changes
 
 constexpr int kEarlyViews = 60;        ///< during which rivals are searched for without pause
 constexpr int kChallengePause = 60;    ///< views between later searches for rivals
@@ -230,7 +231,9 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   wholeViews_ += view.cut() ? 0 : 1;
   const bool learning = wholeViews_ < kLearningViews;
   deviation.fill(views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
-  fitter_.refineProportions(view, deviation, pose_, proportions_);
+  if (views_ < kLearningViews || learning || views_ % kLearntPause == 0) {
+    fitter_.refineProportions(view, deviation, pose_, proportions_);
+  }
   support_ = fitter_.supportOf(view, proportions_, pose_);
   confidence_.update(support_);
   lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;

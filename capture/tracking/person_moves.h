@@ -20,12 +20,14 @@ class PersonMoves {
   /// @param person  slot + 1 of each cell
   void remember(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot);
 
-  /// @return whether enough of the area that the person covered when remembered shows another depth now: deeper, or
-  /// nearer and the person's. Edges, which noise moves by a cell, do not count
+  /// @return whether enough has changed since: of the area that the person covered then, what shows another depth now
+  /// (deeper, or nearer and the person's); of the area that they cover now, what was deeper then or not measured. Edges,
+  /// which noise moves by a cell, do not count
   [[nodiscard]] bool hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot) const;
 
  private:
-  std::array<std::vector<std::uint16_t>, kPersonSlots> depthMm_;  ///< 0 outside the person
+  std::array<std::vector<std::uint16_t>, kPersonSlots> depthMm_;  ///< of the whole image
+  std::array<std::vector<std::uint8_t>, kPersonSlots> covered_;   ///< whether the cell was the person's
   std::array<int, kPersonSlots> cells_{};
   DepthTable tolerance_;  ///< [m]
 };

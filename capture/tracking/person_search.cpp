@@ -16,9 +16,11 @@ constexpr float kHipHeight = 0.915F;        ///< [m]
 
 constexpr float kAway = 0.25F;              ///< added share of the cost of a newcomer who faces away from the camera
 
+constexpr float kUnfitted = 100.0F;         ///< how much worse than the present pose one may be that is not yet fitted
 constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
 constexpr std::array<FitStage, 2> kMedium = {{{0.15F, 200, 6}, {0.08F, 400, 6}}};
 constexpr std::array<FitStage, 1> kClose = {{{0.08F, 400, 4}}};
+constexpr std::array<FitStage, 1> kTrial = {{{0.08F, 200, 4}}};
 
 // Cost of steps in milliseconds on a desktop core.
 constexpr float kRoughEffort = 1.0F;
@@ -47,15 +49,15 @@ float facingOf(const BodyView& view, const BodyPose& pose) {
 bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
                  Limb limb, BodyPose& pose) {
   const auto candidates = search.search(view, proportions, pose, limb);
-  if (candidates.empty() || candidates[0].cost > search.presentCost() + 100.0F) return false;
+  if (candidates.empty() || candidates[0].cost > search.presentCost() + kUnfitted) return false;
   const FitCost present = fitter.costOf(view, proportions, weakly(pose, 0.5F), kJudge, pose);
   BodyPose best = pose;
   float bestCost = present.plausible() - 6.0F;
   bool found = false;
   for (const LimbSearch::Candidate& candidate : candidates) {
-    if (candidate.cost > search.presentCost() + 100.0F) break;
+    if (candidate.cost > search.presentCost() + kUnfitted) break;
     BodyPose tried = candidate.pose;
-    fitter.fit(view, proportions, weakly(tried, 4.0F), kClose, tried);
+    fitter.fit(view, proportions, weakly(tried, 4.0F), kTrial, tried);
     const float cost = fitter.costOf(view, proportions, weakly(tried, 0.5F), kJudge, tried).plausible();
     if (cost >= bestCost) continue;
     bestCost = cost;
