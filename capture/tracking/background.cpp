@@ -33,7 +33,7 @@ void Background::classify(const DepthGrid& grid, std::span<CellKind> kinds) cons
       kinds[i] = CellKind::kNone;
       continue;
     }
-    if (kinds[i] == CellKind::kFloor) continue;
+    if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall) continue;
     const float known = depth_[i];
     if (known == 0.0F) {
       kinds[i] = CellKind::kUnknown;
@@ -56,6 +56,11 @@ void Background::absorb(const DepthGrid& grid, std::size_t cell) {
   seen_[cell] = 0;
 }
 
+void Background::forget(std::size_t cell) {
+  depth_[cell] = 0.0F;
+  trust_[cell] = seen_[cell] = 0;
+}
+
 void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, std::span<const std::uint8_t> taken) {
   const bool first = frameCount_++ < kFirstFrames;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -70,7 +75,7 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
       seen_[i] = 0;
       continue;
     }
-    if (depth_[i] == 0.0F && (first || kinds[i] == CellKind::kFloor)) {
+    if (depth_[i] == 0.0F && (first || kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall)) {
       absorb(grid, i);
       continue;
     }

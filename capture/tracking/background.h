@@ -12,6 +12,7 @@ namespace lorica {
 enum class CellKind : std::uint8_t {
   kNone,        ///< nothing measured
   kFloor,       ///< floor, or below it
+  kWall,        ///< a wall of the room
   kBackground,  ///< as far as what was seen there before, without people
   kUnknown,     ///< the background there is not known
   kNew,         ///< nearer than the background
@@ -26,12 +27,15 @@ class Background {
  public:
   explicit Background(const DepthGrid& grid);
 
-  /// Distinguishes background from the rest. Does not write kFloor; cells that are already kFloor stay unchanged.
+  /// Distinguishes background from the rest. Cells that are already kFloor or kWall stay unchanged.
   void classify(const DepthGrid& grid, std::span<CellKind> kinds) const;
 
   /// Learns from the cells that are not a person's.
   /// @param taken  for each cell, nonzero if a person is or may be there
   void learn(const DepthGrid& grid, std::span<const CellKind> kinds, std::span<const std::uint8_t> taken);
+
+  /// What is behind the present content of the cell is not known.
+  void forget(std::size_t cell);
 
   /// Makes the present content of the cell background.
   void absorb(const DepthGrid& grid, std::size_t cell);

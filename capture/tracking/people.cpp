@@ -4,11 +4,13 @@
 #include "capture/tracking/components.h"
 #include "capture/tracking/depth_grid.h"
 #include "capture/tracking/floor.h"
+#include "capture/tracking/head_finder.h"
 #include "capture/tracking/person_gates.h"
 #include "capture/tracking/person_image.h"
 #include "capture/tracking/person_moves.h"
 #include "capture/tracking/person_owners.h"
 #include "capture/tracking/person_slot.h"
+#include "capture/tracking/walls.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -21,6 +23,8 @@ namespace lorica {
 namespace {
 
 constexpr double kRemembered = 2.0;      // how long a person out of sight keeps their number [s]
+constexpr double kDoubtful = 0.2;        // the same for what may be furniture [s]
+constexpr int kHeadPause = 3;            // frames between searches for heads
 constexpr int kMinCells = 20;            // of a person who is seen
 constexpr float kMinHeight = 1.1F;       // of a person who does not move, over the floor [m]
 constexpr int kMovingFrames = 3;         // consecutive moving frames until a person counts as moved
@@ -46,8 +50,10 @@ struct PeopleFinder::Impl {
   int maxPeople;
   DepthGrid grid;
   FloorFinder floor;
+  WallFinder walls;
   FloorPositions positions;
   Background background;
+  HeadFinder headFinder;
   ComponentFinder finder;
   PersonOwners owners;
   PersonMoves moves;
@@ -61,6 +67,7 @@ struct PeopleFinder::Impl {
   PersonSlots slots;
   double time = 0.0, elapsed = 0.0;
   bool started = false;
+  int frameCount = 0;
 
   std::vector<PersonSegment> people;
   std::vector<std::uint8_t> labels;
@@ -72,8 +79,10 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
       maxPeople(std::clamp(max, 1, kPersonSlots - 2)),
       grid(depthCamera),
       floor(grid),
+      walls(grid),
       positions(grid),
       background(grid),
+      headFinder(grid),
       finder(grid),
       owners(grid, depthCamera),
       moves(grid),
@@ -101,6 +110,7 @@ void PeopleFinder::Impl::classify() {
       }
     }
   }
+  walls.mark(grid, kinds);
   background.classify(grid, kinds);
 }
 
@@ -149,7 +159,7 @@ void PeopleFinder::Impl::measure() {
       const bool isMoving = 20 * slot.newCells > 3 * slot.cells || moves.hasMoved(grid, person, k);
       slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
       slot.moved = slot.movingFrames >= kMovingFrames;
-    } else if (time - slot.lastSeen > kRemembered) {
+    } else if (time - slot.lastSeen > (slot.moved || slot.confirmed ? kRemembered : kDoubtful)) {
       slot = PersonSlot{};
     }
   }
@@ -176,6 +186,7 @@ void PeopleFinder::Impl::makeBackground(int k) {
     person[i] = 0;
     background.absorb(grid, i);
   }
+  owners.refuse(slots[k].middle, time);
   slots[k] = PersonSlot{};
 }
 
@@ -255,14 +266,18 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   grid.fill(frame.depthMm);
   const bool floorBefore = floor.found();
   floor.update(grid);
+  walls.update(grid, floor.up().cast<float>());
   const bool floorIsNew = floor.found() && !floorBefore;
   floorFromCamera = floor.floorFromCamera();
   positions.set(grid, floorFromCamera);
   classify();
   finder.find(grid, positions, kinds, LastCells{lastPerson, lastDepthMm});
-  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, floorFromCamera, floor.found(),
+  const bool looking = frameCount++ % kHeadPause == 0;
+  const std::span<const FoundHead> heads = looking ? headFinder.find(grid, positions) : std::span<const FoundHead>();
+  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, heads, looking, floorFromCamera, floor.found(),
                 time, elapsed},
                slots);
+  for (const std::uint32_t cell : owners.uncovered()) background.forget(cell);
   measure();
   giveUpFurniture(floorIsNew);
 
@@ -286,6 +301,9 @@ PeopleFinder::~PeopleFinder() = default;
 void PeopleFinder::find(const DepthFrame& frame) {
   LORICA_CHECK(frame.depthMm.size() == impl_->labels.size(), "the depth image must have the camera's size");
   impl_->find(frame);
+}
+void PeopleFinder::confirm(int user) {
+  for (PersonSlot& slot : impl_->slots) slot.confirmed = slot.confirmed || (slot.used && slot.user == user);
 }
 void PeopleFinder::reject(int user) {
   for (int k = 0; k < kPersonSlots; ++k) {

@@ -32,6 +32,8 @@ class PeopleFinder {
   /// @param frame  width x height of the camera
   void find(const DepthFrame& frame);
 
+  /// A body explains what is seen of this person: they are one person, and no furniture.
+  void confirm(int user);
   /// What was taken for this person is furniture: it becomes background.
   /// @param user  of the last frame
   void reject(int user);

@@ -17,6 +17,8 @@ struct PersonSlot {
   bool seen = false;      ///< in this frame
   bool reported = false;  ///< included in the output
   bool moved = false;     ///< since found; furniture does not move
+  bool confirmed = false; ///< a body was fitted and explains what is seen
+  bool attached = false;  ///< connected to the room: only part of the surface is the person
   int user = 0;           ///< 0 until reported
   int movingFrames = 0;
   int cells = 0;

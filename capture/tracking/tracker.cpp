@@ -126,6 +126,7 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     seat->lastTime = frame.time;
     seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved});
     if (seat->belief.believed()) {
+      t.finder.confirm(seat->user);
       t.shown[i + 1] = static_cast<std::uint8_t>(i + 1);
     } else if (!people[i].moved && frame.time - seat->firstTime > kDoubtSeconds) {
       t.finder.reject(seat->user);
