@@ -1,0 +1,109 @@
+#include "capture/synthetic/synthetic_motion.h"
+#include "capture/tracking/tracker.h"
+#include "capture/virtual_sensor/virtual_body.h"
+#include "capture/virtual_sensor/virtual_sensor.h"
+#include "skinning/mannequin/mannequin.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+constexpr double kBack = -0.14;  ///< z of a standing mannequin's back and heels [m]
+
+/// A room whose wall or furniture is this far behind a person who stands at the origin [m].
+VirtualRoom wallBehind(double gap) {
+  VirtualRoom room;
+  room.wall = kBack - gap;
+  return room;
+}
+VirtualRoom sofaBehind(double gap) {
+  VirtualRoom room;
+  const double front = kBack - gap;
+  room.boxes.push_back({Vec3(-1.0, 0.0, front - 0.8), Vec3(1.0, 0.42, front)});
+  room.boxes.push_back({Vec3(-1.0, 0.0, front - 0.8), Vec3(1.0, 0.85, front - 0.5)});
+  return room;
+}
+VirtualRoom shelfBehind(double gap) {
+  VirtualRoom room;
+  const double front = kBack - gap;
+  room.boxes.push_back({Vec3(-0.7, 0.0, front - 0.4), Vec3(0.5, 1.9, front)});
+  return room;
+}
+
+struct Followed {
+  int from = -1;         ///< first frame
+  double overlap = 0.0;  ///< mean intersection over union of labels, from one second on
+  double error = 0.0;    ///< mean of all joints from one second on [m]
+  int extra = 0;         ///< frames with more than one person
+};
+
+Followed follow(const VirtualRoom& room, SyntheticMotion motion, std::uint64_t seed, int frames) {
+  std::vector<VirtualPerson> people;
+  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(motion)).value()});
+  VirtualSensorSettings settings;
+  settings.room = room;
+  settings.noise.seed = seed;
+  VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
+  Tracker tracker = Tracker::create(sensor.camera()).value();
+  DepthFrame frame;
+  Followed followed;
+  int late = 0;
+  for (int f = 0; f < frames; ++f) {
+    sensor.render(static_cast<std::uint64_t>(f), frame);
+    const auto tracked = tracker.track(frame);
+    if (!tracked.empty() && followed.from < 0) followed.from = f;
+    followed.extra += static_cast<int>(tracked.size() > 1);
+    if (f < 30) continue;
+    ++late;
+    int both = 0, either = 0;
+    for (std::size_t i = 0; i < sensor.labels().size(); ++i) {
+      if (tracker.labels()[i] == 255) continue;
+      const bool truth = sensor.labels()[i] != 0, found = tracker.labels()[i] != 0;
+      both += static_cast<int>(truth && found);
+      either += static_cast<int>(truth || found);
+    }
+    followed.overlap += static_cast<double>(both) / std::max(1, either);
+    if (tracked.empty()) {
+      followed.error += 1.0;
+      continue;
+    }
+    const SkeletonFrame truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      followed.error += (tracked[0].skeleton.joints[j].position - truth.joints[j].position).norm() / kBodyJointCount;
+    }
+  }
+  followed.overlap /= late;
+  followed.error /= late;
+  return followed;
+}
+
+TEST(TrackerInRooms, FindsWhoeverStandsBeforeAWallOrFurnitureFromTheFirstFrame) {
+  for (const double gap : {0.05, 0.15, 0.30}) {
+    for (const auto& [name, room] : {std::pair{"wall", wallBehind(gap)}, std::pair{"sofa", sofaBehind(gap)},
+                                     std::pair{"shelf", shelfBehind(gap)}}) {
+      for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kJumpingJacks}) {
+        const Followed seen = follow(room, motion, 1, 75);
+        if (std::getenv("SHOW"))
+          std::printf("%s %.2f %s from %d overlap %.3f error %.3f extra %d\n", name, gap,
+                      std::string(nameOf(motion)).c_str(), seen.from, seen.overlap, seen.error, seen.extra);
+        SCOPED_TRACE(std::string(name) + " at " + std::to_string(gap) + ", " + std::string(nameOf(motion)));
+        EXPECT_GE(seen.from, 0);
+        EXPECT_LE(seen.from, 30);
+        EXPECT_GE(seen.overlap, 0.9);
+        EXPECT_LE(seen.error, 0.04);
+        EXPECT_EQ(seen.extra, 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lorica
