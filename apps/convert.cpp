@@ -1,3 +1,4 @@
+#include "apps/depth_motion.h"
 #include "apps/motions.h"
 #include "apps/options.h"
 #include "capture/files/bvh_file.h"
@@ -19,6 +20,7 @@ struct Options {
   std::string input;
   std::string output;
   MotionOptions motion;
+  bool cameraFrame = false;
 };
 
 struct Joints {
@@ -65,6 +67,26 @@ Result<std::optional<double>> write(const Options& options, const Motion& motion
   return joints->delay;
 }
 
+/// Everyone in a depth recording, where they are in front of the camera.
+Result<void> runCameraFrame(const Options& options, const CommonOptions& common) {
+  if (!isDepthRecording(options.input)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--camera-frame: {} is no depth recording (.oni)", options.input)};
+  }
+  const fs::path base = fs::path(options.output).replace_extension();
+  const Result<int> frames = writeTrackLog(options.input, base);
+  if (!frames) return frames.error();
+  Report report(fmt::format("{}: {}, camera frame", fs::path(options.input).stem().string(), counted(*frames, "frame")));
+  report.line("joints", base.string() + ".cam.csv");
+  report.line("labels", base.string() + ".lab");
+  nlohmann::ordered_json json;
+  json["input"] = options.input;
+  json["frames"] = *frames;
+  json["joints"] = base.string() + ".cam.csv";
+  json["labels"] = base.string() + ".lab";
+  return publish(common, report, json);
+}
+
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.input, options.output}); !fine) return fine;
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
@@ -78,6 +100,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (fs::equivalent(options.input, options.output, ignored)) {
     return Error{ErrorCode::kInvalidArgument, fmt::format("{} is the input and would be overwritten", options.output)};
   }
+  if (options.cameraFrame) return runCameraFrame(options, common);
   const Result<Motion> motion = readMotion(options.input, options.motion);
   if (!motion) return motion.error();
   const Result<std::optional<double>> delay = write(options, *motion, extension == ".bvh");
@@ -110,7 +133,9 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
                                    "  lorica convert kinect.csv motion.bvh --person 2\n"
                                    "      the second person, for use in an animation program\n"
                                    "  lorica convert hero.glb joints.csv --clip Run\n"
-                                   "      a character's clip as joints");
+                                   "      a character's clip as joints\n"
+                                   "  lorica convert room.oni room.csv --camera-frame\n"
+                                   "      everyone in a depth recording: room.cam.csv and room.lab");
   app->addOption("IN", options->input,
                  "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
       ->required()
@@ -118,6 +143,9 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
   app->addOption("OUT", options->output, "Output file: .csv or .bvh")->required()->typeName("");
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
+  app->addFlag("--camera-frame", options->cameraFrame,
+               "Of a depth recording, write the joints of everyone in the camera's frame (OUT.cam.csv) and whose each "
+               "pixel is (OUT.lab), to judge the tracker");
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

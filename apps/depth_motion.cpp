@@ -5,6 +5,7 @@
 #include "apps/report.h"
 #include "capture/sensor/oni_source.h"
 #include "capture/tracking/depth_joints.h"
+#include "capture/tracking/track_log.h"
 
 #include <fmt/format.h>
 
@@ -66,6 +67,28 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
                              maxPeople == 1 ? "1 person appears" : fmt::format("{} people appear", maxPeople))};
   }
   return motion;
+}
+
+Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base) {
+  Result<std::unique_ptr<OniSource>> depth = openOni(file);
+  if (!depth) return depth.error();
+  const int frames = (*depth)->info().frameCount;
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+  ProgressBar bar("Tracking " + file.stem().string(), "frames");
+  Result<TrackLog> log = TrackLog::create(base);
+  if (!log) return log.error();
+  DepthFrame frame;
+  for (int number = 0; number < frames; ++number) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<DepthRead> read = (*depth)->next(frame);
+    if (!read) return read.error();
+    if (*read != DepthRead::kFrame) break;
+    log->add(number, tracker->track(frame), *tracker);
+    bar.update(number + 1, frames);
+  }
+  if (Result<void> done = log->finish(); !done) return done.error();
+  return frames;
 }
 
 }  // namespace lorica

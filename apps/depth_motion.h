@@ -14,4 +14,9 @@ namespace lorica {
 /// @return the motion, an error about the file, or kCancelled
 [[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options);
 
+/// Tracks everyone in a depth recording (.oni) and writes where they are in front of the camera, see TrackLog: the
+/// joints to `base`.cam.csv and the labels of the pixels to `base`.lab.
+/// @return the number of frames, or an error about a file, or kCancelled
+[[nodiscard]] Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base);
+
 }  // namespace lorica

@@ -3,6 +3,7 @@
 #include "bench/depth_overlay.h"
 #include "bench/measure.h"
 #include "capture/sensor/oni_source.h"
+#include "capture/tracking/track_log.h"
 #include "capture/tracking/tracker.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "geometry/files.h"
@@ -252,23 +253,6 @@ double overlapOf(const fs::path& mask, std::span<const std::uint8_t> labels, int
   return truths == 0 || mine == 0 ? none : static_cast<double>(both) / either;
 }
 
-/// What the tracker says, for programs that judge it.
-struct ResultFiles {
-  std::string joints, labels;
-  void add(int frame, std::span<const Seen> people, std::span<const std::uint8_t> ofPixels) {
-    if (people.empty()) joints += fmt::format("{},0\n", frame);
-    for (const Seen& one : people) {
-      joints += fmt::format("{},{}", frame, one.user);
-      for (const TrackedJoint& joint : one.joints.joints) {
-        const Vec3& p = joint.position;
-        joints += fmt::format(",{:.4f},{:.4f},{:.4f},{:.3f}", p.x(), p.y(), p.z(), joint.confidence);
-      }
-      joints += "\n";
-    }
-    labels.append(reinterpret_cast<const char*>(ofPixels.data()), ofPixels.size());
-  }
-};
-
 /// Tracked joints in red, recorded ones in green.
 Image pictureOf(const DepthCamera& camera, const DepthFrame& depth, std::span<const std::uint8_t> labels,
                 const Recording& recording, int frame, std::span<const Seen> seen) {
@@ -294,8 +278,12 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
   Result<Tracker> tracker = Tracker::create((*source)->camera());
   if (!tracker) return tracker.error();
   Measured measured;
-  ResultFiles files;
-  files.joints = "frame,user,joints: x y z confidence\n";
+  std::optional<TrackLog> log;
+  if (!options.results.empty()) {
+    Result<TrackLog> created = TrackLog::create(options.results / recording.name);
+    if (!created) return created.error();
+    log.emplace(std::move(*created));
+  }
   std::vector<int> user(recording.people.size());
   std::vector<int> first(recording.people.size(), -1);
   std::vector<Image> pictures;
@@ -312,7 +300,7 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
     for (const TrackedPerson& person : people) {
       seen.push_back({person.skeleton.user, moved(person.skeleton, tracker->floorFromCamera().inverse())});
     }
-    if (!options.results.empty()) files.add(frame, seen, tracker->labels());
+    if (log) log->add(frame, people, *tracker);
     if (!options.pictures.empty() && frame % options.pictureStep == 0) {
       pictures.push_back(pictureOf((*source)->camera(), depth, tracker->labels(), recording, frame, seen));
       captions.push_back(fmt::format("{}", frame));
@@ -361,12 +349,8 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
     const fs::path file = options.pictures / (recording.name + ".png");
     if (Result<void> written = writePng(file, contactSheet(pictures, captions, 4)); !written) return written.error();
   }
-  if (!options.results.empty()) {
-    for (const auto& [ending, content] : {std::pair{".cam.csv", &files.joints}, std::pair{".lab", &files.labels}}) {
-      if (Result<void> written = writeFileAtomically(options.results / (recording.name + ending), *content); !written) {
-        return written.error();
-      }
-    }
+  if (log) {
+    if (Result<void> done = log->finish(); !done) return done.error();
   }
   return measured;
 }

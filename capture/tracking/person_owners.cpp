@@ -59,14 +59,21 @@ Vec3f axisOf(const PeopleScene& scene, const FoundHead& head) {
   return head.position + kHeadDepth * away.normalized();
 }
 
-/// Whether a surface is the visible part of a person of its own.
-bool hasHead(const PeopleScene& scene, std::size_t component) {
+/// Whether a surface shows a head that none of some people may have: it is the visible part of another person.
+template <typename Mine>
+bool hasOtherHead(const PeopleScene& scene, std::size_t component, const Mine& mine) {
   const DepthComponent& one = scene.surfaces.components()[component];
   if (one.area < kMinGrown || one.max.y() - one.min.y() < kMinTall) return false;
   const std::span<const std::int32_t> label = scene.surfaces.labels();
   return std::ranges::any_of(scene.heads, [&](const FoundHead& head) {
-    return label[scene.grid.index(head.column, head.row)] == static_cast<std::int32_t>(component);
+    return label[scene.grid.index(head.column, head.row)] == static_cast<std::int32_t>(component) &&
+           !mine(axisOf(scene, head));
   });
+}
+
+/// Whether a head may be that of a person who is followed.
+bool mayBeHeadOf(const PeopleScene& scene, const PersonSlot& slot, const Vec3f& axis) {
+  return slot.used && horizontally(axis - expected(scene, slot)) < kHeadsApart;
 }
 
 PersonSlot newcomer(const PeopleScene& scene, const Vec3f& middle) {
@@ -195,7 +202,8 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
       continue;
     }
     if (best < 0 || one.overlap[best] < std::max(6, one.cells / 50)) continue;
-    if (!isMainPiece(one, slots[best].cells, best) && hasHead(scene, i)) continue;
+    const auto mine = [&](const Vec3f& axis) { return mayBeHeadOf(scene, slots[best], axis); };
+    if (!isMainPiece(one, slots[best].cells, best) && hasOtherHead(scene, i, mine)) continue;
     if ((mask & (mask - 1)) != 0) {
       splitBetween(scene, i, mask, slots, scene.last);
     } else if (!slots[best].confirmed && separateHeads(scene, i, best, slots)) {
@@ -208,13 +216,16 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
 
 void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
   const std::span<const DepthComponent> all = scene.surfaces.components();
+  const auto anyones = [&](const Vec3f& axis) {
+    return std::ranges::any_of(slots, [&](const PersonSlot& slot) { return mayBeHeadOf(scene, slot, axis); });
+  };
   for (;;) {
     int best = -1;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (owner_[i] != kNobody) continue;
       if (best >= 0 && all[i].area <= all[best].area) continue;
       const bool whole = mayBePerson(all[i], scene.grid, scene.floorFound) ||
-                         (!isOversize(all[i]) && hasHead(scene, i));
+                         (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
       if (!whole && (rememberedSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
       best = static_cast<int>(i);
     }
@@ -353,7 +364,7 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
   const auto w = static_cast<std::ptrdiff_t>(scene.grid.width);
   for (std::size_t component = 0; component < all.size(); ++component) {
     const DepthComponent& one = all[component];
-    if (owner_[component] != kNobody || one.area > 0.4 || hasHead(scene, component)) continue;
+    if (owner_[component] != kNobody || one.area > 0.4) continue;
     const bool isNew = 2 * one.newCells > one.cells;
     // If the background is not known, a piece that stands on the floor may be a chair as well as a leg.
     if (!isNew && scene.floorFound && one.min.y() < 0.15F) continue;
@@ -391,6 +402,8 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
     if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < awayFrom(scene, one, slots[best])) {
       best = hidden;
     }
+    const auto mine = [&](const Vec3f& axis) { return mayBeHeadOf(scene, slots[best], axis); };
+    if (hasOtherHead(scene, component, mine)) continue;
     if (awayFrom(scene, one, slots[best]) < kReach) give(scene, component, best, slots);
   }
 }

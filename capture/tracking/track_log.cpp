@@ -1,0 +1,81 @@
+#include "capture/tracking/track_log.h"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <system_error>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error unwritable(const fs::path& file) {
+  return {ErrorCode::kUnwritable, file.string() + ": cannot be written"};
+}
+
+std::string header() {
+  std::string text = "frame,user";
+  for (int j = 0; j < kBodyJointCount; ++j) {
+    text += fmt::format(",{0}_x,{0}_y,{0}_z,{0}_confidence", nameOf(static_cast<BodyJoint>(j)));
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+Result<TrackLog> TrackLog::create(const fs::path& base) {
+  TrackLog log;
+  for (std::size_t i = 0; i < log.parts_.size(); ++i) {
+    Part& part = log.parts_[i];
+    part.target = base.string() + (i == 0 ? ".cam.csv" : ".lab");
+    part.path = part.target.string() + ".part";
+    part.stream.open(part.path, std::ios::binary | std::ios::trunc);
+    if (!part.stream) return unwritable(part.target);
+  }
+  log.parts_[0].stream << header();
+  return log;
+}
+
+TrackLog::~TrackLog() {
+  std::error_code ignored;
+  for (Part& part : parts_) {
+    if (!part.stream.is_open()) continue;
+    part.stream.close();
+    fs::remove(part.path, ignored);
+  }
+}
+
+void TrackLog::add(int frame, std::span<const TrackedPerson> people, const Tracker& tracker) {
+  const Isometry3 cameraFromFloor = tracker.floorFromCamera().inverse();
+  std::string rows;
+  auto out = std::back_inserter(rows);
+  if (people.empty()) fmt::format_to(out, "{},0\n", frame);
+  for (const TrackedPerson& person : people) {
+    fmt::format_to(out, "{},{}", frame, person.skeleton.user);
+    for (const TrackedJoint& joint : person.skeleton.joints) {
+      const Vec3 p = cameraFromFloor * joint.position;
+      fmt::format_to(out, ",{:.4f},{:.4f},{:.4f},{:.3f}", p.x(), p.y(), p.z(), joint.confidence);
+    }
+    rows += '\n';
+  }
+  parts_[0].stream << rows;
+  parts_[1].stream.write(reinterpret_cast<const char*>(tracker.labels().data()),
+                         static_cast<std::streamsize>(tracker.labels().size()));
+}
+
+Result<void> TrackLog::finish() {
+  for (Part& part : parts_) {
+    part.stream.flush();
+    if (!part.stream) return unwritable(part.target);
+  }
+  for (Part& part : parts_) {
+    part.stream.close();
+    std::error_code error;
+    fs::rename(part.path, part.target, error);
+    if (error) return unwritable(part.target);
+  }
+  return {};
+}
+
+}  // namespace lorica
