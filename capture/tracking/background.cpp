@@ -75,7 +75,7 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
       seen_[i] = 0;
       continue;
     }
-    if (depth_[i] == 0.0F && (first || kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall)) {
+    if (depth_[i] == 0.0F && (first || kinds[i] == CellKind::kFloor)) {
       absorb(grid, i);
       continue;
     }

@@ -38,6 +38,10 @@ class BodyView {
     const float away = (point.position - cameraPosition_).norm();
     return static_cast<float>(block_ * block_) * away * away / (focalX_ * focalY_);
   }
+  /// Of the person, about, as seen from the camera [m^2].
+  [[nodiscard]] float seenArea() const {
+    return points_.empty() ? 0.0F : static_cast<float>(points_.size()) * areaOf(points_.front());
+  }
   [[nodiscard]] const V3& cameraPosition() const { return cameraPosition_; }
   /// Whether the person clearly touches the image border.
   [[nodiscard]] bool cut() const { return cut_; }

@@ -38,11 +38,15 @@ constexpr float kRivalShare = 0.93F;
 constexpr float kTurnedShare = 0.80F;
 constexpr float kTurnedAwayShare = 0.75F;
 constexpr float kTurnedToCameraShare = 1.0F;
+constexpr float kClearShare = 0.65F;   ///< a rival that costs less than this wins after kClearViews
+constexpr int kClearViews = 2;
 constexpr float kHopeless = 1.1F;      ///< a rival that costs more than this multiple of its limit is given up at once
 constexpr float kStartEffort = 12.0F;  ///< milliseconds per view, approximately
 constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
 constexpr std::size_t kMinPoints = 40;
+constexpr float kMinArea = 0.08F;      ///< less shows no pose [m^2]
+constexpr float kMuchMore = 1.6F;      ///< times as much seen of someone who enters: what was found is doubted
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
 constexpr std::array<FitStage, 1> kRivalFollow = {{{0.08F, 400, 4}}};
@@ -88,7 +92,9 @@ float PersonFit::height() const {
 void PersonFit::forget() {
   started_ = false;
   views_ = 0;
+  leastSeen_ = 0.0F;
   search_.stop();
+  urgent_ = false;
   rival_.reset();
   proportions_ = Proportions();
 }
@@ -129,7 +135,21 @@ void PersonFit::resume(const BodyView& view) {
   confidence_.restart();
   rival_.reset();
   search_.begin(view, Figure{pose_, proportions_});
-  lost_ = kLostViews;
+  urgent_ = true;
+  views_ = std::min(views_, kEarlyViews / 2);
+}
+
+/// What was found when only a part was in the image may be wrong: someone who enters is searched for again, more and
+/// more of them.
+void PersonFit::reconsider(const BodyView& view) {
+  const float seen = view.seenArea();
+  if (!view.cut() && leastSeen_ == 0.0F) return;
+  if (leastSeen_ == 0.0F || seen < leastSeen_) leastSeen_ = seen;
+  if (seen < kMuchMore * leastSeen_) return;
+  leastSeen_ = view.cut() ? seen : 0.0F;
+  search_.begin(view, proportionsKnown() ? Figure{pose_, proportions_} : std::optional<Figure>());
+  rival_.reset();
+  urgent_ = true;
   views_ = std::min(views_, kEarlyViews / 2);
 }
 
@@ -171,7 +191,7 @@ void PersonFit::compareRival(const BodyView& view) {
   const float share = !turned ? kRivalShare : views_ < kEarlyViews ? turnedEarly : kTurnedShare;
   if (rivalCost_ > kHopeless * share * ownCost_) {
     rival_.reset();
-  } else if (rivalViews_ >= kRivalViews) {
+  } else if (rivalViews_ >= kRivalViews || (rivalViews_ >= kClearViews && rivalCost_ < kClearShare * ownCost_)) {
     if (rivalCost_ < share * ownCost_) {
       take(*rival_);
     } else {
@@ -194,8 +214,9 @@ void PersonFit::challenge(const BodyView& view) {
     fresh_ = views_ < 2 * kEarlyViews && !fresh_;
     search_.begin(view, fresh_ ? std::optional<Figure>() : Figure{pose_, proportions_});
   }
-  if (!search_.work(view, lost ? kStartEffort : (views_ < kEarlyViews ? kEarlyEffort : kChallengeEffort))) return;
+  if (!search_.work(view, lost || urgent_ ? kStartEffort : (views_ < kEarlyViews ? kEarlyEffort : kChallengeEffort))) return;
   sinceChallenge_ = 0;
+  urgent_ = false;
   rival_ = search_.found();
   rivalViews_ = 0;
   rivalCost_ = 0.0F;
@@ -203,7 +224,7 @@ void PersonFit::challenge(const BodyView& view) {
 }
 
 bool PersonFit::follow(const BodyView& view, float seconds) {
-  if (view.points().size() < kMinPoints) return false;
+  if (view.points().size() < kMinPoints || view.seenArea() < kMinArea) return false;
   if (!started_) {
     oldMiddle_ = view.middle();
     if (!start(view)) return false;
@@ -211,6 +232,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
     resume(view);
   }
   oldMiddle_ = view.middle();
+  reconsider(view);
   static const Step stiffness = followStiffness();
   PosePrior prior;
   prior.pose = stepped(pose_, kMomentum * velocity_);
@@ -230,7 +252,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   std::array<float, kProportionCount> deviation;
   wholeViews_ += view.cut() ? 0 : 1;
   const bool learning = wholeViews_ < kLearningViews;
-  deviation.fill(views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
+  deviation.fill(urgent_ ? kLearnt : views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
   if (views_ < kLearningViews || learning || views_ % kLearntPause == 0) {
     fitter_.refineProportions(view, deviation, pose_, proportions_);
   }

@@ -37,6 +37,7 @@ class PersonFit {
  private:
   bool start(const BodyView& view);
   void resume(const BodyView& view);
+  void reconsider(const BodyView& view);
   void searchLimbs(const BodyView& view);
   void challenge(const BodyView& view);
   void compareRival(const BodyView& view);
@@ -49,6 +50,7 @@ class PersonFit {
   int views_ = 0;              ///< since the person appeared
   int wholeViews_ = 0;         ///< those that showed the whole body
   int lost_ = 0;               ///< consecutive views not explained by the body
+  float leastSeen_ = 0.0F;     ///< least area seen since the last search, if the image cut it off [m^2]
   V3 oldMiddle_ = V3::Zero();  ///< of the last view
   BodyPose pose_;
   Step velocity_ = Step::Zero();
@@ -65,7 +67,8 @@ class PersonFit {
   int rivalViews_ = 0;
   float rivalCost_ = 0.0F, ownCost_ = 0.0F;  ///< sums over those views
   int sinceChallenge_ = 0;
-  bool fresh_ = false;  ///< the search in progress does not use the current estimate
+  bool urgent_ = false;  ///< the search in progress should end soon: the current estimate is not to be trusted
+  bool fresh_ = false;   ///< the search in progress does not use the current estimate
 };
 
 }  // namespace lorica::fit
