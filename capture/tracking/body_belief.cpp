@@ -19,6 +19,7 @@ struct Limits {
 };
 constexpr Limits kStill = {1220.0F, 15};
 constexpr Limits kMoved = {1800.0F, 9};
+constexpr Limits kMovedAttached = {2300.0F, 15};
 constexpr float kAgainst = 1.15F;  // multiple of that cost from which a view is against a person believed before
 
 int seenOf(const CapsuleSupport& support) {
@@ -28,7 +29,7 @@ int seenOf(const CapsuleSupport& support) {
 }  // namespace
 
 void BodyBelief::update(const Evidence& evidence) {
-  const Limits& limits = evidence.moved ? kMoved : kStill;
+  const Limits& limits = !evidence.moved ? kStill : evidence.attached ? kMovedAttached : kMoved;
   const float cost = evidence.cost.plausible();
   const int seen = seenOf(evidence.support);
   const bool possible = evidence.height < kMaxHeight;

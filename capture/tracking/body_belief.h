@@ -14,7 +14,8 @@ class BodyBelief {
     FitCost cost;
     CapsuleSupport support;
     float height = 0.0F;  ///< standing [m]
-    bool moved = false;   ///< since it was found; furniture does not move
+    bool moved = false;     ///< since it was found; furniture does not move
+    bool attached = false;  ///< to the room, which the body need not explain
   };
   void update(const Evidence& evidence);
   void forget() { *this = BodyBelief(); }

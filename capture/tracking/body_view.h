@@ -45,6 +45,9 @@ class BodyView {
   [[nodiscard]] const V3& cameraPosition() const { return cameraPosition_; }
   /// Whether the person clearly touches the image border.
   [[nodiscard]] bool cut() const { return cut_; }
+  /// Whether the person is connected to the room: some points and parts of the outline may be the room's.
+  [[nodiscard]] bool attached() const { return attached_; }
+  void setAttached(bool attached) { attached_ = attached; }
   /// Height of the ground under the person: 0 if the floor was found; nothing if the feet are outside the image [m].
   [[nodiscard]] std::optional<float> ground() const { return ground_; }
   /// Floor frame, the median of each coordinate.
@@ -92,6 +95,7 @@ class BodyView {
   V3 middle_ = V3::Zero();
   std::optional<float> ground_;
   bool cut_ = false;
+  bool attached_ = false;
   bool cutBelow_ = false;
 };
 

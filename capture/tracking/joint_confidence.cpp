@@ -32,7 +32,7 @@ void JointConfidence::restart() {
   confidence_.fill(kMin);
 }
 
-void JointConfidence::update(const CapsuleSupport& support) {
+void JointConfidence::update(const CapsuleSupport& support, bool attached) {
   using J = BodyJoint;
   // 0.5 if as much of the capsule was seen as needed, 1 at twice that.
   const auto shown = [&](int capsule, double needed) {
@@ -63,6 +63,13 @@ void JointConfidence::update(const CapsuleSupport& support) {
     const double calf = std::max(shown(kCalfCapsule + side, 0.2), shown(kShinCapsule + side, 0.2));
     set(of(J::kLeftKnee), std::max(calf, shown(kThighCapsule + side, 0.3)));
     set(of(J::kLeftFoot), std::max(shown(kFootCapsule + side, 0.2), shown(kShinCapsule + side, 0.4)));
+    // A seat beside the legs may be taken for them.
+    if (attached) {
+      for (const J joint : {J::kLeftHip, J::kLeftKnee, J::kLeftFoot}) {
+        double& leg = now[static_cast<std::size_t>(of(joint))];
+        leg = std::min(leg, 0.4);
+      }
+    }
     const auto seen = [&](int capsule) { return support.seen[capsule + side]; };
     hidden_[side] = seen(kForearmCapsule) < 0.15F && seen(kHandCapsule) < 0.2F;
     hidden_[2 + side] = seen(kShinCapsule) < 0.15F && seen(kCalfCapsule) < 0.15F;

@@ -16,7 +16,7 @@ class JointConfidence {
  public:
   /// After a restart all joints have low confidence for a few views.
   void restart();
-  void update(const CapsuleSupport& support);
+  void update(const CapsuleSupport& support, bool attached);
   /// Of a joint, 0.1 to 1.
   [[nodiscard]] double operator[](BodyJoint joint) const { return confidence_[static_cast<std::size_t>(joint)]; }
   /// Whether nothing of a limb was seen, see Limb.

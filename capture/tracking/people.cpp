@@ -24,6 +24,8 @@ namespace {
 
 constexpr double kRemembered = 2.0;      // how long a person out of sight keeps their number [s]
 constexpr double kDoubtful = 0.2;        // the same for what may be furniture [s]
+constexpr float kNear = 0.05F;           // what is this near to the fitted body is the person's [m]
+constexpr float kFar = 0.12F;            // and what is farther is not [m]
 constexpr int kHeadPause = 3;            // frames between searches for heads
 constexpr int kMinCells = 20;            // of a person who is seen
 constexpr float kMinHeight = 1.1F;       // of a person who does not move, over the floor [m]
@@ -40,6 +42,7 @@ struct PeopleFinder::Impl {
   void measure();
   void giveUpFurniture(bool floorIsNew);
   void makeBackground(int slot);
+  void explain(int slot, const fit::PosedModel& body);
   void report();
   void paint(std::span<const std::uint16_t> depthMm);
   void find(const DepthFrame& frame);
@@ -190,6 +193,45 @@ void PeopleFinder::Impl::makeBackground(int k) {
   slots[k] = PersonSlot{};
 }
 
+void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
+  // Where the body is in the image.
+  const Isometry3 cameraFromFloor = floorFromCamera.inverse();
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  for (const fit::ShapedCapsule& capsule : body.capsule) {
+    const Vec3 middle = cameraFromFloor * capsule.middle.cast<double>();
+    const double depth = std::max(0.3, -middle.z());
+    const double reach = (capsule.reach + kFar) * camera.focalX() / depth;
+    const double x = 0.5 * camera.width + camera.focalX() * middle.x() / depth;
+    const double y = 0.5 * camera.height - camera.focalY() * middle.y() / depth;
+    left = std::min(left, x - reach);
+    right = std::max(right, x + reach);
+    top = std::min(top, y - reach);
+    bottom = std::max(bottom, y + reach);
+  }
+  const auto mine = static_cast<std::uint8_t>(k + 1);
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const std::size_t i = grid.index(c, r);
+      const bool was = person[i] == mine;
+      const double x = c * grid.step, y = r * grid.step;
+      const bool within = x > left && x < right && y > top && y < bottom;
+      if (kinds[i] == CellKind::kNone || (!was && (!within || person[i] != 0)) || kinds[i] == CellKind::kNew) continue;
+      if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall) continue;
+      const Vec3f position = positions(grid, c, r);
+      float nearest = kFar;
+      for (const fit::ShapedCapsule& capsule : body.capsule) {
+        if ((position - capsule.middle).norm() - capsule.reach >= nearest) continue;
+        nearest = std::min(nearest, std::abs(fit::distanceTo(body, capsule, position).distance));
+      }
+      if (was && nearest >= kFar) lastPerson[i] = 0;
+      if (!was && nearest < kNear) {
+        lastPerson[i] = mine;
+        if (kinds[i] == CellKind::kBackground) background.forget(i);
+      }
+    }
+  }
+}
+
 /// True for a person who has moved or stands free. Something cut off by the image's top or sides may also be a shelf:
 /// it must show head and shoulders.
 bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
@@ -253,6 +295,7 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
     segment.middle = next->middle.cast<double>();
     segment.topHeight = next->top;
     segment.moved = next->moved;
+    segment.attached = next->attached;
     people.push_back(segment);
     numbers[next - slots.data()] = static_cast<std::uint8_t>(people.size());
   }
@@ -304,6 +347,12 @@ void PeopleFinder::find(const DepthFrame& frame) {
 }
 void PeopleFinder::confirm(int user) {
   for (PersonSlot& slot : impl_->slots) slot.confirmed = slot.confirmed || (slot.used && slot.user == user);
+}
+void PeopleFinder::explain(int user, const fit::PosedModel& body) {
+  for (int k = 0; k < kPersonSlots; ++k) {
+    const PersonSlot& slot = impl_->slots[k];
+    if (slot.used && slot.attached && slot.user == user) impl_->explain(k, body);
+  }
 }
 void PeopleFinder::reject(int user) {
   for (int k = 0; k < kPersonSlots; ++k) {

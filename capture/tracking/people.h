@@ -1,6 +1,7 @@
 #pragma once
 
 #include "capture/sensor/depth_frame.h"
+#include "capture/tracking/body_model.h"
 #include "geometry/math.h"
 
 #include <cstdint>
@@ -19,6 +20,7 @@ struct PersonSegment {
   double topHeight = 0.0;      ///< the highest point over the floor [m]
   bool cutByBorder = false;    ///< touches the image border
   bool moved = false;          ///< since found; furniture does not move
+  bool attached = false;       ///< connected to the room: which pixels are the person's is uncertain, see explain()
 };
 
 /// Finds the floor, removes the background, and separates people from it and from each other. See Tracker for frames.
@@ -34,6 +36,10 @@ class PeopleFinder {
 
   /// A body explains what is seen of this person: they are one person, and no furniture.
   void confirm(int user);
+  /// Of someone connected to the room, what the body explains is the person's from the next frame on, the rest the
+  /// room's, unless it moves.
+  /// @param body  fitted to the last frame, floor frame
+  void explain(int user, const fit::PosedModel& body);
   /// What was taken for this person is furniture: it becomes background.
   /// @param user  of the last frame
   void reject(int user);

@@ -252,12 +252,12 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   std::array<float, kProportionCount> deviation;
   wholeViews_ += view.cut() ? 0 : 1;
   const bool learning = wholeViews_ < kLearningViews;
-  deviation.fill(urgent_ ? kLearnt : views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
+  deviation.fill(urgent_ || view.attached() ? kLearnt : views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
   if (views_ < kLearningViews || learning || views_ % kLearntPause == 0) {
     fitter_.refineProportions(view, deviation, pose_, proportions_);
   }
   support_ = fitter_.supportOf(view, proportions_, pose_);
-  confidence_.update(support_);
+  confidence_.update(support_, view.attached());
   lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
   velocity_ = stepBetween(last, pose_);
   for (int i = 0; i < kFitLimbCount; ++i) {

@@ -15,9 +15,9 @@ constexpr float kGapNew = 0.35F;      // between pieces of a person in front of 
 constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
 constexpr float kHeadsApart = 0.3F;   // between two people's heads, horizontally [m]
 constexpr float kNeighbour = 0.4F;    // a head this near to a person's middle is that person's [m]
-constexpr float kGrown = 0.65F;       // how far a person found at a head reaches from the head's axis at first [m]
+constexpr float kGrown = 0.42F;       // how far aside a person found at a head reaches from the head's axis at first [m]
 constexpr float kGrownBack = 0.4F;    // and how far behind the face [m]
-constexpr float kGrownFront = 0.9F;   // and in front of it [m]
+constexpr float kGrownFront = 0.7F;   // and in front of it [m]
 constexpr float kGrownStep = 0.02F;   // depth steps larger than this share of the depth end a person found at a head
 constexpr float kMinGrown = 0.12F;    // least area of a person found at a head [m^2]
 constexpr float kMinTall = 0.4F;      // and least height [m]
@@ -287,6 +287,7 @@ bool PersonOwners::growFrom(const PeopleScene& scene, const FoundHead& head, int
   Vec3f away = head.position - camera;
   away.y() = 0.0F;
   away.normalize();
+  const Vec3f aside = away.cross(Vec3f::UnitY());
   const auto mark = static_cast<std::uint8_t>(slot + 1);
   region_.clear();
   float top = -1e9F, bottom = 1e9F, area = 0.0F;
@@ -295,7 +296,7 @@ bool PersonOwners::growFrom(const PeopleScene& scene, const FoundHead& head, int
     if (scene.kinds[i] == CellKind::kFloor || scene.kinds[i] == CellKind::kWall) return false;
     const Vec3f position = scene.positions(grid, static_cast<int>(i % w), static_cast<int>(i / w));
     const float back = (position - head.position).dot(away);
-    if (horizontally(position - axis) > kGrown + std::max(0.0F, -back) || back > kGrownBack || back < -kGrownFront) {
+    if (std::abs((position - axis).dot(aside)) > kGrown || back > kGrownBack || back < -kGrownFront) {
       return false;
     }
     person_[i] = mark;

@@ -162,7 +162,7 @@ void PersonSearch::refine(const BodyView& view, Figure& figure, int phase) {
   }
   if (phase < kLimbPhase) {
     std::array<float, kProportionCount> deviation;
-    deviation.fill(0.04F);
+    deviation.fill(view.attached() ? 0.01F : 0.04F);
     for (int round = 0; round < 2; ++round) {
       fitter_.refineProportions(view, deviation, figure.pose, figure.proportions);
       fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose);

@@ -61,6 +61,7 @@ struct Tracker::Impl {
   DepthCamera camera;
   PeopleFinder finder;
   fit::BodyView view;
+  fit::PosedModel body;
   std::vector<Seat> seats;
   std::vector<TrackedPerson> reported;
   std::vector<std::uint8_t> labels;           ///< of those who are believed
@@ -121,10 +122,15 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     Seat* seat = t.seatOf(people[i], frame.time);
     if (!seat || people[i].pixelCount * kMinShare < t.camera.width * t.camera.height / 3) continue;
     t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor, t.finder.floorFound());
+    t.view.setAttached(people[i].attached);
     seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
     if (!seat->seen) continue;
     seat->lastTime = frame.time;
-    seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved});
+    seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached});
+    if (people[i].attached) {
+      poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
+      t.finder.explain(seat->user, t.body);
+    }
     if (seat->belief.believed()) {
       t.finder.confirm(seat->user);
       t.shown[i + 1] = static_cast<std::uint8_t>(i + 1);
