@@ -4,6 +4,12 @@
 
 namespace lorica {
 
+namespace {
+
+constexpr int kMarginShare = 12;  // sensors leave margins empty that are narrower than one of so many parts of the image
+
+}  // namespace
+
 float depthNoise(float depth) {
   const float past = depth - 0.4F;
   return 0.0012F + 0.0019F * past * past + 0.0003F * depth * depth;
@@ -61,6 +67,11 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
     firstColumn = std::min(firstColumn, c);
     lastColumn = c;
   }
+  // A wider margin is no property of the sensor: nothing is there.
+  if (firstColumn > width / kMarginShare) firstColumn = 0;
+  if (lastColumn < width - 1 - width / kMarginShare) lastColumn = width - 1;
+  if (firstRow > height / kMarginShare) firstRow = 0;
+  if (lastRow < height - 1 - height / kMarginShare) lastRow = height - 1;
 }
 
 }  // namespace lorica

@@ -59,7 +59,7 @@ struct DepthGrid {
   std::vector<float> rayX;             ///< x of a column at depth 1
   std::vector<float> rayY;             ///< y of a row at depth 1
   int firstColumn = 0,
-      lastColumn = 0;  ///< range in which the image has depth at all, inclusive: sensors leave margins empty
+      lastColumn = 0;  ///< range in which the sensor measures, inclusive: it may leave narrow margins empty
   int firstRow = 0, lastRow = 0;
 
  private:
