@@ -12,7 +12,7 @@ namespace {
 struct Offset {
   float right, down;
 };
-constexpr std::array<Offset, 4> kInside = {{{-0.05F, 0.0F}, {0.05F, 0.0F}, {0.0F, -0.05F}, {0.0F, 0.06F}}};
+constexpr std::array<Offset, 4> kInside = {{{-0.04F, 0.0F}, {0.04F, 0.0F}, {0.0F, -0.05F}, {0.0F, 0.06F}}};
 constexpr std::array<Offset, 2> kBeside = {{{-0.17F, -0.02F}, {0.17F, -0.02F}}};
 constexpr std::array<Offset, 3> kAbove = {{{-0.11F, -0.17F}, {0.0F, -0.21F}, {0.11F, -0.17F}}};
 constexpr std::array<Offset, 2> kShoulders = {{{-0.15F, 0.33F}, {0.15F, 0.33F}}};
@@ -64,11 +64,12 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
   // Votes for one head lie together: its middle is that of its votes.
   while (!votes_.empty() && heads_.size() < kMaxHeads) {
     FoundHead head = votes_.front();
+    const Vec3f first = head.position;
     Vec3f sum = Vec3f::Zero();
     int columns = 0, rows = 0;
     head.hits = 0;
     std::erase_if(votes_, [&](const FoundHead& vote) {
-      if ((vote.position - votes_.front().position).norm() > kApart) return false;
+      if ((vote.position - first).norm() > kApart) return false;
       sum += vote.position;
       columns += vote.column;
       rows += vote.row;

@@ -8,8 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -91,9 +89,6 @@ TEST(TrackerInRooms, FindsWhoeverStandsBeforeAWallOrFurnitureFromTheFirstFrame) 
                                      std::pair{"shelf", shelfBehind(gap)}}) {
       for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kJumpingJacks}) {
         const Followed seen = follow(room, motion, 1, 75);
-        if (std::getenv("SHOW"))
-          std::printf("%s %.2f %s from %d overlap %.3f error %.3f extra %d\n", name, gap,
-                      std::string(nameOf(motion)).c_str(), seen.from, seen.overlap, seen.error, seen.extra);
         SCOPED_TRACE(std::string(name) + " at " + std::to_string(gap) + ", " + std::string(nameOf(motion)));
         EXPECT_GE(seen.from, 0);
         EXPECT_LE(seen.from, 30);
