@@ -69,14 +69,20 @@ Result<std::optional<double>> write(const Options& options, const Motion& motion
 
 /// Everyone in a depth recording, where they are in front of the camera.
 Result<void> runCameraFrame(const Options& options, const CommonOptions& common) {
-  if (!isDepthRecording(options.input)) {
+  const fs::path shipped = shippedRecording(options.input);
+  const fs::path input = shipped.empty() ? fs::path(options.input) : shipped;
+  if (!isDepthRecording(input)) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--camera-frame: {} is no depth recording (.oni)", options.input)};
+                 fmt::format("{}: --camera-frame is for depth recordings (.oni)", options.input)};
+  }
+  if (lowerCase(fs::path(options.output).extension().string()) != ".csv") {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: --camera-frame writes .cam.csv and .lab, expected OUT.csv", options.output)};
   }
   const fs::path base = fs::path(options.output).replace_extension();
-  const Result<int> frames = writeTrackLog(options.input, base);
+  const Result<int> frames = writeTrackLog(input, base);
   if (!frames) return frames.error();
-  Report report(fmt::format("{}: {}, camera frame", fs::path(options.input).stem().string(), counted(*frames, "frame")));
+  Report report(fmt::format("{}: {}, camera frame", input.stem().string(), counted(*frames, "frame")));
   report.line("joints", base.string() + ".cam.csv");
   report.line("labels", base.string() + ".lab");
   nlohmann::ordered_json json;

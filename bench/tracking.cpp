@@ -338,6 +338,7 @@ int main(int argc, char** argv) {
   }
   if (lorica::Result<void> done =
           options.real.empty() ? measure(options) : measureRealPeople(options.real, options.realOptions);
-      !done) return fail(done.error());
+      !done)
+    return fail(done.error());
   return 0;
 }

@@ -33,9 +33,9 @@ namespace fs = std::filesystem;
 
 using Joints = std::array<Vec3, kBodyJointCount>;
 
-constexpr double kOff = 0.15;      ///< a joint with a larger error counts as off [m]
-constexpr double kSamePlace = 0.6; ///< a tracked person farther than this from every true one is a false person [m]
-constexpr double kSettled = 1.0;   ///< time after which a person should be followed and false people be gone [s]
+constexpr double kOff = 0.15;       ///< a joint with a larger error counts as off [m]
+constexpr double kSamePlace = 0.6;  ///< a tracked person farther than this from every true one is a false person [m]
+constexpr double kSettled = 1.0;    ///< time after which a person should be followed and false people be gone [s]
 
 /// A recording and what is true in it.
 struct Recording {
@@ -113,7 +113,7 @@ Result<std::map<int, Joints>> readTruth(const fs::path& file) {
   for (const std::vector<double>& row : readTable(*text)) {
     if (row.size() != 1 + 3 * kBodyJointCount) {
       return Error{ErrorCode::kBadFormat, fmt::format("{}: a row has {} numbers, expected {}", file.string(),
-                                                          row.size(), 1 + 3 * kBodyJointCount)};
+                                                      row.size(), 1 + 3 * kBodyJointCount)};
     }
     Joints& joints = frames[static_cast<int>(row[0])];
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
@@ -387,8 +387,8 @@ void print(const std::string& name, const Measured& m, bool joints) {
     row += fmt::format(",{:.1f}", percent(followed, frames));
     if (!late) row += fmt::format(",{}", m.first);
     if (joints) {
-      row += fmt::format(",{:.0f},{:.0f},{:.1f}", atShare(errors, 0.5), atShare(errors, 0.95),
-                         percent(limbOff, followed));
+      row +=
+          fmt::format(",{:.0f},{:.0f},{:.1f}", atShare(errors, 0.5), atShare(errors, 0.95), percent(limbOff, followed));
       if (!late) row += fmt::format(",{:.1f}", percent(sure, followed * double{kBodyJointCount}));
       row += fmt::format(",{:.1f},{:.1f}", percent(sureOff, sure), percent(back, followed));
     } else {

@@ -49,7 +49,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries and headers of Lor
 meshes, live convex hulls, character import, retargeting and body tracking.")
 # What lorica-config.cmake looks for; the modules that the libraries load come with the command.
 string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "lorica (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libeigen3-dev, libfmt-dev, nlohmann-json3-dev, "
+  "lorica (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libeigen3-dev, libfmt-dev, "
   "libtbb-dev, libbullet-dev, libxxhash-dev, libhwy-dev, libglfw3-dev, libimgui-dev, libassimp-dev, libtinygltf-dev, "
   "libpng-dev, libgif-dev, zlib1g-dev, pkgconf | pkg-config")
 

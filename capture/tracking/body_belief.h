@@ -13,7 +13,7 @@ class BodyBelief {
   struct Evidence {
     FitCost cost;
     CapsuleSupport support;
-    float height = 0.0F;  ///< standing [m]
+    float height = 0.0F;    ///< standing [m]
     bool moved = false;     ///< since it was found; furniture does not move
     bool attached = false;  ///< to the room, which the body need not explain
   };

@@ -283,8 +283,10 @@ BodyView::Sight BodyView::sightOf(const V3& position) const {
   sight.depth = -p.z();
   sight.axis = -floorFromCamera_.col(2);
   if (sight.depth < 0.2F) return sight;
-  const float column = (0.5F * static_cast<float>(camera_.width) + focalX_ * p.x() / sight.depth) / static_cast<float>(block_) - 0.5F;
-  const float row = (0.5F * static_cast<float>(camera_.height) - focalY_ * p.y() / sight.depth) / static_cast<float>(block_) - 0.5F;
+  const float column =
+      (0.5F * static_cast<float>(camera_.width) + focalX_ * p.x() / sight.depth) / static_cast<float>(block_) - 0.5F;
+  const float row =
+      (0.5F * static_cast<float>(camera_.height) - focalY_ * p.y() / sight.depth) / static_cast<float>(block_) - 0.5F;
   sight.metresPerBlock = static_cast<float>(block_) * sight.depth / focalX_;
   sight.inside = column > -0.5F && row > -0.5F && column < static_cast<float>(columns_) - 0.5F &&
                  row < static_cast<float>(rows_) - 0.5F;

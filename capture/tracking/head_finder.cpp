@@ -23,13 +23,12 @@ constexpr int kStandsOut = 90;  // least depth difference to what is beside and 
 constexpr int kBody = 280;      // largest depth difference between head and chest [mm]
 constexpr std::uint16_t kNearest = 500, kFarthest = 5500;  // [mm]
 constexpr float kMinArea = 60.0F;  // of the votes for a head: their number times squared depth [m^2]
-constexpr float kApart = 0.25F;  // two heads are at least this far from each other [m]
+constexpr float kApart = 0.25F;    // two heads are at least this far from each other [m]
 constexpr std::size_t kMaxVotes = 4096, kMaxHeads = 8;
 
 }  // namespace
 
-HeadFinder::HeadFinder(const DepthGrid& grid)
-    : cellsPerMetre_(1.0F / std::abs(grid.rayX[1] - grid.rayX[0])) {
+HeadFinder::HeadFinder(const DepthGrid& grid) : cellsPerMetre_(1.0F / std::abs(grid.rayX[1] - grid.rayX[0])) {
   votes_.reserve(kMaxVotes);
   heads_.reserve(kMaxHeads);
 }
@@ -55,7 +54,8 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
       const auto standsOut = [&](const Offset& offset) { return behind(offset) > kStandsOut; };
       const auto body = [&](const Offset& offset) { return std::abs(behind(offset)) < kBody; };
       if (!std::ranges::all_of(kBeside, standsOut)) continue;
-      if (!std::ranges::all_of(kInside, [&](const Offset& offset) { return std::abs(behind(offset)) < kSkin; })) continue;
+      if (!std::ranges::all_of(kInside, [&](const Offset& offset) { return std::abs(behind(offset)) < kSkin; }))
+        continue;
       if (!std::ranges::all_of(kChest, body) || !std::ranges::all_of(kShoulders, body)) continue;
       if (std::ranges::count_if(kAbove, standsOut) < 2) continue;
       votes_.push_back({column, row, depth, positions(grid, column, row), 1});

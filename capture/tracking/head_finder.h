@@ -10,10 +10,10 @@ namespace lorica {
 
 /// A head above shoulders, as seen in one frame.
 struct FoundHead {
-  int column = 0, row = 0;          ///< its middle [cells]
-  std::uint16_t depthMm = 0;        ///< there
-  Vec3f position = Vec3f::Zero();   ///< of the surface there, floor frame [m]
-  int hits = 0;                     ///< how many cells voted for it
+  int column = 0, row = 0;         ///< its middle [cells]
+  std::uint16_t depthMm = 0;       ///< there
+  Vec3f position = Vec3f::Zero();  ///< of the surface there, floor frame [m]
+  int hits = 0;                    ///< how many cells voted for it
 };
 
 /// Finds heads by their outline: something head-sized that stands out from what is beside and above it, with shoulders

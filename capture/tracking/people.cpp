@@ -176,8 +176,10 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
     const double age = time - slot.born;
     const bool low =
         floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * 25 < static_cast<int>(person.size());
-    const bool likely = age < kStillSeconds || (age < kPersonSeconds && hasHeadAndShoulders(grid, positions, person, k,
-                                                                                            slot.top, slot.cutAside));
+    const auto looksHuman = [&] {
+      return slot.confirmed || hasHeadAndShoulders(grid, positions, person, k, slot.top, slot.cutAside);
+    };
+    const bool likely = age < kStillSeconds || (age < kPersonSeconds && looksHuman());
     if (!low && likely) continue;
     makeBackground(k);
   }
@@ -317,8 +319,8 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   finder.find(grid, positions, kinds, LastCells{lastPerson, lastDepthMm});
   const bool looking = frameCount++ % kHeadPause == 0;
   const std::span<const FoundHead> heads = looking ? headFinder.find(grid, positions) : std::span<const FoundHead>();
-  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, heads, looking, floorFromCamera, floor.found(),
-                time, elapsed},
+  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, heads, looking, floorFromCamera,
+                floor.found(), time, elapsed},
                slots);
   for (const std::uint32_t cell : owners.uncovered()) background.forget(cell);
   measure();

@@ -29,24 +29,24 @@ constexpr float kLearningCut = 0.001F;  // while the image has not shown the who
 constexpr float kLearnt = 0.0005F;
 constexpr int kLearntPause = 3;  // views between such small changes
 
-constexpr int kEarlyViews = 60;        ///< during which rivals are searched for without pause
-constexpr int kChallengePause = 60;    ///< views between later searches for rivals
-constexpr int kRivalViews = 6;         ///< views that a rival is tracked before it can win
+constexpr int kEarlyViews = 60;      ///< during which rivals are searched for without pause
+constexpr int kChallengePause = 60;  ///< views between later searches for rivals
+constexpr int kRivalViews = 6;       ///< views that a rival is tracked before it can win
 // Fraction of the present cost that a rival must stay below: in general, if it faces the other way, and the same at
 // first, when people are taken to face the camera.
 constexpr float kRivalShare = 0.93F;
 constexpr float kTurnedShare = 0.80F;
 constexpr float kTurnedAwayShare = 0.75F;
 constexpr float kTurnedToCameraShare = 1.0F;
-constexpr float kClearShare = 0.65F;   ///< a rival that costs less than this wins after kClearViews
+constexpr float kClearShare = 0.65F;  ///< a rival that costs less than this wins after kClearViews
 constexpr int kClearViews = 2;
 constexpr float kHopeless = 1.1F;      ///< a rival that costs more than this multiple of its limit is given up at once
 constexpr float kStartEffort = 12.0F;  ///< milliseconds per view, approximately
 constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
 constexpr std::size_t kMinPoints = 40;
-constexpr float kMinArea = 0.08F;      ///< less shows no pose [m^2]
-constexpr float kMuchMore = 1.6F;      ///< times as much seen of someone who enters: what was found is doubted
+constexpr float kMinArea = 0.08F;  ///< less shows no pose [m^2]
+constexpr float kMuchMore = 1.6F;  ///< times as much seen of someone who enters: what was found is doubted
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
 constexpr std::array<FitStage, 1> kRivalFollow = {{{0.08F, 400, 4}}};
@@ -214,7 +214,8 @@ void PersonFit::challenge(const BodyView& view) {
     fresh_ = views_ < 2 * kEarlyViews && !fresh_;
     search_.begin(view, fresh_ ? std::optional<Figure>() : Figure{pose_, proportions_});
   }
-  if (!search_.work(view, lost || urgent_ ? kStartEffort : (views_ < kEarlyViews ? kEarlyEffort : kChallengeEffort))) return;
+  if (!search_.work(view, lost || urgent_ ? kStartEffort : (views_ < kEarlyViews ? kEarlyEffort : kChallengeEffort)))
+    return;
   sinceChallenge_ = 0;
   urgent_ = false;
   rival_ = search_.found();
@@ -252,7 +253,10 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   std::array<float, kProportionCount> deviation;
   wholeViews_ += view.cut() ? 0 : 1;
   const bool learning = wholeViews_ < kLearningViews;
-  deviation.fill(urgent_ || view.attached() ? kLearnt : views_ < kLearningViews || (learning && !view.cut()) ? kLearning : learning ? kLearningCut : kLearnt);
+  deviation.fill(urgent_ || view.attached()                             ? kLearnt
+                 : views_ < kLearningViews || (learning && !view.cut()) ? kLearning
+                 : learning                                             ? kLearningCut
+                                                                        : kLearnt);
   if (views_ < kLearningViews || learning || views_ % kLearntPause == 0) {
     fitter_.refineProportions(view, deviation, pose_, proportions_);
   }

@@ -39,8 +39,9 @@ bool PersonMoves::hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> 
       const float tolerance = 1000.0F * tolerance_[std::max(was[i], grid.depthMm[i])];
       const bool mine = person[i] == slot + 1, nearer = off < -tolerance;
       // Something nearer may be someone else in front of the person.
-      const bool differs = covered[i] != 0 ? was[i] != 0 && grid.depthMm[i] != 0 && (off > tolerance || (nearer && mine))
-                                           : mine && (was[i] == 0 || nearer);
+      const bool differs = covered[i] != 0
+                               ? was[i] != 0 && grid.depthMm[i] != 0 && (off > tolerance || (nearer && mine))
+                               : mine && (was[i] == 0 || nearer);
       run = differs ? run + 1 : 0;
       changed += static_cast<int>(run > 2 * kEdgeCells);
     }

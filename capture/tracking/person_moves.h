@@ -21,8 +21,8 @@ class PersonMoves {
   void remember(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot);
 
   /// @return whether enough has changed since: of the area that the person covered then, what shows another depth now
-  /// (deeper, or nearer and the person's); of the area that they cover now, what was deeper then or not measured. Edges,
-  /// which noise moves by a cell, do not count
+  /// (deeper, or nearer and the person's); of the area that they cover now, what was deeper then or not measured.
+  /// Edges, which noise moves by a cell, do not count
   [[nodiscard]] bool hasMoved(const DepthGrid& grid, std::span<const std::uint8_t> person, int slot) const;
 
  private:

@@ -15,15 +15,15 @@ constexpr float kGapNew = 0.35F;      // between pieces of a person in front of 
 constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
 constexpr float kHeadsApart = 0.3F;   // between two people's heads, horizontally [m]
 constexpr float kNeighbour = 0.4F;    // a head this near to a person's middle is that person's [m]
-constexpr float kGrown = 0.42F;       // how far aside a person found at a head reaches from the head's axis at first [m]
-constexpr float kGrownBack = 0.4F;    // and how far behind the face [m]
-constexpr float kGrownFront = 0.7F;   // and in front of it [m]
-constexpr float kGrownStep = 0.02F;   // depth steps larger than this share of the depth end a person found at a head
-constexpr float kMinGrown = 0.12F;    // least area of a person found at a head [m^2]
-constexpr float kMinTall = 0.4F;      // and least height [m]
-constexpr float kHeadDepth = 0.1F;    // from the face to the axis of the head [m]
-constexpr double kRefused = 5.0;      // how long no head is looked for where none was [s]
-constexpr int kGapCells = 10;         // max gap that noise and shadows may cause between pieces
+constexpr float kGrown = 0.42F;      // how far aside a person found at a head reaches from the head's axis at first [m]
+constexpr float kGrownBack = 0.4F;   // and how far behind the face [m]
+constexpr float kGrownFront = 0.7F;  // and in front of it [m]
+constexpr float kGrownStep = 0.02F;  // depth steps larger than this share of the depth end a person found at a head
+constexpr float kMinGrown = 0.12F;   // least area of a person found at a head [m^2]
+constexpr float kMinTall = 0.4F;     // and least height [m]
+constexpr float kHeadDepth = 0.1F;   // from the face to the axis of the head [m]
+constexpr double kRefused = 5.0;     // how long no head is looked for where none was [s]
+constexpr int kGapCells = 10;        // max gap that noise and shadows may cause between pieces
 
 // Owners of surfaces that are not slots.
 constexpr int kNobody = -1;
@@ -144,9 +144,9 @@ void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slo
         // Merged with something large: the part near the person and in front of known background is the person's.
         const Vec3f apart = scene.positions(scene.grid, c, r) - middle;
         const bool before = scene.last.person[i] != 0 && std::abs(scene.grid.depthMm[i] - scene.last.depthMm[i]) < 150;
-        const bool came = scene.last.depthMm[i] != 0 &&
-                          static_cast<float>(scene.last.depthMm[i] - scene.grid.depthMm[i]) >
-                              1000.0F * scene.surfaces.step(scene.grid.depthMm[i]);
+        const bool came =
+            scene.last.depthMm[i] != 0 && static_cast<float>(scene.last.depthMm[i] - scene.grid.depthMm[i]) >
+                                              1000.0F * scene.surfaces.step(scene.grid.depthMm[i]);
         const bool mine = before || came || scene.kinds[i] == CellKind::kNew;
         if (std::hypot(apart.x(), apart.z()) > 1.2F || !mine) continue;
       }
@@ -169,8 +169,8 @@ SplitShare PersonOwners::shareOf(const PeopleScene& scene, const PersonSlot& slo
   return share;
 }
 
-void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask,
-                                PersonSlots& slots, const LastCells& last) {
+void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots,
+                                const LastCells& last) {
   std::array<SplitShare, kPersonSlots> shares{};
   for (int k = 0; k < kPersonSlots; ++k) {
     if ((slotMask & (1U << static_cast<unsigned>(k))) == 0) continue;
@@ -224,8 +224,8 @@ void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (owner_[i] != kNobody) continue;
       if (best >= 0 && all[i].area <= all[best].area) continue;
-      const bool whole = mayBePerson(all[i], scene.grid, scene.floorFound) ||
-                         (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
+      const bool whole =
+          mayBePerson(all[i], scene.grid, scene.floorFound) || (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
       if (!whole && (rememberedSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
       best = static_cast<int>(i);
     }
@@ -337,9 +337,8 @@ void PersonOwners::giveBirthAtHeads(const PeopleScene& scene, PersonSlots& slots
     const bool refused = std::ranges::any_of(refusals_, [&](const Refusal& refusal) {
       return scene.time < refusal.until && horizontally(refusal.middle - axis) < kNeighbour;
     });
-    const bool known = std::ranges::any_of(slots, [&](const PersonSlot& slot) {
-      return slot.used && horizontally(slot.middle - axis) < kNeighbour;
-    });
+    const bool known = std::ranges::any_of(
+        slots, [&](const PersonSlot& slot) { return slot.used && horizontally(slot.middle - axis) < kNeighbour; });
     const int free = freeSlot(slots);
     if (refused || known || free < 0) continue;
     // Whoever stands free is found without this in the next frames.

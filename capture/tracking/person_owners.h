@@ -74,7 +74,7 @@ class PersonOwners {
   std::vector<Vec3f> waiting_, stillWaiting_;  ///< axes of heads that are nobody's since the last search
   std::vector<std::uint32_t> uncovered_, region_;
   std::vector<std::uint8_t> nobody_;  ///< zeros
-  std::vector<int> owner_;  ///< of components: slot, or a special value of person_owners.cpp
+  std::vector<int> owner_;            ///< of components: slot, or a special value of person_owners.cpp
 };
 
 }  // namespace lorica

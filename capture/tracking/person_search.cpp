@@ -14,9 +14,9 @@ constexpr float kUnusualWeight = 5.0F;      ///< of proportions that differ from
 constexpr float kReachHeight = 2.15F;       ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;        ///< [m]
 
-constexpr float kAway = 0.25F;              ///< added share of the cost of a newcomer who faces away from the camera
+constexpr float kAway = 0.25F;  ///< added share of the cost of a newcomer who faces away from the camera
 
-constexpr float kUnfitted = 100.0F;         ///< how much worse than the present pose one may be that is not yet fitted
+constexpr float kUnfitted = 100.0F;  ///< how much worse than the present pose one may be that is not yet fitted
 constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
 constexpr std::array<FitStage, 2> kMedium = {{{0.15F, 200, 6}, {0.08F, 400, 6}}};
 constexpr std::array<FitStage, 1> kClose = {{{0.08F, 400, 4}}};

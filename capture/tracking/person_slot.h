@@ -14,12 +14,12 @@ inline constexpr int kHeightBins = 256;  ///< of 2 cm, from 0.5 m under the floo
 /// A person who is tracked or remembered.
 struct PersonSlot {
   bool used = false;
-  bool seen = false;      ///< in this frame
-  bool reported = false;  ///< included in the output
-  bool moved = false;     ///< since found; furniture does not move
-  bool confirmed = false; ///< a body was fitted and explains what is seen
-  bool attached = false;  ///< connected to the room: only part of the surface is the person
-  int user = 0;           ///< 0 until reported
+  bool seen = false;       ///< in this frame
+  bool reported = false;   ///< included in the output
+  bool moved = false;      ///< since found; furniture does not move
+  bool confirmed = false;  ///< a body was fitted and explains what is seen
+  bool attached = false;   ///< connected to the room: only part of the surface is the person
+  int user = 0;            ///< 0 until reported
   int movingFrames = 0;
   int cells = 0;
   int newCells = 0;

@@ -12,9 +12,9 @@ namespace lorica {
 /// Writes what a tracker sees in a recording, for programs that judge or train trackers: everyone's joints where they
 /// are in front of the camera, and whose each pixel is.
 ///
-/// NAME.cam.csv: `frame,user`, then x, y, z [m] and confidence of the 15 joints in the order of BodyJoint. Camera frame:
-/// x to the right in the image, y up, the camera looks along -z. One row for each person and frame; user 0: nobody.
-/// NAME.lab: one byte a pixel, frame after frame, see Tracker::labels().
+/// NAME.cam.csv: `frame,user`, then x, y, z [m] and confidence of the 15 joints in the order of BodyJoint. Camera
+/// frame: x to the right in the image, y up, the camera looks along -z. One row for each person and frame; user 0:
+/// nobody. NAME.lab: one byte a pixel, frame after frame, see Tracker::labels().
 class TrackLog {
  public:
   /// @param base  folder and NAME; written to NAME.cam.csv.part and NAME.lab.part until finish()

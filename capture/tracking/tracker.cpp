@@ -64,8 +64,8 @@ struct Tracker::Impl {
   fit::PosedModel body;
   std::vector<Seat> seats;
   std::vector<TrackedPerson> reported;
-  std::vector<std::uint8_t> labels;           ///< of those who are believed
-  std::array<std::uint8_t, 256> shown{};      ///< label of the finder to label
+  std::vector<std::uint8_t> labels;       ///< of those who are believed
+  std::array<std::uint8_t, 256> shown{};  ///< label of the finder to label
   Isometry3 floorFromCamera = Isometry3::Identity();
   bool begun = false;
 };
@@ -126,7 +126,8 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
     if (!seat->seen) continue;
     seat->lastTime = frame.time;
-    seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached});
+    seat->belief.update(
+        {seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached});
     if (people[i].attached) {
       poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
       t.finder.explain(seat->user, t.body);

@@ -16,12 +16,12 @@ constexpr int kPause = 15;          // frames between searches
 constexpr std::size_t kWalls = 3;   // at most
 constexpr double kMinShare = 0.05;  // of the samples
 constexpr double kMinCount = 120;
-constexpr double kMinExtent = 0.25;       // standard deviation along the shorter side [m]; less may be a person's trunk
+constexpr double kMinExtent = 0.25;      // standard deviation along the shorter side [m]; less may be a person's trunk
 constexpr float kMaxSlope = 0.5F;        // sine of the angle between a wall and the vertical
-constexpr float kAligned = 0.85F;         // least cosine of the angle between a sample's and the wall's normal
-constexpr float kBehind = 0.10F;          // farther than this behind a wall lies what refutes it [m]
-constexpr double kBehindPenalty = 8.0;    // samples on the plane that outweigh one behind it
-constexpr double kBehindAllowed = 0.02;   // of the samples: through doors, windows and mirrors
+constexpr float kAligned = 0.85F;        // least cosine of the angle between a sample's and the wall's normal
+constexpr float kBehind = 0.10F;         // farther than this behind a wall lies what refutes it [m]
+constexpr double kBehindPenalty = 8.0;   // samples on the plane that outweigh one behind it
+constexpr double kBehindAllowed = 0.02;  // of the samples: through doors, windows and mirrors
 
 }  // namespace
 

@@ -149,6 +149,30 @@ TEST(Motions, OutputsThatWouldBeWrongAreRefusedAndNothingIsWritten) {
   expectRefused({"convert", studio().whole, "out.csv", "--person", "2"}, {"--person", "recorded joints"});
 }
 
+TEST(Motions, EveryoneInADepthRecordingIsWrittenInTheCamerasFrame) {
+  const fs::path base = studio().folder.path() / "everyone";
+  const nlohmann::json json = jsonOf({"convert", "wave_depth", base.string() + ".csv", "--camera-frame"});
+  const int frames = json["frames"];
+  EXPECT_EQ(frames, jsonOf({"info", "wave_depth"})["frames"]);
+  std::ifstream joints(base.string() + ".cam.csv");
+  std::string line;
+  std::getline(joints, line);
+  EXPECT_TRUE(line.starts_with("frame,user,head_x,head_y,head_z,head_confidence,neck_x"));
+  int rows = 0, people = 0;
+  while (std::getline(joints, line)) {
+    const int frame = std::stoi(line), user = std::stoi(line.substr(line.find(',') + 1));
+    EXPECT_EQ(frame, rows++);
+    EXPECT_EQ(std::ranges::count(line, ','), user == 0 ? 1 : 1 + 4 * kBodyJointCount);
+    people += user == 1 ? 1 : 0;
+  }
+  EXPECT_EQ(rows, frames);
+  EXPECT_GT(people, frames / 2);
+  EXPECT_EQ(fs::file_size(base.string() + ".lab") % static_cast<std::uintmax_t>(frames), 0U);
+  EXPECT_FALSE(fs::exists(base.string() + ".csv"));
+  expectRefused({"convert", "walk", "out.csv", "--camera-frame"}, {"walk", "--camera-frame", ".oni"});
+  expectRefused({"convert", "wave_depth", "out.bvh", "--camera-frame"}, {"out.bvh", "--camera-frame", ".csv"});
+}
+
 TEST(Motions, SmoothingSaysItsDelayAndIsForJointsOnly) {
   const nlohmann::json plain = jsonOf({"play", "walk_noisy", "--frames", "60"});
   EXPECT_TRUE(plain["smoothingDelay"].is_null());

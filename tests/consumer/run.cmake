@@ -2,8 +2,8 @@
 # Installs Lorica to a fresh prefix, builds the samples and the consumer against it, and runs them and the command from
 # there: `walk` is one of the installed recordings.
 
-set(work ${BUILD}/tests/consumer/work)
-file(REMOVE_RECURSE ${work})
+set(trial ${BUILD}/tests/consumer/trial)
+file(REMOVE_RECURSE ${trial})
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -14,7 +14,7 @@ function(run)
   message("${output}")
 endfunction()
 
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${trial}/prefix)
 # expect(PATTERN COMMAND...): runs it; its output must match.
 function(expect pattern)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -34,15 +34,15 @@ foreach(project consumer samples)
       list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
     endforeach()
   endif()
-  run(${CMAKE_COMMAND} -G Ninja -S ${source} -B ${work}/${project} -DCMAKE_CXX_COMPILER=${CXX}
-      -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_PREFIX_PATH=${work}/prefix ${without})
-  run(${CMAKE_COMMAND} --build ${work}/${project})
+  run(${CMAKE_COMMAND} -G Ninja -S ${source} -B ${trial}/${project} -DCMAKE_CXX_COMPILER=${CXX}
+      -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_PREFIX_PATH=${trial}/prefix ${without})
+  run(${CMAKE_COMMAND} --build ${trial}/${project})
 endforeach()
-run(${work}/consumer/consumer)
-expect("2 parts, volume 3\\.000" ${work}/samples/decompose_mesh)
-expect("frame 20, part 7: .*8 parts, mean time per frame [0-9]+ us" ${work}/samples/character_hulls)
+run(${trial}/consumer/consumer)
+expect("2 parts, volume 3\\.000" ${trial}/samples/decompose_mesh)
+expect("frame 20, part 7: .*8 parts, mean time per frame [0-9]+ us" ${trial}/samples/character_hulls)
 expect("[1-9][0-9]+ contacts of 200 balls with 12 parts\n0\\.[0-9]+ % of the positions overlap"
-       ${work}/samples/own_physics)
-expect("time,user,.*7[0-9] of 80 frames show a person" ${work}/samples/depth_to_joints)
-run(${work}/prefix/bin/lorica info walk)
-file(REMOVE_RECURSE ${work})
+       ${trial}/samples/own_physics)
+expect("time,user,.*7[0-9] of 80 frames show a person" ${trial}/samples/depth_to_joints)
+run(${trial}/prefix/bin/lorica info walk)
+file(REMOVE_RECURSE ${trial})

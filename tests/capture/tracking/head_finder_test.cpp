@@ -47,9 +47,8 @@ TEST(HeadFinder, FindsEveryHeadWhereItIs) {
     for (const VirtualTruth& truth : sensor.truth()) {
       const SkeletonFrame joints = moved(truth.joints, sensor.floorFromCamera());
       const Vec3 head = joints[BodyJoint::kHead].position;
-      const bool found = std::ranges::any_of(heads, [&](const FoundHead& one) {
-        return (one.position.cast<double>() - head).norm() < 0.2;
-      });
+      const bool found = std::ranges::any_of(
+          heads, [&](const FoundHead& one) { return (one.position.cast<double>() - head).norm() < 0.2; });
       EXPECT_TRUE(found) << head.transpose() << " found " << heads[0].position.transpose();
     }
   }
@@ -79,8 +78,9 @@ std::pair<double, double> marked(const VirtualRoom& room, const std::vector<doub
     for (int c = 0; c < seen.grid.width; ++c) {
       const std::size_t i = seen.grid.index(c, r);
       if (seen.grid.depthMm[i] == 0) continue;
-      const auto pixel = static_cast<std::size_t>(r * seen.grid.step) * static_cast<std::size_t>(sensor.camera().width) +
-                         static_cast<std::size_t>(c * seen.grid.step);
+      const auto pixel =
+          static_cast<std::size_t>(r * seen.grid.step) * static_cast<std::size_t>(sensor.camera().width) +
+          static_cast<std::size_t>(c * seen.grid.step);
       const bool isWall = kinds[i] == CellKind::kWall;
       if (sensor.labels()[pixel] != 0) {
         ++person;
