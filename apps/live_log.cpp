@@ -10,6 +10,12 @@
 
 namespace lorica {
 
+namespace {
+
+constexpr const char* kStepOut = "person and furniture are connected: step out of the picture for a second";
+
+}  // namespace
+
 void LiveLog::add(const LiveJoints& joints, double seconds) {
   const DepthSight& sight = joints.sight();
   frames_ = joints.frameCount();
@@ -28,14 +34,20 @@ void LiveLog::add(const LiveJoints& joints, double seconds) {
     news = unplugged ? "the sensor is unplugged; waiting for it" : "the sensor is back";
   } else if (sight.read == DepthRead::kFrame && sight.followed != wasFollowed_) {
     news = sight.followed ? "a person is tracked" : "no person is visible";
+  } else if (sight.roomUncertain && !wasUncertain_) {
+    news = kStepOut;
   }
   if (news != nullptr) fmt::print(stderr, "{:6.1f} s  {}\n", seconds, news);
   unplugged_ = unplugged;
-  if (sight.read == DepthRead::kFrame) wasFollowed_ = sight.followed;
+  if (sight.read == DepthRead::kFrame) {
+    wasFollowed_ = sight.followed;
+    wasUncertain_ = sight.roomUncertain;
+  }
 }
 
 std::string LiveLog::state() const {
   if (unplugged_) return "the sensor is unplugged";
+  if (wasUncertain_) return kStepOut;
   return wasFollowed_ ? "" : "no person is visible";
 }
 

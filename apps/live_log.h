@@ -18,7 +18,8 @@ class LiveLog {
   /// @param seconds  since the first frame [s]
   void add(const LiveJoints& joints, double seconds);
 
-  /// For the caption: "no person is visible", "the sensor is unplugged", or empty.
+  /// For the caption: "no person is visible", "the sensor is unplugged", what to do where person and room
+  /// cannot be told apart, or empty.
   [[nodiscard]] std::string state() const;
 
   /// "depthFrames", "framesWithPerson", ..., "tracking" and "latency" in microseconds.
@@ -34,6 +35,7 @@ class LiveLog {
   std::optional<double> firstPose_;  // since the first frame [s]
   bool unplugged_ = false;
   bool wasFollowed_ = false;
+  bool wasUncertain_ = false;
 };
 
 }  // namespace lorica

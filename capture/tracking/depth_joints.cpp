@@ -42,6 +42,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   sight_.read = *read;
   sight_.people = 0;
   sight_.followed = false;
+  sight_.roomUncertain = false;
   sight_.trackSeconds = 0.0;
   sight_.arrived = std::chrono::steady_clock::now();
   SkeletonFrame& joints = sight_.joints;
@@ -56,6 +57,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   const std::span<const TrackedPerson> people = tracker_.track(sight_.image);
   sight_.trackSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sight_.arrived).count();
   sight_.people = static_cast<int>(people.size());
+  sight_.roomUncertain = tracker_.roomUncertain();
   time_ = riseTo(sight_.image.time);
   if (const TrackedPerson* person = choose(people)) {
     sight_.followed = true;

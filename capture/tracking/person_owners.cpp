@@ -234,6 +234,7 @@ void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
     if (separateHeads(scene, component, -1, slots)) continue;
     const int remembered = rememberedSlot(scene, slots, all[component]);
     if (remembered >= 0) {
+      slots[remembered].attached = false;  // the room behind was seen meanwhile
       give(scene, component, remembered, slots);
       continue;
     }

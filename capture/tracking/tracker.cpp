@@ -68,6 +68,7 @@ struct Tracker::Impl {
   std::array<std::uint8_t, 256> shown{};  ///< label of the finder to label
   Isometry3 floorFromCamera = Isometry3::Identity();
   bool begun = false;
+  bool roomUncertain = false;
 };
 
 Tracker::Tracker(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -116,6 +117,7 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     if (seat.user != 0 && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
   }
   const auto people = t.finder.people();
+  t.roomUncertain = false;
   t.shown.fill(0);
   t.shown[kNotMeasured] = kNotMeasured;
   for (std::size_t i = 0; i < people.size(); ++i) {
@@ -132,10 +134,12 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
       poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
       t.finder.explain(seat->user, t.body);
     }
+    const bool doubtful = !seat->belief.believed() && frame.time - seat->firstTime > kDoubtSeconds;
+    t.roomUncertain = t.roomUncertain || people[i].attached || (doubtful && people[i].moved);
     if (seat->belief.believed()) {
       t.finder.confirm(seat->user);
       t.shown[i + 1] = static_cast<std::uint8_t>(i + 1);
-    } else if (!people[i].moved && frame.time - seat->firstTime > kDoubtSeconds) {
+    } else if (doubtful && !people[i].moved) {
       t.finder.reject(seat->user);
       seat->user = 0;
     }
@@ -162,6 +166,9 @@ const Isometry3& Tracker::floorFromCamera() const {
 }
 bool Tracker::floorFound() const {
   return impl_->finder.floorFound();
+}
+bool Tracker::roomUncertain() const {
+  return impl_->roomUncertain;
 }
 std::span<const std::uint8_t> Tracker::labels() const {
   return impl_->labels;

@@ -45,6 +45,9 @@ class Tracker {
 
   [[nodiscard]] const Isometry3& floorFromCamera() const;
   [[nodiscard]] bool floorFound() const;
+  /// Whether someone in the last frame is connected to the room, or is seen but not explained by the fitted body: the
+  /// room is learned if they step out of the picture for a second.
+  [[nodiscard]] bool roomUncertain() const;
   /// Of the last frame, width x height: 0 nobody, 255 not measured, else one number for each person's pixels.
   [[nodiscard]] std::span<const std::uint8_t> labels() const;
 
