@@ -75,6 +75,12 @@ Result<void> runCameraFrame(const Options& options, const CommonOptions& common)
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: --camera-frame is for depth recordings (.oni)", options.input)};
   }
+  const MotionOptions& motion = options.motion;
+  if (motion.person > 0 || motion.mirror || motion.smooth != "off" || !motion.format.empty() || !motion.clip.empty()) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "--camera-frame writes everyone as tracked: leave out --person, --mirror, --smooth, --format and --clip"};
+  }
   if (lowerCase(fs::path(options.output).extension().string()) != ".csv") {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: --camera-frame writes .cam.csv and .lab, expected OUT.csv", options.output)};

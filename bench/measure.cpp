@@ -128,6 +128,12 @@ double meanOf(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+double atRank(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
 double medianOf(std::vector<double> values) {
   LORICA_CHECK(!values.empty(), "a median needs at least one value");
   std::sort(values.begin(), values.end());

@@ -33,6 +33,8 @@ struct Timed {
 
 [[nodiscard]] double meanOf(std::span<const double> values);
 [[nodiscard]] double medianOf(std::vector<double> values);
+/// The value below which a share of all values lies, 0 to 1; 0 if there are none.
+[[nodiscard]] double atRank(std::vector<double> values, double share);
 
 /// Slope of the least-squares line through (log x, log y): y is proportional to x to this power.
 [[nodiscard]] double fittedExponent(std::span<const double> x, std::span<const double> y);

@@ -139,12 +139,6 @@ struct Row {
   std::uint64_t hash = 0;
 };
 
-double atRank(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::ranges::sort(values);
-  return values[share * static_cast<double>(values.size() - 1)];
-}
-
 std::string seconds(double value) {
   return value > 1e8 ? "never" : fmt::format("{:.2f}", value);
 }

@@ -56,7 +56,6 @@ struct Seen {
 
 /// A frame in which a true person is followed.
 struct Match {
-  int frame = 0;
   bool settled = false;
   bool back = false;                            ///< left and right shoulder are exchanged
   std::array<double, kBodyJointCount> error{};  ///< less the offsets of the joints' definitions [m]
@@ -78,12 +77,6 @@ double threadSeconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double atShare(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 /// Rows of numbers after a header; an empty field is NaN.
@@ -318,7 +311,6 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
       --extra;
       const Seen& one = seen[static_cast<std::size_t>(found[b])];
       Match match = compare(truth->second, one.joints, offsets, recording.floorFromCamera);
-      match.frame = frame;
       match.settled = settled;
       measured.matches.push_back(match);
       if (first[b] < 0) first[b] = frame;
@@ -333,7 +325,7 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
       measured.frames += recording.peopleVisible;
       measured.settledFrames += settled ? recording.peopleVisible : 0;
       for (int i = 0; i < followed; ++i) {
-        measured.matches.push_back({frame, settled, false, {}, {}});
+        measured.matches.push_back({settled, false, {}, {}});
       }
       if (followed > 0 && measured.first < 0) measured.first = frame;
       extra -= followed;
@@ -388,7 +380,7 @@ void print(const std::string& name, const Measured& m, bool joints) {
     if (!late) row += fmt::format(",{}", m.first);
     if (joints) {
       row +=
-          fmt::format(",{:.0f},{:.0f},{:.1f}", atShare(errors, 0.5), atShare(errors, 0.95), percent(limbOff, followed));
+          fmt::format(",{:.0f},{:.0f},{:.1f}", atRank(errors, 0.5), atRank(errors, 0.95), percent(limbOff, followed));
       if (!late) row += fmt::format(",{:.1f}", percent(sure, followed * double{kBodyJointCount}));
       row += fmt::format(",{:.1f},{:.1f}", percent(sureOff, sure), percent(back, followed));
     } else {
@@ -400,7 +392,7 @@ void print(const std::string& name, const Measured& m, bool joints) {
   part(true);
   row += fmt::format(",{},{},{:.1f},{:.1f}", m.exchanges,
                      m.overlaps.empty() ? std::string() : fmt::format("{:.2f}", meanOf(m.overlaps)), meanOf(m.ms),
-                     atShare(m.ms, 0.99));
+                     atRank(m.ms, 0.99));
   fmt::print("{}\n", row);
   std::fflush(stdout);
 }

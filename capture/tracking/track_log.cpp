@@ -40,13 +40,13 @@ Result<TrackLog> TrackLog::create(const fs::path& base) {
 TrackLog::~TrackLog() {
   std::error_code ignored;
   for (Part& part : parts_) {
-    if (!part.stream.is_open()) continue;
+    if (part.path.empty()) continue;
     part.stream.close();
     fs::remove(part.path, ignored);
   }
 }
 
-void TrackLog::add(int frame, std::span<const TrackedPerson> people, const Tracker& tracker) {
+void TrackLog::add(int frame, std::span<const TrackedPerson> people, Tracker& tracker) {
   const Isometry3 cameraFromFloor = tracker.floorFromCamera().inverse();
   std::string rows;
   auto out = std::back_inserter(rows);
@@ -60,8 +60,8 @@ void TrackLog::add(int frame, std::span<const TrackedPerson> people, const Track
     rows += '\n';
   }
   parts_[0].stream << rows;
-  parts_[1].stream.write(reinterpret_cast<const char*>(tracker.labels().data()),
-                         static_cast<std::streamsize>(tracker.labels().size()));
+  const std::span<const std::uint8_t> labels = tracker.labels();
+  parts_[1].stream.write(reinterpret_cast<const char*>(labels.data()), static_cast<std::streamsize>(labels.size()));
 }
 
 Result<void> TrackLog::finish() {
@@ -74,6 +74,7 @@ Result<void> TrackLog::finish() {
     std::error_code error;
     fs::rename(part.path, part.target, error);
     if (error) return unwritable(part.target);
+    part.path.clear();
   }
   return {};
 }

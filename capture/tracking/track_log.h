@@ -26,7 +26,7 @@ class TrackLog {
 
   /// @param frame   from 0
   /// @param people  as returned by tracker.track()
-  void add(int frame, std::span<const TrackedPerson> people, const Tracker& tracker);
+  void add(int frame, std::span<const TrackedPerson> people, Tracker& tracker);
   /// Gives the files their names. @return an error if something could not be written
   [[nodiscard]] Result<void> finish();
 

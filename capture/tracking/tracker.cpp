@@ -144,7 +144,6 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
       seat->user = 0;
     }
   }
-  for (std::size_t i = 0; i < pixels; ++i) t.labels[i] = t.shown[t.finder.labels()[i]];
   for (Seat& seat : t.seats) {
     if (seat.user == 0 || !seat.seen || !seat.belief.believed()) continue;
     TrackedPerson person;
@@ -170,7 +169,9 @@ bool Tracker::floorFound() const {
 bool Tracker::roomUncertain() const {
   return impl_->roomUncertain;
 }
-std::span<const std::uint8_t> Tracker::labels() const {
+std::span<const std::uint8_t> Tracker::labels() {
+  const std::span<const std::uint8_t> found = impl_->finder.labels();
+  for (std::size_t i = 0; i < found.size(); ++i) impl_->labels[i] = impl_->shown[found[i]];
   return impl_->labels;
 }
 

@@ -48,8 +48,9 @@ class Tracker {
   /// Whether someone in the last frame is connected to the room, or is seen but not explained by the fitted body: the
   /// room is learned if they step out of the picture for a second.
   [[nodiscard]] bool roomUncertain() const;
-  /// Of the last frame, width x height: 0 nobody, 255 not measured, else one number for each person's pixels.
-  [[nodiscard]] std::span<const std::uint8_t> labels() const;
+  /// Of the last frame, width x height: 0 nobody, 255 not measured, else one number for each person's pixels. Computed
+  /// when called; valid until the next call of track().
+  [[nodiscard]] std::span<const std::uint8_t> labels();
 
  private:
   struct Impl;

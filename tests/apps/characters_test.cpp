@@ -171,6 +171,7 @@ TEST(Motions, EveryoneInADepthRecordingIsWrittenInTheCamerasFrame) {
   EXPECT_FALSE(fs::exists(base.string() + ".csv"));
   expectRefused({"convert", "walk", "out.csv", "--camera-frame"}, {"walk", "--camera-frame", ".oni"});
   expectRefused({"convert", "wave_depth", "out.bvh", "--camera-frame"}, {"out.bvh", "--camera-frame", ".csv"});
+  expectRefused({"convert", "wave_depth", "out.csv", "--camera-frame", "--person", "2"}, {"everyone", "--person"});
 }
 
 TEST(Motions, SmoothingSaysItsDelayAndIsForJointsOnly) {

@@ -71,9 +71,10 @@ Followed follow(const VirtualRoom& room, SyntheticMotion motion, std::uint64_t s
     if (f < 30) continue;
     ++late;
     int both = 0, either = 0;
+    const auto labels = tracker.labels();
     for (std::size_t i = 0; i < sensor.labels().size(); ++i) {
-      if (tracker.labels()[i] == 255) continue;
-      const bool truth = sensor.labels()[i] != 0, found = tracker.labels()[i] != 0;
+      if (labels[i] == 255) continue;
+      const bool truth = sensor.labels()[i] != 0, found = labels[i] != 0;
       both += static_cast<int>(truth && found);
       either += static_cast<int>(truth || found);
     }
