@@ -51,6 +51,6 @@ meshes, live convex hulls, character import, retargeting and body tracking.")
 string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "lorica (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libeigen3-dev, libfmt-dev, "
   "libtbb-dev, libbullet-dev, libxxhash-dev, libhwy-dev, libglfw3-dev, libimgui-dev, libassimp-dev, libtinygltf-dev, "
-  "libpng-dev, libgif-dev, zlib1g-dev, pkgconf | pkg-config")
+  "libpng-dev, libturbojpeg0-dev, libgif-dev, zlib1g-dev, pkgconf | pkg-config")
 
 include(CPack)

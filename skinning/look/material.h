@@ -1,0 +1,106 @@
+#pragma once
+
+#include "geometry/math.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace lorica {
+
+/// What a texture returns outside 0 to 1.
+enum class TextureWrap : std::uint8_t { kRepeat, kMirror, kClamp };
+
+/// A picture as a material uses it.
+struct TextureUse {
+  int picture = -1;  ///< index into Look::pictures; -1 = none: white
+  int uvSet = 0;     ///< 0 or 1
+  TextureWrap wrapU = TextureWrap::kRepeat, wrapV = TextureWrap::kRepeat;
+  bool smooth = true;  ///< linear interpolation between texels; false: nearest
+  /// KHR_texture_transform: texture coordinates = this * (u, v, 1).
+  Eigen::Matrix<float, 2, 3> transform = Eigen::Matrix<float, 2, 3>::Identity();
+
+  [[nodiscard]] bool given() const { return picture >= 0; }
+};
+
+enum class Shading : std::uint8_t {
+  kPhysical,  ///< metallic-roughness of glTF 2.0
+  kUnlit,     ///< KHR_materials_unlit
+  kToon,      ///< MToon
+};
+
+enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
+
+/// Units of the width of a toon outline.
+enum class OutlineMode : std::uint8_t {
+  kNone,
+  kWorld,   ///< [m]
+  kScreen,  ///< fraction of the picture's height
+};
+
+/// Parameters of MToon 1.0. Those of MToon 0.x are converted to them.
+/// https://github.com/vrm-c/vrm-specification: VRMC_materials_mtoon-1.0/README.md
+struct ToonMaterial {
+  Vec3f shadeColor{0.0f, 0.0f, 0.0f};  ///< where no light falls, linear RGB
+  TextureUse shade;                    ///< factor of shadeColor
+  float shift = 0.0f;                  ///< of the border between light and shade
+  TextureUse shiftTexture;             ///< red channel times shiftScale is added to shift
+  float shiftScale = 1.0f;
+  float toony = 0.9f;            ///< sharpness of that border, 0 to 1
+  bool limitToLitColor = false;  ///< MToon 0.x: the key light never brightens above the lit colour
+  Vec3f matcapFactor{1, 1, 1};   ///< linear RGB
+  TextureUse matcap;             ///< by the normal's direction on screen; added
+  Vec3f rimColor{0, 0, 0};       ///< linear RGB
+  float rimPower = 5.0f;         ///< Fresnel exponent
+  float rimLift = 0.0f;          ///< added to the Fresnel term
+  TextureUse rim;                ///< factor of matcap and rim
+  float rimLightingMix = 1.0f;   ///< 0 = the rim glows, 1 = it is lit
+  OutlineMode outline = OutlineMode::kNone;
+  float outlineWidth = 0.0f;        ///< see OutlineMode
+  TextureUse outlineWidthTexture;   ///< green channel is a factor of the width
+  Vec3f outlineColor{0, 0, 0};      ///< linear RGB
+  float outlineLightingMix = 1.0f;  ///< 0 = its own colour, 1 = times the lit surface
+  TextureUse uvAnimationMask;       ///< blue channel is a factor of the animation below
+  Eigen::Vector2f uvScroll{0, 0};   ///< of all textures [1/s]
+  float uvRotation = 0.0f;          ///< about their middle [rad/s]
+};
+
+/// How a surface looks: glTF 2.0 (https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#materials) and MToon.
+struct Material {
+  std::string name;
+  Shading shading = Shading::kPhysical;
+  Eigen::Vector4f baseColor{1, 1, 1, 1};  ///< linear RGB and opacity; the lit colour of toon materials
+  TextureUse base;
+  float metallic = 1.0f;
+  float roughness = 1.0f;
+  TextureUse metallicRoughness;  ///< green: roughness, blue: metallic
+  TextureUse normal;
+  float normalScale = 1.0f;
+  TextureUse occlusion;  ///< red channel
+  float occlusionStrength = 1.0f;
+  Vec3f emissive{0, 0, 0};  ///< linear RGB, with its strength; may exceed 1
+  TextureUse emissiveTexture;
+  AlphaMode alpha = AlphaMode::kOpaque;
+  float alphaCutoff = 0.5f;  ///< of AlphaMode::kMask
+  bool doubleSided = false;
+  bool blendWritesDepth = false;  ///< MToon's transparentWithZWrite
+  int drawOrder = 0;              ///< of blended materials: lower ones first (MToon's renderQueueOffsetNumber)
+  ToonMaterial toon;
+
+  /// All textures, so that a check or a conversion does not miss one.
+  [[nodiscard]] std::array<TextureUse*, 11> textures() {
+    return {&base,
+            &metallicRoughness,
+            &normal,
+            &occlusion,
+            &emissiveTexture,
+            &toon.shade,
+            &toon.shiftTexture,
+            &toon.matcap,
+            &toon.rim,
+            &toon.outlineWidthTexture,
+            &toon.uvAnimationMask};
+  }
+};
+
+}  // namespace lorica

@@ -1,0 +1,112 @@
+#include "skinning/look/picture.h"
+
+#include "skinning/look/picture_formats.h"
+
+#include <fmt/format.h>
+
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <string_view>
+
+namespace lorica {
+namespace {
+
+/// What a file is, by the bytes at one place in it.
+struct Signature {
+  std::size_t at;
+  std::string_view bytes;
+  const char* name;
+};
+
+constexpr std::string_view kPng("\x89PNG\r\n\x1a\n", 8);
+constexpr std::string_view kJpeg("\xff\xd8\xff", 3);
+
+// What else is found in place of a picture, most of it in avatars.
+constexpr Signature kRefused[] = {
+    {0, {"\xabKTX 20\xbb\r\n\x1a\n", 12}, "a KTX2 picture"},
+    {0, {"\xabKTX 11\xbb\r\n\x1a\n", 12}, "a KTX picture"},
+    {0, {"sB\x13\0", 4}, "a Basis picture"},  // the last two bytes are its version
+    {8, "WEBP", "a WebP picture"},
+    {4, "ftypavif", "an AVIF picture"},
+    {4, "ftypavis", "an AVIF picture"},
+    {4, "ftyphei", "a HEIF picture"},
+    {4, "ftypmif1", "a HEIF picture"},
+    {0, "GIF8", "a GIF picture"},
+    {0, "DDS ", "a DDS picture"},
+    {0, "8BPS", "a Photoshop picture"},
+    {0, {"II*\0", 4}, "a TIFF picture"},
+    {0, {"MM\0*", 4}, "a TIFF picture"},
+    {0, "#?RADIANCE", "a Radiance HDR picture"},
+    {0, "v/1\x01", "an OpenEXR picture"},
+    {0, "BM", "a BMP picture"},
+};
+
+std::string whatIs(std::string_view content) {
+  if (content.empty()) return "no bytes";
+  for (const Signature& known : kRefused) {
+    if (content.size() > known.at && content.substr(known.at).starts_with(known.bytes)) return known.name;
+  }
+  std::string text = "unknown content that begins with the bytes";
+  for (const char c : content.substr(0, 4)) text += fmt::format(" {:02x}", static_cast<unsigned char>(c));
+  return text;
+}
+
+}  // namespace
+
+Result<void> checkClaim(const PictureClaim& claim, std::size_t fileBytes, const std::string& name) {
+  if (claim.width == 0 || claim.height == 0) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: a picture of {} x {} pixels, expected 1 to {} on each side",
+                                                    name, claim.width, claim.height, kMaxPictureSide)};
+  }
+  const std::int64_t pixels = static_cast<std::int64_t>(claim.width) * claim.height;
+  if (std::max(claim.width, claim.height) > kMaxPictureSide || pixels > kMaxPicturePixels) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: a picture of {} x {} pixels, expected 1 to {} on each side and at most {} in all",
+                             name, claim.width, claim.height, kMaxPictureSide, kMaxPicturePixels)};
+  }
+  if (fileBytes < claim.fewestBytes) {
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: {} bytes for a picture of {} x {} pixels, expected at least {}", name, fileBytes,
+                             claim.width, claim.height, claim.fewestBytes)};
+  }
+  return {};
+}
+
+Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
+  if (limits.largestSide < 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: largest side of {} pixels, expected 0 or more", name, limits.largestSide)};
+  }
+  const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (content.starts_with(kPng)) return decodePng(bytes, name, limits);
+  if (content.starts_with(kJpeg)) return decodeJpeg(bytes, name, limits);
+  return Error{ErrorCode::kUnsupported, fmt::format("{}: {}, expected a PNG or JPEG picture", name, whatIs(content))};
+}
+
+std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pictures, const DecodeSettings& settings) {
+  std::vector<Result<Picture>> decoded;
+  decoded.reserve(pictures.size());
+  for (const EncodedPicture& picture : pictures) {
+    decoded.emplace_back(Error{ErrorCode::kCancelled, fmt::format("{}: cancelled", picture.name)});
+  }
+  std::mutex progressMutex;
+  int done = 0;
+  std::atomic<bool> cancelled = false;
+  const auto decodeOne = [&](std::size_t i) {
+    if (cancelled) return;
+    decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {settings.largestSide});
+    const std::scoped_lock lock(progressMutex);
+    ++done;
+    if (settings.progress && !settings.progress(done, static_cast<int>(pictures.size()))) cancelled = true;
+  };
+  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, pictures.size(), decodeOne, tbb::simple_partitioner()); });
+  return decoded;
+}
+
+}  // namespace lorica

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "geometry/result.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A decoded picture: 8 bits a channel, RGBA interleaved, row 0 at the top, alpha not multiplied into the colours. The
+/// values are the file's: whether they are sRGB or linear is said by what uses the picture.
+struct Picture {
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  std::vector<std::uint8_t> rgba;
+};
+
+/// Pictures larger than this are refused before anything is decoded.
+inline constexpr int kMaxPictureSide = 16384;               ///< pixels
+inline constexpr std::int64_t kMaxPicturePixels = 1 << 26;  ///< width x height; 8192 x 8192 is allowed
+
+struct PictureLimits {
+  int largestSide = 0;  ///< pixels; a larger picture is reduced to it, keeping its proportions. 0 = as stored
+};
+
+/// Decodes a PNG or JPEG file. What it is is found from its content.
+///
+/// PNG: all colour types, 16 bits rounded to 8. JPEG: baseline and progressive, gray or three channels. Colour
+/// profiles, gamma, chromaticities and orientation are ignored, as glTF asks
+/// (https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#images). A damaged or truncated file is an error even
+/// where viewers would show a part of it.
+///
+/// Each pixel of a reduced picture is the mean over its exact area of the stored picture, with colours weighted by
+/// alpha. A JPEG is first halved up to three times while it is decoded, as long as both sides stay whole and at least
+/// as large as asked for; its values then differ slightly from the exact mean.
+///
+/// Memory: 4 bytes a pixel of the stored picture, in addition 6 for a progressive JPEG; a reduced PNG that is not
+/// interlaced needs only some rows of it, a halved JPEG a quarter or less.
+///
+/// @param name  begins each error's sentence
+/// @return the picture, or kBadFormat (damaged, truncated, a wrong size), kUnsupported (another type, too large)
+[[nodiscard]] Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::string& name,
+                                            const PictureLimits& limits = {});
+
+/// A picture file in memory that somebody else owns.
+struct EncodedPicture {
+  std::span<const std::byte> bytes;
+  std::string name;  ///< for messages
+};
+
+struct DecodeSettings {
+  int largestSide = 0;  ///< see PictureLimits
+  int threads = 0;      ///< 0 = all hardware threads; the result does not depend on it
+  /// Called after each picture, one call at a time, from any thread; return false to cancel.
+  std::function<bool(int done, int count)> progress = {};
+};
+
+/// Decodes several pictures at a time. Each thread needs the memory that decodePicture() names.
+/// @return one result a picture, in their order; kCancelled for those that were not begun
+[[nodiscard]] std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pictures,
+                                                          const DecodeSettings& settings);
+
+}  // namespace lorica
