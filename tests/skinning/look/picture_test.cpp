@@ -1,0 +1,178 @@
+#include "skinning/look/picture.h"
+
+#include "geometry/files.h"
+#include "tests/skinning/look/picture_samples.h"
+#include "tests/support/allocations.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+#include <thread>
+
+namespace lorica::test {
+namespace {
+
+std::string withSize(std::string png, std::uint32_t width, std::uint32_t height) {
+  std::string size;
+  for (const std::uint32_t side : {width, height}) {
+    for (int shift = 24; shift >= 0; shift -= 8) size += static_cast<char>(side >> shift);
+  }
+  return png.substr(0, 8) + pngChunk("IHDR", size + png.substr(24, 5)) + png.substr(33);
+}
+
+TEST(Picture, OtherTypesAreNamed) {
+  const auto padded = [](std::string_view head) { return std::string(head) + std::string(60, '\0'); };
+  expectRefused(decoded(padded({"\xabKTX 20\xbb\r\n\x1a\n", 12})), ErrorCode::kUnsupported,
+                "a KTX2 picture, expected a PNG or JPEG picture");
+  expectRefused(decoded(padded({"sB\x13\0", 4})), ErrorCode::kUnsupported, "a Basis picture");
+  expectRefused(decoded(padded({"RIFF\x10\0\0\0WEBPVP8 ", 16})), ErrorCode::kUnsupported, "a WebP picture");
+  expectRefused(decoded(padded({"\0\0\0\x1c"
+                                "ftypavif",
+                                12})),
+                ErrorCode::kUnsupported, "an AVIF picture");
+  expectRefused(decoded(padded("GIF89a")), ErrorCode::kUnsupported, "a GIF picture");
+  expectRefused(decoded(padded("BM")), ErrorCode::kUnsupported, "a BMP picture");
+  expectRefused(decoded("<svg/>"), ErrorCode::kUnsupported, "begins with the bytes 3c 73 76 67, expected a PNG");
+  expectRefused(decoded("\n"), ErrorCode::kUnsupported, "begins with the bytes 0a, expected");
+  expectRefused(decoded({}), ErrorCode::kUnsupported, "no bytes, expected");
+}
+
+TEST(Picture, TheNameDoesNotMatter) {
+  const std::string png = pngOf(smoothPicture(3, 3));
+  EXPECT_TRUE(decodePicture(exactBytes(png), "photo.jpg").ok());
+}
+
+TEST(Picture, NegativeLimitIsRefused) {
+  expectRefused(decoded(pngOf(smoothPicture(3, 3)), -1), ErrorCode::kInvalidArgument, "-1 pixels, expected 0 or more");
+}
+
+TEST(Picture, FalseSizesAreRefusedBeforeAnythingIsAllocated) {
+  const std::string file = pngOf(smoothPicture(8, 8));
+  ASSERT_TRUE(decoded(withSize(file, 8, 8)).ok());
+  const AllocationWatch watch;
+  expectRefused(decoded(withSize(file, 0, 8)), ErrorCode::kBadFormat, "0 x 8 pixels, expected 1 to 16384");
+  expectRefused(decoded(withSize(file, 8, 0)), ErrorCode::kBadFormat, "8 x 0 pixels");
+  expectRefused(decoded(withSize(file, 65535, 65535)), ErrorCode::kUnsupported, "65535 x 65535 pixels");
+  expectRefused(decoded(withSize(file, 0xffffffff, 0xffffffff)), ErrorCode::kUnsupported, "4294967295 x 4294967295");
+  expectRefused(decoded(withSize(file, 16385, 1)), ErrorCode::kUnsupported, "expected 1 to 16384 on each side");
+  expectRefused(decoded(withSize(file, 16384, 4097)), ErrorCode::kUnsupported, "at most 67108864 in all");
+  expectRefused(decoded(withSize(file, 8192, 8192)), ErrorCode::kBadFormat, "expected at least 260111");
+  EXPECT_LT(watch.largest(), 10'000U);
+}
+
+TEST(Picture, TheLargestPictureIsRead) {
+  PngSample sample{8192, 8192, 0, 1, false, {}, {}};
+  sample.samples.resize(std::size_t{8192} * 8192, 1);
+  const std::string file = pngOf(sample);
+  const AllocationWatch watch;
+  const Result<Picture> picture = decoded(file, 64);
+  ASSERT_TRUE(picture.ok()) << picture.error().message;
+  EXPECT_EQ(picture->rgba, std::vector<std::uint8_t>(64 * 64 * 4, 255));
+  EXPECT_LE(watch.largest(), 8192U * 4);  // one row
+}
+
+std::vector<std::string> someFiles() {
+  std::vector<std::string> files;
+  for (int i = 0; i < 9; ++i) {
+    files.push_back(pngOf(noisePicture(20 + i, 30, static_cast<std::uint32_t>(i))));
+    files.push_back(jpegOf(smoothPicture(64, 16 + i), JpegKind::kProgressive, JpegChroma::kQuarter));
+  }
+  files[4].resize(50);
+  return files;
+}
+
+TEST(Pictures, AnyNumberOfThreadsGivesTheSameInOrder) {
+  const std::vector<std::string> files = someFiles();
+  std::vector<EncodedPicture> encoded;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    encoded.push_back({std::as_bytes(std::span(files[i])), "picture " + std::to_string(i)});
+  }
+  for (const int threads : {0, 1, 2, 5}) {
+    std::set<std::thread::id> workers;
+    int last = 0;
+    const auto progress = [&](int done, int count) {
+      EXPECT_EQ(done, ++last);
+      EXPECT_EQ(count, static_cast<int>(files.size()));
+      workers.insert(std::this_thread::get_id());
+      return true;
+    };
+    const auto pictures = decodePictures(encoded, {12, threads, progress});
+    EXPECT_EQ(last, static_cast<int>(files.size()));
+    if (threads > 0) {
+      EXPECT_LE(workers.size(), static_cast<std::size_t>(threads));
+    }
+    ASSERT_EQ(pictures.size(), files.size());
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const Result<Picture> alone = decodePicture(encoded[i].bytes, encoded[i].name, {12});
+      ASSERT_EQ(pictures[i].ok(), alone.ok());
+      EXPECT_EQ(alone.ok(), i != 4);
+      if (alone) {
+        EXPECT_EQ(pictures[i]->rgba, alone->rgba);
+      } else {
+        EXPECT_EQ(pictures[i].error().message, alone.error().message);
+      }
+    }
+  }
+  EXPECT_TRUE(decodePictures({}, {}).empty());
+}
+
+TEST(Pictures, CancelLeavesTheRest) {
+  const std::vector<std::string> files = someFiles();
+  std::vector<EncodedPicture> encoded;
+  for (const std::string& file : files) encoded.push_back({std::as_bytes(std::span(file)), "picture"});
+  int calls = 0;
+  const auto pictures = decodePictures(encoded, {0, 1, [&](int done, int) {
+                                                   ++calls;
+                                                   return done < 3;
+                                                 }});
+  EXPECT_EQ(calls, 3);
+  const auto cancelled = std::ranges::count_if(
+      pictures, [](const Result<Picture>& p) { return !p && p.error().code == ErrorCode::kCancelled; });
+  EXPECT_EQ(cancelled, static_cast<std::ptrdiff_t>(files.size()) - 3);
+}
+
+/// The picture files inside a GLB.
+std::vector<std::string_view> picturesIn(std::string_view glb) {
+  const auto number = [&](std::size_t at) {
+    std::uint32_t n = 0;
+    std::memcpy(&n, &glb[at], 4);
+    return n;
+  };
+  const auto document = nlohmann::json::parse(glb.substr(20, number(12)));
+  const std::string_view binary = glb.substr(20 + number(12) + 8);
+  std::vector<std::string_view> files;
+  for (const auto& image : document.value("images", nlohmann::json::array())) {
+    const auto& view = document["bufferViews"][image["bufferView"].get<std::size_t>()];
+    files.push_back(binary.substr(view.value("byteOffset", std::size_t{0}), view["byteLength"].get<std::size_t>()));
+  }
+  return files;
+}
+
+TEST(SharedCharacters, EveryPictureIsDecoded) {
+  int count = 0;
+  for (const char* name :
+       {"godette/Godette_vrm_v4.vrm", "cesiumman/CesiumMan.glb", "fox/Fox.glb", "greenman/greenman.glb",
+        "kaykit/Barbarian.glb", "kaykit/Mage.glb", "raylib_robot/robot.glb"}) {
+    LORICA_REQUIRE_DATASET(path, std::string("characters/") + name);
+    const Result<std::string> glb = readFile(path);
+    ASSERT_TRUE(glb.ok());
+    for (const std::string_view file : picturesIn(glb.value())) {
+      const Result<Picture> picture = decoded(file);
+      ASSERT_TRUE(picture.ok()) << name << ": " << picture.error().message;
+      EXPECT_GE(std::min(picture->width, picture->height), 8) << name;
+      const Result<Picture> small = decoded(file, 100);
+      ASSERT_TRUE(small.ok()) << name << ": " << small.error().message;
+      EXPECT_LE(std::max(small->width, small->height), 100) << name;
+      for (std::size_t cut = 1; cut <= 16; ++cut) EXPECT_FALSE(decoded(file.substr(0, file.size() * cut / 17)).ok());
+      ++count;
+    }
+  }
+  EXPECT_GE(count, 10);
+}
+
+}  // namespace
+}  // namespace lorica::test
