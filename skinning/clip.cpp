@@ -1,27 +1,13 @@
 #include "skinning/clip.h"
 
+#include "skinning/key_times.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace lorica {
 
 namespace {
-
-/// Position of a time between two keys: `fraction` is 0 at key `first`, 1 at the next key.
-struct Between {
-  std::size_t first = 0;
-  double fraction = 0.0;
-  double seconds = 0.0;  ///< between the two keys; 0 outside the keys
-};
-
-[[nodiscard]] Between locate(std::span<const double> times, double time) {
-  if (!(time > times.front())) return {};
-  if (time >= times.back()) return {times.size() - 1, 0.0, 0.0};
-  const auto after = std::upper_bound(times.begin(), times.end(), time);
-  const auto first = static_cast<std::size_t>(after - times.begin()) - 1;
-  const double seconds = times[first + 1] - times[first];
-  return {first, (time - times[first]) / seconds, seconds};
-}
 
 using Vec4 = Eigen::Vector4d;
 
@@ -43,7 +29,7 @@ using Vec4 = Eigen::Vector4d;
 template <typename Value>
 [[nodiscard]] auto sampled(const KeyTrack<Value>& track, double time) {
   using Numbers = std::decay_t<decltype(numbers(std::declval<const Value&>()))>;
-  const Between at = locate(track.times, time);
+  const BetweenKeys at = locateKeys(track.times, time);
   if (track.interpolation == KeyInterpolation::kCubicSpline) {
     const Numbers value = numbers(track.values[3 * at.first + 1]);
     if (at.seconds == 0.0) return value;

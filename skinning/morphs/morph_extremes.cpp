@@ -1,0 +1,102 @@
+#include "skinning/morphs/morph_extremes.h"
+
+#include "geometry/result.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace lorica {
+
+namespace {
+
+constexpr std::size_t kAxes = 13;
+constexpr double kSamePlace = 1e-6;  // [m]
+
+/// One of each pair of opposite directions through the faces, edges and corners of a cube.
+[[nodiscard]] std::array<Vec3, kAxes> cubeAxes() {
+  std::array<Vec3, kAxes> axes;
+  std::size_t count = 0;
+  for (int code = 14; code < 27; ++code) {  // 13 is the centre, smaller codes are opposite to larger ones
+    axes[count++] = Vec3(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1).normalized();
+  }
+  return axes;
+}
+
+/// The outermost displacements of one vertex.
+struct Extremes {
+  std::array<double, 2 * kAxes> reach{};     // along each axis, and against it
+  std::array<Vec3, 2 * kAxes> displacement;  // [m]
+
+  Extremes() { displacement.fill(Vec3::Zero()); }
+};
+
+}  // namespace
+
+std::vector<ReachedPosition> reachedPositions(const Morphs& morphs, std::span<const float> weightSets,
+                                              std::span<const Vec3> bindPositions, double threshold) {
+  const std::size_t targetCount = morphs.targets.size();
+  if (targetCount == 0 || weightSets.empty()) return {};
+  LORICA_CHECK(weightSets.size() % targetCount == 0, "one weight per target in every set");
+  static const std::array<Vec3, kAxes> kCubeAxes = cubeAxes();
+
+  // 1. The vertices that any set moves.
+  const std::size_t setCount = weightSets.size() / targetCount;
+  std::vector<int> slotOf(bindPositions.size(), -1);
+  std::vector<VertexIndex> vertices;
+  for (std::size_t t = 0; t < targetCount; ++t) {
+    bool used = false;
+    for (std::size_t s = 0; s < setCount; ++s) {
+      used = used || weightSets[s * targetCount + t] != morphs.targets[t].defaultWeight;
+    }
+    if (!used) continue;
+    for (const MorphOffset& offset : morphs.targets[t].offsets) {
+      int& slot = slotOf[offset.vertex];
+      if (slot != -1) continue;
+      slot = static_cast<int>(vertices.size());
+      vertices.push_back(offset.vertex);
+    }
+  }
+
+  // 2. How far each set moves them.
+  std::vector<Extremes> extremes(vertices.size());
+  std::vector<Vec3> moved(vertices.size());
+  for (std::size_t s = 0; s < setCount; ++s) {
+    std::fill(moved.begin(), moved.end(), Vec3::Zero());
+    for (std::size_t t = 0; t < targetCount; ++t) {
+      const double factor = weightSets[s * targetCount + t] - morphs.targets[t].defaultWeight;
+      if (factor == 0.0) continue;
+      for (const MorphOffset& offset : morphs.targets[t].offsets) {
+        moved[slotOf[offset.vertex]] += factor * offset.position.cast<double>();
+      }
+    }
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      for (std::size_t a = 0; a < 2 * kAxes; ++a) {
+        const double reach = moved[i].dot(kCubeAxes[a / 2]) * (a % 2 == 0 ? 1.0 : -1.0);
+        if (reach <= extremes[i].reach[a]) continue;
+        extremes[i].reach[a] = reach;
+        extremes[i].displacement[a] = moved[i];
+      }
+    }
+  }
+
+  // 3. Each vertex' different positions, in the order of the vertices.
+  std::vector<ReachedPosition> reached;
+  std::vector<Vec3> kept;
+  for (std::size_t v = 0; v < slotOf.size(); ++v) {
+    if (slotOf[v] == -1) continue;
+    kept.clear();
+    double farthest = 0.0;
+    for (const Vec3& d : extremes[slotOf[v]].displacement) {
+      farthest = std::max(farthest, d.norm());
+      const bool known =
+          std::any_of(kept.begin(), kept.end(), [&](const Vec3& k) { return (k - d).norm() < kSamePlace; });
+      if (!known && d.norm() >= kSamePlace) kept.push_back(d);
+    }
+    if (farthest < threshold) continue;
+    for (const Vec3& d : kept) reached.push_back({static_cast<VertexIndex>(v), bindPositions[v] + d});
+  }
+  return reached;
+}
+
+}  // namespace lorica

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "geometry/math.h"
+#include "geometry/tri_mesh.h"
+#include "skinning/clip.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// What a morph target adds to one vertex at weight 1.
+struct MorphOffset {
+  VertexIndex vertex = 0;
+  Vec3f position{0.0F, 0.0F, 0.0F};  ///< [m], model space
+  Vec3f normal{0.0F, 0.0F, 0.0F};    ///< added to the vertex' unit normal, which is then normalised again
+};
+
+/// A shape that the mesh can be blended towards.
+struct MorphTarget {
+  std::string name;
+  /// The weight that the bind pose contains already: a weight w moves the vertices by w - defaultWeight.
+  float defaultWeight = 0.0F;
+  std::vector<MorphOffset> offsets;  ///< only of vertices that move, in ascending order
+};
+
+/// Keys of the weights of consecutive targets in one clip.
+struct MorphWeightTrack {
+  int firstTarget = 0;
+  int targetCount = 0;
+  KeyInterpolation interpolation = KeyInterpolation::kLinear;
+  std::vector<double> times;  ///< [s], strictly increasing, at least one
+  /// keyCount x targetCount; for cubic splines each key has targetCount in-tangents, values and out-tangents, in this
+  /// order, as in glTF 2.0 (https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html, appendix C)
+  std::vector<float> values;
+};
+
+/// Morph targets over the vertices of a character's mesh. What a weight is good for is told by Expressions.
+struct Morphs {
+  std::vector<MorphTarget> targets;
+  std::vector<std::vector<MorphWeightTrack>>
+      clips;  ///< one list for each clip of the file, empty if it moves no target
+};
+
+/// Writes the weights that the bind pose contains. @param targetWeights  one for each target
+void defaultWeights(const Morphs& morphs, std::span<float> targetWeights);
+
+/// Samples the weights of a clip. Before its first key a track has the first value, after its last key the last value.
+/// Does not allocate memory.
+/// @param tracks         one element of Morphs::clips
+/// @param time           [s]
+/// @param targetWeights  one for each target; those without a track are not changed
+void sampleMorphWeights(std::span<const MorphWeightTrack> tracks, double time, std::span<float> targetWeights);
+
+/// The shape of the mesh before skinning. Does not allocate memory; takes time only for targets that are not at their
+/// default weight.
+/// @param targetWeights  one for each target, any finite value
+/// @param bindPositions  [m], model space
+/// @param bindNormals    unit length or zero; may be empty
+/// @param positions      as many as bindPositions, written [m]
+/// @param normals        as many as bindNormals, written: unit length where a target moves them
+void applyMorphs(const Morphs& morphs, std::span<const float> targetWeights, std::span<const Vec3> bindPositions,
+                 std::span<const Vec3f> bindNormals, std::span<Vec3> positions, std::span<Vec3f> normals);
+
+}  // namespace lorica
