@@ -1,0 +1,76 @@
+#pragma once
+
+#include "skinning/skeleton.h"
+#include "skinning/springs/node_constraints.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A joint that swings: a spring turns it back to its rest rotation while its tail keeps its momentum.
+/// Terms and units of VRMC_springBone 1.0
+/// (https://github.com/vrm-c/vrm-specification/blob/master/specification/VRMC_springBone-1.0/README.md).
+struct SpringJoint {
+  JointIndex joint = 0;
+  /// The end that swings, in the joint's frame: the next joint of the chain at rest, or a virtual one. Not 0.
+  Vec3 tail{0.0, 0.1, 0.0};
+  double stiffness = 1.0;           ///< pull back to the rest direction [m/s], at least 0; see SpringSimulation
+  double gravityPower = 0.0;        ///< pull along gravityDir, the same unit
+  Vec3 gravityDir{0.0, -1.0, 0.0};  ///< world, of any length
+  double dragForce = 0.4;           ///< share of the speed that is lost in each step, 0 to 1
+  double hitRadius = 0.0;           ///< of the ball around the tail that collides [m], at least 0
+};
+
+/// Joints that swing together, each below the one before it or beside it, such as a strand of hair.
+struct SpringChain {
+  std::string name;
+  std::vector<SpringJoint> joints;  ///< at least one; parents precede children
+  JointIndex center = kNoJoint;     ///< momentum is relative to this joint; kNoJoint = to the world
+  std::vector<int> colliderGroups;  ///< indices into SpringBones::colliderGroups
+};
+
+enum class SpringColliderShape : std::uint8_t {
+  kSphere,
+  kCapsule,
+  kPlane,          ///< keeps tails on the side of its normal
+  kInsideSphere,   ///< keeps tails inside
+  kInsideCapsule,  ///< keeps tails inside
+};
+
+/// A shape on a joint that tails stay out of. Planes and insides come from VRMC_springBone_extended_collider 1.0.
+struct SpringCollider {
+  JointIndex joint = 0;
+  SpringColliderShape shape = SpringColliderShape::kSphere;
+  Vec3 offset = Vec3::Zero();   ///< centre, first end of a capsule, or a point of a plane, in the joint's frame
+  Vec3 tail = Vec3::Zero();     ///< second end of a capsule, in the joint's frame
+  Vec3 normal = Vec3::UnitZ();  ///< of a plane, in the joint's frame
+  double radius = 0.0;          ///< [m], at least 0; scales of joints do not change it
+};
+
+/// What moves by itself in a character: springs, what they collide with, and joints that follow others.
+struct SpringBones {
+  std::vector<SpringChain> chains;
+  std::vector<SpringCollider> colliders;
+  std::vector<std::vector<int>> colliderGroups;  ///< indices into colliders
+  std::vector<NodeConstraint> constraints;       ///< in an order in which they can be applied, see orderConstraints()
+
+  [[nodiscard]] bool empty() const { return chains.empty() && constraints.empty(); }
+  /// Number of joints that swing.
+  [[nodiscard]] int springCount() const;
+};
+
+/// Largest numbers that are accepted, so that a hostile file can cost neither memory nor minutes for each frame.
+inline constexpr std::size_t kMaxSprings = 10'000;
+inline constexpr std::size_t kMaxSpringColliders = 10'000;
+/// Pairs of a joint that swings and a collider of its chain.
+inline constexpr std::size_t kMaxSpringPairs = 1'000'000;
+
+/// Checks that joints and indices exist, that numbers are finite and in range, that no joint swings in two ways, that a
+/// chain's centre does not swing with it, and that constraints are not cyclic.
+/// @return success, or one sentence with element, found and expected
+[[nodiscard]] Result<void> checkSprings(const Skeleton& skeleton, const SpringBones& springs);
+
+}  // namespace lorica
