@@ -63,8 +63,8 @@ Result<void> checkClaim(const PictureClaim& claim, std::size_t fileBytes, const 
     return Error{ErrorCode::kBadFormat, fmt::format("{}: a picture of {} x {} pixels, expected 1 to {} on each side",
                                                     name, claim.width, claim.height, kMaxPictureSide)};
   }
-  const std::int64_t pixels = static_cast<std::int64_t>(claim.width) * claim.height;
-  if (std::max(claim.width, claim.height) > kMaxPictureSide || pixels > kMaxPicturePixels) {
+  if (std::max(claim.width, claim.height) > kMaxPictureSide ||
+      static_cast<std::int64_t>(claim.width) * claim.height > kMaxPicturePixels) {
     return Error{ErrorCode::kUnsupported,
                  fmt::format("{}: a picture of {} x {} pixels, expected 1 to {} on each side and at most {} in all",
                              name, claim.width, claim.height, kMaxPictureSide, kMaxPicturePixels)};

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <set>
 #include <thread>
 
@@ -73,6 +74,21 @@ TEST(Picture, TheLargestPictureIsRead) {
   ASSERT_TRUE(picture.ok()) << picture.error().message;
   EXPECT_EQ(picture->rgba, std::vector<std::uint8_t>(64 * 64 * 4, 255));
   EXPECT_LE(watch.largest(), 8192U * 4);  // one row
+}
+
+/// The fuzzer's seeds and what it once broke.
+TEST(Picture, CorpusIsReadOrRefused) {
+  const std::filesystem::path folder = recordingsFolder().parent_path() / "tests" / "fuzz" / "corpus" / "picture";
+  int read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    SCOPED_TRACE(entry.path().string());
+    const Result<std::string> content = readFile(entry.path());
+    ASSERT_TRUE(content.ok());
+    const Result<Picture> picture = decoded(*content);
+    EXPECT_EQ(picture.ok(), entry.path().filename() != "overflowing-size.png");
+    if (picture) ++read;
+  }
+  EXPECT_EQ(read, 12);
 }
 
 std::vector<std::string> someFiles() {
