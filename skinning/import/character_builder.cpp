@@ -1,6 +1,7 @@
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/spring_joints.h"
 #include "skinning/import/units.h"
 
 #include <fmt/format.h>
@@ -89,6 +90,7 @@ class CharacterBuilder {
       if (mesh.skin == -1) choose(mesh.node);
     }
     for (const auto& [bone, node] : scene_.bones) choose(node);
+    for (const int node : nodesOfSprings(scene_.springs)) choose(node);
   }
 
   // 3. The file's unit, by the size of its mesh, or of its skeleton.
@@ -316,6 +318,7 @@ class CharacterBuilder {
     Result<Skeleton> skeleton = Skeleton::create(std::move(joints_));
     if (!skeleton) return bad(skeleton.error().message);
     character.skeleton = scene_.bones.empty() ? withBones(*skeleton, guessHumanoid(*skeleton)) : std::move(*skeleton);
+    addSprings();
     if (character.mesh.vertices.empty()) return {};
 
     const Aabb box = boundsOf(character.mesh.vertices);
@@ -326,6 +329,21 @@ class CharacterBuilder {
     }
     if (Result<void> sound = checkCharacter(character); !sound) return bad(sound.error().message);
     return {};
+  }
+
+  /// Springs and constraints with joints instead of nodes, and in metres.
+  void addSprings() {
+    const auto jointOf = [&](int node) { return jointsOfNode_[static_cast<std::size_t>(node)].front(); };
+    out_.springs = withJoints(scene_.springs, jointOf, out_.metresPerUnit);
+    const Skeleton& skeleton = out_.character.skeleton;
+    for (const JointIndex joint : orderConstraints(skeleton, out_.springs.constraints)) {
+      out_.notes.push_back(
+          fmt::format("springs: the constraint of '{}' depends on itself: skipped", skeleton.joint(joint).name));
+    }
+    if (const Result<void> sound = checkSprings(skeleton, out_.springs); !sound) {
+      out_.notes.push_back("springs: " + sound.error().message + ": all are skipped");
+      out_.springs = {};
+    }
   }
 
   const FileScene& scene_;

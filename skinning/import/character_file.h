@@ -3,6 +3,7 @@
 #include "geometry/result.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
+#include "skinning/springs/spring_bones.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -22,6 +23,7 @@ struct CharacterFile {
   /// makeBody() turns it into one that can be decomposed. No vertices if the file has only motion.
   Character character;
   std::vector<Clip> clips;
+  SpringBones springs;  ///< of VRM; empty if the file has none. Its joints are among the character's
 
   std::string format;  ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "FBX", "COLLADA"
   int meshes = 0;

@@ -3,6 +3,7 @@
 #include "geometry/tri_mesh.h"
 #include "skinning/import/character_file.h"
 #include "skinning/skeleton.h"
+#include "skinning/springs/spring_bones.h"
 
 #include <optional>
 #include <string>
@@ -74,6 +75,8 @@ struct FileScene {
   std::vector<std::pair<HumanBone, int>> bones;  ///< the file's own list of humanoid bones and their nodes
   std::optional<double> metresPerUnit;           ///< if the file specifies it
   Quat modelFromFileAxes = Quat::Identity();
+  /// Indices of nodes instead of joints, and lengths in the file's units; directions have Lorica's axes.
+  SpringBones springs;
 
   int meshCount = 0;
   int primitiveCount = 0;

@@ -121,6 +121,21 @@ struct Parts {
   }
 }
 
+/// Moves the constraints out of the nodes.
+[[nodiscard]] std::vector<std::pair<std::size_t, Json>> takeNodeConstraints(Json& document) {
+  std::vector<std::pair<std::size_t, Json>> taken;
+  const auto nodes = document.find("nodes");
+  if (nodes == document.end() || !nodes->is_array()) return taken;
+  for (std::size_t n = 0; n < nodes->size(); ++n) {
+    Json& node = (*nodes)[n];
+    const auto extensions = node.is_object() ? node.find("extensions") : node.end();
+    if (extensions == node.end() || !extensions->is_object()) continue;
+    const auto constraint = extensions->find("VRMC_node_constraint");
+    if (constraint != extensions->end()) taken.emplace_back(n, std::move(*constraint));
+  }
+  return taken;
+}
+
 /// Removes extensions and extras from every element: they are not used, and small ones would need much memory in
 /// tinygltf.
 void dropExtensions(Json& value) {
@@ -274,6 +289,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
     document.extensions = std::move(*extensions);
   }
   for (const char* unread : {"images", "textures", "materials", "samplers", "cameras"}) json->erase(unread);
+  document.nodeConstraints = takeNodeConstraints(*json);
   dropExtensions(*json);
 
   std::string problem;

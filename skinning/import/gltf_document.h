@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -19,6 +20,8 @@ struct GltfDocument {
   std::string name;                                 ///< of the file, for messages
   tinygltf::Model model;                            ///< without buffers, images, materials, extras and extensions
   nlohmann::json extensions;                        ///< of the whole file, such as VRM; an object
+  /// VRMC_node_constraint of each node that has one, nodes ascending
+  std::vector<std::pair<std::size_t, nlohmann::json>> nodeConstraints;
   std::vector<std::span<const std::byte>> buffers;  ///< no longer than declared; into `bytes` or `owned`
   std::deque<std::string> owned;
   std::size_t fileBytes = 0;  ///< of the file and everything that it embeds or refers to

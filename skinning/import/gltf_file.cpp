@@ -5,6 +5,7 @@
 #include "skinning/import/gltf_document.h"
 #include "skinning/import/gltf_mesh.h"
 #include "skinning/import/vrm.h"
+#include "skinning/import/vrm_springs.h"
 
 #include <fmt/format.h>
 
@@ -28,6 +29,7 @@ class GltfSceneReader {
     if (Result<void> done = addGltfClips(document_, accessors_, scene_); !done) return done.error();
     scene_.format = "glTF 2.0";
     readVrm(document_.extensions, scene_);
+    readVrmSprings(document_, scene_);
     for (const std::string& extension : document_.model.extensionsUsed) {
       if (extension == "EXT_mesh_gpu_instancing") {
         scene_.notes.emplace_back("EXT_mesh_gpu_instancing: only one copy of each instanced mesh is read");

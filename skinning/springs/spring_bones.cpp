@@ -8,6 +8,8 @@ namespace lorica {
 
 namespace {
 
+constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, in all
+
 [[nodiscard]] Error bad(std::string what) {
   return {ErrorCode::kInvalidArgument, std::move(what)};
 }
@@ -126,11 +128,13 @@ Result<void> checkSprings(const Skeleton& skeleton, const SpringBones& springs) 
                       count, pairs, c, kMaxSprings, kMaxSpringPairs));
     }
   }
+  int centerSteps = 0;
   for (std::size_t c = 0; c < springs.chains.size(); ++c) {
     const JointIndex center = springs.chains[c].center;
     if (center == kNoJoint) continue;
     if (!exists(skeleton, center)) return noJoint(fmt::format("chain {}: centre", c), center, skeleton);
     for (JointIndex j = skeleton.joint(center).parent; j != kNoJoint; j = skeleton.joint(j).parent) {
+      if (++centerSteps > kMaxCenterSteps) return bad("the centres of the chains lie too deep in the skeleton");
       if (chainOf[j] != static_cast<int>(c)) continue;
       return bad(fmt::format("chain {}: its centre, joint {}, swings with it", c, center));
     }
