@@ -153,14 +153,13 @@ Report toReport(const Show& show) {
 }
 
 /// The window, if it was requested or a display is available; none if the demo is drawn to files.
-/// @param height  of the character [m]
-Result<std::optional<Window>> chooseWindow(const Options& options, double height) {
+Result<std::optional<Window>> chooseWindow(const Options& options, const Character& character) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
     fmt::print(stderr, "No display: drawing a video and pictures to {} instead.\n", options.out);
     return std::optional<Window>();
   }
-  Result<Window> window = openWindow("", height);
+  Result<Window> window = openWindow("", character);
   if (window) return std::optional<Window>(std::move(*window));
   if (options.window) return window.error();
   warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
@@ -183,7 +182,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!body) return body.error();
 
   Show show{std::move(*mannequin->character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
-  Result<std::optional<Window>> window = chooseWindow(options, show.character.height);
+  Result<std::optional<Window>> window = chooseWindow(options, show.character);
   if (!window) return window.error();
   const Result<void> played = *window ? playForPeople(options, **window, show) : playForFiles(options, show);
   if (!played) return played;

@@ -6,6 +6,7 @@
 #include "geometry/mesh_files.h"
 #include "geometry/mesh_repair.h"
 #include "skinning/import/bone_map.h"
+#include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
@@ -42,6 +43,16 @@ Result<void> refuseFileOptions(const std::string& input, const CharacterOptions&
   return {};
 }
 
+/// Decodes the pictures of a character's materials with a progress bar; Ctrl-C cancels.
+Result<MadeAvatar> makeAvatarWithProgress(const CharacterFile& file, const CharacterOptions& options) {
+  const NothingToCleanUp nothing;
+  ProgressBar bar("Decoding textures of " + file.character.name, "textures");
+  DecodeSettings settings;
+  settings.largestSide = options.textureSize;
+  settings.progress = progressOf(bar);
+  return makeAvatar(file.character, file.look, settings);
+}
+
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
   Result<CharacterFile> read = readCharacterFile(file);
   if (!read) return read.error();
@@ -60,6 +71,13 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
   if (!body) return body.error();
   Subject subject{read->character.name, body->character.mesh, std::nullopt, "", std::move(*read), std::move(*body)};
   if (subject.file->skins > 0 || !subject.file->clips.empty()) subject.character = subject.body->character;
+  if (options.drawn && subject.character && subject.file->look.given()) {
+    Result<MadeAvatar> made = makeAvatarWithProgress(*subject.file, options);
+    if (!made) return made.error();
+    subject.character->avatar = std::move(made->avatar);
+    std::vector<std::string>& notes = subject.file->notes;
+    notes.insert(notes.end(), made->notes.begin(), made->notes.end());
+  }
   return subject;
 }
 
@@ -74,6 +92,11 @@ void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
   addLength(app, "--body-resolution", options.bodyResolution,
             "Voxel size for the closed body that is made if the character's surface is open [default: from its "
             "thickness]");
+}
+
+void addTextureOption(CommandLine& app, int& textureSize) {
+  addCount(app, "--texture-size", textureSize, 16,
+           "Reduce textures whose width or height is larger than this [pixels; default: as stored]");
 }
 
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options) {

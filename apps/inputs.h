@@ -18,10 +18,14 @@ namespace lorica {
 struct CharacterOptions {
   std::string map;              ///< file that assigns humanoid bones to joints; empty = automatic
   double bodyResolution = 0.0;  ///< of the voxels if a closed surface has to be made [m]; 0 = automatic
+  bool drawn = false;           ///< the character is drawn: decode the pictures of its materials
+  int textureSize = 0;          ///< largest side of those pictures [pixels]; 0 = as stored
 };
 
 /// --map and --body-resolution.
 void addCharacterOptions(CommandLine& app, CharacterOptions& options);
+/// --texture-size, for commands that draw.
+void addTextureOption(CommandLine& app, int& textureSize);
 
 /// Something that can be decomposed: a mesh, or a character whose bind pose is `mesh`.
 struct Subject {

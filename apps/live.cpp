@@ -91,7 +91,7 @@ Result<void> runHeadless(const Options& options, Live& live) {
 }
 
 Result<void> runInWindow(const Options& options, Live& live) {
-  Result<Window> window = openWindow(live.name, live.session.character().height);
+  Result<Window> window = openWindow(live.name, live.session.character());
   if (!window) return window.error();
   WindowSubject subject{live.session, live.name};
   subject.scene = options.scene;
@@ -180,7 +180,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   const Result<bool> inWindow = chooseWindow(options);
   if (!inWindow) return inWindow.error();
-  const Result<Subject> subject = readCharacter(options.character, options.reading);
+  CharacterOptions reading = options.reading;
+  reading.drawn = *inWindow || options.pictures.any();
+  const Result<Subject> subject = readCharacter(options.character, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;
   const Result<DecompositionFile> body = chooseBody(options.body, *subject, common.threadCount());
@@ -254,6 +256,7 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after S seconds");
   Option* window = app->addFlag("--window", options->window, "Open a window; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
+  addTextureOption(*app, options->reading.textureSize);
   app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }

@@ -105,7 +105,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
-  const Result<PlaybackInput> input = readPlaybackInput(options.input);
+  PlaybackInputOptions asked = options.input;
+  asked.reading.drawn = options.window || options.pictures.any();
+  const Result<PlaybackInput> input = readPlaybackInput(asked);
   if (!input) return input.error();
   const Subject& subject = input->subject;
   const Motion& motion = input->motion;
@@ -195,6 +197,7 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
   Option* window =
       app->addFlag("--window", options->window, "Open a window and play in real time; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
+  addTextureOption(*app, options->input.reading.textureSize);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

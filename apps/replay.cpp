@@ -23,12 +23,15 @@ struct Options {
   std::string character;      // empty = as recorded
   std::string decomposition;  // empty = as recorded
   SnapshotOptions pictures;
+  int textureSize = 0;  // see CharacterOptions
   bool window = false;
 };
 
 /// The recorded character, or the one given by --character.
 Result<Subject> findCharacter(const Options& options, const SessionHeader& header) {
-  const CharacterOptions reading{header.boneMap, header.bodyResolution};
+  CharacterOptions reading{header.boneMap, header.bodyResolution};
+  reading.drawn = options.window || options.pictures.any();
+  reading.textureSize = options.textureSize;
   if (!options.character.empty()) return readCharacter(options.character, reading);
   Result<Subject> subject = readCharacter(header.character, reading);
   if (subject) return subject;
@@ -182,6 +185,7 @@ Command addReplay(CommandLine& parent, CommonOptions& common) {
   Option* window =
       app->addFlag("--window", options->window, "Open a window with a timeline; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
+  addTextureOption(*app, options->textureSize);
   const auto differs = std::make_shared<bool>(false);
   return {app, [options, differs](const CommonOptions& given) { return run(*options, given, *differs); },
           [differs] { return *differs ? kDiffers : 0; }};

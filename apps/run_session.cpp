@@ -21,14 +21,17 @@ Result<void> checkWindow(bool wanted, const std::string& instead) {
                fmt::format("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead)};
 }
 
-Result<Window> openWindow(const std::string& name, double height) {
+Result<Window> openWindow(const std::string& name, const Character& character) {
   Result<Window> window = Window::create(name.empty() ? "Lorica" : "Lorica: " + name, kWindowWidth, kWindowHeight);
-  if (window) window->setCamera(windowCamera(height));
+  if (window) {
+    window->setCamera(windowCamera(character.height));
+    window->setShown(usualView(character));
+  }
   return window;
 }
 
 Result<void> runInOwnWindow(WindowSubject& subject, const PlaybackOptions& options) {
-  Result<Window> window = openWindow(subject.name, subject.session.character().height);
+  Result<Window> window = openWindow(subject.name, subject.session.character());
   if (!window) return window.error();
   const Result<WindowEnd> end = runInWindow(*window, subject, options);
   if (!end) return end.error();

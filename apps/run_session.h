@@ -14,9 +14,8 @@ namespace lorica {
 [[nodiscard]] Result<void> checkWindow(bool wanted, const std::string& instead);
 
 /// Opens the window for a session.
-/// @param name    of the motion; empty = none
-/// @param height  of the character [m]
-[[nodiscard]] Result<Window> openWindow(const std::string& name, double height);
+/// @param name  of the motion; empty = none
+[[nodiscard]] Result<Window> openWindow(const std::string& name, const Character& character);
 
 /// Runs a session in its own window until the window is closed or the session ends.
 /// @return success, kCancelled, or another error

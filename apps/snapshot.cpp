@@ -70,8 +70,8 @@ TextCheck isSize() {
   };
 }
 
-SceneOptions shownBy(const std::vector<std::string>& words) {
-  SceneOptions show;
+SceneOptions shownBy(const std::vector<std::string>& words, const Character& character) {
+  SceneOptions show = usualView(character);
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -141,7 +141,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   }
 
   const SessionScene scene(session);
-  SceneOptions show = shownBy(options.show);
+  SceneOptions show = shownBy(options.show, session.character());
   const bool caption =
       options.show.empty() || std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
@@ -174,7 +174,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     const auto draw = [&]() -> const Image& {
       if (!image) {
         if (caption) show.caption = captionOf(motion.name, session, seconds);
-        image = pictures->draw(scene.of(session), show, camera.camera());
+        image = pictures->draw(scene.of(session, show), show, camera.camera());
       }
       return *image;
     };
@@ -240,7 +240,9 @@ Result<void> check(const Options& options, const CommonOptions& common) {
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = check(options, common); !fine) return fine;
-  const Result<PlaybackInput> input = readPlaybackInput(options.input);
+  PlaybackInputOptions asked = options.input;
+  asked.reading.drawn = true;
+  const Result<PlaybackInput> input = readPlaybackInput(asked);
   if (!input) return input.error();
   const Subject& subject = input->subject;
   const Motion& motion = input->motion;
@@ -317,11 +319,13 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
       ->check(isSize());
   app->addOption(
          "--show", options->show,
-         "Draw only these: skin, parts (skin coloured by part), hulls, bones, props, particles, contacts, ground, "
-         "caption [default: all except bones]")
+         "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, bones, "
+         "props, particles, contacts, ground, caption [default: all except bones; of a character with materials the "
+         "skin without parts and hulls]")
       ->separatedBy(',')
       ->typeName("WHAT")
       ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
+  addTextureOption(*app, options->input.reading.textureSize);
   app->addFlag("--strip", options->strip, "Combine several pictures side by side in one file");
   addCameraOptions(*app, options->camera);
   addBodyOptions(*app, options->body);

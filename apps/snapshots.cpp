@@ -3,6 +3,8 @@
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "collision/live/attached_vertices.h"
+#include "skinning/linear_blend.h"
+#include "skinning/look/avatar.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,6 +24,12 @@ constexpr double kFilmEarly = 0.5;      // tolerance in frames: frame times of r
 constexpr double kLongestStill = 10.0;  // longer gaps in a recording are shortened [s]
 
 }  // namespace
+
+SceneOptions usualView(const Character& character) {
+  SceneOptions show;
+  show.colorSkinByPart = show.hulls = character.avatar == nullptr;
+  return show;
+}
 
 SessionScene::SessionScene(const Session& session) {
   const Decomposition& decomposition = session.body().decomposition();
@@ -47,11 +55,20 @@ SessionScene::SessionScene(const Session& session) {
   }
 }
 
-Scene SessionScene::of(const Session& session) const {
+Scene SessionScene::of(const Session& session, const SceneOptions& show) const {
   Scene scene;
-  scene.vertices = session.points();
-  scene.triangles = triangles_;
-  scene.partOfTriangle = partOfTriangle_;
+  scene.avatar = session.character().avatar;
+  if (scene.avatar == nullptr || (show.skin && show.colorSkinByPart)) {
+    scene.vertices = session.points();
+    scene.triangles = triangles_;
+    scene.partOfTriangle = partOfTriangle_;
+  }
+  if (scene.avatar != nullptr) {
+    worldFromModel_.resize(scene.avatar->character.jointFromModel.size());
+    computeWorldFromModel(scene.avatar->character, session.worldFromJoint(), worldFromModel_);
+    scene.worldFromModel = worldFromModel_;
+    scene.time = session.time();
+  }
   scene.parts = session.body().parts();
   scene.props = session.world().props();
   scene.contacts = session.world().contacts();
@@ -168,9 +185,9 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   follow_.update(session, session.time() - previousTime_.value_or(session.time()));
   previousTime_ = session.time();
   if (film <= 0 && !snapshotDue(session)) return {};
-  SceneOptions show;
+  SceneOptions show = usualView(session.character());
   show.caption = captionOf(name, session, session.time() - *firstTime_);
-  Scene scene = scene_.of(session);
+  Scene scene = scene_.of(session, show);
   scene.inset = inset;
   const Image image = pictures_.draw(scene, show, follow_.camera());
   for (int i = 0; i < film; ++i, ++filmed_) {

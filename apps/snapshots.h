@@ -24,12 +24,18 @@ class SessionScene {
   explicit SessionScene(const Session& session);
 
   /// Borrows from the session and from this object.
-  [[nodiscard]] Scene of(const Session& session) const;
+  /// @param show  the mesh is not posed if an avatar is shown instead
+  [[nodiscard]] Scene of(const Session& session, const SceneOptions& show) const;
 
  private:
   std::vector<Triangle> triangles_;  // the shown surface, or the surface of all parts without caps, over their points
   std::vector<PartIndex> partOfTriangle_;
+  mutable std::vector<Affine3> worldFromModel_;  // of the avatar's joints, of the last scene
 };
+
+/// What is shown of a session unless the user says otherwise: an avatar as its maker drew it; of other characters the
+/// parts and their hulls.
+[[nodiscard]] SceneOptions usualView(const Character& character);
 
 /// Draws sessions without a window.
 class SnapshotCamera {

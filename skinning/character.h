@@ -3,11 +3,14 @@
 #include "geometry/tri_mesh.h"
 #include "skinning/skeleton.h"
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+struct Avatar;
 
 struct Influence {
   JointIndex joint = 0;
@@ -27,6 +30,8 @@ struct Character {
   /// The visible triangles, over the same vertices; empty = those of `mesh`. Vertices that only these triangles use are
   /// skinned and covered by the hulls, but not decomposed.
   std::vector<Triangle> shown;
+  /// How viewers draw it, see skinning/look/avatar.h; null = plain.
+  std::shared_ptr<const Avatar> avatar;
 };
 
 /// Checks all that skinning relies on: counts agree, joints in range, weights finite, >= 0, summing to 1 +- 0.001.

@@ -7,9 +7,10 @@
 namespace lorica {
 namespace {
 
-constexpr double kPropReach = 2.5;       // props within this distance of the subject get shadows [m]
-constexpr double kGrainReach = 0.5;      // particles within this distance get shadows [m]
-constexpr double kContactHeight = 0.30;  // max height above the floor of contact shadow casters [m]
+constexpr double kPropReach = 2.5;          // props within this distance of the subject get shadows [m]
+constexpr double kGrainReach = 0.5;         // particles within this distance get shadows [m]
+constexpr double kContactHeight = 0.30;     // max height above the floor of contact shadow casters [m]
+constexpr double kTextureSeconds = 3600.0;  // textures that move start again, before floats lose precision [s]
 
 void extendFinite(Aabb& box, const Vec3& p) {
   if (p.allFinite()) box.extend(p);
@@ -38,7 +39,8 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
   if (options.skin) {
     for (const Vec3& p : scene.vertices) extendFinite(box, p);
   }
-  if (options.hulls && box.empty()) {  // with a skin, hulls must not change its light
+  // With a skin, hulls must not change its light; an avatar is skinned on the GPU, and its hulls hold it.
+  if ((options.hulls || (options.skin && scene.avatar != nullptr)) && box.empty()) {
     for (const LivePart& part : scene.parts) {
       for (const Vec3& p : part.shape.vertices) extendFinite(box, part.worldFromPart * p);
     }
@@ -97,6 +99,10 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   u.rayUp << (up / cotangent).cast<float>(), static_cast<float>(cotangent);
   u.viewport << static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
       1.0f / static_cast<float>(height);
+
+  u.keyColor << options.light.key, 0.0f;
+  u.skyColor << options.light.sky, static_cast<float>(std::fmod(scene.time, kTextureSeconds));
+  u.groundColor << options.light.ground, 0.0f;
 
   setup.grainPixels =
       static_cast<float>(0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance);

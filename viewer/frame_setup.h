@@ -18,8 +18,11 @@ struct FrameUniforms {
   Eigen::Vector4f contactArea;
   Eigen::Vector4f floorFade;
   Eigen::Vector4f viewport;
+  Eigen::Vector4f keyColor;
+  Eigen::Vector4f skyColor;
+  Eigen::Vector4f groundColor;
 };
-static_assert(sizeof(FrameUniforms) == 2 * 64 + 8 * 16);
+static_assert(sizeof(FrameUniforms) == 2 * 64 + 11 * 16);
 
 struct FrameSetup {
   FrameUniforms uniforms;

@@ -22,6 +22,7 @@
   X(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus)                 \
   X(CLEAR, Clear)                                                   \
   X(CLEARCOLOR, ClearColor)                                         \
+  X(COLORMASK, ColorMask)                                           \
   X(COMPILESHADER, CompileShader)                                   \
   X(CREATEPROGRAM, CreateProgram)                                   \
   X(CREATESHADER, CreateShader)                                     \
@@ -47,6 +48,7 @@
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)               \
   X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                     \
   X(GENBUFFERS, GenBuffers)                                         \
+  X(GENERATEMIPMAP, GenerateMipmap)                                 \
   X(GENFRAMEBUFFERS, GenFramebuffers)                               \
   X(GENRENDERBUFFERS, GenRenderbuffers)                             \
   X(GENTEXTURES, GenTextures)                                       \
@@ -70,6 +72,7 @@
   X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample) \
   X(SCISSOR, Scissor)                                               \
   X(SHADERSOURCE, ShaderSource)                                     \
+  X(TEXBUFFER, TexBuffer)                                           \
   X(TEXIMAGE2D, TexImage2D)                                         \
   X(TEXPARAMETERFV, TexParameterfv)                                 \
   X(TEXPARAMETERI, TexParameteri)                                   \
@@ -80,6 +83,7 @@
   X(USEPROGRAM, UseProgram)                                         \
   X(VERTEXATTRIB3F, VertexAttrib3f)                                 \
   X(VERTEXATTRIBDIVISOR, VertexAttribDivisor)                       \
+  X(VERTEXATTRIBIPOINTER, VertexAttribIPointer)                     \
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)                       \
   X(VIEWPORT, Viewport)
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace lorica {
 
 Gpu::~Gpu() {
@@ -44,6 +46,16 @@ GLuint Gpu::makeTexture(GLint filter) {
   return textures_.back();
 }
 
+GLuint Gpu::makeBufferTexture() {
+  gl.GenTextures(1, &textures_.emplace_back());
+  return textures_.back();
+}
+
+void Gpu::discardTexture(GLuint texture) {
+  gl.DeleteTextures(1, &texture);
+  std::erase(textures_, texture);
+}
+
 Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, const std::string& fragment) {
   const GLuint program = gl.CreateProgram();
   programs_.push_back(program);
@@ -71,8 +83,10 @@ Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, con
     return Error{ErrorCode::kNoDisplay,
                  fmt::format("the OpenGL driver cannot link the shader program '{}': {}", name, log.c_str())};
   }
-  const GLuint block = gl.GetUniformBlockIndex(program, "Frame");
-  if (block != GL_INVALID_INDEX) gl.UniformBlockBinding(program, block, 0);
+  for (const auto& [block, point] : {std::pair{"Frame", 0u}, {"Surface", 1u}}) {
+    const GLuint index = gl.GetUniformBlockIndex(program, block);
+    if (index != GL_INVALID_INDEX) gl.UniformBlockBinding(program, index, point);
+  }
   return program;
 }
 

@@ -30,7 +30,13 @@ class Gpu {
   /// A 2D texture, bound to unit 0, clamped to its edges.
   GLuint makeTexture(GLint filter);
 
-  /// Compiles and links a program; if it uses the uniform block "Frame", that is bound to point 0.
+  /// The name of a buffer texture.
+  GLuint makeBufferTexture();
+  /// Deletes a texture before the context ends.
+  void discardTexture(GLuint texture);
+
+  /// Compiles and links a program; the uniform blocks "Frame" and "Surface", if it uses them, are bound to points 0
+  /// and 1.
   /// @return the program, or an error with the name and the start of the compiler's log
   [[nodiscard]] Result<GLuint> makeProgram(const char* name, const std::string& vertex, const std::string& fragment);
 

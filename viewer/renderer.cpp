@@ -49,7 +49,8 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.BindBuffer(GL_UNIFORM_BUFFER, i.frameBlock);
   gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof(FrameUniforms), &setup.uniforms);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, i.frameBlock);
-  const GLsizei skinIndexCount = i.uploadSkin(scene, options);
+  i.uploadAvatar(scene, options);
+  const GLsizei skinIndexCount = i.avatar != nullptr ? 0 : i.uploadSkin(scene, options);
   GLsizei hullCount = 0, boneCount = 0, markerCount = 0;
   if (options.hulls && !scene.parts.empty()) {
     const std::vector<OverlayVertex>& vertices = i.overlay.hulls(scene.parts, camera.eye);
@@ -94,7 +95,9 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
   gl.Viewport(0, 0, i.targets.drawnWidth, i.targets.drawnHeight);
   gl.Enable(GL_DEPTH_TEST);
-  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  const Vec3f background = options.background.value_or(Vec3f::Zero());
+  gl.ClearColor(background.x(), background.y(), background.z(), 1.0f);
+  gl.Clear(options.background ? GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT : GL_DEPTH_BUFFER_BIT);
   gl.ActiveTexture(GL_TEXTURE1);
   gl.BindTexture(GL_TEXTURE_2D, i.targets.contactMap[0]);
   gl.ActiveTexture(GL_TEXTURE2);
@@ -106,14 +109,18 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     gl.BindVertexArray(i.skinVertexArray);
     gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);
   }
+  i.drawAvatarOpaque();
   gl.Enable(GL_CULL_FACE);
   i.drawProps(Pass::kLit);
   if (options.particles) i.drawGrains(scene, setup);
   if (options.ground) i.drawFloor(setup);
   gl.Disable(GL_CULL_FACE);
-  gl.UseProgram(i.skyProgram);
-  gl.BindVertexArray(i.skyVertexArray);
-  gl.DrawElements(GL_TRIANGLES, i.skyIndexCount, GL_UNSIGNED_INT, nullptr);
+  if (!options.background) {
+    gl.UseProgram(i.skyProgram);
+    gl.BindVertexArray(i.skyVertexArray);
+    gl.DrawElements(GL_TRIANGLES, i.skyIndexCount, GL_UNSIGNED_INT, nullptr);
+  }
+  i.drawAvatarBlended(camera.eye);
 
   // Translucent hulls.
   gl.DepthMask(GL_FALSE);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/avatar_gpu.h"
 #include "viewer/gpu.h"
 #include "viewer/grain_list.h"
 #include "viewer/overlay_mesh.h"
@@ -76,6 +77,10 @@ struct Renderer::Impl {
   StreamBuffer skinVertices, skinColors;
   GLuint skinIndices = 0;
 
+  std::vector<AvatarGpu> avatars;
+  std::vector<AvatarProgram> avatarPrograms;
+  AvatarGpu* avatar = nullptr;  ///< drawn in this picture; null = none
+
   OverlayMesh overlay;
   GLuint hullVertexArray = 0, boneVertexArray = 0;
   StreamBuffer hullBuffer, boneBuffer;
@@ -109,6 +114,16 @@ struct Renderer::Impl {
   void drawPropShape(const PropShapeGpu& shape);
 
   GLsizei uploadSkin(const Scene& scene, const SceneOptions& options);
+  /// Chooses and fills `avatar`.
+  void uploadAvatar(const Scene& scene, const SceneOptions& options);
+  AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
+  void fillAvatar(AvatarGpu& made, const Avatar& drawn);
+  [[nodiscard]] GLuint avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb);
+  [[nodiscard]] GLuint avatarProgram(shaders::AvatarVariant variant);
+  void drawAvatarGroup(const AvatarGroup& group, shaders::AvatarVariant::Draw draw);
+  void drawAvatarCasters(shaders::Pass pass);
+  void drawAvatarOpaque();
+  void drawAvatarBlended(const Vec3& eye);
   void drawCasters(shaders::Pass pass, GLsizei skinIndexCount, GLsizei hullCount);
   void drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide);
   void drawProps(shaders::Pass pass);

@@ -60,8 +60,11 @@ void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
 
 /// Draws the shadow casters: the skin, or the hulls if no skin is shown, and the props.
 void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hullCount) {
+  drawAvatarCasters(pass);
   gl.UseProgram(skinProgram[passIndex(pass)]);
-  if (skinIndexCount > 0) {
+  if (avatar != nullptr) {
+    // Drawn above.
+  } else if (skinIndexCount > 0) {
     if (!skin.closed()) gl.Disable(GL_CULL_FACE);
     gl.BindVertexArray(skinVertexArray);
     gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);

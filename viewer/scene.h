@@ -5,14 +5,25 @@
 #include "collision/world/world.h"
 #include "geometry/math.h"
 #include "geometry/tri_mesh.h"
+#include "skinning/look/avatar.h"
 #include "skinning/skeleton.h"
 #include "viewer/image.h"
 
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+/// The light on avatars: a key light from above and the left of a figure that faces +Z, and a sky over a ground around
+/// it. Linear RGB; a white surface that faces the key light and is lit by nothing else has its colour.
+struct AvatarLight {
+  Vec3f key{0.98f, 0.95f, 0.90f};
+  Vec3f sky{0.40f, 0.42f, 0.46f};
+  Vec3f ground{0.27f, 0.26f, 0.25f};
+};
 
 /// The contents of one picture, borrowed from the caller. Independent of sessions and files.
 struct Scene {
@@ -29,13 +40,18 @@ struct Scene {
   const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter of the picture's width; null = none
   const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
+  std::shared_ptr<const Avatar> avatar;     ///< drawn instead of the mesh; null = none
+  std::span<const Affine3> worldFromModel;  ///< of the avatar's joints, see computeWorldFromModel()
+  std::span<const Vec3f> avatarPositions;   ///< of the avatar's vertices in the bind pose, changed by an expression
+  std::span<const Vec3f> avatarNormals;     ///< with them; both empty = as in the avatar
+  double time = 0.0;                        ///< of moving textures [s]
 };
 
 /// The layers of a scene that are drawn.
 struct SceneOptions {
   bool skin = true;
-  bool colorSkinByPart = true;
-  bool hulls = true;  ///< translucent faces with edges
+  bool colorSkinByPart = true;  ///< shows the mesh even if there is an avatar
+  bool hulls = true;            ///< translucent faces with edges
   bool bones = false;
   bool props = true;
   bool contacts = true;
@@ -43,6 +59,8 @@ struct SceneOptions {
   bool ground = true;
   std::string caption;  ///< one line of text at the lower left; empty = none
   std::string panel;    ///< lines of text at the upper left; empty = none
+  AvatarLight light;
+  std::optional<Vec3f> background;  ///< sRGB, instead of the sky
 };
 
 struct Camera {

@@ -1,5 +1,7 @@
 #include "viewer/shaders.h"
 
+#include "viewer/shader_pieces.h"
+
 namespace lorica::shaders {
 namespace {
 
@@ -16,6 +18,9 @@ layout(std140) uniform Frame {
   vec4 contactArea;  // centre x, z; half side; maximum height [m]
   vec4 floorFade;    // centre x, z; distances where fading starts and ends [m]
   vec4 viewport;     // width, height and their inverses
+  vec4 keyColor;     // light on avatars, linear RGB
+  vec4 skyColor;     // w: time [s]
+  vec4 groundColor;
 };
 )";
 
@@ -112,6 +117,18 @@ std::string header(bool shadowEachPixel) {
 }
 
 }  // namespace
+
+std::string frameBlock() {
+  return kFrame;
+}
+
+std::string colorFunctions() {
+  return kColor;
+}
+
+std::string shadowLookup() {
+  return kShadow;
+}
 
 std::string skinVertex(Pass pass, bool shadowEachPixel) {
   std::string text = header(shadowEachPixel);

@@ -109,6 +109,12 @@ bool Window::paused() const {
 double Window::speed() const {
   return impl_->state.speed;
 }
+const SceneOptions& Window::shown() const {
+  return impl_->state.show;
+}
+void Window::setShown(const SceneOptions& show) {
+  impl_->state.show = show;
+}
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);
 }

@@ -44,6 +44,9 @@ class Window {
   /// Shows a message for three seconds.
   void notice(std::string sentence);
 
+  /// The layers that are drawn, which the user may change.
+  [[nodiscard]] const SceneOptions& shown() const;
+  void setShown(const SceneOptions& show);
   /// Sets the initial camera, to which R resets.
   void setCamera(const Camera& camera);
   /// Sets a fixed quality; none = chosen automatically by speed, the default.

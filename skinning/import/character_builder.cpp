@@ -1,6 +1,7 @@
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/morph_builder.h"
 #include "skinning/import/spring_joints.h"
 #include "skinning/import/units.h"
 
@@ -40,6 +41,8 @@ class CharacterBuilder {
     if (Result<void> sized = chooseUnits(); !sized) return sized.error();
     addJoints();
     addVertices();
+    addLook();
+    out_.morphs = makeMorphs(scene_, frames_, Affine3(joints_.front().rest.matrix()));
     addClips();
     if (Result<void> finished = finish(); !finished) return finished.error();
     return std::move(out_);
@@ -283,7 +286,81 @@ class CharacterBuilder {
     }
   }
 
-  // 6. Clips of the existing joints.
+  // 6. What the surface looks like. A file without materials has no look.
+  void addLook() {
+    if (scene_.materials.empty() || scene_.meshes.empty()) return;
+    Look& look = out_.look;
+    look.materials = scene_.materials;
+    look.pictures = scene_.pictures;
+    const std::size_t vertexCount = out_.character.mesh.vertices.size();
+    const auto any = [&](const auto& list) {
+      return std::any_of(scene_.meshes.begin(), scene_.meshes.end(),
+                         [&](const FileMesh& m) { return !list(m).empty(); });
+    };
+    if (any([](const FileMesh& m) { return std::span(m.normals); })) look.normals.assign(vertexCount, Vec3f::Zero());
+    if (any([](const FileMesh& m) { return std::span(m.tangents); })) {
+      look.tangents.assign(vertexCount, Eigen::Vector4f::Zero());
+    }
+    for (std::size_t set = 0; set < 2; ++set) {
+      if (any([&](const FileMesh& m) { return std::span(m.uv[set]); })) {
+        look.uv[set].assign(vertexCount, Eigen::Vector2f::Zero());
+      }
+    }
+    if (any([](const FileMesh& m) { return std::span(m.colors); })) {
+      look.colors.assign(vertexCount, Eigen::Vector4f::Ones());
+    }
+
+    const Mat3 modelFromFile = joints_.front().rest.matrix().linear();
+    std::size_t vertex = 0;
+    std::size_t triangle = 0;
+    int plain = -1;  // the material of meshes without one
+    for (const FileMesh& mesh : scene_.meshes) {
+      const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
+      addDirections(mesh, modelFromFile * fileFromMesh.linear(), vertex);
+      for (std::size_t set = 0; set < 2; ++set)
+        std::copy(mesh.uv[set].begin(), mesh.uv[set].end(), look.uv[set].begin() + at(vertex, look.uv[set]));
+      std::copy(mesh.colors.begin(), mesh.colors.end(), look.colors.begin() + at(vertex, look.colors));
+      int material = mesh.material;
+      if (material < 0 || static_cast<std::size_t>(material) >= scene_.materials.size()) {
+        if (plain == -1) {
+          plain = static_cast<int>(look.materials.size());
+          look.materials.emplace_back().name = "(none)";
+        }
+        material = plain;
+      }
+      look.groups.push_back({mesh.name, material, triangle, mesh.triangles.size(), mesh.normals.empty()});
+      vertex += mesh.positions.size();
+      triangle += mesh.triangles.size();
+    }
+  }
+
+  /// The position of a vertex in a list that is empty if no vertex has the property.
+  template <typename List>
+  [[nodiscard]] static std::ptrdiff_t at(std::size_t vertex, const List& list) {
+    return list.empty() ? 0 : static_cast<std::ptrdiff_t>(vertex);
+  }
+
+  /// Normals and tangents in model space.
+  void addDirections(const FileMesh& mesh, const Mat3& modelFromMesh, std::size_t firstVertex) {
+    Look& look = out_.look;
+    // Proportional to the inverse transpose, and defined for every matrix.
+    Mat3 cofactors;
+    cofactors.col(0) = modelFromMesh.col(1).cross(modelFromMesh.col(2));
+    cofactors.col(1) = modelFromMesh.col(2).cross(modelFromMesh.col(0));
+    cofactors.col(2) = modelFromMesh.col(0).cross(modelFromMesh.col(1));
+    const double mirror = modelFromMesh.determinant() < 0.0 ? -1.0 : 1.0;
+    for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
+      const Vec3 normal = mirror * (cofactors * mesh.normals[v].cast<double>());
+      look.normals[firstVertex + v] = normal.stableNormalized().cast<float>();
+    }
+    for (std::size_t v = 0; v < mesh.tangents.size(); ++v) {
+      const Vec3 tangent = modelFromMesh * mesh.tangents[v].head<3>().cast<double>();
+      look.tangents[firstVertex + v] << tangent.stableNormalized().cast<float>(),
+          static_cast<float>(mirror) * mesh.tangents[v].w();
+    }
+  }
+
+  // 7. Clips of the existing joints.
   void addClips() {
     int tooLong = 0;
     out_.clips.reserve(scene_.clips.size());
@@ -300,16 +377,18 @@ class CharacterBuilder {
         last(track.rotation);
         last(track.scale);
       }
+      for (const MorphWeightTrack& track : from.weights) clip.seconds = std::max(clip.seconds, track.times.back());
       if (clip.seconds > kSecondsInADay) {
         ++tooLong;
-      } else if (!clip.tracks.empty()) {
+      } else if (!clip.tracks.empty() || !from.weights.empty()) {
         out_.clips.push_back(std::move(clip));
+        out_.morphs.clips.push_back(from.weights);
       }
     }
     if (tooLong > 0) out_.notes.push_back(fmt::format("{} clips last longer than a day: skipped", tooLong));
   }
 
-  // 7. Humanoid bones, size, and the final check.
+  // 8. Humanoid bones, size, and the final check.
   [[nodiscard]] Result<void> finish() {
     Character& character = out_.character;
     if (character.mesh.triangles.empty() && out_.clips.empty() && scene_.skins.empty()) {
@@ -319,6 +398,7 @@ class CharacterBuilder {
     if (!skeleton) return bad(skeleton.error().message);
     character.skeleton = scene_.bones.empty() ? withBones(*skeleton, guessHumanoid(*skeleton)) : std::move(*skeleton);
     addSprings();
+    addFace();
     if (character.mesh.vertices.empty()) return {};
 
     const Aabb box = boundsOf(character.mesh.vertices);
@@ -337,13 +417,22 @@ class CharacterBuilder {
     out_.springs = withJoints(scene_.springs, jointOf, out_.metresPerUnit);
     const Skeleton& skeleton = out_.character.skeleton;
     for (const JointIndex joint : orderConstraints(skeleton, out_.springs.constraints)) {
-      out_.notes.push_back(
-          fmt::format("springs: the constraint of '{}' depends on itself: skipped", skeleton.joint(joint).name));
+      out_.notes.push_back(fmt::format("springs: the constraint of '{}' depends on itself: skipped",
+                                       skeleton.joint(joint).name));
     }
     if (const Result<void> sound = checkSprings(skeleton, out_.springs); !sound) {
       out_.notes.push_back("springs: " + sound.error().message + ": all are skipped");
       out_.springs = {};
     }
+  }
+
+  void addFace() {
+    std::vector<JointIndex> jointOfNode(scene_.nodes.size(), kNoJoint);
+    for (std::size_t n = 0; n < jointOfNode.size(); ++n) {
+      if (!jointsOfNode_[n].empty()) jointOfNode[n] = jointsOfNode_[n].front();
+    }
+    out_.expressions = scene_.expressions;
+    out_.lookAt = makeLookAt(scene_, out_.character.skeleton, jointOfNode);
   }
 
   const FileScene& scene_;

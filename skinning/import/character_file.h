@@ -3,6 +3,10 @@
 #include "geometry/result.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
+#include "skinning/look/look.h"
+#include "skinning/morphs/expressions.h"
+#include "skinning/morphs/look_at.h"
+#include "skinning/morphs/morphs.h"
 #include "skinning/springs/spring_bones.h"
 
 #include <cstddef>
@@ -23,7 +27,11 @@ struct CharacterFile {
   /// makeBody() turns it into one that can be decomposed. No vertices if the file has only motion.
   Character character;
   std::vector<Clip> clips;
+  Morphs morphs;            ///< of `character.mesh`; its clips are those above
+  Expressions expressions;  ///< of the morph targets
+  LookAt lookAt;
   SpringBones springs;  ///< of VRM; empty if the file has none. Its joints are among the character's
+  Look look;  ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
 
   std::string format;  ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "FBX", "COLLADA"
   int meshes = 0;

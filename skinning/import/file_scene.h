@@ -2,6 +2,7 @@
 
 #include "geometry/tri_mesh.h"
 #include "skinning/import/character_file.h"
+#include "skinning/look/look.h"
 #include "skinning/skeleton.h"
 #include "skinning/springs/spring_bones.h"
 
@@ -42,6 +43,12 @@ struct FileWeight {
   double weight = 0.0;    ///< any value
 };
 
+/// What a morph target does to the vertices of one mesh.
+struct FileMorph {
+  int target = 0;                    ///< index into FileScene::morphTargets
+  std::vector<MorphOffset> offsets;  ///< in the mesh's units; vertices ascend
+};
+
 /// Triangles attached to one node, or to a skin's bones.
 struct FileMesh {
   std::string name;
@@ -51,6 +58,15 @@ struct FileMesh {
   std::vector<Triangle> triangles;       ///< indices in range
   std::vector<FileWeight> weights;       ///< of vertex v: weightBegin[v] .. weightBegin[v + 1]; empty if rigid
   std::vector<std::size_t> weightBegin;  ///< vertexCount + 1 entries; empty if rigid
+  std::vector<FileMorph> morphs;
+  int primitive = -1;                       ///< of the file's mesh, if it has morph targets
+  std::vector<VertexIndex> sourceVertices;  ///< index of each vertex in the primitive, if it has morph targets
+  // How it looks: one element for each vertex, or empty.
+  std::vector<Vec3f> normals;  ///< empty: flat triangles
+  std::vector<Eigen::Vector4f> tangents;
+  std::vector<Eigen::Vector2f> uv[2];
+  std::vector<Eigen::Vector4f> colors;  ///< linear RGBA
+  int material = -1;                    ///< index into FileScene::materials; -1 = none
 };
 
 struct FileTrack {
@@ -63,6 +79,16 @@ struct FileTrack {
 struct FileClip {
   std::string name;
   std::vector<FileTrack> tracks;
+  std::vector<MorphWeightTrack> weights;  ///< targets are indices into FileScene::morphTargets
+};
+
+/// A morph target of a node's mesh, which its primitives share.
+struct FileMorphTarget {
+  std::string name;
+  int node = -1;
+  int mesh = -1;   ///< the file's index
+  int index = -1;  ///< among the targets of that mesh
+  float defaultWeight = 0.0F;
 };
 
 /// The content of a character file of any format, checked but not yet converted to Lorica's units, axes and joints.
@@ -73,10 +99,17 @@ struct FileScene {
   std::vector<FileMesh> meshes;
   std::vector<FileClip> clips;
   std::vector<std::pair<HumanBone, int>> bones;  ///< the file's own list of humanoid bones and their nodes
-  std::optional<double> metresPerUnit;           ///< if the file specifies it
-  Quat modelFromFileAxes = Quat::Identity();
+  std::vector<FileMorphTarget> morphTargets;
+  Expressions expressions;  ///< of morphTargets
+  LookAt lookAt;            ///< without its joints
+  int leftEye = -1;         ///< node, or -1
+  int rightEye = -1;        ///< node, or -1
+  std::vector<Material> materials;
+  std::vector<StoredPicture> pictures;
   /// Indices of nodes instead of joints, and lengths in the file's units; directions have Lorica's axes.
   SpringBones springs;
+  std::optional<double> metresPerUnit;  ///< if the file specifies it
+  Quat modelFromFileAxes = Quat::Identity();
 
   int meshCount = 0;
   int primitiveCount = 0;

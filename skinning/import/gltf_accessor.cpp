@@ -115,6 +115,8 @@ void unpackKind(int componentType, Bytes bytes, std::uint64_t stride, std::uint6
   switch (components) {
     case 1:
       return "SCALAR";
+    case 2:
+      return "VEC2";
     case 3:
       return "VEC3";
     case 4:
@@ -139,6 +141,12 @@ Result<void> checkIndex(const GltfDocument& document, int index, std::size_t cou
 
 GltfAccessors::GltfAccessors(const GltfDocument& document)
     : document_(document), budget_(std::max<std::uint64_t>(8 * document.fileBytes, 2'000'000)) {}
+
+bool GltfAccessors::spend(std::uint64_t numbers) {
+  if (numbers > budget_) return false;
+  budget_ -= numbers;
+  return true;
+}
 
 Error GltfAccessors::bad(const std::string& what) const {
   return {ErrorCode::kBadFormat, document_.name + ": " + what};

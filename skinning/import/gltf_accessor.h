@@ -19,7 +19,7 @@ class GltfAccessors {
   explicit GltfAccessors(const GltfDocument& document);
 
   /// @param accessor    index, not yet checked
-  /// @param components  1, 3, 4 or 16 numbers per element; others are rejected
+  /// @param components  1, 2, 3, 4 or 16 numbers per element; others are rejected
   /// @param user        who reads it, for messages: "mesh 3 'Body', primitive 0: POSITION"
   /// @return count x components finite numbers; or an error
   [[nodiscard]] Result<std::vector<double>> numbers(int accessor, int components, const std::string& user);
@@ -29,6 +29,9 @@ class GltfAccessors {
 
   /// Like numbers(), but non-finite numbers are allowed, for the caller to repair.
   [[nodiscard]] Result<std::vector<double>> anyNumbers(int accessor, int components, const std::string& user);
+
+  /// Takes numbers that a caller keeps beside those that it read from the same limit. @return false if it is exhausted
+  [[nodiscard]] bool spend(std::uint64_t numbers);
 
  private:
   [[nodiscard]] Result<std::span<const std::byte>> elements(int view, std::uint64_t offset, std::uint64_t count,

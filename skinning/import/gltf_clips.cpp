@@ -29,10 +29,7 @@ class ClipReader {
   [[nodiscard]] Result<void> addChannel(std::size_t index) {
     const tinygltf::AnimationChannel& channel = animation_.channels[index];
     const std::string user = fmt::format("{}, channel {}", who_, index);
-    if (channel.target_path == "weights") {
-      ++morphChannels;
-      return {};
-    }
+    if (channel.target_path == "weights") return {};  // see addGltfMorphs()
     const bool moves =
         channel.target_path == "translation" || channel.target_path == "rotation" || channel.target_path == "scale";
     if (channel.target_node == -1 || !moves) {
@@ -52,7 +49,6 @@ class ClipReader {
   }
 
   FileClip clip;
-  int morphChannels = 0;
   int unknownChannels = 0;   ///< with a path or node that glTF 2.0 does not define
   int doubledChannels = 0;   ///< with a node and path that another channel already animates
   std::size_t lateKeys = 0;  ///< not later than the previous key
@@ -117,7 +113,6 @@ class ClipReader {
 }  // namespace
 
 Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors, FileScene& scene) {
-  int morphChannels = 0;
   int unknownChannels = 0;
   int doubledChannels = 0;
   std::size_t lateKeys = 0;
@@ -126,7 +121,6 @@ Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors
     for (std::size_t c = 0; c < document.model.animations[a].channels.size(); ++c) {
       if (Result<void> added = reader.addChannel(c); !added) return added;
     }
-    morphChannels += reader.morphChannels;
     unknownChannels += reader.unknownChannels;
     doubledChannels += reader.doubledChannels;
     lateKeys += reader.lateKeys;
@@ -135,7 +129,6 @@ Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors
   const auto note = [&](std::uint64_t count, const char* what) {
     if (count > 0) scene.notes.push_back(fmt::format("{} {}", grouped(count), what));
   };
-  note(static_cast<std::uint64_t>(morphChannels), "animation channels animate morph weights: skipped");
   note(static_cast<std::uint64_t>(unknownChannels), "animation channels animate something other than nodes: skipped");
   note(static_cast<std::uint64_t>(doubledChannels),
        "animation channels animate what another already animates: skipped");

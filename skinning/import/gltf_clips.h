@@ -5,7 +5,7 @@
 
 namespace lorica {
 
-/// Adds the file's animations of nodes. Animated morph weights are skipped, with a note.
+/// Adds the file's animations of nodes, one clip each. Those of morph weights are added by addGltfMorphs().
 [[nodiscard]] Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors, FileScene& scene);
 
 }  // namespace lorica

@@ -136,6 +136,28 @@ struct Parts {
   return taken;
 }
 
+/// The names of each mesh's morph targets, where most exporters put them: in the extras of the mesh or of its first
+/// primitive.
+[[nodiscard]] std::vector<std::vector<std::string>> targetNamesOf(const Json& document) {
+  std::vector<std::vector<std::string>> all;
+  const auto meshes = document.find("meshes");
+  if (meshes == document.end() || !meshes->is_array()) return all;
+  const Json::json_pointer inMesh("/extras/targetNames");
+  const Json::json_pointer inPrimitive("/primitives/0/extras/targetNames");
+  all.resize(meshes->size());
+  for (std::size_t m = 0; m < meshes->size(); ++m) {
+    const Json& mesh = (*meshes)[m];
+    if (!mesh.is_object()) continue;
+    for (const Json::json_pointer& place : {inMesh, inPrimitive}) {
+      if (!all[m].empty() || !mesh.contains(place) || !mesh.at(place).is_array()) continue;
+      for (const Json& name : mesh.at(place)) {
+        all[m].push_back(name.is_string() ? name.get<std::string>() : std::string());
+      }
+    }
+  }
+  return all;
+}
+
 /// Removes extensions and extras from every element: they are not used, and small ones would need much memory in
 /// tinygltf.
 void dropExtensions(Json& value) {
@@ -246,6 +268,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   GltfDocument document;
   document.name = name;
   document.fileBytes = bytes.size();
+  document.folder = folder;
 
   // 1. JSON and binary.
   const bool isGlb = bytes.size() >= 4 && asText(bytes.first(4)) == "glTF";
@@ -288,8 +311,16 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   if (const auto extensions = json->find("extensions"); extensions != json->end() && extensions->is_object()) {
     document.extensions = std::move(*extensions);
   }
-  for (const char* unread : {"images", "textures", "materials", "samplers", "cameras"}) json->erase(unread);
+  document.look = Json::object();
+  for (const char* list : {"images", "textures", "materials", "samplers"}) {
+    if (const auto found = json->find(list); found != json->end() && found->is_array()) {
+      document.look[list] = std::move(*found);
+    }
+    json->erase(list);
+  }
+  json->erase("cameras");
   document.nodeConstraints = takeNodeConstraints(*json);
+  document.targetNames = targetNamesOf(*json);
   dropExtensions(*json);
 
   std::string problem;

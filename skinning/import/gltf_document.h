@@ -20,8 +20,11 @@ struct GltfDocument {
   std::string name;                                 ///< of the file, for messages
   tinygltf::Model model;                            ///< without buffers, images, materials, extras and extensions
   nlohmann::json extensions;                        ///< of the whole file, such as VRM; an object
+  std::vector<std::vector<std::string>> targetNames;  ///< of each mesh's morph targets, as far as they have names
   /// VRMC_node_constraint of each node that has one, nodes ascending
   std::vector<std::pair<std::size_t, nlohmann::json>> nodeConstraints;
+  nlohmann::json look;                              ///< the arrays materials, textures, images, samplers; an object
+  std::filesystem::path folder;                     ///< where other files are searched; empty: they are not read
   std::vector<std::span<const std::byte>> buffers;  ///< no longer than declared; into `bytes` or `owned`
   std::deque<std::string> owned;
   std::size_t fileBytes = 0;  ///< of the file and everything that it embeds or refers to

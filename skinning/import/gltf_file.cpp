@@ -3,8 +3,11 @@
 #include "skinning/import/gltf_accessor.h"
 #include "skinning/import/gltf_clips.h"
 #include "skinning/import/gltf_document.h"
+#include "skinning/import/gltf_materials.h"
 #include "skinning/import/gltf_mesh.h"
+#include "skinning/import/gltf_morphs.h"
 #include "skinning/import/vrm.h"
+#include "skinning/import/vrm_expressions.h"
 #include "skinning/import/vrm_springs.h"
 
 #include <fmt/format.h>
@@ -27,8 +30,11 @@ class GltfSceneReader {
       if (Result<void> done = (this->*step)(); !done) return done.error();
     }
     if (Result<void> done = addGltfClips(document_, accessors_, scene_); !done) return done.error();
+    addGltfMaterials(document_, scene_);
     scene_.format = "glTF 2.0";
     readVrm(document_.extensions, scene_);
+    addGltfMorphs(document_, accessors_, scene_);
+    readExpressions(document_.extensions, scene_);
     readVrmSprings(document_, scene_);
     for (const std::string& extension : document_.model.extensionsUsed) {
       if (extension == "EXT_mesh_gpu_instancing") {

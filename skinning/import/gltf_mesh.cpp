@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
 namespace lorica {
@@ -56,7 +58,9 @@ class PrimitiveReader {
     vertexCount_ = positions_.size() / 3;
     if (Result<void> moved = applyMorphs(morphWeights); !moved) return moved;
     if (Result<void> read = readTriangles(statistics); !read) return read;
-    if (skinned && !triangles_.empty()) return readWeights();
+    if (triangles_.empty()) return {};
+    if (Result<void> read = readLook(); !read) return read;
+    if (skinned) return readWeights();
     return {};
   }
 
@@ -79,6 +83,13 @@ class PrimitiveReader {
     for (std::size_t v = 0; v < vertexCount_; ++v) {
       if (newIndex[v] >= 0)
         mesh.positions.emplace_back(positions_[3 * v], positions_[3 * v + 1], positions_[3 * v + 2]);
+    }
+    compactLook(newIndex, mesh);
+    if (!primitive_.targets.empty()) {
+      mesh.sourceVertices.reserve(used);
+      for (std::size_t v = 0; v < vertexCount_; ++v) {
+        if (newIndex[v] >= 0) mesh.sourceVertices.push_back(static_cast<VertexIndex>(v));
+      }
     }
     if (sets_.empty()) return mesh;
     mesh.weights.reserve(4 * sets_.size() * static_cast<std::size_t>(used));
@@ -153,11 +164,61 @@ class PrimitiveReader {
     }
   }
 
+  /// Normals, tangents, texture coordinates and colours; numbers that are not finite become 0.
+  [[nodiscard]] Result<void> readLook() {
+    const auto readInto = [&](const char* attribute, int components, std::vector<double>& out) -> Result<void> {
+      if (!has(attribute)) return {};
+      Result<std::vector<double>> numbers =
+          accessors_.anyNumbers(accessorOf(attribute), components, fmt::format("{}: {}", who_, attribute));
+      if (!numbers) return numbers.error();
+      if (numbers->size() != static_cast<std::size_t>(components) * vertexCount_) {
+        return badCount(attribute, numbers->size() / static_cast<std::size_t>(components));
+      }
+      for (double& number : *numbers) number = std::isfinite(number) ? number : 0.0;
+      out = std::move(*numbers);
+      return {};
+    };
+    if (Result<void> read = readInto("NORMAL", 3, normals_); !read) return read;
+    if (Result<void> read = readInto("TANGENT", 4, tangents_); !read) return read;
+    if (Result<void> read = readInto("TEXCOORD_0", 2, uv_[0]); !read) return read;
+    if (Result<void> read = readInto("TEXCOORD_1", 2, uv_[1]); !read) return read;
+    if (!has("COLOR_0")) return {};
+    const auto accessor = static_cast<std::size_t>(accessorOf("COLOR_0"));
+    const std::vector<tinygltf::Accessor>& all = document_.model.accessors;
+    colorComponents_ = accessor < all.size() && all[accessor].type == TINYGLTF_TYPE_VEC3 ? 3 : 4;
+    return readInto("COLOR_0", colorComponents_, colors_);
+  }
+
+  /// @param newIndex  for each vertex, its index in `mesh`, or -1
+  void compactLook(const std::vector<VertexIndex>& newIndex, FileMesh& mesh) const {
+    const auto at = [](const std::vector<double>& numbers, std::size_t i) { return static_cast<float>(numbers[i]); };
+    for (std::size_t v = 0; v < vertexCount_; ++v) {
+      if (newIndex[v] < 0) continue;
+      if (!normals_.empty()) {
+        mesh.normals.emplace_back(at(normals_, 3 * v), at(normals_, 3 * v + 1), at(normals_, 3 * v + 2));
+      }
+      if (!tangents_.empty()) {
+        mesh.tangents.emplace_back(at(tangents_, 4 * v), at(tangents_, 4 * v + 1), at(tangents_, 4 * v + 2),
+                                   at(tangents_, 4 * v + 3));
+      }
+      for (std::size_t set = 0; set < 2; ++set) {
+        if (!uv_[set].empty()) mesh.uv[set].emplace_back(at(uv_[set], 2 * v), at(uv_[set], 2 * v + 1));
+      }
+      if (colors_.empty()) continue;
+      const std::size_t c = static_cast<std::size_t>(colorComponents_) * v;
+      mesh.colors.emplace_back(at(colors_, c), at(colors_, c + 1), at(colors_, c + 2),
+                               colorComponents_ == 4 ? at(colors_, c + 3) : 1.0f);
+    }
+  }
+
   const GltfDocument& document_;
   GltfAccessors& accessors_;
   const tinygltf::Primitive& primitive_;
   std::string who_;
   std::size_t vertexCount_ = 0;
+  std::vector<double> normals_, tangents_, colors_;
+  std::array<std::vector<double>, 2> uv_;
+  int colorComponents_ = 4;
   std::vector<double> positions_;
   std::vector<Triangle> triangles_;
   std::vector<std::pair<std::vector<std::uint32_t>, std::vector<double>>> sets_;
@@ -201,6 +262,8 @@ Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors,
     made.name = mesh.name;
     made.node = nodeIndex;
     made.skin = skinned ? node.skin : -1;
+    made.primitive = static_cast<int>(p);
+    made.material = primitive.material;
     scene.meshes.push_back(std::move(made));
   }
   return {};

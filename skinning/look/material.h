@@ -47,7 +47,6 @@ struct ToonMaterial {
   TextureUse shiftTexture;             ///< red channel times shiftScale is added to shift
   float shiftScale = 1.0f;
   float toony = 0.9f;            ///< sharpness of that border, 0 to 1
-  bool limitToLitColor = false;  ///< MToon 0.x: the key light never brightens above the lit colour
   Vec3f matcapFactor{1, 1, 1};   ///< linear RGB
   TextureUse matcap;             ///< by the normal's direction on screen; added
   Vec3f rimColor{0, 0, 0};       ///< linear RGB
