@@ -1,0 +1,315 @@
+#include "skinning/import/gltf_morphs.h"
+
+#include "tests/skinning/import/small_character.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lorica {
+namespace {
+
+using test::GlbWriter;
+using test::parsed;
+using test::smallCharacter;
+
+[[nodiscard]] bool hasNote(const CharacterFile& file, const std::string& part) {
+  return std::any_of(file.notes.begin(), file.notes.end(),
+                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+/// Offsets of the eight vertices of the small character: vertex v moves by `step` times v.
+[[nodiscard]] std::vector<float> steps(const Vec3f& step) {
+  std::vector<float> numbers;
+  for (int v = 0; v < 8; ++v) {
+    for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(v) * step[axis]);
+  }
+  return numbers;
+}
+
+/// The small character with two targets: 0 moves to +Y and turns normals to +Z, 1 moves to +X.
+[[nodiscard]] GlbWriter morphingCharacter() {
+  GlbWriter writer = smallCharacter();
+  const int up = writer.accessor(steps({0.0F, 0.25F, 0.0F}), "VEC3");
+  const int turn = writer.accessor(steps({0.0F, 0.0F, 0.5F}), "VEC3");
+  const int aside = writer.accessor(steps({0.125F, 0.0F, 0.0F}), "VEC3");
+  nlohmann::json& mesh = writer.document["meshes"][0];
+  mesh["primitives"][0]["targets"] = {{{"POSITION", up}, {"NORMAL", turn}}, {{"POSITION", aside}}};
+  mesh["extras"] = {{"targetNames", {"Smile", "Wink"}}};
+  return writer;
+}
+
+/// An animation of the weights of node 2.
+void addWeights(GlbWriter& writer, const std::string& interpolation, const std::vector<float>& times,
+                const std::vector<float>& values, int node = 2) {
+  const int input = writer.accessor(times, "SCALAR");
+  const int output = writer.accessor(values, "SCALAR");
+  writer.add("animations", {{"name", "face"},
+                            {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+                            {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}}}});
+}
+
+TEST(GltfMorphs, NamesOffsetsAndWeightsAreTheFiles) {
+  GlbWriter writer = morphingCharacter();
+  writer.document["meshes"][0]["weights"] = {0.5};
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(file->notes.empty());
+  ASSERT_EQ(file->morphs.targets.size(), 2u);
+  const MorphTarget& smile = file->morphs.targets[0];
+  EXPECT_EQ(smile.name, "Smile");
+  EXPECT_EQ(smile.defaultWeight, 0.5F);
+  ASSERT_EQ(smile.offsets.size(), 7u);  // vertex 0 stays
+  for (std::size_t i = 0; i < 7; ++i) {
+    const auto v = static_cast<float>(i + 1);
+    EXPECT_EQ(smile.offsets[i].vertex, static_cast<VertexIndex>(i + 1));
+    EXPECT_TRUE(smile.offsets[i].position.isApprox(Vec3f(0.0F, 0.25F * v, 0.0F)));
+    EXPECT_TRUE(smile.offsets[i].normal.isApprox(Vec3f(0.0F, 0.0F, 0.5F * v)));
+  }
+  EXPECT_EQ(file->morphs.targets[1].name, "Wink");
+  EXPECT_EQ(file->morphs.targets[1].defaultWeight, 0.0F);
+}
+
+TEST(GltfMorphs, WeightsMoveTheBindPoseAsTheFileSays) {
+  GlbWriter plain = smallCharacter();
+  GlbWriter writer = morphingCharacter();
+  writer.document["nodes"][2]["weights"] = {0.25, 1.0};
+  const Result<CharacterFile> base = parsed(plain);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(base.ok() && file.ok());
+  const std::vector<Vec3>& bind = file->character.mesh.vertices;
+  std::vector<Vec3> moved(bind.size());
+  for (const auto& [up, aside] : {std::pair(0.0F, 0.0F), {0.25F, 1.0F}, {1.0F, -0.5F}}) {
+    applyMorphs(file->morphs, std::vector<float>{up, aside}, bind, {}, moved, {});
+    for (std::size_t v = 0; v < bind.size(); ++v) {
+      const auto n = static_cast<double>(v);
+      const Vec3 expected = base->character.mesh.vertices[v] + Vec3(0.125 * n * aside, 0.25 * n * up, 0.0);
+      EXPECT_LT((moved[v] - expected).norm(), 1e-6);
+    }
+  }
+}
+
+TEST(GltfMorphs, OffsetsFollowTheFilesUnitsAndTheNodesTurn) {
+  GlbWriter writer = morphingCharacter();
+  writer.document["nodes"][2].erase("skin");
+  writer.document["nodes"][2]["rotation"] = {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)};  // Y to Z
+  writer.document["nodes"][2]["scale"] = {2.0, 2.0, 2.0};
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  const MorphOffset& last = file->morphs.targets[0].offsets.back();
+  EXPECT_TRUE(last.position.isApprox(Vec3f(0.0F, 0.0F, 2.0F * 7.0F * 0.25F), 1e-5F)) << last.position.transpose();
+  EXPECT_TRUE(last.normal.isApprox(Vec3f(0.0F, -3.5F, 0.0F), 1e-5F)) << last.normal.transpose();
+}
+
+TEST(GltfMorphs, PrimitivesOfAMeshShareTheirTargets) {
+  GlbWriter writer = morphingCharacter();
+  nlohmann::json& primitives = writer.document["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["targets"] = {primitives[0]["targets"][0]};  // the second has only one
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  ASSERT_EQ(file->morphs.targets.size(), 2u);
+  EXPECT_EQ(file->morphs.targets[0].offsets.size(), 14u);
+  EXPECT_EQ(file->morphs.targets[0].offsets[7].vertex, 9);
+  EXPECT_EQ(file->morphs.targets[1].offsets.size(), 7u);
+}
+
+TEST(GltfMorphs, UnusedVerticesDoNotShiftTheOffsets) {
+  GlbWriter writer = morphingCharacter();
+  const int indices = writer.accessor(std::vector<std::uint16_t>{7, 5, 3}, "SCALAR");
+  writer.document["meshes"][0]["primitives"][0]["indices"] = indices;
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  const std::vector<MorphOffset>& offsets = file->morphs.targets[1].offsets;
+  ASSERT_EQ(offsets.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(offsets[i].vertex, static_cast<VertexIndex>(i));
+    EXPECT_FLOAT_EQ(offsets[i].position.x(), 0.125F * static_cast<float>(2 * i + 3));
+  }
+}
+
+TEST(GltfMorphs, SparseOffsetsMoveOnlyTheirVertices) {
+  GlbWriter writer = morphingCharacter();
+  const int rows = writer.view(std::vector<std::uint16_t>{2, 6});
+  const int values = writer.view(std::vector<float>{0, 1, 0, 0, 2, 0});
+  const int sparse = writer.add("accessors", {{"componentType", 5126},
+                                              {"count", 8},
+                                              {"type", "VEC3"},
+                                              {"sparse",
+                                               {{"count", 2},
+                                                {"indices", {{"bufferView", rows}, {"componentType", 5123}}},
+                                                {"values", {{"bufferView", values}}}}}});
+  writer.document["meshes"][0]["primitives"][0]["targets"][0] = {{"POSITION", sparse}};
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  const std::vector<MorphOffset>& offsets = file->morphs.targets[0].offsets;
+  ASSERT_EQ(offsets.size(), 2u);
+  EXPECT_EQ(offsets[0].vertex, 2);
+  EXPECT_EQ(offsets[1].vertex, 6);
+  EXPECT_EQ(offsets[1].position, Vec3f(0.0F, 2.0F, 0.0F));
+}
+
+TEST(GltfMorphs, TargetsWithoutNamesAreNumbered) {
+  GlbWriter writer = morphingCharacter();
+  nlohmann::json& mesh = writer.document["meshes"][0];
+  mesh["extras"] = {{"targetNames", {7, "Wink", "Too many"}}};
+  Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->morphs.targets[0].name, "Body 0");
+  EXPECT_EQ(file->morphs.targets[1].name, "Wink");
+  mesh["extras"] = "none";
+  mesh["primitives"][0]["extras"] = {{"targetNames", {"Joy"}}};
+  file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->morphs.targets[0].name, "Joy");
+}
+
+TEST(GltfMorphs, ClipsMoveTheWeights) {
+  GlbWriter writer = morphingCharacter();
+  addWeights(writer, "LINEAR", {0.0F, 3.0F}, {0.0F, 1.0F, 1.0F, 0.25F});
+  addWeights(writer, "STEP", {0.0F, 1.0F}, {0.0F, 1.0F, 1.0F, 0.25F});
+  addWeights(writer, "CUBICSPLINE", {0.0F, 1.0F}, {0, 0, 0.25F, 0.5F, 0, 0, 0, 0, 0.75F, 0.5F, 0, 0});
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(file->notes.empty());
+  ASSERT_EQ(file->clips.size(), 4u);
+  ASSERT_EQ(file->morphs.clips.size(), 4u);
+  EXPECT_TRUE(file->morphs.clips[0].empty());
+  EXPECT_EQ(file->clips[1].seconds, 3.0);
+  const auto at = [&](std::size_t clip, double time) {
+    std::vector<float> weights(2);
+    sampleMorphWeights(file->morphs.clips[clip], time, weights);
+    return weights;
+  };
+  EXPECT_EQ(at(1, 1.5), (std::vector<float>{0.5F, 0.625F}));
+  EXPECT_EQ(at(2, 0.9), (std::vector<float>{0.0F, 1.0F}));
+  EXPECT_EQ(at(3, 0.5), (std::vector<float>{0.5F, 0.5F}));
+}
+
+TEST(GltfMorphs, BrokenTargetsAreSkippedAndTheBodyIsRead) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  struct Case {
+    const char* what;
+    std::function<void(GlbWriter&, nlohmann::json& target)> breakIt;
+    const char* note;
+  };
+  const std::vector<Case> cases = {
+      {"no accessor", [](GlbWriter&, nlohmann::json& target) { target["POSITION"] = 4711; }, "refers to accessor 4711"},
+      {"too few elements",
+       [](GlbWriter& w, nlohmann::json& target) {
+         target["POSITION"] = w.accessor(std::vector<float>{1, 2, 3}, "VEC3");
+       },
+       "POSITION has 1 elements, expected 8"},
+      {"not finite",
+       [&](GlbWriter& w, nlohmann::json& target) {
+         std::vector<float> numbers = steps({1.0F, 1.0F, 1.0F});
+         numbers[10] = nan;
+         target["POSITION"] = w.accessor(numbers, "VEC3");
+       },
+       "element 3 has nan"},
+      {"two numbers an element",
+       [](GlbWriter& w, nlohmann::json& target) {
+         target["NORMAL"] = w.accessor(std::vector<float>(32, 1.0F), "VEC4");
+       },
+       "expected VEC3"},
+      {"a huge claim",
+       [](GlbWriter& w, nlohmann::json& target) {
+         target["POSITION"] =
+             w.add("accessors", {{"componentType", 5126}, {"count", 4'000'000'000U}, {"type", "VEC3"}});
+       },
+       "too many for a file"},
+      {"beyond the buffer",
+       [](GlbWriter& w, nlohmann::json& target) {
+         const int view = w.view(std::vector<float>(3, 1.0F));
+         target["POSITION"] =
+             w.add("accessors", {{"bufferView", view}, {"componentType", 5126}, {"count", 8}, {"type", "VEC3"}});
+       },
+       "but buffer view"}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.what);
+    GlbWriter writer = morphingCharacter();
+    c.breakIt(writer, writer.document["meshes"][0]["primitives"][0]["targets"][1]);
+    const Result<CharacterFile> file = parsed(writer);
+    ASSERT_TRUE(file.ok()) << file.error().message;
+    EXPECT_EQ(file->character.mesh.vertices.size(), 8u);
+    ASSERT_EQ(file->morphs.targets.size(), 2u);
+    EXPECT_EQ(file->morphs.targets[0].offsets.size(), 7u);
+    EXPECT_TRUE(hasNote(*file, "1 parts of morph targets could not be read: skipped (the first: "));
+    EXPECT_TRUE(hasNote(*file, c.note)) << file->notes.front();
+  }
+}
+
+TEST(GltfMorphs, BrokenWeightChannelsAreSkippedAndTheOthersPlay) {
+  struct Case {
+    const char* what;
+    std::function<void(GlbWriter&)> add;
+    const char* note;
+  };
+  const std::vector<Case> cases = {
+      {"too few values",
+       [](GlbWriter& w) {
+         addWeights(w, "LINEAR", {0.0F, 1.0F}, {1.0F, 1.0F, 1.0F});
+       },
+       "3 values for 2 keys of 2 morph targets, expected 4"},
+      {"no targets", [](GlbWriter& w) { addWeights(w, "LINEAR", {0.0F}, {1.0F}, 0); }, "node 0 shows no morph targets"},
+      {"no node", [](GlbWriter& w) { addWeights(w, "LINEAR", {0.0F}, {1.0F}, 99); }, "node 99 shows no morph targets"},
+      {"unknown interpolation",
+       [](GlbWriter& w) {
+         addWeights(w, "BEZIER", {0.0F}, {1.0F, 1.0F});
+       },
+       "expected STEP, LINEAR or CUBICSPLINE"},
+      {"infinite",
+       [](GlbWriter& w) {
+         addWeights(w, "LINEAR", {0.0F}, {std::numeric_limits<float>::infinity(), 0.0F});
+       },
+       "expected finite numbers"}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.what);
+    GlbWriter writer = morphingCharacter();
+    c.add(writer);
+    addWeights(writer, "LINEAR", {0.0F, 1.0F}, {0.0F, 0.0F, 1.0F, 1.0F});
+    const Result<CharacterFile> file = parsed(writer);
+    ASSERT_TRUE(file.ok()) << file.error().message;
+    ASSERT_EQ(file->clips.size(), 2u);  // bend and the sound one
+    EXPECT_EQ(file->morphs.clips[1].size(), 1u);
+    EXPECT_TRUE(hasNote(*file, c.note)) << file->notes.front();
+  }
+}
+
+/// 4,096 targets that refer to the same offsets of 3,000 vertices would need 340 MB for a file of 0.1 MB.
+TEST(GltfMorphs, OneListOfOffsetsCannotFillTheMemory) {
+  constexpr std::size_t kVertices = 3000;
+  GlbWriter writer = smallCharacter();
+  nlohmann::json& mesh = writer.document["meshes"][0];
+  const int positions = writer.accessor(std::vector<float>(3 * kVertices, 1.0F), "VEC3");
+  mesh["primitives"] = {{{"attributes", {{"POSITION", positions}}}}};
+  for (int t = 0; t < kMaxMorphTargets; ++t) {
+    mesh["primitives"][0]["targets"].push_back({{"POSITION", positions}});
+  }
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  std::size_t offsets = 0;
+  for (const MorphTarget& target : file->morphs.targets) offsets += target.offsets.capacity();
+  EXPECT_GT(offsets, 10 * kVertices);
+  EXPECT_LT(3 * offsets, std::max<std::size_t>(8 * writer.glb().size(), 2'000'000));
+  EXPECT_TRUE(hasNote(*file, "moves 3,000 vertices, too many for a file of"));
+}
+
+TEST(GltfMorphs, AHundredThousandTargetsAreToldAndCut) {
+  GlbWriter writer = morphingCharacter();
+  nlohmann::json& targets = writer.document["meshes"][0]["primitives"][0]["targets"];
+  const nlohmann::json target = targets[1];
+  targets = nlohmann::json::array();
+  for (int t = 0; t < 100'000; ++t) targets.push_back(target);
+  const Result<CharacterFile> file = parsed(writer);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->morphs.targets.size(), static_cast<std::size_t>(kMaxMorphTargets));
+  EXPECT_EQ(file->morphTargets, 100'000);
+  EXPECT_EQ(file->morphs.targets.back().offsets.size(), 7u);
+  EXPECT_TRUE(hasNote(*file, "100,000 morph targets, expected at most 4,096: the others are skipped"));
+}
+
+}  // namespace
+}  // namespace lorica
