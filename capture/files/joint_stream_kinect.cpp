@@ -178,6 +178,36 @@ bool repairWideRow(RowReader& reader, const WideHeader& header) {
   return true;
 }
 
+/// Whether frames usually follow each other as those of a sensor do: between 2 and 200 of them per second.
+bool isPlausibleClock(std::span<const double> times, double secondsPerTick) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] != times[i - 1]) steps.push_back(std::abs(times[i] - times[i - 1]) * secondsPerTick);
+  }
+  if (steps.empty()) return false;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle >= 0.005 && *middle <= 0.5;
+}
+
+/// Rows of Kinect v2 bodies hold the sensor's time in 100 ns and, before |kb, the seconds of the program that wrote
+/// them. The sensor's is exact, but some programs write something else in its place.
+/// @param loggedSeconds  one per row; empty if a row has none
+void chooseClock(RawStream& raw, std::span<const double> loggedSeconds) {
+  std::vector<double> ticks;
+  ticks.reserve(raw.rows.size());
+  for (const Observation& row : raw.rows) ticks.push_back(row.frame.time);
+  if (raw.rows.size() < 2 || isPlausibleClock(ticks, kHundredNanoseconds)) return;
+  if (isPlausibleClock(loggedSeconds, 1.0)) {
+    raw.secondsPerTick = 1.0;
+    for (std::size_t i = 0; i < raw.rows.size(); ++i) raw.rows[i].frame.time = loggedSeconds[i];
+    raw.notes.emplace_back(
+        "The sensor's time does not advance like one in 100 ns: the seconds before |kb were used instead.");
+    return;
+  }
+  raw.secondsPerTick.reset();  // the unit is guessed from the time steps
+}
+
 }  // namespace
 
 Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view file) {
@@ -190,9 +220,6 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
   std::vector<double> loggedSeconds;  // value before "|kb", one per row
   std::size_t otherRows = 0;
   bool logged = true;
-  bool ticksChange = false;
-  double firstTick = 0.0;
-  bool any = false;
   while (reader.next()) {
     const std::string_view tag = reader.field(0);
     const std::size_t bar = tag.find('|');
@@ -211,19 +238,15 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
       return reader.badField(2, "bodies", "the number of bodies that follow, 1 to 6");
     }
     if (reader.field(3) != "25") return reader.badField(3, "joints", "25 joints per body");
-    ticksChange = ticksChange || (any && *tick != firstTick);
-    if (!any) firstTick = *tick;
-    any = true;
     double seconds = 0.0;
     logged = logged && bar != std::string_view::npos &&
              readNumber(tag.substr(0, bar), seconds) == NumberKind::kNumber && std::abs(seconds) < 1e12;
 
     bool whole = true;
     for (int b = 0; b < static_cast<int>(*bodies) && whole; ++b) {
-      if (reader.count() <= column) {
-        whole = false;
-        break;
-      }
+      // Some programs leave out the absent bodies at the end of a row.
+      const bool ends = reader.count() <= column || (reader.count() == column + 1 && reader.field(column).empty());
+      if (ends) break;
       const std::string_view present = reader.field(column);
       if (present == "0") {
         ++column;
@@ -265,11 +288,7 @@ Result<RawStream> parseKinect2Bodies(std::string_view text, std::string_view fil
     return Error{ErrorCode::kBadFormat, fmt::format("{}: found no body, expected at least one", file)};
   }
   if (otherRows > 0) raw.notes.push_back(fmt::format("{} rows of other kinds than kb were skipped.", otherRows));
-  if (!ticksChange && logged && loggedSeconds.front() != loggedSeconds.back()) {
-    raw.secondsPerTick = 1.0;
-    for (std::size_t i = 0; i < raw.rows.size(); ++i) raw.rows[i].frame.time = loggedSeconds[i];
-    raw.notes.emplace_back("The sensor's time does not advance: the seconds before |kb were used instead.");
-  }
+  chooseClock(raw, logged ? loggedSeconds : std::vector<double>());
   return raw;
 }
 

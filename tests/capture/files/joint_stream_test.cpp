@@ -246,6 +246,52 @@ TEST(JointStream, BodiesWithAClockThatStandsStillAreTimedByTheLog) {
   EXPECT_NEAR(stream.frames[9].time, 0.36, 1e-9);
 }
 
+TEST(JointStream, BodiesWithAClockInOtherUnitsAreTimedByTheLog) {
+  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 10);
+  std::string logged, unlogged;
+  for (std::size_t f = 0; f < 10; ++f) {
+    BodiesRow row{.ticks = static_cast<std::int64_t>(f) * 400000};
+    row.bodies[0] = &truth[f];
+    const std::string text = test::bodiesFile(std::vector{row});
+    const std::size_t tick = text.find("|kb,") + 4;
+    const std::string rest =
+        std::to_string(40'000'000'000 * f) + text.substr(text.find(',', tick));  // ten thousandfold
+    logged += text.substr(0, tick) + rest;
+    unlogged += "x|kb," + rest;
+  }
+  const JointStream stream = parsed(logged);
+  ASSERT_EQ(stream.frames.size(), 10u);
+  EXPECT_NEAR(stream.frames[9].time, 0.36, 1e-9);
+  EXPECT_TRUE(hasNote(stream, "the seconds before |kb were used"));
+  // Without another clock the best that can be done is to guess the unit from the steps.
+  EXPECT_TRUE(hasNote(parsed(unlogged), "Times are assumed to be in"));
+}
+
+TEST(JointStream, BodiesThatAreAbsentMayBeLeftOutAtTheEndOfARow) {
+  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 10);
+  std::vector<BodiesRow> rows;
+  for (std::size_t f = 0; f < 10; ++f) {
+    BodiesRow row{.ticks = static_cast<std::int64_t>(f) * 333333};
+    row.bodies[1] = &truth[f];
+    rows.push_back(row);
+  }
+  const std::string whole = test::bodiesFile(rows);
+  for (const char* end : {"\n", ",\n"}) {
+    std::string text = whole;
+    for (std::size_t at = text.find(",0,0,0,0\n"); at != std::string::npos; at = text.find(",0,0,0,0\n", at)) {
+      text.replace(at, 9, end);
+    }
+    ASSERT_LT(text.size(), whole.size());
+    const JointStream stream = parsed(text);
+    const JointStream expected = parsed(whole);
+    ASSERT_EQ(stream.frames.size(), expected.frames.size());
+    for (std::size_t f = 0; f < stream.frames.size(); ++f) {
+      EXPECT_EQ(stream.frames[f].time, expected.frames[f].time);
+      EXPECT_EQ(stream.frames[f][J::kLeftHand].position, expected.frames[f][J::kLeftHand].position);
+    }
+  }
+}
+
 TEST(JointStream, WideRowsTornByDecimalCommasHave379Fields) {
   const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kPunchAndKick, 80);
   const std::string text = test::wideFile(truth, {.decimalCommas = true});
