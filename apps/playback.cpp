@@ -34,7 +34,6 @@ std::string captionOf(const std::string& name, const Session& session, double se
   std::string caption =
       fmt::format("{}   {:.1f} s   {}", name, seconds, counted(std::ssize(session.body().parts()), "convex part"));
   if (!touched.empty()) caption += fmt::format("   touching {}", counted(std::ssize(touched), "prop"));
-  if (session.outsideKnownRange()) caption += "   outside training range";
   return caption;
 }
 

@@ -31,7 +31,7 @@ struct PlaybackOptions {
 /// @param height  of the character [m]
 [[nodiscard]] Camera windowCamera(double height);
 
-/// The caption of a picture: name, time, contacts, and whether the pose is outside the training range.
+/// The caption of a picture: name, time, contacts.
 [[nodiscard]] std::string captionOf(const std::string& name, const Session& session, double seconds);
 
 }  // namespace lorica

@@ -2,13 +2,16 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
+#include "apps/report.h"
+
+#include <fmt/format.h>
 
 #include <chrono>
 #include <utility>
 
 namespace lorica {
 
-Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions) {
+Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions, const Motion* atHand) {
   std::vector<Motion> given;
   given.reserve(motions.size());
   for (const std::string& name : motions) {
@@ -16,7 +19,13 @@ Result<Training> trainingMotions(const Subject& subject, std::span<const std::st
     if (!motion) return motion.error();
     given.push_back(std::move(*motion));
   }
-  return trainingMotions(*subject.character, given, subject.clips(), readShippedRecordings);
+  const auto usual = [&]() -> Result<std::vector<Motion>> {
+    Result<std::vector<Motion>> shipped = readShippedRecordings();
+    if (shipped || atHand == nullptr) return shipped;
+    warn(fmt::format("{}; the hulls are trained on {} alone", shipped.error().message, atHand->name));
+    return std::vector<Motion>{*atHand};
+  };
+  return trainingMotions(*subject.character, given, subject.clips(), usual);
 }
 
 Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh, PoseView keyframes,

@@ -11,7 +11,10 @@ namespace lorica {
 
 /// trainingMotions() of session/prepare for motions given by name. The shipped recordings are the usual motions.
 /// @param motions  paths or names, see readMotion(); may be empty
-[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions);
+/// @param atHand   the motion that will be played, if it is known: used, with a warning, where the shipped recordings
+///                 are not found; null = then that is an error
+[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions,
+                                               const Motion* atHand = nullptr);
 
 /// A decomposition and its computation time.
 struct TimedDecomposition {

@@ -47,9 +47,6 @@ void raiseWarnings(const Session& session, std::string_view trouble, double now,
              !lost.empty()) {
     board.raise("limbs", lost, now);
   }
-  if (session.outsideKnownRange()) {
-    board.raise("training", "pose outside the training range: hulls may be loose", now);
-  }
 }
 
 }  // namespace lorica

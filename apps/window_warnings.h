@@ -8,7 +8,7 @@
 
 namespace lorica {
 
-/// Raises warnings about a frame: lost limbs, a pose outside the training range, and problems with the source.
+/// Raises warnings about a frame: lost limbs and problems with the source.
 /// @param trouble  problem with the source; empty = none
 /// @param now      monotonic time [s]
 void raiseWarnings(const Session& session, std::string_view trouble, double now, WarningBoard& board);

@@ -62,7 +62,7 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
                    WindowRequests& requests);
 void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests);
-void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times);
+void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining);
 void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status);
 void drawHelp(PanelLayout& layout);
 

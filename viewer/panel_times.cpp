@@ -51,7 +51,7 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
 
 }  // namespace
 
-void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times) {
+void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining) {
   const float margin = layout.margin();
   const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
   const float room = layout.floor - 2.0f * margin;
@@ -94,6 +94,7 @@ void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGr
     rightText("%.1f ms", status.pictureMilliseconds);
     ImGui::TextUnformatted("frames per second");
     rightText("%.0f", status.picturesASecond);
+    ImGui::TextUnformatted(outsideTraining ? "pose outside training range" : "pose within training range");
   }
   notePanel(layout);
   ImGui::End();

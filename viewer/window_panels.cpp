@@ -76,7 +76,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
   if (state.panels) {
     drawTransport(i.layout, values, status, state, requests);
     drawViewPanel(i.layout, values, status, state, requests);
-    drawTimesPanel(i.layout, status, times);
+    drawTimesPanel(i.layout, status, times, values.outsideTraining);
   }
   drawWarnings(i.layout, values, status);
   if (state.help) drawHelp(i.layout);

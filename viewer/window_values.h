@@ -29,6 +29,7 @@ struct WindowValues {
   std::span<const std::string> scenes;    ///< to choose from; empty = none
   int scene = 0;                          ///< index of the current scene
   std::span<const std::string> warnings;  ///< messages
+  bool outsideTraining = false;           ///< the pose is outside the training range of the hulls
   bool holdsProp = false;                 ///< the mouse moves a prop instead of the camera
 };
 

@@ -57,15 +57,16 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
       training.motions.push_back(framesOf(character.skeleton, clip));
       training.motions.back().name = clip.name;
     }
-    return training;
   }
   if (canPerform(character)) {
     const Result<std::vector<Motion>> motions = usual();
-    if (!motions) return motions.error();
-    if (Result<void> added = add(*motions); !added) return added.error();
-    return training;
+    if (!motions && clips.empty()) return motions.error();
+    if (motions) {
+      if (Result<void> added = add(*motions); !added) return added.error();
+    }
   }
-  training.motions.push_back({"rest pose", character.skeleton, {0.0}, restPose(character.skeleton)});
+  if (training.motions.empty())
+    training.motions.push_back({"rest pose", character.skeleton, {0.0}, restPose(character.skeleton)});
   return training;
 }
 

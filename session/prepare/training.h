@@ -16,14 +16,15 @@ namespace lorica {
 /// The motions that a decomposition is trained on, performed by the character.
 struct Training {
   std::vector<SkeletalMotion> motions;
-  bool ownClips = false;
+  bool ownClips = false;  ///< the character's own are among them
 };
 
-/// The given motions; if there are none, the character's own clips; else, for a humanoid, motions made for any
-/// humanoid; else its rest pose.
+/// The given motions; if there are none, the character's own clips and, for a humanoid, motions made for any humanoid,
+/// since it may be moved by either; else its rest pose.
 /// @param given  may be empty
 /// @param clips  of the character's skeleton; may be empty
-/// @param usual  called only if it is needed: motions of joints, such as the recordings that Lorica ships
+/// @param usual  called only if it is needed: motions of joints, such as the recordings that Lorica ships. Its error is
+///               returned only if there are no clips either
 [[nodiscard]] Result<Training> trainingMotions(const Character& character, std::span<const Motion> given,
                                                std::span<const Clip> clips,
                                                const std::function<Result<std::vector<Motion>>()>& usual);
