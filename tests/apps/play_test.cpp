@@ -53,6 +53,18 @@ TEST(Play, RunsAndThreadsAgree) {
   EXPECT_EQ(outcome("2"), one);
 }
 
+TEST(Play, AwayFromTheRecordingsTheMotionAtHandTrains) {
+  CommandSurroundings moved;
+  moved.recordings = "/nowhere";
+  const std::string motion = recordingsFolder() / "wave.csv";
+  const CommandResult played = runLorica({"play", motion, "--frames", "10", "--json", "-"}, moved);
+  EXPECT_EQ(played.exitCode, 0) << played.err;
+  EXPECT_EQ(played.json()["frames"], 10);
+  EXPECT_NE(played.err.find("the hulls are trained on wave alone"), std::string::npos) << played.err;
+  const CommandResult unknown = runLorica({"play", "wave"}, moved);
+  EXPECT_EQ(unknown.exitCode, 2);
+}
+
 TEST(Play, PathAndNameMeanTheSame) {
   const TemporaryFolder folder;
   const std::filesystem::path body = makeBody(folder);

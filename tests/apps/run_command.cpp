@@ -27,7 +27,8 @@ std::string contentOf(const std::filesystem::path& file) {
 /// Runs between fork and exec: only async-signal-safe calls, and setenv, because the parent has one thread.
 [[noreturn]] void becomeLorica(char* const* arguments, const CommandSurroundings& surroundings, const char* out,
                                const char* err) {
-  setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
+  const std::filesystem::path& recordings = surroundings.recordings;
+  setenv("LORICA_RECORDINGS", recordings.empty() ? recordingsFolder().c_str() : recordings.c_str(), 1);
   setenv("XDG_CACHE_HOME", surroundings.cache.empty() ? "/dev/null" : surroundings.cache.c_str(), 1);
   unsetenv("LORICA_VIRTUAL");
   if (!surroundings.virtualCamera.empty()) setenv("LORICA_VIRTUAL", surroundings.virtualCamera.c_str(), 1);

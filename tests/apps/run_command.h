@@ -24,10 +24,11 @@ struct CommandSurroundings {
   int interruptAfterMs = 0;            ///< when to send SIGINT; 0 = never
   std::string virtualCamera{};         ///< LORICA_VIRTUAL: script of the virtual camera; empty = not set
   std::string display{};               ///< DISPLAY; empty = not set
+  std::filesystem::path recordings{};  ///< LORICA_RECORDINGS; empty = those of the source tree
   std::filesystem::path libraries{};   ///< LD_LIBRARY_PATH, searched before the modules of the build; empty = not set
 };
 
-/// Runs `lorica arguments...` with the recordings of the source tree, and without a display if none is given.
+/// Runs `lorica arguments...`, without a display if none is given.
 [[nodiscard]] CommandResult runLorica(const std::vector<std::string>& arguments,
                                       const CommandSurroundings& surroundings = {});
 
