@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <utility>
 
 namespace lorica {
 
@@ -24,8 +26,8 @@ constexpr double kSecondsInADay = 86400.0;
 /// Converts a FileScene to a CharacterFile, phase by phase.
 class CharacterBuilder {
  public:
-  CharacterBuilder(const FileScene& scene, const std::string& fileName)
-      : scene_(scene), fileName_(fileName), frames_(findBindFrames(scene)) {}
+  CharacterBuilder(FileScene scene, const std::string& fileName)
+      : scene_(std::move(scene)), fileName_(fileName), frames_(findBindFrames(scene_)) {}
 
   [[nodiscard]] Result<CharacterFile> build() {
     out_.format = scene_.format;
@@ -289,9 +291,12 @@ class CharacterBuilder {
   // 6. What the surface looks like. A file without materials has no look.
   void addLook() {
     if (scene_.materials.empty() || scene_.meshes.empty()) return;
+    LORICA_CHECK(std::all_of(scene_.meshes.begin(), scene_.meshes.end(),
+                             [&](const FileMesh& m) { return m.material < static_cast<int>(scene_.materials.size()); }),
+                 "the format's reader gives meshes materials that exist");
     Look& look = out_.look;
-    look.materials = scene_.materials;
-    look.pictures = scene_.pictures;
+    look.materials = std::move(scene_.materials);
+    look.pictures = std::move(scene_.pictures);
     const std::size_t vertexCount = out_.character.mesh.vertices.size();
     const auto any = [&](const auto& list) {
       return std::any_of(scene_.meshes.begin(), scene_.meshes.end(),
@@ -314,14 +319,14 @@ class CharacterBuilder {
     std::size_t vertex = 0;
     std::size_t triangle = 0;
     int plain = -1;  // the material of meshes without one
-    for (const FileMesh& mesh : scene_.meshes) {
+    for (FileMesh& mesh : scene_.meshes) {
       const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
       addDirections(mesh, modelFromFile * fileFromMesh.linear(), vertex);
       for (std::size_t set = 0; set < 2; ++set)
         std::copy(mesh.uv[set].begin(), mesh.uv[set].end(), look.uv[set].begin() + at(vertex, look.uv[set]));
       std::copy(mesh.colors.begin(), mesh.colors.end(), look.colors.begin() + at(vertex, look.colors));
       int material = mesh.material;
-      if (material < 0 || static_cast<std::size_t>(material) >= scene_.materials.size()) {
+      if (material < 0) {
         if (plain == -1) {
           plain = static_cast<int>(look.materials.size());
           look.materials.emplace_back().name = "(none)";
@@ -329,6 +334,7 @@ class CharacterBuilder {
         material = plain;
       }
       look.groups.push_back({mesh.name, material, triangle, mesh.triangles.size(), mesh.normals.empty()});
+      if (!mesh.normals.empty()) mendNormals(look.groups.back());
       vertex += mesh.positions.size();
       triangle += mesh.triangles.size();
     }
@@ -357,6 +363,25 @@ class CharacterBuilder {
       const Vec3 tangent = modelFromMesh * mesh.tangents[v].head<3>().cast<double>();
       look.tangents[firstVertex + v] << tangent.stableNormalized().cast<float>(),
           static_cast<float>(mirror) * mesh.tangents[v].w();
+    }
+  }
+
+  /// Vertices of smooth groups whose normal has no direction get the mean of their triangles', weighted by area.
+  void mendNormals(const LookGroup& group) {
+    const TriMesh& mesh = out_.character.mesh;
+    std::map<VertexIndex, Vec3> mended;
+    const std::span<const Triangle> triangles =
+        std::span(mesh.triangles).subspan(group.firstTriangle, group.triangleCount);
+    for (const Triangle& t : triangles) {
+      for (const VertexIndex v : t) {
+        if (!out_.look.normals[static_cast<std::size_t>(v)].isZero()) continue;
+        const Vec3& a = mesh.vertices[t[0]];
+        Vec3& sum = mended.emplace(v, Vec3::Zero()).first->second;
+        sum += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+      }
+    }
+    for (const auto& [v, sum] : mended) {
+      out_.look.normals[static_cast<std::size_t>(v)] = sum.stableNormalized().cast<float>();
     }
   }
 
@@ -417,8 +442,8 @@ class CharacterBuilder {
     out_.springs = withJoints(scene_.springs, jointOf, out_.metresPerUnit);
     const Skeleton& skeleton = out_.character.skeleton;
     for (const JointIndex joint : orderConstraints(skeleton, out_.springs.constraints)) {
-      out_.notes.push_back(fmt::format("springs: the constraint of '{}' depends on itself: skipped",
-                                       skeleton.joint(joint).name));
+      out_.notes.push_back(
+          fmt::format("springs: the constraint of '{}' depends on itself: skipped", skeleton.joint(joint).name));
     }
     if (const Result<void> sound = checkSprings(skeleton, out_.springs); !sound) {
       out_.notes.push_back("springs: " + sound.error().message + ": all are skipped");
@@ -435,7 +460,7 @@ class CharacterBuilder {
     out_.lookAt = makeLookAt(scene_, out_.character.skeleton, jointOfNode);
   }
 
-  const FileScene& scene_;
+  FileScene scene_;  // what is no longer needed is moved out, so that large files do not need twice their memory
   const std::string& fileName_;
   BindFrames frames_;
   CharacterFile out_;
@@ -449,8 +474,8 @@ class CharacterBuilder {
 
 }  // namespace
 
-Result<CharacterFile> makeCharacterFile(const FileScene& scene, const std::string& fileName) {
-  return CharacterBuilder(scene, fileName).build();
+Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName) {
+  return CharacterBuilder(std::move(scene), fileName).build();
 }
 
 }  // namespace lorica

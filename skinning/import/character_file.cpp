@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
 namespace lorica {
 
@@ -56,7 +57,7 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       break;
   }
   if (!scene) return scene.error();
-  return makeCharacterFile(*scene, name);
+  return makeCharacterFile(std::move(*scene), name);
 }
 
 }  // namespace

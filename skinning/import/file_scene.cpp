@@ -9,6 +9,12 @@
 
 namespace lorica {
 
+namespace {
+
+constexpr std::size_t kMostSentences = 4;
+
+}  // namespace
+
 void setMatrix(FileNode& node, const Affine3& parentFromNode) {
   node.local = {};
   node.inner.reset();
@@ -43,6 +49,33 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
   }
   node.local.rotation = Quat(u).normalized();
   node.inner = Quat(Mat3(v.transpose())).normalized();
+}
+
+LookNeeds needsOf(const Material& material) {
+  LookNeeds needs;
+  needs.tangents = material.normal.given();
+  for (const TextureUse* use : material.textures()) {
+    const bool byNormal = use == &material.toon.matcap;  // no coordinates
+    if (use->given() && !byNormal) needs.uv[static_cast<std::size_t>(use->uvSet)] = true;
+  }
+  return needs;
+}
+
+void CountedNotes::add(const std::string& kind, std::string sentence) {
+  const auto known = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) { return k.name == kind; });
+  Kind& same = known == kinds_.end() ? kinds_.emplace_back(Kind{kind, 0, {}}) : *known;
+  ++same.count;
+  if (same.sentences.size() < kMostSentences) same.sentences.push_back(std::move(sentence));
+}
+
+void CountedNotes::appendTo(std::vector<std::string>& notes) const {
+  for (const Kind& kind : kinds_) {
+    if (kind.count <= kMostSentences) {
+      notes.insert(notes.end(), kind.sentences.begin(), kind.sentences.end());
+    } else {
+      notes.push_back(fmt::format("{} {}; the first: {}", grouped(kind.count), kind.name, kind.sentences.front()));
+    }
+  }
 }
 
 std::string grouped(std::uint64_t number) {

@@ -6,6 +6,7 @@
 #include "skinning/skeleton.h"
 #include "skinning/springs/spring_bones.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -62,7 +63,7 @@ struct FileMesh {
   int primitive = -1;                       ///< of the file's mesh, if it has morph targets
   std::vector<VertexIndex> sourceVertices;  ///< index of each vertex in the primitive, if it has morph targets
   // How it looks: one element for each vertex, or empty.
-  std::vector<Vec3f> normals;  ///< empty: flat triangles
+  std::vector<Vec3f> normals;  ///< empty: flat triangles; any length, finite
   std::vector<Eigen::Vector4f> tangents;
   std::vector<Eigen::Vector2f> uv[2];
   std::vector<Eigen::Vector4f> colors;  ///< linear RGBA
@@ -119,7 +120,33 @@ struct FileScene {
 
 /// Builds skeleton, bind pose, weights and clips from a file's content.
 /// @param fileName  for messages
-[[nodiscard]] Result<CharacterFile> makeCharacterFile(const FileScene& scene, const std::string& fileName);
+[[nodiscard]] Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName);
+
+/// What a material uses of a mesh's vertices, beside normals and colours.
+struct LookNeeds {
+  std::array<bool, 2> uv = {false, false};
+  bool tangents = false;
+};
+
+[[nodiscard]] LookNeeds needsOf(const Material& material);
+
+/// Notes of the same kind become one sentence if there are many.
+class CountedNotes {
+ public:
+  /// @param kind      what follows a count: "pictures are not available"
+  /// @param sentence  of this one alone
+  void add(const std::string& kind, std::string sentence);
+  /// Appends up to four sentences a kind, or one that counts them and gives the first as an example.
+  void appendTo(std::vector<std::string>& notes) const;
+
+ private:
+  struct Kind {
+    std::string name;
+    std::uint64_t count = 0;
+    std::vector<std::string> sentences;
+  };
+  std::vector<Kind> kinds_;
+};
 
 /// 1234567 as "1,234,567".
 [[nodiscard]] std::string grouped(std::uint64_t number);

@@ -139,8 +139,8 @@ Result<void> checkIndex(const GltfDocument& document, int index, std::size_t cou
                                                   kind, index, grouped(count - 1))};
 }
 
-GltfAccessors::GltfAccessors(const GltfDocument& document)
-    : document_(document), budget_(std::max<std::uint64_t>(8 * document.fileBytes, 2'000'000)) {}
+GltfAccessors::GltfAccessors(const GltfDocument& document, std::uint64_t numbersPerByte)
+    : document_(document), budget_(numbersPerByte * std::max<std::uint64_t>(document.fileBytes, 250'000)) {}
 
 bool GltfAccessors::spend(std::uint64_t numbers) {
   if (numbers > budget_) return false;

@@ -12,11 +12,11 @@ namespace lorica {
 /// Reads accessors after checking everything that they refer to. Numbers are returned as doubles, normalised ones in
 /// [-1, 1].
 ///
-/// All accessors together may return at most 8 numbers per byte of the file, or 2 million if that is more: a file may
-/// refer to the same bytes many times, or to zeros that it does not store.
+/// All accessors together may return at most `numbersPerByte` numbers per byte of the file, or 250,000 times as many if
+/// that is more: a file may refer to the same bytes many times, or to zeros that it does not store.
 class GltfAccessors {
  public:
-  explicit GltfAccessors(const GltfDocument& document);
+  explicit GltfAccessors(const GltfDocument& document, std::uint64_t numbersPerByte = 8);
 
   /// @param accessor    index, not yet checked
   /// @param components  1, 2, 3, 4 or 16 numbers per element; others are rejected

@@ -313,9 +313,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   }
   document.look = Json::object();
   for (const char* list : {"images", "textures", "materials", "samplers"}) {
-    if (const auto found = json->find(list); found != json->end() && found->is_array()) {
-      document.look[list] = std::move(*found);
-    }
+    if (const auto found = json->find(list); found != json->end()) document.look[list] = std::move(*found);
     json->erase(list);
   }
   json->erase("cameras");

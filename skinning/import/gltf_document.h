@@ -23,7 +23,7 @@ struct GltfDocument {
   std::vector<std::vector<std::string>> targetNames;  ///< of each mesh's morph targets, as far as they have names
   /// VRMC_node_constraint of each node that has one, nodes ascending
   std::vector<std::pair<std::size_t, nlohmann::json>> nodeConstraints;
-  nlohmann::json look;                              ///< the arrays materials, textures, images, samplers; an object
+  nlohmann::json look;                              ///< the members materials, textures, images, samplers; an object
   std::filesystem::path folder;                     ///< where other files are searched; empty: they are not read
   std::vector<std::span<const std::byte>> buffers;  ///< no longer than declared; into `bytes` or `owned`
   std::deque<std::string> owned;

@@ -19,18 +19,21 @@ namespace lorica {
 
 namespace {
 
+constexpr std::uint64_t kLookNumbersPerByte = 4;
+
 /// Converts one file to a FileScene.
 class GltfSceneReader {
  public:
-  explicit GltfSceneReader(const GltfDocument& document) : document_(document), accessors_(document) {}
+  explicit GltfSceneReader(const GltfDocument& document)
+      : document_(document), accessors_(document), lookAccessors_(document, kLookNumbersPerByte) {}
 
   [[nodiscard]] Result<FileScene> read() {
+    addGltfMaterials(document_, scene_);
     for (const auto step : {&GltfSceneReader::readNodes, &GltfSceneReader::linkNodes, &GltfSceneReader::readSkins,
                             &GltfSceneReader::readMeshes}) {
       if (Result<void> done = (this->*step)(); !done) return done.error();
     }
     if (Result<void> done = addGltfClips(document_, accessors_, scene_); !done) return done.error();
-    addGltfMaterials(document_, scene_);
     scene_.format = "glTF 2.0";
     readVrm(document_.extensions, scene_);
     addGltfMorphs(document_, accessors_, scene_);
@@ -185,7 +188,9 @@ class GltfSceneReader {
   }
 
   [[nodiscard]] Result<void> readMeshes() {
+    const GltfMeshSources sources{document_, accessors_, lookAccessors_};
     GltfMeshCounts statistics;
+    CountedNotes notes;
     int undrawn = 0;
     for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
       const tinygltf::Node& node = document_.model.nodes[i];
@@ -200,7 +205,7 @@ class GltfSceneReader {
         ++undrawn;
         continue;
       }
-      if (Result<void> added = addGltfMesh(document_, accessors_, node.mesh, static_cast<int>(i), scene_, statistics);
+      if (Result<void> added = addGltfMesh(sources, node.mesh, static_cast<int>(i), scene_, statistics, notes);
           !added) {
         return added;
       }
@@ -224,11 +229,45 @@ class GltfSceneReader {
          "primitives of nodes with a skin have no joints: attached to their nodes");
     note(statistics.degenerate, "triangles use a vertex twice: skipped");
     note(statistics.leftOver, "indices do not form a complete triangle: skipped");
+    note(statistics.notFinite,
+         "numbers of normals, tangents, texture coordinates or colours are not finite: replaced by 0");
+    notes.appendTo(scene_.notes);
+    spendLook();
     return {};
+  }
+
+  /// Lists of the look are as long as all vertices, if any mesh has them: drops them if they are too many.
+  void spendLook() {
+    std::uint64_t vertices = 0;
+    std::uint64_t numbers = 0;
+    const auto count = [&](auto list, std::uint64_t components) {
+      const bool any = std::any_of(scene_.meshes.begin(), scene_.meshes.end(),
+                                   [&](const FileMesh& mesh) { return !list(mesh).empty(); });
+      numbers += any ? components : 0;
+    };
+    for (const FileMesh& mesh : scene_.meshes) vertices += mesh.positions.size();
+    count([](const FileMesh& mesh) { return std::span(mesh.normals); }, 3);
+    count([](const FileMesh& mesh) { return std::span(mesh.tangents); }, 4);
+    count([](const FileMesh& mesh) { return std::span(mesh.uv[0]); }, 2);
+    count([](const FileMesh& mesh) { return std::span(mesh.uv[1]); }, 2);
+    count([](const FileMesh& mesh) { return std::span(mesh.colors); }, 4);
+    if (lookAccessors_.spend(vertices * numbers)) return;
+    for (FileMesh& mesh : scene_.meshes) {
+      mesh.normals = {};
+      mesh.tangents = {};
+      mesh.uv[0] = {};
+      mesh.uv[1] = {};
+      mesh.colors = {};
+    }
+    scene_.notes.push_back(
+        fmt::format("normals, texture coordinates and colours of {} vertices are too many for a "
+                    "file of {} bytes: not used",
+                    grouped(vertices), grouped(document_.fileBytes)));
   }
 
   const GltfDocument& document_;
   GltfAccessors accessors_;
+  GltfAccessors lookAccessors_;
   FileScene scene_;
   std::vector<char> inScene_;
   int projective_ = 0;

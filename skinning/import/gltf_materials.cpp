@@ -1,8 +1,7 @@
 #include "skinning/import/gltf_materials.h"
 
-#include "geometry/files.h"
 #include "skinning/import/json_values.h"
-#include "skinning/import/uri.h"
+#include "skinning/import/picture_store.h"
 #include "skinning/import/vrm_materials.h"
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace lorica {
@@ -20,62 +20,127 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kSharedBytes = 2;  // pictures may have this many times the bytes of the file
 
+/// A list of the document; empty if it is something else.
+[[nodiscard]] const Json& listOf(const Json& look, const char* name) {
+  static const Json kEmpty = Json::array();
+  const Json& list = memberOf(look, name);
+  return list.is_array() ? list : kEmpty;
+}
+
+[[nodiscard]] std::string nameOf(const Json& element) {
+  const Json& name = memberOf(element, "name");
+  return name.is_string() ? name.get<std::string>() : std::string();
+}
+
 [[nodiscard]] int uvSetOf(const Json& info, int otherwise) {
-  return static_cast<int>(std::clamp(numberOf(info, "texCoord", static_cast<float>(otherwise)), 0.0f, 9.0f));
+  return static_cast<int>(std::clamp(numberOf(info, "texCoord", static_cast<float>(otherwise)), -1.0f, 9.0f));
 }
 
 class MaterialReader {
  public:
-  MaterialReader(const GltfDocument& document, FileScene& scene) : document_(document), scene_(scene) {}
+  MaterialReader(const GltfDocument& document, FileScene& scene)
+      : document_(document),
+        scene_(scene),
+        list_(listOf(document.look, "materials")),
+        textures_(listOf(document.look, "textures")),
+        images_(listOf(document.look, "images")),
+        samplers_(listOf(document.look, "samplers")),
+        pictures_(document.folder, kSharedBytes * document.fileBytes, scene, notes_) {}
 
   void read() {
-    const Json& list = memberOf(document_.look, "materials");
-    if (!list.is_array()) return;
-    scene_.materials.reserve(list.size());
-    for (std::size_t m = 0; m < list.size(); ++m) scene_.materials.push_back(materialOf(list[m], m));
-    applyVrm0Materials(
-        memberOf(memberOf(document_.extensions, "VRM"), "materialProperties"),
-        [&](int texture) { return textureOf(texture); }, scene_.materials);
+    for (const char* name : {"materials", "textures", "images", "samplers"}) {
+      const Json& list = memberOf(document_.look, name);
+      if (list.is_null() || list.is_array()) continue;
+      scene_.notes.push_back(fmt::format("its {} are not a list: ignored", name));
+    }
+    const std::vector<bool> used = usedMaterials();
+    scene_.materials.resize(list_.size());
+    for (std::size_t m = 0; m < list_.size(); ++m) {
+      Material& material = scene_.materials[m];
+      material.name = nameOf(list_[m]);
+      if (material.name.empty()) material.name = fmt::format("material {}", m);
+      if (used[m]) readMaterial(m, material);
+    }
+    notes_.appendTo(scene_.notes);
   }
 
  private:
-  [[nodiscard]] Material materialOf(const Json& json, std::size_t index) {
-    Material material;
-    const Json& name = memberOf(json, "name");
-    material.name = name.is_string() ? name.get<std::string>() : fmt::format("material {}", index);
+  /// The materials that primitives refer to: others are not worth reading pictures for.
+  [[nodiscard]] std::vector<bool> usedMaterials() {
+    std::vector<bool> used(list_.size(), false);
+    for (const tinygltf::Mesh& mesh : document_.model.meshes) {
+      for (const tinygltf::Primitive& primitive : mesh.primitives) {
+        if (primitive.material == -1) continue;
+        if (primitive.material >= 0 && static_cast<std::size_t>(primitive.material) < used.size()) {
+          used[static_cast<std::size_t>(primitive.material)] = true;
+        } else {
+          notes_.add("meshes have materials that do not exist: they stay plain",
+                     fmt::format("mesh '{}': refers to material {}, the file has {}: it stays plain", mesh.name,
+                                 primitive.material, list_.size()));
+        }
+      }
+    }
+    return used;
+  }
+
+  void readMaterial(std::size_t index, Material& material) {
+    who_ = titled("material", index, nameOf(list_[index]));
+    MemberReader members;
+    if (list_[index].is_object()) {
+      readCore(list_[index], material, members);
+    } else {
+      notes_.add("materials are not objects: they stay plain", who_ + ": is not an object: it stays plain");
+    }
+    const Json& vrm0 = listOf(memberOf(document_.extensions, "VRM"), "materialProperties");
+    if (index < vrm0.size()) {
+      if (!vrm0Queues_) vrm0Queues_ = queuesOf(vrm0);
+      applyVrm0Material(
+          vrm0[index], *vrm0Queues_, [&](std::int64_t texture) { return textureOf(texture); }, members, material);
+    }
+    if (const std::string complaint = members.complaint(); !complaint.empty()) {
+      notes_.add("materials have members that are not as expected: their defaults are used",
+                 fmt::format("{}: {}", who_, complaint));
+    }
+  }
+
+  void readCore(const Json& json, Material& material, MemberReader& members) {
+    const auto share = [&](const Json& object, const char* key) {
+      return std::clamp(members.number(object, key, 1.0f), 0.0f, 1.0f);
+    };
     const Json& physical = memberOf(json, "pbrMetallicRoughness");
-    numbersOf(physical, "baseColorFactor", {material.baseColor.data(), 4});
+    members.numbers(physical, "baseColorFactor", {material.baseColor.data(), 4});
+    material.baseColor = material.baseColor.cwiseMax(0.0f).cwiseMin(1.0f);
     material.base = useOf(memberOf(physical, "baseColorTexture"));
-    material.metallic = numberOf(physical, "metallicFactor", 1.0f);
-    material.roughness = numberOf(physical, "roughnessFactor", 1.0f);
+    material.metallic = share(physical, "metallicFactor");
+    material.roughness = share(physical, "roughnessFactor");
     material.metallicRoughness = useOf(memberOf(physical, "metallicRoughnessTexture"));
     const Json& normal = memberOf(json, "normalTexture");
     material.normal = useOf(normal);
-    material.normalScale = numberOf(normal, "scale", 1.0f);
+    material.normalScale = members.number(normal, "scale", 1.0f);
     const Json& occlusion = memberOf(json, "occlusionTexture");
     material.occlusion = useOf(occlusion);
-    material.occlusionStrength = numberOf(occlusion, "strength", 1.0f);
-    numbersOf(json, "emissiveFactor", {material.emissive.data(), 3});
+    material.occlusionStrength = share(occlusion, "strength");
+    members.numbers(json, "emissiveFactor", {material.emissive.data(), 3});
     material.emissiveTexture = useOf(memberOf(json, "emissiveTexture"));
-    const Json& mode = memberOf(json, "alphaMode");
-    if (mode == "MASK") material.alpha = AlphaMode::kMask;
-    if (mode == "BLEND") material.alpha = AlphaMode::kBlend;
-    material.alphaCutoff = numberOf(json, "alphaCutoff", 0.5f);
-    material.doubleSided = memberOf(json, "doubleSided") == true;
+    constexpr std::array<const char*, 3> kModes = {"OPAQUE", "MASK", "BLEND"};
+    material.alpha =
+        std::array{AlphaMode::kOpaque, AlphaMode::kMask, AlphaMode::kBlend}[members.word(json, "alphaMode", kModes)];
+    material.alphaCutoff = members.number(json, "alphaCutoff", 0.5f);
+    material.doubleSided = members.flag(json, "doubleSided");
 
     const Json& extensions = memberOf(json, "extensions");
-    material.emissive *= numberOf(memberOf(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
+    material.emissive *=
+        members.number(memberOf(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
     if (memberOf(extensions, "KHR_materials_unlit").is_object()) material.shading = Shading::kUnlit;
     if (const Json& mtoon = memberOf(extensions, "VRMC_materials_mtoon"); mtoon.is_object()) {
       applyMtoon1(
-          mtoon, [&](const Json& info) { return useOf(info); }, material);
+          mtoon, [&](const Json& info) { return useOf(info); }, members, material);
     }
-    return material;
   }
 
   /// A textureInfo: the index of a texture, the set of coordinates and their transform.
   [[nodiscard]] TextureUse useOf(const Json& info) {
-    if (!info.is_object()) return {};
+    if (info.is_null()) return {};
     const Json& index = memberOf(info, "index");
     TextureUse use = textureOf(index.is_number_integer() ? index.get<std::int64_t>() : -1);
     use.uvSet = uvSetOf(info, 0);
@@ -91,7 +156,8 @@ class MaterialReader {
       use.uvSet = uvSetOf(moved, use.uvSet);
     }
     if (use.uvSet != 0 && use.uvSet != 1) {
-      noteOnce("textures use a third or later set of coordinates: the first one is used");
+      notes_.add("textures use a third or later set of coordinates: the first one is used",
+                 who_ + ": a texture uses a third or later set of coordinates: the first one is used");
       use.uvSet = 0;
     }
     return use;
@@ -99,17 +165,17 @@ class MaterialReader {
 
   /// A texture: a picture and its sampler.
   [[nodiscard]] TextureUse textureOf(std::int64_t index) {
-    const Json& textures = memberOf(document_.look, "textures");
-    if (index < 0 || index >= static_cast<std::int64_t>(textures.size())) {
-      noteOnce("materials refer to textures that do not exist: they stay plain");
+    if (index < 0 || index >= static_cast<std::int64_t>(textures_.size())) {
+      notes_.add(
+          "uses of textures that do not exist: their materials stay plain",
+          fmt::format("{}: refers to texture {}, the file has {}: it stays plain", who_, index, textures_.size()));
       return {};
     }
-    const Json& texture = textures[static_cast<std::size_t>(index)];
+    const Json& texture = textures_[static_cast<std::size_t>(index)];
     TextureUse use;
-    use.picture = pictureOf(texture);
-    const Json& samplers = memberOf(document_.look, "samplers");
-    if (const std::optional<int> s = indexOf(texture, "sampler", samplers.size())) {
-      const Json& sampler = samplers[static_cast<std::size_t>(*s)];
+    use.picture = pictureOf(static_cast<std::size_t>(index), texture);
+    if (const std::optional<int> s = indexOf(texture, "sampler", samplers_.size())) {
+      const Json& sampler = samplers_[static_cast<std::size_t>(*s)];
       const auto wrapOf = [&](const char* key) {
         const float mode = numberOf(sampler, key, 10497.0f);  // OpenGL's constants
         return mode == 33071.0f ? TextureWrap::kClamp : mode == 33648.0f ? TextureWrap::kMirror : TextureWrap::kRepeat;
@@ -122,88 +188,64 @@ class MaterialReader {
   }
 
   /// The picture of a texture, as an index into scene_.pictures; -1 if it is not available.
-  [[nodiscard]] int pictureOf(const Json& texture) {
-    const Json& images = memberOf(document_.look, "images");
-    const std::optional<int> image = indexOf(texture, "source", images.size());
+  [[nodiscard]] int pictureOf(std::size_t textureIndex, const Json& texture) {
+    const std::optional<int> image = indexOf(texture, "source", images_.size());
     if (!image) {
-      const bool compressed = memberOf(memberOf(texture, "extensions"), "KHR_texture_basisu").is_object();
-      noteOnce(compressed ? "textures are compressed (KHR_texture_basisu), expected PNG or JPEG: they stay plain"
-                          : "textures have no picture as PNG or JPEG: they stay plain");
-      return -1;
+      if (!refusedTextures_.insert(textureIndex).second) return -1;
+      return pictures_.refuse(titled("texture", textureIndex, nameOf(texture)), whyWithoutPicture(texture));
     }
     const auto [known, isNew] = pictureOfImage_.emplace(*image, -1);
-    if (!isNew) return known->second;
-    StoredPicture picture;
-    const Json& json = images[static_cast<std::size_t>(*image)];
-    const Json& name = memberOf(json, "name");
-    picture.name = titled("image", static_cast<std::size_t>(*image), name.is_string() ? name.get<std::string>() : "");
-    const Json& uri = memberOf(json, "uri");
-    if (uri.is_string()) {
-      const auto sameFile = pictureOfUri_.find(uri.get_ref<const std::string&>());
-      if (sameFile != pictureOfUri_.end()) return known->second = sameFile->second;
-    }
-    Result<std::vector<std::byte>> bytes = bytesOf(json);
-    if (bytes) {
-      picture.bytes = std::move(*bytes);
-      known->second = static_cast<int>(scene_.pictures.size());
-      scene_.pictures.push_back(std::move(picture));
-    } else {
-      scene_.notes.push_back(fmt::format("{}: {}: its materials stay plain", picture.name, bytes.error().message));
-    }
-    if (uri.is_string()) pictureOfUri_.emplace(uri.get<std::string>(), known->second);
+    if (isNew) known->second = readPicture(static_cast<std::size_t>(*image));
     return known->second;
   }
 
-  [[nodiscard]] Result<std::vector<std::byte>> bytesOf(const Json& image) {
-    const auto copied = [](std::span<const std::byte> from) { return std::vector(from.begin(), from.end()); };
-    if (const Json& uri = memberOf(image, "uri"); uri.is_string()) {
-      const std::string& text = uri.get_ref<const std::string&>();
-      Result<std::string> content = isDataUri(text) ? decodeDataUri(text) : readNeighbour(text);
-      if (!content) return content.error();
-      return copied(std::as_bytes(std::span(*content)));
+  [[nodiscard]] std::string whyWithoutPicture(const Json& texture) const {
+    const Json& extensions = memberOf(texture, "extensions");
+    if (extensions.is_object()) {  // KHR_texture_basisu, EXT_texture_webp, EXT_texture_avif, MSFT_texture_dds
+      for (const auto& [name, extension] : extensions.items()) {
+        if (!memberOf(extension, "source").is_null()) return name + " is not supported, expected PNG or JPEG";
+      }
+    }
+    const Json& source = memberOf(texture, "source");
+    if (source.is_null()) return "has no picture";
+    return fmt::format("refers to image {}, the file has {}", source.dump(-1, ' ', true).substr(0, 40), images_.size());
+  }
+
+  [[nodiscard]] int readPicture(std::size_t image) {
+    const Json& json = images_[image];
+    const std::string name = titled("image", image, nameOf(json));
+    if (const Json& uri = memberOf(json, "uri"); uri.is_string()) {
+      return pictures_.addUri(name, uri.get_ref<const std::string&>());
     }
     const std::vector<tinygltf::BufferView>& views = document_.model.bufferViews;
-    const std::optional<int> v = indexOf(image, "bufferView", views.size());
-    if (!v) return Error{ErrorCode::kBadFormat, "has neither a bufferView nor a uri"};
+    const std::optional<int> v = indexOf(json, "bufferView", views.size());
+    if (!v) return pictures_.refuse(name, "has neither a bufferView that exists nor a uri");
     const tinygltf::BufferView& view = views[static_cast<std::size_t>(*v)];
     const auto buffer = static_cast<std::size_t>(view.buffer);
     if (view.buffer < 0 || buffer >= document_.buffers.size()) {
-      return Error{ErrorCode::kBadFormat, fmt::format("refers to buffer {}, which does not exist", view.buffer)};
+      return pictures_.refuse(name, fmt::format("refers to buffer {}, which does not exist", view.buffer));
     }
     const std::span<const std::byte> bytes = document_.buffers[buffer];
     if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("bytes {} to {} of a buffer of {} bytes", grouped(view.byteOffset),
-                               grouped(view.byteOffset + view.byteLength), grouped(bytes.size()))};
+      return pictures_.refuse(
+          name, fmt::format("buffer view {}: {} bytes from byte {}, but buffer {} has {}", *v, grouped(view.byteLength),
+                            grouped(view.byteOffset), view.buffer, grouped(bytes.size())));
     }
-    if (view.byteLength > allowance_) {
-      return Error{ErrorCode::kUnsupported, "all pictures together have more than twice the bytes of the file"};
-    }
-    allowance_ -= view.byteLength;
-    return copied(bytes.subspan(view.byteOffset, view.byteLength));
-  }
-
-  [[nodiscard]] Result<std::string> readNeighbour(const std::string& uri) const {
-    if (document_.folder.empty()) {
-      return Error{ErrorCode::kBadFormat, fmt::format("is in another file, '{}', which is not available here", uri)};
-    }
-    const std::optional<std::filesystem::path> relative = neighbourFile(uri);
-    if (!relative) {
-      return Error{ErrorCode::kBadFormat, fmt::format("'{}' is outside the file's folder, expected a file in it", uri)};
-    }
-    return readFile(document_.folder / *relative);
-  }
-
-  void noteOnce(const std::string& note) {
-    if (noted_.insert(note).second) scene_.notes.push_back(note);
+    return pictures_.addBytes(name, bytes.subspan(view.byteOffset, view.byteLength));
   }
 
   const GltfDocument& document_;
   FileScene& scene_;
-  std::map<int, int> pictureOfImage_;        // -1 = not available
-  std::map<std::string, int> pictureOfUri_;  // the same
-  std::set<std::string> noted_;
-  std::size_t allowance_ = kSharedBytes * document_.fileBytes;  // for pictures in buffers
+  const Json& list_;
+  const Json& textures_;
+  const Json& images_;
+  const Json& samplers_;
+  CountedNotes notes_;
+  PictureStore pictures_;
+  std::string who_;                    // the material that is being read
+  std::map<int, int> pictureOfImage_;  // -1 = not available
+  std::set<std::size_t> refusedTextures_;
+  std::optional<Vrm0Queues> vrm0Queues_;  // of all materials, once one needs them
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -45,9 +44,12 @@ namespace {
 
 class PrimitiveReader {
  public:
-  PrimitiveReader(const GltfDocument& document, GltfAccessors& accessors, const tinygltf::Primitive& primitive,
-                  std::string who)
-      : document_(document), accessors_(accessors), primitive_(primitive), who_(std::move(who)) {}
+  PrimitiveReader(const GltfMeshSources& sources, const tinygltf::Primitive& primitive, std::string who)
+      : document_(sources.document),
+        accessors_(sources.accessors),
+        lookAccessors_(sources.lookAccessors),
+        primitive_(primitive),
+        who_(std::move(who)) {}
 
   [[nodiscard]] bool has(const std::string& attribute) const { return primitive_.attributes.contains(attribute); }
 
@@ -59,36 +61,37 @@ class PrimitiveReader {
     if (Result<void> moved = applyMorphs(morphWeights); !moved) return moved;
     if (Result<void> read = readTriangles(statistics); !read) return read;
     if (triangles_.empty()) return {};
-    if (Result<void> read = readLook(); !read) return read;
     if (skinned) return readWeights();
     return {};
   }
 
   /// The mesh with only the vertices that its triangles use: several primitives often share one long list of them.
-  [[nodiscard]] FileMesh compacted() const {
+  /// Ends the reader.
+  [[nodiscard]] FileMesh compacted() {
     FileMesh mesh;
-    std::vector<VertexIndex> newIndex(vertexCount_, -1);
-    mesh.triangles = triangles_;
+    mesh.triangles = std::move(triangles_);
+    newIndex_.assign(vertexCount_, -1);
     for (Triangle& triangle : mesh.triangles) {
-      for (VertexIndex& v : triangle) newIndex[v] = 0;
+      for (VertexIndex& v : triangle) newIndex_[v] = 0;
     }
     VertexIndex used = 0;
-    for (VertexIndex& v : newIndex) {
+    for (VertexIndex& v : newIndex_) {
       if (v == 0) v = used++;
     }
     for (Triangle& triangle : mesh.triangles) {
-      for (VertexIndex& v : triangle) v = newIndex[v];
+      for (VertexIndex& v : triangle) v = newIndex_[v];
     }
     mesh.positions.reserve(used);
     for (std::size_t v = 0; v < vertexCount_; ++v) {
-      if (newIndex[v] >= 0)
+      if (newIndex_[v] >= 0) {
         mesh.positions.emplace_back(positions_[3 * v], positions_[3 * v + 1], positions_[3 * v + 2]);
+      }
     }
-    compactLook(newIndex, mesh);
+    std::vector<double>().swap(positions_);
     if (!primitive_.targets.empty()) {
       mesh.sourceVertices.reserve(used);
       for (std::size_t v = 0; v < vertexCount_; ++v) {
-        if (newIndex[v] >= 0) mesh.sourceVertices.push_back(static_cast<VertexIndex>(v));
+        if (newIndex_[v] >= 0) mesh.sourceVertices.push_back(static_cast<VertexIndex>(v));
       }
     }
     if (sets_.empty()) return mesh;
@@ -96,13 +99,55 @@ class PrimitiveReader {
     mesh.weightBegin.reserve(static_cast<std::size_t>(used) + 1);
     mesh.weightBegin.push_back(0);
     for (std::size_t v = 0; v < vertexCount_; ++v) {
-      if (newIndex[v] < 0) continue;
+      if (newIndex_[v] < 0) continue;
       for (const auto& [joints, weights] : sets_) {
         for (std::size_t c = 4 * v; c < 4 * v + 4; ++c) mesh.weights.push_back({joints[c], weights[c]});
       }
       mesh.weightBegin.push_back(mesh.weights.size());
     }
     return mesh;
+  }
+
+  /// Adds normals, tangents, texture coordinates and colours to the compacted mesh; numbers that are not finite become
+  /// 0. What is broken is left out, with a note.
+  void readLook(const LookNeeds& needs, FileMesh& mesh, GltfMeshCounts& statistics, CountedNotes& notes) {
+    const auto readInto = [&](const std::string& attribute, int components, auto& out) {
+      if (!has(attribute)) return;
+      Result<std::vector<double>> numbers =
+          lookAccessors_.anyNumbers(accessorOf(attribute), components, fmt::format("{}: {}", who_, attribute));
+      if (numbers && numbers->size() != static_cast<std::size_t>(components) * vertexCount_) {
+        numbers = badCount(attribute, numbers->size() / static_cast<std::size_t>(components));
+      }
+      if (!numbers) {
+        const std::string problem = numbers.error().message.substr(document_.name.size() + 2);
+        notes.add("lists of normals, tangents, texture coordinates or colours are broken: not used",
+                  fmt::format("{}: {} is not used: {}", who_, attribute, problem));
+        return;
+      }
+      out.reserve(mesh.positions.size());
+      for (std::size_t v = 0; v < vertexCount_; ++v) {
+        if (newIndex_[v] < 0) continue;
+        auto& to = out.emplace_back();
+        to.setOnes();  // the opacity of colours without one
+        for (int c = 0; c < components; ++c) {
+          const auto number =
+              static_cast<float>((*numbers)[static_cast<std::size_t>(components) * v + static_cast<std::size_t>(c)]);
+          const bool finite = std::isfinite(number);
+          to[c] = finite ? number : 0.0f;
+          if (!finite) ++statistics.notFinite;
+        }
+      }
+    };
+    readInto("NORMAL", 3, mesh.normals);
+    if (needs.tangents) readInto("TANGENT", 4, mesh.tangents);
+    for (std::size_t set = 0; set < 2; ++set) {
+      if (needs.uv[set]) readInto(fmt::format("TEXCOORD_{}", set), 2, mesh.uv[set]);
+    }
+    if (!has("COLOR_0")) return;
+    const auto accessor = static_cast<std::size_t>(accessorOf("COLOR_0"));
+    const std::vector<tinygltf::Accessor>& all = document_.model.accessors;
+    const bool opaque = accessor < all.size() && all[accessor].type == TINYGLTF_TYPE_VEC3;
+    readInto("COLOR_0", opaque ? 3 : 4, mesh.colors);
   }
 
  private:
@@ -164,70 +209,23 @@ class PrimitiveReader {
     }
   }
 
-  /// Normals, tangents, texture coordinates and colours; numbers that are not finite become 0.
-  [[nodiscard]] Result<void> readLook() {
-    const auto readInto = [&](const char* attribute, int components, std::vector<double>& out) -> Result<void> {
-      if (!has(attribute)) return {};
-      Result<std::vector<double>> numbers =
-          accessors_.anyNumbers(accessorOf(attribute), components, fmt::format("{}: {}", who_, attribute));
-      if (!numbers) return numbers.error();
-      if (numbers->size() != static_cast<std::size_t>(components) * vertexCount_) {
-        return badCount(attribute, numbers->size() / static_cast<std::size_t>(components));
-      }
-      for (double& number : *numbers) number = std::isfinite(number) ? number : 0.0;
-      out = std::move(*numbers);
-      return {};
-    };
-    if (Result<void> read = readInto("NORMAL", 3, normals_); !read) return read;
-    if (Result<void> read = readInto("TANGENT", 4, tangents_); !read) return read;
-    if (Result<void> read = readInto("TEXCOORD_0", 2, uv_[0]); !read) return read;
-    if (Result<void> read = readInto("TEXCOORD_1", 2, uv_[1]); !read) return read;
-    if (!has("COLOR_0")) return {};
-    const auto accessor = static_cast<std::size_t>(accessorOf("COLOR_0"));
-    const std::vector<tinygltf::Accessor>& all = document_.model.accessors;
-    colorComponents_ = accessor < all.size() && all[accessor].type == TINYGLTF_TYPE_VEC3 ? 3 : 4;
-    return readInto("COLOR_0", colorComponents_, colors_);
-  }
-
-  /// @param newIndex  for each vertex, its index in `mesh`, or -1
-  void compactLook(const std::vector<VertexIndex>& newIndex, FileMesh& mesh) const {
-    const auto at = [](const std::vector<double>& numbers, std::size_t i) { return static_cast<float>(numbers[i]); };
-    for (std::size_t v = 0; v < vertexCount_; ++v) {
-      if (newIndex[v] < 0) continue;
-      if (!normals_.empty()) {
-        mesh.normals.emplace_back(at(normals_, 3 * v), at(normals_, 3 * v + 1), at(normals_, 3 * v + 2));
-      }
-      if (!tangents_.empty()) {
-        mesh.tangents.emplace_back(at(tangents_, 4 * v), at(tangents_, 4 * v + 1), at(tangents_, 4 * v + 2),
-                                   at(tangents_, 4 * v + 3));
-      }
-      for (std::size_t set = 0; set < 2; ++set) {
-        if (!uv_[set].empty()) mesh.uv[set].emplace_back(at(uv_[set], 2 * v), at(uv_[set], 2 * v + 1));
-      }
-      if (colors_.empty()) continue;
-      const std::size_t c = static_cast<std::size_t>(colorComponents_) * v;
-      mesh.colors.emplace_back(at(colors_, c), at(colors_, c + 1), at(colors_, c + 2),
-                               colorComponents_ == 4 ? at(colors_, c + 3) : 1.0f);
-    }
-  }
-
   const GltfDocument& document_;
   GltfAccessors& accessors_;
+  GltfAccessors& lookAccessors_;
   const tinygltf::Primitive& primitive_;
   std::string who_;
   std::size_t vertexCount_ = 0;
-  std::vector<double> normals_, tangents_, colors_;
-  std::array<std::vector<double>, 2> uv_;
-  int colorComponents_ = 4;
   std::vector<double> positions_;
+  std::vector<VertexIndex> newIndex_;  // in the compacted mesh, or -1
   std::vector<Triangle> triangles_;
   std::vector<std::pair<std::vector<std::uint32_t>, std::vector<double>>> sets_;
 };
 
 }  // namespace
 
-Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors, int meshIndex, int nodeIndex,
-                         FileScene& scene, GltfMeshCounts& statistics) {
+Result<void> addGltfMesh(const GltfMeshSources& sources, int meshIndex, int nodeIndex, FileScene& scene,
+                         GltfMeshCounts& statistics, CountedNotes& notes) {
+  const GltfDocument& document = sources.document;
   const tinygltf::Node& node = document.model.nodes[nodeIndex];
   if (Result<void> known =
           checkIndex(document, meshIndex, document.model.meshes.size(), fmt::format("node {}", nodeIndex), "mesh");
@@ -249,7 +247,7 @@ Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors,
       ++statistics.pointsAndLines;
       continue;
     }
-    PrimitiveReader reader(document, accessors, primitive, who);
+    PrimitiveReader reader(sources, primitive, who);
     if (!reader.has("POSITION")) {
       ++statistics.withoutPositions;
       continue;
@@ -263,7 +261,14 @@ Result<void> addGltfMesh(const GltfDocument& document, GltfAccessors& accessors,
     made.node = nodeIndex;
     made.skin = skinned ? node.skin : -1;
     made.primitive = static_cast<int>(p);
-    made.material = primitive.material;
+    const bool hasMaterial =
+        primitive.material >= 0 && static_cast<std::size_t>(primitive.material) < scene.materials.size();
+    made.material = hasMaterial ? primitive.material : -1;
+    if (!scene.materials.empty()) {
+      const LookNeeds needs =
+          hasMaterial ? needsOf(scene.materials[static_cast<std::size_t>(primitive.material)]) : LookNeeds();
+      reader.readLook(needs, made, statistics, notes);
+    }
     scene.meshes.push_back(std::move(made));
   }
   return {};

@@ -1,5 +1,7 @@
 #include "skinning/import/json_values.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -43,6 +45,46 @@ void numbersOf(const Json& object, const char* key, std::span<float> values) {
     if (!isFinite(list[i])) return;
   }
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = list[i].get<float>();
+}
+
+float MemberReader::number(const Json& object, const char* key, float otherwise) {
+  if (!isFinite(memberOf(object, key))) note(object, key, "a number");
+  return numberOf(object, key, otherwise);
+}
+
+void MemberReader::numbers(const Json& object, const char* key, std::span<float> values) {
+  const Json& list = memberOf(object, key);
+  if (!list.is_array() || list.size() < values.size() ||
+      !std::all_of(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(values.size()), isFinite)) {
+    note(object, key, fmt::format("{} numbers", values.size()));
+  }
+  numbersOf(object, key, values);
+}
+
+bool MemberReader::flag(const Json& object, const char* key) {
+  const Json& value = memberOf(object, key);
+  if (!value.is_boolean()) note(object, key, "true or false");
+  return value == true;
+}
+
+std::size_t MemberReader::word(const Json& object, const char* key, std::span<const char* const> words) {
+  const Json& value = memberOf(object, key);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (value == words[i]) return i;
+  }
+  note(object, key, fmt::format("{}", fmt::join(words, ", ")));
+  return 0;
+}
+
+void MemberReader::note(const Json& object, const char* key, const std::string& expected) {
+  if (memberOf(object, key).is_null()) return;
+  if (broken_++ == 0) first_ = fmt::format("{} is not as expected, {}", key, expected);
+}
+
+std::string MemberReader::complaint() const {
+  if (broken_ == 0) return {};
+  if (broken_ == 1) return first_ + ": its default is used";
+  return fmt::format("{}, and {} other members: their defaults are used", first_, broken_ - 1);
 }
 
 }  // namespace lorica

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace lorica {
 
@@ -19,5 +20,25 @@ namespace lorica {
 
 /// Copies a member that is a list of at least as many finite numbers; else `values` stays unchanged.
 void numbersOf(const nlohmann::json& object, const char* key, std::span<float> values);
+
+/// Reads members like the functions above, and remembers which were there but broken.
+class MemberReader {
+ public:
+  [[nodiscard]] float number(const nlohmann::json& object, const char* key, float otherwise);
+  void numbers(const nlohmann::json& object, const char* key, std::span<float> values);
+  /// A member that is true or false; false if there is none.
+  [[nodiscard]] bool flag(const nlohmann::json& object, const char* key);
+  /// A member that is one of the strings `words`: its index; 0 if there is none.
+  [[nodiscard]] std::size_t word(const nlohmann::json& object, const char* key, std::span<const char* const> words);
+
+  /// A sentence's end, such as "roughnessFactor is not a number: its default is used"; empty if nothing was broken.
+  [[nodiscard]] std::string complaint() const;
+
+ private:
+  void note(const nlohmann::json& object, const char* key, const std::string& expected);
+
+  int broken_ = 0;
+  std::string first_;
+};
 
 }  // namespace lorica

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 namespace lorica {
 
@@ -66,6 +67,10 @@ std::optional<std::filesystem::path> neighbourFile(std::string_view uri) {
     name.push_back(escaped ? static_cast<char>(16 * hexValue(uri[i + 1]) + hexValue(uri[i + 2])) : uri[i]);
     if (escaped) i += 2;
   }
+  return neighbourPath(std::move(name));
+}
+
+std::optional<std::filesystem::path> neighbourPath(std::string name) {
   if (name.empty() || name.find(':') != std::string::npos || name.find('\0') != std::string::npos) return std::nullopt;
   std::replace(name.begin(), name.end(), '\\', '/');  // some exporters write backslashes
   const std::filesystem::path path = name;

@@ -18,4 +18,7 @@ namespace lorica {
 /// The relative path of a URI, percent-decoded; none if it is absolute, has a scheme or a drive, or contains "..".
 [[nodiscard]] std::optional<std::filesystem::path> neighbourFile(std::string_view uri);
 
+/// The same for a path without percent-encoding, with slashes or backslashes.
+[[nodiscard]] std::optional<std::filesystem::path> neighbourPath(std::string name);
+
 }  // namespace lorica

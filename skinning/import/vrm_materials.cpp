@@ -1,11 +1,9 @@
 #include "skinning/import/vrm_materials.h"
 
-#include "skinning/import/json_values.h"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
-#include <string_view>
+#include <string>
 
 namespace lorica {
 
@@ -21,23 +19,18 @@ constexpr int kWithoutDepth = 19;
 }
 
 /// A colour of VRM 0.x: gamma-encoded, but not its opacity.
-void gammaColor(const Json& vectors, const char* key, Vec3f& color) {
+void gammaColor(const Json& vectors, const char* key, MemberReader& members, Vec3f& color) {
   std::array<float, 3> encoded = {-1.0f, 0.0f, 0.0f};
-  numbersOf(vectors, key, encoded);
+  members.numbers(vectors, key, encoded);
   if (encoded[0] >= 0.0f) color = {linear(encoded[0]), linear(encoded[1]), linear(encoded[2])};
 }
 
-/// Orders of VRM 0.x are Unity's render queues: only their ranks among the file's blended materials count.
-struct Queues {
-  std::set<int> withDepth, withoutDepth;
-
-  [[nodiscard]] int orderOf(int queue, bool writesDepth) const {
-    const std::set<int>& all = writesDepth ? withDepth : withoutDepth;
-    const int rank = static_cast<int>(std::distance(all.begin(), all.lower_bound(queue)));
-    if (writesDepth) return std::min(rank, 9);
-    return kWithoutDepth - std::min(static_cast<int>(all.size()) - 1 - rank, 9);
-  }
-};
+[[nodiscard]] int orderOf(const Vrm0Queues& queues, int queue, bool writesDepth) {
+  const std::set<int>& all = writesDepth ? queues.withDepth : queues.withoutDepth;
+  const int rank = static_cast<int>(std::distance(all.begin(), all.lower_bound(queue)));
+  if (writesDepth) return std::min(rank, 9);
+  return kWithoutDepth - std::min(static_cast<int>(all.size()) - 1 - rank, 9);
+}
 
 struct Blend0 {
   bool blended = false;
@@ -53,142 +46,156 @@ struct Blend0 {
                   (shader == "VRM/MToon" && memberOf(memberOf(properties, "keywordMap"), "_ALPHABLEND_ON") == true);
   blend.writesDepth = unlitWithDepth || (shader == "VRM/MToon" &&
                                          numberOf(memberOf(properties, "floatProperties"), "_ZWrite", 0.0f) == 1.0f);
-  blend.queue = static_cast<int>(numberOf(properties, "renderQueue", -1.0f));
+  blend.queue = static_cast<int>(std::clamp(numberOf(properties, "renderQueue", -1.0f), -1.0f, 1e6f));
   return blend;
 }
 
-void applyMtoon0(const Json& properties, const TextureOfIndex& textureOf, Material& material) {
+/// The one transform of all textures, in Unity's coordinates: v points up.
+[[nodiscard]] Eigen::Matrix<float, 2, 3> transformOf(const Json& vectors, MemberReader& members) {
+  std::array<float, 4> moved = {0.0f, 0.0f, 1.0f, 1.0f};  // offset, scale
+  members.numbers(vectors, "_MainTex", moved);
+  Eigen::Matrix<float, 2, 3> transform;
+  transform << moved[2], 0.0f, moved[0], 0.0f, moved[3], 1.0f - moved[3] - moved[1];
+  return transform;
+}
+
+[[nodiscard]] TextureUse textureNamed(const Json& properties, const char* key, const TextureOfIndex& textureOf) {
+  const Json& index = memberOf(memberOf(properties, "textureProperties"), key);
+  return index.is_null() ? TextureUse() : textureOf(index.is_number_integer() ? index.get<std::int64_t>() : -1);
+}
+
+void applyMtoon0(const Json& properties, const TextureOfIndex& textureOf, MemberReader& members, Material& material) {
   const Json& floats = memberOf(properties, "floatProperties");
   const Json& vectors = memberOf(properties, "vectorProperties");
-  const Json& textures = memberOf(properties, "textureProperties");
   const Json& keywords = memberOf(properties, "keywordMap");
-
-  // One transform for all textures, in Unity's coordinates: v points up.
-  std::array<float, 4> moved = {0.0f, 0.0f, 1.0f, 1.0f};
-  numbersOf(vectors, "_MainTex", moved);
-  const auto textureNamed = [&](const char* key) {
-    const Json& index = memberOf(textures, key);
-    TextureUse use = index.is_number_integer() ? textureOf(index.get<int>()) : TextureUse();
-    use.transform << moved[2], 0.0f, moved[0], 0.0f, moved[3], 1.0f - moved[3] - moved[1];
+  const Eigen::Matrix<float, 2, 3> transform = transformOf(vectors, members);
+  const auto texture = [&](const char* key) {
+    TextureUse use = textureNamed(properties, key, textureOf);
+    use.transform = transform;
     return use;
   };
   material.shading = Shading::kToon;
   material.alpha = AlphaMode::kOpaque;
-  if (memberOf(keywords, "_ALPHATEST_ON") == true) material.alpha = AlphaMode::kMask;
-  if (memberOf(keywords, "_ALPHABLEND_ON") == true) material.alpha = AlphaMode::kBlend;
-  material.alphaCutoff = numberOf(floats, "_Cutoff", 0.5f);
-  material.doubleSided = numberOf(floats, "_CullMode", 2.0f) == 0.0f;
+  if (members.flag(keywords, "_ALPHATEST_ON")) material.alpha = AlphaMode::kMask;
+  if (members.flag(keywords, "_ALPHABLEND_ON")) material.alpha = AlphaMode::kBlend;
+  material.alphaCutoff = members.number(floats, "_Cutoff", 0.5f);
+  material.doubleSided = members.number(floats, "_CullMode", 2.0f) == 0.0f;
   std::array<float, 4> color = {1.0f, 1.0f, 1.0f, 1.0f};
-  numbersOf(vectors, "_Color", color);
+  members.numbers(vectors, "_Color", color);
   material.baseColor = {linear(color[0]), linear(color[1]), linear(color[2]), color[3]};
-  material.base = textureNamed("_MainTex");
-  material.normal = textureNamed("_BumpMap");
-  material.normalScale = numberOf(floats, "_BumpScale", 1.0f);
+  material.base = texture("_MainTex");
+  material.normal = texture("_BumpMap");
+  material.normalScale = members.number(floats, "_BumpScale", 1.0f);
   material.emissive = Vec3f::Zero();
-  gammaColor(vectors, "_EmissionColor", material.emissive);
-  material.emissiveTexture = textureNamed("_EmissionMap");
+  gammaColor(vectors, "_EmissionColor", members, material.emissive);
+  material.emissiveTexture = texture("_EmissionMap");
 
   ToonMaterial& toon = material.toon;
   toon.shadeColor = {linear(0.97f), linear(0.81f), linear(0.86f)};
-  gammaColor(vectors, "_ShadeColor", toon.shadeColor);
-  toon.shade = textureNamed("_ShadeTexture");
-  const float shift = numberOf(floats, "_ShadeShift", 0.0f);
-  const float toony = numberOf(floats, "_ShadeToony", 0.9f);
+  gammaColor(vectors, "_ShadeColor", members, toon.shadeColor);
+  toon.shade = texture("_ShadeTexture");
+  const float shift = members.number(floats, "_ShadeShift", 0.0f);
+  const float toony = members.number(floats, "_ShadeToony", 0.9f);
   toon.toony = toony + (1.0f - toony) * (0.5f + 0.5f * shift);
   toon.shift = -shift - (1.0f - toon.toony);
-  toon.matcap = textureNamed("_SphereAdd");
+  toon.matcap = texture("_SphereAdd");
   toon.matcap.transform = TextureUse().transform;
   toon.matcapFactor = toon.matcap.given() ? Vec3f::Ones() : Vec3f::Zero();
-  toon.rim = textureNamed("_RimTexture");
-  gammaColor(vectors, "_RimColor", toon.rimColor);
-  toon.rimPower = numberOf(floats, "_RimFresnelPower", 1.0f);
-  toon.rimLift = numberOf(floats, "_RimLift", 0.0f);
-  toon.rimLightingMix = numberOf(floats, "_RimLightingMix", 0.0f);
-  const float mode = numberOf(floats, "_OutlineWidthMode", 0.0f);
+  toon.rim = texture("_RimTexture");
+  gammaColor(vectors, "_RimColor", members, toon.rimColor);
+  toon.rimPower = members.number(floats, "_RimFresnelPower", 1.0f);
+  toon.rimLift = members.number(floats, "_RimLift", 0.0f);
+  toon.rimLightingMix = members.number(floats, "_RimLightingMix", 0.0f);
+  const float mode = members.number(floats, "_OutlineWidthMode", 0.0f);
   toon.outline = mode == 1.0f ? OutlineMode::kWorld : mode == 2.0f ? OutlineMode::kScreen : OutlineMode::kNone;
-  toon.outlineWidth = 0.01f * numberOf(floats, "_OutlineWidth", 0.0f);  // centimetres, or percent
-  toon.outlineWidthTexture = textureNamed("_OutlineWidthTexture");
-  gammaColor(vectors, "_OutlineColor", toon.outlineColor);
-  toon.outlineLightingMix =
-      numberOf(floats, "_OutlineColorMode", 0.0f) == 1.0f ? numberOf(floats, "_OutlineLightingMix", 1.0f) : 0.0f;
-  toon.uvAnimationMask = textureNamed("_UvAnimMaskTexture");
-  toon.uvScroll = {numberOf(floats, "_UvAnimScrollX", 0.0f), -numberOf(floats, "_UvAnimScrollY", 0.0f)};
-  toon.uvRotation = numberOf(floats, "_UvAnimRotation", 0.0f);
+  toon.outlineWidth = 0.01f * members.number(floats, "_OutlineWidth", 0.0f);  // centimetres, or percent
+  toon.outlineWidthTexture = texture("_OutlineWidthTexture");
+  gammaColor(vectors, "_OutlineColor", members, toon.outlineColor);
+  toon.outlineLightingMix = members.number(floats, "_OutlineColorMode", 0.0f) == 1.0f
+                                ? members.number(floats, "_OutlineLightingMix", 1.0f)
+                                : 0.0f;
+  toon.uvAnimationMask = texture("_UvAnimMaskTexture");
+  toon.uvScroll = {members.number(floats, "_UvAnimScrollX", 0.0f), -members.number(floats, "_UvAnimScrollY", 0.0f)};
+  toon.uvRotation = members.number(floats, "_UvAnimRotation", 0.0f);
 }
 
-void applyUnlit0(const Json& properties, const TextureOfIndex& textureOf, Material& material) {
+void applyUnlit0(const Json& properties, const TextureOfIndex& textureOf, MemberReader& members, Material& material) {
   const Json& vectors = memberOf(properties, "vectorProperties");
   material.shading = Shading::kUnlit;
   material.alpha = memberOf(properties, "shader") == "VRM/UnlitCutout" ? AlphaMode::kMask : AlphaMode::kOpaque;
-  material.alphaCutoff = numberOf(memberOf(properties, "floatProperties"), "_Cutoff", 0.5f);
+  material.alphaCutoff = members.number(memberOf(properties, "floatProperties"), "_Cutoff", 0.5f);
   std::array<float, 4> color = {1.0f, 1.0f, 1.0f, 1.0f};
-  numbersOf(vectors, "_Color", color);
+  members.numbers(vectors, "_Color", color);
   material.baseColor = {linear(color[0]), linear(color[1]), linear(color[2]), color[3]};
-  const Json& index = memberOf(memberOf(properties, "textureProperties"), "_MainTex");
-  if (index.is_number_integer()) material.base = textureOf(index.get<int>());
+  material.base = textureNamed(properties, "_MainTex", textureOf);
+  material.base.transform = transformOf(vectors, members);
 }
 
 }  // namespace
 
-void applyMtoon1(const Json& mtoon, const std::function<TextureUse(const Json&)>& use, Material& material) {
+void applyMtoon1(const Json& mtoon, const std::function<TextureUse(const Json&)>& use, MemberReader& members,
+                 Material& material) {
   material.shading = Shading::kToon;
-  material.blendWritesDepth = memberOf(mtoon, "transparentWithZWrite") == true;
-  material.drawOrder = (material.blendWritesDepth ? 0 : kWithoutDepth) +
-                       static_cast<int>(std::clamp(numberOf(mtoon, "renderQueueOffsetNumber", 0.0f), -9.0f, 9.0f));
+  material.blendWritesDepth = members.flag(mtoon, "transparentWithZWrite");
+  // Offsets count up from the first of those with depth, and down from the last of the others.
+  const float offset = members.number(mtoon, "renderQueueOffsetNumber", 0.0f);
+  material.drawOrder = material.blendWritesDepth ? static_cast<int>(std::clamp(offset, 0.0f, 9.0f))
+                                                 : kWithoutDepth + static_cast<int>(std::clamp(offset, -9.0f, 0.0f));
   ToonMaterial& toon = material.toon;
-  numbersOf(mtoon, "shadeColorFactor", {toon.shadeColor.data(), 3});
+  members.numbers(mtoon, "shadeColorFactor", {toon.shadeColor.data(), 3});
   toon.shade = use(memberOf(mtoon, "shadeMultiplyTexture"));
-  toon.shift = numberOf(mtoon, "shadingShiftFactor", 0.0f);
+  toon.shift = members.number(mtoon, "shadingShiftFactor", 0.0f);
   const Json& shiftTexture = memberOf(mtoon, "shadingShiftTexture");
   toon.shiftTexture = use(shiftTexture);
-  toon.shiftScale = numberOf(shiftTexture, "scale", 1.0f);
-  toon.toony = numberOf(mtoon, "shadingToonyFactor", 0.9f);
+  toon.shiftScale = members.number(shiftTexture, "scale", 1.0f);
+  toon.toony = members.number(mtoon, "shadingToonyFactor", 0.9f);
   toon.matcap = use(memberOf(mtoon, "matcapTexture"));
-  numbersOf(mtoon, "matcapFactor", {toon.matcapFactor.data(), 3});
+  members.numbers(mtoon, "matcapFactor", {toon.matcapFactor.data(), 3});
   if (!toon.matcap.given()) toon.matcapFactor = Vec3f::Zero();
-  numbersOf(mtoon, "parametricRimColorFactor", {toon.rimColor.data(), 3});
-  toon.rimPower = numberOf(mtoon, "parametricRimFresnelPowerFactor", 5.0f);
-  toon.rimLift = numberOf(mtoon, "parametricRimLiftFactor", 0.0f);
+  members.numbers(mtoon, "parametricRimColorFactor", {toon.rimColor.data(), 3});
+  toon.rimPower = members.number(mtoon, "parametricRimFresnelPowerFactor", 5.0f);
+  toon.rimLift = members.number(mtoon, "parametricRimLiftFactor", 0.0f);
   toon.rim = use(memberOf(mtoon, "rimMultiplyTexture"));
-  toon.rimLightingMix = numberOf(mtoon, "rimLightingMixFactor", 1.0f);
-  const Json& mode = memberOf(mtoon, "outlineWidthMode");
-  toon.outline = mode == "worldCoordinates"    ? OutlineMode::kWorld
-                 : mode == "screenCoordinates" ? OutlineMode::kScreen
-                                               : OutlineMode::kNone;
-  toon.outlineWidth = numberOf(mtoon, "outlineWidthFactor", 0.0f);
+  toon.rimLightingMix = members.number(mtoon, "rimLightingMixFactor", 1.0f);
+  constexpr std::array<const char*, 3> kModes = {"none", "worldCoordinates", "screenCoordinates"};
+  toon.outline = std::array{OutlineMode::kNone, OutlineMode::kWorld,
+                            OutlineMode::kScreen}[members.word(mtoon, "outlineWidthMode", kModes)];
+  toon.outlineWidth = members.number(mtoon, "outlineWidthFactor", 0.0f);
   toon.outlineWidthTexture = use(memberOf(mtoon, "outlineWidthMultiplyTexture"));
-  numbersOf(mtoon, "outlineColorFactor", {toon.outlineColor.data(), 3});
-  toon.outlineLightingMix = numberOf(mtoon, "outlineLightingMixFactor", 1.0f);
+  members.numbers(mtoon, "outlineColorFactor", {toon.outlineColor.data(), 3});
+  toon.outlineLightingMix = members.number(mtoon, "outlineLightingMixFactor", 1.0f);
   toon.uvAnimationMask = use(memberOf(mtoon, "uvAnimationMaskTexture"));
-  toon.uvScroll = {numberOf(mtoon, "uvAnimationScrollXSpeedFactor", 0.0f),
-                   numberOf(mtoon, "uvAnimationScrollYSpeedFactor", 0.0f)};
-  toon.uvRotation = numberOf(mtoon, "uvAnimationRotationSpeedFactor", 0.0f);
+  toon.uvScroll = {members.number(mtoon, "uvAnimationScrollXSpeedFactor", 0.0f),
+                   members.number(mtoon, "uvAnimationScrollYSpeedFactor", 0.0f)};
+  toon.uvRotation = members.number(mtoon, "uvAnimationRotationSpeedFactor", 0.0f);
 }
 
-void applyVrm0Materials(const Json& properties, const TextureOfIndex& textureOf, std::vector<Material>& materials) {
-  if (!properties.is_array()) return;
-  Queues queues;
-  for (const Json& entry : properties) {
-    const Blend0 blend = blendOf(entry);
+Vrm0Queues queuesOf(const Json& allProperties) {
+  Vrm0Queues queues;
+  for (const Json& properties : allProperties) {
+    const Blend0 blend = blendOf(properties);
     if (blend.blended) (blend.writesDepth ? queues.withDepth : queues.withoutDepth).insert(blend.queue);
   }
-  for (std::size_t m = 0; m < std::min(properties.size(), materials.size()); ++m) {
-    const Json& shader = memberOf(properties[m], "shader");
-    if (!shader.is_string()) continue;
-    const auto& name = shader.get_ref<const std::string&>();
-    if (name == "VRM/MToon") {
-      applyMtoon0(properties[m], textureOf, materials[m]);
-    } else if (name.starts_with("VRM/Unlit")) {
-      applyUnlit0(properties[m], textureOf, materials[m]);
-    } else {
-      continue;
-    }
-    const Blend0 blend = blendOf(properties[m]);
-    if (!blend.blended) continue;
-    materials[m].alpha = AlphaMode::kBlend;
-    materials[m].blendWritesDepth = blend.writesDepth;
-    materials[m].drawOrder = queues.orderOf(blend.queue, blend.writesDepth);
+  return queues;
+}
+
+void applyVrm0Material(const Json& properties, const Vrm0Queues& queues, const TextureOfIndex& textureOf,
+                       MemberReader& members, Material& material) {
+  const Json& shader = memberOf(properties, "shader");
+  if (!shader.is_string()) return;
+  const auto& name = shader.get_ref<const std::string&>();
+  if (name == "VRM/MToon") {
+    applyMtoon0(properties, textureOf, members, material);
+  } else if (name.starts_with("VRM/Unlit")) {
+    applyUnlit0(properties, textureOf, members, material);
+  } else {
+    return;
   }
+  const Blend0 blend = blendOf(properties);
+  if (!blend.blended) return;
+  material.alpha = AlphaMode::kBlend;
+  material.blendWritesDepth = blend.writesDepth;
+  material.drawOrder = orderOf(queues, blend.queue, blend.writesDepth);
 }
 
 }  // namespace lorica

@@ -87,7 +87,7 @@ struct Material {
   ToonMaterial toon;
 
   /// All textures, so that a check or a conversion does not miss one.
-  [[nodiscard]] std::array<TextureUse*, 11> textures() {
+  [[nodiscard]] std::array<const TextureUse*, 11> textures() const {
     return {&base,
             &metallicRoughness,
             &normal,
