@@ -117,8 +117,9 @@ endfunction()
 #   SANITIZED       .ci/run also runs these tests under sanitizers (target sanitized_tests, label sanitized): code that
 #                   reads data from outside or runs each frame
 #   SLOW Suite.*    too slow for that: label slow
+#   LABEL peers     tests that need more than the libraries, to be run by themselves too; else the label is release
 function(lorica_tests name)
-  cmake_parse_arguments(ARG "SANITIZED" "" "SOURCES;LINKS;ALONE;SLOW" ${ARGN})
+  cmake_parse_arguments(ARG "SANITIZED" "LABEL" "SOURCES;LINKS;ALONE;SLOW" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
   lorica_flags(${name}_tests)
@@ -130,6 +131,9 @@ function(lorica_tests name)
     set(timeout 1500)
   endif()
   set(label release)
+  if(ARG_LABEL)
+    set(label ${ARG_LABEL})
+  endif()
   if(ARG_SANITIZED)
     set(label sanitized)
     add_dependencies(sanitized_tests ${name}_tests)

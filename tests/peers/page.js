@@ -103,13 +103,18 @@ function base64(bytes) {
 }
 
 /// Lorica's lights. A white surface that faces the key light gets `key`; ambient light depends on the normal's height.
-function light(scene, { direction, key, sky, ground, environment }) {
+function light(scene, { direction, key, sky, ground, environment, shadows }) {
   const lamp = new THREE.DirectionalLight(new THREE.Color(...key), Math.PI);
-  lamp.position.set(...direction);
-  scene.add(lamp);
+  const around = new THREE.Box3().setFromObject(scene, true).getBoundingSphere(new THREE.Sphere());
+  lamp.target.position.copy(around.center);
+  lamp.position.set(...direction).setLength(2 * around.radius).add(around.center);
+  scene.add(lamp, lamp.target);
+  if (shadows) castShadows(scene, lamp, around.radius);
   scene.add(new THREE.HemisphereLight(new THREE.Color(...sky), new THREE.Color(...ground), Math.PI));
   if (!environment) return;
-  scene.environment = environmentOf(environment);
+  // The diffuse light of a sky over a ground is that of the hemisphere light.
+  const table = environment === 'sky over ground' ? [...Array(64).fill(ground), ...Array(64).fill(sky)] : environment;
+  scene.environment = environmentOf(table);
   // The environment replaces the hemisphere for materials that use one. MToon uses none.
   const lights = THREE.ShaderChunk.lights_fragment_begin.replaceAll('NUM_HEMI_LIGHTS', '0');
   scene.traverse((object) => {
@@ -122,10 +127,23 @@ function light(scene, { direction, key, sky, ground, environment }) {
   });
 }
 
+/// Everything casts shadows; they fall on all but toon materials.
+function castShadows(scene, lamp, radius) {
+  lamp.castShadow = true;
+  lamp.shadow.mapSize.set(2048, 2048);
+  lamp.shadow.normalBias = radius / 200;
+  Object.assign(lamp.shadow.camera, { left: -radius, right: radius, bottom: -radius, top: radius, near: 0, far: 4 * radius });
+  scene.traverse((object) => {
+    if (!object.isMesh) return;
+    object.castShadow = true;
+    object.receiveShadow = ![object.material].flat().some((material) => material.isMToonMaterial);
+  });
+}
+
 /// A panorama whose radiance depends on the direction's height only: `table` has linear RGB from y = -1 to y = 1.
 function environmentOf(table) {
-  const width = 1024;
-  const height = 512;
+  const width = 512;
+  const height = 256;
   const texels = new Float32Array(width * height * 4);
   for (let row = 0; row < height; ++row) {
     const y = Math.sin(((row + 0.5) / height - 0.5) * Math.PI); // row 0 is the lowest
@@ -164,6 +182,7 @@ function picture({ scene }, options) {
   const canvas = document.createElement('canvas');
   const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
   renderer.setSize(width, height, false);
+  renderer.shadowMap.enabled = true;
   light(scene, options.lights);
   const camera = new THREE.PerspectiveCamera(options.fov, width / height);
   camera.position.set(...options.eye);

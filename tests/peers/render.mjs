@@ -16,7 +16,14 @@ const defaults = {
   metresPerUnit: 1,
   picture: true,
   vertices: false,
-  lights: { direction: [-0.42, 1.0, 0.52], key: [0.75, 0.72, 0.68], sky: [0.3, 0.33, 0.36], ground: [0.2, 0.19, 0.18] },
+  lights: {
+    direction: [-0.42, 1.0, 0.52],
+    key: [0.75, 0.72, 0.68],
+    sky: [0.3, 0.33, 0.36],
+    ground: [0.2, 0.19, 0.18],
+    environment: 'sky over ground',
+    shadows: true,
+  },
 };
 
 const [character, list, folder, ...wanted] = process.argv.slice(2);

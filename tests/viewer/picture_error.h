@@ -6,6 +6,10 @@
 
 namespace lorica::test {
 
+/// How far a's pixel is from the most similar of b's nine at and around that position: the greatest difference of a
+/// channel, 0 to 255. Edges may so move by a pixel. Both pictures have the same size.
+[[nodiscard]] int differenceNearby(const Image& a, const Image& b, int x, int y);
+
 /// Difference of two pictures of the same size, insensitive to rounding differences of other processors but sensitive
 /// to missing objects.
 struct PictureError {
