@@ -1,5 +1,7 @@
 #include "skinning/import/assimp_file.h"
 
+#include "skinning/import/assimp_materials.h"
+
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -83,7 +85,8 @@ class NoOtherFiles : public Assimp::IOSystem {
 
 class AssimpSceneReader {
  public:
-  AssimpSceneReader(const aiScene& scene, const std::string& name) : from_(scene), name_(name) {}
+  AssimpSceneReader(const aiScene& scene, const std::string& name, const std::filesystem::path& folder)
+      : from_(scene), name_(name), folder_(folder) {}
 
   [[nodiscard]] Result<FileScene> read(AssimpFormat format) {
     scene_.format = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
@@ -97,6 +100,7 @@ class AssimpSceneReader {
     }
     if (from_.mRootNode == nullptr) return bad("has no nodes");
     if (Result<void> done = readNodes(); !done) return done.error();
+    addAssimpMaterials(from_, folder_, scene_);
     if (Result<void> done = readMeshes(); !done) return done.error();
     if (Result<void> done = readClips(); !done) return done.error();
     return std::move(scene_);
@@ -156,6 +160,7 @@ class AssimpSceneReader {
     };
     note(static_cast<std::uint64_t>(scene_.morphTargetCount), "morph targets: ignored, the base shape is used");
     note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
+    note(notFinite_, "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
     note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
     return {};
   }
@@ -217,6 +222,7 @@ class AssimpSceneReader {
     }
     if (mesh.triangles.empty()) return {};
     if (skin != -1) addWeights(from, mesh);
+    addAssimpLook(from, scene_, mesh, notFinite_);
     scene_.meshes.push_back(std::move(mesh));
     return {};
   }
@@ -299,18 +305,21 @@ class AssimpSceneReader {
 
   const aiScene& from_;
   const std::string& name_;
+  const std::filesystem::path& folder_;
   FileScene scene_;
   std::vector<const aiNode*> nodes_;
   std::map<std::string, int> nodeOfName_;                  // the first of that name, as in assimp's own lookup
   std::vector<std::vector<std::int64_t>> positionOfBone_;  // per skin: indices of assimp's bones in its nodes, or -1
   std::uint64_t otherFaces_ = 0;
+  std::uint64_t notFinite_ = 0;
   std::uint64_t lostBones_ = 0;
   std::uint64_t lateKeys_ = 0;
 };
 
 }  // namespace
 
-Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name, AssimpFormat format) {
+Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name, AssimpFormat format,
+                                  const std::filesystem::path& folder) {
   const char* formatName = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
   try {
     Assimp::Importer importer;
@@ -323,7 +332,7 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
       return Error{ErrorCode::kBadFormat,
                    fmt::format("{}: broken {}: {}", name, formatName, importer.GetErrorString())};
     }
-    return AssimpSceneReader(*scene, name).read(format);
+    return AssimpSceneReader(*scene, name, folder).read(format);
   } catch (const std::exception& problem) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: broken {}: {}", name, formatName, problem.what())};
   }

@@ -44,14 +44,14 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       scene = readGltfScene(bytes, name, folder);
       break;
     case Kind::kFbx:
-      scene = readAssimpScene(bytes, name, AssimpFormat::kFbx);
+      scene = readAssimpScene(bytes, name, AssimpFormat::kFbx, folder);
       break;
     case Kind::kCollada:
       if (Result<void> sound = checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
           !sound) {
         return sound.error();
       }
-      scene = readAssimpScene(bytes, name, AssimpFormat::kCollada);
+      scene = readAssimpScene(bytes, name, AssimpFormat::kCollada, folder);
       break;
     case Kind::kUnknown:
       break;
