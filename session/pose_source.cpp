@@ -146,7 +146,7 @@ Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& charact
   Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
   if (!proxy) return proxy.error();
   Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(proxy->skeleton(), std::move(joints), settings);
-  if (!source || proxy->substitutes().empty()) return source;
+  if (!source || proxy->isOwn()) return source;
   return std::unique_ptr<PoseSource>(std::make_unique<ProxyPoseSource>(std::move(*proxy), std::move(*source)));
 }
 

@@ -16,6 +16,7 @@ namespace {
 constexpr double kNamedNear = 0.15;  // fraction of the height: max distance of a hand or foot found by name from the
                                      // limb's end
 constexpr double kPlacedNear = 0.04;
+constexpr double kStrayNear = 0.15;  // fraction of the height: max distance of a stray's mesh from a bone
 constexpr std::array<std::string_view, 4> kHandWords = {"hand", "palm", "wrist", "fist"};
 constexpr std::array<std::string_view, 3> kFootWords = {"foot", "feet", "ankle"};
 constexpr std::array<std::string_view, 3> kToesWords = {"toe", "toes", "ball"};
@@ -52,6 +53,7 @@ struct Draft {
   std::vector<Affine3> world;
   std::array<JointIndex, kHumanBoneCount> jointOf{};
   std::vector<ProxySkeleton::Substitute> substitutes;
+  std::vector<ProxySkeleton::Stray> strays;
 
   explicit Draft(const Character& of)
       : character(of),
@@ -168,6 +170,49 @@ struct Draft {
     }
   }
 
+  /// The bone whose line to the next one passes nearest to a point; kNoJoint if none is near.
+  [[nodiscard]] JointIndex nearestBone(const Vec3& point) const {
+    double nearest = kStrayNear * character.height;
+    JointIndex found = kNoJoint;
+    for (std::size_t b = 0; b <= static_cast<std::size_t>(HumanBone::kRightHand); ++b) {
+      const JointIndex bone = jointOf[b];
+      if (bone == kNoJoint) continue;
+      double away = (point - position(bone)).norm();
+      for (std::size_t next = 0; next <= static_cast<std::size_t>(HumanBone::kRightHand); ++next) {
+        if (jointOf[next] == kNoJoint || joints[at(jointOf[next])].parent != bone) continue;
+        const Vec3 line = position(jointOf[next]) - position(bone);
+        const double along = std::clamp(line.dot(point - position(bone)) / line.squaredNorm(), 0.0, 1.0);
+        if (std::isfinite(along)) away = std::min(away, (point - position(bone) - along * line).norm());
+      }
+      // Of bones that meet at the nearest point, the one farther from the hips.
+      const bool better = away < nearest - 1e-9 || (away <= nearest + 1e-9 && isBelowOrSame(bone, found));
+      if (!better) continue;
+      nearest = away;
+      found = bone;
+    }
+    return found;
+  }
+
+  /// Attaches joints that carry vertices but do not move with the hips to their nearest bones, with all below them.
+  void attachStrays() {
+    const JointIndex hips = (*this)[HumanBone::kHips];
+    for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
+      if (!mesh.carriesVertices(j) || isBelowOrSame(j, hips)) continue;
+      if (isBelowOrSame(hips, j)) {
+        strays.push_back({j, kNoJoint});
+        continue;
+      }
+      std::vector<bool> only(at(character.skeleton.jointCount()), false);
+      only[at(j)] = true;
+      const std::vector<Vec3> points = mesh.pointsOf(only);
+      Vec3 middle = Vec3::Zero();
+      for (const Vec3& point : points) middle += point / static_cast<double>(points.size());
+      const JointIndex bone = nearestBone(middle);
+      strays.push_back({j, bone});
+      if (bone != kNoJoint) joints[at(j)].parent = bone;
+    }
+  }
+
   /// Joint order: parents before children, otherwise unchanged; and the new index of each joint.
   [[nodiscard]] std::vector<JointIndex> order() const {
     std::vector<JointIndex> ordered;
@@ -193,17 +238,20 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
   made.own_ = character.skeleton;
   const auto ownCount = at(character.skeleton.jointCount());
   const Result<RetargetRig> own = RetargetRig::create(character.skeleton);
-  if (own) {
-    made.skeleton_ = character.skeleton;
-    return made;
-  }
   const auto lacks = [&](HumanBone bone) { return character.skeleton.jointOf(bone) == kNoJoint; };
   bool lacking = lacks(HumanBone::kHips);
   for (const LimbBones& limb : limbs()) lacking = lacking || lacks(limb.upper);
-  if (lacking) return own.error();
+  if (!own && lacking) return own.error();
   Draft draft(character);
-  for (std::size_t i = 0; i < kLimbCount; ++i) {
+  for (std::size_t i = 0; i < kLimbCount && !own; ++i) {
     if (!draft.complete(i)) return own.error();
+  }
+  draft.attachStrays();
+  made.strays_ = draft.strays;
+  const auto attached = [](const Stray& stray) { return stray.on != kNoJoint; };
+  if (own && std::none_of(draft.strays.begin(), draft.strays.end(), attached)) {
+    made.skeleton_ = character.skeleton;
+    return made;
   }
 
   // The joints in the new order; reattached joints are expressed in their new parents' frames.

@@ -20,6 +20,9 @@ namespace lorica {
 /// joint halfway to its end. When mapped back, that limb is straight and points at its end in the proxy; the hips are
 /// raised if this would put the sole below the floor, y = 0.
 ///
+/// A joint that carries vertices but is not below the hips would stay behind when the body walks: the IK foot of a rig
+/// whose leg ends in a bone of the same name without a mesh. It is attached to the nearest bone.
+///
 /// If a skeleton can be retargeted as is, the proxy equals that skeleton. Keeps no state between frames but has buffers
 /// for one frame: use one instance per thread.
 class ProxySkeleton {
@@ -31,14 +34,22 @@ class ProxySkeleton {
     JointIndex on = kNoJoint;     ///< the last joint of the character's limb
   };
 
+  /// A joint that carries vertices outside the hips.
+  struct Stray {
+    JointIndex joint = kNoJoint;  ///< of the character
+    JointIndex on = kNoJoint;     ///< the bone that it is attached to; kNoJoint: none is near, it stays behind
+  };
+
   /// @param character  with its humanoid bones, checkCharacter() passed
   /// @return the proxy; or an error with the missing bones if hips, spine or an upper limb is missing, or if a limb
   /// without an end has no mesh
   static Result<ProxySkeleton> create(const Character& character);
 
   [[nodiscard]] const Skeleton& skeleton() const { return skeleton_; }
-  /// Empty if the proxy is the character's own skeleton.
+  /// Whether the proxy is the character's own skeleton.
+  [[nodiscard]] bool isOwn() const { return proxyOf_.empty(); }
   [[nodiscard]] std::span<const Substitute> substitutes() const { return substitutes_; }
+  [[nodiscard]] std::span<const Stray> strays() const { return strays_; }
 
   /// The proxy joint that corresponds to a joint of the character.
   [[nodiscard]] JointIndex proxyOf(JointIndex own) const { return proxyOf_.empty() ? own : proxyOf_[own]; }
@@ -68,6 +79,7 @@ class ProxySkeleton {
   Skeleton own_;
   Skeleton skeleton_;
   std::vector<Substitute> substitutes_;
+  std::vector<Stray> strays_;
   std::vector<JointIndex> proxyOf_;  ///< one per joint of the character
   std::vector<bool> sameParent_;     ///< one per joint of the character: its local transform equals the proxy's
   std::vector<StiffLimb> stiff_;

@@ -10,6 +10,8 @@
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 
+#include <fmt/format.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -297,6 +299,144 @@ TEST_P(ProxyMotion, LimbsWithoutHandsAndFeetPointAsTheWholeOnesDo) {
 
 INSTANTIATE_TEST_SUITE_P(All, ProxyMotion, ::testing::Values("walk", "jumping_jacks", "punch_and_kick"),
                          [](const auto& chosen) { return std::string(chosen.param); });
+
+/// A variation of a rig with inverse kinematics: the chains of bones end as usual, but carry no mesh there.
+struct ControlRig {
+  bool hands = false;        ///< controls for the hands, not for the feet alone
+  int toes = 0;              ///< 0 stay on the chain, 1 follow the control, 2 have a joint of their own below it
+  bool ownParent = false;    ///< controls hang on a turned, scaled joint beside the hips
+  const char* name = "IK_";  ///< before the name of the bone
+
+  [[nodiscard]] std::string text() const {
+    return fmt::format("hands {}, toes {}, own parent {}, named {}", hands, toes, ownParent, name);
+  }
+};
+
+/// The mannequin as such a rig, and for each added joint the one whose vertices it took.
+struct ControlledCharacter {
+  Character character;
+  std::map<JointIndex, JointIndex> took;
+};
+
+ControlledCharacter controlled(const ControlRig& rig) {
+  ControlledCharacter made{mannequin(), {}};
+  Character& character = made.character;
+  const Skeleton& whole = mannequin().skeleton;
+  const std::vector<Affine3> world = test::worldOf(whole, restPose(whole));
+  std::vector<Joint> joints(whole.joints().begin(), whole.joints().end());
+  std::vector<Affine3> jointWorld = world;
+  std::map<JointIndex, JointIndex> newOwner;
+  const auto add = [&](const std::string& name, JointIndex parent, const Affine3& where, JointIndex takes) {
+    const auto joint = static_cast<JointIndex>(joints.size());
+    Joint added{name, parent, {}, std::nullopt};
+    const Affine3 local =
+        (parent == kNoJoint ? Affine3(Affine3::Identity()) : jointWorld[at(parent)]).inverse() * where;
+    const double scale = std::cbrt(local.linear().determinant());
+    added.rest.translation = local.translation();
+    added.rest.rotation = Quat(Mat3(local.linear() / scale)).normalized();
+    added.rest.scale.setConstant(scale);
+    joints.push_back(added);
+    jointWorld.push_back(where);
+    character.jointFromModel.push_back(takes == kNoJoint ? where.inverse() : character.jointFromModel[at(takes)]);
+    if (takes != kNoJoint) {
+      newOwner[takes] = joint;
+      made.took[joint] = takes;
+    }
+    return joint;
+  };
+  JointIndex parent = kNoJoint;  // the mannequin's first joint is its hips
+  if (rig.ownParent) {
+    Affine3 turned = Affine3::Identity();
+    turned.rotate(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())).scale(0.01);
+    parent = add("Controls", kNoJoint, turned, kNoJoint);
+  }
+  std::vector<std::pair<B, B>> ends = {{B::kLeftFoot, B::kLeftToes}, {B::kRightFoot, B::kRightToes}};
+  if (rig.hands) ends.insert(ends.end(), {{B::kLeftHand, B::kLeftHand}, {B::kRightHand, B::kRightHand}});
+  for (const auto& [end, toe] : ends) {
+    const JointIndex bone = whole.jointOf(end);
+    const JointIndex control = add(rig.name + whole.joint(bone).name, parent, world[at(bone)], bone);
+    const JointIndex toes = whole.jointOf(toe);
+    if (toe == end || toes == kNoJoint || rig.toes == 0) continue;
+    if (rig.toes == 1) {
+      newOwner[toes] = control;
+    } else {
+      add(rig.name + whole.joint(toes).name, control, world[at(toes)], toes);
+    }
+  }
+  for (Influence& influence : character.influences) {
+    const auto found = newOwner.find(influence.joint);
+    if (found != newOwner.end()) influence.joint = found->second;
+  }
+  character.skeleton = *Skeleton::create(std::move(joints));
+  return made;
+}
+
+TEST_P(ProxyMotion, WhatCarriesTheMeshGoesWithTheBonesInEveryRig) {
+  const auto whole = performances(mannequin(), GetParam());
+  int rigs = 0;
+  for (const bool hands : {false, true}) {
+    for (const int toes : {0, 1, 2}) {
+      for (const bool ownParent : {false, true}) {
+        for (const char* name : {"IK_", "ctrl ", "Bone.042 "}) {
+          const ControlRig rig{hands, toes, ownParent, name};
+          SCOPED_TRACE(rig.text());
+          const ControlledCharacter made = controlled(rig);
+          ASSERT_TRUE(RetargetRig::create(made.character.skeleton)) << "the chains are whole";
+          const ProxySkeleton proxy = *ProxySkeleton::create(made.character);
+          ASSERT_EQ(proxy.strays().empty(), false);
+          for (const ProxySkeleton::Stray& stray : proxy.strays()) EXPECT_NE(stray.on, kNoJoint);
+
+          // Skinned by the added joints, as it would be by the bones whose vertices they took.
+          Character expected = made.character;
+          for (Influence& influence : expected.influences) {
+            const auto found = made.took.find(influence.joint);
+            if (found != made.took.end()) influence.joint = found->second;
+          }
+          const auto frames = performances(made.character, GetParam());
+          std::vector<Vec3> posed(expected.mesh.vertices.size());
+          std::vector<Vec3> truth(posed.size());
+          double farthest = 0.0;
+          for (std::size_t f = 0; f < whole.size(); f += 7) {
+            std::vector<Affine3> world = frames[f];
+            computeWorldFromModel(made.character, world, world);
+            skinLinearBlend(made.character, world, posed);
+            world = whole[f];
+            world.resize(frames[f].size(), Affine3::Identity());
+            computeWorldFromModel(expected, world, world);
+            skinLinearBlend(expected, world, truth);
+            for (std::size_t v = 0; v < posed.size(); ++v) farthest = std::max(farthest, (posed[v] - truth[v]).norm());
+          }
+          // Own toes below a control turn with the foot, not with the toes of the chain.
+          EXPECT_LT(farthest, toes == 2 ? 0.06 : 0.001);
+          ++rigs;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(rigs, 36);
+}
+
+TEST(ProxySkeleton, SaysWhatStaysBehind) {
+  Character character = mannequin();
+  std::vector<Joint> joints(character.skeleton.joints().begin(), character.skeleton.joints().end());
+  const auto far = static_cast<JointIndex>(joints.size());
+  joints.push_back({"Shadow", kNoJoint, {}, std::nullopt});
+  joints.back().rest.translation = Vec3(3.0, 0.0, 0.0);
+  character.skeleton = *Skeleton::create(std::move(joints));
+  Affine3 placed = Affine3::Identity();
+  placed.translation() = Vec3(-3.0, 0.0, 0.0);
+  character.jointFromModel.push_back(placed);
+  character.influences[character.influenceBegin[0]] = {far, 1.0};
+  for (std::uint32_t i = character.influenceBegin[0] + 1; i < character.influenceBegin[1]; ++i) {
+    character.influences[i].weight = 0.0;
+  }
+  character.mesh.vertices[0] = Vec3(3.0, 0.0, 0.0);
+  const ProxySkeleton proxy = *ProxySkeleton::create(character);
+  EXPECT_TRUE(proxy.isOwn());
+  ASSERT_EQ(proxy.strays().size(), 1u);
+  EXPECT_EQ(proxy.strays()[0].joint, far);
+  EXPECT_EQ(proxy.strays()[0].on, kNoJoint);
+}
 
 TEST(ProxySkeleton, OfAWholeSkeletonIsThatSkeleton) {
   ProxySkeleton proxy = *ProxySkeleton::create(mannequin());
