@@ -2,6 +2,7 @@
 
 #include "geometry/result.h"
 #include "skinning/character.h"
+#include "skinning/morphs/morph_extremes.h"
 
 #include <functional>
 #include <span>
@@ -33,6 +34,7 @@ struct ClosedBody {
 
   bool made = false;               ///< a surface had to be built: the character's own is not closed or not one solid
   int bodyVertices = 0;            ///< how many of character.mesh.vertices, the first ones
+  int reachedVertices = 0;         ///< how many, the last ones: positions that morph targets reach, see coverReached()
   double resolution = 0.0;         ///< voxel edge [m]; 0 if not made
   int shells = 0;                  ///< of the original, after welding
   int openEdges = 0;               ///< of the original, after welding
@@ -48,6 +50,20 @@ struct ClosedBody {
 /// surface on the same limb, and smoothed.
 /// @return the body; or an error if there are no triangles or they enclose nothing
 [[nodiscard]] Result<ClosedBody> makeBody(const Character& character, const BodySettings& settings = {});
+
+/// How far positions that morph targets reach may lie outside a body before its hulls must grow [m].
+inline constexpr double kReachTolerance = 0.002;
+
+/// Adds to a body the positions that morph targets take vertices to, so that the hulls contain them: as vertices that no
+/// triangle uses, after all others.
+///
+/// Positions that are held anyway are left out: those inside the body, inside the convex hull of the vertices that the
+/// same joint moves most, such as a mouth inside the head, or less than kReachTolerance outside of either. A part may be
+/// only a piece of such a hull; then a hollow between two parts is not filled. A note says what was added.
+/// @param character  the one that the body was made from
+/// @param reached    of its vertices
+/// @return how many vertices were added
+int coverReached(ClosedBody& body, const Character& character, std::span<const ReachedPosition> reached);
 
 /// The distances in another pose, with both surfaces skinned.
 /// @param worldFromModel  one per joint, see computeWorldFromModel()

@@ -74,7 +74,8 @@ BodyDistances distancesInPose(const ClosedBody& body, std::span<const Affine3> w
   skinLinearBlend(character, worldFromModel, posed);
   const auto bodyCount = static_cast<std::size_t>(body.bodyVertices);
   const std::span<const Vec3> bodyVertices = std::span(posed).first(bodyCount);
-  const std::span<const Vec3> shownVertices = std::span(posed).subspan(bodyCount);
+  const std::size_t shownCount = posed.size() - bodyCount - static_cast<std::size_t>(body.reachedVertices);
+  const std::span<const Vec3> shownVertices = std::span(posed).subspan(bodyCount, shownCount);
 
   const TriangleTree bodyTree(posed, character.mesh.triangles);
   const TriangleTree shownTree(posed, character.shown);

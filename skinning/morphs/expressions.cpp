@@ -91,13 +91,15 @@ bool addExpression(Expressions& expressions, Expression expression) {
   return true;
 }
 
-std::string namesOf(const Expressions& expressions) {
+std::string namesOf(const Expressions& expressions, std::size_t max) {
   std::string names;
-  for (const Expression& expression : expressions.list) {
-    if (!names.empty()) names += ", ";
-    names += expression.name;
+  const std::size_t shown = std::min(expressions.list.size(), max);
+  for (std::size_t e = 0; e < shown; ++e) {
+    if (e > 0) names += ", ";
+    names += expressions.list[e].name;
   }
-  return names;
+  const std::size_t more = expressions.list.size() - shown;
+  return more == 0 ? names : names + " and " + std::to_string(more) + " more";
 }
 
 void effectiveWeights(const Expressions& expressions, std::span<const float> weights, std::span<float> effective) {

@@ -81,8 +81,8 @@ struct Expressions {
 /// Appends an expression and sets its kind. @return false if the name is taken; then nothing is appended
 bool addExpression(Expressions& expressions, Expression expression);
 
-/// The names, separated by ", ": for messages.
-[[nodiscard]] std::string namesOf(const Expressions& expressions);
+/// The names, separated by ", ": for messages. Of more than `max` the rest is counted.
+[[nodiscard]] std::string namesOf(const Expressions& expressions, std::size_t max = 100);
 
 /// What remains of each expression's weight: clamped to 0..1, rounded if it is binary, and overridden.
 ///

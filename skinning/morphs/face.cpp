@@ -44,9 +44,9 @@ float blinkWeight(double time, std::uint64_t seed) {
 }
 
 Face::Face(const Morphs& morphs, const Expressions& expressions, const LookAt& lookAt)
-    : morphs_(morphs),
-      expressions_(expressions),
-      lookAt_(lookAt),
+    : morphs_(&morphs),
+      expressions_(&expressions),
+      lookAt_(&lookAt),
       blink_(indexOf("blink")),
       blinkLeft_(indexOf("blinkLeft")),
       blinkRight_(indexOf("blinkRight")),
@@ -58,11 +58,11 @@ Face::Face(const Morphs& morphs, const Expressions& expressions, const LookAt& l
       wanted_(chosen_),
       effective_(chosen_),
       targets_(expressions.baseWeights) {
-  LORICA_CHECK(targets_.size() == morphs_.targets.size(), "the expressions belong to another character");
+  LORICA_CHECK(targets_.size() == morphs_->targets.size(), "the expressions belong to another character");
 }
 
 int Face::indexOf(const char* preset) const {
-  const std::optional<std::size_t> index = findExpression(expressions_, preset);
+  const std::optional<std::size_t> index = findExpression(*expressions_, preset);
   return index ? static_cast<int>(*index) : -1;
 }
 
@@ -89,9 +89,9 @@ void Face::update(const FaceInput& input) {
       drive(blinkRight_, closed);
     }
   }
-  if (lookAt_.kind == LookAtKind::kExpression && !chosen(lookUp_) && !chosen(lookDown_) && !chosen(lookLeft_) &&
+  if (lookAt_->kind == LookAtKind::kExpression && !chosen(lookUp_) && !chosen(lookDown_) && !chosen(lookLeft_) &&
       !chosen(lookRight_)) {
-    const GazeWeights gaze = gazeWeights(lookAt_, input.gaze);
+    const GazeWeights gaze = gazeWeights(*lookAt_, input.gaze);
     drive(lookUp_, gaze.up);
     drive(lookDown_, gaze.down);
     drive(lookLeft_, gaze.left);
@@ -99,10 +99,10 @@ void Face::update(const FaceInput& input) {
   }
 
   // 2. Targets: those of the clip, and what the expressions add.
-  effectiveWeights(expressions_, wanted_, effective_);
-  std::copy(expressions_.baseWeights.begin(), expressions_.baseWeights.end(), targets_.begin());
+  effectiveWeights(*expressions_, wanted_, effective_);
+  std::copy(expressions_->baseWeights.begin(), expressions_->baseWeights.end(), targets_.begin());
   sampleMorphWeights(input.clip, input.clipTime, targets_);
-  addMorphWeights(expressions_, effective_, targets_);
+  addMorphWeights(*expressions_, effective_, targets_);
 }
 
 }  // namespace lorica

@@ -55,9 +55,9 @@ class Face {
   [[nodiscard]] int indexOf(const char* preset) const;
   void drive(int expression, float weight);
 
-  const Morphs& morphs_;
-  const Expressions& expressions_;
-  const LookAt& lookAt_;
+  const Morphs* morphs_;
+  const Expressions* expressions_;
+  const LookAt* lookAt_;
   int blink_, blinkLeft_, blinkRight_, lookUp_, lookDown_, lookLeft_, lookRight_;
   bool blinks_ = true;
   std::vector<float> chosen_;  // by set()

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace lorica {
 
@@ -14,6 +15,13 @@ Gaze gazeTowards(const LookAt& lookAt, const Affine3& worldFromHead, const Vec3&
   const Vec3 p = lookAt.modelFromHead * (worldFromHead.inverse() * target - lookAt.offsetFromHead);
   if (!p.allFinite() || p.squaredNorm() == 0.0) return {};
   return {std::atan2(p.x(), p.z()), std::atan2(-p.y(), std::hypot(p.x(), p.z()))};
+}
+
+Gaze followed(const Gaze& gaze) {
+  constexpr double kWhole = std::numbers::pi / 3.0;
+  constexpr double kNone = std::numbers::pi / 2.0;
+  const double share = std::clamp((kNone - std::abs(gaze.yaw)) / (kNone - kWhole), 0.0, 1.0);
+  return {share * gaze.yaw, share * gaze.pitch};
 }
 
 GazeWeights gazeWeights(const LookAt& lookAt, const Gaze& gaze) {

@@ -52,6 +52,10 @@ struct Gaze {
 /// @param target         [m], world
 [[nodiscard]] Gaze gazeTowards(const LookAt& lookAt, const Affine3& worldFromHead, const Vec3& target);
 
+/// The gaze of eyes that do not follow what is behind them: unchanged up to 60 degrees to a side, from there fading to
+/// ahead at 90 degrees, so that it never jumps.
+[[nodiscard]] Gaze followed(const Gaze& gaze);
+
 /// Weights of lookUp, lookDown, lookLeft and lookRight for a gaze, 0 or more; all 0 unless expressions move the eyes.
 struct GazeWeights {
   float up = 0.0F;

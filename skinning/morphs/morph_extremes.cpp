@@ -23,6 +23,32 @@ constexpr double kSamePlace = 1e-6;  // [m]
   return axes;
 }
 
+constexpr std::size_t kMaxSets = 4096;
+constexpr std::size_t kMaxTimes = 512;  // of a clip
+
+/// The times at which a clip's weights are at their extremes, at most `limit` of them.
+[[nodiscard]] std::vector<double> extremeTimes(std::span<const MorphWeightTrack> tracks, std::size_t limit) {
+  std::vector<double> times;
+  bool exact = true;
+  double first = kInfinity;
+  double last = -kInfinity;
+  for (const MorphWeightTrack& track : tracks) {
+    exact =
+        exact && track.interpolation != KeyInterpolation::kCubicSpline && times.size() + track.times.size() <= limit;
+    if (exact) times.insert(times.end(), track.times.begin(), track.times.end());
+    first = std::min(first, track.times.front());
+    last = std::max(last, track.times.back());
+  }
+  if (!exact) {
+    times.clear();
+    const auto steps = static_cast<double>(limit - 1);
+    for (std::size_t i = 0; i < limit; ++i) times.push_back(first + (last - first) * static_cast<double>(i) / steps);
+  }
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
 /// The outermost displacements of one vertex.
 struct Extremes {
   std::array<double, 2 * kAxes> reach{};     // along each axis, and against it
@@ -32,6 +58,30 @@ struct Extremes {
 };
 
 }  // namespace
+
+std::vector<float> usedWeightSets(const Morphs& morphs, const Expressions& expressions, std::span<const float> chosen) {
+  std::vector<float> effective(chosen.size());
+  effectiveWeights(expressions, chosen, effective);
+  std::vector<float> sets = expressions.baseWeights;
+  addMorphWeights(expressions, effective, sets);
+
+  const auto moves = [](const std::vector<MorphWeightTrack>& tracks) { return !tracks.empty(); };
+  const auto moving = static_cast<std::size_t>(std::count_if(morphs.clips.begin(), morphs.clips.end(), moves));
+  if (moving == 0) return sets;
+  const std::size_t limit = std::clamp<std::size_t>(kMaxSets / moving, 2, kMaxTimes);
+  for (const std::vector<MorphWeightTrack>& tracks : morphs.clips) {
+    if (!moves(tracks)) continue;
+    for (const double time : extremeTimes(tracks, limit)) {
+      const std::size_t begin = sets.size();
+      if (begin >= kMaxSets * expressions.baseWeights.size()) return sets;
+      sets.insert(sets.end(), expressions.baseWeights.begin(), expressions.baseWeights.end());
+      const std::span<float> set = std::span(sets).subspan(begin);
+      sampleMorphWeights(tracks, time, set);
+      addMorphWeights(expressions, effective, set);
+    }
+  }
+  return sets;
+}
 
 std::vector<ReachedPosition> reachedPositions(const Morphs& morphs, std::span<const float> weightSets,
                                               std::span<const Vec3> bindPositions, double threshold) {

@@ -2,12 +2,21 @@
 
 #include "geometry/math.h"
 #include "geometry/tri_mesh.h"
+#include "skinning/morphs/expressions.h"
 #include "skinning/morphs/morphs.h"
 
 #include <span>
 #include <vector>
 
 namespace lorica {
+
+/// Weights of the targets that a run sets, for reachedPositions(): the chosen expressions alone, and upon every clip of
+/// the file at its keys. Clips with splines or more than 512 keys are sampled at 512 times, fewer if there are many
+/// clips: at most 4,096 sets are made. Blinking and gaze are left out: they last a moment and move millimetres.
+/// @param chosen  one weight for each expression
+/// @return setCount x targetCount
+[[nodiscard]] std::vector<float> usedWeightSets(const Morphs& morphs, const Expressions& expressions,
+                                                std::span<const float> chosen);
 
 /// A position in the bind pose that a vertex reaches by morph targets.
 struct ReachedPosition {

@@ -51,6 +51,18 @@ TEST(LookAt, GazeFollowsTheHeadHoweverItsJointIsTurnedAndScaled) {
   EXPECT_NEAR(gaze.pitch, std::atan(1.0 / std::sqrt(2.0)), 1e-9);
 }
 
+TEST(LookAt, WhatIsBehindIsNotFollowed) {
+  const Gaze near = followed({1.0, -0.3});
+  EXPECT_EQ(near.yaw, 1.0);
+  EXPECT_EQ(near.pitch, -0.3);
+  EXPECT_NEAR(followed({-75.0 * kDegree, 0.4}).yaw, -37.5 * kDegree, 1e-12);
+  EXPECT_NEAR(followed({-75.0 * kDegree, 0.4}).pitch, 0.2, 1e-12);
+  for (const double yaw : {90.0, 135.0, 180.0, -179.0}) {
+    EXPECT_NEAR(followed({yaw * kDegree, 0.4}).yaw, 0.0, 1e-12);
+    EXPECT_NEAR(followed({yaw * kDegree, 0.4}).pitch, 0.0, 1e-12);
+  }
+}
+
 TEST(LookAt, ExpressionsTakeTheOuterRangeOnBothSides) {
   LookAt lookAt;
   lookAt.kind = LookAtKind::kExpression;

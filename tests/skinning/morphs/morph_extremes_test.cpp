@@ -82,5 +82,42 @@ TEST(MorphExtremes, SeveralTargetsAreHeldToAShareOfTheWay) {
   EXPECT_LT(worst, 0.15);
 }
 
+/// Targets 0 to 2: happy, blink, and one of a clip.
+TEST(MorphExtremes, UsedWeightsAreTheChosenOnesAndTheKeysOfClips) {
+  Morphs morphs;
+  Expressions expressions;
+  for (int t = 0; t < 3; ++t) {
+    morphs.targets.push_back({"t", 0.0F, {}});
+    expressions.baseWeights.push_back(0.0F);
+  }
+  for (const auto& [name, target] : {std::pair("happy", 0), std::pair("blink", 1), std::pair("aa", 2)}) {
+    Expression expression;
+    expression.name = name;
+    expression.morphs = {{target, 1.0F}};
+    addExpression(expressions, expression);
+  }
+  const std::vector<float> chosen = {0.5F, 0.0F, 0.0F};
+  EXPECT_EQ(usedWeightSets(morphs, expressions, chosen), (std::vector<float>{0.5F, 0, 0}));
+  morphs.clips = {{}, {{2, 1, KeyInterpolation::kLinear, {0.0, 2.0}, {0.25F, 0.75F}}}};
+  EXPECT_EQ(usedWeightSets(morphs, expressions, chosen),
+            (std::vector<float>{0.5F, 0, 0, 0.5F, 0, 0.25F, 0.5F, 0, 0.75F}));
+}
+
+TEST(MorphExtremes, UsedWeightsOfManyLongClipsAreBounded) {
+  Morphs morphs;
+  Expressions expressions;
+  morphs.targets.push_back({"t", 0.0F, {}});
+  expressions.baseWeights = {0.0F};
+  MorphWeightTrack track{0, 1, KeyInterpolation::kLinear, {}, {}};
+  for (int key = 0; key < 5000; ++key) {
+    track.times.push_back(0.1 * key);
+    track.values.push_back(key % 2 == 0 ? 0.0F : 1.0F);
+  }
+  morphs.clips.assign(3, {track});
+  EXPECT_EQ(usedWeightSets(morphs, expressions, {}).size(), 1u + 3u * 512u);
+  morphs.clips.assign(20'000, {track});
+  EXPECT_EQ(usedWeightSets(morphs, expressions, {}).size(), 4096u);
+}
+
 }  // namespace
 }  // namespace lorica
