@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/gltf_types.h"
 #include "skinning/import/uri.h"
 
 #include <fmt/format.h>
@@ -320,6 +321,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   document.nodeConstraints = takeNodeConstraints(*json);
   document.targetNames = targetNamesOf(*json);
   dropExtensions(*json);
+  if (Result<void> typed = checkGltfTypes(*json, name); !typed) return typed.error();
 
   std::string problem;
   std::string warning;
