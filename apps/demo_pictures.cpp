@@ -79,7 +79,7 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
   lastSeconds_ = seconds;
   SceneOptions show;
   show.caption = caption;
-  Image image = camera_.draw(scene_->of(session, show), show, follow_.camera());
+  Image image = camera_.draw(scene_->of(session, show, follow_.camera().eye), show, follow_.camera());
   if (video_) {
     if (Result<void> added = video_->add(image); !added) return added;
   }
@@ -89,7 +89,7 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
   const double events = eventsIn(session);
   if (events <= moment.events) return {};
   show.skin = false;
-  Image hulls = camera_.draw(scene_->of(session, show), show, follow_.camera());
+  Image hulls = camera_.draw(scene_->of(session, show, follow_.camera().eye), show, follow_.camera());
   moment = {std::move(image), std::move(hulls), fmt::format("{:.1f} s", seconds), events};
   return {};
 }

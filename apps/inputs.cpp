@@ -1,5 +1,6 @@
 #include "apps/inputs.h"
 
+#include "apps/expression_options.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
@@ -35,7 +36,8 @@ Result<ClosedBody> makeBodyWithProgress(const Character& character, const Charac
 /// Rejects options that would have no effect on this input.
 Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
   for (const auto& [given, option] :
-       {std::pair(!options.map.empty(), "--map"), std::pair(options.bodyResolution > 0.0, "--body-resolution")}) {
+       {std::pair(!options.map.empty(), "--map"), std::pair(options.bodyResolution > 0.0, "--body-resolution"),
+        std::pair(!options.expressions.empty(), "--expression")}) {
     if (!given) continue;
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option)};
@@ -44,13 +46,20 @@ Result<void> refuseFileOptions(const std::string& input, const CharacterOptions&
 }
 
 /// Decodes the pictures of a character's materials with a progress bar; Ctrl-C cancels.
-Result<MadeAvatar> makeAvatarWithProgress(const CharacterFile& file, const CharacterOptions& options) {
+Result<MadeAvatar> makeAvatarWithProgress(const CharacterFile& file, std::vector<float> expressions,
+                                          const CharacterOptions& options) {
   const NothingToCleanUp nothing;
   ProgressBar bar("Decoding textures of " + file.character.name, "textures");
   DecodeSettings settings;
   settings.largestSide = options.textureSize;
   settings.progress = progressOf(bar);
-  return makeAvatar(file.character, file.look, settings);
+  AvatarFace face{file.morphs, file.expressions, file.lookAt, std::move(expressions)};
+  if (options.ownClip) {
+    // Without such a clip the command fails later.
+    const Result<const Clip*> clip = findClip(file.clips, *options.ownClip, file.character.name);
+    if (clip) face.clip = static_cast<int>(*clip - file.clips.data());
+  }
+  return makeAvatar(file.character, file.look, settings, std::move(face));
 }
 
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
@@ -67,12 +76,17 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
     if (!mapped) return mapped.error();
     read->character.skeleton = std::move(*mapped);
   }
+  Result<std::vector<float>> expressions = chosenExpressions(read->expressions, options.expressions, file.string());
+  if (!expressions) return expressions.error();
   Result<ClosedBody> body = makeBodyWithProgress(read->character, options);
   if (!body) return body.error();
+  const std::vector<float> used = usedWeightSets(read->morphs, read->expressions, *expressions);
+  (void)coverReached(*body, read->character,
+                     reachedPositions(read->morphs, used, read->character.mesh.vertices, kReachTolerance));
   Subject subject{read->character.name, body->character.mesh, std::nullopt, "", std::move(*read), std::move(*body)};
   if (subject.file->skins > 0 || !subject.file->clips.empty()) subject.character = subject.body->character;
   if (options.drawn && subject.character && subject.file->look.given()) {
-    Result<MadeAvatar> made = makeAvatarWithProgress(*subject.file, options);
+    Result<MadeAvatar> made = makeAvatarWithProgress(*subject.file, std::move(*expressions), options);
     if (!made) return made.error();
     subject.character->avatar = std::move(made->avatar);
     std::vector<std::string>& notes = subject.file->notes;
@@ -92,6 +106,7 @@ void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
   addLength(app, "--body-resolution", options.bodyResolution,
             "Voxel size for the closed body that is made if the character's surface is open [default: from its "
             "thickness]");
+  addExpressionOption(app, options.expressions);
 }
 
 void addTextureOption(CommandLine& app, int& textureSize) {

@@ -20,9 +20,11 @@ struct CharacterOptions {
   double bodyResolution = 0.0;  ///< of the voxels if a closed surface has to be made [m]; 0 = automatic
   bool drawn = false;           ///< the character is drawn: decode the pictures of its materials
   int textureSize = 0;          ///< largest side of those pictures [pixels]; 0 = as stored
+  std::vector<std::string> expressions = {};  ///< see chosenExpressions()
+  std::optional<std::string> ownClip = {};    ///< name of the own clip that the character plays, see findClip()
 };
 
-/// --map and --body-resolution.
+/// --map, --body-resolution and --expression.
 void addCharacterOptions(CommandLine& app, CharacterOptions& options);
 /// --texture-size, for commands that draw.
 void addTextureOption(CommandLine& app, int& textureSize);

@@ -42,6 +42,11 @@ Result<void> checkPerformer(const Motion& motion, const Subject& subject, const 
                   clips.empty() ? "" : " --clip " + subject.file->clips.front().name, asGiven)};
 }
 
+/// Notes if the hulls grew for expressions or clips.
+void tellReached(const Subject& subject, Motion& motion) {
+  if (subject.body && subject.body->reachedVertices > 0) motion.notes.push_back(subject.body->notes.back());
+}
+
 }  // namespace
 
 void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options) {
@@ -67,7 +72,9 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   }
   if (isCharacterFile(own) &&
       (options.character.empty() || options.motion.empty() || options.motion == options.character)) {
-    Result<Subject> subject = readSubject(own, options.reading);
+    CharacterOptions reading = options.reading;
+    reading.ownClip = options.performing.clip;
+    Result<Subject> subject = readSubject(own, reading);
     if (subject && subject->character) {
       const Result<const Clip*> clip = findClip(subject->file->clips, options.performing.clip, own);
       if (!clip) return clip.error();
@@ -77,6 +84,7 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
       motion.fromCharacterFile = true;
       motion.format = subject->file->format;
       motion.notes = subject->file->notes;
+      tellReached(*subject, motion);
       return PlaybackInput{std::move(*subject), std::move(motion)};
     }
     // A file without a surface holds a motion for another character.
@@ -89,6 +97,7 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   if (Result<void> fine = checkPerformer(*motion, *subject, options.character); !fine) return fine.error();
   if (subject->file) {
     motion->notes.insert(motion->notes.end(), subject->file->notes.begin(), subject->file->notes.end());
+    tellReached(*subject, *motion);
   }
   return PlaybackInput{std::move(*subject), std::move(*motion)};
 }

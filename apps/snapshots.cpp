@@ -32,6 +32,7 @@ SceneOptions usualView(const Character& character) {
 }
 
 SessionScene::SessionScene(const Session& session) {
+  if (session.character().avatar != nullptr) face_ = SessionFace::of(session.character().avatar);
   const Decomposition& decomposition = session.body().decomposition();
   if (const Character& character = session.character(); !character.shown.empty()) {
     triangles_ = character.shown;
@@ -55,7 +56,7 @@ SessionScene::SessionScene(const Session& session) {
   }
 }
 
-Scene SessionScene::of(const Session& session, const SceneOptions& show) const {
+Scene SessionScene::of(const Session& session, const SceneOptions& show, const Vec3& watcher) const {
   Scene scene;
   scene.avatar = session.character().avatar;
   if (scene.avatar == nullptr || (show.skin && show.colorSkinByPart)) {
@@ -66,6 +67,7 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show) const {
   if (scene.avatar != nullptr) {
     worldFromModel_.resize(scene.avatar->character.jointFromModel.size());
     computeWorldFromModel(scene.avatar->character, session.worldFromJoint(), worldFromModel_);
+    if (face_) face_->update(session, watcher, worldFromModel_, scene);
     scene.worldFromModel = worldFromModel_;
     scene.time = session.time();
   }
@@ -187,7 +189,7 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   if (film <= 0 && !snapshotDue(session)) return {};
   SceneOptions show = usualView(session.character());
   show.caption = captionOf(name, session, session.time() - *firstTime_);
-  Scene scene = scene_.of(session, show);
+  Scene scene = scene_.of(session, show, follow_.camera().eye);
   scene.inset = inset;
   const Image image = pictures_.draw(scene, show, follow_.camera());
   for (int i = 0; i < film; ++i, ++filmed_) {

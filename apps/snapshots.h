@@ -4,6 +4,7 @@
 #include "apps/command_line.h"
 #include "apps/movie.h"
 #include "apps/report.h"
+#include "apps/session_face.h"
 #include "session/session.h"
 #include "viewer/image.h"
 #include "viewer/renderer.h"
@@ -25,12 +26,14 @@ class SessionScene {
 
   /// Borrows from the session and from this object.
   /// @param show  the mesh is not posed if an avatar is shown instead
-  [[nodiscard]] Scene of(const Session& session, const SceneOptions& show) const;
+  /// @param watcher  [m], where the picture is taken from: an avatar's eyes follow it
+  [[nodiscard]] Scene of(const Session& session, const SceneOptions& show, const Vec3& watcher) const;
 
  private:
   std::vector<Triangle> triangles_;  // the shown surface, or the surface of all parts without caps, over their points
   std::vector<PartIndex> partOfTriangle_;
   mutable std::vector<Affine3> worldFromModel_;  // of the avatar's joints, of the last scene
+  mutable std::optional<SessionFace> face_;
 };
 
 /// What is shown of a session unless the user says otherwise: an avatar as its maker drew it; of other characters the

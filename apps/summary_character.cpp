@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kClipsShown = 24;
 constexpr int kPosesMeasured = 6;
 
+constexpr std::size_t kExpressionsShown = 40;
 /// Converts leftHand to "left hand".
 std::string inWords(std::string_view bone) {
   std::string words;
@@ -88,7 +89,6 @@ void addFile(const CharacterFile& file, FileSummary& summary) {
   report.line("format", fmt::format("{}: {}, {}, {}", file.format, counted(file.meshes, "mesh", "meshes"),
                                     counted(file.primitives, "primitive"), counted(file.skins, "skin")));
   report.line("unit", file.metresPerUnit == 1.0 ? "metres" : fmt::format("{:g} m, converted", file.metresPerUnit));
-  if (file.morphTargets > 0) report.line("morph targets", fmt::format("{}, at their rest weights", file.morphTargets));
   report.line("weights", fmt::format("at most {} per vertex, {}", counted(file.maxInfluences, "bone"),
                                      file.repairedVertices == 0
                                          ? "all valid"
@@ -98,13 +98,38 @@ void addFile(const CharacterFile& file, FileSummary& summary) {
   json["meshes"] = file.meshes;
   json["primitives"] = file.primitives;
   json["skins"] = file.skins;
-  json["morphTargets"] = file.morphTargets;
   json["metresPerUnit"] = file.metresPerUnit;
   json["maxInfluences"] = file.maxInfluences;
   json["repairedVertices"] = file.repairedVertices;
 }
 
 void addClips(const std::vector<Clip>& clips, FileSummary& summary) {
+void addFace(const CharacterFile& file, FileSummary& summary) {
+  Report& report = summary.report;
+  Json& json = summary.json;
+  const std::vector<MorphTarget>& targets = file.morphs.targets;
+  json["morphTargets"] = file.morphTargets;
+  json["expressions"] = Json::array();
+  for (const Expression& expression : file.expressions.list) {
+    Json one = {{"name", expression.name}, {"targets", Json::object()}};
+    for (const MorphBind& bind : expression.morphs) one["targets"][targets[bind.target].name] = bind.weight;
+    json["expressions"].push_back(std::move(one));
+  }
+  const LookAtKind looks = file.lookAt.kind;
+  const char* gaze = looks == LookAtKind::kBone ? "bones" : looks == LookAtKind::kExpression ? "expressions" : "none";
+  json["lookAt"] = gaze;
+  if (file.morphTargets > 0) {
+    const auto clips = std::count_if(file.morphs.clips.begin(), file.morphs.clips.end(),
+                                     [](const auto& tracks) { return !tracks.empty(); });
+    std::size_t moving = 0;
+    for (const MorphTarget& target : targets) moving += target.offsets.empty() ? 0 : 1;
+    report.line("morph targets", fmt::format("{}, {} of them move something{}", file.morphTargets, moving,
+                                             clips == 0 ? "" : fmt::format("; {} move them", counted(clips, "clip"))));
+  }
+  if (!file.expressions.list.empty()) report.line("expressions", namesOf(file.expressions, kExpressionsShown));
+  if (looks != LookAtKind::kNone) report.line("look-at", fmt::format("by {}", gaze));
+}
+
   summary.json["clips"] = Json::array();
   for (const Clip& clip : clips) summary.json["clips"].push_back({{"name", clip.name}, {"seconds", clip.seconds}});
   if (clips.empty()) {
@@ -220,6 +245,7 @@ FileSummary describeCharacter(const Subject& subject) {
   addSkeleton(character, summary);
   addBody(subject, summary);
   addClips(file.clips, summary);
+  addFace(file, summary);
   for (const std::string& note : file.notes) summary.report.note(note);
   json["notes"] = file.notes;
   return summary;

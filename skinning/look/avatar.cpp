@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace lorica {
 
 std::size_t Avatar::textureBytes() const {
@@ -10,10 +12,11 @@ std::size_t Avatar::textureBytes() const {
   return bytes;
 }
 
-Result<MadeAvatar> makeAvatar(const Character& character, const Look& look, const DecodeSettings& settings) {
+Result<MadeAvatar> makeAvatar(Character character, Look look, const DecodeSettings& settings, AvatarFace face) {
   auto avatar = std::make_shared<Avatar>();
-  avatar->character = character;
-  avatar->look = look;
+  avatar->character = std::move(character);
+  avatar->face = std::move(face);
+  avatar->face.chosen.resize(avatar->face.expressions.list.size(), 0.0F);
   std::vector<EncodedPicture> encoded;
   encoded.reserve(look.pictures.size());
   for (const StoredPicture& picture : look.pictures) encoded.push_back({picture.bytes, picture.name});
@@ -23,7 +26,8 @@ Result<MadeAvatar> makeAvatar(const Character& character, const Look& look, cons
     if (!picture) made.notes.push_back(fmt::format("{}: its materials stay plain", picture.error().message));
     avatar->pictures.push_back(picture ? std::move(*picture) : Picture());
   }
-  for (StoredPicture& picture : avatar->look.pictures) std::vector<std::byte>().swap(picture.bytes);
+  for (StoredPicture& picture : look.pictures) std::vector<std::byte>().swap(picture.bytes);
+  avatar->look = std::move(look);
   made.avatar = std::move(avatar);
   return made;
 }

@@ -3,6 +3,9 @@
 #include "skinning/character.h"
 #include "skinning/look/look.h"
 #include "skinning/look/picture.h"
+#include "skinning/morphs/expressions.h"
+#include "skinning/morphs/look_at.h"
+#include "skinning/morphs/morphs.h"
 
 #include <memory>
 #include <string>
@@ -10,12 +13,22 @@
 
 namespace lorica {
 
+/// What moves an avatar's face, see skinning/morphs/face.h.
+struct AvatarFace {
+  Morphs morphs;  ///< of the avatar's mesh
+  Expressions expressions;
+  LookAt lookAt;
+  std::vector<float> chosen;  ///< weight of each expression to begin with
+  int clip = -1;              ///< index into morphs.clips of the clip that the character plays; -1 = none
+};
+
 /// What is drawn of a character: its surface as its maker drew it, and how that looks. The body that is decomposed and
 /// touched may have another surface, see skinning/body/closed_body.h, but moves with the same skeleton.
 struct Avatar {
   Character character;            ///< as read from its file
   Look look;                      ///< of character.mesh
   std::vector<Picture> pictures;  ///< look.pictures decoded; 0 x 0 pixels = not available, its materials stay plain
+  AvatarFace face;                ///< `chosen` has an element for each expression
 
   /// Memory that a renderer needs for the textures, with their smaller copies [bytes].
   [[nodiscard]] std::size_t textureBytes() const;
@@ -26,10 +39,10 @@ struct MadeAvatar {
   std::vector<std::string> notes;  ///< a sentence for each picture that could not be decoded
 };
 
-/// Decodes a look's pictures.
+/// Decodes a look's pictures. Move the look in if nothing else needs it, so that its pictures are not copied.
 /// @param character  the look's own
 /// @return the avatar; or kCancelled
-[[nodiscard]] Result<MadeAvatar> makeAvatar(const Character& character, const Look& look,
-                                            const DecodeSettings& settings = {});
+[[nodiscard]] Result<MadeAvatar> makeAvatar(Character character, Look look, const DecodeSettings& settings = {},
+                                            AvatarFace face = {});
 
 }  // namespace lorica

@@ -68,6 +68,10 @@ void addClip(GlbWriter& writer, const std::string& name, int node, float seconds
 }  // namespace
 
 std::string mannequinGlb(bool torn, bool named) {
+  return mannequinWriter(torn, named).glb();
+}
+
+GlbWriter mannequinWriter(bool torn, bool named) {
   const Character character = makeMannequin();
   const Skeleton& skeleton = character.skeleton;
   GlbWriter writer;
@@ -137,7 +141,7 @@ std::string mannequinGlb(bool torn, bool named) {
   writer.document["scene"] = 0;
   addClip(writer, "Bow", skeleton.jointOf(HumanBone::kSpine), 1.0F, 0.9F);
   addClip(writer, "Nod", skeleton.jointOf(HumanBone::kHead), 0.5F, 0.4F);
-  return writer.glb();
+  return writer;
 }
 
 }  // namespace lorica::test

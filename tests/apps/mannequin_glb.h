@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/skinning/import/glb_writer.h"
+
 #include <string>
 
 namespace lorica::test {
@@ -9,5 +11,7 @@ namespace lorica::test {
 /// @param torn   some triangles are missing, so that the surface is open
 /// @param named  false: bones have numbers instead of names, and use centimetres in a rotated, scaled armature
 [[nodiscard]] std::string mannequinGlb(bool torn, bool named = true);
+/// The same before it is written, for tests that add to it. The mesh has the vertices of makeMannequin().
+[[nodiscard]] GlbWriter mannequinWriter(bool torn, bool named = true);
 
 }  // namespace lorica::test

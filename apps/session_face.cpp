@@ -1,0 +1,47 @@
+#include "apps/session_face.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+
+std::optional<SessionFace> SessionFace::of(const std::shared_ptr<const Avatar>& avatar) {
+  const AvatarFace& face = avatar->face;
+  if (face.morphs.targets.empty() && face.lookAt.kind == LookAtKind::kNone) return std::nullopt;
+  return SessionFace(avatar);
+}
+
+SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
+    : avatar_(std::move(avatar)),
+      face_(avatar_->face.morphs, avatar_->face.expressions, avatar_->face.lookAt),
+      bindNormals_(avatar_->look.normals) {
+  for (std::size_t e = 0; e < avatar_->face.chosen.size(); ++e) face_.set(e, avatar_->face.chosen[e]);
+  bindNormals_.resize(avatar_->character.mesh.vertices.size(), Vec3f::Zero());
+  positions_ = avatar_->character.mesh.vertices;
+  normals_ = bindNormals_;
+}
+
+void SessionFace::update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene) {
+  const AvatarFace& own = avatar_->face;
+  FaceInput input;
+  input.time = session.time();
+  if (own.lookAt.head != kNoJoint) {
+    input.gaze = followed(gazeTowards(own.lookAt, session.worldFromJoint()[own.lookAt.head], watcher));
+  }
+  if (own.clip >= 0 && static_cast<std::size_t>(own.clip) < own.morphs.clips.size()) {
+    input.clip = own.morphs.clips[own.clip];
+    input.clipTime = session.time();
+  }
+  face_.update(input);
+  turnEyes(avatar_->character, own.lookAt, input.gaze, worldFromModel);
+
+  const std::span<const float> weights = face_.targetWeights();
+  const bool still = std::equal(weights.begin(), weights.end(), own.morphs.targets.begin(),
+                                [](float w, const MorphTarget& target) { return w == target.defaultWeight; });
+  if (still) return;
+  applyMorphs(own.morphs, weights, avatar_->character.mesh.vertices, bindNormals_, positions_, normals_);
+  scene.avatarPositions = positions_;
+  scene.avatarNormals = normals_;
+}
+
+}  // namespace lorica

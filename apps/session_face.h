@@ -1,0 +1,39 @@
+#pragma once
+
+#include "session/session.h"
+#include "skinning/look/avatar.h"
+#include "skinning/morphs/face.h"
+#include "viewer/scene.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// The face of a session's avatar: its expressions, the clip that it plays, blinking, and eyes that follow the
+/// picture's camera. It is only drawn; hulls and physics do not depend on it, see coverReached() for shapes that they
+/// must hold.
+class SessionFace {
+ public:
+  /// @return none if the avatar has no morph targets and no eyes that move
+  [[nodiscard]] static std::optional<SessionFace> of(const std::shared_ptr<const Avatar>& avatar);
+
+  /// Computes the face of the session's frame. Does not allocate memory after the first frame.
+  /// @param watcher         [m], world: what the eyes follow while it is in front of the head
+  /// @param worldFromModel  of the avatar's joints; those of the eyes are turned
+  /// @param scene           gets the changed positions and normals, borrowed from this object
+  void update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene);
+
+ private:
+  explicit SessionFace(std::shared_ptr<const Avatar> avatar);
+
+  std::shared_ptr<const Avatar> avatar_;
+  Face face_;
+  std::vector<Vec3f> bindNormals_;  // of every vertex; zero where the file has none
+  std::vector<Vec3> positions_;
+  std::vector<Vec3f> normals_;
+};
+
+}  // namespace lorica
