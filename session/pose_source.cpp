@@ -1,7 +1,9 @@
 #include "session/pose_source.h"
 
 #include "capture/files/joint_csv.h"
+#include "capture/leg_judge.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "capture/standing_legs.h"
 #include "session/joint_trust.h"
 
 #include <algorithm>
@@ -15,7 +17,11 @@ class JointPoseSource final : public PoseSource {
  public:
   JointPoseSource(const Skeleton& skeleton, Retargeter retargeter, std::unique_ptr<SkeletonSource> joints,
                   const JointSettings& settings)
-      : retargeter_(std::move(retargeter)), joints_(std::move(joints)), trust_(skeleton), mirror_(settings.mirror) {
+      : retargeter_(std::move(retargeter)),
+        joints_(std::move(joints)),
+        trust_(skeleton),
+        legs_(settings.upperBody),
+        mirror_(settings.mirror) {
     if (settings.smoothing) filter_.emplace(*settings.smoothing);
   }
 
@@ -26,8 +32,10 @@ class JointPoseSource final : public PoseSource {
     if (!frame) return frame.error();
     if (!frame->has_value()) return std::optional<double>();
     if (mirror_) mirror(**frame);
+    judge_.apply(**frame);
     trust_.take(**frame);
     if (filter_) filter_->apply(**frame);
+    legs_.apply(**frame);
     retargeter_.apply(**frame, pose);
     return std::optional<double>((*frame)->time);
   }
@@ -38,11 +46,14 @@ class JointPoseSource final : public PoseSource {
   }
   [[nodiscard]] std::span<const double> trust() const override { return trust_.joints(); }
   [[nodiscard]] double waited() const override { return waited_; }
+  [[nodiscard]] bool refusedLegs() const override { return judge_.everImplausible(); }
 
  private:
   Retargeter retargeter_;
   std::unique_ptr<SkeletonSource> joints_;
+  LegJudge judge_;
   JointTrust trust_;
+  StandingLegs legs_;
   std::optional<OneEuroFilter> filter_;
   bool mirror_;
   double waited_ = 0.0;
@@ -68,6 +79,7 @@ class ProxyPoseSource final : public PoseSource {
   [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
   [[nodiscard]] std::span<const double> trust() const override { return trust_; }
   [[nodiscard]] double waited() const override { return source_->waited(); }
+  [[nodiscard]] bool refusedLegs() const override { return source_->refusedLegs(); }
 
  private:
   ProxySkeleton proxy_;

@@ -30,12 +30,16 @@ class PoseSource {
 
   /// Time that the last next() waited for joints, including tracking [s]; 0 if they were available.
   [[nodiscard]] virtual double waited() const { return 0.0; }
+
+  /// Whether a leg was refused so far because it cannot be, see LegJudge.
+  [[nodiscard]] virtual bool refusedLegs() const { return false; }
 };
 
 /// Processing of joints before they pose a character.
 struct JointSettings {
   std::optional<OneEuroSettings> smoothing;  ///< none = no smoothing
   bool mirror = false;                       ///< swaps left and right
+  bool upperBody = false;                    ///< the person's legs are not used, see StandingLegs
 };
 
 /// Poses a skeleton from tracked joints, see Retargeter.

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+
+#include <array>
+
+namespace lorica {
+
+/// Gives a person whose legs are not known legs to stand on: for people who sit, webcams, and legs that LegJudge
+/// refused.
+///
+/// The feet stand below the hips and stay in place until the hips have moved or turned away; then one foot after the
+/// other steps. The body is raised or lowered so that the hips are at standing height; quick movements of the hips,
+/// such as a bow or a small squat, bend the knees. Lengths of the legs come from the length of the trunk (adults'
+/// proportions, R. Drillis and R. Contini, "Body Segment Parameters", 1966). Appears and goes within half a second. Use
+/// one instance per person. Allocates nothing.
+class StandingLegs {
+ public:
+  /// @param always  the person's own legs are never used
+  explicit StandingLegs(bool always) : always_(always) {}
+
+  /// Sets hips, knees and feet, and moves all joints vertically, if neither leg is known or `always` is set; else only
+  /// while returning to the person's own legs. A frame without neck is not changed.
+  void apply(SkeletonFrame& frame);
+
+ private:
+  struct Foot {
+    Vec3 from{0, 0, 0}, to{0, 0, 0};  ///< of the current or last step [m]
+    double stepped = 1.0;             ///< share of it that is done
+    double yaw = 0.0;                 ///< heading in which it was placed [rad]
+    [[nodiscard]] Vec3 position() const;
+  };
+
+  void stand(SkeletonFrame& frame, double step);
+
+  bool always_;
+  std::array<Foot, 2> feet_;
+  double share_ = 0.0;      ///< of these legs in what is shown
+  double unknown_ = 0.0;    ///< how long neither leg was known [s]
+  double trunk_ = 0.0;      ///< usual length from the hips to the neck [m]; 0 = not seen yet
+  double usualHips_ = 0.0;  ///< usual height of the hips [m]
+  double time_ = 0.0;       ///< of the previous frame [s]
+  bool any_ = false;
+  bool placed_ = false;  ///< the feet have positions
+};
+
+}  // namespace lorica
