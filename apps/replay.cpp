@@ -32,6 +32,7 @@ Result<Subject> findCharacter(const Options& options, const SessionHeader& heade
   CharacterOptions reading{header.boneMap, header.bodyResolution};
   reading.drawn = options.window || options.pictures.any();
   reading.textureSize = options.textureSize;
+  reading.expressions = header.expressions;
   if (!options.character.empty()) return readCharacter(options.character, reading);
   Result<Subject> subject = readCharacter(header.character, reading);
   if (subject) return subject;

@@ -28,6 +28,7 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   header.character = as.character.empty() ? "mannequin" : as.character;
   header.boneMap = as.reading.map;
   header.bodyResolution = as.reading.bodyResolution;
+  header.expressions = as.reading.expressions;
   header.characterHash = hashOf(character);
   header.decomposition = as.body.decomposition;
   header.decompositionHash = hashOf(body.decomposition);

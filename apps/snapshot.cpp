@@ -174,7 +174,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     const auto draw = [&]() -> const Image& {
       if (!image) {
         if (caption) show.caption = captionOf(motion.name, session, seconds);
-        image = pictures->draw(scene.of(session, show), show, camera.camera());
+        image = pictures->draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
       }
       return *image;
     };

@@ -15,8 +15,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kClipsShown = 24;
 constexpr int kPosesMeasured = 6;
-
 constexpr std::size_t kExpressionsShown = 40;
+
 /// Converts leftHand to "left hand".
 std::string inWords(std::string_view bone) {
   std::string words;
@@ -103,7 +103,6 @@ void addFile(const CharacterFile& file, FileSummary& summary) {
   json["repairedVertices"] = file.repairedVertices;
 }
 
-void addClips(const std::vector<Clip>& clips, FileSummary& summary) {
 void addFace(const CharacterFile& file, FileSummary& summary) {
   Report& report = summary.report;
   Json& json = summary.json;
@@ -130,6 +129,7 @@ void addFace(const CharacterFile& file, FileSummary& summary) {
   if (looks != LookAtKind::kNone) report.line("look-at", fmt::format("by {}", gaze));
 }
 
+void addClips(const std::vector<Clip>& clips, FileSummary& summary) {
   summary.json["clips"] = Json::array();
   for (const Clip& clip : clips) summary.json["clips"].push_back({{"name", clip.name}, {"seconds", clip.seconds}});
   if (clips.empty()) {
@@ -244,8 +244,8 @@ FileSummary describeCharacter(const Subject& subject) {
   summary.report.line("height", fmt::format("{:.3f} m", character.height));
   addSkeleton(character, summary);
   addBody(subject, summary);
-  addClips(file.clips, summary);
   addFace(file, summary);
+  addClips(file.clips, summary);
   for (const std::string& note : file.notes) summary.report.note(note);
   json["notes"] = file.notes;
   return summary;

@@ -329,7 +329,7 @@ void WindowLoop::show() {
   values.holdsProp = hands_.holds();
   Scene scene;
   if (started_) {
-    scene = scene_.of(session_, window_.shown());
+    scene = scene_.of(session_, window_.shown(), window_.camera().eye);
     scene.inset = subject_.inset;
   }
   window_.show(scene, values);

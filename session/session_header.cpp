@@ -48,10 +48,17 @@ void readFaults(SceneElement& root, SessionHeader& header) {
 }
 
 void readCharacter(SceneElement element, SessionHeader& header) {
-  element.allow({"name", "map", "body-resolution", "hash"});
+  element.allow({"name", "map", "body-resolution", "expressions", "hash"});
   element.text("name", header.character);
   element.text("map", header.boneMap);
   element.number("body-resolution", 0.0, 1e3, header.bodyResolution);
+  if (element.has("expressions")) {
+    const SceneJson& list = element.at("expressions");
+    for (const SceneJson& one : list.is_array() ? list : SceneJson::array({list})) {
+      if (!one.is_string()) return element.fail("expressions", shownInScene(one), "texts such as \"Joy=1\"");
+      header.expressions.push_back(one.get<std::string>());
+    }
+  }
   readHash(element, "hash", header.characterHash);
 }
 
@@ -88,6 +95,7 @@ std::string textOf(const SessionHeader& header) {
   character["name"] = header.character;
   if (!header.boneMap.empty()) character["map"] = header.boneMap;
   if (header.bodyResolution > 0.0) character["body-resolution"] = header.bodyResolution;
+  if (!header.expressions.empty()) character["expressions"] = header.expressions;
   character["hash"] = hexDigits(header.characterHash);
   SceneJson& body = json["decomposition"];
   if (!header.decomposition.empty()) body["file"] = header.decomposition;

@@ -71,6 +71,7 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   header.character = "my hero.glb";
   header.boneMap = "map.json";
   header.bodyResolution = 0.1 / 3.0;
+  header.expressions = {"Joy=1", "A \"b\"=0.5"};
   header.characterHash = 0xffffffffffffffffu;
   header.decomposition = "b.lorica";
   header.decompositionHash = 1;
@@ -89,6 +90,7 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(textOf(*again), textOf(header));
   EXPECT_EQ(again->bodyResolution, header.bodyResolution);
+  EXPECT_EQ(again->expressions, header.expressions);
   EXPECT_EQ(again->characterHash, header.characterHash);
   EXPECT_EQ(again->joints.smoothing->minCutoff, 1.0 / 7.0);
   EXPECT_EQ(again->faults.dropout, 0.1);
