@@ -28,6 +28,7 @@ struct Options {
   int person = 0;
   std::string character = "mannequin";
   CharacterOptions reading;
+  std::string springs;  // see chooseSprings()
   MotionOptions performing;
   BodyOptions body;
   std::string scene;
@@ -119,6 +120,7 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
   if (live.joints != nullptr) live.log.addTo(json);
   live.statistics.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
+  json["refusedLegs"] = live.session.source().refusedLegs();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
   live.drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(live.session.hash());
@@ -139,6 +141,7 @@ Report toReport(const Options& options, const Live& live) {
   report.gap();
   report.line("frame time", "median");
   live.statistics.addTo(report);
+  if (live.session.source().refusedLegs()) report.note(kRefusedLegs);
   return report;
 }
 
@@ -194,8 +197,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // The source is opened last, because it runs while the rest is prepared.
   Result<Joints> joints = openJoints(options);
   if (!joints) return joints.error();
+  const std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
   const RecordedAs as{joints->name,       false,        options.character, options.reading,
-                      options.performing, options.body, options.scene};
+                      options.performing, options.body, options.scene,     springs};
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, as, *subject->character, *body, *world);
   if (!recorder) return recorder.error();
@@ -206,6 +210,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!source) return source.error();
   Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
+  if (Result<void> added = addSprings(springs, *session); !added) return added;
   session->watch(*recorder);
 
   Live live{std::move(*session), joints->tracked, joints->name, {}, {}, {}, {}};
@@ -248,6 +253,7 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
       ->typeName("FILE");
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);
+  addSpringOption(*app, options->springs);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
   addFaultOption(*app, options->performing);

@@ -118,9 +118,15 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!world) return world.error();
   const std::string& character =
       !options.input.character.empty() || !subject.file ? options.input.character : options.input.motion;
-  const RecordedAs as{motion.name,           motion.bones.has_value(), character,
-                      options.input.reading, options.input.performing, options.body,
-                      options.scene};
+  const std::optional<SpringChoice> springs = chooseSprings(subject, options.input.springs);
+  const RecordedAs as{motion.name,
+                      motion.bones.has_value(),
+                      character,
+                      options.input.reading,
+                      options.input.performing,
+                      options.body,
+                      options.scene,
+                      springs};
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, as, *subject.character, *file, *world);
   if (!recorder) return recorder.error();
@@ -129,6 +135,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!source) return source.error();
   Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
   if (!session) return session.error();
+  if (Result<void> added = addSprings(springs, *session); !added) return added;
 
   RunStatistics statistics;
   session->watch(*recorder);

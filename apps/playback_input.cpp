@@ -1,5 +1,6 @@
 #include "apps/playback_input.h"
 
+#include "apps/spring_options.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/skeletal_retarget.h"
 
@@ -60,6 +61,7 @@ void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options) {
   addReadingOptions(app, options.performing);
   addPlayingOptions(app, options.performing);
   addCharacterOptions(app, options.reading);
+  addSpringOption(app, options.springs);
 }
 
 Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {

@@ -14,6 +14,7 @@ struct PlaybackInputOptions {
   std::string character;  ///< empty = the mannequin, or the motion's file if it is a character with a surface
   CharacterOptions reading;
   MotionOptions performing;
+  std::string springs;  ///< see chooseSprings()
 };
 
 /// MOTION, --character, and the options for reading and processing both.

@@ -90,8 +90,9 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   }
   const MotionOptions& performing = options.input.performing;
   const bool poses = performer->motion && performer->motion->bones;
+  const std::optional<SpringChoice> springs = chooseSprings(performer->subject, options.input.springs);
   const RecordedAs as{performer->source, poses,        performer->name, options.input.reading,
-                      performing,        options.body, options.scene};
+                      performing,        options.body, options.scene,   springs};
   const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options.out, as, character, *body, *world);
   if (!recorder) return recorder.error();
   const std::shared_ptr<SourceLog>& log = (*recorder)->log();
@@ -104,6 +105,7 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   }
   Result<Session> session = startSession(character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
+  if (Result<void> added = addSprings(springs, *session); !added) return added;
   session->watch(*recorder);
 
   if (live) fmt::print(stderr, "Recording {}; press Ctrl-C to stop.\n", performer->source);

@@ -98,6 +98,10 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   if (!source) return source.error();
   Result<Session> session = startSession(character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
+  if (header.springs) {
+    const SpringBones springs = subject->file ? subject->file->springs : SpringBones();
+    if (Result<void> added = session->setSprings(springs, *header.springs); !added) return added;
+  }
   if (Result<void> same = checkReplay(header, options.file, *session); !same) return same;
 
   std::shared_ptr<SessionReplay> replay;

@@ -20,6 +20,7 @@ struct Stage {
 
 constexpr Stage kStages[] = {
     {"retarget", "joints to pose", [](const StageTimes& t) { return t.retarget; }},
+    {"springs", "hair and clothes", [](const StageTimes& t) { return t.springs; }},
     {"motion", "pose to rigid motions of the parts", [](const StageTimes& t) { return t.motion; }},
     {"points", "pose to hull candidates", [](const StageTimes& t) { return t.points; }},
     {"hulls", "candidates to hulls", [](const StageTimes& t) { return t.hulls; }},
@@ -145,7 +146,8 @@ void RunStatistics::addTrainingTo(Report& report) const {
 void RunStatistics::addTo(Report& report) const {
   for (const Stage& stage : kStages) {
     const Percentiles spread = spreadOfStage(stages_, stage);
-    if (std::string_view(stage.name) == "particles" && spread.p95 == 0.0) continue;  // there are none
+    const std::string_view name = stage.name;
+    if ((name == "springs" || name == "particles") && spread.p95 == 0.0) continue;  // there are none
     report.line(stage.name, fmt::format("{:>8}  (95 % below {:>8})  {}", duration(spread.median), duration(spread.p95),
                                         stage.what));
   }

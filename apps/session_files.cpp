@@ -39,6 +39,10 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   // A motion of bones is recorded after retargeting: it is already mirrored, and never smoothed.
   if (!as.poses) header.joints = as.performing.joints();
   header.faults = as.performing.faults();
+  if (as.springs) {
+    header.springs = as.springs->mode;
+    header.springsHash = hashOf(as.springs->springs);
+  }
   header.scene = as.scene;
   header.sceneFolder = scene->folder.string();
   header.sceneSeed = as.scene.empty() ? kDemoSeed : 0;

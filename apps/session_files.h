@@ -5,11 +5,13 @@
 #include "apps/command_line.h"
 #include "apps/motions.h"
 #include "apps/report.h"
+#include "apps/spring_options.h"
 #include "session/session_recorder.h"
 
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace lorica {
@@ -29,6 +31,7 @@ struct RecordedAs {
   const MotionOptions& performing;
   const BodyOptions& body;
   std::string scene;  ///< as given by the user
+  std::optional<SpringChoice> springs;
 };
 
 /// Starts a recording. @param file  empty = none

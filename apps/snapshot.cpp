@@ -7,6 +7,7 @@
 #include "apps/progress_bar.h"
 #include "apps/scenes.h"
 #include "apps/snapshots.h"
+#include "apps/spring_options.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -260,6 +261,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!source) return source.error();
   Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
   if (!session) return session.error();
+  if (Result<void> added = addSprings(chooseSprings(subject, options.input.springs), *session); !added) return added;
   const Result<Outcome> outcome = shoot(options, *wanted, *camera, motion, *session);
   if (!outcome) return outcome.error();
 

@@ -1,4 +1,5 @@
 #include "apps/file_summary.h"
+#include "apps/spring_options.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "skinning/linear_blend.h"
 
@@ -245,6 +246,7 @@ FileSummary describeCharacter(const Subject& subject) {
   addSkeleton(character, summary);
   addBody(subject, summary);
   addFace(file, summary);
+  describeSprings(file.springs, summary.report, json);
   addClips(file.clips, summary);
   for (const std::string& note : file.notes) summary.report.note(note);
   json["notes"] = file.notes;

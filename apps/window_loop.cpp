@@ -286,11 +286,12 @@ Result<void> WindowLoop::step() {
 
 void WindowLoop::noteTimes() {
   const StageTimes& t = session_.times();
-  std::array<TimedStage, 7> stages;
+  std::array<TimedStage, 8> stages;
   std::size_t count = 0;
   const auto add = [&](const char* name, double microseconds) { stages[count++] = {name, 1e-3 * microseconds}; };
   if (subject_.trackingSeconds) add("joints", 1e6 * subject_.trackingSeconds());
   add("pose", t.retarget);
+  if (session_.springs() != nullptr) add("springs", t.springs);
   add("motion", t.motion);
   add("points", t.points);
   add("hulls", t.hulls);

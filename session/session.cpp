@@ -101,8 +101,16 @@ Result<bool> Session::step() {
   if (!next) return next.error();
   if (!next->has_value()) return false;
   const double seconds = frameCount_ == 0 ? kFirstFrameSeconds : frameSeconds(**next, time_);
+  const double sourceSeconds = **next - time_;
   time_ = **next;
-  computeWorldFromJoint(character_.skeleton, pose_, worldFromJoint_);
+  const Clock::time_point posed = Clock::now();
+  std::span<const JointTransform> pose = pose_;
+  if (springs_) {
+    const std::span<const Affine3> last = std::span(worldFromModel_).first(frameCount_ == 0 ? 0 : pose_.size());
+    pose = springs_->advance(character_, pose_, sourceSeconds, last, body_.parts(), world_.props());
+  }
+  const Clock::time_point sprung = Clock::now();
+  computeWorldFromJoint(character_.skeleton, pose, worldFromJoint_);
   computeWorldFromModel(character_, worldFromJoint_, worldFromModel_);
   const Clock::time_point retargeted = Clock::now();
   body_.update(worldFromModel_);
@@ -115,7 +123,8 @@ Result<bool> Session::step() {
   }
   const Clock::time_point end = Clock::now();
 
-  times_.retarget = std::max(0.0, microsecondsBetween(begin, retargeted) - 1e6 * source_->waited());
+  times_.springs = springs_ ? microsecondsBetween(posed, sprung) : 0.0;
+  times_.retarget = std::max(0.0, microsecondsBetween(begin, retargeted) - times_.springs - 1e6 * source_->waited());
   times_.motion = body_.timing().motion;
   times_.points = body_.timing().points;
   times_.hulls = body_.timing().hulls;
@@ -151,6 +160,7 @@ void Session::restart(std::unique_ptr<PoseSource> source, World world) {
   setWorld(std::move(world));
   body_ = LiveBody(body_.plan());
   pose_ = restPose(character_.skeleton);
+  if (springs_) springs_->reset();
   std::fill(worldFromJoint_.begin(), worldFromJoint_.end(), Affine3::Identity());
   time_ = 0.0;
   frameCount_ = 0;
@@ -166,6 +176,7 @@ void Session::setBody(std::shared_ptr<const BodyPlan> plan) {
   body_ = LiveBody(std::move(plan));
   jointsOfPart_ = jointsOfParts(body_.decomposition(), character_);
   contactBones_ = ContactBones(body_.decomposition(), character_);
+  if (springs_) springs_->setBody(character_, body_);
   selfContacts_.reset();
   points_.resize(static_cast<std::size_t>(body_.decomposition().pointCount()));
   pointsFrame_ = -1;
@@ -173,6 +184,14 @@ void Session::setBody(std::shared_ptr<const BodyPlan> plan) {
   body_.update(worldFromModel_);
   passTrustOn();
   world_.step({}, 0.0);  // removes the old parts and their contacts from Bullet
+}
+
+Result<void> Session::setSprings(const SpringBones& springs, SpringMode mode) {
+  Result<SessionSprings> made = SessionSprings::create(character_, springs, mode, body_);
+  if (!made) return made.error();
+  if (watcher_) watcher_->sessionChanged();
+  springs_ = std::move(*made);
+  return {};
 }
 
 void Session::setWorld(World world) {

@@ -9,6 +9,7 @@
 #include "session/contact_bones.h"
 #include "session/part_bones.h"
 #include "session/pose_source.h"
+#include "session/session_springs.h"
 #include "session/step_watcher.h"
 #include "session/world_action.h"
 #include "skinning/character.h"
@@ -21,10 +22,10 @@
 namespace lorica {
 
 /// Time of each stage of one frame [us]; retarget includes smoothing and forward kinematics, but not the time that the
-/// source waited for joints; particles is 0 if there are none.
+/// source waited for joints; springs includes node constraints; springs and particles are 0 if there are none.
 struct StageTimes {
-  double retarget = 0, motion = 0, points = 0, hulls = 0, physics = 0, particles = 0;
-  [[nodiscard]] double total() const { return retarget + motion + points + hulls + physics + particles; }
+  double retarget = 0, springs = 0, motion = 0, points = 0, hulls = 0, physics = 0, particles = 0;
+  [[nodiscard]] double total() const { return retarget + springs + motion + points + hulls + physics + particles; }
 };
 
 /// Chained XXH3 hashes of the exact results of all frames so far.
@@ -57,6 +58,11 @@ class Session {
   /// possible then are skipped, see canBeDone().
   void act(const WorldAction& action) { actions_.push_back(action); }
 
+  /// Adds springs and constraints to the character, or replaces them. They move after the source and before the hulls,
+  /// and start at rest in the next step, after a restart, and after a jump in time or place, see SpringSimulation.
+  /// @return success, or an error if they do not fit the character
+  [[nodiscard]] Result<void> setSprings(const SpringBones& springs, SpringMode mode);
+
   /// Restarts as if it were just created, with another source for the same character and another world.
   void restart(std::unique_ptr<PoseSource> source, World world);
   /// Continues with another body of the same character, such as another level of detail, in the pose of this frame. The
@@ -69,6 +75,8 @@ class Session {
 
   [[nodiscard]] const Character& character() const { return character_; }
   [[nodiscard]] const PoseSource& source() const { return *source_; }
+  /// Null if there are none.
+  [[nodiscard]] const SessionSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
   /// Time of this frame [s].
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
@@ -117,7 +125,8 @@ class Session {
   std::vector<LiftedPoint> probes_;           // of the training range
   mutable std::vector<Vec3> probePositions_;  // scratch
   double time_ = 0.0;
-  Pose pose_;
+  Pose pose_;  // of the source
+  std::optional<SessionSprings> springs_;
   std::vector<Affine3> worldFromJoint_, worldFromModel_;
   mutable std::vector<Vec3> points_;  // of the frame pointsFrame_
   mutable int pointsFrame_ = -1;

@@ -36,6 +36,9 @@ struct SessionHeader {
   JointSettings joints;
   FaultSettings faults;
 
+  std::optional<SpringMode> springs;  ///< none = the session had neither springs nor constraints
+  std::uint64_t springsHash = 0;      ///< hashOf(SpringBones); 0 = none
+
   std::string scene;            ///< name or file, as given; empty = the demo scene
   std::string sceneFolder;      ///< base folder of relative mesh paths
   std::uint64_t sceneSeed = 0;  ///< of the demo scene
@@ -77,6 +80,8 @@ struct SessionFile {
 
 /// Exact hash of everything in a character that poses and hulls depend on.
 [[nodiscard]] std::uint64_t hashOf(const Character& character);
+/// Exact hash of all springs, colliders and constraints.
+[[nodiscard]] std::uint64_t hashOf(const SpringBones& springs);
 /// 0 if there is none.
 [[nodiscard]] std::uint64_t hashOf(const std::optional<HullCover>& cover);
 [[nodiscard]] std::uint64_t hashOf(const std::optional<TrainingRange>& training);

@@ -69,6 +69,41 @@ std::uint64_t hashOf(const Character& character) {
   return chain.hash();
 }
 
+std::uint64_t hashOf(const SpringBones& springs) {
+  Chain chain;
+  for (const SpringChain& strand : springs.chains) {
+    chain.text(strand.name);
+    chain.number(strand.center);
+    for (const SpringJoint& joint : strand.joints) {
+      chain.number(joint.joint);
+      chain.vector(joint.tail);
+      chain.vector(joint.gravityDir);
+      for (const double value : {joint.stiffness, joint.gravityPower, joint.dragForce, joint.hitRadius}) {
+        chain.number(value);
+      }
+    }
+    for (const int group : strand.colliderGroups) chain.number(group);
+  }
+  for (const SpringCollider& collider : springs.colliders) {
+    chain.number(collider.joint);
+    chain.number(collider.shape);
+    for (const Vec3& value : {collider.offset, collider.tail, collider.normal}) chain.vector(value);
+    chain.number(collider.radius);
+  }
+  for (const std::vector<int>& group : springs.colliderGroups) {
+    chain.number(group.size());
+    for (const int collider : group) chain.number(collider);
+  }
+  for (const NodeConstraint& constraint : springs.constraints) {
+    chain.number(constraint.kind);
+    chain.number(constraint.joint);
+    chain.number(constraint.source);
+    chain.vector(constraint.axis);
+    chain.number(constraint.weight);
+  }
+  return chain.hash();
+}
+
 std::uint64_t hashOf(const std::optional<HullCover>& cover) {
   if (!cover) return 0;
   Chain chain;

@@ -76,6 +76,17 @@ void readBody(SceneElement element, SessionHeader& header) {
   readHash(element, "training-hash", header.trainingHash);
 }
 
+void readSprings(SceneElement element, SessionHeader& header) {
+  element.allow({"mode", "hash"});
+  std::string mode;
+  element.need("mode", "none, file or body");
+  element.text("mode", mode);
+  if (element.failed()) return;
+  header.springs = springModeNamed(mode);
+  if (!header.springs) element.fail("mode", fmt::format("\"{}\"", mode.substr(0, 40)), "none, file or body");
+  readHash(element, "hash", header.springsHash);
+}
+
 void readScene(SceneElement element, SessionHeader& header) {
   element.allow({"name", "folder", "seed", "hash"});
   element.text("name", header.scene);
@@ -110,6 +121,10 @@ std::string textOf(const SessionHeader& header) {
     json["smoothing"]["beta"] = header.joints.smoothing->beta;
   }
   json["faults"] = textOf(header.faults);
+  if (header.springs) {
+    json["springs"]["mode"] = nameOf(*header.springs);
+    json["springs"]["hash"] = hexDigits(header.springsHash);
+  }
   SceneJson& scene = json["scene"];
   scene["name"] = header.scene;
   if (!header.sceneFolder.empty()) scene["folder"] = header.sceneFolder;
@@ -126,7 +141,8 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   SessionHeader header;
   SceneElement root(*json, "", error);
   root.allow(
-      {"format", "source", "pose-joints", "character", "decomposition", "mirror", "smoothing", "faults", "scene"});
+      {"format", "source", "pose-joints", "character", "decomposition", "mirror", "smoothing", "faults", "springs",
+       "scene"});
   std::string format;
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
@@ -141,6 +157,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   root.flag("mirror", header.joints.mirror);
   if (root.has("smoothing") && !root.failed()) readSmoothing(root.child("smoothing"), header.joints);
   readFaults(root, header);
+  if (root.has("springs") && !root.failed()) readSprings(root.child("springs"), header);
   if (!root.failed()) readScene(root.child("scene"), header);
   if (error) return Error{ErrorCode::kBadFormat, fmt::format("{}: header: {}", name, *error)};
   return header;

@@ -62,6 +62,12 @@ Result<void> checkReplay(const SessionHeader& header, const std::string& name, c
                     header.character,
                     header.decomposition.empty() ? ", the default one at that time" : ", " + header.decomposition));
   }
+  const SessionSprings* springs = session.springs();
+  if ((springs != nullptr ? std::optional(springs->mode()) : std::nullopt) != header.springs ||
+      (springs != nullptr ? springs->hash() : 0) != header.springsHash) {
+    return differs(fmt::format("recorded with other springs than those of {}: specify the character with --character",
+                               header.character));
+  }
   if (hashOf(session.training()) != header.trainingHash) {
     return differs("recorded with a decomposition that was trained on other poses: specify it with --decomposition");
   }
