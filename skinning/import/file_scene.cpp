@@ -54,6 +54,7 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
 LookNeeds needsOf(const Material& material) {
   LookNeeds needs;
   needs.tangents = material.normal.given();
+  needs.colors = material.shading != Shading::kToon;
   for (const TextureUse* use : material.textures()) {
     const bool byNormal = use == &material.toon.matcap;  // no coordinates
     if (use->given() && !byNormal) needs.uv[static_cast<std::size_t>(use->uvSet)] = true;

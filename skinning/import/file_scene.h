@@ -122,10 +122,11 @@ struct FileScene {
 /// @param fileName  for messages
 [[nodiscard]] Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName);
 
-/// What a material uses of a mesh's vertices, beside normals and colours.
+/// What a material uses of a mesh's vertices, beside normals.
 struct LookNeeds {
   std::array<bool, 2> uv = {false, false};
   bool tangents = false;
+  bool colors = true;  ///< MToon ignores them
 };
 
 [[nodiscard]] LookNeeds needsOf(const Material& material);

@@ -53,6 +53,7 @@ class MaterialReader {
       if (list.is_null() || list.is_array()) continue;
       scene_.notes.push_back(fmt::format("its {} are not a list: ignored", name));
     }
+    if (list_.empty()) return;
     const std::vector<bool> used = usedMaterials();
     scene_.materials.resize(list_.size());
     for (std::size_t m = 0; m < list_.size(); ++m) {

@@ -143,7 +143,7 @@ class PrimitiveReader {
     for (std::size_t set = 0; set < 2; ++set) {
       if (needs.uv[set]) readInto(fmt::format("TEXCOORD_{}", set), 2, mesh.uv[set]);
     }
-    if (!has("COLOR_0")) return;
+    if (!needs.colors || !has("COLOR_0")) return;
     const auto accessor = static_cast<std::size_t>(accessorOf("COLOR_0"));
     const std::vector<tinygltf::Accessor>& all = document_.model.accessors;
     const bool opaque = accessor < all.size() && all[accessor].type == TINYGLTF_TYPE_VEC3;

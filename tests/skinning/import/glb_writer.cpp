@@ -18,7 +18,7 @@ std::string chunk(std::string content, std::uint32_t kind, char padding) {
 }  // namespace
 
 std::size_t GlbWriter::componentsOf(const std::string& type) {
-  return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 16;
+  return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 16;
 }
 
 int GlbWriter::add(const std::string& list, nlohmann::json element) {

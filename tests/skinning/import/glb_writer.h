@@ -36,7 +36,7 @@ class GlbWriter {
     return add("bufferViews", made);
   }
 
-  /// @param type  "SCALAR", "VEC3", "VEC4" or "MAT4"
+  /// @param type  "SCALAR", "VEC2", "VEC3", "VEC4" or "MAT4"
   template <typename T>
   int accessor(const std::vector<T>& numbers, const std::string& type, bool normalized = false,
                std::size_t stride = 0) {
