@@ -1,0 +1,164 @@
+#include "geometry/mesh_pieces.h"
+
+#include "geometry/edge_table.h"
+#include "geometry/triangle_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// A triangle across an edge.
+struct Neighbour {
+  std::int32_t triangle = -1;  ///< -1: none, or more than one
+  bool agrees = true;          ///< it runs along the edge in the opposite direction, as it should
+};
+
+double doubleAreaOf(const TriMesh& mesh, const Triangle& t) {
+  const Vec3& a = mesh.vertices[t[0]];
+  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+}
+
+/// One piece of a closed surface.
+struct Shell {
+  std::vector<Triangle> triangles;
+  Aabb box;
+  double volume = 0.0;
+  Vec3 sample = Vec3::Zero();                ///< a point on it, in the middle of its largest triangle
+  std::unique_ptr<const TriangleTree> tree;  ///< made when it is asked for
+  std::vector<std::size_t> around;           ///< the shells that it lies in
+  bool reversed = false;
+
+  [[nodiscard]] int sign() const { return (volume < 0.0) != reversed ? -1 : 1; }
+};
+
+bool holds(const Aabb& outer, const Aabb& inner) {
+  return (outer.min.array() <= inner.min.array()).all() && (outer.max.array() >= inner.max.array()).all();
+}
+
+std::vector<Shell> shellsOf(const TriMesh& mesh, const MeshPieces& pieces) {
+  std::vector<Shell> shells(static_cast<std::size_t>(pieces.count));
+  std::vector<double> largest(shells.size(), -1.0);
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto s = static_cast<std::size_t>(pieces.pieceOfTriangle[k]);
+    const Triangle& t = mesh.triangles[k];
+    shells[s].triangles.push_back(t);
+    for (const VertexIndex v : t) shells[s].box.extend(mesh.vertices[v]);
+    if (const double area = doubleAreaOf(mesh, t); area > largest[s]) {
+      largest[s] = area;
+      shells[s].sample = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
+    }
+  }
+  for (Shell& shell : shells) shell.volume = signedVolume(mesh.vertices, shell.triangles);
+  return shells;
+}
+
+void findAround(const TriMesh& mesh, std::vector<Shell>& shells) {
+  constexpr double kInside = 0.5;  // winding number, of either sign
+  for (std::size_t s = 0; s < shells.size(); ++s) {
+    for (std::size_t other = 0; other < shells.size(); ++other) {
+      if (other == s || !holds(shells[other].box, shells[s].box)) continue;
+      std::unique_ptr<const TriangleTree>& tree = shells[other].tree;
+      if (!tree) tree = std::make_unique<const TriangleTree>(mesh.vertices, shells[other].triangles);
+      if (std::abs(tree->windingNumber(shells[s].sample)) > kInside) shells[s].around.push_back(other);
+    }
+  }
+}
+
+}  // namespace
+
+MeshPieces findPieces(const TriMesh& mesh) {
+  const std::size_t count = mesh.triangles.size();
+  MeshPieces pieces;
+  std::vector<std::array<Neighbour, 3>> across(count);
+  std::vector<bool> border(count, false);
+  const auto sideOf = [&](std::int32_t k, VertexIndex v, VertexIndex w) -> Neighbour& {
+    const Triangle& t = mesh.triangles[k];
+    std::size_t i = 0;
+    while (i < 2 && std::minmax(t[i], t[i + 1]) != std::pair<const VertexIndex&, const VertexIndex&>(v, w)) ++i;
+    return across[k][i];
+  };
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
+    if (sides.size() == 1) border[sides[0].triangle] = true;
+    if (sides.size() != 2 || sides[0].triangle == sides[1].triangle) return;
+    const bool agrees = sides[0].ascending != sides[1].ascending;
+    sideOf(sides[0].triangle, v, sides[0].larger) = {sides[1].triangle, agrees};
+    sideOf(sides[1].triangle, v, sides[0].larger) = {sides[0].triangle, agrees};
+  });
+
+  pieces.pieceOfTriangle.assign(count, -1);
+  pieces.triangles = mesh.triangles;
+  std::vector<bool> turned(count, false);
+  std::vector<std::int32_t> walk;
+  for (std::size_t start = 0; start < count; ++start) {
+    if (pieces.pieceOfTriangle[start] >= 0) continue;
+    walk.assign(1, static_cast<std::int32_t>(start));
+    pieces.pieceOfTriangle[start] = pieces.count;
+    bool open = false;
+    double area = 0.0;
+    double turnedArea = 0.0;
+    for (std::size_t next = 0; next < walk.size(); ++next) {
+      const auto k = static_cast<std::size_t>(walk[next]);
+      const double own = doubleAreaOf(mesh, mesh.triangles[k]);
+      area += own;
+      if (turned[k]) turnedArea += own;
+      open = open || border[k];
+      for (const Neighbour& n : across[k]) {
+        if (n.triangle < 0) continue;
+        const bool other = turned[k] != !n.agrees;
+        if (pieces.pieceOfTriangle[n.triangle] >= 0) {
+          pieces.orientable = pieces.orientable && turned[n.triangle] == other;
+          continue;
+        }
+        pieces.pieceOfTriangle[n.triangle] = pieces.count;
+        turned[n.triangle] = other;
+        walk.push_back(n.triangle);
+      }
+    }
+    const bool mostTurned = turnedArea > 0.5 * area;
+    for (const std::int32_t k : walk) {
+      if (turned[k] == mostTurned) continue;
+      ++pieces.turned;
+      std::swap(pieces.triangles[k][1], pieces.triangles[k][2]);
+    }
+    pieces.open.push_back(open);
+    ++pieces.count;
+  }
+  return pieces;
+}
+
+TurnedPieces turnPiecesOutward(TriMesh& mesh) {
+  const MeshPieces pieces = findPieces(mesh);
+  std::vector<Shell> shells = shellsOf(mesh, pieces);
+  if (std::none_of(shells.begin(), shells.end(), [](const Shell& s) { return s.volume < 0.0; })) {
+    return {shells.size(), 0};
+  }
+  findAround(mesh, shells);
+  // Outer shells before those inside them.
+  std::vector<std::size_t> order(shells.size());
+  for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return shells[a].around.size() < shells[b].around.size(); });
+  for (const std::size_t s : order) {
+    Shell& shell = shells[s];
+    int depth = 0;  // how often solids wind around it
+    bool alternate = false;
+    for (const std::size_t outer : shell.around) {
+      depth += shells[outer].sign();
+      alternate = alternate || (shells[outer].around.empty() && shells[outer].reversed);
+    }
+    const bool wantsCavity = alternate ? shell.around.size() % 2 == 1 : shell.sign() < 0 && depth > 0;
+    shell.reversed = wantsCavity != (shell.volume < 0.0);
+  }
+  TurnedPieces result{shells.size(), 0};
+  for (const Shell& shell : shells) result.reversed += shell.reversed ? 1 : 0;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    if (shells[pieces.pieceOfTriangle[k]].reversed) std::swap(mesh.triangles[k][1], mesh.triangles[k][2]);
+  }
+  return result;
+}
+
+}  // namespace lorica

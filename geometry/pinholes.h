@@ -1,0 +1,33 @@
+#pragma once
+
+/// Small holes of a surface. Internal: not installed.
+
+#include "geometry/tri_mesh.h"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace lorica {
+
+/// A hole is a pinhole if it has at most this many edges, ...
+inline constexpr std::size_t kPinholeEdges = 32;
+/// ... its longest extent is at most this share of the surface's diagonal (any size if it has three edges: one triangle
+/// is missing), ...
+inline constexpr double kPinholeExtent = 0.05;
+/// ... and all holes of a connected piece have at most this share of the piece's area. A flat card is not a pinhole's
+/// surroundings.
+inline constexpr double kPinholeArea = 0.5;
+
+struct Pinholes {
+  std::size_t count = 0;
+  std::vector<Triangle> caps;  ///< to be added to the mesh
+};
+
+/// Finds the holes of a surface and triangles that close them: those with the least area in total. They add no vertex.
+/// @param mesh  triangles of one piece must face the same way
+/// @return nothing if a hole is not a pinhole, or if it cannot be closed without folding: if two neighbouring triangles
+///         of its cap would face away from each other by more than 120 degrees
+[[nodiscard]] std::optional<Pinholes> closePinholes(const TriMesh& mesh);
+
+}  // namespace lorica

@@ -1,0 +1,276 @@
+#include "geometry/mesh_mending.h"
+
+#include "geometry/mesh_files.h"
+#include "geometry/mesh_repair.h"
+#include "tests/support/damaged_meshes.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+namespace lorica::test {
+namespace {
+
+double volumeOf(const TriMesh& mesh) {
+  return signedVolume(mesh.vertices, mesh.triangles);
+}
+
+TriMesh insideOut(TriMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+TriMesh cube(double size) {
+  return makeBox(Vec3::Constant(-0.5 * size), Vec3::Constant(0.5 * size));
+}
+
+/// Mends, and checks what must hold in every case.
+MeshMending mended(const TriMesh& mesh) {
+  Result<MeshMending> mending = mendMesh(mesh);
+  EXPECT_TRUE(mending.ok()) << (mending.ok() ? "" : mending.error().message);
+  if (!mending) return {};
+  EXPECT_TRUE(checkClosedTwoManifold(mending->mesh));
+  EXPECT_EQ(mending->changed(), !mending->summary().empty());
+  EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(), mending->mesh.vertices.begin()));
+  // Every vertex that was used is used, or known to be left out.
+  std::vector<int> uses(mesh.vertices.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) uses[v] = 1;
+  }
+  for (const Triangle& t : mending->mesh.triangles) {
+    for (const VertexIndex v : t) {
+      if (static_cast<std::size_t>(v) < uses.size()) uses[v] = 0;
+    }
+  }
+  for (const VertexIndex v : mending->leftOut) --uses[v];
+  EXPECT_EQ(std::count(uses.begin(), uses.end(), 0), std::ssize(uses));
+  return std::move(*mending);
+}
+
+TEST(MeshMending, ASoundMeshComesBackAsItWas) {
+  for (const TriMesh& mesh : {makeTetrahedron(), makeTorus(1, 0.3, 8, 6), joined(cube(3), insideOut(cube(1))),
+                              joined(makeLShape(), makeBox({5, 5, 5}, {6, 6, 6}))}) {
+    const MeshMending mending = mended(mesh);
+    EXPECT_FALSE(mending.changed()) << mending.summary();
+    EXPECT_EQ(mending.mesh.triangles, mesh.triangles);
+    EXPECT_TRUE(mending.leftOut.empty());
+  }
+}
+
+TEST(MeshMending, AFlippedTriangleIsTurned) {
+  TriMesh mesh = cube(1);
+  std::swap(mesh.triangles[3][0], mesh.triangles[3][2]);
+  const MeshMending mending = mended(mesh);
+  EXPECT_NEAR(volumeOf(mending.mesh), 1.0, 1e-15);
+  EXPECT_EQ(mending.summary(), "1 triangle turned");
+}
+
+TEST(MeshMending, AnInsideOutMeshIsReversed) {
+  const MeshMending mending = mended(insideOut(cube(2)));
+  EXPECT_NEAR(volumeOf(mending.mesh), 8.0, 1e-14);
+  EXPECT_EQ(mending.summary(), "reversed, for it was inside out");
+}
+
+TEST(MeshMending, RepeatedTrianglesAreDropped) {
+  TriMesh mesh = cube(1);
+  mesh.triangles.push_back(mesh.triangles[5]);
+  EXPECT_EQ(mended(mesh).mesh.triangles, cube(1).triangles);
+  mesh.triangles.back() = {mesh.triangles[5][0], mesh.triangles[5][2], mesh.triangles[5][1]};
+  const MeshMending mending = mended(mesh);
+  EXPECT_EQ(mending.mesh.triangles, cube(1).triangles);
+  EXPECT_EQ(mending.summary(), "1 repeated triangle dropped");
+}
+
+TEST(MeshMending, ASurfaceWithBothSidesKeepsOne) {
+  TriMesh mesh = cube(1);
+  const TriMesh back = insideOut(mesh);
+  mesh.triangles.insert(mesh.triangles.end(), back.triangles.begin(), back.triangles.end());
+  EXPECT_NEAR(volumeOf(mended(mesh).mesh), 1.0, 1e-15);
+}
+
+TEST(MeshMending, AMissingTriangleIsClosedWhateverItsSize) {
+  TriMesh mesh = cube(1);
+  mesh.triangles.pop_back();
+  const MeshMending mending = mended(mesh);
+  EXPECT_NEAR(volumeOf(mending.mesh), 1.0, 1e-15);
+  EXPECT_EQ(mending.summary(), "1 pinhole closed with 1 triangle");
+}
+
+TEST(MeshMending, APinholeInAPlaneIsClosedExactly) {
+  // The pole of a sphere with many segments, flattened: a polygon of 24 edges that is 4 % of the diagonal across.
+  const int segments = 24;
+  TriMesh mesh = makeSphere(1.0, 64, segments);
+  const double volume = volumeOf(mesh);
+  const auto pole =
+      static_cast<VertexIndex>(std::max_element(mesh.vertices.begin(), mesh.vertices.end(),
+                                                [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); }) -
+                               mesh.vertices.begin());
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return std::find(t.begin(), t.end(), pole) != t.end(); });
+  const MeshMending mending = mended(mesh);
+  EXPECT_EQ(mending.pinholes, 1u);
+  EXPECT_EQ(mending.capTriangles, static_cast<std::size_t>(segments) - 2);
+  // What is lost is the pyramid below the pole.
+  const double angle = std::numbers::pi / 64;
+  const double base = 0.5 * segments * std::sin(2.0 * std::numbers::pi / segments) * std::sin(angle) * std::sin(angle);
+  EXPECT_NEAR(volumeOf(mending.mesh), volume - base * (1.0 - std::cos(angle)) / 3.0, 1e-12);
+}
+
+TEST(MeshMending, AnOpenBoxIsTooMuch) {
+  TriMesh mesh = cube(1);
+  mesh.triangles.resize(10);
+  const Result<MeshMending> mending = mendMesh(mesh);
+  ASSERT_FALSE(mending);
+  EXPECT_NE(mending.error().message.find("belongs to one triangle"), std::string::npos) << mending.error().message;
+}
+
+TEST(MeshMending, CardsAndLoneTrianglesAreNotPinholes) {
+  const TriMesh card{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  EXPECT_FALSE(mendMesh(card));
+  EXPECT_FALSE(mendMesh({card.vertices, {{0, 1, 2}}}));
+  // A small card beside a large body, too.
+  TriMesh small = card;
+  for (Vec3& p : small.vertices) p = 0.1 * p + Vec3(3, 0, 0);
+  EXPECT_FALSE(mendMesh(joined(makeSphere(2.0, 16, 16), small)));
+}
+
+TEST(MeshMending, AOneSidedSurfaceIsTooMuch) {
+  TriMesh strip;
+  const int n = 12;
+  for (int i = 0; i < n; ++i) {
+    const double a = 2.0 * std::numbers::pi * i / n;
+    const Vec3 out(std::cos(a), 0, std::sin(a));
+    const Vec3 across = 0.3 * (std::cos(0.5 * a) * out + std::sin(0.5 * a) * Vec3::UnitY());
+    strip.vertices.push_back(out + across);
+    strip.vertices.push_back(out - across);
+  }
+  for (int i = 0; i < n; ++i) {
+    const bool last = i == n - 1;
+    const VertexIndex a = 2 * i, b = 2 * i + 1, c = last ? 1 : a + 2, d = last ? 0 : b + 2;
+    strip.triangles.push_back({a, b, c});
+    strip.triangles.push_back({b, d, c});
+  }
+  EXPECT_FALSE(mendMesh(strip));
+}
+
+TEST(MeshMending, TinyOpenPiecesAreDroppedAndLeftOut) {
+  TriMesh speck{{{1, 1, 1}, {1.001, 1, 1}, {1, 1.001, 1}}, {{0, 1, 2}}};
+  const MeshMending mending = mended(joined(cube(1), speck));
+  EXPECT_EQ(mending.specks, 1u);
+  EXPECT_EQ(mending.leftOut, (std::vector<VertexIndex>{8, 9, 10}));
+}
+
+TEST(MeshMending, NestedCubes) {
+  const TriMesh outer = cube(4), inner = cube(2), core = cube(1);
+  const double cavity = 64.0 - 8.0;
+  const auto volumeAfter = [](const TriMesh& mesh) { return volumeOf(mended(mesh).mesh); };
+  // A cavity stays one, and a solid in a solid as well.
+  EXPECT_NEAR(volumeAfter(joined(outer, insideOut(inner))), cavity, 1e-12);
+  EXPECT_NEAR(volumeAfter(joined(outer, inner)), 64.0 + 8.0, 1e-12);
+  // All inside out; and the outer one alone.
+  EXPECT_NEAR(volumeAfter(insideOut(joined(outer, insideOut(inner)))), cavity, 1e-12);
+  EXPECT_NEAR(volumeAfter(joined(insideOut(outer), insideOut(inner))), cavity, 1e-12);
+  EXPECT_NEAR(volumeAfter(joined(insideOut(inner), outer)), cavity, 1e-12);
+  // A solid in the cavity.
+  EXPECT_NEAR(volumeAfter(insideOut(joined(joined(outer, insideOut(inner)), core))), cavity + 1.0, 1e-12);
+  // A triangle of the cavity is flipped, and one is missing.
+  TriMesh mesh = joined(outer, insideOut(inner));
+  std::swap(mesh.triangles[15][0], mesh.triangles[15][1]);
+  EXPECT_NEAR(volumeAfter(mesh), cavity, 1e-12);
+  mesh.triangles.erase(mesh.triangles.begin() + 20);
+  EXPECT_NEAR(volumeAfter(mesh), cavity, 1e-12);
+}
+
+TEST(MeshMending, APieceBesideOthersThatIsInsideOutIsReversed) {
+  const MeshMending mending = mended(joined(cube(2), insideOut(makeBox({5, 0, 0}, {6, 1, 1}))));
+  EXPECT_NEAR(volumeOf(mending.mesh), 9.0, 1e-14);
+  EXPECT_EQ(mending.summary(), "1 inside-out piece reversed");
+}
+
+TEST(MeshMending, SolidsThatTouchStayApartWhenSomethingElseIsMended) {
+  // Two boxes with a common face, of whose walls both are there, and a flipped triangle elsewhere.
+  TriMesh mesh = joined(makeBox({0, 0, 0}, {1, 1, 1}), makeBox({1, 0, 0}, {2, 1, 1}));
+  (void)weldEqualVertices(mesh);
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const Triangle& t = mesh.triangles[k];
+    const bool wall = std::all_of(t.begin(), t.end(), [&](VertexIndex v) { return mesh.vertices[v].x() == 1.0; });
+    if (wall) continue;
+    TriMesh damaged = mesh;
+    std::swap(damaged.triangles[k][0], damaged.triangles[k][1]);
+    EXPECT_NEAR(volumeOf(mended(damaged).mesh), 2.0, 1e-14) << k;
+  }
+}
+
+TEST(MeshMending, TheOrderOfTrianglesAndVerticesDoesNotMatter) {
+  for (const DamagedMesh& damaged : damagedMeshes(makeTorus(1.0, 0.4, 24, 16))) {
+    const Result<MeshMending> before = mendMesh(damaged.mesh);
+    std::mt19937 random(3);
+    TriMesh mixed = damaged.mesh;
+    std::vector<VertexIndex> place(mixed.vertices.size());
+    std::iota(place.begin(), place.end(), 0);
+    std::shuffle(place.begin(), place.end(), random);
+    for (std::size_t v = 0; v < place.size(); ++v) mixed.vertices[place[v]] = damaged.mesh.vertices[v];
+    for (Triangle& t : mixed.triangles) {
+      for (VertexIndex& v : t) v = place[v];
+      std::rotate(t.begin(), t.begin() + random() % 3, t.end());
+    }
+    std::shuffle(mixed.triangles.begin(), mixed.triangles.end(), random);
+    const Result<MeshMending> after = mendMesh(mixed);
+    ASSERT_EQ(before.ok(), after.ok()) << damaged.damage;
+    if (!before) continue;
+    EXPECT_NEAR(volumeOf(before->mesh), volumeOf(after->mesh), damaged.loss == Loss::kNone ? 1e-12 : 1e-5)
+        << damaged.damage;
+    EXPECT_EQ(before->pinholes, after->pinholes) << damaged.damage;
+  }
+}
+
+TEST(MeshMending, MotionAndScaleDoNotMatter) {
+  for (const DamagedMesh& damaged : damagedMeshes(makeTorus(1.0, 0.4, 24, 16))) {
+    const Result<MeshMending> before = mendMesh(damaged.mesh);
+    for (const double scale : {1e-3, 1.0, 1e3}) {
+      TriMesh moved = damaged.mesh;
+      const Quat turn(0.3, 0.5, -0.7, 0.2);
+      for (Vec3& p : moved.vertices) p = scale * (turn.normalized() * p + Vec3(3, -2, 5));
+      const Result<MeshMending> after = mendMesh(moved);
+      ASSERT_EQ(before.ok(), after.ok()) << damaged.damage << ", scale " << scale;
+      if (!before) continue;
+      EXPECT_EQ(before->summary(), after->summary()) << damaged.damage;
+      EXPECT_NEAR(volumeOf(after->mesh) / (scale * scale * scale), volumeOf(before->mesh), 1e-6) << damaged.damage;
+    }
+  }
+}
+
+class MeshMendingOfRealMeshes : public testing::TestWithParam<const char*> {};
+
+TEST_P(MeshMendingOfRealMeshes, NothingIsLostWhereNothingWasMissing) {
+  LORICA_REQUIRE_DATASET(file, std::string("vhacd/") + GetParam());
+  const Result<TriMesh> read = readMesh(file);
+  ASSERT_TRUE(read);
+  const Result<MeshRepair> sound = repairClosedMesh(*read);
+  ASSERT_TRUE(sound) << sound.error().message;
+  const double volume = volumeOf(sound->mesh);
+  for (const DamagedMesh& damaged : damagedMeshes(sound->mesh)) {
+    SCOPED_TRACE(damaged.damage);
+    if (damaged.loss == Loss::kSurface) {
+      const Result<MeshMending> mending = mendMesh(damaged.mesh);
+      EXPECT_TRUE(!mending || volumeOf(mending->mesh) > 0.0);
+      continue;
+    }
+    EXPECT_NEAR(volumeOf(mended(damaged.mesh).mesh), volume, (damaged.loss == Loss::kNone ? 1e-9 : 1e-5) * volume);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(VHacd, MeshMendingOfRealMeshes,
+                         testing::Values("Block.off", "Cow.off", "Elk_Toy.off", "Genus.off", "Sledge.off", "Sword.off",
+                                         "Table.off", "Torus.off"),
+                         [](const auto& row) {
+                           return std::string(row.param).substr(0, std::string(row.param).find('.'));
+                         });
+
+}  // namespace
+}  // namespace lorica::test
