@@ -1,6 +1,7 @@
 #include "skinning/import/assimp_file.h"
 
 #include "skinning/import/assimp_materials.h"
+#include "skinning/import/assimp_morphs.h"
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -158,7 +159,7 @@ class AssimpSceneReader {
     const auto note = [&](std::uint64_t count, const char* what) {
       if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
     };
-    note(static_cast<std::uint64_t>(scene_.morphTargetCount), "morph targets: ignored, the base shape is used");
+    morphs_.finish();
     note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
     note(notFinite_, "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
     note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
@@ -223,6 +224,7 @@ class AssimpSceneReader {
     if (mesh.triangles.empty()) return {};
     if (skin != -1) addWeights(from, mesh);
     addAssimpLook(from, scene_, mesh, notFinite_);
+    morphs_.add(from, mesh);
     scene_.meshes.push_back(std::move(mesh));
     return {};
   }
@@ -307,6 +309,7 @@ class AssimpSceneReader {
   const std::string& name_;
   const std::filesystem::path& folder_;
   FileScene scene_;
+  AssimpMorphs morphs_{scene_};
   std::vector<const aiNode*> nodes_;
   std::map<std::string, int> nodeOfName_;                  // the first of that name, as in assimp's own lookup
   std::vector<std::vector<std::int64_t>> positionOfBone_;  // per skin: indices of assimp's bones in its nodes, or -1

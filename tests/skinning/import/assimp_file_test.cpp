@@ -149,6 +149,37 @@ Result<CharacterFile> parsedText(const std::string& text, const std::string& nam
   return parseCharacterFile(std::as_bytes(std::span(text)), name);
 }
 
+/// The tetrahedron with a shape that moves its fourth corner by 50 cm in y.
+std::string fbxMorphText() {
+  std::string text = fbxText("");
+  const auto insert = [&](const std::string& before, const std::string& what) { text.insert(text.find(before), what); };
+  insert(
+      " Model: 200",
+      " Geometry: 101, \"Geometry::Smile\", \"Shape\" {\n  Indexes: *1 {\n   a: 3\n  }\n  Vertices: *3 {\n   a: "
+      "0,50,0\n  }\n  Normals: *3 {\n   a: 0,0,0\n  }\n }\n"
+      " Deformer: 300, \"Deformer::\", \"BlendShape\" {\n }\n"
+      " Deformer: 301, \"SubDeformer::Smile\", \"BlendShapeChannel\" {\n  DeformPercent: 0\n  FullWeights: *1 {\n   a: "
+      "100\n  }\n }\n");
+  text.insert(text.rfind("}\n"), " C: \"OO\",300,100\n C: \"OO\",301,300\n C: \"OO\",101,301\n");
+  return text;
+}
+
+TEST(FbxFile, ShapesAreMorphTargetsInMetres) {
+  const Result<CharacterFile> file = parsedText(fbxMorphText(), "t.fbx");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  ASSERT_EQ(file->morphs.targets.size(), 1u);
+  const MorphTarget& smile = file->morphs.targets[0];
+  EXPECT_NE(smile.name.find("Smile"), std::string::npos) << smile.name;
+  EXPECT_EQ(smile.defaultWeight, 0.0F);
+  ASSERT_EQ(smile.offsets.size(), 3u);  // each face has its own corner there
+  for (const MorphOffset& offset : smile.offsets) {
+    EXPECT_NEAR(file->character.mesh.vertices[offset.vertex].z(), 1.0, 1e-6);
+    EXPECT_TRUE(offset.position.isApprox(Vec3f(0.0F, 0.5F, 0.0F), 1e-5F)) << offset.position.transpose();
+  }
+  ASSERT_EQ(file->expressions.list.size(), 1u);
+  EXPECT_EQ(file->expressions.list[0].name, smile.name);
+}
+
 TEST(FbxFile, ItsUnitAndAxesAreFollowed) {
   // Z up, -Y to the front, as in 3ds Max; the unit is 2 cm.
   const std::string settings = property("UpAxis", 2) + property("UpAxisSign", 1) + property("FrontAxis", 1) +
