@@ -103,6 +103,7 @@ fs::path shippedRecording(const fs::path& folder, const std::string& name) {
 JointSettings MotionOptions::joints() const {
   JointSettings settings;
   settings.mirror = mirror;
+  settings.upperBody = upperBody;
   if (smooth == "one-euro") settings.smoothing = oneEuro;
   return settings;
 }
@@ -131,6 +132,8 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
 
 void addPlayingOptions(CommandLine& app, MotionOptions& options) {
   app.addFlag("--mirror", options.mirror, "Mirror the motion: swap left and right");
+  app.addFlag("--upper-body", options.upperBody,
+              "Do not use the person's legs: the character stands, for people who sit and for webcams");
   app.addOption("--smooth", options.smooth,
                 "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
       ->typeName("NAME")

@@ -21,6 +21,7 @@ struct MotionOptions {
   int person = 0;      ///< of several in a stream of joints; 0 = the one with the most motion
   std::string clip;    ///< in a file with several; empty = the first
   bool mirror = false;
+  bool upperBody = false;
   std::string smooth = "off";  ///< or "one-euro"
   OneEuroSettings oneEuro;
   std::string inject;  ///< faults, see parseFaults(); empty = none
@@ -31,7 +32,7 @@ struct MotionOptions {
 
 /// --format, --person, --clip: how a motion is read.
 void addReadingOptions(CommandLine& app, MotionOptions& options);
-/// --mirror, --smooth, --min-cutoff, --beta: how it is processed.
+/// --mirror, --upper-body, --smooth, --min-cutoff, --beta: how it is processed.
 void addPlayingOptions(CommandLine& app, MotionOptions& options);
 /// --inject: simulated tracking faults.
 void addFaultOption(CommandLine& app, MotionOptions& options);

@@ -64,6 +64,7 @@ nlohmann::ordered_json toJson(const Options& options, const Motion& motion, cons
   addCoverTo(json, file.cover);
   statistics.addTo(json);
   const std::optional<double> delay = session.source().smoothingDelay();
+  json["refusedLegs"] = session.source().refusedLegs();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
   drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(session.hash());
@@ -92,6 +93,7 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
   report.line("frame time", "median");
   statistics.addTo(report);
   for (const std::string& note : motion.notes) report.note(note);
+  if (session.source().refusedLegs()) report.note(kRefusedLegs);
   return report;
 }
 
@@ -112,7 +114,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Subject& subject = input->subject;
   const Motion& motion = input->motion;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount(), &motion);
   if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();

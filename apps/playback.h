@@ -27,6 +27,10 @@ struct PlaybackOptions {
   bool hurry = false;    ///< as fast as possible instead of in real time
 };
 
+/// The note about PoseSource::refusedLegs().
+inline constexpr const char* kRefusedLegs =
+    "Legs that cannot be (they run upwards or change their length) were not used; without legs the character stands.";
+
 /// The initial camera of a window: it keeps the whole of a shipped recording in view.
 /// @param height  of the character [m]
 [[nodiscard]] Camera windowCamera(double height);

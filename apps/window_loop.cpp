@@ -327,6 +327,7 @@ void WindowLoop::show() {
   values.scenes = scenes_.names;
   values.scene = scenes_.present;
   values.warnings = warnings_.sentences();
+  values.outsideTraining = started_ && session_.outsideKnownRange();
   values.holdsProp = hands_.holds();
   Scene scene;
   if (started_) {

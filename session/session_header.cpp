@@ -116,6 +116,7 @@ std::string textOf(const SessionHeader& header) {
   body["cover-hash"] = hexDigits(header.coverHash);
   body["training-hash"] = hexDigits(header.trainingHash);
   json["mirror"] = header.joints.mirror;
+  if (header.joints.upperBody) json["upper-body"] = true;
   if (header.joints.smoothing) {
     json["smoothing"]["min-cutoff"] = header.joints.smoothing->minCutoff;
     json["smoothing"]["beta"] = header.joints.smoothing->beta;
@@ -140,9 +141,8 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   std::optional<std::string> error;
   SessionHeader header;
   SceneElement root(*json, "", error);
-  root.allow(
-      {"format", "source", "pose-joints", "character", "decomposition", "mirror", "smoothing", "faults", "springs",
-       "scene"});
+  root.allow({"format", "source", "pose-joints", "character", "decomposition", "mirror", "upper-body", "smoothing",
+              "faults", "springs", "scene"});
   std::string format;
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
@@ -155,6 +155,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   if (!root.failed()) readCharacter(root.child("character"), header);
   if (!root.failed()) readBody(root.child("decomposition"), header);
   root.flag("mirror", header.joints.mirror);
+  root.flag("upper-body", header.joints.upperBody);
   if (root.has("smoothing") && !root.failed()) readSmoothing(root.child("smoothing"), header.joints);
   readFaults(root, header);
   if (root.has("springs") && !root.failed()) readSprings(root.child("springs"), header);
