@@ -99,6 +99,8 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   if (Result<void> fine = checkPerformer(*motion, *subject, options.character); !fine) return fine.error();
   if (subject->file) {
     motion->notes.insert(motion->notes.end(), subject->file->notes.begin(), subject->file->notes.end());
+    const std::vector<std::string> strays = leftBehind(*subject->character);
+    motion->notes.insert(motion->notes.end(), strays.begin(), strays.end());
     tellReached(*subject, *motion);
   }
   return PlaybackInput{std::move(*subject), std::move(*motion)};

@@ -388,6 +388,20 @@ SkeletalMotion ProxySkeleton::mapBack(SkeletalMotion motion) {
   return carried;
 }
 
+std::vector<std::string> leftBehind(const Character& character) {
+  std::vector<std::string> sentences;
+  const Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  if (!proxy) return sentences;
+  for (const ProxySkeleton::Stray& stray : proxy->strays()) {
+    if (stray.on != kNoJoint) continue;
+    sentences.push_back(
+        fmt::format("the joint {} carries a part of the surface, but is not below the hips and near no bone: "
+                    "it stays behind when the body moves",
+                    character.skeleton.joint(stray.joint).name));
+  }
+  return sentences;
+}
+
 bool canPerform(const Character& character) {
   return ProxySkeleton::create(character).ok();
 }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lorica {
@@ -90,6 +91,10 @@ class ProxySkeleton {
   std::vector<Quat> proxyRotation_, ownRotation_;
   std::vector<Affine3> worldFromProxy_, worldFromOwn_;
 };
+
+/// A sentence for each joint of a character that a humanoid's motion leaves behind although it carries a part of the
+/// mesh.
+[[nodiscard]] std::vector<std::string> leftBehind(const Character& character);
 
 /// Whether a character can perform any humanoid's motion, if necessary through a proxy skeleton.
 [[nodiscard]] bool canPerform(const Character& character);

@@ -436,6 +436,10 @@ TEST(ProxySkeleton, SaysWhatStaysBehind) {
   ASSERT_EQ(proxy.strays().size(), 1u);
   EXPECT_EQ(proxy.strays()[0].joint, far);
   EXPECT_EQ(proxy.strays()[0].on, kNoJoint);
+  const std::vector<std::string> sentences = leftBehind(character);
+  ASSERT_EQ(sentences.size(), 1u);
+  EXPECT_NE(sentences[0].find("Shadow"), std::string::npos);
+  EXPECT_TRUE(leftBehind(mannequin()).empty());
 }
 
 TEST(ProxySkeleton, OfAWholeSkeletonIsThatSkeleton) {
