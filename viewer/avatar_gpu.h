@@ -21,8 +21,9 @@ struct AvatarGroup {
   std::size_t firstIndex = 0;
   GLsizei indexCount = 0;
   bool flat = false;
-  GLuint surface = 0;                                       ///< uniform buffer
+  GLuint surface = 0;                                       ///< uniform buffer, of AvatarGpu::surfaces
   std::array<GLuint, shaders::kAvatarSlots> textures = {};  ///< 0 = none
+  std::uint32_t available = 0;                              ///< bits by AvatarSlot: there is a texture
   Vec3 center{0, 0, 0};                                     ///< in the bind pose [m]
   JointIndex joint = 0;                                     ///< moves the centre
 };
@@ -33,22 +34,34 @@ struct AvatarTexture {
   GLuint texture = 0;
 };
 
+/// Consecutive groups that cast shadows alike.
+struct AvatarCasters {
+  std::size_t group = 0;  ///< the first
+  GLsizei indexCount = 0;
+};
+
 /// An avatar on the GPU, kept as long as it exists.
 struct AvatarGpu {
   std::weak_ptr<const Avatar> avatar;
   GLuint vertexArray = 0, shapeBuffer = 0, vertexBuffer = 0, indexBuffer = 0;
   GLuint jointTexture = 0;
-  StreamBuffer jointBuffer;
+  StreamBuffer jointBuffer, posedBuffer;
+  std::vector<GLuint> surfaces;     ///< uniform buffers, by material
   std::vector<AvatarShape> shapes;  ///< as uploaded last
   std::vector<AvatarShape> bindShapes;
+  std::vector<AvatarVertex> vertices;  ///< kept only if they are skinned on the CPU
+  std::vector<AvatarPosed> posed;      ///< of this picture
   std::vector<AvatarGroup> groups;
+  std::vector<AvatarCasters> casters;
   std::vector<AvatarTexture> textures;
   std::vector<Eigen::Vector4f> jointRows;  ///< of this picture
   std::vector<std::size_t> blended;        ///< groups by distance, scratch
   std::vector<double> distances;           ///< of groups, scratch
   bool fewInfluences = true;
   bool shadowEachPixel = true;
-  bool reshaped = false;  ///< `shapes` differ from bindShapes
+  bool posedOnCpu = false;  ///< the vertex buffers hold the pose: shaders do not skin
+  bool reshaped = false;    ///< `shapes` differ from bindShapes
+  bool inUse = false;       ///< filled for an avatar, which may no longer exist
 };
 
 }  // namespace lorica

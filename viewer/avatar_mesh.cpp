@@ -1,6 +1,7 @@
 #include "viewer/avatar_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lorica {
 
@@ -58,6 +59,32 @@ void fillJointRows(std::span<const Affine3> worldFromModel, std::vector<Eigen::V
     for (Eigen::Index row = 0; row < 3; ++row) {
       rows[3 * j + static_cast<std::size_t>(row)] = worldFromModel[j].matrix().row(row).cast<float>().transpose();
     }
+  }
+}
+
+void poseAvatar(std::span<const AvatarShape> shapes, std::span<const AvatarVertex> vertices,
+                std::span<const Eigen::Vector4f> jointRows, std::span<AvatarPosed> posed) {
+  using Row = Eigen::Vector4f;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const AvatarVertex& vertex = vertices[v];
+    const Row* joint = jointRows.data() + 3 * static_cast<std::size_t>(vertex.joints[0]);
+    Row x = vertex.weights[0] * joint[0], y = vertex.weights[0] * joint[1], z = vertex.weights[0] * joint[2];
+    for (std::size_t i = 1; i < kAvatarInfluences && vertex.weights[i] > 0.0f; ++i) {  // heaviest first
+      joint = jointRows.data() + 3 * static_cast<std::size_t>(vertex.joints[i]);
+      x += vertex.weights[i] * joint[0];
+      y += vertex.weights[i] * joint[1];
+      z += vertex.weights[i] * joint[2];
+    }
+    const Row position = shapes[v].position.homogeneous();
+    Row normal = Row::Zero();
+    normal.head<3>() = shapes[v].normal;
+    Row tangent = vertex.tangent;
+    tangent.w() = 0.0f;
+    AvatarPosed& out = posed[v];
+    out.position = {x.dot(position), y.dot(position), z.dot(position)};
+    out.normal = {x.dot(normal), y.dot(normal), z.dot(normal)};
+    out.normal /= std::sqrt(std::max(out.normal.squaredNorm(), 1e-20f));
+    out.tangent = {x.dot(tangent), y.dot(tangent), z.dot(tangent), vertex.tangent.w()};
   }
 }
 

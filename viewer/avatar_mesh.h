@@ -26,6 +26,13 @@ struct AvatarVertex {
   std::array<float, kAvatarInfluences> weights;  ///< sum to 1
 };
 
+/// A vertex in its pose.
+struct AvatarPosed {
+  Vec3f position;           ///< world [m]
+  Vec3f normal;             ///< unit length; zero: flat triangles
+  Eigen::Vector4f tangent;  ///< as AvatarVertex::tangent, turned
+};
+
 /// An avatar's vertices for the GPU, in the order of its mesh.
 struct AvatarMesh {
   std::vector<AvatarShape> shapes;
@@ -40,5 +47,12 @@ struct AvatarMesh {
 /// @param worldFromModel  one per joint
 /// @param rows            written; resized only if the number of joints changes
 void fillJointRows(std::span<const Affine3> worldFromModel, std::vector<Eigen::Vector4f>& rows);
+
+/// Linear blend skinning as the vertex shader does it. A software renderer skins in each pass anew, so that doing it
+/// once here is faster.
+/// @param jointRows  see fillJointRows()
+/// @param posed      written; as many as vertices
+void poseAvatar(std::span<const AvatarShape> shapes, std::span<const AvatarVertex> vertices,
+                std::span<const Eigen::Vector4f> jointRows, std::span<AvatarPosed> posed);
 
 }  // namespace lorica

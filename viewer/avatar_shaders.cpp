@@ -39,6 +39,10 @@ layout(location = 5) in uvec4 jointsA;
 layout(location = 6) in vec4 weightsA;
 layout(location = 7) in uvec4 jointsB;
 layout(location = 8) in vec4 weightsB;
+#ifdef POSED
+vec3 turned(vec3 v) { return v; }
+vec3 placed() { return position; }
+#else
 uniform samplerBuffer joints;
 vec4 rowX = vec4(0.0), rowY = vec4(0.0), rowZ = vec4(0.0);
 void follow(uint joint, float weight) {
@@ -62,6 +66,7 @@ vec3 placed() {
   vec4 p = vec4(position, 1.0);
   return vec3(dot(rowX, p), dot(rowY, p), dot(rowZ, p));
 }
+#endif
 )";
 
 constexpr const char* kSurfaceVertexMain = R"(
@@ -170,7 +175,7 @@ vec3 surfaceNormal(vec4 at) {
     vec2 stX = dFdx(st), stY = dFdy(st);
     t = alongX * stX.x + alongY * stY.x;
     b = -(alongX * stX.y + alongY * stY.y);
-    float scale = inversesqrt(max(max(dot(t, t), dot(b, b)), 1e-30));
+    float scale = (gl_FrontFacing ? 1.0 : -1.0) * inversesqrt(max(max(dot(t, t), dot(b, b)), 1e-30));
     t *= scale;
     b *= scale;
   }
@@ -282,7 +287,9 @@ void main() {
 #else
   vec3 c = shaded(at, base, n);
 #endif
-  color = vec4(toSrgb(clamp(c, 0.0, 1.0)), base.a);
+  c = clamp(c, 0.0, 1.0);
+  // IEC 61966-2-1. Exact, because the colours of a texture must come out as they are in it.
+  color = vec4(mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308))), base.a);
 }
 )";
 
@@ -322,6 +329,7 @@ using Draw = AvatarVariant::Draw;
   define(variant.alpha == AlphaMode::kBlend, "ALPHA_BLEND");
   define(variant.draw == Draw::kOutline, "OUTLINE");
   define(variant.flat, "FLAT");
+  define(variant.posed, "POSED");
   define(!variant.fewInfluences, "MANY_INFLUENCES");
   define(variant.shadowEachPixel, "SHADOW_EACH_PIXEL");
   for (std::size_t slot = 0; slot < kSlots.size(); ++slot) {
@@ -384,13 +392,13 @@ AvatarVariant variantFor(const Material& material, Draw draw) {
   variant.draw = draw;
   const bool geometryOnly = draw == Draw::kShadow || draw == Draw::kContact;
   variant.shading = draw == Draw::kDepth || geometryOnly ? Shading::kUnlit : material.shading;
-  variant.alpha = geometryOnly && material.alpha != AlphaMode::kMask ? AlphaMode::kOpaque : material.alpha;
+  variant.alpha = material.alpha;
   const auto uses = slotsOf(material);
   const auto keep = [&](AvatarSlot slot) {
     const auto s = static_cast<std::size_t>(slot);
     if (uses[s]->given()) variant.textures |= 1u << s;
   };
-  if (!geometryOnly || variant.alpha == AlphaMode::kMask) keep(AvatarSlot::kBase);
+  if (!geometryOnly || variant.alpha != AlphaMode::kOpaque) keep(AvatarSlot::kBase);
   if (variant.shading == Shading::kUnlit) return variant;
   keep(AvatarSlot::kNormal);
   keep(AvatarSlot::kEmissive);
@@ -431,6 +439,9 @@ void main() {
 #ifdef ALPHA_MASK
   surfaceColor(movedUv());
 #endif
+#ifdef ALPHA_BLEND
+  if (surfaceColor(movedUv()).a < 0.5) discard;
+#endif
   float n = 1.0 - clamp(height, 0.0, 1.0);
   color = vec4(n * n);
 }
@@ -440,7 +451,6 @@ void main() {
   text += kFragmentInputs;
   text += kMoved;
   if (variant.draw == Draw::kDepth) return text + kDepthMain;
-  text += colorFunctions();
   text += shadowLookup();
   text += kNormal;
   text += variant.shading == Shading::kPhysical ? kPhysical : variant.shading == Shading::kToon ? kToon : kUnlit;

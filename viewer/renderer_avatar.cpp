@@ -1,6 +1,7 @@
 #include "viewer/renderer_impl.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace lorica {
@@ -13,6 +14,10 @@ using Draw = AvatarVariant::Draw;
 
 /// Avatars with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
 constexpr std::size_t kFineTriangles = 8000;
+
+/// Avatars with more vertices are skinned once on the CPU if the renderer is software, which would skin them in each
+/// pass anew.
+constexpr std::size_t kPosedVertices = 2000;
 
 [[nodiscard]] GLint wrapOf(TextureWrap wrap) {
   return wrap == TextureWrap::kRepeat   ? GL_REPEAT
@@ -35,34 +40,57 @@ constexpr std::size_t kFineTriangles = 8000;
       ->joint;
 }
 
+/// Whether a group can be drawn together with groups before it to cast shadows.
+[[nodiscard]] bool castAlike(const AvatarGroup& first, GLsizei indexCount, const AvatarGroup& next) {
+  const Material& a = *first.material;
+  const Material& b = *next.material;
+  return a.alpha == AlphaMode::kOpaque && b.alpha == AlphaMode::kOpaque && a.doubleSided == b.doubleSided &&
+         first.firstIndex + static_cast<std::size_t>(indexCount) == next.firstIndex;
+}
+
 }  // namespace
 
 GLuint Renderer::Impl::avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb) {
   if (!use.given()) return 0;
+  const Picture& picture = drawn.pictures[use.picture];
+  if (picture.width == 0) return 0;
   for (const AvatarTexture& known : made.textures) {
     if (known.use.picture == use.picture && known.srgb == srgb && known.use.wrapU == use.wrapU &&
         known.use.wrapV == use.wrapV && known.use.smooth == use.smooth) {
       return known.texture;
     }
   }
-  const Picture& picture = drawn.pictures[use.picture];
   const GLuint texture = gpu.makeTexture(GL_LINEAR);
   made.textures.push_back({use, srgb, texture});
-  // A picture that is not available is white, and level as a normal map.
-  static constexpr std::array<std::uint8_t, 4> kWhite = {255, 255, 255, 255};
-  static constexpr std::array<std::uint8_t, 4> kMiddle = {128, 128, 255, 255};
-  const bool given = picture.width > 0;
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, given ? picture.width : 1,
-                given ? picture.height : 1, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                given ? picture.rgba.data() : (srgb ? kWhite : kMiddle).data());
+  gl.TexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, picture.width, picture.height, 0, GL_RGBA,
+                GL_UNSIGNED_BYTE, picture.rgba.data());
   gl.GenerateMipmap(GL_TEXTURE_2D);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
-                   use.smooth ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR);
+                   use.smooth ? (software ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR)
+                              : (software ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_LINEAR));
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, use.smooth ? GL_LINEAR : GL_NEAREST);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(use.wrapU));
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(use.wrapV));
   return texture;
+}
+
+/// Gives the memory of an avatar back that no longer exists. Its buffers are filled again for the next one.
+void Renderer::Impl::releaseAvatar(AvatarGpu& made) {
+  for (const AvatarTexture& texture : made.textures) gpu.discardTexture(texture.texture);
+  for (const GLuint buffer : {made.shapeBuffer, made.vertexBuffer, made.indexBuffer, made.posedBuffer.id}) {
+    gl.BindBuffer(GL_ARRAY_BUFFER, buffer);
+    gl.BufferData(GL_ARRAY_BUFFER, 0, nullptr, GL_STATIC_DRAW);
+  }
+  made.posedBuffer.capacity = 0;
+  made.textures = {};
+  made.groups = {};
+  made.casters = {};
+  made.shapes = made.bindShapes = {};
+  made.vertices = {};
+  made.posed = {};
+  made.avatar.reset();
+  made.inUse = false;
 }
 
 /// The GPU data of an avatar, uploaded if it is new. Data of avatars that no longer exist is reused.
@@ -70,7 +98,7 @@ AvatarGpu& Renderer::Impl::avatarGpuOf(const std::shared_ptr<const Avatar>& draw
   for (AvatarGpu& known : avatars) {
     if (known.avatar.lock() == drawn) return known;
   }
-  auto position = std::find_if(avatars.begin(), avatars.end(), [](const AvatarGpu& a) { return a.avatar.expired(); });
+  auto position = std::find_if(avatars.begin(), avatars.end(), [](const AvatarGpu& a) { return !a.inUse; });
   if (position == avatars.end()) {
     position = avatars.emplace(avatars.end());
     AvatarGpu& made = *position;
@@ -79,20 +107,20 @@ AvatarGpu& Renderer::Impl::avatarGpuOf(const std::shared_ptr<const Avatar>& draw
     made.vertexBuffer = gpu.makeBuffer();
     made.indexBuffer = gpu.makeBuffer();
     made.jointBuffer.id = gpu.makeBuffer();
+    made.posedBuffer.id = gpu.makeBuffer();
     made.jointTexture = gpu.makeBufferTexture();
   }
   fillAvatar(*position, *drawn);
   position->avatar = drawn;
+  position->inUse = true;
   return *position;
 }
 
 void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
-  for (const AvatarTexture& old : made.textures) gpu.discardTexture(old.texture);
-  made.textures.clear();
-
   // 1. Vertices.
   AvatarMesh mesh = makeAvatarMesh(drawn);
   made.fewInfluences = mesh.fewInfluences;
+  made.posedOnCpu = software && mesh.vertices.size() > kPosedVertices;
   made.shadowEachPixel = drawn.character.mesh.triangles.size() < kFineTriangles;
   gl.BindVertexArray(made.vertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, made.shapeBuffer);
@@ -100,11 +128,17 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
                 GL_DYNAMIC_DRAW);
   attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(AvatarShape), offsetof(AvatarShape, position));
   attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(AvatarShape), offsetof(AvatarShape, normal));
+  if (made.posedOnCpu) {
+    gl.BindBuffer(GL_ARRAY_BUFFER, made.posedBuffer.id);
+    attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(AvatarPosed), offsetof(AvatarPosed, position));
+    attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(AvatarPosed), offsetof(AvatarPosed, normal));
+    attribute(2, 4, GL_FLOAT, GL_FALSE, sizeof(AvatarPosed), offsetof(AvatarPosed, tangent));
+  }
   gl.BindBuffer(GL_ARRAY_BUFFER, made.vertexBuffer);
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(AvatarVertex)),
                 mesh.vertices.data(), GL_STATIC_DRAW);
   constexpr std::size_t kStride = sizeof(AvatarVertex);
-  attribute(2, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, tangent));
+  if (!made.posedOnCpu) attribute(2, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, tangent));
   attribute(3, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, uv));
   attribute(4, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, color));
   for (std::size_t half = 0; half < 2; ++half) {
@@ -119,9 +153,20 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
                 mesh.indices.data(), GL_STATIC_DRAW);
   made.bindShapes = made.shapes = std::move(mesh.shapes);
   made.reshaped = false;
+  if (made.posedOnCpu) {
+    made.posed.resize(mesh.vertices.size());
+    made.vertices = std::move(mesh.vertices);
+  }
 
   // 2. Materials.
-  made.groups.clear();
+  while (made.surfaces.size() < drawn.look.materials.size()) made.surfaces.push_back(gpu.makeBuffer());
+  for (std::size_t m = 0; m < drawn.look.materials.size(); ++m) {
+    const shaders::SurfaceUniforms uniforms = shaders::surfaceUniforms(drawn.look.materials[m]);
+    gl.BindBuffer(GL_UNIFORM_BUFFER, made.surfaces[m]);
+    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(uniforms), &uniforms, GL_STATIC_DRAW);
+  }
+
+  // 3. Groups.
   for (const LookGroup& from : drawn.look.groups) {
     if (from.triangleCount == 0) continue;
     AvatarGroup group;
@@ -129,13 +174,11 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
     group.firstIndex = 3 * from.firstTriangle;
     group.indexCount = glCount(3 * from.triangleCount);
     group.flat = from.flat;
-    group.surface = gpu.makeBuffer();
-    const shaders::SurfaceUniforms uniforms = shaders::surfaceUniforms(*group.material);
-    gl.BindBuffer(GL_UNIFORM_BUFFER, group.surface);
-    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(uniforms), &uniforms, GL_STATIC_DRAW);
+    group.surface = made.surfaces[from.material];
     const auto uses = shaders::slotsOf(*group.material);
     for (std::size_t slot = 0; slot < uses.size(); ++slot) {
       group.textures[slot] = avatarTexture(made, drawn, *uses[slot], holdsColor(slot));
+      if (group.textures[slot] != 0) group.available |= 1u << slot;
     }
     Aabb box;
     for (std::size_t t = from.firstTriangle; t < from.firstTriangle + from.triangleCount; ++t) {
@@ -144,6 +187,18 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
     group.center = box.center();
     group.joint = mainJoint(drawn.character, drawn.character.mesh.triangles[from.firstTriangle][0]);
     made.groups.push_back(group);
+  }
+
+  // 4. Casters: consecutive opaque groups are one, because only their shapes matter.
+  for (std::size_t g = 0; g < made.groups.size(); ++g) {
+    const AvatarGroup& group = made.groups[g];
+    if (group.material->alpha == AlphaMode::kBlend && group.material->baseColor.w() < 0.5f) continue;
+    AvatarCasters* last = made.casters.empty() ? nullptr : &made.casters.back();
+    if (last == nullptr || !castAlike(made.groups[last->group], last->indexCount, group)) {
+      made.casters.push_back({g, group.indexCount});
+    } else {
+      last->indexCount += group.indexCount;
+    }
   }
 }
 
@@ -170,6 +225,9 @@ GLuint Renderer::Impl::avatarProgram(AvatarVariant variant) {
 
 void Renderer::Impl::uploadAvatar(const Scene& scene, const SceneOptions& options) {
   avatar = nullptr;
+  for (AvatarGpu& known : avatars) {
+    if (known.inUse && known.avatar.expired()) releaseAvatar(known);
+  }
   if (!options.skin || options.colorSkinByPart || scene.avatar == nullptr || !scene.avatar->look.given()) return;
   if (scene.worldFromModel.size() != scene.avatar->character.jointFromModel.size()) return;  // not posed yet
   avatar = &avatarGpuOf(scene.avatar);
@@ -179,28 +237,38 @@ void Renderer::Impl::uploadAvatar(const Scene& scene, const SceneOptions& option
   gl.BindTexture(GL_TEXTURE_BUFFER, avatar->jointTexture);
   gl.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, avatar->jointBuffer.id);
 
+  reshapeAvatar(scene);
+  if (!avatar->posedOnCpu) return;
+  poseAvatar(avatar->shapes, avatar->vertices, avatar->jointRows, avatar->posed);
+  gpu.upload(avatar->posedBuffer, avatar->posed);
+}
+
+/// Uploads the shape that an expression gives, or the bind pose's again.
+void Renderer::Impl::reshapeAvatar(const Scene& scene) {
   const std::size_t count = avatar->bindShapes.size();
   const bool reshaped = scene.avatarPositions.size() == count && scene.avatarNormals.size() == count;
   if (!reshaped && !avatar->reshaped) return;
   bool changed = false;
   for (std::size_t v = 0; v < count; ++v) {
     const AvatarShape now =
-        reshaped ? AvatarShape{scene.avatarPositions[v], scene.avatarNormals[v]} : avatar->bindShapes[v];
+        reshaped ? AvatarShape{scene.avatarPositions[v].cast<float>(), scene.avatarNormals[v]} : avatar->bindShapes[v];
     AvatarShape& last = avatar->shapes[v];
     changed = changed || now.position != last.position || now.normal != last.normal;
     last = now;
   }
   avatar->reshaped = reshaped;
-  if (!changed) return;
+  if (!changed || avatar->posedOnCpu) return;
   gl.BindBuffer(GL_ARRAY_BUFFER, avatar->shapeBuffer);
   gl.BufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(count * sizeof(AvatarShape)), avatar->shapes.data());
 }
 
-void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw) {
+void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsizei indexCount) {
   AvatarVariant variant = shaders::variantFor(*group.material, draw);
   variant.flat = group.flat;
-  variant.fewInfluences = avatar->fewInfluences;
-  variant.shadowEachPixel = avatar->shadowEachPixel;
+  variant.posed = avatar->posedOnCpu;
+  variant.fewInfluences = avatar->fewInfluences || variant.posed;
+  variant.shadowEachPixel = avatar->shadowEachPixel || group.flat;  // flat triangles have no normals at vertices
+  variant.textures &= group.available;
   const GLuint program = avatarProgram(variant);
   if (program == 0) return;
   gl.UseProgram(program);
@@ -213,7 +281,7 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw) {
   if (draw == Draw::kOutline) {
     gl.Enable(GL_CULL_FACE);
     gl.CullFace(GL_FRONT);
-  } else if (draw == Draw::kSurface || draw == Draw::kDepth) {
+  } else {
     gl.CullFace(GL_BACK);
     if (group.material->doubleSided) {
       gl.Disable(GL_CULL_FACE);
@@ -221,7 +289,7 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw) {
       gl.Enable(GL_CULL_FACE);
     }
   }
-  gl.DrawElements(GL_TRIANGLES, group.indexCount, GL_UNSIGNED_INT,
+  gl.DrawElements(GL_TRIANGLES, indexCount > 0 ? indexCount : group.indexCount, GL_UNSIGNED_INT,
                   reinterpret_cast<const void*>(group.firstIndex * sizeof(std::uint32_t)));
 }
 
@@ -229,14 +297,19 @@ void Renderer::Impl::drawAvatarCasters(shaders::Pass pass) {
   if (avatar == nullptr) return;
   gl.BindVertexArray(avatar->vertexArray);
   // Hair and clothes are open, so lit faces cast shadows: moved away from the light, they do not shadow themselves.
-  gl.Disable(GL_CULL_FACE);
   gl.Enable(GL_POLYGON_OFFSET_FILL);
   gl.PolygonOffset(2.0f, 8.0f);
-  for (const AvatarGroup& group : avatar->groups) {
-    if (group.material->alpha == AlphaMode::kBlend && group.material->baseColor.w() < 0.5f) continue;
-    drawAvatarGroup(group, pass == shaders::Pass::kShadow ? Draw::kShadow : Draw::kContact);
+  for (const AvatarCasters& casters : avatar->casters) {
+    drawAvatarGroup(avatar->groups[casters.group], pass == shaders::Pass::kShadow ? Draw::kShadow : Draw::kContact,
+                    casters.indexCount);
   }
   gl.Disable(GL_POLYGON_OFFSET_FILL);
+  gl.CullFace(GL_FRONT);
+  if (pass == shaders::Pass::kShadow) {
+    gl.Enable(GL_CULL_FACE);
+  } else {
+    gl.Disable(GL_CULL_FACE);
+  }
 }
 
 void Renderer::Impl::drawAvatarOpaque() {
@@ -271,7 +344,8 @@ void Renderer::Impl::drawAvatarBlended(const Vec3& eye) {
       center[static_cast<Eigen::Index>(axis)] =
           avatar->jointRows[row + axis].cast<double>().dot(group.center.homogeneous());
     }
-    distances[g] = (center - eye).squaredNorm();
+    const double distance = (center - eye).squaredNorm();
+    distances[g] = std::isfinite(distance) ? distance : 0.0;  // the order must be strict
     order.push_back(g);
   }
   if (order.empty()) return;

@@ -118,9 +118,12 @@ struct Renderer::Impl {
   void uploadAvatar(const Scene& scene, const SceneOptions& options);
   AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
   void fillAvatar(AvatarGpu& made, const Avatar& drawn);
+  void releaseAvatar(AvatarGpu& made);
+  void reshapeAvatar(const Scene& scene);
   [[nodiscard]] GLuint avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb);
   [[nodiscard]] GLuint avatarProgram(shaders::AvatarVariant variant);
-  void drawAvatarGroup(const AvatarGroup& group, shaders::AvatarVariant::Draw draw);
+  /// @param indexCount  0 = the group's; more = with the groups after it
+  void drawAvatarGroup(const AvatarGroup& group, shaders::AvatarVariant::Draw draw, GLsizei indexCount = 0);
   void drawAvatarCasters(shaders::Pass pass);
   void drawAvatarOpaque();
   void drawAvatarBlended(const Vec3& eye);

@@ -42,7 +42,7 @@ struct Scene {
   std::span<const Affine3> worldFromJoint;
   std::shared_ptr<const Avatar> avatar;     ///< drawn instead of the mesh; null = none
   std::span<const Affine3> worldFromModel;  ///< of the avatar's joints, see computeWorldFromModel()
-  std::span<const Vec3f> avatarPositions;   ///< of the avatar's vertices in the bind pose, changed by an expression
+  std::span<const Vec3> avatarPositions;    ///< of the avatar's vertices in the bind pose, changed by an expression
   std::span<const Vec3f> avatarNormals;     ///< with them; both empty = as in the avatar
   double time = 0.0;                        ///< of moving textures [s]
 };

@@ -32,6 +32,18 @@ Image Studio::draw(const Scene& scene, const SceneOptions& options, const Camera
   return renderer_->readBack();
 }
 
+Studio::Objects Studio::objects() const {
+  using IsObject = unsigned char (*)(unsigned int);
+  const auto isBuffer = reinterpret_cast<IsObject>(context_->getProc()("glIsBuffer"));
+  const auto isTexture = reinterpret_cast<IsObject>(context_->getProc()("glIsTexture"));
+  Objects count;
+  for (unsigned int name = 1; name < 4096; ++name) {
+    count.buffers += isBuffer(name) != 0;
+    count.textures += isTexture(name) != 0;
+  }
+  return count;
+}
+
 Camera frontCamera() {
   Camera camera;
   camera.eye = {0.0, 1.0, 4.0};

@@ -24,6 +24,13 @@ class Studio {
   void setQuality(RenderQuality quality) { renderer_->setQuality(quality); }
   [[nodiscard]] std::string description() const { return context_->description(); }
 
+  /// How many objects of OpenGL exist.
+  struct Objects {
+    int buffers = 0;
+    int textures = 0;
+  };
+  [[nodiscard]] Objects objects() const;
+
  private:
   std::optional<OffscreenContext> context_;
   std::optional<Renderer> renderer_;
