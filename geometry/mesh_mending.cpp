@@ -142,7 +142,7 @@ class Mender {
 
   void dropSpecks() {
     const MeshPieces pieces = findPieces(mending_.mesh);
-    const auto count = static_cast<std::size_t>(pieces.count);
+    const std::size_t count = pieces.members.size();
     std::vector<Aabb> boxes(count);
     std::vector<double> area(count, 0.0);
     for (std::size_t k = 0; k < triangles().size(); ++k) {

@@ -13,8 +13,18 @@ namespace {
 
 /// A triangle across an edge.
 struct Neighbour {
-  std::int32_t triangle = -1;  ///< -1: none, or more than one
-  bool agrees = true;          ///< it runs along the edge in the opposite direction, as it should
+  std::int32_t triangle = -1;
+  bool agrees = true;  ///< it runs along the edge in the opposite direction, as it should
+};
+
+/// Of one triangle, across edges that exactly two triangles share.
+struct Neighbours {
+  std::array<Neighbour, 3> all;
+  std::size_t count = 0;
+
+  void add(const Neighbour& neighbour) {
+    if (count < all.size()) all[count++] = neighbour;
+  }
 };
 
 double doubleAreaOf(const TriMesh& mesh, const Triangle& t) {
@@ -40,7 +50,7 @@ bool holds(const Aabb& outer, const Aabb& inner) {
 }
 
 std::vector<Shell> shellsOf(const TriMesh& mesh, const MeshPieces& pieces) {
-  std::vector<Shell> shells(static_cast<std::size_t>(pieces.count));
+  std::vector<Shell> shells(pieces.members.size());
   std::vector<double> largest(shells.size(), -1.0);
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const auto s = static_cast<std::size_t>(pieces.pieceOfTriangle[k]);
@@ -73,30 +83,29 @@ void findAround(const TriMesh& mesh, std::vector<Shell>& shells) {
 MeshPieces findPieces(const TriMesh& mesh) {
   const std::size_t count = mesh.triangles.size();
   MeshPieces pieces;
-  std::vector<std::array<Neighbour, 3>> across(count);
+  std::vector<Neighbours> across(count);
   std::vector<bool> border(count, false);
-  const auto sideOf = [&](std::int32_t k, VertexIndex v, VertexIndex w) -> Neighbour& {
-    const Triangle& t = mesh.triangles[k];
-    std::size_t i = 0;
-    while (i < 2 && std::minmax(t[i], t[i + 1]) != std::pair<const VertexIndex&, const VertexIndex&>(v, w)) ++i;
-    return across[k][i];
-  };
-  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
-    if (sides.size() == 1) border[sides[0].triangle] = true;
-    if (sides.size() != 2 || sides[0].triangle == sides[1].triangle) return;
-    const bool agrees = sides[0].ascending != sides[1].ascending;
-    sideOf(sides[0].triangle, v, sides[0].larger) = {sides[1].triangle, agrees};
-    sideOf(sides[1].triangle, v, sides[0].larger) = {sides[0].triangle, agrees};
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex, std::span<const Side> sides) {
+    if (sides.size() == 1) {
+      ++pieces.openEdges;
+      border[sides[0].triangle] = true;
+    } else if (sides.size() == 2) {
+      const bool agrees = sides[0].ascending != sides[1].ascending;
+      across[sides[0].triangle].add({sides[1].triangle, agrees});
+      across[sides[1].triangle].add({sides[0].triangle, agrees});
+    } else {
+      ++pieces.nonManifoldEdges;
+    }
   });
 
   pieces.pieceOfTriangle.assign(count, -1);
   pieces.triangles = mesh.triangles;
   std::vector<bool> turned(count, false);
-  std::vector<std::int32_t> walk;
   for (std::size_t start = 0; start < count; ++start) {
     if (pieces.pieceOfTriangle[start] >= 0) continue;
-    walk.assign(1, static_cast<std::int32_t>(start));
-    pieces.pieceOfTriangle[start] = pieces.count;
+    const auto number = static_cast<std::int32_t>(pieces.members.size());
+    std::vector<std::int32_t> walk{static_cast<std::int32_t>(start)};
+    pieces.pieceOfTriangle[start] = number;
     bool open = false;
     double area = 0.0;
     double turnedArea = 0.0;
@@ -106,16 +115,16 @@ MeshPieces findPieces(const TriMesh& mesh) {
       area += own;
       if (turned[k]) turnedArea += own;
       open = open || border[k];
-      for (const Neighbour& n : across[k]) {
-        if (n.triangle < 0) continue;
-        const bool other = turned[k] != !n.agrees;
-        if (pieces.pieceOfTriangle[n.triangle] >= 0) {
-          pieces.orientable = pieces.orientable && turned[n.triangle] == other;
+      for (std::size_t i = 0; i < across[k].count; ++i) {
+        const auto [neighbour, agrees] = across[k].all[i];
+        const bool other = turned[k] != !agrees;
+        if (pieces.pieceOfTriangle[neighbour] >= 0) {
+          pieces.orientable = pieces.orientable && turned[neighbour] == other;
           continue;
         }
-        pieces.pieceOfTriangle[n.triangle] = pieces.count;
-        turned[n.triangle] = other;
-        walk.push_back(n.triangle);
+        pieces.pieceOfTriangle[neighbour] = number;
+        turned[neighbour] = other;
+        walk.push_back(neighbour);
       }
     }
     const bool mostTurned = turnedArea > 0.5 * area;
@@ -125,7 +134,7 @@ MeshPieces findPieces(const TriMesh& mesh) {
       std::swap(pieces.triangles[k][1], pieces.triangles[k][2]);
     }
     pieces.open.push_back(open);
-    ++pieces.count;
+    pieces.members.push_back(std::move(walk));
   }
   return pieces;
 }

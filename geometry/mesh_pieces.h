@@ -12,12 +12,14 @@ namespace lorica {
 
 /// Pieces of surface: triangles connected by edges that exactly two triangles share.
 struct MeshPieces {
-  int count = 0;
+  std::vector<std::vector<std::int32_t>> members;  ///< triangles of each piece, from neighbour to neighbour
   std::vector<std::int32_t> pieceOfTriangle;
   std::vector<bool> open;           ///< for each piece: one of its edges has only one triangle
   std::vector<Triangle> triangles;  ///< of the mesh; those of one piece face the same way, as most of its area does
   std::size_t turned = 0;           ///< triangles that faced the other way
   bool orientable = true;           ///< false if a piece is one-sided, like a Moebius strip
+  std::size_t openEdges = 0;
+  std::size_t nonManifoldEdges = 0;  ///< with more than two triangles
 };
 
 [[nodiscard]] MeshPieces findPieces(const TriMesh& mesh);

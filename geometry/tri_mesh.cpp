@@ -103,8 +103,7 @@ Result<void> checkEdges(const TriMesh& mesh) {
     }
   });
   if (open.count > 0) {
-    std::string message = fmt::format("{}; {}: the mesh is open; for a character, makeBody() makes a closed body",
-                                      open.first, suchEdges(open.count));
+    std::string message = fmt::format("{}; {}: the mesh is open", open.first, suchEdges(open.count));
     TriMesh welded = mesh;
     const std::size_t removed = weldEqualVertices(welded);
     const std::size_t left = removed == 0 ? open.count : openEdgeCount(welded);

@@ -96,7 +96,7 @@ class BodyMaker {
                                                     welded_.mesh.triangles.size())};
     }
     body_.shells = connectedComponents(welded_.mesh.vertices.size(), welded_.mesh.triangles).count;
-    if (keepAsItIs()) {
+    if (settings_.keepClosed && keepAsItIs()) {
       (void)step(kSteps);
       return std::move(body_);
     }

@@ -13,6 +13,7 @@ namespace lorica {
 
 struct BodySettings {
   double resolution = 0.0;  ///< voxel edge if a surface has to be built [m]; 0 = from the character's thickness
+  bool keepClosed = true;   ///< false: build a surface even if the character's own is closed
   int threads = 0;          ///< 0 = all hardware threads; the result does not depend on it
   std::function<bool(int done, int steps)> progress = {};  ///< return false to cancel
 };
@@ -54,12 +55,12 @@ struct ClosedBody {
 /// How far positions that morph targets reach may lie outside a body before its hulls must grow [m].
 inline constexpr double kReachTolerance = 0.002;
 
-/// Adds to a body the positions that morph targets take vertices to, so that the hulls contain them: as vertices that no
-/// triangle uses, after all others.
+/// Adds to a body the positions that morph targets take vertices to, so that the hulls contain them: as vertices that
+/// no triangle uses, after all others.
 ///
 /// Positions that are held anyway are left out: those inside the body, inside the convex hull of the vertices that the
-/// same joint moves most, such as a mouth inside the head, or less than kReachTolerance outside of either. A part may be
-/// only a piece of such a hull; then a hollow between two parts is not filled. A note says what was added.
+/// same joint moves most, such as a mouth inside the head, or less than kReachTolerance outside of either. A part may
+/// be only a piece of such a hull; then a hollow between two parts is not filled. A note says what was added.
 /// @param character  the one that the body was made from
 /// @param reached    of its vertices
 /// @return how many vertices were added

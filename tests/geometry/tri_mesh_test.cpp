@@ -133,10 +133,7 @@ TEST(CheckClosedTwoManifold, NamesWhatIsWrong) {
 
   mesh = good;
   mesh.triangles.pop_back();
-  EXPECT_EQ(
-      whyRefused(mesh),
-      "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open; for a character, makeBody() "
-      "makes a closed body");
+  EXPECT_EQ(whyRefused(mesh), "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open");
 
   mesh = good;
   std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
@@ -175,9 +172,8 @@ TEST(CheckClosedTwoManifold, SaysWhereWeldingWouldHelp) {
     split.triangles.push_back({first, first + 1, first + 2});
   }
   EXPECT_EQ(whyRefused(split),
-            "edge 0-1 belongs to one triangle (0), expected two; 12 such edges: the mesh is open; for a character, "
-            "makeBody() makes a closed body; welding 8 vertices "
-            "at positions of others would leave 0 open edges");
+            "edge 0-1 belongs to one triangle (0), expected two; 12 such edges: the mesh is open; welding 8 "
+            "vertices at positions of others would leave 0 open edges");
   EXPECT_EQ(weldEqualVertices(split), 8u);
   EXPECT_EQ(whyRefused(split), "");
 }

@@ -1,0 +1,76 @@
+#include "skinning/body/mesh_body.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kRounding = 1e-12;  // of the longest side
+
+/// The mesh as a character with one joint, which moves all of it.
+Result<Character> rigidCharacter(TriMesh mesh) {
+  Result<Skeleton> skeleton = Skeleton::create({{"mesh", kNoJoint, {}, std::nullopt}});
+  if (!skeleton) return skeleton.error();
+  Character character;
+  character.name = "mesh";
+  character.skeleton = std::move(*skeleton);
+  character.jointFromModel = {Affine3::Identity()};
+  character.influences.assign(mesh.vertices.size(), {0, 1.0});
+  for (std::size_t v = 0; v <= mesh.vertices.size(); ++v) {
+    character.influenceBegin.push_back(static_cast<std::uint32_t>(v));
+  }
+  const Aabb box = boundsOf(mesh.vertices);
+  character.height = box.max.y() - box.min.y();
+  character.mesh = std::move(mesh);
+  return character;
+}
+
+}  // namespace
+
+Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings) {
+  const Aabb box = surfaceBounds(mesh);
+  const double size = box.empty() ? 0.0 : (box.max - box.min).maxCoeff();
+  if (!(size > 0.0) || !std::isfinite(size) || !std::isfinite(1.0 / size)) {
+    return Error{ErrorCode::kBadMesh, fmt::format("the longest side of its surface is {:g}, expected a surface", size)};
+  }
+  TriMesh scaled = mesh;
+  // Vertices that no triangle uses may be anywhere; they have no effect but on the box.
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) used[v] = true;
+  }
+  const Vec3 center = box.min + 0.5 * (box.max - box.min);
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    Vec3& p = scaled.vertices[v];
+    if (!used[v]) {
+      p.setZero();
+      continue;
+    }
+    p = (p - center) / size;
+    for (int i = 0; i < 3; ++i) p[i] = kRounding * std::round(p[i] / kRounding);
+  }
+  Result<Character> character = rigidCharacter(std::move(scaled));
+  if (!character) return character.error();
+  BodySettings unitSettings = settings;
+  unitSettings.resolution = settings.resolution / size;
+  unitSettings.keepClosed = false;
+  Result<ClosedBody> made = makeBody(*character, unitSettings);
+  if (!made) return made.error();
+
+  MeshBody body;
+  body.firstOriginal = static_cast<VertexIndex>(made->bodyVertices);
+  body.mesh.triangles = std::move(made->character.mesh.triangles);
+  body.mesh.vertices = std::move(made->character.mesh.vertices);
+  body.mesh.vertices.resize(static_cast<std::size_t>(made->bodyVertices));
+  for (Vec3& p : body.mesh.vertices) p = center + size * p;
+  body.mesh.vertices.insert(body.mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  body.resolution = size * made->resolution;
+  body.distances = {size * made->distances.farthestOutside, size * made->distances.meanOutside,
+                    size * made->distances.meanToOriginal, size * made->distances.farthestToOriginal};
+  return body;
+}
+
+}  // namespace lorica
