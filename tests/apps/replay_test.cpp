@@ -48,6 +48,18 @@ TEST_F(Replay, ARecordedSessionComesOutTheSame) {
   EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
 }
 
+TEST_F(Replay, WithoutThePersonsLegsItIsTheSameToo) {
+  const CommandResult made = record({"squat_and_reach", "--frames", "60", "--upper-body", "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  const CommandResult again = runLorica({"replay", session.string(), "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["hash"], made.json()["hash"]);
+  // Squatting with legs of one's own is another session.
+  const CommandResult whole =
+      runLorica({"play", "squat_and_reach", "--frames", "60", "--decomposition", body.string(), "--json", "-"});
+  EXPECT_NE(whole.json()["hash"], made.json()["hash"]);
+}
+
 TEST_F(Replay, WhatPlayRecordsIsTheSameSession) {
   const CommandResult played = runLorica({"play", "wave", "--frames", "20", "--decomposition", body.string(),
                                           "--record", session.string(), "--json", "-"});
