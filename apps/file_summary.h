@@ -14,7 +14,8 @@ struct FileSummary {
 };
 
 [[nodiscard]] FileSummary describeMesh(const Subject& subject);
-[[nodiscard]] FileSummary describeCharacter(const Subject& subject);
+/// @param textureSize  see CharacterOptions
+[[nodiscard]] FileSummary describeCharacter(const Subject& subject, int textureSize);
 /// @param file  a .lorica file
 [[nodiscard]] Result<FileSummary> describeDecomposition(const std::filesystem::path& file);
 [[nodiscard]] FileSummary describeMotion(const Motion& motion);

@@ -65,7 +65,7 @@ Result<FileSummary> describe(const Options& options) {
     if (motion) return describeMotion(*motion);
   }
   if (!subject) return subject.error();
-  return subject->character ? describeCharacter(*subject) : describeMesh(*subject);
+  return subject->character ? describeCharacter(*subject, options.character.textureSize) : describeMesh(*subject);
 }
 
 Result<void> writeMap(const Options& options) {
@@ -119,6 +119,7 @@ Command addInfo(CommandLine& parent, CommonOptions& common) {
       app->addFlag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
   app->addOption("--driver", options->driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE")->needs(devices);
   addCharacterOptions(*app, options->character);
+  addTextureOption(*app, options->character.textureSize);
   app->addOption("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone")
       ->typeName("FILE.json");
   addReadingOptions(*app, options->motion);

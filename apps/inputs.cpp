@@ -46,7 +46,7 @@ Result<void> refuseFileOptions(const std::string& input, const CharacterOptions&
 }
 
 /// Decodes the pictures of a character's materials with a progress bar; Ctrl-C cancels.
-Result<MadeAvatar> makeAvatarWithProgress(const CharacterFile& file, std::vector<float> expressions,
+Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float> expressions,
                                           const CharacterOptions& options) {
   const NothingToCleanUp nothing;
   ProgressBar bar("Decoding textures of " + file.character.name, "textures");
@@ -59,7 +59,7 @@ Result<MadeAvatar> makeAvatarWithProgress(const CharacterFile& file, std::vector
     const Result<const Clip*> clip = findClip(file.clips, *options.ownClip, file.character.name);
     if (clip) face.clip = static_cast<int>(*clip - file.clips.data());
   }
-  return makeAvatar(file.character, file.look, settings, std::move(face));
+  return makeAvatar(file.character, std::move(file.look), settings, std::move(face));
 }
 
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {

@@ -1,5 +1,6 @@
 #include "apps/file_summary.h"
 #include "apps/spring_options.h"
+#include "apps/summary_look.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "skinning/linear_blend.h"
 
@@ -215,7 +216,7 @@ void addBody(const Subject& subject, FileSummary& summary) {
 
 }  // namespace
 
-FileSummary describeCharacter(const Subject& subject) {
+FileSummary describeCharacter(const Subject& subject, int textureSize) {
   const Character& character = *subject.character;
   if (!subject.file) {
     FileSummary summary = describeMesh(subject);
@@ -247,6 +248,7 @@ FileSummary describeCharacter(const Subject& subject) {
   addBody(subject, summary);
   addFace(file, summary);
   describeSprings(file.springs, summary.report, json);
+  describeLook(file.look, textureSize, summary.report, json);
   addClips(file.clips, summary);
   for (const std::string& note : file.notes) summary.report.note(note);
   json["notes"] = file.notes;

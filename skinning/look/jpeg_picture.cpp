@@ -18,9 +18,11 @@ std::uint32_t pairAt(std::span<const std::byte> bytes, std::size_t at) {
   return byteAt(bytes, at) << 8 | byteAt(bytes, at + 1);
 }
 
+}  // namespace
+
 /// The size in the frame header, and whether this kind of JPEG is decoded (ITU-T T.81, annex B:
 /// https://www.w3.org/Graphics/JPEG/itu-t81.pdf).
-Result<PictureClaim> claimOf(std::span<const std::byte> bytes, const std::string& name) {
+Result<PictureClaim> jpegClaim(std::span<const std::byte> bytes, const std::string& name) {
   const auto damaged = [&](std::size_t at, const char* expected) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: a JPEG picture that is damaged at byte {} of {}, expected {}",
                                                     name, at, bytes.size(), expected)};
@@ -59,6 +61,8 @@ Result<PictureClaim> claimOf(std::span<const std::byte> bytes, const std::string
   }
 }
 
+namespace {
+
 /// By how much to shrink while decoding: 8, 4, 2 or 1.
 int shrinkOf(PictureSize size, PictureSize wanted) {
   for (const int by : {8, 4, 2}) {
@@ -73,7 +77,7 @@ int shrinkOf(PictureSize size, PictureSize wanted) {
 }  // namespace
 
 Result<Picture> decodeJpeg(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
-  const Result<PictureClaim> claim = claimOf(bytes, name);
+  const Result<PictureClaim> claim = jpegClaim(bytes, name);
   if (!claim) return claim.error();
   if (const Result<void> checked = checkClaim(*claim, bytes.size(), name); !checked) return checked.error();
 

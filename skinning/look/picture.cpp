@@ -56,6 +56,14 @@ std::string whatIs(std::string_view content) {
   return text;
 }
 
+std::string_view contentOf(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Error unknown(std::string_view content, const std::string& name) {
+  return {ErrorCode::kUnsupported, fmt::format("{}: {}, expected a PNG or JPEG picture", name, whatIs(content))};
+}
+
 }  // namespace
 
 Result<void> checkClaim(const PictureClaim& claim, std::size_t fileBytes, const std::string& name) {
@@ -82,10 +90,19 @@ Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::strin
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: largest side of {} pixels, expected 0 or more", name, limits.largestSide)};
   }
-  const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view content = contentOf(bytes);
   if (content.starts_with(kPng)) return decodePng(bytes, name, limits);
   if (content.starts_with(kJpeg)) return decodeJpeg(bytes, name, limits);
-  return Error{ErrorCode::kUnsupported, fmt::format("{}: {}, expected a PNG or JPEG picture", name, whatIs(content))};
+  return unknown(content, name);
+}
+
+Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name) {
+  const std::string_view content = contentOf(bytes);
+  if (!content.starts_with(kPng) && !content.starts_with(kJpeg)) return unknown(content, name);
+  const Result<PictureClaim> claim = content.starts_with(kPng) ? pngClaim(bytes, name) : jpegClaim(bytes, name);
+  if (!claim) return claim.error();
+  if (const Result<void> checked = checkClaim(*claim, bytes.size(), name); !checked) return checked.error();
+  return PictureSize{static_cast<int>(claim->width), static_cast<int>(claim->height)};
 }
 
 std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pictures, const DecodeSettings& settings) {

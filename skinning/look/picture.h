@@ -27,6 +27,18 @@ struct PictureLimits {
   int largestSide = 0;  ///< pixels; a larger picture is reduced to it, keeping its proportions. 0 = as stored
 };
 
+struct PictureSize {
+  int width = 0, height = 0;  ///< pixels
+};
+
+/// The size in the same proportions whose largest side is at most `largestSide`, each side at least 1 and rounded to
+/// the nearest. Unchanged if it fits or the limit is 0.
+[[nodiscard]] PictureSize limitedSize(PictureSize size, int largestSide);
+
+/// The size that a PNG or JPEG file claims to have, without decoding it. The rest of the file may be damaged.
+/// @return the size, or an error as from decodePicture()
+[[nodiscard]] Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name);
+
 /// Decodes a PNG or JPEG file. What it is is found from its content.
 ///
 /// PNG: all colour types, 16 bits rounded to 8. JPEG: baseline and progressive, gray or three channels. Colour

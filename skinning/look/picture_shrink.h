@@ -8,14 +8,6 @@
 
 namespace lorica {
 
-struct PictureSize {
-  int width = 0, height = 0;
-};
-
-/// The size in the same proportions whose largest side is at most `largestSide`, each side at least 1 and rounded to
-/// the nearest. Unchanged if it fits or the limit is 0.
-[[nodiscard]] PictureSize limitedSize(PictureSize size, int largestSide);
-
 /// Reduces a picture row by row: each pixel of the result is the mean over its exact area, with colours weighted by
 /// alpha. Where all is transparent, the plain mean of the colours. Sums are whole numbers, so the only error is the
 /// last rounding to 8 bits.

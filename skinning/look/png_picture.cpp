@@ -89,8 +89,10 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
   return value;
 }
 
+}  // namespace
+
 /// The size that the first chunk, IHDR, claims (https://www.w3.org/TR/png-3/#11IHDR).
-Result<PictureClaim> claimOf(std::span<const std::byte> bytes, const std::string& name) {
+Result<PictureClaim> pngClaim(std::span<const std::byte> bytes, const std::string& name) {
   constexpr std::size_t kHeadBytes = 33;  // signature, and IHDR with its length, name and checksum
   if (bytes.size() < kHeadBytes || std::memcmp(&bytes[8], "\0\0\0\x0dIHDR", 8) != 0) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: a PNG picture of {} bytes that does not begin with its size, "
@@ -107,10 +109,8 @@ Result<PictureClaim> claimOf(std::span<const std::byte> bytes, const std::string
   return claim;
 }
 
-}  // namespace
-
 Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
-  const Result<PictureClaim> claim = claimOf(bytes, name);
+  const Result<PictureClaim> claim = pngClaim(bytes, name);
   if (!claim) return claim.error();
   if (const Result<void> checked = checkClaim(*claim, bytes.size(), name); !checked) return checked.error();
 
