@@ -3,6 +3,7 @@
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 #include "tests/support/virtual_display.h"
+#include "tests/viewer/avatars.h"
 #include "tests/viewer/pictures.h"
 
 #include <gtest/gtest.h>
@@ -160,6 +161,40 @@ TEST_F(WindowAtWork, EachKeyShowsAndHidesItsThing) {
     send(std::string("key ") + key);
   }
   EXPECT_EQ(picture().rgba, all.rgba) << "everything is shown again";
+}
+
+TEST_F(WindowAtWork, AnAvatarIsShownUntilItsPartsAreAskedFor) {
+  test::AvatarMaker maker;
+  Material material;
+  material.shading = Shading::kUnlit;
+  material.baseColor = {1.0f, 0.0f, 0.0f, 1.0f};
+  maker.material(material);
+  maker.addSphere({0, 1, 0}, 0.4, 24, 32);
+  const test::AvatarOnStage stage(maker.avatar);
+  box.scene.avatar = stage.avatar;
+  box.scene.worldFromModel = stage.worldFromModel;
+  open(320, 240);
+  SceneOptions asDrawn;
+  asDrawn.colorSkinByPart = asDrawn.hulls = false;
+  window->setShown(asDrawn);
+  frames(2);
+  const Image avatar = picture();
+  const auto middle = [](const Image& image) { return test::pixelAt(image, 160, 120); };
+  EXPECT_EQ(middle(avatar), (std::array{255, 0, 0}));
+  send("key c");
+  EXPECT_TRUE(window->shown().colorSkinByPart);
+  const auto part = middle(picture());
+  EXPECT_NE(part, middle(avatar)) << "the body by part";
+  send("key c");
+  EXPECT_EQ(picture().rgba, avatar.rgba);
+  send("key 2");
+  const auto through = middle(picture());
+  EXPECT_NE(through, middle(avatar)) << "a hull over the avatar";
+  EXPECT_GT(through[0], through[1] + 40) << "which shows through it";
+  send("key 2 1");
+  EXPECT_NE(middle(picture()), middle(avatar)) << "the character is hidden";
+  send("key 1");
+  EXPECT_EQ(picture().rgba, avatar.rgba);
 }
 
 TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
