@@ -1,4 +1,5 @@
 #include "geometry/files.h"
+#include "tests/apps/mannequin_glb.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 #include "tests/support/virtual_display.h"
@@ -168,6 +169,35 @@ TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
   EXPECT_NEAR(after.x - before.x, -90.0, 45.0) << "the grabbed point follows the mouse";
   EXPECT_NEAR(after.y, before.y, 40.0);
   EXPECT_GT(differing(hands.pictureNumber(7), hands.pictureNumber(8)), 300) << "a ball is visible";
+}
+
+TEST_F(WindowPlay, ACharacterIsShownAsItsMakerDrewItUntilItsPartsAreAskedFor) {
+  GlbWriter writer = mannequinWriter(false);
+  const nlohmann::json red = {{"pbrMetallicRoughness", {{"baseColorFactor", {0.8, 0.0, 0.0, 1.0}}}},
+                              {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}};
+  writer.document["meshes"][0]["primitives"][0]["material"] = writer.add("materials", red);
+  const std::string character = folder_.write("red.glb", writer.glb()).string();
+  const std::string body = (folder_.path() / "red.lorica").string();
+  const CommandResult made = runLorica({"decompose", character, "--parts", "4", "--keyframes", "2", "-o", body});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  Hands hands(folder_);
+  hands.mouse("windowsize --sync $w 480 360");
+  hands.press("space 4 5");
+  hands.picture();
+  hands.press("c");
+  hands.picture();
+  hands.press("c 2");
+  hands.picture();
+  hands.press("2");
+  hands.picture();
+  const CommandResult result = hands.runWith(
+      {"play", "walk", "--window", "--character", character, "--decomposition", body, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const int whole = redIn(hands.pictureNumber(1)).count;
+  EXPECT_GT(whole, 1000);
+  EXPECT_LT(redIn(hands.pictureNumber(2)).count, whole / 2) << "its body in the colours of its parts";
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(3)), whole / 2) << "hulls over it";
+  EXPECT_EQ(differing(hands.pictureNumber(1), hands.pictureNumber(4)), 0);
 }
 
 }  // namespace
