@@ -33,6 +33,29 @@ void require(bool holds, const char* what) {
   std::abort();
 }
 
+void requireSoundLook(const lorica::CharacterFile& file) {
+  const lorica::Look& look = file.look;
+  const auto fits = [&](const auto& list) {
+    return list.empty() || list.size() == file.character.mesh.vertices.size();
+  };
+  require(fits(look.normals) && fits(look.tangents) && fits(look.uv[0]) && fits(look.uv[1]) && fits(look.colors),
+          "lists of a look are as long as the vertices");
+  std::size_t next = 0;
+  for (const lorica::LookGroup& group : look.groups) {
+    require(group.firstTriangle == next, "groups follow each other");
+    require(group.material >= 0 && static_cast<std::size_t>(group.material) < look.materials.size(),
+            "groups have materials that exist");
+    next += group.triangleCount;
+  }
+  require(!look.given() || next == file.character.mesh.triangles.size(), "groups have all triangles");
+  for (const lorica::Material& material : look.materials) {
+    for (const lorica::TextureUse* use : material.textures()) {
+      require(use->picture < static_cast<int>(look.pictures.size()), "textures have pictures that exist");
+      require(use->uvSet == 0 || use->uvSet == 1, "textures use one of two sets of coordinates");
+    }
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -53,6 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!character.mesh.vertices.empty()) {
     require(lorica::checkCharacter(character).ok(), "what is read passes checkCharacter()");
   }
+  requireSoundLook(*read);
   std::vector<lorica::Affine3> transforms(jointCount);
   std::vector<lorica::Vec3> posed(character.mesh.vertices.size());
   for (const lorica::Clip& clip : read->clips) {
