@@ -1,6 +1,7 @@
 // Cost of importing user files: a character of 60,000 triangles, its body, a BVH file of 10,000 frames. CSV on standard
 // output, each row with a reference from the same run that does the minimum of the same work.
 
+#include "bench/large_mannequin.h"
 #include "bench/measure.h"
 #include "capture/files/bvh_file.h"
 #include "capture/retarget/skeletal_retarget.h"
@@ -21,7 +22,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <map>
 
 namespace lorica::bench {
 namespace {
@@ -79,62 +79,6 @@ std::uint64_t hashOf(const SkeletalMotion& motion) {
     hash = contentHash({reinterpret_cast<const char*>(numbers.data()), sizeof(numbers)}, hash);
   }
   return hash;
-}
-
-/// Appends the mean of some vertices, with the mean of their weights.
-void addMean(Character& character, std::span<const VertexIndex> of) {
-  Vec3 sum = Vec3::Zero();
-  std::map<JointIndex, double> weights;
-  const double share = 1.0 / static_cast<double>(of.size());
-  for (const VertexIndex v : of) {
-    sum += character.mesh.vertices[v];
-    for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[static_cast<std::size_t>(v) + 1];
-         ++i) {
-      weights[character.influences[i].joint] += share * character.influences[i].weight;
-    }
-  }
-  character.mesh.vertices.emplace_back(share * sum);
-  for (const auto& [joint, weight] : weights) character.influences.push_back({joint, weight});
-  character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
-}
-
-/// The mannequin, subdivided to a number of triangles: all triangles are split into four as long as the number is not
-/// exceeded, then single triangles into three.
-Character largeMannequin(std::size_t triangleCount) {
-  Character character = makeMannequin();
-  std::vector<Triangle>& triangles = character.mesh.triangles;
-  while (4 * triangles.size() <= triangleCount) {
-    std::map<std::pair<VertexIndex, VertexIndex>, VertexIndex> middles;
-    const auto middle = [&](VertexIndex a, VertexIndex b) {
-      const auto [found, isNew] = middles.try_emplace(std::minmax(a, b), 0);
-      if (isNew) {
-        found->second = static_cast<VertexIndex>(character.mesh.vertices.size());
-        addMean(character, std::array<VertexIndex, 2>{a, b});
-      }
-      return found->second;
-    };
-    std::vector<Triangle> finer;
-    finer.reserve(4 * triangles.size());
-    for (const Triangle& t : triangles) {
-      const VertexIndex a = middle(t[0], t[1]);
-      const VertexIndex b = middle(t[1], t[2]);
-      const VertexIndex c = middle(t[2], t[0]);
-      for (const Triangle& part :
-           {Triangle{t[0], a, c}, Triangle{t[1], b, a}, Triangle{t[2], c, b}, Triangle{a, b, c}}) {
-        finer.push_back(part);
-      }
-    }
-    triangles = std::move(finer);
-  }
-  for (std::size_t i = 0; triangles.size() < triangleCount; ++i) {
-    const Triangle t = triangles[i];
-    const auto middle = static_cast<VertexIndex>(character.mesh.vertices.size());
-    addMean(character, t);
-    triangles[i] = {t[0], t[1], middle};
-    triangles.push_back({t[1], t[2], middle});
-    triangles.push_back({t[2], t[0], middle});
-  }
-  return character;
 }
 
 /// @param torn  omit six of each thousand triangles, so that a closed surface has to be made

@@ -35,7 +35,7 @@ enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
 enum class OutlineMode : std::uint8_t {
   kNone,
   kWorld,   ///< [m]
-  kScreen,  ///< fraction of the picture's height
+  kScreen,  ///< fraction of half the picture's height
 };
 
 /// Parameters of MToon 1.0. Those of MToon 0.x are converted to them.
