@@ -1,11 +1,14 @@
 #include "acd/decompose.h"
 
+#include "acd/held_vertices.h"
 #include "apps/cover_options.h"
 #include "apps/hull_export.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
+#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/training.h"
+#include "collision/live/attached_vertices.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "session/prepare/quality.h"
@@ -31,6 +34,7 @@ struct Options {
   int keyframes = 0;         // 0 = not given, kAuto = to be chosen
   std::vector<std::string> motions;
   CharacterOptions character;
+  std::string body = "auto";
   std::string preset = "fast";
   int candidates = 0;    // 0 = the preset's
   int orientations = 0;  // 0 = the preset's
@@ -52,6 +56,12 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
   }
   if (subject.character) {
     if (Result<void> fine = checkCover(options.cover, *subject.character); !fine) return fine;
+  }
+  if (subject.body && subject.body->made && options.body == "never") {
+    return Error{ErrorCode::kBadMesh, fmt::format("{}: its surface is not one closed solid ({}, {}), and --body never "
+                                                  "was given",
+                                                  subject.name, counted(subject.body->shells, "shell"),
+                                                  counted(subject.body->openEdges, "open edge"))};
   }
   if (!options.output.empty()) {
     if (Result<void> fine = checkOutput("--output", options.output, ".lorica"); !fine) return fine;
@@ -81,7 +91,8 @@ struct Outcome {
   Quality quality;
   Keyframes keyframes;
   Ending ending;
-  HullExport hulls;                // if they are exported or, for a mesh, limited
+  std::size_t attached = 0;        // vertices that no part contains but its hull does
+  HullExport hulls;                // of a mesh; of a character's bind pose if they are exported
   std::optional<HullCover> cover;  // for a character, unless it is exact
   double coverVolume = 0.0;        // of its hulls, relative to exact ones: volumeGrowth()
   int threads = 0;
@@ -140,8 +151,22 @@ bool boundsHulls(const Options& options, const Subject& subject) {
   return options.cover.hullVertices > 0 && (!subject.character || !options.obj.empty());
 }
 
+/// The vertices of a mesh's surface and those that it stands for; all vertices of a character.
+std::vector<VertexIndex> verticesToHold(const Subject& subject) {
+  std::vector<bool> hold(subject.mesh.vertices.size(), subject.character.has_value());
+  for (const Triangle& t : subject.mesh.triangles) {
+    for (const VertexIndex v : t) hold[v] = true;
+  }
+  for (const VertexIndex v : subject.held) hold[v] = true;
+  std::vector<VertexIndex> which;
+  for (std::size_t v = 0; v < hold.size(); ++v) {
+    if (hold[v]) which.push_back(static_cast<VertexIndex>(v));
+  }
+  return which;
+}
+
 nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [made, quality, keyframes, ending, hulls, cover, coverVolume, threads] = outcome;
+  const auto& [made, quality, keyframes, ending, attached, hulls, cover, coverVolume, threads] = outcome;
   nlohmann::ordered_json json;
   json["input"] = subject.name;
   json["parts"] = made.decomposition.parts.size();
@@ -156,7 +181,8 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
   json["seconds"] = made.seconds;
   json["threads"] = threads;
   json["vertices"] = subject.mesh.vertices.size();
-  if (!subject.repaired.empty()) json["repaired"] = subject.repaired;
+  addMeshTo(json, subject);
+  if (!subject.held.empty()) json["attachedVertices"] = attached;
   json["hash"] = hexDigits(hashOf(made.decomposition));
   if (subject.character) {
     json["keyframes"] = quality.errorPerKeyframe.size();
@@ -178,12 +204,16 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
 }
 
 Report toReport(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [made, quality, keyframes, ending, hulls, cover, coverVolume, threads] = outcome;
+  const auto& [made, quality, keyframes, ending, attached, hulls, cover, coverVolume, threads] = outcome;
   Report report(fmt::format("{}: {}", subject.name,
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
                                   grouped(std::ssize(subject.mesh.triangles))));
-  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
+  addMeshTo(report, subject);
+  if (attached > 0 && !subject.character) {
+    report.line("attached", fmt::format("{} that no part contains: the hulls were enlarged to hold them",
+                                        counted(static_cast<long long>(attached), "vertex", "vertices")));
+  }
   const std::string mean = subject.character ? ", mean over the keyframes" : "";
   report.line("volume", fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
   report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
@@ -209,7 +239,10 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
                 sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
   }
   if (!options.output.empty()) report.line("output", options.output);
-  if (!options.obj.empty()) report.line("hulls", options.obj);
+  if (!options.obj.empty()) {
+    report.line("hulls", options.obj + (subject.character ? ", in metres, Y up, facing +Z"
+                                                          : ", in the units and coordinates of the input"));
+  }
   if (!keyframes.chosen.empty()) {
     Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};
     for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
@@ -228,7 +261,9 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   // Read the input and check the options.
-  const Result<Subject> subject = readSubject(options.input, options.character);
+  CharacterOptions reading = options.character;
+  reading.body = bodyChoice(options.body);
+  const Result<Subject> subject = readSubject(options.input, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
 
@@ -277,10 +312,23 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *cover);
     outcome.cover = std::move(*cover);
   }
+  // What stopped it is found without vertices that no part contains. Those belong to the hulls all the same.
   outcome.quality = measureQuality(decomposition, subject->mesh, poses);
   outcome.ending = findEnding(options, settings.maxParts, decomposition, outcome.quality, poses);
-  if (boundsHulls(options, *subject) || !options.obj.empty()) {
-    outcome.hulls = exportHulls(decomposition, subject->mesh.vertices, options.cover.hullVertices, outcome.threads);
+  const std::vector<std::vector<PointIndex>> attached =
+      subject->character ? attachedVerticesOf(decomposition, liftPoints(*subject->character, decomposition))
+                         : assignHeldVertices(decomposition, subject->mesh.vertices, subject->held);
+  for (const std::vector<PointIndex>& own : attached) outcome.attached += own.size();
+  const Decomposition held = withHeldVertices(decomposition, attached);
+  if (!subject->character && outcome.attached > 0) {
+    outcome.quality = measureQuality(held, subject->mesh, poses);
+    if (outcome.ending.distance) outcome.ending.distance = measureDistance(held, poses, 0.1 * options.maxDistance);
+  }
+  if (!subject->character || !options.obj.empty()) {
+    outcome.hulls = exportHulls(held, subject->mesh.vertices, options.cover.hullVertices, outcome.threads);
+    if (Result<void> all = checkHullsHold(outcome.hulls, subject->mesh.vertices, verticesToHold(*subject)); !all) {
+      return Error{all.error().code, subject->name + ": " + all.error().message};
+    }
   }
   if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
 
@@ -288,8 +336,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!options.output.empty()) {
     DecompositionFile content =
         fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr,
-                    training ? &*training : nullptr, poses, decomposition, outcome.quality);
+                    training ? &*training : nullptr, poses, subject->character ? decomposition : held, outcome.quality);
+    content.decomposition = decomposition;
     content.cover = outcome.cover;
+    if (!subject->character && outcome.attached > 0) content.cover = coverWithHeldVertices(held);
     if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
   }
   if (!options.obj.empty()) {
@@ -303,7 +353,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Command addDecompose(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app = addSubcommand(
-      parent, common, "decompose", "Decompose a closed mesh or a moving character into nearly convex parts.",
+      parent, common, "decompose", "Decompose a mesh or a moving character into nearly convex parts.",
       "  lorica decompose bunny.off --parts 16\n"
       "      16 parts, and how closely their hulls fit the mesh\n"
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
@@ -329,12 +379,16 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "  lorica decompose mannequin --cover 0.002 -o body.lorica\n"
       "      the fewest points that let the surface protrude by at most 2 mm; then the hulls are enlarged\n"
       "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
-      "\nFor a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"
+      "  lorica decompose scan.ply --parts 16 --export-obj hulls.obj\n"
+      "      an open, torn or flipped mesh is mended, or gets a closed body; the report says which\n"
+      "\nThe hulls contain every vertex of the input's surface. Of a mesh, exports have the units and coordinates of\n"
+      "the file (glTF: Y up; COLLADA: converted to metres, Y up); of a character, metres, Y up, facing +Z.\n"
+      "For a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"
       "contain it. Volumes, score and error are means over the keyframes. The points of the hull cover are chosen\n"
       "in 128 poses, half of them from the motions and half random within joint limits, and measured in 128 other\n"
       "poses.");
   app->addOption("INPUT", options->input,
-                 "Closed mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae) or `mannequin`")
+                 "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), or `mannequin`")
       ->required()
       ->typeName("");
   addCount(
@@ -361,6 +415,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       ->typeName("FILE")
       ->repeatable();
   addCharacterOptions(*app, options->character);
+  addBodyOption(*app, options->body);
   addCount(*app, "--candidates", options->candidates, 1,
            "Concave edges to try for each cut [default: from the preset, 8]");
   addCount(*app, "--orientations", options->orientations, 1,

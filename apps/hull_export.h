@@ -22,4 +22,10 @@ struct HullExport {
 [[nodiscard]] HullExport exportHulls(const Decomposition& decomposition, std::span<const Vec3> vertices,
                                      int maxVertices, int threads);
 
+/// Checks that vertices are inside a hull, or at most 1e-6 of the hulls' diagonal outside.
+/// @param which  indices of the vertices to check
+/// @return success, or an error that names the vertex that is farthest outside
+[[nodiscard]] Result<void> checkHullsHold(const HullExport& hulls, std::span<const Vec3> vertices,
+                                          std::span<const VertexIndex> which);
+
 }  // namespace lorica

@@ -58,7 +58,9 @@ Result<FileSummary> describe(const Options& options) {
     return describeMotion(*motion);
   }
   if (!shape) return nothingNamed(options.input);
-  const Result<Subject> subject = readSubject(options.input, options.character);
+  CharacterOptions reading = options.character;
+  reading.body = BodyChoice::kNever;  // a mesh is described as it is
+  const Result<Subject> subject = readSubject(options.input, reading);
   // A character file without a surface may still hold a motion.
   if (!subject && isCharacterFile(file) && subject.error().code == ErrorCode::kBadMesh) {
     const Result<Motion> motion = readMotion(options.input, options.motion);

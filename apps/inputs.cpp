@@ -2,10 +2,10 @@
 
 #include "apps/expression_options.h"
 #include "apps/interrupt.h"
+#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
 #include "geometry/mesh_files.h"
-#include "geometry/mesh_repair.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
@@ -27,17 +27,17 @@ Result<ClosedBody> makeBodyWithProgress(const Character& character, const Charac
   ProgressBar bar("Making a closed body for " + character.name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;
+  settings.keepClosed = options.body != BodyChoice::kAlways;
   settings.progress = progressOf(bar);
   Result<ClosedBody> body = makeBody(character, settings);
   if (!body) return Error{body.error().code, character.name + ": " + body.error().message};
   return body;
 }
 
-/// Rejects options that would have no effect on this input.
+/// Rejects options that would have no effect on a mesh or a built-in character.
 Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
   for (const auto& [given, option] :
-       {std::pair(!options.map.empty(), "--map"), std::pair(options.bodyResolution > 0.0, "--body-resolution"),
-        std::pair(!options.expressions.empty(), "--expression")}) {
+       {std::pair(!options.map.empty(), "--map"), std::pair(!options.expressions.empty(), "--expression")}) {
     if (!given) continue;
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option)};
@@ -78,14 +78,22 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
   }
   Result<std::vector<float>> expressions = chosenExpressions(read->expressions, options.expressions, file.string());
   if (!expressions) return expressions.error();
+  if (read->skins == 0 && read->clips.empty()) {
+    // A mesh: in the units and coordinates of the file, from which the first joint converts.
+    TriMesh mesh = read->character.mesh;
+    for (Vec3& p : mesh.vertices) p = read->character.jointFromModel.front() * p;
+    Result<Subject> subject = meshSubject(read->character.name, std::move(mesh), options);
+    if (subject) subject->file = std::move(*read);
+    return subject;
+  }
   Result<ClosedBody> body = makeBodyWithProgress(read->character, options);
   if (!body) return body.error();
   const std::vector<float> used = usedWeightSets(read->morphs, read->expressions, *expressions);
   (void)coverReached(*body, read->character,
                      reachedPositions(read->morphs, used, read->character.mesh.vertices, kReachTolerance));
   Subject subject{read->character.name, body->character.mesh, std::nullopt, "", std::move(*read), std::move(*body)};
-  if (subject.file->skins > 0 || !subject.file->clips.empty()) subject.character = subject.body->character;
-  if (options.drawn && subject.character && subject.file->look.given()) {
+  subject.character = subject.body->character;
+  if (options.drawn && subject.file->look.given()) {
     Result<MadeAvatar> made = makeAvatarWithProgress(*subject.file, std::move(*expressions), options);
     if (!made) return made.error();
     subject.character->avatar = std::move(made->avatar);
@@ -104,8 +112,7 @@ void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
          "creates one")
       ->typeName("FILE.json");
   addLength(app, "--body-resolution", options.bodyResolution,
-            "Voxel size for the closed body that is made if the character's surface is open [default: from its "
-            "thickness]");
+            "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
   addExpressionOption(app, options.expressions);
 }
 
@@ -117,6 +124,13 @@ void addTextureOption(CommandLine& app, int& textureSize) {
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options) {
   if (input == kMannequin) {
     if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
+    if (options.body == BodyChoice::kAlways || options.bodyResolution > 0.0) {
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format(
+              "{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae) and meshes (.off, .obj, .ply, .stl)",
+              input, options.bodyResolution > 0.0 ? "--body-resolution" : "--body always")};
+    }
     Character character = makeMannequin();
     TriMesh mesh = character.mesh;
     return Subject{input, std::move(mesh), std::move(character), "", std::nullopt, std::nullopt};
@@ -131,12 +145,7 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
   if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
-  Subject subject{fs::path(input).filename().string(), std::move(*mesh), std::nullopt, "", std::nullopt, std::nullopt};
-  if (Result<MeshRepair> repair = repairClosedMesh(subject.mesh); repair && repair->changed()) {
-    subject.repaired = repair->summary();
-    subject.mesh = std::move(repair->mesh);
-  }
-  return subject;
+  return meshSubject(fs::path(input).filename().string(), std::move(*mesh), options);
 }
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options) {

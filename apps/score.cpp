@@ -2,6 +2,7 @@
 
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
+#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "geometry/mesh_files.h"
 
@@ -27,7 +28,7 @@ struct Options {
 
 nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, const Score& score) {
   nlohmann::ordered_json json;
-  if (!subject.repaired.empty()) json["repaired"] = subject.repaired;
+  addMeshTo(json, subject);
   json["parts"] = partCount;
   json["score16"] = score.score16;
   json["score16StandardError"] = score.score16StandardError;
@@ -40,7 +41,7 @@ nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, con
 
 Report toReport(const Options& options, const Subject& subject, std::size_t partCount, const Score& score) {
   Report report(fmt::format("{} in {}", options.mesh, counted(static_cast<long long>(partCount), "part")));
-  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
+  addMeshTo(report, subject);
   report.line("score, Eq. 16", fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly)",
                                            score.score16, score.score16StandardError));
   report.line("score, Eq. 17", fmt::format("{:.4f} (mesh volume / sum of hull volumes)", score.score17));
@@ -116,7 +117,7 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
       "      score another program's parts: one `o` or `g` per part\n"
       "\nThe convex hull of each part's vertices is scored by Eq. 16 (sampled, with its standard error), Eq. 17\n"
       "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect.");
-  app->addOption("MESH", options->mesh, "Closed mesh (.off, .obj, .ply, .stl), or `mannequin` in its bind pose")
+  app->addOption("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
       ->required()
       ->typeName("");
   app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required()->typeName("");

@@ -27,8 +27,10 @@ FileSummary describeMesh(const Subject& subject) {
   report.line("vertices", grouped(std::ssize(mesh.vertices)));
   report.line("triangles", grouped(std::ssize(mesh.triangles)));
   report.line("components", grouped(components));
-  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
-  report.line("closed", closed ? "yes, it can be decomposed" : "no: " + closed.error().message);
+  if (!subject.repaired.empty()) report.line("mended", subject.repaired);
+  report.line("closed", closed
+                            ? "yes, it can be decomposed"
+                            : "no: " + closed.error().message + "; `lorica decompose` builds a closed body around it");
   report.line("volume", fmt::format("{:.6g}", volume));
   report.line("hull volume", fmt::format("{:.6g}", hullVolume));
   const double convexity = hullVolume > 0.0 ? volume / hullVolume : 0.0;

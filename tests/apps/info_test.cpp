@@ -28,12 +28,21 @@ TEST(Info, DescribesAClosedMesh) {
 TEST(Info, SaysWhatIsWrongWithAnOpenMesh) {
   const TemporaryFolder folder;
   TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
-  mesh.triangles.pop_back();
+  mesh.triangles.resize(10);
   const CommandResult result = runLorica({"info", writeObj(folder, "open.obj", mesh), "--json", "-"});
   EXPECT_EQ(result.exitCode, 0) << "describing a broken mesh is not an error: " << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["closed"], false);
   EXPECT_NE(json["problem"].get<std::string>().find("edge"), std::string::npos) << json["problem"];
+}
+
+TEST(Info, SaysWhatIsMended) {
+  const TemporaryFolder folder;
+  TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
+  mesh.triangles.pop_back();
+  const nlohmann::json json = runLorica({"info", writeObj(folder, "open.obj", mesh), "--json", "-"}).json();
+  EXPECT_EQ(json["closed"], true);
+  EXPECT_EQ(json["repaired"], "1 pinhole closed with 1 triangle");
 }
 
 TEST(Info, CountsComponents) {

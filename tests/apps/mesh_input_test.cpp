@@ -1,0 +1,285 @@
+// Meshes as people have them: open, flipped, in any unit, in any format.
+
+#include "geometry/convex_hull.h"
+#include "skinning/import/character_file.h"
+#include "tests/apps/mannequin_glb.h"
+#include "tests/apps/mesh_text.h"
+#include "tests/apps/run_command.h"
+#include "tests/skinning/import/glb_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+namespace lorica::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A glTF file with one mesh, no skin and no clips.
+std::string staticGlb(const TriMesh& mesh, const Affine3& worldFromMesh) {
+  GlbWriter writer;
+  const int positions = writer.positions(mesh.vertices);
+  const int indices = writer.triangles(mesh.triangles);
+  writer.add("meshes", {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"indices", indices}}}}});
+  std::vector<double> matrix(worldFromMesh.matrix().data(), worldFromMesh.matrix().data() + 16);
+  writer.add("nodes", {{"mesh", 0}, {"matrix", matrix}});
+  writer.document["scenes"] = {{{"nodes", {0}}}};
+  writer.document["scene"] = 0;
+  return writer.glb();
+}
+
+/// A torus without the quarter beyond x: a hole too large to be a pinhole.
+TriMesh openTorus(double scale = 1.0) {
+  TriMesh mesh = makeTorus(1.0, 0.4, 40, 20);
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return mesh.vertices[t[0]].x() > 0.9; });
+  // Only vertices that triangles use: readers of some formats drop the others.
+  TriMesh kept;
+  std::vector<VertexIndex> number(mesh.vertices.size(), -1);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) number[v] = 0;
+  }
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = static_cast<VertexIndex>(kept.vertices.size());
+    kept.vertices.push_back(scale * mesh.vertices[v]);
+  }
+  for (const auto& [a, b, c] : mesh.triangles) kept.triangles.push_back({number[a], number[b], number[c]});
+  return kept;
+}
+
+/// Largest distance of a vertex that triangles use from its nearest hull; 0 if all are inside.
+double farthestOutside(const TriMesh& mesh, const fs::path& hulls) {
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  EXPECT_TRUE(objects);
+  if (!objects) return std::numeric_limits<double>::infinity();
+  std::vector<ConvexHull> solids;
+  for (const NamedMesh& object : *objects) solids.push_back(convexHull(object.mesh.vertices));
+  double worst = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const ConvexHull& hull : solids) {
+        if (!hull.degenerate()) nearest = std::min(nearest, largestViolation(hull, {&mesh.vertices[v], 1}));
+      }
+      worst = std::max(worst, nearest);
+    }
+  }
+  return worst;
+}
+
+double hullVolume(const fs::path& hulls) {
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  EXPECT_TRUE(objects);
+  double sum = 0.0;
+  for (const NamedMesh& object : *objects) sum += convexHullVolume(object.mesh.vertices);
+  return sum;
+}
+
+TEST(MeshInput, SmallFaultsAreMendedAndSaid) {
+  const TemporaryFolder folder;
+  TriMesh mesh = makeLShape();
+  std::swap(mesh.triangles[4][0], mesh.triangles[4][1]);
+  mesh.triangles.push_back(mesh.triangles[7]);
+  mesh.triangles.erase(mesh.triangles.begin() + 12);
+  const fs::path file = writeObj(folder, "l.obj", mesh);
+  const nlohmann::json json = runLorica({"decompose", file, "--json", "-"}).json();
+  EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 1e-12);
+  EXPECT_EQ(json["repaired"], "1 repeated triangle dropped, 1 triangle turned, 1 pinhole closed with 1 triangle");
+  EXPECT_FALSE(json.contains("body"));
+  const CommandResult text = runLorica({"decompose", file});
+  EXPECT_NE(text.out.find("mended "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("1 triangle turned"), std::string::npos) << text.out;
+}
+
+TEST(MeshInput, InsideOutIsReversed) {
+  const TemporaryFolder folder;
+  TriMesh mesh = makeLShape();
+  const auto whole = runLorica({"decompose", writeObj(folder, "l.obj", mesh), "--json", "-"}).json();
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  const auto json = runLorica({"decompose", writeObj(folder, "out.obj", mesh), "--json", "-"}).json();
+  EXPECT_EQ(json["parts"], whole["parts"]);
+  EXPECT_NEAR(json["hullVolume"].get<double>(), whole["hullVolume"].get<double>(), 1e-12);
+}
+
+TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
+  const TemporaryFolder folder;
+  const TriMesh mesh = openTorus();
+  const fs::path file = writeObj(folder, "open.obj", mesh);
+  const fs::path hulls = folder.path() / "hulls.obj";
+  const fs::path parts = folder.path() / "open.lorica";
+  const CommandResult run =
+      runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls, "-o", parts, "--json", "-"});
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  const nlohmann::json json = run.json();
+  const nlohmann::json& body = json["body"];
+  EXPECT_NE(body["problem"].get<std::string>().find("belongs to one triangle"), std::string::npos) << body;
+  EXPECT_GT(body["voxel"].get<double>(), 0.0);
+  EXPECT_LT(body["voxel"].get<double>(), 0.2);
+  EXPECT_LT(body["meanDistance"].get<double>(), body["farthestDistance"].get<double>());
+  EXPECT_LT(body["meanDistance"].get<double>(), 0.05);
+  EXPECT_GT(json["attachedVertices"].get<int>(), 0);
+  const double diagonal = boundsOf(mesh.vertices).diagonal();
+  EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * diagonal);
+  // All figures are of these hulls: report, export and file.
+  EXPECT_NEAR(json["hullVolume"].get<double>(), hullVolume(hulls), 1e-6 * hullVolume(hulls));
+  const nlohmann::json info = runLorica({"info", parts, "--json", "-"}).json();
+  EXPECT_EQ(info["error"], json["error"]);
+  EXPECT_NEAR(info["detailLevels"].back()["error"].get<double>(), json["error"].get<double>(), 1e-7);
+  EXPECT_EQ(info["hash"], json["hash"]);
+
+  const CommandResult text = runLorica({"decompose", file, "--parts", "8"});
+  EXPECT_NE(text.out.find("closed body"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("from its surface to the original"), std::string::npos) << text.out;
+}
+
+TEST(MeshInput, LimitedHullsHoldEveryVertexToo) {
+  const TemporaryFolder folder;
+  const TriMesh mesh = openTorus();
+  const fs::path hulls = folder.path() / "hulls.obj";
+  const CommandResult run = runLorica({"decompose", writeObj(folder, "open.obj", mesh), "--parts", "6",
+                                       "--hull-vertices", "12", "--export-obj", hulls, "--json", "-"});
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
+  const std::vector<NamedMesh> objects = readObjObjects(hulls).value();
+  for (const NamedMesh& object : objects) EXPECT_LE(object.mesh.vertices.size(), 12u);
+}
+
+TEST(MeshInput, ASheetFarOutsideTheBodyIsInTheHulls) {
+  const TemporaryFolder folder;
+  TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
+  const auto [a, b, c] = mesh.triangles.front();
+  mesh.vertices.emplace_back(3, 3, 3);
+  mesh.triangles.push_back({b, a, static_cast<VertexIndex>(mesh.vertices.size() - 1)});
+  const fs::path hulls = folder.path() / "hulls.obj";
+  const CommandResult run =
+      runLorica({"decompose", writeObj(folder, "fin.obj", mesh), "--parts", "2", "--export-obj", hulls, "--json", "-"});
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
+}
+
+TEST(MeshInput, TheUnitDoesNotMatter) {
+  const TemporaryFolder folder;
+  std::vector<nlohmann::json> results;
+  for (const double scale : {1.0, 1e-3, 1e3}) {
+    const fs::path file = writeObj(folder, "open.obj", openTorus(scale));
+    nlohmann::json json = runLorica({"decompose", file, "--parts", "8", "--json", "-"}).json();
+    for (const char* key : {"voxel", "meanDistance", "farthestDistance"}) {
+      json["body"][key] = json["body"][key].get<double>() / scale;
+    }
+    results.push_back(std::move(json));
+  }
+  for (const nlohmann::json& json : results) {
+    EXPECT_EQ(json["parts"], results[0]["parts"]);
+    EXPECT_EQ(json["vertices"], results[0]["vertices"]);
+    EXPECT_EQ(json["attachedVertices"], results[0]["attachedVertices"]);
+    EXPECT_NEAR(json["score"].get<double>(), results[0]["score"].get<double>(), 1e-9);
+    for (const char* key : {"voxel", "meanDistance", "farthestDistance"}) {
+      EXPECT_NEAR(json["body"][key].get<double>(), results[0]["body"][key].get<double>(), 1e-9) << key;
+    }
+  }
+}
+
+TEST(MeshInput, NeverRefusesWithTheReason) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      runLorica({"decompose", writeObj(folder, "open.obj", openTorus()), "--parts", "4", "--body", "never"});
+  EXPECT_EQ(run.exitCode, 2);
+  EXPECT_NE(run.err.find("open.obj"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("belongs to one triangle"), std::string::npos) << run.err;
+  const fs::path torn = folder.write("torn.glb", mannequinGlb(true));
+  const CommandResult character = runLorica({"decompose", torn, "--parts", "4", "--body", "never"});
+  EXPECT_EQ(character.exitCode, 2);
+  EXPECT_NE(character.err.find("--body never"), std::string::npos) << character.err;
+  EXPECT_EQ(runLorica({"decompose", "mannequin", "--body", "always"}).exitCode, 2);
+}
+
+TEST(MeshInput, AlwaysBuildsABodyForAClosedMesh) {
+  const TemporaryFolder folder;
+  const fs::path file = writeObj(folder, "l.obj", makeLShape());
+  const nlohmann::json json =
+      runLorica({"decompose", file, "--parts", "2", "--body", "always", "--body-resolution", "0.05", "--json", "-"})
+          .json();
+  EXPECT_TRUE(json["body"]["problem"].is_null());
+  EXPECT_DOUBLE_EQ(json["body"]["voxel"].get<double>(), 0.05);
+  EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 0.1);
+  EXPECT_LE(json["body"]["farthestDistance"].get<double>(), 0.05);
+}
+
+TEST(MeshInput, AStaticGlbIsExportedWhereItsVerticesAre) {
+  const TemporaryFolder folder;
+  const TriMesh mesh = makeLShape();
+  for (const double size : {17.0, 1.0, 0.001, 2000.0}) {
+    Affine3 worldFromMesh = Affine3::Identity();
+    worldFromMesh.translate(Vec3(3.0, -1.0, 2.0) * size);
+    worldFromMesh.rotate(Quat(0.5, 0.5, -0.5, 0.5));
+    worldFromMesh.scale(0.5 * size);  // two units long
+    const fs::path file = folder.write("l.glb", staticGlb(mesh, worldFromMesh));
+    const fs::path hulls = folder.path() / "hulls.obj";
+    const CommandResult run = runLorica({"decompose", file, "--export-obj", hulls, "--json", "-"});
+    ASSERT_EQ(run.exitCode, 0) << run.err;
+    EXPECT_NEAR(run.json()["meshVolume"].get<double>(), 3.0 * std::pow(0.5 * size, 3), 1e-5 * std::pow(size, 3));
+    // An L cut into boxes: the hulls have the mesh's own corners.
+    const std::vector<NamedMesh> objects = readObjObjects(hulls).value();
+    for (const NamedMesh& object : objects) {
+      for (const Vec3& p : object.mesh.vertices) {
+        const Vec3 local = worldFromMesh.inverse() * p;
+        const Vec3 corner(std::round(local.x()), std::round(local.y()), std::round(local.z()));
+        EXPECT_LE((local - corner).norm(), 1e-5) << "size " << size;
+      }
+    }
+    TriMesh placed = mesh;
+    for (Vec3& p : placed.vertices) p = worldFromMesh * p;
+    EXPECT_LE(farthestOutside(placed, hulls), 1e-6 * boundsOf(placed.vertices).diagonal());
+  }
+}
+
+TEST(MeshInput, AllFormatsGiveTheSameParts) {
+  const TemporaryFolder folder;
+  // Positions that floats hold exactly.
+  TriMesh mesh = openTorus();
+  for (Vec3& p : mesh.vertices) p = p.cast<float>().cast<double>();
+  const fs::path obj = writeObj(folder, "open.obj", mesh);
+  const fs::path glb = folder.write("open.glb", staticGlb(mesh, Affine3::Identity()));
+  const auto first = runLorica({"decompose", obj, "--parts", "6", "--json", "-"}).json();
+  const auto second = runLorica({"decompose", glb, "--parts", "6", "--json", "-"}).json();
+  EXPECT_EQ(first["hash"], second["hash"]);
+  EXPECT_EQ(first["body"], second["body"]);
+  EXPECT_EQ(first["error"], second["error"]);
+}
+
+TEST(MeshInput, WhatEnclosesNothingIsRefusedWithBothReasons) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("flat.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n");
+  const CommandResult run = runLorica({"decompose", file});
+  EXPECT_EQ(run.exitCode, 2);
+  EXPECT_NE(run.err.find("volume"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("no closed body can be made"), std::string::npos) << run.err;
+}
+
+TEST(MeshInput, ATornCharactersExportHoldsItsVertices) {
+  const TemporaryFolder folder;
+  const fs::path torn = folder.write("torn.glb", mannequinGlb(true));
+  const fs::path hulls = folder.path() / "hulls.obj";
+  const CommandResult run = runLorica({"decompose", torn, "--parts", "8", "--keyframes", "2", "--export-obj", hulls});
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  EXPECT_NE(run.out.find("metres, Y up, facing +Z"), std::string::npos) << run.out;
+  const TriMesh mesh = readCharacterFile(torn).value().character.mesh;
+  EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
+}
+
+TEST(MeshInput, ScoreTakesAnOpenMesh) {
+  const TemporaryFolder folder;
+  const fs::path file = writeObj(folder, "open.obj", openTorus());
+  const fs::path hulls = folder.path() / "hulls.obj";
+  ASSERT_EQ(runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls}).exitCode, 0);
+  const CommandResult run = runLorica({"score", file, hulls, "--json", "-"});
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  EXPECT_TRUE(run.json().contains("body"));
+  EXPECT_LT(run.json()["uncoveredFraction"].get<double>(), 1e-3);
+}
+
+}  // namespace
+}  // namespace lorica::test
