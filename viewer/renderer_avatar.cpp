@@ -66,9 +66,10 @@ GLuint Renderer::Impl::avatarTexture(AvatarGpu& made, const Avatar& drawn, const
   gl.TexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, picture.width, picture.height, 0, GL_RGBA,
                 GL_UNSIGNED_BYTE, picture.rgba.data());
   gl.GenerateMipmap(GL_TEXTURE_2D);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
-                   use.smooth ? (software ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR)
-                              : (software ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_LINEAR));
+  // Software renderers take the nearest of the smaller copies, which halves their work.
+  const GLint smooth = software ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR;
+  const GLint sharp = software ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_LINEAR;
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, use.smooth ? smooth : sharp);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, use.smooth ? GL_LINEAR : GL_NEAREST);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(use.wrapU));
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(use.wrapV));

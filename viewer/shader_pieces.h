@@ -5,8 +5,7 @@
 namespace lorica::shaders {
 
 /// Pieces that several shaders start from. The first line of frameBlock() is the version.
-[[nodiscard]] std::string frameBlock();      ///< the uniform block "Frame"
-[[nodiscard]] std::string colorFunctions();  ///< toSrgb(vec3), toneMap(vec3)
-[[nodiscard]] std::string shadowLookup();    ///< float shadowAt(vec3 position, vec3 normal): share of the key light
+[[nodiscard]] std::string frameBlock();    ///< the uniform block "Frame"
+[[nodiscard]] std::string shadowLookup();  ///< float shadowAt(vec3 position, vec3 normal): share of the key light
 
 }  // namespace lorica::shaders

@@ -122,10 +122,6 @@ std::string frameBlock() {
   return kFrame;
 }
 
-std::string colorFunctions() {
-  return kColor;
-}
-
 std::string shadowLookup() {
   return kShadow;
 }
