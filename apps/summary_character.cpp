@@ -79,6 +79,7 @@ void addSkeleton(const Character& character, FileSummary& summary) {
     summary.report.note(
         fmt::format("Substitutes for bones that are missing or attached elsewhere: {}.", fmt::join(words, "; ")));
   }
+  for (const std::string& sentence : leftBehind(character)) summary.report.note(sentence);
   summary.json["joints"] = skeleton.jointCount();
   summary.json["humanoidBones"] = bones.size();
   summary.json["bones"] = std::move(bones);
@@ -246,8 +247,8 @@ FileSummary describeCharacter(const Subject& subject, int textureSize) {
   summary.report.line("height", fmt::format("{:.3f} m", character.height));
   addSkeleton(character, summary);
   addBody(subject, summary);
-  addFace(file, summary);
   describeSprings(file.springs, summary.report, json);
+  addFace(file, summary);
   describeLook(file.look, textureSize, summary.report, json);
   addClips(file.clips, summary);
   for (const std::string& note : file.notes) summary.report.note(note);

@@ -46,7 +46,8 @@ inline constexpr double kSpeckArea = 0.01;
 ///
 /// A pinhole has three edges (one triangle is missing); or at most 32, and an extent of at most 5 % of the mesh's
 /// diagonal. The holes of a connected piece together have at most half of the piece's area: a card is not a pinhole's
-/// surroundings. A pinhole is closed by the triangles with the least area; a hole that they would fold over is too much.
+/// surroundings. A pinhole is closed by the triangles with the least area; a hole that they would fold over is too
+/// much.
 ///
 /// Outward: a piece that is in no other one encloses volume. If it has to be reversed, the pieces in it alternate with
 /// their depth: a cavity, a solid in the cavity, ... Else a piece in a solid stays as it is: a cavity stays a cavity.

@@ -20,9 +20,9 @@ struct SessionHeader {
   std::string source;  ///< name of the motion: "walk"
   int poseJoints = 0;  ///< joints per recorded pose; 0 = tracked joints were recorded
 
-  std::string character;        ///< name or file, as given
-  std::string boneMap;          ///< file; empty = none
-  double bodyResolution = 0.0;  ///< [m]; 0 = automatic
+  std::string character;                 ///< name or file, as given
+  std::string boneMap;                   ///< file; empty = none
+  double bodyResolution = 0.0;           ///< [m]; 0 = automatic
   std::vector<std::string> expressions;  ///< as given, such as "Joy=1": hulls may have grown for them
   std::uint64_t characterHash = 0;
 

@@ -31,7 +31,7 @@ struct CharacterFile {
   Expressions expressions;  ///< of the morph targets
   LookAt lookAt;
   SpringBones springs;  ///< of VRM; empty if the file has none. Its joints are among the character's
-  Look look;  ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
+  Look look;            ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
 
   std::string format;  ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "FBX", "COLLADA"
   int meshes = 0;

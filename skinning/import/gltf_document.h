@@ -17,9 +17,9 @@ namespace lorica {
 
 /// A parsed glTF 2.0 file with its buffers. The model's indices are not checked.
 struct GltfDocument {
-  std::string name;                                 ///< of the file, for messages
-  tinygltf::Model model;                            ///< without buffers, images, materials, extras and extensions
-  nlohmann::json extensions;                        ///< of the whole file, such as VRM; an object
+  std::string name;                                   ///< of the file, for messages
+  tinygltf::Model model;                              ///< without buffers, images, materials, extras and extensions
+  nlohmann::json extensions;                          ///< of the whole file, such as VRM; an object
   std::vector<std::vector<std::string>> targetNames;  ///< of each mesh's morph targets, as far as they have names
   /// VRMC_node_constraint of each node that has one, nodes ascending
   std::vector<std::pair<std::size_t, nlohmann::json>> nodeConstraints;

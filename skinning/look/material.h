@@ -46,14 +46,14 @@ struct ToonMaterial {
   float shift = 0.0f;                  ///< of the border between light and shade
   TextureUse shiftTexture;             ///< red channel times shiftScale is added to shift
   float shiftScale = 1.0f;
-  float toony = 0.9f;            ///< sharpness of that border, 0 to 1
-  Vec3f matcapFactor{1, 1, 1};   ///< linear RGB
-  TextureUse matcap;             ///< by the normal's direction on screen; added
-  Vec3f rimColor{0, 0, 0};       ///< linear RGB
-  float rimPower = 5.0f;         ///< Fresnel exponent
-  float rimLift = 0.0f;          ///< added to the Fresnel term
-  TextureUse rim;                ///< factor of matcap and rim
-  float rimLightingMix = 1.0f;   ///< 0 = the rim glows, 1 = it is lit
+  float toony = 0.9f;           ///< sharpness of that border, 0 to 1
+  Vec3f matcapFactor{1, 1, 1};  ///< linear RGB
+  TextureUse matcap;            ///< by the normal's direction on screen; added
+  Vec3f rimColor{0, 0, 0};      ///< linear RGB
+  float rimPower = 5.0f;        ///< Fresnel exponent
+  float rimLift = 0.0f;         ///< added to the Fresnel term
+  TextureUse rim;               ///< factor of matcap and rim
+  float rimLightingMix = 1.0f;  ///< 0 = the rim glows, 1 = it is lit
   OutlineMode outline = OutlineMode::kNone;
   float outlineWidth = 0.0f;        ///< see OutlineMode
   TextureUse outlineWidthTexture;   ///< green channel is a factor of the width
