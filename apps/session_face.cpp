@@ -21,6 +21,16 @@ SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
   normals_ = bindNormals_;
 }
 
+void SessionFace::choose(int expression) {
+  const std::vector<float>& given = avatar_->face.chosen;
+  if (chosen_ >= 0) {
+    const auto last = static_cast<std::size_t>(chosen_);
+    face_.set(last, last < given.size() ? given[last] : 0.0f);
+  }
+  chosen_ = expression;
+  if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
+}
+
 void SessionFace::update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene) {
   const AvatarFace& own = avatar_->face;
   FaceInput input;

@@ -20,6 +20,10 @@ class SessionFace {
   /// @return none if the avatar has no morph targets and no eyes that move
   [[nodiscard]] static std::optional<SessionFace> of(const std::shared_ptr<const Avatar>& avatar);
 
+  /// Sets one expression, in addition to those that were chosen on the command line, and takes back the previous one.
+  /// @param expression  index into the avatar's expressions; -1 = none
+  void choose(int expression);
+
   /// Computes the face of the session's frame. Does not allocate memory after the first frame.
   /// @param watcher         [m], world: what the eyes follow while it is in front of the head
   /// @param worldFromModel  of the avatar's joints; those of the eyes are turned
@@ -31,6 +35,7 @@ class SessionFace {
 
   std::shared_ptr<const Avatar> avatar_;
   Face face_;
+  int chosen_ = -1;
   std::vector<Vec3f> bindNormals_;  // of every vertex; zero where the file has none
   std::vector<Vec3> positions_;
   std::vector<Vec3f> normals_;

@@ -29,6 +29,11 @@ class SessionScene {
   /// @param watcher  [m], where the picture is taken from: an avatar's eyes follow it
   [[nodiscard]] Scene of(const Session& session, const SceneOptions& show, const Vec3& watcher) const;
 
+  /// See SessionFace::choose(); does nothing if the avatar has no face.
+  void chooseExpression(int expression) {
+    if (face_) face_->choose(expression);
+  }
+
  private:
   std::vector<Triangle> triangles_;  // the shown surface, or the surface of all parts without caps, over their points
   std::vector<PartIndex> partOfTriangle_;

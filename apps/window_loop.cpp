@@ -68,7 +68,11 @@ class WindowLoop {
         scene_(session_),
         levels_(session_.body().plan(), session_.character()),
         hands_(subject.sourceAgain != nullptr),
-        due_(now()) {}
+        due_(now()) {
+    const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
+    if (avatar == nullptr || avatar->face.morphs.targets.empty()) return;
+    for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
+  }
 
   Result<WindowEnd> run();
 
@@ -112,6 +116,8 @@ class WindowLoop {
   bool started_ = false, ended_ = false;
   std::string status_;
   std::vector<int> touched_;
+  std::vector<std::string> expressions_;  // of the avatar's face
+  int expression_ = -1;                   // chosen in the window
 };
 
 // If there are particles, the first step takes seconds because they settle: announce it in a picture first.
@@ -161,7 +167,13 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
   if (const std::shared_ptr<const BodyPlan> plan = levels_.take(); plan != nullptr && plan != session_.body().plan()) {
     session_.setBody(plan);
     scene_ = SessionScene(session_);
+    scene_.chooseExpression(expression_);
     describe();
+  }
+  if (requests.nextExpression) requests.expression = expression_ + 1;
+  if (requests.expression && !expressions_.empty()) {
+    expression_ = *requests.expression < static_cast<int>(expressions_.size()) ? *requests.expression : -1;
+    scene_.chooseExpression(expression_);
   }
   if (requests.seekTo && subject_.sourceAgain) return beginSeek(*requests.seekTo);
   return {};
@@ -326,6 +338,8 @@ void WindowLoop::show() {
   values.preparingParts = levels_.asked().has_value();
   values.scenes = scenes_.names;
   values.scene = scenes_.present;
+  values.expressions = expressions_;
+  values.expression = expression_;
   values.warnings = warnings_.sentences();
   values.outsideTraining = started_ && session_.outsideKnownRange();
   values.holdsProp = hands_.holds();

@@ -37,6 +37,7 @@ constexpr std::array kHelp = {HelpLine{"left drag", "rotate the camera, or move 
                               HelpLine{"5 6 7", "contacts, ground, grains"},
                               HelpLine{"C", "colour by part"},
                               HelpLine{"[ ]", "fewer, more parts"},
+                              HelpLine{"E", "next expression"},
                               HelpLine{"B", "throw a ball"},
                               HelpLine{"P", "save a picture; with shift, panels too"},
                               HelpLine{"V", "start, stop a video"},
@@ -242,6 +243,18 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
           if (ImGui::Selectable(values.scenes[s].c_str(), s == values.scene)) {
             requests.scene = s;
           }
+        }
+        ImGui::EndCombo();
+      }
+    }
+    if (!values.expressions.empty()) {
+      ImGui::SetNextItemWidth(slider);
+      const auto chosen = static_cast<std::size_t>(values.expression);
+      const char* now = values.expression < 0 ? "expression: none" : values.expressions[chosen].c_str();
+      if (ImGui::BeginCombo("##expression", now)) {
+        if (ImGui::Selectable("none", values.expression < 0)) requests.expression = -1;
+        for (int e = 0; e < static_cast<int>(values.expressions.size()); ++e) {
+          if (ImGui::Selectable(values.expressions[e].c_str(), e == values.expression)) requests.expression = e;
         }
         ImGui::EndCombo();
       }

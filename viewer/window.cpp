@@ -178,6 +178,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   i.decideDrag(values.holdsProp);
   i.lastValues = values;
   i.lastValues.scenes = {};
+  i.lastValues.expressions = {};
   i.lastValues.warnings = {};
   i.lastValues.name = i.lastValues.status = {};
 

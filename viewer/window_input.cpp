@@ -69,6 +69,9 @@ void Window::Impl::onKey(int key, int mods) {
       return toggle(state.show.particles);
     case GLFW_KEY_C:
       return toggle(state.show.colorSkinByPart);
+    case GLFW_KEY_E:
+      requests.nextExpression = true;
+      return;
     case GLFW_KEY_B:
       requests.throwBall = true;
       return;

@@ -18,26 +18,30 @@ struct TimedStage {
 
 /// Values for the panels of a window, borrowed while they are drawn. Independent of sessions and files.
 struct WindowValues {
-  std::string_view name;                  ///< of the played motion
-  std::string_view status;                ///< one line of status
-  double seconds = 0.0;                   ///< since the first frame [s]
-  double duration = 0.0;                  ///< of a recording [s]; 0 = live, without timeline and speed
-  bool ended = false;                     ///< there are no more frames
-  int parts = 0;                          ///< of the body
-  int maxParts = 0;                       ///< at the finest level of detail; 0 = no choice
-  bool preparingParts = false;            ///< another level of detail is being computed
-  std::span<const std::string> scenes;    ///< to choose from; empty = none
-  int scene = 0;                          ///< index of the current scene
-  std::span<const std::string> warnings;  ///< messages
-  bool outsideTraining = false;           ///< the pose is outside the training range of the hulls
-  bool holdsProp = false;                 ///< the mouse moves a prop instead of the camera
+  std::string_view name;                     ///< of the played motion
+  std::string_view status;                   ///< one line of status
+  double seconds = 0.0;                      ///< since the first frame [s]
+  double duration = 0.0;                     ///< of a recording [s]; 0 = live, without timeline and speed
+  bool ended = false;                        ///< there are no more frames
+  int parts = 0;                             ///< of the body
+  int maxParts = 0;                          ///< at the finest level of detail; 0 = no choice
+  bool preparingParts = false;               ///< another level of detail is being computed
+  std::span<const std::string> scenes;       ///< to choose from; empty = none
+  int scene = 0;                             ///< index of the current scene
+  std::span<const std::string> expressions;  ///< of the avatar's face, to choose from; empty = none
+  int expression = -1;                       ///< index of the one that was chosen here; -1 = none
+  std::span<const std::string> warnings;     ///< messages
+  bool outsideTraining = false;              ///< the pose is outside the training range of the hulls
+  bool holdsProp = false;                    ///< the mouse moves a prop instead of the camera
 };
 
 /// Requests of the user since the last call, except those that the window handles itself.
 struct WindowRequests {
-  std::optional<double> seekTo;  ///< this time of the recording [s]
-  std::optional<int> parts;      ///< another level of detail
-  std::optional<int> scene;      ///< another of WindowValues::scenes
+  std::optional<double> seekTo;   ///< this time of the recording [s]
+  std::optional<int> parts;       ///< another level of detail
+  std::optional<int> scene;       ///< another of WindowValues::scenes
+  std::optional<int> expression;  ///< another of WindowValues::expressions, or -1 = none
+  bool nextExpression = false;    ///< the one after the current one; after the last none
   bool throwBall = false;
   std::optional<Ray> pressed;  ///< the left button was pressed outside the panels
   bool released = false;       ///< the left button was released

@@ -241,6 +241,9 @@ TEST_F(WindowAtWork, KeysAskForWhatTheOwnerDoes) {
   send("key b");
   EXPECT_TRUE(window->takeRequests().throwBall);
   EXPECT_FALSE(window->takeRequests().throwBall) << "once";
+  send("key e");
+  EXPECT_TRUE(window->takeRequests().nextExpression);
+  EXPECT_FALSE(window->takeRequests().nextExpression) << "once";
   send("key bracketleft");
   EXPECT_EQ(window->takeRequests().parts, 2);
   send("key bracketright bracketright bracketright");
