@@ -18,7 +18,8 @@ constexpr double kSamePlace = 1e-6;  // [m]
   std::array<Vec3, kAxes> axes;
   std::size_t count = 0;
   for (int code = 14; code < 27; ++code) {  // 13 is the centre, smaller codes are opposite to larger ones
-    axes[count++] = Vec3(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1).normalized();
+    const Eigen::Vector3i steps(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1);
+    axes[count++] = steps.cast<double>().normalized();
   }
   return axes;
 }
