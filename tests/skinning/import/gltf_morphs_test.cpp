@@ -107,7 +107,8 @@ TEST(GltfMorphs, PrimitivesOfAMeshShareTheirTargets) {
   GlbWriter writer = morphingCharacter();
   nlohmann::json& primitives = writer.document["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
-  primitives[1]["targets"] = {primitives[0]["targets"][0]};  // the second has only one
+  // The second has only one. Compilers differ over what braces around one element mean.
+  primitives[1]["targets"] = nlohmann::json::array({primitives[0]["targets"][0]});
   const Result<CharacterFile> file = parsed(writer);
   ASSERT_TRUE(file.ok()) << file.error().message;
   ASSERT_EQ(file->morphs.targets.size(), 2u);
