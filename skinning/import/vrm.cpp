@@ -1,5 +1,7 @@
 #include "skinning/import/vrm.h"
 
+#include "skinning/import/json_values.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -10,14 +12,6 @@ namespace lorica {
 namespace {
 
 using Json = nlohmann::json;
-
-/// An object's member, or null.
-[[nodiscard]] const Json& member(const Json& object, const char* key) {
-  static const Json kNull;
-  if (!object.is_object()) return kNull;
-  const auto found = object.find(key);
-  return found == object.end() ? kNull : *found;
-}
 
 /// VRM 1.0 renamed the bones of the thumb, and only those.
 [[nodiscard]] std::string nameIn1(const std::string& nameIn0) {
@@ -67,22 +61,22 @@ class BoneList {
 
 void readVrm(const Json& extensions, FileScene& scene) {
   BoneList bones(scene);
-  if (const Json& vrm = member(extensions, "VRMC_vrm"); vrm.is_object()) {
+  if (const Json& vrm = memberOf(extensions, "VRMC_vrm"); vrm.is_object()) {
     scene.format = "VRM 1.0";
-    const Json& list = member(member(vrm, "humanoid"), "humanBones");
+    const Json& list = memberOf(memberOf(vrm, "humanoid"), "humanBones");
     if (!list.is_object()) return;
-    for (const auto& [name, bone] : list.items()) bones.add(name, member(bone, "node"));
+    for (const auto& [name, bone] : list.items()) bones.add(name, memberOf(bone, "node"));
     return;
   }
-  if (const Json& vrm = member(extensions, "VRM"); vrm.is_object()) {
+  if (const Json& vrm = memberOf(extensions, "VRM"); vrm.is_object()) {
     scene.format = "VRM 0.x";
     scene.modelFromFileAxes = Quat(0.0, 0.0, 1.0, 0.0);  // 180 degrees about Y
     scene.notes.emplace_back("VRM 0.x faces -Z: rotated to face +Z");
-    const Json& list = member(member(vrm, "humanoid"), "humanBones");
+    const Json& list = memberOf(memberOf(vrm, "humanoid"), "humanBones");
     if (!list.is_array()) return;
     for (const Json& bone : list) {
-      const Json& name = member(bone, "bone");
-      if (name.is_string()) bones.add(nameIn1(name.get<std::string>()), member(bone, "node"));
+      const Json& name = memberOf(bone, "bone");
+      if (name.is_string()) bones.add(nameIn1(name.get<std::string>()), memberOf(bone, "node"));
     }
   }
 }

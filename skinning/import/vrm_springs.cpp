@@ -1,5 +1,7 @@
 #include "skinning/import/vrm_springs.h"
 
+#include "skinning/import/json_values.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,18 +20,10 @@ constexpr double kVirtualTail = 0.07;            // of the last joint of a stran
 constexpr int kMostCenterSteps = 1'000'000;      // from centres up to their roots, in all
 constexpr std::size_t kMaxReferences = 100'000;  // from groups to colliders, and from chains to groups
 
-/// An object's member, or null.
-[[nodiscard]] const Json& member(const Json& object, const char* key) {
-  static const Json kNull;
-  if (!object.is_object()) return kNull;
-  const auto found = object.find(key);
-  return found == object.end() ? kNull : *found;
-}
-
 /// The elements of a list; none if it is something else.
 [[nodiscard]] const Json& listOf(const Json& object, const char* key) {
   static const Json kEmpty = Json::array();
-  const Json& list = member(object, key);
+  const Json& list = memberOf(object, key);
   return list.is_array() ? list : kEmpty;
 }
 
@@ -72,8 +66,8 @@ class SpringReader {
 
   void read() {
     // A file may have both; the newer one is meant for readers that know it.
-    const Json& springs1 = member(document_.extensions, "VRMC_springBone");
-    const Json& springs0 = member(member(document_.extensions, "VRM"), "secondaryAnimation");
+    const Json& springs1 = memberOf(document_.extensions, "VRMC_springBone");
+    const Json& springs0 = memberOf(memberOf(document_.extensions, "VRM"), "secondaryAnimation");
     if (springs1.is_object()) {
       readColliders1(springs1);
       readChains1(springs1);
@@ -106,7 +100,7 @@ class SpringReader {
   /// A number, brought into a range; a note if it was outside or is not a number.
   [[nodiscard]] double number(const Json& object, const char* key, double otherwise, double min, double max,
                               const std::string& who) {
-    const Json& value = member(object, key);
+    const Json& value = memberOf(object, key);
     if (value.is_null()) return otherwise;
     const double given = value.is_number() ? value.get<double>() : kInfinity;
     if (given >= min && given <= max) return given;
@@ -117,7 +111,7 @@ class SpringReader {
   }
 
   [[nodiscard]] Vec3 vectorOf(const Json& list, const char* key, const Vec3& otherwise, const std::string& who) {
-    const Json& value = member(list, key);
+    const Json& value = memberOf(list, key);
     if (value.is_null()) return otherwise;
     Vec3 v = otherwise;
     bool sound = value.is_array() && value.size() == 3;
@@ -133,7 +127,7 @@ class SpringReader {
 
   /// Vectors of VRM 0.x have Unity's axes, whose z is opposite to glTF's.
   [[nodiscard]] Vec3 unityVectorOf(const Json& object, const char* key, const Vec3& otherwise, const std::string& who) {
-    const Json& value = member(object, key);
+    const Json& value = memberOf(object, key);
     if (value.is_null()) return otherwise;
     const auto part = [&](const char* axis) { return number(value, axis, 0.0, -kLargestNumber, kLargestNumber, who); };
     return {part("x"), part("y"), -part("z")};
@@ -156,7 +150,7 @@ class SpringReader {
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::string who = fmt::format("collider group {}", g);
       std::vector<int>& group = out_.colliderGroups.emplace_back();
-      const std::optional<int> node = nodeIn(member(groups[g], "node"), who);
+      const std::optional<int> node = nodeIn(memberOf(groups[g], "node"), who);
       if (!node) continue;
       for (const Json& from : listOf(groups[g], "colliders")) {
         if (!roomForCollider() || !roomForReference()) return;
@@ -175,14 +169,14 @@ class SpringReader {
     std::vector<int> newIndex(colliders.size(), -1);
     for (std::size_t c = 0; c < colliders.size(); ++c) {
       const std::string who = fmt::format("collider {}", c);
-      const std::optional<int> node = nodeIn(member(colliders[c], "node"), who);
+      const std::optional<int> node = nodeIn(memberOf(colliders[c], "node"), who);
       if (!node) continue;
       if (!roomForCollider()) break;
       SpringCollider collider;
       collider.joint = *node;
       const Json& extended =
-          member(member(member(colliders[c], "extensions"), "VRMC_springBone_extended_collider"), "shape");
-      if (!readShape(extended, who, collider) && !readShape(member(colliders[c], "shape"), who, collider)) {
+          memberOf(memberOf(memberOf(colliders[c], "extensions"), "VRMC_springBone_extended_collider"), "shape");
+      if (!readShape(extended, who, collider) && !readShape(memberOf(colliders[c], "shape"), who, collider)) {
         faults_.add("shape", fmt::format("{} has no shape that is known: skipped", who));
         continue;
       }
@@ -208,17 +202,17 @@ class SpringReader {
   /// @return false if it is none of the known shapes
   [[nodiscard]] bool readShape(const Json& shape, const std::string& who, SpringCollider& collider) {
     const auto readRound = [&](const Json& from, SpringColliderShape outside, SpringColliderShape inside) {
-      const Json& kept = member(from, "inside");
+      const Json& kept = memberOf(from, "inside");
       collider.shape = kept.is_boolean() && kept.get<bool>() ? inside : outside;
       collider.offset = vectorOf(from, "offset", Vec3::Zero(), who);
       collider.tail = vectorOf(from, "tail", Vec3::Zero(), who);
       collider.radius = number(from, "radius", 0.0, 0.0, kLargestNumber, who);
     };
-    if (const Json& sphere = member(shape, "sphere"); sphere.is_object()) {
+    if (const Json& sphere = memberOf(shape, "sphere"); sphere.is_object()) {
       readRound(sphere, SpringColliderShape::kSphere, SpringColliderShape::kInsideSphere);
-    } else if (const Json& capsule = member(shape, "capsule"); capsule.is_object()) {
+    } else if (const Json& capsule = memberOf(shape, "capsule"); capsule.is_object()) {
       readRound(capsule, SpringColliderShape::kCapsule, SpringColliderShape::kInsideCapsule);
-    } else if (const Json& plane = member(shape, "plane"); plane.is_object()) {
+    } else if (const Json& plane = memberOf(shape, "plane"); plane.is_object()) {
       collider.shape = SpringColliderShape::kPlane;
       collider.offset = vectorOf(plane, "offset", Vec3::Zero(), who);
       collider.normal = vectorOf(plane, "normal", Vec3::UnitZ(), who);
@@ -246,7 +240,7 @@ class SpringReader {
       settings.gravityDir = scene_.modelFromFileAxes * unityVectorOf(groups[g], "gravityDir", settings.gravityDir, who);
       SpringChain chain;
       // -1 stands for none here.
-      if (const Json& center = member(groups[g], "center"); center.is_number() && center != -1) {
+      if (const Json& center = memberOf(groups[g], "center"); center.is_number() && center != -1) {
         chain.center = nodeIn(center, who + ": its centre").value_or(kNoJoint);
       }
       readGroupsOf(groups[g], who, chain);
@@ -282,15 +276,15 @@ class SpringReader {
     for (const Json& spring : listOf(springs, "springs")) {
       const std::string who = fmt::format("spring {}", springCount_++);
       SpringChain chain;
-      if (const Json& name = member(spring, "name"); name.is_string()) chain.name = name.get<std::string>();
-      if (const Json& center = member(spring, "center"); !center.is_null()) {
+      if (const Json& name = memberOf(spring, "name"); name.is_string()) chain.name = name.get<std::string>();
+      if (const Json& center = memberOf(spring, "center"); !center.is_null()) {
         chain.center = nodeIn(center, who + ": its centre").value_or(kNoJoint);
       }
       readGroupsOf(spring, who, chain);
       const Json& joints = listOf(spring, "joints");
       for (std::size_t j = 0; j + 1 < joints.size(); ++j) {
-        const std::optional<int> head = nodeIn(member(joints[j], "node"), who);
-        const std::optional<int> end = nodeIn(member(joints[j + 1], "node"), who);
+        const std::optional<int> head = nodeIn(memberOf(joints[j], "node"), who);
+        const std::optional<int> end = nodeIn(memberOf(joints[j + 1], "node"), who);
         if (!head || !end) break;
         const std::optional<Vec3> tail = tailOf(*head, *end);
         if (!tail) {
@@ -381,7 +375,7 @@ class SpringReader {
                     fmt::format("more than {} constraints: the rest is skipped", grouped(kMaxNodeConstraints)));
         return;
       }
-      readConstraint(static_cast<int>(node), member(extension, "constraint"), who);
+      readConstraint(static_cast<int>(node), memberOf(extension, "constraint"), who);
     }
   }
 
@@ -392,20 +386,20 @@ class SpringReader {
     for (const auto& [key, kind] :
          {std::pair("roll", NodeConstraint::Kind::kRoll), std::pair("aim", NodeConstraint::Kind::kAim),
           std::pair("rotation", NodeConstraint::Kind::kRotation)}) {
-      if (settings != nullptr || !member(from, key).is_object()) continue;
-      settings = &member(from, key);
+      if (settings != nullptr || !memberOf(from, key).is_object()) continue;
+      settings = &memberOf(from, key);
       constraint.kind = kind;
     }
     if (settings == nullptr) {
       faults_.add("kind", fmt::format("{} is neither roll, aim nor rotation: skipped", who));
       return;
     }
-    const std::optional<int> source = nodeIn(member(*settings, "source"), who);
+    const std::optional<int> source = nodeIn(memberOf(*settings, "source"), who);
     if (!source) return;
     const char* axisKey = constraint.kind == NodeConstraint::Kind::kAim ? "aimAxis" : "rollAxis";
-    if (!readAxis(member(*settings, axisKey), constraint.axis)) {
+    if (!readAxis(memberOf(*settings, axisKey), constraint.axis)) {
       faults_.add("axis", fmt::format("{}: {} is {}, which is no axis: X is used", who, axisKey,
-                                      shown(member(*settings, axisKey))));
+                                      shown(memberOf(*settings, axisKey))));
     }
     constraint.source = *source;
     constraint.weight = number(*settings, "weight", 1.0, 0.0, 1.0, who);
