@@ -43,9 +43,8 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
 
 void addBodyOption(CommandLine& app, std::string& body) {
   app.addOption("--body", body,
-                "Closed body in place of the surface: auto, if it cannot be mended; never, so that it is refused; "
-                "always, even "
-                "if it is closed [default: auto]")
+                "Replace the surface by a closed body: `auto` = if it cannot be mended, `never` = refuse such a mesh, "
+                "`always` = even a closed one [default: auto]")
       ->typeName("WHEN")
       ->check(oneOf({"auto", "never", "always"}));
 }

@@ -132,8 +132,10 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
 
 void addPlayingOptions(CommandLine& app, MotionOptions& options) {
   app.addFlag("--mirror", options.mirror, "Mirror the motion: swap left and right");
-  app.addFlag("--upper-body", options.upperBody,
-              "Do not use the person's legs: the character stands, for people who sit and for webcams");
+  app.addFlag(
+      "--upper-body", options.upperBody,
+      "Do not use the person's legs: the character stands, for people who sit and for webcams; motions of bones "
+      "keep theirs");
   app.addOption("--smooth", options.smooth,
                 "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
       ->typeName("NAME")
