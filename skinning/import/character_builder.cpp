@@ -419,6 +419,10 @@ class CharacterBuilder {
     if (character.mesh.triangles.empty() && out_.clips.empty() && scene_.skins.empty()) {
       return bad("no triangles, no bones and no motion, expected a character");
     }
+    out_.nodeOfJoint.assign(joints_.size(), -1);
+    for (std::size_t n = 0; n < jointsOfNode_.size(); ++n) {
+      if (!jointsOfNode_[n].empty()) out_.nodeOfJoint[jointsOfNode_[n].front()] = static_cast<int>(n);
+    }
     Result<Skeleton> skeleton = Skeleton::create(std::move(joints_));
     if (!skeleton) return bad(skeleton.error().message);
     character.skeleton = scene_.bones.empty() ? withBones(*skeleton, guessHumanoid(*skeleton)) : std::move(*skeleton);

@@ -26,6 +26,9 @@ struct CharacterFile {
   /// Every triangle of the file, as drawn, in the bind pose. The surface may be open, torn and consist of many shells:
   /// makeBody() turns it into one that can be decomposed. No vertices if the file has only motion.
   Character character;
+  /// For each joint its node's index in a glTF file; -1 for the first joint and for those added to nodes that are
+  /// sheared or have several bind matrices. Of other formats the indices only tell which joints were added.
+  std::vector<int> nodeOfJoint;
   std::vector<Clip> clips;
   Morphs morphs;            ///< of `character.mesh`; its clips are those above
   Expressions expressions;  ///< of the morph targets

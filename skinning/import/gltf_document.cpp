@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/gltf_parts.h"
 #include "skinning/import/gltf_types.h"
 #include "skinning/import/uri.h"
 
@@ -22,69 +23,6 @@ using Bytes = std::span<const std::byte>;
 
 constexpr std::size_t kMaxElements = 100'000;
 constexpr int kMaxLevels = 64;
-
-/// The two parts of a GLB, or the text of a .gltf alone.
-struct Parts {
-  std::string_view json;
-  std::optional<Bytes> binary;
-};
-
-[[nodiscard]] std::uint32_t littleEndian32(Bytes bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
-  return value;
-}
-
-[[nodiscard]] std::string_view asText(Bytes bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-[[nodiscard]] Result<Parts> splitGlb(Bytes bytes, const std::string& name) {
-  constexpr std::size_t kHeaderBytes = 12;
-  constexpr std::size_t kChunkHeaderBytes = 8;
-  constexpr std::uint32_t kJson = 0x4E4F534A;
-  constexpr std::uint32_t kBinary = 0x004E4942;
-  const auto bad = [&](std::string what) { return Error{ErrorCode::kBadFormat, name + ": " + std::move(what)}; };
-
-  if (bytes.size() < kHeaderBytes) {
-    return bad(fmt::format("{} bytes, expected at least {} for a GLB header: the file is truncated", bytes.size(),
-                           kHeaderBytes));
-  }
-  const std::uint32_t version = littleEndian32(bytes, 4);
-  if (version != 2) {
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: GLB version {}, expected 2", name, version)};
-  }
-  const std::uint32_t length = littleEndian32(bytes, 8);
-  if (length > bytes.size()) {
-    return bad(fmt::format("its header declares {} bytes, the file has {}: it is truncated", grouped(length),
-                           grouped(bytes.size())));
-  }
-  bytes = bytes.first(length);
-
-  Parts parts;
-  std::size_t at = kHeaderBytes;
-  for (int chunk = 0; at < bytes.size(); ++chunk) {
-    if (bytes.size() - at < kChunkHeaderBytes) {
-      if (chunk >= 1) break;  // padding that some writers leave behind
-      return bad(fmt::format("chunk {} starts at byte {} of {}, which leaves no room for its header", chunk,
-                             grouped(at), grouped(bytes.size())));
-    }
-    const std::uint32_t chunkBytes = littleEndian32(bytes, at);
-    const std::uint32_t kind = littleEndian32(bytes, at + 4);
-    at += kChunkHeaderBytes;
-    if (chunkBytes > bytes.size() - at) {
-      return bad(fmt::format("chunk {} of {} bytes starts at byte {} and ends past the file's {}", chunk,
-                             grouped(chunkBytes), grouped(at), grouped(bytes.size())));
-    }
-    const Bytes content = bytes.subspan(at, chunkBytes);
-    if (chunk == 0 && kind != kJson) return bad(fmt::format("chunk 0 has type {:#x}, expected JSON", kind));
-    if (chunk == 0) parts.json = asText(content);
-    if (chunk > 0 && kind == kBinary && !parts.binary) parts.binary = content;
-    at += chunkBytes;
-  }
-  if (parts.json.empty()) return bad("the GLB has no JSON chunk");
-  return parts;
-}
 
 /// Nesting depth of brackets, determined before parsing.
 [[nodiscard]] int levelsOf(std::string_view text) {
@@ -272,17 +210,9 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
   document.folder = folder;
 
   // 1. JSON and binary.
-  const bool isGlb = bytes.size() >= 4 && asText(bytes.first(4)) == "glTF";
-  Parts parts;
-  if (isGlb) {
-    const Result<Parts> split = splitGlb(bytes, name);
-    if (!split) return split.error();
-    parts = *split;
-  } else {
-    parts.json = asText(bytes);
-  }
-  while (parts.json.ends_with('\0')) parts.json.remove_suffix(1);  // some writers pad with zeros
-  Result<Json> json = parseJson(parts.json, name);
+  const Result<GltfParts> parts = splitGltf(bytes, name);
+  if (!parts) return parts.error();
+  Result<Json> json = parseJson(parts->json, name);
   if (!json) return json.error();
 
   // 2. Content that is not supported.
@@ -304,7 +234,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
 
   // 3. Buffers, which are read here; tinygltf reads the rest that is needed.
   if (json->contains("buffers")) {
-    BufferFinder finder(document, folder, parts.binary);
+    BufferFinder finder(document, folder, parts->binary);
     if (Result<void> found = finder.find((*json)["buffers"]); !found) return found.error();
     json->erase("buffers");
   }
