@@ -1,6 +1,5 @@
 #include "acd/decompose.h"
 
-#include "acd/concavity.h"
 #include "acd/cut.h"
 #include "acd/transfer.h"
 #include "geometry/mesh_files.h"
@@ -12,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 
 namespace lorica {
 namespace {
@@ -221,16 +219,6 @@ TEST(DecomposeAnimated, TheBendIsCutAlthoughTheFirstKeyframeIsStraight) {
   EXPECT_LT(errorOfAll, 0.5 * errorOfFirst);
 }
 
-TEST(Transfer, CutPointsFollowInTheOrderOfTheirCreation) {
-  Decomposition d;
-  d.vertexCount = 3;
-  d.cutPoints = {{0, 1, 0.25}, {2, 3, 0.5}};
-  const std::vector<Vec3> posed = {{0, 0, 0}, {4, 0, 0}, {0, 8, 0}};
-  const std::vector<Vec3> points = carried(d, posed);
-  EXPECT_EQ(points[3], Vec3(3, 0, 0));
-  EXPECT_EQ(points[4], Vec3(1.5, 4, 0));
-}
-
 TEST(Decompose, TellsHowManyPartsThereAreWhenNoneWereAskedFor) {
   std::vector<int> told;
   const Decomposition d = decomposed(test::makeTorus(1.0, 0.4, 12, 6), {.maxParts = 0, .progress = [&](int done, int) {
@@ -240,58 +228,6 @@ TEST(Decompose, TellsHowManyPartsThereAreWhenNoneWereAskedFor) {
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(*std::min_element(told.begin(), told.end()), 1);
   EXPECT_EQ(told.back(), static_cast<int>(d.parts.size()));
-}
-
-TEST(Transfer, RigidMotionMovesPartsRigidly) {
-  const TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
-  const Decomposition d = decomposed(mesh, {.maxParts = 6});
-  const Isometry3 motion = Eigen::Translation3d(1, 2, 3) * Quat(0.2, 0.5, -0.4, 0.7).normalized();
-  std::vector<Vec3> moved;
-  for (const Vec3& v : mesh.vertices) moved.push_back(motion * v);
-  const std::vector<Vec3> before = carried(d, mesh.vertices);
-  const std::vector<Vec3> after = carried(d, moved);
-  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LT((motion * before[i] - after[i]).norm(), 1e-12);
-}
-
-TEST(Transfer, PosedSurfaceStaysInsideTheHullsInEveryPose) {
-  const TriMesh mesh = test::makeTorus(1.0, 0.4, 20, 10);
-  const Decomposition d = decomposed(mesh, {.maxParts = 8});
-  std::mt19937_64 random(99);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  for (int trial = 0; trial < 20; ++trial) {
-    std::vector<Vec3> posed = mesh.vertices;
-    for (Vec3& v : posed) v += 0.5 * Vec3{uniform(), uniform(), uniform()};  // a pose outside the training
-    const std::vector<Vec3> points = carried(d, posed);
-    const std::vector<ConvexHull> hulls = partHulls(d, points);
-    for (int sample = 0; sample < 200; ++sample) {
-      const Triangle& t = mesh.triangles[random() % mesh.triangles.size()];
-      const double a = uniform(), b = uniform() * (1 - a);
-      const Vec3 p = a * posed[t[0]] + b * posed[t[1]] + (1 - a - b) * posed[t[2]];
-      double outside = 1e9;
-      for (const ConvexHull& hull : hulls) outside = std::min(outside, largestViolation(hull, std::span(&p, 1)));
-      EXPECT_LE(outside, 1e-9) << "trial " << trial;
-    }
-  }
-}
-
-TEST(Concavity, OnlyTheInnerEdgeOfTheLShapeIsConcave) {
-  const TriMesh mesh = test::makeLShape();
-  Part whole;
-  whole.triangles = mesh.triangles;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
-  whole.points = pointsUsedBy(whole.triangles);
-  const ConvexHull hull = convexHull(mesh.vertices);
-  const auto edges = deepestConcaveEdges(creasesOf(whole), mesh.triangles, unitNormals(mesh.triangles, mesh.vertices),
-                                         mesh.vertices, hull, 8, 0.0);
-  ASSERT_EQ(edges.size(), 1u);
-  EXPECT_EQ(edges[0].point, Vec3(1, 1, 0.5));
-  EXPECT_NEAR(edges[0].depth, 0.5, 1e-12);  // to z = 0 and z = 1; the slanted face is farther, at sqrt(1/2)
-  const std::vector<Plane> planes = planesThrough(edges[0], 3);
-  ASSERT_EQ(planes.size(), 3u);
-  // Along one face, the bisector, along the other face.
-  EXPECT_NEAR(std::abs(planes[1].normal.dot(Vec3(1, -1, 0).normalized())), 1.0, 1e-12);
-  EXPECT_NEAR(std::abs(planes[0].normal.x()) + std::abs(planes[2].normal.x()), 1.0, 1e-12);
-  for (const Plane& p : planes) EXPECT_NEAR(p.normal.dot(Vec3(1, 1, 7)), p.offset, 1e-12);
 }
 
 /// Merges parts from `count` on into the parts that they were split from, in level-of-detail order.

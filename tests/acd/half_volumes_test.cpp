@@ -7,84 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
-#include <numeric>
-#include <random>
 
 namespace lorica {
 namespace {
-
-FloatPoints floats(std::span<const Vec3> points) {
-  FloatPoints result;
-  for (const Vec3& p : points) {
-    result.x.push_back(static_cast<float>(p.x()));
-    result.y.push_back(static_cast<float>(p.y()));
-    result.z.push_back(static_cast<float>(p.z()));
-  }
-  return result;
-}
-
-Support supportOf(const FloatPoints& points) {
-  std::vector<std::int32_t> ids(points.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  Support support;
-  support.clear();
-  include(support, points, ids, 0, nullptr);
-  return support;
-}
-
-std::vector<Vec3> randomPoints(int count) {
-  std::mt19937_64 random(5);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) points.push_back(Vec3{uniform(), uniform(), uniform()});
-  return points;
-}
-
-TEST(Support, OfAUnionIsTheUnionOfSupports) {
-  const FloatPoints all = floats(randomPoints(300));
-  const Support whole = supportOf(all);
-  std::vector<std::int32_t> first(200), second(100);
-  std::iota(first.begin(), first.end(), 0);
-  std::iota(second.begin(), second.end(), 200);
-  Support a, b;
-  a.clear();
-  b.clear();
-  include(a, all, first, 0, nullptr);
-  include(b, all, second, 0, nullptr);
-  Support bounded = a;
-  include(bounded, all, second, 0, &b);  // directions in which b is not beyond a may be skipped
-  include(a, b);
-  EXPECT_EQ(a.high, whole.high);
-  EXPECT_EQ(a.low, whole.low);
-  EXPECT_EQ(a.highest, whole.highest);
-  EXPECT_EQ(a.lowest, whole.lowest);
-  EXPECT_EQ(bounded.highest, whole.highest);
-  EXPECT_EQ(bounded.lowest, whole.lowest);
-}
-
-TEST(Support, EnclosesABoxExactlyAndMostOfASphere) {
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i) corners.emplace_back((i & 1) * 2.0, (i & 2) * 1.5, (i & 4) * 1.0);
-  const FloatPoints box = floats(corners);
-  EXPECT_NEAR(enclosedVolume(supportOf(box), box, {}), 2.0 * 3.0 * 4.0, 1e-4);
-
-  std::vector<Vec3> dense = randomPoints(100000);
-  for (Vec3& p : dense) p.normalize();
-  const FloatPoints sphere = floats(dense);
-  const double volume = enclosedVolume(supportOf(sphere), sphere, {}) / (4.0 / 3.0 * std::numbers::pi);
-  EXPECT_LT(volume, 1.0);
-  EXPECT_GT(volume, 0.92);
-}
-
-TEST(Support, EnclosesAtMostTheHull) {
-  const std::vector<Vec3> points = randomPoints(40);
-  const FloatPoints cloud = floats(points);
-  const double hull = convexHullVolume(points);
-  const double enclosed = enclosedVolume(supportOf(cloud), cloud, {});
-  EXPECT_LE(enclosed, hull * (1.0 + 1e-5));
-  EXPECT_GT(enclosed, 0.9 * hull);
-}
 
 /// A torus in two keyframes, with planes through vertices, along faces, and at arbitrary positions.
 struct Halves : ::testing::Test {

@@ -148,6 +148,23 @@ TEST(Support, EqualsOneByOneInEveryDirection) {
   }
 }
 
+TEST(Support, OfAUnionIsTheUnionOfSupports) {
+  const std::uint64_t seed = 64;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  const std::vector<Vec3> points = randomPoints(dice, 300);
+  const Support whole = supportOf(points), second = supportOf(std::span(points).subspan(200), 200);
+  Support joined = supportOf(std::span(points).first(200));
+  Support bounded = joined;
+  include(joined, second);
+  expectEqual(joined, whole);
+  // Directions in which the second half is not beyond the first may be skipped.
+  std::vector<std::int32_t> ids(100);
+  std::iota(ids.begin(), ids.end(), 200);
+  include(bounded, floats(points), ids, 0, &second);
+  expectEqual(bounded, whole);
+}
+
 TEST(EnclosedVolume, IsZeroWithoutThickness) {
   const std::vector<Vec3> corners = {{1, 2, 3}, {2, 2, 3}, {1, 3, 3}, {3, 5, 3}};
   for (const std::size_t count : {1u, 2u, 3u, 4u}) EXPECT_EQ(enclosed(std::span(corners).first(count)), 0.0) << count;
@@ -167,6 +184,17 @@ TEST(EnclosedVolume, OfSimpleSolidsInClosedForm) {
   EXPECT_NEAR(enclosed(box), 24.0, 1e-2);
   for (Vec3& v : box) v *= 0.5;
   EXPECT_NEAR(enclosed(box), 3.0, 1e-2);
+}
+
+TEST(EnclosedVolume, IsMostOfASphere) {
+  const std::uint64_t seed = 65;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  std::vector<Vec3> sphere = randomPoints(dice, 100000);
+  for (Vec3& p : sphere) p.normalize();
+  const double share = enclosed(sphere) / (4.0 / 3.0 * std::numbers::pi);
+  EXPECT_LT(share, 1.0);
+  EXPECT_GT(share, 0.92);
 }
 
 TEST(EnclosedVolume, IsThatOfTheSupportPointsAlone) {

@@ -56,6 +56,16 @@ TEST(Transfer, WithoutCutPointsOnlyCopies) {
   EXPECT_EQ(transferred(none, posed), posed);
 }
 
+TEST(Transfer, CutPointsFollowInTheOrderOfTheirCreation) {
+  Decomposition d;
+  d.vertexCount = 3;
+  d.cutPoints = {{0, 1, 0.25}, {2, 3, 0.5}};
+  const std::vector<Vec3> posed = {{0, 0, 0}, {4, 0, 0}, {0, 8, 0}};
+  const std::vector<Vec3> points = transferred(d, posed);
+  EXPECT_EQ(points[3], Vec3(3, 0, 0));
+  EXPECT_EQ(points[4], Vec3(1.5, 4, 0));
+}
+
 TEST_F(LongLShape, TransferWorksInPlaceAndKeepsRatios) {
   // The crossings of the plane x = 1 stay at a fifth of their edges in any affine pose.
   ASSERT_EQ(halves.cutPoints.size(), 3u);
@@ -72,6 +82,30 @@ TEST_F(LongLShape, TransferWorksInPlaceAndKeepsRatios) {
   inPlace.resize(points.size(), Vec3(9, 9, 9));
   transfer(halves, std::span(inPlace).first(pose.size()), inPlace);
   EXPECT_EQ(inPlace, points);
+}
+
+TEST(Transfer, PosedSurfaceStaysInsideTheHullsInEveryPose) {
+  const TriMesh mesh = test::makeTorus(1.0, 0.4, 20, 10);
+  const auto d = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, {.maxParts = 8});
+  ASSERT_TRUE(d.ok());
+  const std::uint64_t seed = 99;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  test::Dice dice(seed);
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<Vec3> posed = mesh.vertices;
+    for (Vec3& v : posed) v += dice.inBox(0.25);  // a pose outside the training
+    const std::vector<Vec3> points = transferred(*d, posed);
+    const std::vector<ConvexHull> hulls = partHulls(*d, points);
+    for (int sample = 0; sample < 200; ++sample) {
+      const Triangle& t = mesh.triangles[dice.whole(0, static_cast<int>(mesh.triangles.size()) - 1)];
+      const double a = dice.unit();
+      const double b = dice.unit() * (1 - a);
+      const Vec3 p = a * posed[t[0]] + b * posed[t[1]] + (1 - a - b) * posed[t[2]];
+      double outside = 1e9;
+      for (const ConvexHull& hull : hulls) outside = std::min(outside, largestViolation(hull, std::span(&p, 1)));
+      EXPECT_LE(outside, 1e-9) << "trial " << trial;
+    }
+  }
 }
 
 TEST(SpanningPoints, LeaveOutBlendsEvenOfPointsThatThePartHasNot) {

@@ -2,6 +2,7 @@
 
 #include "capture/files/joint_stream.h"
 #include "capture/synthetic/synthetic_motion.h"
+#include "tests/capture/spoiled_legs.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
@@ -56,25 +57,14 @@ TEST(LegJudge, LegsOfRealPeoplePass) {
 
 TEST(LegJudge, LegsThatRunUpwardsAreRefusedWithinASecond) {
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
-  for (SkeletonFrame& frame : frames) {
-    for (const auto& [hip, knee, foot] : {std::array{J::kLeftHip, J::kLeftKnee, J::kLeftFoot},
-                                          std::array{J::kRightHip, J::kRightKnee, J::kRightFoot}}) {
-      const double height = frame[hip].position.y();
-      frame[knee].position.y() = 2.0 * height - frame[knee].position.y();
-      frame[foot].position.y() = 2.0 * height - frame[foot].position.y();
-    }
-  }
+  for (SkeletonFrame& frame : frames) test::turnUpwards(frame);
   EXPECT_LT(refusedFrom(frames), 1.1);
 }
 
 TEST(LegJudge, ThighsThatChangeTheirLengthAreRefusedWithinTwoSeconds) {
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    const double factor = 1.0 + 0.6 * std::sin(1.7 * static_cast<double>(f));
-    for (const auto& [hip, knee] : {std::pair(J::kLeftHip, J::kLeftKnee), {J::kRightHip, J::kRightKnee}}) {
-      const Vec3 thigh = frames[f][knee].position - frames[f][hip].position;
-      frames[f][knee].position = frames[f][hip].position + factor * thigh;
-    }
+    test::scaleThighs(frames[f], 1.0 + 0.6 * std::sin(1.7 * static_cast<double>(f)));
   }
   EXPECT_LT(refusedFrom(frames), 2.0);
 }
@@ -82,11 +72,7 @@ TEST(LegJudge, ThighsThatChangeTheirLengthAreRefusedWithinTwoSeconds) {
 TEST(LegJudge, InferredJointsAreJudgedMoreStrictly) {
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    const double factor = f % 2 == 0 ? 1.2 : 0.8;  // 20 % from the mean
-    for (const auto& [hip, knee] : {std::pair(J::kLeftHip, J::kLeftKnee), {J::kRightHip, J::kRightKnee}}) {
-      const Vec3 thigh = frames[f][knee].position - frames[f][hip].position;
-      frames[f][knee].position = frames[f][hip].position + factor * thigh;
-    }
+    test::scaleThighs(frames[f], f % 2 == 0 ? 1.2 : 0.8);  // 20 % from the mean
   }
   EXPECT_EQ(refusedShare(frames), 0.0);
   for (SkeletonFrame& frame : frames) {
@@ -97,12 +83,7 @@ TEST(LegJudge, InferredJointsAreJudgedMoreStrictly) {
 
 TEST(LegJudge, OneLegMayBeLiftedHigh) {
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
-  for (SkeletonFrame& frame : frames) {
-    const double height = frame[J::kLeftHip].position.y();
-    for (const J joint : {J::kLeftKnee, J::kLeftFoot}) {
-      frame[joint].position.y() = 2.0 * height - frame[joint].position.y();
-    }
-  }
+  for (SkeletonFrame& frame : frames) test::turnUpwards(frame, std::span(test::kLegs).first(1));
   EXPECT_EQ(refusedShare(frames), 0.0);
 }
 

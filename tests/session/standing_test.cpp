@@ -3,6 +3,7 @@
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/capture/spoiled_legs.h"
 
 #include <gtest/gtest.h>
 
@@ -41,12 +42,7 @@ double floats(const std::vector<SkeletonFrame>& frames, double seconds, const Jo
 TEST(Standing, LegsThatRunUpwards) {
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
   for (SkeletonFrame& frame : frames) {
-    for (const auto& [hip, knee, foot] : {std::array{J::kLeftHip, J::kLeftKnee, J::kLeftFoot},
-                                          std::array{J::kRightHip, J::kRightKnee, J::kRightFoot}}) {
-      const double height = frame[hip].position.y();
-      frame[knee].position.y() = 2.0 * height - frame[knee].position.y();
-      frame[foot].position.y() = 2.0 * height - frame[foot].position.y();
-    }
+    test::turnUpwards(frame);
     for (TrackedJoint& joint : frame.joints) joint.position.y() += 0.5;
   }
   EXPECT_LT(floats(frames, 2.5), 0.03);
@@ -55,13 +51,8 @@ TEST(Standing, LegsThatRunUpwards) {
 TEST(Standing, LegsThatChangeTheirLength) {
   std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    const double factor = 1.0 + 0.7 * std::sin(1.3 * static_cast<double>(f));
-    for (const auto& [hip, knee, foot] : {std::array{J::kLeftHip, J::kLeftKnee, J::kLeftFoot},
-                                          std::array{J::kRightHip, J::kRightKnee, J::kRightFoot}}) {
-      frames[f][knee].position =
-          frames[f][hip].position + factor * (frames[f][knee].position - frames[f][hip].position);
-      frames[f][foot].confidence = frames[f][knee].confidence = 0.5;
-    }
+    test::scaleThighs(frames[f], 1.0 + 0.7 * std::sin(1.3 * static_cast<double>(f)));
+    for (const auto& leg : test::kLegs) frames[f][leg.foot].confidence = frames[f][leg.knee].confidence = 0.5;
   }
   EXPECT_LT(floats(frames, 3.0), 0.03);
 }
