@@ -55,6 +55,7 @@ enum Proportion : std::uint8_t {
   kLimbGirth,
   kHeadSize,
 };
+inline constexpr float kMannequinHeight = 1.752F;  ///< whose proportions are 1 [m]
 inline constexpr int kProportionCount = 11;
 inline constexpr std::int8_t kNoProportion = -1;
 

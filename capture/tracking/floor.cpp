@@ -1,19 +1,15 @@
 #include "capture/tracking/floor.h"
 
-#include "geometry/random_numbers.h"
+#include "capture/tracking/plane_fit.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace lorica {
 
 namespace {
 
-constexpr int kSpacing = 4;       // cells between samples
-constexpr int kArm = 4;           // cells from a sample to the cells that define its normal
-constexpr int kTries = 96;        // planes tried
 constexpr double kMinLevel = 60;  // min samples on a floor
 constexpr double kMaxTilt = 40.0 * EIGEN_PI / 180.0;
 constexpr double kMaxRoll = 20.0 * EIGEN_PI / 180.0;
@@ -21,34 +17,26 @@ constexpr double kMaxRoll = 20.0 * EIGEN_PI / 180.0;
 }  // namespace
 
 FloorFinder::FloorFinder(const DepthGrid& grid) {
-  const auto count =
-      static_cast<std::size_t>(grid.width / kSpacing + 1) * static_cast<std::size_t>(grid.height / kSpacing + 1);
-  samples_.reserve(count);
-  level_.reserve(count);
+  samples_.reserve(planeSampleCount(grid));
+  level_.reserve(planeSampleCount(grid));
 }
 
 void FloorFinder::takeSamples(const DepthGrid& grid) {
   samples_.clear();
   level_.clear();
-  for (int r = kArm; r + kArm < grid.height; r += kSpacing) {
-    for (int c = kArm; c + kArm < grid.width; c += kSpacing) {
-      if (grid.depthMm[grid.index(c, r)] == 0) continue;
-      const Vec3f position = grid.positionOf(c, r);
-      const float depth = -position.z();
-      // The height error is the depth error times the slope of the ray, which is the camera's height over the depth.
-      Sample sample{position, 2.5F * depthNoise(depth) / depth, false};
-      const auto left = grid.positionOf(c - kArm, r), right = grid.positionOf(c + kArm, r);
-      const auto above = grid.positionOf(c, r - kArm), below = grid.positionOf(c, r + kArm);
-      if (left.z() != 0.0F && right.z() != 0.0F && above.z() != 0.0F && below.z() != 0.0F) {
-        const Vec3f normal = (right - left).cross(above - below);
-        const bool smooth =
-            std::abs(right.z() - left.z()) < 0.15F * depth && std::abs(above.z() - below.z()) < 0.3F * depth;
-        sample.level = smooth && normal.y() > 0.7F * normal.norm();
-      }
-      if (sample.level) level_.push_back(static_cast<std::uint32_t>(samples_.size()));
-      samples_.push_back(sample);
+  visitPlaneSamples(grid, [&](std::uint16_t, const Vec3f& position, const PlaneArms& arms) {
+    const float depth = -position.z();
+    // The height error is the depth error times the slope of the ray, which is the camera's height over the depth.
+    Sample sample{position, 2.5F * depthNoise(depth) / depth, false};
+    if (arms.seen()) {
+      const Vec3f normal = arms.normal();
+      const bool smooth = std::abs(arms.right.z() - arms.left.z()) < 0.15F * depth &&
+                          std::abs(arms.above.z() - arms.below.z()) < 0.3F * depth;
+      sample.level = smooth && normal.y() > 0.7F * normal.norm();
     }
-  }
+    if (sample.level) level_.push_back(static_cast<std::uint32_t>(samples_.size()));
+    samples_.push_back(sample);
+  });
 }
 
 bool FloorFinder::sensible(const Plane& plane) const {
@@ -72,50 +60,37 @@ double FloorFinder::score(const Plane& plane) const {
 
 bool FloorFinder::refine(Plane& plane) const {
   const double height = plane.height;
-  double weights = 0.0, count = 0.0;
-  Vec3 sum = Vec3::Zero();
-  Mat3 products = Mat3::Zero();
+  PlaneMoments moments;
   for (const std::uint32_t i : level_) {
     const Sample& s = samples_[i];
     const Vec3 position = s.position.cast<double>();
     const double tolerance = 0.015 + s.tolerance * height;
-    if (std::abs(plane.up.dot(position) + height) >= tolerance) continue;
-    const double weight = 1.0 / (tolerance * tolerance);
-    weights += weight;
-    count += 1.0;
-    sum += weight * position;
-    products += weight * position * position.transpose();
+    if (std::abs(plane.up.dot(position) + height) < tolerance) moments.add(position, 1.0 / (tolerance * tolerance));
   }
-  if (count < kMinLevel) return false;
-  const Vec3 middle = sum / weights;
-  const SymmetricAxes axes = symmetricAxes(Mat3(products / weights - middle * middle.transpose()));
-  // A smaller extent is the top of an object.
-  if (std::sqrt(std::max(0.0, axes.values[1])) < 0.1) return false;
-  Vec3 up = axes.vectors.col(0);
-  if (up.y() < 0.0) up = -up;
-  plane = {up, -up.dot(middle)};
+  if (moments.count() < kMinLevel) return false;
+  const PlaneMoments::Fit fit = moments.fit();
+  if (fit.extent < 0.1) return false;  // the top of an object
+  const Vec3 up = fit.normal.y() < 0.0 ? Vec3(-fit.normal) : fit.normal;
+  plane = {up, -up.dot(fit.middle)};
   return sensible(plane);
 }
 
 bool FloorFinder::detect(Plane& plane) {
-  const auto count = static_cast<std::uint32_t>(level_.size());
-  if (count < kMinLevel) return false;
-  RandomNumbers random(static_cast<std::uint64_t>(frameCount_) + 1);
-  double best = 0.0;
-  for (int i = 0; i < kTries; ++i) {
-    std::array<Vec3, 3> p;
-    for (Vec3& position : p) position = samples_[level_[random.unit() * count]].position.cast<double>();
-    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
-    if (normal.norm() < 0.01) continue;
+  if (static_cast<double>(level_.size()) < kMinLevel) return false;
+  const auto positionOf = [&](std::size_t i) { return samples_[level_[i]].position; };
+  const auto planeThrough = [&](const std::array<Vec3f, 3>& corners) -> std::optional<Plane> {
+    const Vec3 first = corners[0].cast<double>();
+    const Vec3 normal = (corners[1].cast<double>() - first).cross(corners[2].cast<double>() - first);
+    if (normal.norm() < 0.01) return std::nullopt;
     Plane tried{normal.normalized(), 0.0};
     if (tried.up.y() < 0.0) tried.up = -tried.up;
-    tried.height = -tried.up.dot(p[0]);
-    if (!sensible(tried)) continue;
-    const double value = score(tried);
-    if (value <= best) continue;
-    best = value;
-    plane = tried;
-  }
+    tried.height = -tried.up.dot(first);
+    if (!sensible(tried)) return std::nullopt;
+    return tried;
+  };
+  const double best = bestPlane(
+      static_cast<std::uint64_t>(frameCount_) + 1, level_.size(), positionOf, planeThrough,
+      [&](const Plane& tried) { return score(tried); }, plane);
   if (best < 0.5 * kMinLevel) return false;
   for (int i = 0; i < 3; ++i) {
     if (!refine(plane)) return false;

@@ -8,18 +8,17 @@
 namespace lorica::fit {
 namespace {
 
-constexpr float kMannequinHeight = 1.752F;  ///< [m]
-constexpr float kGapSeconds = 0.25F;        ///< after this long unseen the pose is searched for again
-constexpr float kLostShare = 0.20F;  ///< fraction of points not explained by the body at which the person is lost
-constexpr int kLostViews = 3;        ///< consecutive views
-constexpr float kLostLimb = 0.06F;   ///< a limb that violates the image by this much is searched for [m]
-constexpr float kPassing = 0.45F;    ///< feet closer than this may be swapped [m]
-constexpr float kWorse = 1.25F;      ///< multiple of the usual cost at which a swap is checked
-constexpr int kPairPause = 2;        ///< views between two such checks
-constexpr float kUsualRise = 0.03F;  ///< how fast the usual cost follows the present one, per view
-constexpr int kMaxSearched = 1;      ///< lost limbs searched for per view, besides the one whose turn it is
-constexpr float kEase = 0.04F;       ///< fraction of the way to rest per view, for arms that are not seen
-constexpr float kMomentum = 0.7F;    ///< fraction of the last step, in the prediction of the next
+constexpr float kGapSeconds = 0.25F;  ///< after this long unseen the pose is searched for again
+constexpr float kLostShare = 0.20F;   ///< fraction of points not explained by the body at which the person is lost
+constexpr int kLostViews = 3;         ///< consecutive views
+constexpr float kLostLimb = 0.06F;    ///< a limb that violates the image by this much is searched for [m]
+constexpr float kPassing = 0.45F;     ///< feet closer than this may be swapped [m]
+constexpr float kWorse = 1.25F;       ///< multiple of the usual cost at which a swap is checked
+constexpr int kPairPause = 2;         ///< views between two such checks
+constexpr float kUsualRise = 0.03F;   ///< how fast the usual cost follows the present one, per view
+constexpr int kMaxSearched = 1;       ///< lost limbs searched for per view, besides the one whose turn it is
+constexpr float kEase = 0.04F;        ///< fraction of the way to rest per view, for arms that are not seen
+constexpr float kMomentum = 0.7F;     ///< fraction of the last step, in the prediction of the next
 
 // How much a proportion may change in a view. Hardly at all later: in poses that the body explains badly, such as a
 // deep squat, proportions drift to values that are wrong for all other poses.

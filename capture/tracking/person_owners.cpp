@@ -13,17 +13,7 @@ namespace {
 constexpr float kReach = 0.9F;        // max distance from the middle of a person to that of any piece, horizontally [m]
 constexpr float kGapNew = 0.35F;      // between pieces of a person in front of known background [m]
 constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
-constexpr float kHeadsApart = 0.3F;   // between two people's heads, horizontally [m]
-constexpr float kNeighbour = 0.4F;    // a head this near to a person's middle is that person's [m]
-constexpr float kGrown = 0.42F;      // how far aside a person found at a head reaches from the head's axis at first [m]
-constexpr float kGrownBack = 0.4F;   // and how far behind the face [m]
-constexpr float kGrownFront = 0.7F;  // and in front of it [m]
-constexpr float kGrownStep = 0.02F;  // depth steps larger than this share of the depth end a person found at a head
-constexpr float kMinGrown = 0.12F;   // least area of a person found at a head [m^2]
-constexpr float kMinTall = 0.4F;     // and least height [m]
-constexpr float kHeadDepth = 0.1F;   // from the face to the axis of the head [m]
-constexpr double kRefused = 5.0;     // how long no head is looked for where none was [s]
-constexpr int kGapCells = 10;        // max gap that noise and shadows may cause between pieces
+constexpr int kGapCells = 10;         // max gap that noise and shadows may cause between pieces
 
 // Owners of surfaces that are not slots.
 constexpr int kNobody = -1;
@@ -31,39 +21,17 @@ constexpr int kMaybe = -2;    // a person for whom no slot is free
 constexpr int kSeveral = -3;  // already shared between people
 constexpr int kScenery = -4;  // continues into the background
 
-Vec3f expected(const PeopleScene& scene, const PersonSlot& slot) {
-  return slot.middle + static_cast<float>(scene.elapsed) * slot.velocity;
-}
-
 /// Distance along the floor from the middle of a surface to the expected middle of a person [m].
 float awayFrom(const PeopleScene& scene, const DepthComponent& one, const PersonSlot& slot) {
-  const Vec3f apart = one.middle() - expected(scene, slot);
+  const Vec3f apart = one.middle() - expectedMiddle(scene, slot);
   return std::hypot(apart.x(), apart.z());
-}
-
-int freeSlot(const PersonSlots& slots) {
-  for (int k = 0; k < kPersonSlots; ++k) {
-    if (!slots[k].used) return k;
-  }
-  return -1;
-}
-
-float horizontally(const Vec3f& v) {
-  return std::hypot(v.x(), v.z());
-}
-
-/// The middle of a head, behind its surface.
-Vec3f axisOf(const PeopleScene& scene, const FoundHead& head) {
-  Vec3f away = head.position - scene.floorFromCamera.translation().cast<float>();
-  away.y() = 0.0F;
-  return head.position + kHeadDepth * away.normalized();
 }
 
 /// Whether a surface shows a head that none of some people may have: it is the visible part of another person.
 template <typename Mine>
 bool hasOtherHead(const PeopleScene& scene, std::size_t component, const Mine& mine) {
   const DepthComponent& one = scene.surfaces.components()[component];
-  if (one.area < kMinGrown || one.max.y() - one.min.y() < kMinTall) return false;
+  if (one.area < kMinVisibleArea || one.max.y() - one.min.y() < kMinVisibleHeight) return false;
   const std::span<const std::int32_t> label = scene.surfaces.labels();
   return std::ranges::any_of(scene.heads, [&](const FoundHead& head) {
     return label[scene.grid.index(head.column, head.row)] == static_cast<std::int32_t>(component) &&
@@ -73,15 +41,7 @@ bool hasOtherHead(const PeopleScene& scene, std::size_t component, const Mine& m
 
 /// Whether a head may be that of a person who is followed.
 bool mayBeHeadOf(const PeopleScene& scene, const PersonSlot& slot, const Vec3f& axis) {
-  return slot.used && horizontally(axis - expected(scene, slot)) < kHeadsApart;
-}
-
-PersonSlot newcomer(const PeopleScene& scene, const Vec3f& middle) {
-  PersonSlot slot;
-  slot.used = true;
-  slot.born = slot.lastSeen = scene.time;
-  slot.middle = middle;
-  return slot;
+  return slot.used && horizontally(axis - expectedMiddle(scene, slot)) < kHeadsApart;
 }
 
 int rememberedSlot(const PeopleScene& scene, const PersonSlots& slots, const DepthComponent& one) {
@@ -103,13 +63,9 @@ int rememberedSlot(const PeopleScene& scene, const PersonSlots& slots, const Dep
 }  // namespace
 
 PersonOwners::PersonOwners(const DepthGrid& grid, const DepthCamera& camera)
-    : camera_(camera), split_(grid), person_(grid.cellCount()) {
+    : camera_(camera), split_(grid), atHeads_(grid), person_(grid.cellCount()) {
   owner_.reserve(2048);
-  uncovered_.reserve(grid.cellCount());
-  region_.reserve(grid.cellCount());
   nobody_.resize(grid.cellCount());
-  waiting_.reserve(16);
-  stillWaiting_.reserve(16);
 }
 
 bool PersonOwners::mayBeSomeone(std::size_t component) const {
@@ -119,14 +75,9 @@ bool PersonOwners::mayBeSomeone(std::size_t component) const {
 void PersonOwners::share(const PeopleScene& scene, PersonSlots& slots) {
   for (PersonSlot& slot : slots) slot.seen = false;
   assign(scene, slots);
-  giveBirth(scene, slots);
-  giveBirthAtHeads(scene, slots);
+  findNewcomers(scene, slots);
+  atHeads_.find(scene, slots, person_);
   joinPieces(scene, slots);
-}
-
-void PersonOwners::refuse(const Vec3f& middle, double time) {
-  refusals_[nextRefusal_] = {middle, time + kRefused};
-  nextRefusal_ = (nextRefusal_ + 1) % refusals_.size();
 }
 
 void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots) {
@@ -135,7 +86,7 @@ void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slo
   slots[slot].seen = true;
   const std::span<const std::int32_t> label = scene.surfaces.labels();
   const bool whole = !isOversize(one) && !slots[slot].attached;
-  const Vec3f middle = expected(scene, slots[slot]);
+  const Vec3f middle = expectedMiddle(scene, slots[slot]);
   for (int r = one.top; r <= one.bottom; ++r) {
     for (int c = one.left; c <= one.right; ++c) {
       const std::size_t i = scene.grid.index(c, r);
@@ -157,7 +108,7 @@ void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slo
 
 SplitShare PersonOwners::shareOf(const PeopleScene& scene, const PersonSlot& slot) const {
   SplitShare share;
-  share.middle = expected(scene, slot);
+  share.middle = expectedMiddle(scene, slot);
   const Isometry3 cameraFromFloor = scene.floorFromCamera.inverse();
   const Vec3 before = cameraFromFloor * slot.middle.cast<double>();
   const Vec3 now = cameraFromFloor * share.middle.cast<double>();
@@ -214,7 +165,7 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
   }
 }
 
-void PersonOwners::giveBirth(const PeopleScene& scene, PersonSlots& slots) {
+void PersonOwners::findNewcomers(const PeopleScene& scene, PersonSlots& slots) {
   const std::span<const DepthComponent> all = scene.surfaces.components();
   const auto anyones = [&](const Vec3f& axis) {
     return std::ranges::any_of(slots, [&](const PersonSlot& slot) { return mayBeHeadOf(scene, slot, axis); });
@@ -277,86 +228,6 @@ bool PersonOwners::separateHeads(const PeopleScene& scene, std::size_t component
   if ((mask & (mask - 1)) == 0) return false;
   splitBetween(scene, component, mask, slots, LastCells{nobody_, scene.last.depthMm});
   return true;
-}
-
-/// What is connected to a head, stands out from the room and is within a person's size belongs to a person.
-bool PersonOwners::growFrom(const PeopleScene& scene, const FoundHead& head, int slot) {
-  const DepthGrid& grid = scene.grid;
-  const auto w = static_cast<std::size_t>(grid.width);
-  const Vec3f axis = axisOf(scene, head);
-  const Vec3f camera = scene.floorFromCamera.translation().cast<float>();
-  Vec3f away = head.position - camera;
-  away.y() = 0.0F;
-  away.normalize();
-  const Vec3f aside = away.cross(Vec3f::UnitY());
-  const auto mark = static_cast<std::uint8_t>(slot + 1);
-  region_.clear();
-  float top = -1e9F, bottom = 1e9F, area = 0.0F;
-  const auto take = [&](std::size_t i) {
-    if (person_[i] != 0 || grid.depthMm[i] == 0) return false;
-    if (scene.kinds[i] == CellKind::kFloor || scene.kinds[i] == CellKind::kWall) return false;
-    const Vec3f position = scene.positions(grid, static_cast<int>(i % w), static_cast<int>(i / w));
-    const float back = (position - head.position).dot(away);
-    if (std::abs((position - axis).dot(aside)) > kGrown || back > kGrownBack || back < -kGrownFront) {
-      return false;
-    }
-    person_[i] = mark;
-    region_.push_back(static_cast<std::uint32_t>(i));
-    top = std::max(top, position.y());
-    bottom = std::min(bottom, position.y());
-    const float depth = 0.001F * static_cast<float>(grid.depthMm[i]);
-    area += depth * depth * static_cast<float>(grid.cellArea);
-    return true;
-  };
-  take(grid.index(head.column, head.row));
-  for (std::size_t next = 0; next < region_.size(); ++next) {
-    const std::size_t i = region_[next], column = i % w, row = i / w;
-    const float step = kGrownStep * static_cast<float>(grid.depthMm[i]);
-    const auto visit = [&](bool inside, std::size_t j) {
-      if (inside && static_cast<float>(std::abs(grid.depthMm[i] - grid.depthMm[j])) < step) take(j);
-    };
-    visit(column > 0, i - 1);
-    visit(column + 1 < w, i + 1);
-    visit(row > 0, i - w);
-    visit(row + 1 < static_cast<std::size_t>(grid.height), i + w);
-  }
-  if (area > kMinGrown && top - bottom > kMinTall) return true;
-  for (const std::uint32_t i : region_) person_[i] = 0;
-  return false;
-}
-
-/// People whose surface is no person's: connected to furniture, or learnt as background.
-void PersonOwners::giveBirthAtHeads(const PeopleScene& scene, PersonSlots& slots) {
-  uncovered_.clear();
-  if (!scene.looked) return;
-  std::swap(waiting_, stillWaiting_);
-  waiting_.clear();
-  for (const FoundHead& head : scene.heads) {
-    const std::size_t cell = scene.grid.index(head.column, head.row);
-    if (person_[cell] != 0 || scene.kinds[cell] == CellKind::kFloor || scene.kinds[cell] == CellKind::kWall) continue;
-    const Vec3f axis = axisOf(scene, head);
-    const bool refused = std::ranges::any_of(refusals_, [&](const Refusal& refusal) {
-      return scene.time < refusal.until && horizontally(refusal.middle - axis) < kNeighbour;
-    });
-    const bool known = std::ranges::any_of(
-        slots, [&](const PersonSlot& slot) { return slot.used && horizontally(slot.middle - axis) < kNeighbour; });
-    const int free = freeSlot(slots);
-    if (refused || known || free < 0) continue;
-    // Whoever stands free is found without this in the next frames.
-    const auto same = [&](const Vec3f& other) { return horizontally(axis - other) < kHeadsApart; };
-    if (std::ranges::none_of(stillWaiting_, same)) {
-      waiting_.push_back(axis);
-      continue;
-    }
-    if (!growFrom(scene, head, free)) {
-      refuse(axis, scene.time);
-      continue;
-    }
-    slots[free] = newcomer(scene, axis);
-    slots[free].seen = true;
-    slots[free].attached = true;
-    uncovered_.insert(uncovered_.end(), region_.begin(), region_.end());
-  }
 }
 
 void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {

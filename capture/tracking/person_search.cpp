@@ -9,10 +9,9 @@ namespace lorica::fit {
 namespace {
 
 constexpr float kPi = 3.14159265F;
-constexpr float kMannequinHeight = 1.752F;  ///< [m]
-constexpr float kUnusualWeight = 5.0F;      ///< of proportions that differ from the mannequin's
-constexpr float kReachHeight = 2.15F;       ///< of the mannequin's raised hands [m]
-constexpr float kHipHeight = 0.915F;        ///< [m]
+constexpr float kUnusualWeight = 5.0F;  ///< of proportions that differ from the mannequin's
+constexpr float kReachHeight = 2.15F;   ///< of the mannequin's raised hands [m]
+constexpr float kHipHeight = 0.915F;    ///< [m]
 
 constexpr float kAway = 0.25F;  ///< added share of the cost of a newcomer who faces away from the camera
 

@@ -1,6 +1,6 @@
 #include "capture/tracking/walls.h"
 
-#include "geometry/random_numbers.h"
+#include "capture/tracking/plane_fit.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,6 @@
 namespace lorica {
 namespace {
 
-constexpr int kSpacing = 4;         // cells between samples
-constexpr int kArm = 4;             // cells from a sample to the cells that define its normal
-constexpr int kTries = 96;          // planes tried for one wall
 constexpr int kPause = 15;          // frames between searches
 constexpr std::size_t kWalls = 3;   // at most
 constexpr double kMinShare = 0.05;  // of the samples
@@ -27,31 +24,23 @@ constexpr double kBehindAllowed = 0.02;  // of the samples: through doors, windo
 
 WallFinder::WallFinder(const DepthGrid& grid)
     : tolerance_([](double depth) { return 0.02F + 2.5F * depthNoise(static_cast<float>(depth)); }) {
-  const auto count =
-      static_cast<std::size_t>(grid.width / kSpacing + 1) * static_cast<std::size_t>(grid.height / kSpacing + 1);
-  samples_.reserve(count);
-  smooth_.reserve(count);
+  samples_.reserve(planeSampleCount(grid));
+  smooth_.reserve(planeSampleCount(grid));
   planes_.reserve(kWalls);
 }
 
 void WallFinder::takeSamples(const DepthGrid& grid) {
   samples_.clear();
-  for (int r = kArm; r + kArm < grid.height; r += kSpacing) {
-    for (int c = kArm; c + kArm < grid.width; c += kSpacing) {
-      const std::uint16_t depthMm = grid.depthMm[grid.index(c, r)];
-      if (depthMm == 0) continue;
-      Sample& sample = samples_.emplace_back();
-      sample.position = grid.positionOf(c, r);
-      sample.tolerance = tolerance_[depthMm];
-      const auto left = grid.positionOf(c - kArm, r), right = grid.positionOf(c + kArm, r);
-      const auto above = grid.positionOf(c, r - kArm), below = grid.positionOf(c, r + kArm);
-      if (left.z() == 0.0F || right.z() == 0.0F || above.z() == 0.0F || below.z() == 0.0F) continue;
-      const float bend = std::max(std::abs(0.5F * (left.z() + right.z()) - sample.position.z()),
-                                  std::abs(0.5F * (above.z() + below.z()) - sample.position.z()));
-      const Vec3f normal = (right - left).cross(above - below);
-      if (bend < 2.0F * sample.tolerance && normal.norm() > 1e-9F) sample.normal = normal.normalized();
-    }
-  }
+  visitPlaneSamples(grid, [&](std::uint16_t depthMm, const Vec3f& position, const PlaneArms& arms) {
+    Sample& sample = samples_.emplace_back();
+    sample.position = position;
+    sample.tolerance = tolerance_[depthMm];
+    if (!arms.seen()) return;
+    const float bend = std::max(std::abs(0.5F * (arms.left.z() + arms.right.z()) - position.z()),
+                                std::abs(0.5F * (arms.above.z() + arms.below.z()) - position.z()));
+    const Vec3f normal = arms.normal();
+    if (bend < 2.0F * sample.tolerance && normal.norm() > 1e-9F) sample.normal = normal.normalized();
+  });
 }
 
 bool WallFinder::isOn(const Plane& plane, const Sample& sample) {
@@ -69,25 +58,17 @@ double WallFinder::score(const Plane& plane) const {
 }
 
 bool WallFinder::refine(Plane& plane) const {
-  double weights = 0.0;
-  Vec3 sum = Vec3::Zero();
-  Mat3 products = Mat3::Zero();
+  PlaneMoments moments;
   for (const std::uint32_t i : smooth_) {
     const Sample& sample = samples_[i];
     if (!isOn(plane, sample)) continue;
-    const Vec3 position = sample.position.cast<double>();
-    const double weight = 1.0 / static_cast<double>(sample.tolerance * sample.tolerance);
-    weights += weight;
-    sum += weight * position;
-    products += weight * position * position.transpose();
+    moments.add(sample.position.cast<double>(), 1.0 / static_cast<double>(sample.tolerance * sample.tolerance));
   }
-  if (weights == 0.0) return false;
-  const Vec3 middle = sum / weights;
-  const SymmetricAxes axes = symmetricAxes(Mat3(products / weights - middle * middle.transpose()));
-  if (std::sqrt(std::max(0.0, axes.values[1])) < kMinExtent) return false;
-  Vec3 normal = axes.vectors.col(0);
-  if (normal.dot(middle) > 0.0) normal = -normal;
-  plane = {normal.cast<float>(), static_cast<float>(-normal.dot(middle))};
+  if (moments.count() == 0) return false;
+  const PlaneMoments::Fit fit = moments.fit();
+  if (fit.extent < kMinExtent) return false;
+  const Vec3 normal = fit.normal.dot(fit.middle) > 0.0 ? Vec3(-fit.normal) : fit.normal;
+  plane = {normal.cast<float>(), static_cast<float>(-normal.dot(fit.middle))};
   return true;
 }
 
@@ -99,24 +80,19 @@ bool WallFinder::detect(const Vec3f& up, Plane& plane) {
     if (!sample.taken && upright) smooth_.push_back(static_cast<std::uint32_t>(i));
   }
   const double least = std::max(kMinCount, kMinShare * static_cast<double>(samples_.size()));
-  const auto count = static_cast<double>(smooth_.size());
-  if (count < least) return false;
-  RandomNumbers random(static_cast<std::uint64_t>(frameCount_) + 1);
-  double best = 0.0;
-  for (int i = 0; i < kTries; ++i) {
-    std::array<Vec3f, 3> p;
-    for (Vec3f& position : p) position = samples_[smooth_[static_cast<std::size_t>(random.unit() * count)]].position;
-    Vec3f normal = (p[1] - p[0]).cross(p[2] - p[0]);
-    if (normal.norm() < 0.01F) continue;
+  if (static_cast<double>(smooth_.size()) < least) return false;
+  const auto positionOf = [&](std::size_t i) { return samples_[smooth_[i]].position; };
+  const auto planeThrough = [&](const std::array<Vec3f, 3>& corners) -> std::optional<Plane> {
+    Vec3f normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    if (normal.norm() < 0.01F) return std::nullopt;
     normal.normalize();
-    if (std::abs(normal.dot(up)) > kMaxSlope) continue;
-    if (normal.dot(p[0]) > 0.0F) normal = -normal;
-    const Plane tried{normal, -normal.dot(p[0])};
-    const double value = score(tried);
-    if (value <= best) continue;
-    best = value;
-    plane = tried;
-  }
+    if (std::abs(normal.dot(up)) > kMaxSlope) return std::nullopt;
+    if (normal.dot(corners[0]) > 0.0F) normal = -normal;
+    return Plane{normal, -normal.dot(corners[0])};
+  };
+  const double best = bestPlane(
+      static_cast<std::uint64_t>(frameCount_) + 1, smooth_.size(), positionOf, planeThrough,
+      [&](const Plane& tried) { return score(tried); }, plane);
   if (best < 0.5 * least) return false;
   for (int i = 0; i < 2; ++i) {
     if (!refine(plane)) return false;
