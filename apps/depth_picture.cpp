@@ -46,9 +46,8 @@ void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image&
     if (joint.confidence <= 0.0) continue;
     const Vec3 position = sight.cameraFromWorld * joint.position;
     if (position.z() > -0.1) continue;
-    const double column = 0.5 * camera.width - camera.focalX() * position.x() / position.z();
-    const double row = 0.5 * camera.height + camera.focalY() * position.y() / position.z();
-    const int cx = static_cast<int>(std::lround(0.5 * column)), cy = static_cast<int>(std::lround(0.5 * row));
+    const Eigen::Vector2d middle = 0.5 * camera.imagePointOf(position);
+    const int cx = static_cast<int>(std::lround(middle.x())), cy = static_cast<int>(std::lround(middle.y()));
     for (int dy = -kDot; dy <= kDot; ++dy) {
       for (int dx = -kDot; dx <= kDot; ++dx) {
         if (dx * dx + dy * dy <= kDot * kDot)

@@ -57,10 +57,10 @@ Image depthOverlay(const DepthCamera& camera, std::span<const std::uint16_t> dep
   cv::resize(picture, picture, {}, kScale, kScale, cv::INTER_NEAREST);
   for (const DrawnSkeleton& one : skeletons) {
     const auto pixelOf = [&](J joint) {
-      const Vec3& p = one.joints[static_cast<std::size_t>(joint)];
-      const double depth = std::max(0.1, -p.z());
-      return cv::Point2d(kScale * (0.5 * camera.width + camera.focalX() * p.x() / depth),
-                         kScale * (0.5 * camera.height - camera.focalY() * p.y() / depth));
+      Vec3 position = one.joints[static_cast<std::size_t>(joint)];
+      position.z() = std::min(position.z(), -0.1);
+      const Eigen::Vector2d point = kScale * camera.imagePointOf(position);
+      return cv::Point2d(point.x(), point.y());
     };
     for (const auto& [a, b] : kBones) {
       const double bright = isLeft(a) || isLeft(b) ? 1.0 : 0.6;

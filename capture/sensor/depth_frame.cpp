@@ -17,4 +17,9 @@ Vec3 DepthCamera::positionOf(double column, double row, double depth) const {
   return {x * depth, -y * depth, -depth};
 }
 
+Eigen::Vector2d DepthCamera::imagePointOf(const Vec3& position) const {
+  const double depth = -position.z();
+  return {0.5 * width + focalX() * position.x() / depth, 0.5 * height - focalY() * position.y() / depth};
+}
+
 }  // namespace lorica

@@ -25,6 +25,8 @@ struct DepthCamera {
   /// @param depth       along the axis, not along the ray [m]
   /// @return the position in the camera frame [m]
   [[nodiscard]] Vec3 positionOf(double column, double row, double depth) const;
+  /// Where a position with z < 0 is seen, from the image's upper left corner; the first pixel's centre is (0.5, 0.5).
+  [[nodiscard]] Eigen::Vector2d imagePointOf(const Vec3& position) const;
 
   friend bool operator==(const DepthCamera&, const DepthCamera&) = default;
 };

@@ -17,5 +17,16 @@ TEST(DepthCamera, TheImagesEdgesLieAtHalfTheFieldOfView) {
   EXPECT_NEAR(std::atan2(top.y(), -top.z()), 0.5 * camera.verticalFov, 1e-12);
 }
 
+TEST(DepthCamera, SeesAPositionWhereItWasComputedFrom) {
+  const DepthCamera camera;
+  for (const double column : {-0.5, 0.0, 100.25, 639.5}) {
+    for (const double row : {0.0, 300.75}) {
+      const Eigen::Vector2d point = camera.imagePointOf(camera.positionOf(column, row, 1.7));
+      EXPECT_NEAR(point.x(), column + 0.5, 1e-10);
+      EXPECT_NEAR(point.y(), row + 0.5, 1e-10);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lorica

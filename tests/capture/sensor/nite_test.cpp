@@ -22,7 +22,7 @@ class NiteTest : public testing::Test {
     (void)plug_.write("a", "small");
     fs::create_directory(folder_.path() / "NiTE2");
     (void)folder_.write("NiTE2/data", "of NiTE 2");
-    fs::copy_file(LORICA_NITE_STAND_IN, library());
+    fs::copy_file(LORICA_NITE_TEST_LIBRARY, library());
     Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
     ASSERT_TRUE(openNi) << openNi.error().message;
     openNi_ = std::move(*openNi);
@@ -87,7 +87,7 @@ TEST_F(NiteTest, WhatIsStartedIsEnded) {
   }
   void* handle = dlopen(library().c_str(), RTLD_NOW | RTLD_NOLOAD);
   ASSERT_NE(handle, nullptr);
-  const int* calls = static_cast<const int*>(dlsym(handle, "niteStandInCalls"));
+  const int* calls = static_cast<const int*>(dlsym(handle, "niteTestCalls"));
   ASSERT_NE(calls, nullptr);
   EXPECT_EQ(calls[0], 3);
   for (int i = 0; i < 8; i += 2) EXPECT_EQ(calls[i], calls[i + 1]);
@@ -100,8 +100,8 @@ TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
   ASSERT_TRUE(source) << source.error().message;
   void* handle = dlopen(library().c_str(), RTLD_NOW | RTLD_NOLOAD);
   ASSERT_NE(handle, nullptr);
-  const int* calls = static_cast<const int*>(dlsym(handle, "niteStandInCalls"));
-  int* silent = static_cast<int*>(dlsym(handle, "niteStandInIsSilent"));
+  const int* calls = static_cast<const int*>(dlsym(handle, "niteTestCalls"));
+  int* silent = static_cast<int*>(dlsym(handle, "niteTestIsSilent"));
   ASSERT_TRUE(calls != nullptr && silent != nullptr);
 
   double last = -1.0;

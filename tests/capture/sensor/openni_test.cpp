@@ -218,6 +218,42 @@ TEST_F(OpenNiTest, AnUnpluggedCameraComesBack) {
   }
 }
 
+TEST_F(OpenNiTest, ACameraThatReturnsWithOtherImagesIsASentence) {
+  plugIn("a");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  unplug("a");
+  ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
+  plugIn("a", "small");
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  Result<DepthRead> read = DepthRead::kUnplugged;
+  while (read && std::chrono::steady_clock::now() < end) read = (*source)->next(frame);
+  ASSERT_FALSE(read) << "it stays unplugged for ever";
+  EXPECT_NE(read.error().message.find("returned with images of 320 x 240, expected 640 x 480"), std::string::npos)
+      << read.error().message;
+}
+
+TEST_F(OpenNiTest, ARecordingThatDoesNotStartLeavesNoFile) {
+  plugIn("a");
+  const std::shared_ptr<OpenNi> openNi = start();
+  ASSERT_NE(openNi, nullptr);
+  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
+  ASSERT_TRUE(source) << source.error().message;
+  const fs::path folder = beside_.path() / "no folder";
+  EXPECT_FALSE(OpenNiRecorder::start(**source, folder / "body.oni"));
+  EXPECT_FALSE(fs::exists(folder));
+  // Afterwards another one can start, and it keeps what a killed program left.
+  beside_.write("body.part.oni", "found");
+  const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, beside_.path() / "body.oni");
+  ASSERT_TRUE(recorder) << recorder.error().message;
+  EXPECT_EQ((*recorder)->found(), beside_.path() / "body.found-1.oni");
+  EXPECT_EQ(fs::file_size(beside_.path() / "body.found-1.oni"), 5u);
+}
+
 TEST_F(OpenNiTest, AHundredOpensAndCloses) {
   plugIn("a", "small");
   DepthFrame frame;

@@ -42,8 +42,8 @@ struct Pixel {
   }
 };
 Pixel pixelOf(const DepthCamera& camera, const Vec3& position) {
-  return {static_cast<int>(std::floor(0.5 * camera.width - camera.focalX() * position.x() / position.z())),
-          static_cast<int>(std::floor(0.5 * camera.height + camera.focalY() * position.y() / position.z()))};
+  const Eigen::Vector2d point = camera.imagePointOf(position);
+  return {static_cast<int>(std::floor(point.x())), static_cast<int>(std::floor(point.y()))};
 }
 
 TEST(VirtualSensor, JointsLieBehindTheSurfaceThatIsSeenOfThem) {

@@ -58,21 +58,21 @@ typedef struct {
 } NiteUserTrackerFrame;
 
 /// Call counts: {initialize, shutdown, trackers created, destroyed, frames read, released, skeletons started, stopped}.
-int niteStandInCalls[8];
+int niteTestCalls[8];
 /// Whether niteInitialize was called in the folder with its data.
-int niteStandInHadData;
+int niteTestHadData;
 
 int niteInitialize() {
-  ++niteStandInCalls[0];
-  niteStandInHadData = std::filesystem::exists("NiTE2/data") ? 1 : 0;
-  return niteStandInHadData ? 0 : 1;
+  ++niteTestCalls[0];
+  niteTestHadData = std::filesystem::exists("NiTE2/data") ? 1 : 0;
+  return niteTestHadData ? 0 : 1;
 }
 void niteShutdown() {
-  ++niteStandInCalls[1];
+  ++niteTestCalls[1];
 }
 
 /// Simulates a camera that is gone: no frame is ready any more.
-int niteStandInIsSilent;
+int niteTestIsSilent;
 
 typedef struct {
   void (*readyForNextFrame)(void*);
@@ -82,7 +82,7 @@ static NiteUserTrackerCallbacks* g_callbacks;
 static void* g_cookie;
 
 static void sayReady() {
-  if (g_callbacks != nullptr && niteStandInIsSilent == 0) g_callbacks->readyForNextFrame(g_cookie);
+  if (g_callbacks != nullptr && niteTestIsSilent == 0) g_callbacks->readyForNextFrame(g_cookie);
 }
 
 int niteRegisterUserTrackerCallbacks(void*, NiteUserTrackerCallbacks* callbacks, void* cookie) {
@@ -101,23 +101,23 @@ static int g_number;
 int niteInitializeUserTrackerByDevice(void* device, void** tracker) {
   void* handle = static_cast<void**>(device)[1];  // after the playback control of openni::Device
   if (handle == nullptr) return 1;
-  ++niteStandInCalls[2];
+  ++niteTestCalls[2];
   g_number = 0;
   g_asked[0] = g_asked[1] = 0;
   *tracker = &g_number;
   return 0;
 }
 int niteShutdownUserTracker(void*) {
-  ++niteStandInCalls[3];
+  ++niteTestCalls[3];
   return 0;
 }
 int niteStartSkeletonTracking(void*, short user) {
-  ++niteStandInCalls[6];
+  ++niteTestCalls[6];
   g_asked[user == 5 ? 0 : 1] = user;
   return 0;
 }
 void niteStopSkeletonTracking(void*, short) {
-  ++niteStandInCalls[7];
+  ++niteTestCalls[7];
 }
 
 static NiteUserData person(short id, int state, float shift) {
@@ -139,7 +139,7 @@ static NiteUserData person(short id, int state, float shift) {
 
 int niteReadUserTrackerFrame(void*, NiteUserTrackerFrame** out) {
   const int n = g_number++ % 10;
-  ++niteStandInCalls[4];
+  ++niteTestCalls[4];
   auto* frame = new NiteUserTrackerFrame();
   frame->pUser = new NiteUserData[2];
   if (n >= 1 && n < 8) frame->pUser[frame->userCount++] = person(5, n >= 3 ? 2 : 1, 0.0F);
@@ -153,7 +153,7 @@ int niteReadUserTrackerFrame(void*, NiteUserTrackerFrame** out) {
   return 0;
 }
 int niteUserTrackerFrameRelease(void*, NiteUserTrackerFrame* frame) {
-  ++niteStandInCalls[5];
+  ++niteTestCalls[5];
   delete[] frame->pUser;
   delete frame;
   sayReady();
