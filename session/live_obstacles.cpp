@@ -12,7 +12,7 @@ namespace lorica {
 namespace {
 
 constexpr int kRounds = 8;               // a tail between several bodies is pushed by each in turn
-constexpr double kLeastGive = 1e-4;      // [m]
+constexpr double kMinGive = 1e-4;        // [m]
 constexpr double kTolerance = 1e-7;      // [m]
 constexpr double kMovedBySprings = 0.5;  // share of a point's weights
 constexpr double kTouchedBySprings = 1e-3;
@@ -167,7 +167,7 @@ LiveObstacles::LiveObstacles(const LiveBody& body, const Character& character, c
     Solid& solid = solids_[p];
     std::fill(moves.begin(), moves.end(), 0.0);
     std::vector<Vec3> firm;
-    for (const PointIndex i : body.plan()->parts()[p].candidates) {
+    for (const PointIndex i : body.plan()->candidates(static_cast<PartIndex>(p))) {
       double swung = 0.0;
       for (const LiftedTerm& term : lifted[i]) {
         swung += swings[term.joint] != 0 ? term.weight : 0.0;
@@ -291,7 +291,7 @@ std::optional<SpringPush> LiveObstacles::pushOf(const Solid& solid, double radiu
     bestDistance = distance;
   }
   return SpringPush{solid.worldFromSolid.linear() * best->normal, best->offset + radius - best->normal.dot(localHead),
-                    radius + hitRadius + kLeastGive};
+                    radius + hitRadius + kMinGive};
 }
 
 std::optional<SpringPush> LiveObstacles::pushOf(const Prop& prop, double radius, const Vec3& head,
@@ -304,7 +304,7 @@ std::optional<SpringPush> LiveObstacles::pushOf(const Prop& prop, double radius,
   const Nearest nearest = nearestOf(worldFromProp.transpose() * offset, prop);
   if (nearest.distance >= radius - kTolerance) return std::nullopt;
   const Vec3 normal = worldFromProp * nearest.normal;
-  return SpringPush{normal, normal.dot(tail - head) + radius - nearest.distance, 2.0 * radius + kLeastGive};
+  return SpringPush{normal, normal.dot(tail - head) + radius - nearest.distance, 2.0 * radius + kMinGive};
 }
 
 }  // namespace lorica

@@ -2,6 +2,7 @@
 
 #include "acd/transfer.h"
 #include "collision/live/choose_cover.h"
+#include "collision/live/part_plan.h"
 
 #include <fmt/format.h>
 
@@ -60,6 +61,13 @@ Result<void> check(const HullCover& cover, const Decomposition& decomposition) {
 }
 
 }  // namespace
+
+BodyPlan::BodyPlan(Decomposition decomposition) : decomposition_(std::move(decomposition)) {}
+BodyPlan::~BodyPlan() = default;
+
+std::span<const PointIndex> BodyPlan::candidates(PartIndex part) const {
+  return parts_[part].candidates;
+}
 
 Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposition, const Character& character,
                                                          std::optional<HullCover> cover) {

@@ -2,14 +2,13 @@
 
 #include "acd/decomposition.h"
 #include "acd/hull_cover.h"
-#include "collision/live/lifted_part.h"
+#include "collision/live/lifted_point.h"
 #include "geometry/result.h"
 #include "skinning/character.h"
 
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -29,19 +28,21 @@ class BodyPlan {
   /// @return the plan; or kInvalidArgument if the decomposition is inconsistent
   static Result<std::shared_ptr<const BodyPlan>> create(Decomposition decomposition);
 
-  struct PartPlan {
-    std::vector<PointIndex> candidates;  ///< points that form the hull, in the order of the frame's rows
-    std::optional<LiftedPart> lifted;    ///< characters only
-  };
+  ~BodyPlan();
+  BodyPlan(const BodyPlan&) = delete;
+  BodyPlan& operator=(const BodyPlan&) = delete;
 
   [[nodiscard]] const Decomposition& decomposition() const { return decomposition_; }
   [[nodiscard]] const HullCover& coverage() const { return cover_; }
-  [[nodiscard]] std::span<const PartPlan> parts() const { return parts_; }
+  /// Points that form a part's hull.
+  [[nodiscard]] std::span<const PointIndex> candidates(PartIndex part) const;
   /// Memory in bytes, without the decomposition and the hull cover.
   [[nodiscard]] std::size_t memory() const;
 
  private:
-  explicit BodyPlan(Decomposition decomposition) : decomposition_(std::move(decomposition)) {}
+  friend class LiveBody;
+  struct PartPlan;
+  explicit BodyPlan(Decomposition decomposition);
   void lift(std::span<const LiftedPoint> lifted);
 
   Decomposition decomposition_;

@@ -2,6 +2,8 @@
 
 #include "acd/transfer.h"
 #include "collision/live/lifted_kernel.h"
+#include "collision/live/moving_hull.h"
+#include "collision/live/part_plan.h"
 #include "collision/live/rigid_fit.h"
 #include "geometry/result.h"
 
@@ -36,14 +38,27 @@ bool isFinite(const Isometry3& motion) {
 
 }  // namespace
 
+struct LiveBody::Track {
+  std::vector<PointRow> rows;             ///< of the candidates, in the part's own frame, in whole ticks
+  double tick = 0.0;                      ///< [m]
+  bool moved = false;                     ///< the rows differ from the previous frame's
+  std::optional<MovingHull> hull;         ///< if faces are wanted
+  LiftedPart::TakenPose taken;            ///< characters only
+  std::vector<Vec3> firstPoints, points;  ///< mesh sequences only: in the first frame about their mean, and now
+};
+
+LiveBody::LiveBody(LiveBody&&) noexcept = default;
+LiveBody& LiveBody::operator=(LiveBody&&) noexcept = default;
+LiveBody::~LiveBody() = default;
+
 LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : plan_(std::move(plan)), detail_(detail) {
   LORICA_CHECK(plan_ != nullptr, "a live body needs a plan");
-  tracks_.resize(plan_->parts().size());
+  tracks_.resize(plan_->parts_.size());
   parts_.resize(tracks_.size());
   covariances_.resize(tracks_.size());
   rotations_.resize(tracks_.size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const BodyPlan::PartPlan& own = plan_->parts()[i];
+    const BodyPlan::PartPlan& own = plan_->parts_[i];
     const std::size_t count = own.candidates.size();
     Track& track = tracks_[i];
     if (own.lifted) {
@@ -104,7 +119,7 @@ Vec3 LiveBody::support(PartIndex part, const Vec3& direction) const {
 }
 
 std::size_t LiveBody::candidateCount(PartIndex part) const {
-  return plan_->parts()[part].candidates.size();
+  return plan_->parts_[part].candidates.size();
 }
 
 std::size_t LiveBody::memory() const {
@@ -128,7 +143,7 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     LivePart& part = parts_[i];
     part.previousWorldFromPart = part.worldFromPart;
-    const LiftedPart::Moments moments = plan_->parts()[i].lifted->momentsOf(worldFromModel);
+    const LiftedPart::Moments moments = plan_->parts_[i].lifted->momentsOf(worldFromModel);
     part.worldFromPart.translation() = moments.mean;
     covariances_[i] = moments.covariance;
     rotations_[i] = part.previousWorldFromPart.linear();
@@ -142,7 +157,7 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
   const Clock::time_point placed = Clock::now();
 
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const LiftedPart& lifted = *plan_->parts()[i].lifted;
+    const LiftedPart& lifted = *plan_->parts_[i].lifted;
     Track& track = tracks_[i];
     // Several rounds, in case a pose is so much larger or smaller than the last one that it needs other ticks.
     for (int round = 0; round < 4; ++round) {
@@ -170,7 +185,7 @@ void LiveBody::update(std::span<const Vec3> posed) {
 
   transfer(decomposition(), posed, meshPoints_);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const std::vector<PointIndex>& candidates = plan_->parts()[i].candidates;
+    const std::vector<PointIndex>& candidates = plan_->parts_[i].candidates;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       tracks_[i].points[k] = meshPoints_[candidates[k]];
     }
@@ -219,7 +234,7 @@ void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
 }
 
 void LiveBody::reshapeAll() {
-  for (std::size_t i = 0; i < parts_.size(); ++i) reshape(plan_->parts()[i], tracks_[i], parts_[i]);
+  for (std::size_t i = 0; i < parts_.size(); ++i) reshape(plan_->parts_[i], tracks_[i], parts_[i]);
   started_ = true;
 }
 

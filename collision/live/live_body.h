@@ -4,7 +4,6 @@
 #include "acd/hull_cover.h"
 #include "collision/live/body_plan.h"
 #include "collision/live/live_part.h"
-#include "collision/live/moving_hull.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
 #include "skinning/character.h"
@@ -36,9 +35,9 @@ class LiveBody {
   explicit LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail = LiveDetail::kFaces);
   LiveBody(const LiveBody& other);
   LiveBody& operator=(const LiveBody& other);
-  LiveBody(LiveBody&&) noexcept = default;
-  LiveBody& operator=(LiveBody&&) noexcept = default;
-  ~LiveBody() = default;
+  LiveBody(LiveBody&&) noexcept;
+  LiveBody& operator=(LiveBody&&) noexcept;
+  ~LiveBody();
   /// A character's body: BodyPlan::create(), then a body without a pose.
   static Result<LiveBody> create(Decomposition decomposition, const Character& character,
                                  std::optional<HullCover> cover = std::nullopt, LiveDetail detail = LiveDetail::kFaces);
@@ -79,17 +78,9 @@ class LiveBody {
   [[nodiscard]] std::size_t memory() const;
 
  private:
-  /// State of a part that is kept from frame to frame.
-  struct Track {
-    std::vector<PointRow> rows;             ///< of the candidates, in the part's own frame, in whole ticks
-    double tick = 0.0;                      ///< [m]
-    bool moved = false;                     ///< the rows differ from the previous frame's
-    std::optional<MovingHull> hull;         ///< if faces are wanted
-    LiftedPart::TakenPose taken;            ///< characters only
-    std::vector<Vec3> firstPoints, points;  ///< mesh sequences only: in the first frame about their mean, and now
-  };
+  struct Track;  ///< state of a part that is kept from frame to frame
   static void readRows(Track& track, const Isometry3& worldFromPart);
-  void reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part);
+  static void reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part);
   void reshapeAll();
 
   std::shared_ptr<const BodyPlan> plan_;

@@ -13,7 +13,6 @@ namespace lorica {
 
 namespace {
 
-constexpr double kThin = 1e-4;     // times the cubed norm: below this determinant, points are nearly flat, or mirrored
 constexpr double kSettled = 1e-9;  // size of a step after which the next one, its square, is below rounding
 constexpr int kSteps = 30;
 
@@ -32,7 +31,7 @@ Mat3 fitThin(const Mat3& covariance, const Mat3& previous) {
 /// For a distant start: polar decomposition by Newton's method, with scaling (Higham 1986).
 Mat3 fitFar(const Mat3& covariance, const Mat3& previous) {
   const double norm = covariance.norm();
-  if (!(covariance.determinant() > kThin * norm * norm * norm)) return fitThin(covariance, previous);
+  if (!(covariance.determinant() > kThinDeterminant * norm * norm * norm)) return fitThin(covariance, previous);
   Mat3 r = covariance / norm;
   for (int step = 0; step < kSteps; ++step) {
     const Mat3 inverse = r.inverse().transpose();

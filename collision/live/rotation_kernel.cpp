@@ -16,7 +16,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, MatrixBlock::kMatrices>;
 using Double = hn::Vec<Doubles>;
 
-constexpr double kThin = 1e-4;     // times the cubed norm: below this determinant, points are nearly flat, or mirrored
 constexpr double kSettled = 1e-8;  // a rotation after which the next one, its square, is below rounding
 constexpr int kSteps = 5;
 
@@ -93,7 +92,7 @@ HWY_INLINE std::uint32_t fitLanes(const Matrix& covariance, Matrix& r) {
                                    covariance.m[i][2], covariance.m[i][2]));
   }
   const Double norm = hn::Sqrt(squares);
-  const Double tiny = hn::Mul(hn::Set(d, kThin), norm);
+  const Double tiny = hn::Mul(hn::Set(d, kThinDeterminant), norm);
   const Double tinySq = hn::Mul(tiny, tiny);
   auto going = hn::Gt(det, hn::Mul(tiny, squares));
   auto found = hn::Lt(det, det);  // none yet

@@ -11,6 +11,9 @@ struct alignas(64) MatrixBlock {
   std::array<std::array<double, kMatrices>, 9> entry{};
 };
 
+/// Times the cubed norm of a covariance: below this determinant its points are nearly flat, or mirrored.
+inline constexpr double kThinDeterminant = 1e-4;
+
 /// First attempt of fitRotation(), for several covariances at once, with vector instructions: a few Newton steps from
 /// nearby rotations. Internal. The same on every instruction set, independent of the neighbouring matrices.
 /// @param rotations  in: previous ones; out: the fits that were found

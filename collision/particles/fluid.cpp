@@ -1,6 +1,7 @@
 #include "collision/particles/fluid.h"
 
-#include "collision/particles/particle_ranges.h"
+#include "collision/particles/fluid_kernel.h"
+#include "collision/particles/particle_set.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -10,10 +11,9 @@
 namespace lorica {
 namespace {
 
-constexpr double kReach = 1.7;       // of the kernels, in spacings
-constexpr int kSubstepsPerSort = 2;  // during which lists of neighbours stay valid
-constexpr float kListed = 1.06f;     // reach of the lists, as a multiple of the kernels'
-constexpr int kSubstepsPerPush = 2;
+constexpr double kReach = 1.7;         // of the kernels, in spacings
+constexpr int kSubstepsPerSort = 2;    // during which lists of neighbours stay valid
+constexpr float kListed = 1.06f;       // reach of the lists, as a multiple of the kernels'
 constexpr int kRows = 3;               // of the grid: a run has a dozen particles, which fills most of a vector
 constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
@@ -62,196 +62,174 @@ FluidKernels makeKernels(double spacing) {
 
 }  // namespace
 
-Fluid::Fluid(const FluidSettings& settings)
-    : settings_(settings),
-      room_(particleRoom(settings.floor, settings.walls, 0.5 * settings.spacing)),
-      spacing_(static_cast<float>(settings.spacing)),
-      kernels_(makeKernels(settings.spacing)),
-      position_(paddedCount(settings.capacity)),
-      before_(position_.size()),
-      motion_(position_.size()),
-      nextPosition_(position_.size()),
-      nextMotion_(position_.size()),
-      id_(settings.capacity),
-      nextId_(settings.capacity),
-      x_(position_.size()),
-      y_(position_.size()),
-      z_(position_.size()),
-      pressure_(position_.size()),
-      nextPressure_(position_.size()),
-      none_(position_.size()),
-      nearBody_(settings.capacity),
-      grid_(settings.capacity),
-      lists_(settings.capacity, kMaxNeighbours),
-      body_(0.5 * settings.spacing),
-      positions_(settings.capacity),
-      velocities_(settings.capacity) {
+struct Fluid::State {
+  explicit State(const FluidSettings& wanted);
+
+  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
+  void step(std::span<const LivePart> parts, double seconds);
+  void predict(float seconds, bool sorts);
+  void keepVolume(float seconds);
+  void findMotions(float seconds);
+  void pushOut(float seconds);
+
+  FluidSettings settings;
+  ParticleSet set;  // motions are velocities [m/s]
+  float spacing;
+  FluidKernels kernels;
+  std::vector<ParticleRow> before;  // positions in the previous substep
+  std::vector<float> pressure, nextPressure;
+  float pressureSeconds = 0.0f;    // of the substep that the pressures belong to
+  std::vector<std::uint8_t> none;  // excludes no particle from the lists
+};
+
+Fluid::State::State(const FluidSettings& wanted)
+    : settings(wanted),
+      set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, 0.5 * wanted.spacing), 0.5 * wanted.spacing,
+          kMaxNeighbours),
+      spacing(static_cast<float>(wanted.spacing)),
+      kernels(makeKernels(wanted.spacing)),
+      before(set.position.size()),
+      pressure(set.position.size()),
+      nextPressure(set.position.size()),
+      none(set.position.size()) {
   LORICA_CHECK(settings.spacing > 0.0 && settings.substepSeconds > 0.0 && settings.iterations > 0,
                "particle spacing, substep length and iterations must be above 0");
-  candidates_.reserve(settings.capacity);
-  candidateOf_.reserve(settings.capacity);
-  const float half = 0.5f * spacing_;
-  kernels_.min = {room_.min.x() - half, room_.min.y() - half, room_.min.z() - half, 0.0f};
-  kernels_.max = {room_.max.x() + half, room_.max.y() + half, room_.max.z() + half, 0.0f};
+  const Vec3f half(0.5f * spacing, 0.5f * spacing, 0.5f * spacing);
+  kernels.min = rowOf(set.room.min - half);
+  kernels.max = rowOf(set.room.max + half);
 }
 
-std::size_t Fluid::add(std::span<const Vec3f> positions, const Vec3& velocity) {
-  const std::size_t before = count_;
+std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   const Vec3f speed = velocity.cast<float>();
-  for (const Vec3f& given : positions) {
-    if (count_ == settings_.capacity) break;
-    if (!given.allFinite()) continue;
-    const Vec3f position = given.cwiseMax(room_.min).cwiseMin(room_.max);
-    const std::size_t i = count_++;
-    position_[i] = {position.x(), position.y(), position.z(), 0.0f};
-    motion_[i] = {speed.x(), speed.y(), speed.z(), 0.0f};
-    id_[i] = static_cast<std::uint32_t>(i);
-    pressure_[i] = 0.0f;
-    positions_[i] = position;
-    velocities_[i] = speed;
-  }
-  return count_ - before;
+  const std::size_t added = set.add(positions, speed, speed);
+  std::fill_n(pressure.begin() + static_cast<std::ptrdiff_t>(set.count - added), added, 0.0f);
+  return added;
 }
 
-void Fluid::step(std::span<const LivePart> parts, double seconds) {
-  LORICA_CHECK(seconds > 0.0 && std::isfinite(seconds), "the length of a fluid step must be finite and above 0");
-  if (count_ == 0) return;
-  const int substeps = std::max(1, static_cast<int>(std::ceil(seconds / settings_.substepSeconds - 1e-6)));
-  const auto length = static_cast<float>(seconds / substeps);
-  body_.begin(parts, seconds, substeps);
-  for (int substep = 0; substep < substeps; ++substep) {
-    predict(length, substep % kSubstepsPerSort == 0);
-    keepVolume(length);
-    forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        motion_[i] = {(position_[i].x - before_[i].x) / length, (position_[i].y - before_[i].y) / length,
-                      (position_[i].z - before_[i].z) / length, 0.0f};
-      }
-    });
-    const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
-    forRanges(blocks, kParticlesAtOnce / kParticleBlock, [&](std::size_t begin, std::size_t end) {
-      blendMotions(kernels_, position_.data(), motion_.data(), lists_, static_cast<float>(settings_.viscosity), begin,
-                   end, nextMotion_.data());
-    });
-    std::swap(motion_, nextMotion_);
-    // The body is applied in every second substep and in the last.
-    if ((substeps - substep) % kSubstepsPerPush == 1) {
-      body_.advance(substep);
-      pushOut(length);
+void Fluid::State::step(std::span<const LivePart> parts, double seconds) {
+  if (set.count == 0) return;
+  const ParticleSet::Substeps substeps = set.beginFrame(parts, seconds, settings.substepSeconds);
+  for (int substep = 0; substep < substeps.count; ++substep) {
+    predict(substeps.seconds, substep % kSubstepsPerSort == 0);
+    keepVolume(substeps.seconds);
+    findMotions(substeps.seconds);
+    if (substeps.pushes(substep)) {
+      set.body.advance(substep);
+      pushOut(substeps.seconds);
     }
   }
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      positions_[id_[i]] = Vec3f(position_[i].x, position_[i].y, position_[i].z);
-      velocities_[id_[i]] = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z);
-    }
-  });
+  set.publish(1.0f);
 }
 
 // Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
 // neighbours there.
-void Fluid::predict(float seconds, bool sorts) {
-  const Vec3f fall = settings_.gravity.cast<float>() * seconds;
-  const float fastest = kFastest * spacing_ / seconds;
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3f speed = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z) + fall;
-      const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
-      const float rate = length > fastest ? fastest / length * seconds : seconds;
-      const Vec3f to = (Vec3f(position_[i].x, position_[i].y, position_[i].z) + rate * speed)
-                           .cwiseMax(room_.min)
-                           .cwiseMin(room_.max);
-      nextPosition_[i] = {to.x(), to.y(), to.z(), 0.0f};
-    }
+void Fluid::State::predict(float seconds, bool sorts) {
+  const Vec3f fall = settings.gravity.cast<float>() * seconds;
+  const float fastest = kFastest * spacing / seconds;
+  set.forEach([&](std::size_t i) {
+    const Vec3f speed = vectorOf(set.motion[i]) + fall;
+    const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
+    const float rate = length > fastest ? fastest / length * seconds : seconds;
+    set.nextPosition[i] = rowOf(set.room.nearest(vectorOf(set.position[i]) + rate * speed));
   });
   if (!sorts) {
-    std::swap(before_, position_);
-    std::swap(position_, nextPosition_);
+    std::swap(before, set.position);
+    std::swap(set.position, set.nextPosition);
     return;
   }
-  const float listed = kListed * kernels_.reach;
-  grid_.sort({nextPosition_.data(), count_}, listed, kRows);
-  const std::uint32_t* order = grid_.order().data();
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ParticleRow& to = nextPosition_[order[i]];
-      x_[i] = to.x;
-      y_[i] = to.y;
-      z_[i] = to.z;
-      before_[i] = position_[order[i]];
-      nextId_[i] = id_[order[i]];
-      nextPressure_[i] = pressure_[order[i]];
-    }
+  const float listed = kListed * kernels.reach;
+  set.sort(listed, kRows, [&](std::size_t i, std::size_t from) {
+    before[i] = set.position[from];
+    nextPressure[i] = pressure[from];
   });
-  std::swap(id_, nextId_);
-  std::swap(pressure_, nextPressure_);
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) position_[i] = {x_[i], y_[i], z_[i], 0.0f};
-  });
-  lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, listed, none_);
+  std::swap(pressure, nextPressure);
+  set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
+  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
 }
 
 // Pressures start from those of the previous substep: the pressure that supports a column of water takes many substeps
 // to build up.
-void Fluid::keepVolume(float seconds) {
-  const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
-  const std::size_t atOnce = kParticlesAtOnce / kParticleBlock;
-  const ParticleRow min{room_.min.x(), room_.min.y(), room_.min.z(), 0.0f};
-  const ParticleRow max{room_.max.x(), room_.max.y(), room_.max.z(), 0.0f};
-  const float rate = pressureSeconds_ > 0.0f ? seconds / pressureSeconds_ : 0.0f;
+void Fluid::State::keepVolume(float seconds) {
+  const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
+  const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
   const float kept = kKeptPressure * rate * rate;  // pressures are in units of displacement
-  pressureSeconds_ = seconds;
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) pressure_[i] *= kept;
-  });
-  for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
+  pressureSeconds = seconds;
+  set.forEach([&](std::size_t i) { pressure[i] *= kept; });
+  for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
-    forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
-      findPressures(kernels_, position_.data(), lists_, begin, end, pressure_.data(), pressed, nextPosition_.data());
+    set.forBlocks([&](std::size_t begin, std::size_t end) {
+      findPressures(kernels, set.position.data(), set.lists, begin, end, pressure.data(), pressed,
+                    set.nextPosition.data());
     });
-    forRanges(blocks, atOnce, [&](std::size_t begin, std::size_t end) {
-      movePressed(kernels_, nextPosition_.data(), lists_, min, max, kLongestMove * spacing_, begin, end,
-                  position_.data());
+    set.forBlocks([&](std::size_t begin, std::size_t end) {
+      movePressed(kernels, set.nextPosition.data(), set.lists, min, max, kLongestMove * spacing, begin, end,
+                  set.position.data());
     });
   }
 }
 
-void Fluid::pushOut(float seconds) {
+// Velocities are what the particles moved, made more alike by viscosity.
+void Fluid::State::findMotions(float seconds) {
+  set.forEach([&](std::size_t i) {
+    const ParticleRow &to = set.position[i], &from = before[i];
+    set.motion[i] = {(to.x - from.x) / seconds, (to.y - from.y) / seconds, (to.z - from.z) / seconds, 0.0f};
+  });
+  set.forBlocks([&](std::size_t begin, std::size_t end) {
+    blendMotions(kernels, set.position.data(), set.motion.data(), set.lists, static_cast<float>(settings.viscosity),
+                 begin, end, set.nextMotion.data());
+  });
+  std::swap(set.motion, set.nextMotion);
+}
+
+void Fluid::State::pushOut(float seconds) {
   // The farthest that any particle can move since the sorting.
   const float margin = (1.0f + (kSubstepsPerSort - 1) * kFastest +
-                        kSubstepsPerSort * kLongestMove * static_cast<float>(settings_.iterations)) *
-                       spacing_;
-  bool any = false;
-  for (ParticleObstacle::Sweep box : body_.sweeps()) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.min[axis] -= margin;
-      box.max[axis] += margin;
-    }
-    grid_.visitRuns(box.min, box.max, [&](std::uint32_t first, std::uint32_t last) {
-      std::fill(nearBody_.begin() + first, nearBody_.begin() + last, std::uint8_t{1});
-      any = true;
-    });
+                        kSubstepsPerSort * kLongestMove * static_cast<float>(settings.iterations)) *
+                       spacing;
+  if (!set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody)) return;
+  set.candidates.clear();
+  set.candidateOf.clear();
+  for (std::size_t i = 0; i < set.count; ++i) {
+    if (set.nearBody[i] == 0) continue;
+    set.nearBody[i] = 0;
+    set.candidates.push_back(vectorOf(set.position[i]));
+    set.candidateOf.push_back(static_cast<std::uint32_t>(i));
   }
-  if (!any) return;
-  candidates_.clear();
-  candidateOf_.clear();
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (nearBody_[i] == 0) continue;
-    nearBody_[i] = 0;
-    candidates_.emplace_back(position_[i].x, position_[i].y, position_[i].z);
-    candidateOf_.push_back(static_cast<std::uint32_t>(i));
-  }
-  const float fastest = kFastest * spacing_ / seconds;
-  for (const ParticleTouch& touch : body_.push(candidates_, room_)) {
-    const std::size_t i = candidateOf_[touch.particle];
-    const Vec3f& position = candidates_[touch.particle];
-    Vec3f velocity(motion_[i].x, motion_[i].y, motion_[i].z);
+  const float fastest = kFastest * spacing / seconds;
+  for (const ParticleTouch& touch : set.body.push(set.candidates, set.room)) {
+    const std::size_t i = set.candidateOf[touch.particle];
+    Vec3f velocity = vectorOf(set.motion[i]);
     velocity += velocityChange(touch, velocity);
     const float speed = velocity.norm();
     if (speed > fastest) velocity *= fastest / speed;
-    position_[i] = {position.x(), position.y(), position.z(), 0.0f};
-    motion_[i] = {velocity.x(), velocity.y(), velocity.z(), 0.0f};
+    set.position[i] = rowOf(set.candidates[touch.particle]);
+    set.motion[i] = rowOf(velocity);
   }
+}
+
+Fluid::Fluid(const FluidSettings& settings) : state_(std::make_unique<State>(settings)) {}
+Fluid::~Fluid() = default;
+Fluid::Fluid(Fluid&&) noexcept = default;
+Fluid& Fluid::operator=(Fluid&&) noexcept = default;
+
+std::size_t Fluid::add(std::span<const Vec3f> positions, const Vec3& velocity) {
+  return state_->add(positions, velocity);
+}
+
+void Fluid::step(std::span<const LivePart> parts, double seconds) {
+  state_->step(parts, seconds);
+}
+
+std::span<const Vec3f> Fluid::positions() const {
+  return {state_->set.positions.data(), state_->set.count};
+}
+
+std::span<const Vec3f> Fluid::velocities() const {
+  return {state_->set.velocities.data(), state_->set.count};
+}
+
+const FluidSettings& Fluid::settings() const {
+  return state_->settings;
 }
 
 }  // namespace lorica

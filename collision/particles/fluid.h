@@ -1,17 +1,12 @@
 #pragma once
 
 #include "collision/live/live_part.h"
-#include "collision/particles/fluid_kernel.h"
-#include "collision/particles/neighbour_lists.h"
-#include "collision/particles/particle_grid.h"
-#include "collision/particles/particle_obstacle.h"
 #include "geometry/math.h"
 
 #include <cstddef>
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace lorica {
 
@@ -35,6 +30,9 @@ struct FluidSettings {
 class Fluid {
  public:
   explicit Fluid(const FluidSettings& settings);
+  ~Fluid();
+  Fluid(Fluid&&) noexcept;
+  Fluid& operator=(Fluid&&) noexcept;
 
   /// Adds particles up to the capacity; ideally they are one spacing apart.
   /// @param positions  world [m]; non-finite ones are skipped
@@ -45,36 +43,15 @@ class Fluid {
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
 
-  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] std::size_t size() const { return positions().size(); }
   /// In the order in which they were added [m].
-  [[nodiscard]] std::span<const Vec3f> positions() const { return {positions_.data(), count_}; }
-  [[nodiscard]] std::span<const Vec3f> velocities() const { return {velocities_.data(), count_}; }
-  [[nodiscard]] const FluidSettings& settings() const { return settings_; }
+  [[nodiscard]] std::span<const Vec3f> positions() const;
+  [[nodiscard]] std::span<const Vec3f> velocities() const;
+  [[nodiscard]] const FluidSettings& settings() const;
 
  private:
-  void predict(float seconds, bool sorts);
-  void keepVolume(float seconds);
-  void pushOut(float seconds);
-
-  FluidSettings settings_;
-  ParticleRoom room_;
-  float spacing_;
-  FluidKernels kernels_;
-  std::size_t count_ = 0;
-  // In the order of the last sorting, and working memory.
-  std::vector<ParticleRow> position_, before_, motion_, nextPosition_, nextMotion_;  // motions in m/s
-  std::vector<std::uint32_t> id_, nextId_;
-  std::vector<float> x_, y_, z_;
-  std::vector<float> pressure_, nextPressure_;
-  float pressureSeconds_ = 0.0f;    // of the substep that the pressures belong to
-  std::vector<std::uint8_t> none_;  // excludes no particle from the lists
-  std::vector<std::uint8_t> nearBody_;
-  ParticleGrid grid_;
-  NeighbourLists lists_;
-  ParticleObstacle body_;
-  std::vector<Vec3f> candidates_;
-  std::vector<std::uint32_t> candidateOf_;
-  std::vector<Vec3f> positions_, velocities_;  // by id
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace lorica

@@ -1,7 +1,7 @@
 #include "collision/particles/granular.h"
 
 #include "collision/particles/granular_kernel.h"
-#include "collision/particles/particle_ranges.h"
+#include "collision/particles/particle_set.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -12,7 +12,6 @@ namespace lorica {
 namespace {
 
 constexpr int kSubstepsPerSort = 4;  // during which lists of neighbours stay valid
-constexpr int kSubstepsPerPush = 2;
 constexpr float kReach = 1.15f;      // of a list, in diameters
 constexpr int kMaxNeighbours = 24;   // at most twelve equal spheres touch one
 constexpr float kRelaxation = 2.0f;  // multiple of the mean correction
@@ -33,264 +32,231 @@ float quietWay(const GranularSettings& settings, float seconds) {
 
 }  // namespace
 
-Granular::Granular(const GranularSettings& settings)
-    : settings_(settings),
-      room_(particleRoom(settings.floor, settings.walls, settings.radius)),
-      diameter_(2.0f * static_cast<float>(settings.radius)),
-      motionSeconds_(static_cast<float>(settings.substepSeconds)),
-      position_(paddedCount(settings.capacity)),
-      motion_(position_.size()),
-      nextPosition_(position_.size()),
-      nextMotion_(position_.size()),
-      id_(settings.capacity),
-      nextId_(settings.capacity),
-      x_(position_.size()),
-      y_(position_.size()),
-      z_(position_.size()),
-      asleep_(position_.size(), std::uint8_t{1}),
-      woken_(settings.capacity),
-      nearBody_(settings.capacity),
-      grid_(settings.capacity),
-      lists_(settings.capacity, kMaxNeighbours),
-      body_(settings.radius),
-      positions_(settings.capacity),
-      velocities_(settings.capacity) {
+struct Granular::State {
+  explicit State(const GranularSettings& wanted);
+
+  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
+  void step(std::span<const LivePart> parts, double seconds);
+  void sort(float seconds);
+  void findNeighbours();
+  void stepContacts(float seconds);
+  void pushOut(float seconds);
+  void rouse(float seconds);
+
+  GranularSettings settings;
+  ParticleSet set;  // motions are displacements in a substep [m]; for w, see GrainPass
+  float diameter;
+  float motionSeconds;  // of the substeps that the motions belong to
+  std::vector<std::uint8_t> asleep, woken;
+};
+
+Granular::State::State(const GranularSettings& wanted)
+    : settings(wanted),
+      set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, wanted.radius), wanted.radius, kMaxNeighbours),
+      diameter(2.0f * static_cast<float>(wanted.radius)),
+      motionSeconds(static_cast<float>(wanted.substepSeconds)),
+      asleep(set.position.size(), std::uint8_t{1}),
+      woken(wanted.capacity) {
   LORICA_CHECK(settings.radius > 0.0 && settings.substepSeconds > 0.0,
                "grain radius and substep length must be above 0");
-  candidates_.reserve(settings.capacity);
-  candidateOf_.reserve(settings.capacity);
 }
 
-std::size_t Granular::add(std::span<const Vec3f> positions, const Vec3& velocity) {
-  const std::size_t before = count_;
-  const Vec3f way = velocity.cast<float>() * motionSeconds_;
-  for (const Vec3f& given : positions) {
-    if (count_ == settings_.capacity) break;
-    if (!given.allFinite()) continue;
-    const Vec3f position = given.cwiseMax(room_.min).cwiseMin(room_.max);
-    const std::size_t i = count_++;
-    position_[i] = {position.x(), position.y(), position.z(), 0.0f};
-    motion_[i] = {way.x(), way.y(), way.z(), 0.0f};
-    id_[i] = static_cast<std::uint32_t>(i);
-    woken_[i] = 0;
-    positions_[i] = position;
-    velocities_[i] = velocity.cast<float>();
-  }
-  return count_ - before;
+std::size_t Granular::State::add(std::span<const Vec3f> positions, const Vec3& velocity) {
+  const Vec3f speed = velocity.cast<float>();
+  const std::size_t added = set.add(positions, speed * motionSeconds, speed);
+  std::fill_n(woken.begin() + static_cast<std::ptrdiff_t>(set.count - added), added, std::uint8_t{0});
+  return added;
 }
 
-void Granular::step(std::span<const LivePart> parts, double seconds) {
-  LORICA_CHECK(seconds > 0.0 && std::isfinite(seconds), "the length of a step of grains must be finite and above 0");
-  if (count_ == 0) return;
-  const int substeps = std::max(1, static_cast<int>(std::ceil(seconds / settings_.substepSeconds - 1e-6)));
-  const auto length = static_cast<float>(seconds / substeps);
-  body_.begin(parts, seconds, substeps);
-  wakeAroundParts();
-  for (int substep = 0; substep < substeps; ++substep) {
+void Granular::State::step(std::span<const LivePart> parts, double seconds) {
+  if (set.count == 0) return;
+  const ParticleSet::Substeps substeps = set.beginFrame(parts, seconds, settings.substepSeconds);
+  set.markAround(ParticleSet::Parts::kMoving, 2.0f * diameter, woken);
+  for (int substep = 0; substep < substeps.count; ++substep) {
     if (substep % kSubstepsPerSort == 0) {
-      sort(length);
+      sort(substeps.seconds);
       findNeighbours();
     }
-    stepContacts(length);
-    // The body is applied in every second substep and in the last.
-    if ((substeps - substep) % kSubstepsPerPush == 1) {
-      body_.advance(substep);
-      pushOut(length);
+    stepContacts(substeps.seconds);
+    if (substeps.pushes(substep)) {
+      set.body.advance(substep);
+      pushOut(substeps.seconds);
     }
-    if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps - 1) rouse(length);
+    if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps.count - 1) rouse(substeps.seconds);
   }
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      positions_[id_[i]] = Vec3f(position_[i].x, position_[i].y, position_[i].z);
-      velocities_[id_[i]] = Vec3f(motion_[i].x, motion_[i].y, motion_[i].z) / length;
-    }
-  });
-}
-
-// Grains near a moving part, at its old and new position, may move.
-void Granular::wakeAroundParts() {
-  for (ParticleObstacle::Sweep box : body_.sweeps()) {
-    if (!box.moves) continue;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.min[axis] -= 2.0f * diameter_;
-      box.max[axis] += 2.0f * diameter_;
-    }
-    grid_.visitRuns(box.min, box.max, [&](std::uint32_t first, std::uint32_t last) {
-      std::fill(woken_.begin() + first, woken_.begin() + last, std::uint8_t{1});
-    });
-  }
+  set.publish(substeps.seconds);
 }
 
 // Sorts grains by their expected positions in the middle of the next substeps.
-void Granular::sort(float seconds) {
-  const float rate = seconds / motionSeconds_;
-  motionSeconds_ = seconds;
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      ParticleRow& motion = motion_[i];
-      if (woken_[i] != 0) {
-        motion.w = std::min(motion.w, kRoused);
-        position_[i].w = std::min(position_[i].w, kRoused);
-      }
-      woken_[i] = 0;
-      motion = {rate * motion.x, rate * motion.y, rate * motion.z, motion.w};
-      constexpr float kAhead = 0.5f * kSubstepsPerSort;
-      nextPosition_[i] = {position_[i].x + kAhead * motion.x, position_[i].y + kAhead * motion.y,
-                          position_[i].z + kAhead * motion.z, 0.0f};
+void Granular::State::sort(float seconds) {
+  const float rate = seconds / motionSeconds;
+  motionSeconds = seconds;
+  set.forEach([&](std::size_t i) {
+    ParticleRow& motion = set.motion[i];
+    ParticleRow& position = set.position[i];
+    if (woken[i] != 0) {
+      motion.w = std::min(motion.w, kRoused);
+      position.w = std::min(position.w, kRoused);
     }
+    woken[i] = 0;
+    motion = {rate * motion.x, rate * motion.y, rate * motion.z, motion.w};
+    constexpr float kAhead = 0.5f * kSubstepsPerSort;
+    set.nextPosition[i] = {position.x + kAhead * motion.x, position.y + kAhead * motion.y,
+                           position.z + kAhead * motion.z, 0.0f};
   });
-  grid_.sort({nextPosition_.data(), count_}, kReach * diameter_);
-  const std::uint32_t* order = grid_.order().data();
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ParticleRow& ahead = nextPosition_[order[i]];
-      x_[i] = ahead.x;
-      y_[i] = ahead.y;
-      z_[i] = ahead.z;
-      nextMotion_[i] = motion_[order[i]];
-      nextId_[i] = id_[order[i]];
-      asleep_[i] = nextMotion_[i].w >= kAsleep ? 1 : 0;
-    }
+  set.sort(kReach * diameter, 1, [&](std::size_t i, std::size_t from) {
+    set.nextMotion[i] = set.motion[from];
+    asleep[i] = set.nextMotion[i].w >= kAsleep ? 1 : 0;
   });
-  std::swap(motion_, nextMotion_);
-  std::swap(id_, nextId_);
+  std::swap(set.motion, set.nextMotion);
   // Sleeping grains are stored in both of the alternating buffers.
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) nextPosition_[i] = position_[order[i]];
-  });
-  forRanges(count_, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      position_[i] = nextPosition_[i];
-      nextMotion_[i] = motion_[i];
-    }
+  const std::uint32_t* order = set.grid.order().data();
+  set.forEach([&](std::size_t i) { set.nextPosition[i] = set.position[order[i]]; });
+  set.forEach([&](std::size_t i) {
+    set.position[i] = set.nextPosition[i];
+    set.nextMotion[i] = set.motion[i];
   });
 }
 
-void Granular::findNeighbours() {
-  lists_.build(grid_, x_.data(), y_.data(), z_.data(), count_, kReach * diameter_, asleep_);
+void Granular::State::findNeighbours() {
+  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, kReach * diameter, asleep);
 
   // Grains that the body may touch, given the farthest that any can move before the next sorting.
-  const float margin = (kSubstepsPerSort * kFastest + 1.0f) * diameter_;
-  candidateOf_.clear();
-  for (ParticleObstacle::Sweep box : body_.sweeps()) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.min[axis] -= margin;
-      box.max[axis] += margin;
-    }
-    grid_.visitRuns(box.min, box.max, [&](std::uint32_t first, std::uint32_t last) {
-      std::fill(nearBody_.begin() + first, nearBody_.begin() + last, std::uint8_t{1});
-    });
-  }
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (asleep_[i] == 0) {
-      if (nearBody_[i] != 0) {
-        candidateOf_.push_back(static_cast<std::uint32_t>(i));
+  const float margin = (kSubstepsPerSort * kFastest + 1.0f) * diameter;
+  set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody);
+  set.candidateOf.clear();
+  for (std::size_t i = 0; i < set.count; ++i) {
+    if (asleep[i] == 0) {
+      if (set.nearBody[i] != 0) {
+        set.candidateOf.push_back(static_cast<std::uint32_t>(i));
       } else {
-        position_[i].w = 0.0f;  // it no longer rests on the body
+        set.position[i].w = 0.0f;  // it no longer rests on the body
       }
     }
-    nearBody_[i] = 0;
+    set.nearBody[i] = 0;
   }
 }
 
-void Granular::stepContacts(float seconds) {
-  const Vec3f fall = settings_.gravity.cast<float>() * (seconds * seconds);
-  const GrainPass pass{position_.data(),
-                       motion_.data(),
-                       nextPosition_.data(),
-                       nextMotion_.data(),
-                       asleep_.data(),
-                       {fall.x(), fall.y(), fall.z(), 0.0f},
-                       diameter_,
-                       static_cast<float>(settings_.friction),
+void Granular::State::stepContacts(float seconds) {
+  const Vec3f fall = settings.gravity.cast<float>() * (seconds * seconds);
+  const GrainPass pass{set.position.data(),
+                       set.motion.data(),
+                       set.nextPosition.data(),
+                       set.nextMotion.data(),
+                       asleep.data(),
+                       rowOf(fall),
+                       diameter,
+                       static_cast<float>(settings.friction),
                        kRelaxation,
                        kOpening * seconds,
-                       kDeep * diameter_,
+                       kDeep * diameter,
                        kDeep,
-                       kFastest * diameter_,
-                       quietWay(settings_, seconds),
+                       kFastest * diameter,
+                       quietWay(settings, seconds),
                        kAsleep,
-                       {room_.min.x(), room_.min.y(), room_.min.z(), 0.0f},
-                       {room_.max.x(), room_.max.y(), room_.max.z(), 0.0f}};
-  const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
-  forRanges(blocks, kParticlesAtOnce / kParticleBlock,
-            [&](std::size_t begin, std::size_t end) { stepGrains(pass, lists_, begin, end); });
-  std::swap(position_, nextPosition_);
-  std::swap(motion_, nextMotion_);
+                       rowOf(set.room.min),
+                       rowOf(set.room.max)};
+  set.forBlocks([&](std::size_t begin, std::size_t end) { stepGrains(pass, set.lists, begin, end); });
+  std::swap(set.position, set.nextPosition);
+  std::swap(set.motion, set.nextMotion);
 }
 
 // Applied last: the body's motion is given and cannot be changed by grains.
-void Granular::pushOut(float seconds) {
-  if (candidateOf_.empty()) return;
-  candidates_.clear();
-  const Vec3f fall = settings_.gravity.cast<float>() * (seconds * seconds);
-  constexpr float kWays = 0.5f * kSubstepsPerPush * (kSubstepsPerPush + 1);
-  for (const std::uint32_t i : candidateOf_) {
-    Vec3f position(position_[i].x, position_[i].y, position_[i].z);
+void Granular::State::pushOut(float seconds) {
+  if (set.candidateOf.empty()) return;
+  set.candidates.clear();
+  const Vec3f fall = settings.gravity.cast<float>() * (seconds * seconds);
+  constexpr float kWays = 0.5f * ParticleSet::Substeps::kPerPush * (ParticleSet::Substeps::kPerPush + 1);
+  for (const std::uint32_t i : set.candidateOf) {
+    Vec3f position = vectorOf(set.position[i]);
     // Gravity was not applied to a grain resting on the body. Apply it here to see whether the body still supports it.
-    if (position_[i].w > 0.0f) position += kWays * fall;
-    candidates_.push_back(position);
+    if (set.position[i].w > 0.0f) position += kWays * fall;
+    set.candidates.push_back(position);
   }
-  const float quiet = quietWay(settings_, seconds);
-  const std::span<const ParticleTouch> touches = body_.push(candidates_, room_);
+  const float quiet = quietWay(settings, seconds);
+  const std::span<const ParticleTouch> touches = set.body.push(set.candidates, set.room);
   std::size_t next = 0;
-  for (std::size_t c = 0; c < candidateOf_.size(); ++c) {
-    ParticleRow& row = position_[candidateOf_[c]];
-    ParticleRow& motion = motion_[candidateOf_[c]];
-    const Vec3f& position = candidates_[c];
+  for (std::size_t c = 0; c < set.candidateOf.size(); ++c) {
+    ParticleRow& row = set.position[set.candidateOf[c]];
+    ParticleRow& motion = set.motion[set.candidateOf[c]];
+    const Vec3f& position = set.candidates[c];
     const bool touched = next < touches.size() && touches[next].particle == c;
-    Vec3f way(motion.x, motion.y, motion.z);
-    if (row.w > 0.0f) way += static_cast<float>(kSubstepsPerPush) * fall;
+    Vec3f way = vectorOf(motion);
+    if (row.w > 0.0f) way += static_cast<float>(ParticleSet::Substeps::kPerPush) * fall;
     if (!touched) {
       if (row.w > 0.0f) {
-        const Vec3f inRoom = position.cwiseMax(room_.min).cwiseMin(room_.max);
-        row = {inRoom.x(), inRoom.y(), inRoom.z(), 0.0f};
-        motion = {way.x(), way.y(), way.z(), 0.0f};
+        row = rowOf(set.room.nearest(position));
+        motion = rowOf(way);
       }
       continue;
     }
     const Vec3f velocity = way / seconds;
-    way = (velocity + velocityChange(touches[next++], velocity, static_cast<float>(settings_.friction))) * seconds;
+    way = (velocity + velocityChange(touches[next++], velocity, static_cast<float>(settings.friction))) * seconds;
     const float length = way.norm();
-    if (length > kFastest * diameter_) way *= kFastest * diameter_ / length;
+    if (length > kFastest * diameter) way *= kFastest * diameter / length;
     const bool rests = length < quiet;
-    const float count = rests ? std::min(row.w + kSubstepsPerPush, kAsleep) : 0.0f;
+    const float count = rests ? std::min(row.w + ParticleSet::Substeps::kPerPush, kAsleep) : 0.0f;
     if (rests) way.setZero();
-    motion = {way.x(), way.y(), way.z(), count};
+    motion = rowOf(way, count);
     // Friction holds the grain: it does not creep by the distance that it would have fallen.
-    const Vec3f off = position - Vec3f(row.x, row.y, row.z);
+    const Vec3f off = position - vectorOf(row);
     if (rests && row.w > 0.0f && off.norm() < kHeldOnBody) {
       row.w = count;
     } else {
-      row = {position.x(), position.y(), position.z(), count};
+      row = rowOf(position, count);
     }
   }
 }
 
 // Moving grains wake sleeping neighbours.
-void Granular::rouse(float seconds) {
-  const float rousing = kRousing * quietWay(settings_, seconds);
-  const std::size_t blocks = (count_ + kParticleBlock - 1) / kParticleBlock;
-  forRanges(blocks, kParticlesAtOnce / kParticleBlock, [&](std::size_t firstBlock, std::size_t lastBlock) {
+void Granular::State::rouse(float seconds) {
+  const float rousing = kRousing * quietWay(settings, seconds);
+  set.forBlocks([&](std::size_t firstBlock, std::size_t lastBlock) {
     for (std::size_t block = firstBlock; block < lastBlock; ++block) {
-      const std::size_t last = std::min(count_, (block + 1) * kParticleBlock);
+      const std::size_t last = std::min(set.count, (block + 1) * kParticleBlock);
       for (std::size_t i = block * kParticleBlock; i < last; ++i) {
-        const ParticleRow& way = motion_[i];
-        if (asleep_[i] != 0 || way.x * way.x + way.y * way.y + way.z * way.z < rousing * rousing) continue;
-        const std::uint32_t* slots = lists_.slots(block) + i % kParticleBlock;
-        for (int s = 0; s < lists_.slotCount(block); ++s) {
+        const ParticleRow& way = set.motion[i];
+        if (asleep[i] != 0 || way.x * way.x + way.y * way.y + way.z * way.z < rousing * rousing) continue;
+        const std::uint32_t* slots = set.lists.slots(block) + i % kParticleBlock;
+        for (int s = 0; s < set.lists.slotCount(block); ++s) {
           const std::uint32_t other = slots[static_cast<std::size_t>(s) * kParticleBlock];
           if ((other & NeighbourLists::kMarked) == 0) continue;
-          std::atomic_ref<std::uint8_t>(woken_[other & ~NeighbourLists::kMarked]).store(1, std::memory_order_relaxed);
+          std::atomic_ref<std::uint8_t>(woken[other & ~NeighbourLists::kMarked]).store(1, std::memory_order_relaxed);
         }
       }
     }
   });
 }
 
+Granular::Granular(const GranularSettings& settings) : state_(std::make_unique<State>(settings)) {}
+Granular::~Granular() = default;
+Granular::Granular(Granular&&) noexcept = default;
+Granular& Granular::operator=(Granular&&) noexcept = default;
+
+std::size_t Granular::add(std::span<const Vec3f> positions, const Vec3& velocity) {
+  return state_->add(positions, velocity);
+}
+
+void Granular::step(std::span<const LivePart> parts, double seconds) {
+  state_->step(parts, seconds);
+}
+
+std::span<const Vec3f> Granular::positions() const {
+  return {state_->set.positions.data(), state_->set.count};
+}
+
+std::span<const Vec3f> Granular::velocities() const {
+  return {state_->set.velocities.data(), state_->set.count};
+}
+
+const GranularSettings& Granular::settings() const {
+  return state_->settings;
+}
+
 std::size_t Granular::awakeCount() const {
-  return static_cast<std::size_t>(std::count_if(motion_.begin(), motion_.begin() + static_cast<std::ptrdiff_t>(count_),
-                                                [](const ParticleRow& motion) { return motion.w < kAsleep; }));
+  const std::span<const ParticleRow> motions = std::span(state_->set.motion).first(state_->set.count);
+  return static_cast<std::size_t>(
+      std::count_if(motions.begin(), motions.end(), [](const ParticleRow& motion) { return motion.w < kAsleep; }));
 }
 
 }  // namespace lorica

@@ -1,16 +1,12 @@
 #pragma once
 
 #include "collision/live/live_part.h"
-#include "collision/particles/neighbour_lists.h"
-#include "collision/particles/particle_grid.h"
-#include "collision/particles/particle_obstacle.h"
 #include "geometry/math.h"
 
 #include <cstddef>
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace lorica {
 
@@ -33,6 +29,9 @@ struct GranularSettings {
 class Granular {
  public:
   explicit Granular(const GranularSettings& settings);
+  ~Granular();
+  Granular(Granular&&) noexcept;
+  Granular& operator=(Granular&&) noexcept;
 
   /// Adds grains up to the capacity; ideally they do not overlap.
   /// @param positions  centres, world [m]; non-finite ones are skipped
@@ -43,38 +42,17 @@ class Granular {
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
 
-  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] std::size_t size() const { return positions().size(); }
   /// Centres, in the order in which they were added [m].
-  [[nodiscard]] std::span<const Vec3f> positions() const { return {positions_.data(), count_}; }
-  [[nodiscard]] std::span<const Vec3f> velocities() const { return {velocities_.data(), count_}; }
-  [[nodiscard]] const GranularSettings& settings() const { return settings_; }
+  [[nodiscard]] std::span<const Vec3f> positions() const;
+  [[nodiscard]] std::span<const Vec3f> velocities() const;
+  [[nodiscard]] const GranularSettings& settings() const;
   /// Grains that were not at rest in the last substep.
   [[nodiscard]] std::size_t awakeCount() const;
 
  private:
-  void wakeAroundParts();
-  void sort(float seconds);
-  void findNeighbours();
-  void stepContacts(float seconds);
-  void pushOut(float seconds);
-  void rouse(float seconds);
-
-  GranularSettings settings_;
-  ParticleRoom room_;  // of centres
-  float diameter_;
-  std::size_t count_ = 0;
-  float motionSeconds_;  // of the substeps that the motions belong to
-  // In the order of the last sorting, those of the next substep, and working memory for sorting.
-  std::vector<ParticleRow> position_, motion_, nextPosition_, nextMotion_;
-  std::vector<std::uint32_t> id_, nextId_;
-  std::vector<float> x_, y_, z_;  // positions for the neighbour search
-  std::vector<std::uint8_t> asleep_, woken_, nearBody_;
-  ParticleGrid grid_;
-  NeighbourLists lists_;
-  ParticleObstacle body_;
-  std::vector<Vec3f> candidates_;  // grains that the body may touch
-  std::vector<std::uint32_t> candidateOf_;
-  std::vector<Vec3f> positions_, velocities_;  // by id
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace lorica

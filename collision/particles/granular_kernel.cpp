@@ -104,7 +104,7 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   toX = hn::Mul(go, toX);
   toY = hn::Mul(go, toY);
   toZ = hn::Mul(go, toZ);
-  const auto quietCount = hn::IfThenElseZero(isQuiet, hn::Min(hn::Add(motion.w, one), hn::Set(f, p.mostQuiet)));
+  const auto quietCount = hn::IfThenElseZero(isQuiet, hn::Min(hn::Add(motion.w, one), hn::Set(f, p.maxQuiet)));
   const auto endX = hn::Add(position.x, toX);
   const auto endY = hn::Add(position.y, toY);
   const auto endZ = hn::Add(position.z, toZ);

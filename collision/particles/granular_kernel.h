@@ -24,7 +24,7 @@ struct GrainPass {
   float deepFrom, deepShare;  ///< ... plus this share of an overlap's excess over deepFrom [m]
   float fastest;              ///< max motion [m]
   float quiet;                ///< a grain that would move less than this is held [m]
-  float mostQuiet;            ///< max value of w
+  float maxQuiet;             ///< max value of w
   ParticleRow min, max;       ///< bounds of positions: floor and walls
 };
 

@@ -129,7 +129,7 @@ std::span<const ParticleTouch> ParticleObstacle::push(std::span<Vec3f> positions
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, touches.size(), kTouchesAtOnce), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       Vec3f& position = positions[touches[t].particle];
-      const Vec3f inRoom = position.cwiseMax(room.min).cwiseMin(room.max);
+      const Vec3f inRoom = room.nearest(position);
       if (inRoom != position) position = wayOut(inRoom, room);
     }
   });
@@ -180,7 +180,7 @@ Vec3f ParticleObstacle::wayOut(const Vec3f& position, const ParticleRoom& room) 
     if (length >= shortest) continue;
     const Vec3 end = from + length * direction;
     const Vec3f rounded = end.cast<float>();
-    if (rounded != rounded.cwiseMax(room.min).cwiseMin(room.max)) continue;
+    if (rounded != room.nearest(rounded)) continue;
     shortest = length;
     best = end;
   }

@@ -17,6 +17,8 @@ namespace lorica {
 struct ParticleRoom {
   Vec3f min = Vec3f::Constant(-1e3f);
   Vec3f max = Vec3f::Constant(1e3f);
+
+  [[nodiscard]] Vec3f nearest(const Vec3f& position) const { return position.cwiseMax(min).cwiseMin(max); }
 };
 /// @param floor   at y = 0
 /// @param walls   only its x and z range is used

@@ -35,7 +35,7 @@ HullCover coverOfLevel(const BodyPlan& finest, std::size_t partCount) {
 std::shared_ptr<const BodyPlan> planOfLevel(const std::shared_ptr<const BodyPlan>& finest, const Character& character,
                                             int partCount) {
   const auto parts = static_cast<std::size_t>(partCount);
-  if (parts == finest->parts().size()) return finest;
+  if (parts == finest->decomposition().parts.size()) return finest;
   Decomposition level = levelOfDetail(finest->decomposition(), partCount);
   // Without a tolerance the cover is exact: the points of the joined parts, which need fewer, are determined again.
   if (finest->coverage().tolerance == 0.0 && finest->coverage().maxHullVertices == 0) {
@@ -45,7 +45,7 @@ std::shared_ptr<const BodyPlan> planOfLevel(const std::shared_ptr<const BodyPlan
 }
 
 DetailLevels::DetailLevels(std::shared_ptr<const BodyPlan> finest, const Character& character)
-    : character_(character), made_(finest->parts().size()) {
+    : character_(character), made_(finest->decomposition().parts.size()) {
   made_.back() = std::move(finest);
 }
 
@@ -57,7 +57,7 @@ void DetailLevels::ask(int partCount) {
 std::shared_ptr<const BodyPlan> DetailLevels::take() {
   if (making_.valid() && making_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     std::shared_ptr<const BodyPlan> plan = making_.get();
-    const std::size_t parts = plan->parts().size();
+    const std::size_t parts = plan->decomposition().parts.size();
     made_[parts - 1] = std::move(plan);
   }
   if (!asked_) return nullptr;

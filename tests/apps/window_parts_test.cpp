@@ -78,7 +78,7 @@ TEST(DetailLevels, EveryLevelHasItsPartsAndHoldsTheBody) {
   double before = 1e9;
   for (int parts = 1; parts <= 6; ++parts) {
     const std::shared_ptr<const BodyPlan> plan = planOfLevel(finest, mannequin(), parts);
-    ASSERT_EQ(plan->parts().size(), static_cast<std::size_t>(parts));
+    ASSERT_EQ(plan->decomposition().parts.size(), static_cast<std::size_t>(parts));
     LiveBody body(plan);
     body.update(bones);
     EXPECT_LT(farthestOutside(body, bones), 1e-6) << parts << " parts";
@@ -128,7 +128,7 @@ TEST(DetailLevels, AreMadeInAnotherThreadAndTheLastRequestCounts) {
   levels.ask(4);
   EXPECT_EQ(levels.asked(), 4);
   const std::shared_ptr<const BodyPlan> four = wait();
-  EXPECT_EQ(four->parts().size(), 4u);
+  EXPECT_EQ(four->decomposition().parts.size(), 4u);
   EXPECT_FALSE(levels.asked().has_value());
   EXPECT_EQ(levels.take(), nullptr) << "once";
   levels.ask(6);

@@ -1,0 +1,100 @@
+#pragma once
+
+#include "collision/live/live_part.h"
+#include "collision/particles/neighbour_lists.h"
+#include "collision/particles/particle_grid.h"
+#include "collision/particles/particle_obstacle.h"
+#include "collision/particles/particle_ranges.h"
+#include "geometry/math.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+
+[[nodiscard]] inline Vec3f vectorOf(const ParticleRow& row) {
+  return {row.x, row.y, row.z};
+}
+[[nodiscard]] inline ParticleRow rowOf(const Vec3f& vector, float w = 0.0f) {
+  return {vector.x(), vector.y(), vector.z(), w};
+}
+
+/// What sand and water have in common: particles in the order of a grid, their neighbours, and the avatar as an
+/// obstacle. Internal to the particle simulations. Memory for all particles is allocated at once.
+struct ParticleSet {
+  /// @param radius  min distance of centres from the parts, the floor and the walls [m]
+  ParticleSet(std::size_t capacity, const ParticleRoom& room, double radius, int maxNeighbours);
+
+  /// Adds particles up to the capacity, skipping non-finite positions.
+  /// @param motion  of each, in the simulation's own unit
+  /// @return how many were added, at the end
+  std::size_t add(std::span<const Vec3f> given, const Vec3f& motion, const Vec3f& velocity);
+
+  /// A frame is divided into equal substeps. The body is applied in every second substep and in the last.
+  struct Substeps {
+    int count = 1;
+    float seconds = 0.0f;  ///< of each
+    static constexpr int kPerPush = 2;
+    [[nodiscard]] bool pushes(int substep) const { return (count - substep) % kPerPush == 1; }
+  };
+  Substeps beginFrame(std::span<const LivePart> parts, double seconds, double maxSubstepSeconds);
+
+  /// Calls work(i) for each particle, on all threads.
+  template <class Work>
+  void forEach(const Work& work) const {
+    forRanges(count, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) work(i);
+    });
+  }
+  /// Calls work(firstBlock, lastBlock) for ranges of blocks of the neighbour lists, on all threads.
+  template <class Work>
+  void forBlocks(const Work& work) const {
+    forRanges((count + kParticleBlock - 1) / kParticleBlock, kParticlesAtOnce / kParticleBlock, work);
+  }
+
+  /// Sorts by nextPosition, which goes to x, y, z; the ids follow.
+  /// @param take  called as take(i, before): particle i was at `before`; moves along what else belongs to a particle
+  template <class Take>
+  void sort(float cellSize, int rows, const Take& take) {
+    grid.sort({nextPosition.data(), count}, cellSize, rows);
+    const std::uint32_t* order = grid.order().data();
+    forEach([&](std::size_t i) {
+      const ParticleRow& to = nextPosition[order[i]];
+      x[i] = to.x;
+      y[i] = to.y;
+      z[i] = to.z;
+      nextId[i] = id[order[i]];
+      take(i, order[i]);
+    });
+    std::swap(id, nextId);
+  }
+
+  enum class Parts : std::uint8_t { kAll, kMoving };
+  /// Sets the flags of at least all particles within a margin of what the parts sweep in the frame.
+  /// @param flags  one for each particle, in the order of the last sorting
+  /// @return whether any was set
+  bool markAround(Parts which, float margin, std::vector<std::uint8_t>& flags) const;
+
+  /// Writes positions and velocities in the order of adding.
+  /// @param motionSeconds  duration of a motion; 1 if motions are velocities [s]
+  void publish(float motionSeconds);
+
+  ParticleRoom room;
+  std::size_t count = 0;
+  // In the order of the last sorting, those of the next substep, and working memory.
+  std::vector<ParticleRow> position, motion, nextPosition, nextMotion;
+  std::vector<std::uint32_t> id, nextId;
+  std::vector<float> x, y, z;  // positions for the neighbour search
+  std::vector<std::uint8_t> nearBody;
+  ParticleGrid grid;
+  NeighbourLists lists;
+  ParticleObstacle body;
+  std::vector<Vec3f> candidates;  // positions of particles that the body may touch
+  std::vector<std::uint32_t> candidateOf;
+  std::vector<Vec3f> positions, velocities;  // by id
+};
+
+}  // namespace lorica
