@@ -47,19 +47,19 @@ std::optional<std::vector<Loop>> loopsOf(const std::vector<HalfEdge>& edges, std
   for (std::size_t v = 0; v < vertexCount; ++v) next[v + 1] += next[v];
   std::vector<std::size_t> end(next.begin() + 1, next.end());
   std::vector<Loop> loops;
-  std::vector<std::ptrdiff_t> placeInPath(vertexCount, -1);
+  std::vector<std::ptrdiff_t> positionInPath(vertexCount, -1);
   Loop path;
   for (const HalfEdge& start : edges) {
     VertexIndex at = start.from;
     while (next[at] < end[at]) {
-      placeInPath[at] = std::ssize(path);
+      positionInPath[at] = std::ssize(path);
       path.push_back(at);
       at = edges[next[at]++].to;
-      if (placeInPath[at] < 0) continue;
+      if (positionInPath[at] < 0) continue;
       // Back at a vertex of the path: what lies between is a loop.
-      const auto first = path.begin() + placeInPath[at];
+      const auto first = path.begin() + positionInPath[at];
       loops.emplace_back(first, path.end());
-      for (const VertexIndex v : loops.back()) placeInPath[v] = -1;
+      for (const VertexIndex v : loops.back()) positionInPath[v] = -1;
       path.erase(first, path.end());
       if (loops.back().size() > kPinholeEdges) return std::nullopt;
     }

@@ -64,7 +64,7 @@ Prop fallingProp(int i, std::mt19937_64& random) {
 World makeDemoWorld(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   World::Settings settings;
-  settings.makesRoom = true;
+  settings.resolvesOverlaps = true;
   World world(settings);
   addTower(world, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: for kicks, punches and reaching
   addTower(world, 0.60, 0.20, 4, Vec3(0.11, 0.11, 0.11), random);  // at the left: for hands moving down

@@ -217,12 +217,12 @@ std::string groundVertex() {
   return std::string(kFrame) + R"(
 layout(location = 0) in vec2 place;
 out vec2 ground;
-out vec3 shadowPlace;
-out vec2 contactPlace;
+out vec3 shadowPosition;
+out vec2 contactPosition;
 void main() {
   ground = place;
-  shadowPlace = (shadowFromWorld * vec4(place.x, 0.0, place.y, 1.0)).xyz;
-  contactPlace = (place - contactArea.xy) / contactArea.z * 0.5 + 0.5;
+  shadowPosition = (shadowFromWorld * vec4(place.x, 0.0, place.y, 1.0)).xyz;
+  contactPosition = (place - contactArea.xy) / contactArea.z * 0.5 + 0.5;
   gl_Position = clipFromWorld * vec4(place.x, 0.0, place.y, 1.0);
 }
 )";
@@ -233,8 +233,8 @@ std::string groundFragment(bool shaded) {
 uniform sampler2DShadow shadowMap;
 uniform sampler2D contactMap;
 in vec2 ground;
-in vec3 shadowPlace;
-in vec2 contactPlace;
+in vec3 shadowPosition;
+in vec2 contactPosition;
 out vec4 color;
 // Share of a pixel that is covered by lines of this width at integer coordinates.
 float lines(vec2 p, vec2 footprint, float width) {
@@ -254,11 +254,11 @@ void main() {
     text += R"(
   // One tap at the centre and four around it; each already interpolates four texels.
   float d = 1.6 * toLight.w;
-  float lit = 0.2 * (texture(shadowMap, shadowPlace) + texture(shadowMap, shadowPlace + vec3(d, 0.45 * d, 0.0)) +
-                     texture(shadowMap, shadowPlace + vec3(-0.45 * d, d, 0.0)) +
-                     texture(shadowMap, shadowPlace + vec3(-d, -0.45 * d, 0.0)) +
-                     texture(shadowMap, shadowPlace + vec3(0.45 * d, -d, 0.0)));
-  float contact = texture(contactMap, contactPlace).r;
+  float lit = 0.2 * (texture(shadowMap, shadowPosition) + texture(shadowMap, shadowPosition + vec3(d, 0.45 * d, 0.0)) +
+                     texture(shadowMap, shadowPosition + vec3(-0.45 * d, d, 0.0)) +
+                     texture(shadowMap, shadowPosition + vec3(-d, -0.45 * d, 0.0)) +
+                     texture(shadowMap, shadowPosition + vec3(0.45 * d, -d, 0.0)));
+  float contact = texture(contactMap, contactPosition).r;
   base *= mix(vec3(0.735, 0.755, 0.785), vec3(1.0), lit) * (1.0 - 0.34 * contact);
 )";
   }

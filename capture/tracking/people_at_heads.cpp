@@ -94,7 +94,7 @@ void PeopleAtHeads::find(const PeopleScene& scene, PersonSlots& slots, std::span
         slots, [&](const PersonSlot& slot) { return slot.used && horizontally(slot.middle - axis) < kNeighbour; });
     const int free = freeSlot(slots);
     if (isRefused(axis, scene.time) || known || free < 0) continue;
-    // Whoever stands free is found without this in the next frames.
+    // Someone who stands free is found without this in the next frames.
     const auto same = [&](const Vec3f& other) { return horizontally(axis - other) < kHeadsApart; };
     if (std::ranges::none_of(stillWaiting_, same)) {
       waiting_.push_back(axis);

@@ -86,7 +86,7 @@ std::vector<std::size_t> stacksOf(std::span<const Prop> props, std::span<const B
 
 }  // namespace
 
-std::vector<Vec3> roomFor(std::span<const LivePart> parts, std::span<const Prop> props) {
+std::vector<Vec3> resolveOverlaps(std::span<const LivePart> parts, std::span<const Prop> props) {
   std::vector<Vec3> moves(props.size(), Vec3::Zero());
   std::vector<Obstacle> obstacles;
   obstacles.reserve(parts.size());

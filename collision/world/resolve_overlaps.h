@@ -16,6 +16,6 @@ namespace lorica {
 /// too. A prop is represented by its bounding box, or by a ball.
 /// @param parts  of the avatar; flat hulls are ignored
 /// @return displacement of each prop [m]
-[[nodiscard]] std::vector<Vec3> roomFor(std::span<const LivePart> parts, std::span<const Prop> props);
+[[nodiscard]] std::vector<Vec3> resolveOverlaps(std::span<const LivePart> parts, std::span<const Prop> props);
 
 }  // namespace lorica

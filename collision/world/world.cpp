@@ -155,10 +155,10 @@ void World::Impl::addLink(int a, int b, const Vec3& position) {
 }
 
 void World::Impl::resolveInitialOverlaps(std::span<const LivePart> avatar) {
-  if (roomMade || avatar.empty()) return;
-  roomMade = true;
-  if (!settings.makesRoom) return;
-  const std::vector<Vec3> moves = roomFor(avatar, props);
+  if (overlapsResolved || avatar.empty()) return;
+  overlapsResolved = true;
+  if (!settings.resolvesOverlaps) return;
+  const std::vector<Vec3> moves = resolveOverlaps(avatar, props);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     if (moves[i].isZero() || std::find(thrown.begin(), thrown.end(), static_cast<int>(i)) != thrown.end()) continue;
     Prop prop = props[i];

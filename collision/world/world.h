@@ -55,8 +55,8 @@ class World {
     Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
     bool floor = true;                    ///< at y = 0
     double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame without fast parts has equal substeps
-    /// Before the first step that has parts, props inside the avatar are moved out of it, see roomFor().
-    bool makesRoom = false;
+    /// Before the first step that has parts, props inside the avatar are moved out of it, see resolveOverlaps().
+    bool resolvesOverlaps = false;
   };
   World();
   explicit World(const Settings& settings);

@@ -70,7 +70,7 @@ struct World::Impl {
   std::vector<Contact> contacts;
   std::deque<int> thrown;  ///< oldest first
   std::optional<GrabAnchor> grabbed;
-  bool roomMade = false;
+  bool overlapsResolved = false;
 
   explicit Impl(const Settings& s);
   ~Impl();

@@ -167,7 +167,7 @@ class BodyMaker {
     tell(*solid);
     if (!step(2)) return cancelled();
 
-    const std::vector<std::vector<Influence>> weights = carryWeights(solid->mesh, source, body_.resolution);
+    const std::vector<std::vector<Influence>> weights = transferWeights(solid->mesh, source, body_.resolution);
     if (!step(3)) return cancelled();
 
     assemble(*solid, weights);

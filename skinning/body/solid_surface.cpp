@@ -22,7 +22,7 @@ constexpr int kLayer = 9;                      // voxels of 27 that a layer of o
 constexpr double kRod = 2.5;                   // voxels: limbs thinner than this in two directions are thickened
 constexpr float kRodRadius = 0.6f;             // voxels around the triangles
 constexpr double kTouch = 1.1;                 // voxels: limbs touch where the distances to both add up to at most this
-constexpr float kParted = 0.3f;                // voxels: distance stored for a removed voxel
+constexpr float kRemoved = 0.3f;               // voxels: distance stored for a removed voxel
 constexpr float kSlope = 8.0f;                 // voxels of distance per unit of winding number, across holes
 constexpr double kCrumb = 2e-3;                // of the volume: smaller pieces are dropped
 constexpr int kSmoothRounds = 8;               // of smoothing; each has a step inward and one outward (Taubin 1995)
@@ -180,7 +180,7 @@ class Solid {
   }
 
   void takeOut(std::size_t voxel) {
-    grid_.values[voxel] = kParted;
+    grid_.values[voxel] = kRemoved;
     ++result_.thinVoxels;
   }
 
@@ -251,7 +251,7 @@ class Solid {
       for (int y = 0; y < grid_.size[1]; ++y) {
         for (int z = 0; z < grid_.size[2]; ++z) {
           float& value = grid_.values[grid_.index(x, y, z)];
-          if (value >= kParted) continue;
+          if (value >= kRemoved) continue;
           const Vec3 at = positionOf(x, y, z);
           near.clear();
           source_.tree->forEachWithin(at, kTouch * voxel_, [&](std::int32_t t, double distance) {
@@ -272,7 +272,7 @@ class Solid {
             }
           }
           if (!touch) continue;
-          value = kParted;
+          value = kRemoved;
           ++counts[x];
         }
       }

@@ -141,7 +141,7 @@ class Carrier {
 
 }  // namespace
 
-std::vector<std::vector<Influence>> carryWeights(const TriMesh& body, const SolidSource& source, double voxel) {
+std::vector<std::vector<Influence>> transferWeights(const TriMesh& body, const SolidSource& source, double voxel) {
   return Carrier(body, source, voxel).run();
 }
 

@@ -14,7 +14,7 @@ namespace lorica {
 /// @param body   closed, in the original's bind pose
 /// @param voxel  edge of the voxels that the body was built with [m]
 /// @return at most 8 influences per vertex, which sum to 1
-[[nodiscard]] std::vector<std::vector<Influence>> carryWeights(const TriMesh& body, const SolidSource& source,
-                                                               double voxel);
+[[nodiscard]] std::vector<std::vector<Influence>> transferWeights(const TriMesh& body, const SolidSource& source,
+                                                                  double voxel);
 
 }  // namespace lorica

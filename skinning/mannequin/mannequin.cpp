@@ -63,7 +63,7 @@ struct WholeCage {
 
 /// The bone that a point of the left half follows instead of each bone: the bone itself, or for a limb of the right
 /// side the bone of the trunk that carries it.
-[[nodiscard]] std::array<int, kHumanBoneCount> leftStandIns() {
+[[nodiscard]] std::array<int, kHumanBoneCount> leftHalfProxies() {
   std::array<int, kHumanBoneCount> proxy{};
   for (int b = 0; b < kHumanBoneCount; ++b) {
     const auto bone = static_cast<HumanBone>(b);
@@ -114,7 +114,7 @@ struct HalfSurface {
   for (std::size_t f = 0; f < second.faces.size(); ++f) {
     for (const int v : second.faces[f]) sides[v] |= f < halfFaces ? 1 : 2;
   }
-  const std::array<int, kHumanBoneCount> proxy = leftStandIns();
+  const std::array<int, kHumanBoneCount> proxy = leftHalfProxies();
   HalfSurface half;
   std::vector<int> halfIndex(static_cast<std::size_t>(fineCount), -1);
   for (int v = 0; v < fineCount; ++v) {

@@ -11,7 +11,7 @@ namespace lorica {
 namespace {
 
 constexpr std::size_t kAxes = 13;
-constexpr double kSamePlace = 1e-6;  // [m]
+constexpr double kSamePosition = 1e-6;  // [m]
 
 /// One of each pair of opposite directions through the faces, edges and corners of a cube.
 [[nodiscard]] std::array<Vec3, kAxes> cubeAxes() {
@@ -141,8 +141,8 @@ std::vector<ReachedPosition> reachedPositions(const Morphs& morphs, std::span<co
     for (const Vec3& d : extremes[slotOf[v]].displacement) {
       farthest = std::max(farthest, d.norm());
       const bool known =
-          std::any_of(kept.begin(), kept.end(), [&](const Vec3& k) { return (k - d).norm() < kSamePlace; });
-      if (!known && d.norm() >= kSamePlace) kept.push_back(d);
+          std::any_of(kept.begin(), kept.end(), [&](const Vec3& k) { return (k - d).norm() < kSamePosition; });
+      if (!known && d.norm() >= kSamePosition) kept.push_back(d);
     }
     if (farthest < threshold) continue;
     for (const Vec3& d : kept) reached.push_back({static_cast<VertexIndex>(v), bindPositions[v] + d});

@@ -39,8 +39,8 @@ bool isInside(const Prop& prop, const Vec3& moved, const Vec3& partAt, const Vec
 TEST(ResolveOverlaps, WhatIsClearStaysToTheBit) {
   const LivePart part = makeBoxPart(Vec3(0.3, 1.0, 0.3), at(0.0, 1.0, 0.0));
   const std::vector<Prop> props = {boxAt(Vec3(0.0, 0.1, 0.5), 0.1), boxAt(Vec3(0.0, 2.4, 0.0), 0.1)};
-  for (const Vec3& move : roomFor(std::span(&part, 1), props)) EXPECT_TRUE(move.isZero());
-  EXPECT_TRUE(roomFor({}, props)[0].isZero());
+  for (const Vec3& move : resolveOverlaps(std::span(&part, 1), props)) EXPECT_TRUE(move.isZero());
+  EXPECT_TRUE(resolveOverlaps({}, props)[0].isZero());
 }
 
 TEST(ResolveOverlaps, AStackGoesOutwardsAsOneAndWhatFallsGoesUp) {
@@ -53,7 +53,7 @@ TEST(ResolveOverlaps, AStackGoesOutwardsAsOneAndWhatFallsGoesUp) {
     if (i % 2 == 0) falling.shape = PropShape::kSphere;
     props.push_back(falling);
   }
-  const std::vector<Vec3> moves = roomFor(std::span(&part, 1), props);
+  const std::vector<Vec3> moves = resolveOverlaps(std::span(&part, 1), props);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(moves[i], moves[0]) << "of the stack, " << i;
   }
@@ -80,19 +80,19 @@ TEST(ResolveOverlaps, AStackGoesOutwardsAsOneAndWhatFallsGoesUp) {
 TEST(ResolveOverlaps, StaticBodiesAndFlatPartsAreIgnored) {
   LivePart flat = makeBoxPart(Vec3(0.3, 1.0, 0.3), at(0.0, 1.0, 0.0));
   const std::vector<Prop> props = {boxAt(Vec3(0.0, 0.1, 0.0), 0.1)};
-  EXPECT_FALSE(roomFor(std::span(&flat, 1), props)[0].isZero());
+  EXPECT_FALSE(resolveOverlaps(std::span(&flat, 1), props)[0].isZero());
   std::vector<Prop> isStatic = props;
   isStatic[0].mass = 0.0;
-  EXPECT_TRUE(roomFor(std::span(&flat, 1), isStatic)[0].isZero());
+  EXPECT_TRUE(resolveOverlaps(std::span(&flat, 1), isStatic)[0].isZero());
   flat.shape.triangles.clear();
-  EXPECT_TRUE(roomFor(std::span(&flat, 1), props)[0].isZero());
+  EXPECT_TRUE(resolveOverlaps(std::span(&flat, 1), props)[0].isZero());
 }
 
 TEST(ResolveOverlaps, AWorldDoesItOnceAndOnlyWhereItIsAsked) {
   LivePart part = makeBoxPart(Vec3(0.5, 1.0, 0.5), at(0.0, 1.0, 0.0));
   for (const bool asked : {false, true}) {
     World::Settings settings;
-    settings.makesRoom = asked;
+    settings.resolvesOverlaps = asked;
     World world(settings);
     world.addProp(boxAt(Vec3(0.0, 0.1, 0.4), 0.1));
     world.step({}, 0.0);
