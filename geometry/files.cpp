@@ -46,6 +46,10 @@ Error unreadable(const std::filesystem::path& file, int error) {
   return {code, fmt::format("{}: cannot be read: {}", file.string(), reason(error))};
 }
 
+Error tooLarge(const std::filesystem::path& file, const std::string& found, std::uint64_t maxBytes) {
+  return {ErrorCode::kUnreadable, fmt::format("{}: {}, expected at most {} bytes", file.string(), found, maxBytes)};
+}
+
 Error unwritable(const std::filesystem::path& file, int error) {
   return {ErrorCode::kUnwritable, fmt::format("{}: cannot be written: {}", file.string(), reason(error))};
 }
@@ -75,21 +79,29 @@ int writeAll(int fd, std::string_view content) {
 
 }  // namespace
 
-Result<std::string> readFile(const std::filesystem::path& file) {
-  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std::uint64_t maxBytes) {
+  // Without O_NONBLOCK, opening a named pipe waits until somebody writes into it.
+  const int flags = O_RDONLY | O_CLOEXEC | (by == NamedBy::kFile ? O_NONBLOCK | O_NOCTTY : 0);
+  const Descriptor in(::open(file.c_str(), flags));
   if (!in.valid()) return unreadable(file, errno);
   struct stat status {};
   if (::fstat(in.get(), &status) != 0) return unreadable(file, errno);
   if (S_ISDIR(status.st_mode)) return unreadable(file, EISDIR);
-  if (S_ISCHR(status.st_mode)) {  // some devices never end
-    return Error{ErrorCode::kUnreadable,
-                 fmt::format("{}: cannot be read: found a device, expected a file", file.string())};
+  const bool regular = S_ISREG(status.st_mode);
+  if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode) || (!regular && by == NamedBy::kFile)) {  // some never end
+    return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot be read: found a {}, expected a file", file.string(),
+                                                     S_ISFIFO(status.st_mode)   ? "named pipe"
+                                                     : S_ISSOCK(status.st_mode) ? "socket"
+                                                                                : "device")};
+  }
+  if (regular && static_cast<std::uint64_t>(status.st_size) > maxBytes) {
+    return tooLarge(file, fmt::format("{} bytes", status.st_size), maxBytes);
   }
 
   // The size is only a hint: pipes have none, and a file may grow while it is read.
   std::string content;
   std::size_t length = 0;
-  content.resize(S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) + 1 : 65536);
+  content.resize(regular ? static_cast<std::size_t>(status.st_size) + 1 : 65536);
   while (true) {
     if (length == content.size()) content.resize(2 * content.size());
     const ssize_t got = ::read(in.get(), content.data() + length, content.size() - length);
@@ -97,6 +109,7 @@ Result<std::string> readFile(const std::filesystem::path& file) {
     if (got < 0) return unreadable(file, errno);
     if (got == 0) break;
     length += static_cast<std::size_t>(got);
+    if (length > maxBytes) return tooLarge(file, "more", maxBytes);
   }
   content.resize(length);
   return content;

@@ -3,6 +3,7 @@
 #include "geometry/result.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -10,9 +11,20 @@
 
 namespace lorica {
 
+/// Who named a file.
+enum class NamedBy {
+  kUser,  ///< on the command line: pipes are read to their end, too
+  kFile   ///< in another file: it must be a regular file, and opening it never waits
+};
+
+/// Limit of most formats [bytes]. A table of all limits is in docs/SECURITY.md.
+inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{256} << 20;
+
 /// Reads the whole content of a file.
-/// @return the content, or an error: file missing, a folder, not permitted
-[[nodiscard]] Result<std::string> readFile(const std::filesystem::path& file);
+/// @param maxBytes  a larger regular file is refused before anything of it is read
+/// @return the content, or an error: file missing, a folder, a device, not permitted, too large
+[[nodiscard]] Result<std::string> readFile(const std::filesystem::path& file, NamedBy by = NamedBy::kUser,
+                                           std::uint64_t maxBytes = kMaxFileBytes);
 
 /// Writes a file completely or not at all: writes a temporary file in the same folder, flushes it and renames it to the
 /// target.

@@ -34,7 +34,7 @@ void weldIfThatClosesEdges(TriMesh& mesh) {
 
 }  // namespace
 
-Result<TriMesh> readMesh(const std::filesystem::path& file) {
+Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
   const Parser parse = parserFor(file.extension().string());
   if (parse == nullptr) {
     std::error_code ignored;
@@ -44,7 +44,7 @@ Result<TriMesh> readMesh(const std::filesystem::path& file) {
     return Error{ErrorCode::kUnsupported, fmt::format("{}: the name ends in '{}', expected .off, .obj, .ply or .stl",
                                                       file.string(), file.extension().string())};
   }
-  const Result<std::string> content = readFile(file);
+  const Result<std::string> content = readFile(file, by);
   if (!content) return content.error();
   Result<TriMesh> mesh = parse(*content, file.string());
   if (!mesh) return mesh;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/files.h"
 #include "geometry/result.h"
 #include "geometry/tri_mesh.h"
 
@@ -16,7 +17,7 @@ namespace lorica {
 /// Checks that every index is in range and every number finite. Does not check that the mesh is closed: see
 /// checkClosedTwoManifold().
 /// @return the mesh in the file's coordinates, or an error that gives file, line or element, found and expected value
-[[nodiscard]] Result<TriMesh> readMesh(const std::filesystem::path& file);
+[[nodiscard]] Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by = NamedBy::kUser);
 
 /// One object of an OBJ file.
 struct NamedMesh {

@@ -67,7 +67,7 @@ Result<std::shared_ptr<const PropMeshShape>> readPropMesh(const PropMeshRequest&
   if (!error && bytes > kMaxPropMeshBytes) {
     return Error{ErrorCode::kBadMesh, fmt::format("{}: {} bytes, expected at most {}", name, bytes, kMaxPropMeshBytes)};
   }
-  const Result<TriMesh> read = readMesh(request.file);
+  const Result<TriMesh> read = readMesh(request.file, NamedBy::kFile);
   if (!read) return read.error();
   if (read->vertices.size() > kMaxPropVertices) {
     return Error{ErrorCode::kBadMesh,

@@ -68,7 +68,9 @@ class MeshShelf {
     if (element.has("scale") && element.has("size")) element.fail("scale", "both scale and size", "one of them");
     if (element.failed()) return;
     if (file.empty()) return element.fail("file", "\"\"", "a mesh file (.off, .obj, .ply, .stl)");
-    request.file = reading_.folder / file;
+    const Result<std::filesystem::path> found = NamedFiles{reading_.folder, reading_.paths}.find(file);
+    if (!found) return element.failWith("file", found.error().message);
+    request.file = *found;
     for (const auto& [known, shape] : shelf_) {
       if (known == request) return fill(shape, prop);
     }
@@ -244,10 +246,10 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   return scene;
 }
 
-Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer) {
-  const Result<std::string> text = readFile(file);
+Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer, PathTrust paths) {
+  const Result<std::string> text = readFile(file, NamedBy::kUser, kMaxBytes);
   if (!text) return text.error();
-  Result<SceneFile> scene = parseScene(*text, file.string(), {file.parent_path(), decomposer});
+  Result<SceneFile> scene = parseScene(*text, file.string(), {file.parent_path(), decomposer, paths});
   if (scene && scene->name.empty()) scene->name = file.stem().string();
   return scene;
 }

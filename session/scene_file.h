@@ -1,6 +1,7 @@
 #pragma once
 
 #include "collision/world/world.h"
+#include "geometry/named_file.h"
 #include "geometry/result.h"
 #include "session/prop_meshes.h"
 
@@ -29,13 +30,15 @@ struct SceneFile {
 
 /// What is needed to read a scene in addition to its text.
 struct SceneReading {
-  std::filesystem::path folder;    ///< base folder of relative mesh paths
-  MeshDecomposer decomposer = {};  ///< empty = decomposePropMesh()
+  std::filesystem::path folder;           ///< base folder of relative mesh paths
+  MeshDecomposer decomposer = {};         ///< empty = decomposePropMesh()
+  PathTrust paths = PathTrust::kBeneath;  ///< which mesh files a scene may name
 };
 
 /// Reads a scene file and its meshes, and validates everything.
 /// @return the scene, or an error with file, element, found and expected
-[[nodiscard]] Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer = {});
+[[nodiscard]] Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer = {},
+                                          PathTrust paths = PathTrust::kBeneath);
 /// The same for text in memory. @param name  of the text in error messages
 [[nodiscard]] Result<SceneFile> parseScene(std::string_view text, std::string_view name,
                                            const SceneReading& reading = {});

@@ -12,6 +12,7 @@
 namespace lorica {
 namespace {
 
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 constexpr double kFarthest = 1e6;      ///< maximum of each recorded coordinate [m]
 constexpr double kLongestTime = 1e12;  ///< [s]
 constexpr double kUnitTolerance = 1e-3;
@@ -171,7 +172,7 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
 }
 
 Result<SessionFile> readSession(const std::filesystem::path& file) {
-  const Result<std::string> bytes = readFile(file);
+  const Result<std::string> bytes = readFile(file, NamedBy::kUser, kMaxBytes);
   if (!bytes) return bytes.error();
   return parseSession(*bytes, file.string());
 }
