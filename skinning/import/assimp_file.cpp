@@ -2,6 +2,7 @@
 
 #include "skinning/import/assimp_materials.h"
 #include "skinning/import/assimp_morphs.h"
+#include "skinning/import/collada_check.h"
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -86,8 +87,8 @@ class NoOtherFiles : public Assimp::IOSystem {
 
 class AssimpSceneReader {
  public:
-  AssimpSceneReader(const aiScene& scene, const std::string& name, const std::filesystem::path& folder)
-      : from_(scene), name_(name), folder_(folder) {}
+  AssimpSceneReader(const aiScene& scene, const std::string& name, const NamedFiles& files)
+      : from_(scene), name_(name), files_(files) {}
 
   [[nodiscard]] Result<FileScene> read(AssimpFormat format) {
     scene_.format = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
@@ -101,7 +102,7 @@ class AssimpSceneReader {
     }
     if (from_.mRootNode == nullptr) return bad("has no nodes");
     if (Result<void> done = readNodes(); !done) return done.error();
-    addAssimpMaterials(from_, folder_, scene_);
+    addAssimpMaterials(from_, files_, scene_);
     if (Result<void> done = readMeshes(); !done) return done.error();
     if (Result<void> done = readClips(); !done) return done.error();
     return std::move(scene_);
@@ -307,7 +308,7 @@ class AssimpSceneReader {
 
   const aiScene& from_;
   const std::string& name_;
-  const std::filesystem::path& folder_;
+  const NamedFiles& files_;
   FileScene scene_;
   AssimpMorphs morphs_{scene_};
   std::vector<const aiNode*> nodes_;
@@ -322,7 +323,11 @@ class AssimpSceneReader {
 }  // namespace
 
 Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name, AssimpFormat format,
-                                  const std::filesystem::path& folder) {
+                                  const NamedFiles& files) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (format == AssimpFormat::kCollada) {
+    if (Result<void> sound = checkCollada(text, name); !sound) return sound.error();
+  }
   const char* formatName = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
   try {
     Assimp::Importer importer;
@@ -335,7 +340,7 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
       return Error{ErrorCode::kBadFormat,
                    fmt::format("{}: broken {}: {}", name, formatName, importer.GetErrorString())};
     }
-    return AssimpSceneReader(*scene, name, folder).read(format);
+    return AssimpSceneReader(*scene, name, files).read(format);
   } catch (const std::exception& problem) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: broken {}: {}", name, formatName, problem.what())};
   }

@@ -1,10 +1,11 @@
 #pragma once
 
+#include "geometry/named_file.h"
 #include "skinning/import/file_scene.h"
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
+#include <string>
 
 namespace lorica {
 
@@ -15,8 +16,10 @@ enum class AssimpFormat { kFbx, kCollada };
 /// Unit and axes are those of the file; FBX without them is in centimetres, Y up. Keys are interpolated linearly, as
 /// assimp provides them. FBX pivots are folded into their nodes: assimp's alternative creates up to six nodes per bone,
 /// and placed the hips of our test clips 5 m away from their position in the file.
-/// @param folder  where pictures of materials are searched; empty: other files are not read
+/// What assimp does with a hostile file cannot be bounded in here: see IsolatedReader.
+/// @param files  where pictures of materials are searched; an empty folder: other files are not read
+/// @return the scene without its expressions
 [[nodiscard]] Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name,
-                                                AssimpFormat format, const std::filesystem::path& folder);
+                                                AssimpFormat format, const NamedFiles& files);
 
 }  // namespace lorica

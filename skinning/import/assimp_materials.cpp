@@ -77,8 +77,8 @@ namespace {
 
 class MaterialReader {
  public:
-  MaterialReader(const aiScene& from, const std::filesystem::path& folder, FileScene& scene)
-      : from_(from), scene_(scene), pictures_(folder, std::numeric_limits<std::size_t>::max(), scene, notes_) {}
+  MaterialReader(const aiScene& from, const NamedFiles& files, FileScene& scene)
+      : from_(from), scene_(scene), pictures_(files, std::numeric_limits<std::size_t>::max(), scene, notes_) {}
 
   void read() {
     std::vector<bool> used(from_.mNumMaterials, false);
@@ -218,8 +218,8 @@ class MaterialReader {
 
 }  // namespace
 
-void addAssimpMaterials(const aiScene& from, const std::filesystem::path& folder, FileScene& scene) {
-  MaterialReader(from, folder, scene).read();
+void addAssimpMaterials(const aiScene& from, const NamedFiles& files, FileScene& scene) {
+  MaterialReader(from, files, scene).read();
 }
 
 void addAssimpLook(const aiMesh& from, const FileScene& scene, FileMesh& mesh, std::uint64_t& notFinite) {

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "geometry/named_file.h"
 #include "skinning/import/file_scene.h"
 
 #include <assimp/scene.h>
 
 #include <cstdint>
-#include <filesystem>
 
 namespace lorica {
 
@@ -20,8 +20,8 @@ namespace lorica {
 /// a = roughness^2 (Walter et al. 2007, https://doi.org/10.2312/EGWR/EGSR07/195-206).
 ///
 /// A texture's transform is a scale, then a rotation about the picture's middle, then a translation, with v up.
-/// @param folder  where pictures are searched; empty: other files are not read
-void addAssimpMaterials(const aiScene& from, const std::filesystem::path& folder, FileScene& scene);
+/// @param files  where pictures are searched; an empty folder: other files are not read
+void addAssimpMaterials(const aiScene& from, const NamedFiles& files, FileScene& scene);
 
 /// Adds how a mesh looks: its material, normals, and what the material needs. Numbers that are not finite become 0 and
 /// are counted.

@@ -1,12 +1,10 @@
 #include "skinning/import/assimp_morphs.h"
 
 #include "skinning/import/gltf_morphs.h"
-#include "skinning/import/vrm_expressions.h"
 
 #include <assimp/mesh.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -60,7 +58,6 @@ void AssimpMorphs::add(const aiMesh& from, FileMesh& mesh) {
 }
 
 void AssimpMorphs::finish() {
-  readExpressions(nlohmann::json::object(), scene_);
   if (broken_ > 0) {
     scene_.notes.push_back(
         fmt::format("{} morph targets have numbers that are not finite, or not the vertices of their mesh: skipped",

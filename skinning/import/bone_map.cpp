@@ -165,7 +165,7 @@ class JointNames {
 }  // namespace
 
 Result<BoneMap> readBoneMap(const std::filesystem::path& file) {
-  const Result<std::string> text = readFile(file);
+  const Result<std::string> text = readFile(file, NamedBy::kUser, kMaxBytes);
   if (!text) return text.error();
   return parseBoneMap(*text, file.string());
 }

@@ -2,11 +2,12 @@
 
 #include "geometry/files.h"
 #include "skinning/import/assimp_file.h"
-#include "skinning/import/collada_check.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_file.h"
+#include "skinning/import/isolated_scene.h"
+#include "skinning/import/vrm_expressions.h"
 
-#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -34,24 +35,31 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
   return Kind::kUnknown;
 }
 
+/// FBX or COLLADA, in this process or in another one.
+[[nodiscard]] Result<FileScene> readForeignScene(std::span<const std::byte> bytes, const std::string& name,
+                                                 AssimpFormat format, const NamedFiles& files,
+                                                 const CharacterFileSettings& settings) {
+  Result<FileScene> scene = settings.isolated ? readIsolatedScene(bytes, name, format, files, *settings.isolated)
+                                              : readAssimpScene(bytes, name, format, files);
+  if (scene) readExpressions(nlohmann::json::object(), *scene);
+  return scene;
+}
+
 [[nodiscard]] Result<CharacterFile> parse(std::span<const std::byte> bytes, const std::string& name,
-                                          const std::filesystem::path& folder) {
+                                          const std::filesystem::path& folder, const CharacterFileSettings& settings) {
+  const NamedFiles files{folder, settings.paths};
   if (bytes.empty()) return Error{ErrorCode::kBadFormat, name + ": is empty, expected a character"};
   Result<FileScene> scene =
       Error{ErrorCode::kUnsupported, name + ": unknown format, expected glTF, VRM, FBX or COLLADA"};
   switch (kindOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     case Kind::kGltf:
-      scene = readGltfScene(bytes, name, folder);
+      scene = readGltfScene(bytes, name, files);
       break;
     case Kind::kFbx:
-      scene = readAssimpScene(bytes, name, AssimpFormat::kFbx, folder);
+      scene = readForeignScene(bytes, name, AssimpFormat::kFbx, files, settings);
       break;
     case Kind::kCollada:
-      if (Result<void> sound = checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
-          !sound) {
-        return sound.error();
-      }
-      scene = readAssimpScene(bytes, name, AssimpFormat::kCollada, folder);
+      scene = readForeignScene(bytes, name, AssimpFormat::kCollada, files, settings);
       break;
     case Kind::kUnknown:
       break;
@@ -62,15 +70,16 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
 
 }  // namespace
 
-Result<CharacterFile> readCharacterFile(const std::filesystem::path& file) {
+Result<CharacterFile> readCharacterFile(const std::filesystem::path& file, const CharacterFileSettings& settings) {
   const Result<std::string> content = readFile(file);
   if (!content) return content.error();
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  return parse(std::as_bytes(std::span(*content)), file.string(), folder);
+  return parse(std::as_bytes(std::span(*content)), file.string(), folder, settings);
 }
 
-Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name) {
-  return parse(bytes, name, {});
+Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name,
+                                         const CharacterFileSettings& settings) {
+  return parse(bytes, name, {}, settings);
 }
 
 bool isCharacterFile(const std::filesystem::path& file) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "geometry/named_file.h"
 #include "geometry/result.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
+#include "skinning/import/isolated_reader.h"
 #include "skinning/look/look.h"
 #include "skinning/morphs/expressions.h"
 #include "skinning/morphs/look_at.h"
@@ -11,11 +13,17 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+struct CharacterFileSettings {
+  PathTrust paths = PathTrust::kBeneath;                  ///< which files a character file may name
+  std::optional<IsolatedReader> isolated = std::nullopt;  ///< reads FBX and COLLADA; none: this process, unbounded
+};
 
 /// The content of a character file, in Lorica's units and axes: metres, Y up, facing +Z.
 ///
@@ -52,11 +60,13 @@ struct CharacterFile {
 /// Humanoid bones come from VRM's own list, else from guessHumanoid(). Reading glTF or VRM needs at most 250 bytes of
 /// memory per byte of the file, or 130 MB if that is more, whatever the file's content.
 /// @return the content; or an error with file, element, what was found and what was expected
-[[nodiscard]] Result<CharacterFile> readCharacterFile(const std::filesystem::path& file);
+[[nodiscard]] Result<CharacterFile> readCharacterFile(const std::filesystem::path& file,
+                                                      const CharacterFileSettings& settings = {});
 
 /// The same from bytes; a glTF that refers to other files is rejected.
 /// @param name  of the file, for messages and the character's name
-[[nodiscard]] Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name);
+[[nodiscard]] Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name,
+                                                       const CharacterFileSettings& settings = {});
 
 /// Whether a file has the extension of a character: .gltf, .glb, .vrm, .fbx, .dae; case is ignored.
 [[nodiscard]] bool isCharacterFile(const std::filesystem::path& file);

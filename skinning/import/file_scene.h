@@ -14,6 +14,11 @@
 
 namespace lorica {
 
+/// Limits of the work that a file causes, however small it is.
+inline constexpr std::size_t kMaxDraws = 200'000;  ///< primitives, each once for every node that draws it
+inline constexpr std::size_t kMaxTriangles = 20'000'000;
+inline constexpr std::size_t kMaxJoints = 20'000;
+
 /// A node of a file, in the file's units.
 struct FileNode {
   std::string name;

@@ -111,8 +111,8 @@ void dropExtensions(Json& value) {
 /// Finds the bytes of each buffer.
 class BufferFinder {
  public:
-  BufferFinder(GltfDocument& document, const std::filesystem::path& folder, std::optional<Bytes> binary)
-      : document_(document), folder_(folder), binary_(binary) {}
+  BufferFinder(GltfDocument& document, const NamedFiles& files, std::optional<Bytes> binary)
+      : document_(document), files_(files), binary_(binary) {}
 
   [[nodiscard]] Result<void> find(const Json& buffers) {
     if (!buffers.is_array()) return {};
@@ -162,16 +162,14 @@ class BufferFinder {
   }
 
   [[nodiscard]] Result<std::string> readNeighbour(const std::string& uri, std::size_t i) const {
-    if (folder_.empty()) return bad(i, fmt::format("is in another file, '{}', which is not available here", uri));
-    const std::optional<std::filesystem::path> relative = neighbourFile(uri);
-    if (!relative) {
-      return bad(i, fmt::format("'{}' is outside the file's folder, expected a file in it", uri));
-    }
-    return readFile(folder_ / *relative);
+    if (files_.folder.empty()) return bad(i, fmt::format("is in another file, '{}', which is not available here", uri));
+    const Result<std::filesystem::path> file = files_.find(percentDecoded(uri));
+    if (!file) return bad(i, file.error().message);
+    return readFile(*file, NamedBy::kFile);
   }
 
   GltfDocument& document_;
-  const std::filesystem::path& folder_;
+  const NamedFiles& files_;
   std::optional<Bytes> binary_;
   std::map<std::string, Bytes> known_;  // one copy of data that several buffers refer to
 };
@@ -203,11 +201,11 @@ class BufferFinder {
 
 }  // namespace
 
-Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::filesystem::path& folder) {
+Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const NamedFiles& files) {
   GltfDocument document;
   document.name = name;
   document.fileBytes = bytes.size();
-  document.folder = folder;
+  document.files = files;
 
   // 1. JSON and binary.
   const Result<GltfParts> parts = splitGltf(bytes, name);
@@ -234,7 +232,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const std::
 
   // 3. Buffers, which are read here; tinygltf reads the rest that is needed.
   if (json->contains("buffers")) {
-    BufferFinder finder(document, folder, parts->binary);
+    BufferFinder finder(document, files, parts->binary);
     if (Result<void> found = finder.find((*json)["buffers"]); !found) return found.error();
     json->erase("buffers");
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/named_file.h"
 #include "geometry/result.h"
 
 #include <tiny_gltf.h>
@@ -7,7 +8,6 @@
 
 #include <cstddef>
 #include <deque>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <utility>
@@ -24,7 +24,7 @@ struct GltfDocument {
   /// VRMC_node_constraint of each node that has one, nodes ascending
   std::vector<std::pair<std::size_t, nlohmann::json>> nodeConstraints;
   nlohmann::json look;                              ///< the members materials, textures, images, samplers; an object
-  std::filesystem::path folder;                     ///< where other files are searched; empty: they are not read
+  NamedFiles files;                                 ///< where other files are; an empty folder: they are not read
   std::vector<std::span<const std::byte>> buffers;  ///< no longer than declared; into `bytes` or `owned`
   std::deque<std::string> owned;
   std::size_t fileBytes = 0;  ///< of the file and everything that it embeds or refers to
@@ -34,8 +34,8 @@ struct GltfDocument {
 ///
 /// At most 100,000 elements of a kind and 64 levels of JSON are accepted.
 /// @param bytes   must outlive the document
-/// @param folder  where other files are searched; empty: other files are not read
+/// @param files   where other files are searched; an empty folder: they are not read
 [[nodiscard]] Result<GltfDocument> parseGltf(std::span<const std::byte> bytes, const std::string& name,
-                                             const std::filesystem::path& folder);
+                                             const NamedFiles& files);
 
 }  // namespace lorica

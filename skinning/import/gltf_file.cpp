@@ -187,10 +187,24 @@ class GltfSceneReader {
     return {};
   }
 
+  /// Refuses files in which many nodes share meshes of many primitives: their product takes the time.
+  [[nodiscard]] Result<void> checkDraws() const {
+    std::uint64_t draws = 0;
+    for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
+      const int mesh = document_.model.nodes[i].mesh;
+      if (inScene_[i] == 0 || mesh < 0 || static_cast<std::size_t>(mesh) >= document_.model.meshes.size()) continue;
+      draws += document_.model.meshes[mesh].primitives.size();
+    }
+    if (draws <= kMaxDraws) return {};
+    return Error{ErrorCode::kUnsupported, fmt::format("{}: its nodes draw {} primitives, expected at most {}",
+                                                      document_.name, grouped(draws), grouped(kMaxDraws))};
+  }
+
   [[nodiscard]] Result<void> readMeshes() {
     const GltfMeshSources sources{document_, accessors_, lookAccessors_};
     GltfMeshCounts statistics;
     CountedNotes notes;
+    if (Result<void> fits = checkDraws(); !fits) return fits;
     int undrawn = 0;
     for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
       const tinygltf::Node& node = document_.model.nodes[i];
@@ -275,9 +289,8 @@ class GltfSceneReader {
 
 }  // namespace
 
-Result<FileScene> readGltfScene(std::span<const std::byte> bytes, const std::string& name,
-                                const std::filesystem::path& folder) {
-  const Result<GltfDocument> document = parseGltf(bytes, name, folder);
+Result<FileScene> readGltfScene(std::span<const std::byte> bytes, const std::string& name, const NamedFiles& files) {
+  const Result<GltfDocument> document = parseGltf(bytes, name, files);
   if (!document) return document.error();
   return GltfSceneReader(*document).read();
 }

@@ -45,7 +45,7 @@ class MaterialReader {
         textures_(listOf(document.look, "textures")),
         images_(listOf(document.look, "images")),
         samplers_(listOf(document.look, "samplers")),
-        pictures_(document.folder, kSharedBytes * document.fileBytes, scene, notes_) {}
+        pictures_(document.files, kSharedBytes * document.fileBytes, scene, notes_) {}
 
   void read() {
     for (const char* name : {"materials", "textures", "images", "samplers"}) {

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <system_error>
 
 namespace lorica {
@@ -46,44 +45,40 @@ int PictureStore::addUri(const std::string& name, const std::string& uri) {
     const Result<std::string> content = decodeDataUri(uri);
     return content ? addBytes(name, std::as_bytes(std::span(*content))) : refuse(name, content.error().message);
   }
-  const std::optional<fs::path> relative = neighbourFile(uri);
-  if (!relative) {
-    return refuse(name, fmt::format("'{}' is outside the file's folder, expected a file in it", shortened(uri)));
-  }
-  return addFile(name, *relative);
+  return addFile(name, percentDecoded(uri));
 }
 
 int PictureStore::addPath(const std::string& name, const std::string& path) {
-  const std::optional<fs::path> relative = neighbourPath(path);
-  if (folder_.empty() || (relative && isFile(folder_ / *relative))) {
-    return addFile(name, relative.value_or(baseName(path)));
-  }
-  const std::optional<fs::path> beside = neighbourPath(baseName(path));
-  if (!beside || !isFile(folder_ / *beside)) {
+  const Result<fs::path> file = files_.find(path);
+  if (files_.folder.empty() || (file && isFile(*file))) return addFile(name, file ? path : baseName(path));
+  const Result<fs::path> beside = files_.find(baseName(path));
+  if (!beside || !isFile(*beside)) {
     return refuse(name, fmt::format("'{}' is neither in the file's folder nor is there a file of that name beside it",
                                     shortened(path)));
   }
-  const bool isNew = !known_.contains(*beside);
-  const int picture = addFile(name, *beside);
+  const bool isNew = !known_.contains(beside->lexically_normal());
+  const int picture = addFile(name, baseName(path));
   if (isNew && picture >= 0) {
     notes_.add("pictures are on another machine: the files of the same names beside the character are used",
                fmt::format("{}: '{}' is not in the file's folder: '{}' beside it is used", name, shortened(path),
-                           beside->string()));
+                           baseName(path)));
   }
   return picture;
 }
 
-int PictureStore::addFile(const std::string& name, const fs::path& relative) {
-  const fs::path file = relative.lexically_normal();
+int PictureStore::addFile(const std::string& name, const std::string& relative) {
+  const Result<fs::path> found = files_.find(relative);
+  if (!found) return refuse(name, found.error().message);
+  const fs::path file = found->lexically_normal();
   const auto [known, isNew] = known_.emplace(file, -1);
   if (!isNew) return known->second;
-  if (folder_.empty()) {
-    return refuse(name, fmt::format("is in another file, '{}', which is not available here", shortened(file.string())));
+  if (files_.folder.empty()) {
+    return refuse(name, fmt::format("is in another file, '{}', which is not available here", shortened(relative)));
   }
-  if (!isFile(folder_ / file)) {
-    return refuse(name, fmt::format("'{}' is not a file in the character's folder", shortened(file.string())));
+  if (!isFile(file)) {
+    return refuse(name, fmt::format("'{}' is not a file in the character's folder", shortened(relative)));
   }
-  const Result<std::string> content = readFile(folder_ / file);
+  const Result<std::string> content = readFile(file, NamedBy::kFile);
   if (!content) return refuse(name, content.error().message);
   const std::span<const std::byte> bytes = std::as_bytes(std::span(*content));
   scene_.pictures.push_back({name, {bytes.begin(), bytes.end()}});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/named_file.h"
 #include "skinning/import/file_scene.h"
 
 #include <cstddef>
@@ -12,13 +13,13 @@ namespace lorica {
 
 /// Collects the pictures of a file's materials, still encoded. A picture that is not available becomes -1 and a note.
 ///
-/// Other files are read only from the file's folder and those below it, each once. Pictures from the file's own bytes
+/// Other files are read only where NamedFiles finds them, each once. Pictures from the file's own bytes
 /// may have `allowance` bytes together, since a small file may refer to the same bytes many times.
 class PictureStore {
  public:
-  /// @param folder  where other files are searched; empty: other files are not read
-  PictureStore(std::filesystem::path folder, std::size_t allowance, FileScene& scene, CountedNotes& notes)
-      : folder_(std::move(folder)), allowance_(allowance), scene_(scene), notes_(notes) {}
+  /// @param files  where other files are searched; an empty folder: other files are not read
+  PictureStore(NamedFiles files, std::size_t allowance, FileScene& scene, CountedNotes& notes)
+      : files_(std::move(files)), allowance_(allowance), scene_(scene), notes_(notes) {}
 
   /// @param name  for messages: "image 3 'hair'"
   /// @return index into FileScene::pictures, or -1
@@ -35,13 +36,13 @@ class PictureStore {
   int refuse(const std::string& name, const std::string& why);
 
  private:
-  [[nodiscard]] int addFile(const std::string& name, const std::filesystem::path& relative);
+  [[nodiscard]] int addFile(const std::string& name, const std::string& relative);
 
-  std::filesystem::path folder_;
+  NamedFiles files_;
   std::size_t allowance_;
   FileScene& scene_;
   CountedNotes& notes_;
-  std::map<std::filesystem::path, int> known_;  ///< files, relative to the folder
+  std::map<std::filesystem::path, int> known_;  ///< by their paths
 };
 
 }  // namespace lorica

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
-#include <utility>
 
 namespace lorica {
 
@@ -46,8 +44,8 @@ Result<std::string> decodeDataUri(std::string_view uri) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const int value = base64Value(text[i]);
     if (value < 0) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("its data URI has byte {} at {}, expected base64", static_cast<int>(text[i]), i)};
+      return Error{ErrorCode::kBadFormat, fmt::format("its data URI has byte {} at {}, expected base64",
+                                                      static_cast<int>(static_cast<unsigned char>(text[i])), i)};
     }
     bits = (bits << 6 | static_cast<std::uint32_t>(value)) & 0xFFFFFFu;
     bitCount += 6;
@@ -59,7 +57,7 @@ Result<std::string> decodeDataUri(std::string_view uri) {
   return bytes;
 }
 
-std::optional<std::filesystem::path> neighbourFile(std::string_view uri) {
+std::string percentDecoded(std::string_view uri) {
   std::string name;
   name.reserve(uri.size());
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -67,16 +65,7 @@ std::optional<std::filesystem::path> neighbourFile(std::string_view uri) {
     name.push_back(escaped ? static_cast<char>(16 * hexValue(uri[i + 1]) + hexValue(uri[i + 2])) : uri[i]);
     if (escaped) i += 2;
   }
-  return neighbourPath(std::move(name));
-}
-
-std::optional<std::filesystem::path> neighbourPath(std::string name) {
-  if (name.empty() || name.find(':') != std::string::npos || name.find('\0') != std::string::npos) return std::nullopt;
-  std::replace(name.begin(), name.end(), '\\', '/');  // some exporters write backslashes
-  const std::filesystem::path path = name;
-  if (path.is_absolute() || name.front() == '~') return std::nullopt;
-  if (std::find(path.begin(), path.end(), "..") != path.end()) return std::nullopt;
-  return path;
+  return name;
 }
 
 }  // namespace lorica

@@ -2,8 +2,6 @@
 
 #include "geometry/result.h"
 
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,10 +13,7 @@ namespace lorica {
 /// The bytes of a data URI in base64, or an error.
 [[nodiscard]] Result<std::string> decodeDataUri(std::string_view uri);
 
-/// The relative path of a URI, percent-decoded; none if it is absolute, has a scheme or a drive, or contains "..".
-[[nodiscard]] std::optional<std::filesystem::path> neighbourFile(std::string_view uri);
-
-/// The same for a path without percent-encoding, with slashes or backslashes.
-[[nodiscard]] std::optional<std::filesystem::path> neighbourPath(std::string name);
+/// A URI with "%20" as " " and so on, the name of a file for NamedFiles.
+[[nodiscard]] std::string percentDecoded(std::string_view uri);
 
 }  // namespace lorica

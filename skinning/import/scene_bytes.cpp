@@ -1,0 +1,240 @@
+#include "skinning/import/scene_bytes.h"
+
+#include "geometry/byte_reader.h"
+#include "skinning/import/scene_check.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+namespace lorica {
+
+namespace {
+
+/// Appends what it is given.
+class Writer {
+ public:
+  template <typename T>
+  void number(const T& value) {
+    static_assert(std::is_arithmetic_v<T>);
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  /// @param end  one past the last value
+  template <typename T>
+  void choice(const T& value, int /*end*/) {
+    number(static_cast<std::uint8_t>(value));
+  }
+  void text(const std::string& value) {
+    number(static_cast<std::uint32_t>(value.size()));
+    bytes += value;
+  }
+  template <typename List, typename Each>
+  void list(List& values, std::size_t /*bytesEach*/, const Each& each) {
+    number(static_cast<std::uint32_t>(values.size()));
+    for (auto& value : values) each(value);
+  }
+  /// Elements that consist of numbers without gaps.
+  template <typename T>
+  void plain(const std::vector<T>& values) {
+    number(static_cast<std::uint32_t>(values.size()));
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  }
+  template <typename T, typename Each>
+  void optional(std::optional<T>& value, const Each& each) {
+    number(static_cast<std::uint8_t>(value.has_value()));
+    if (value) each(*value);
+  }
+
+  std::string bytes;
+};
+
+/// Reads the same in the same order. After the first failure everything is empty or 0.
+class Reader {
+ public:
+  Reader(std::string_view bytes, const std::string& name) : in(bytes, 0, name) {}
+
+  template <typename T>
+  void number(T& value) {
+    value = in.take<T>();
+  }
+  template <typename T>
+  void choice(T& value, int end) {
+    const auto found = in.take<std::uint8_t>();
+    if (found >= end) in.fail(in.offset(), fmt::format("found choice {}, expected 0 to {}", found, end - 1));
+    value = static_cast<T>(in.ok() ? found : 0);
+  }
+  void text(std::string& value) { value = in.takeText(in.takeCount("a length", 1)); }
+  template <typename List, typename Each>
+  void list(List& values, std::size_t bytesEach, const Each& each) {
+    const std::size_t count = in.takeCount("a count", bytesEach);
+    for (std::size_t i = 0; i < count && in.ok(); ++i) each(values.emplace_back());
+  }
+  template <typename T>
+  void plain(std::vector<T>& values) {
+    values.resize(in.takeCount("a count", sizeof(T)));
+    const std::size_t bytes = values.size() * sizeof(T);
+    if (bytes == 0) return;
+    std::memcpy(static_cast<void*>(values.data()), in.rest().data(), bytes);
+    in.skip(bytes);
+  }
+  template <typename T, typename Each>
+  void optional(std::optional<T>& value, const Each& each) {
+    int given = 0;
+    choice(given, 2);
+    if (given == 0) return;
+    value.emplace();
+    each(*value);
+  }
+
+  ByteReader in;
+};
+
+/// Lists the members of a scene once, for writing and for reading.
+template <typename Archive>
+class Members {
+ public:
+  explicit Members(Archive& archive) : a_(archive) {}
+
+  template <typename Scene>
+  void scene(Scene& s) {
+    a_.text(s.format);
+    a_.list(s.nodes, 80, [&](auto& node) { this->node(node); });
+    a_.list(s.skins, 12, [&](auto& skin) { this->skin(skin); });
+    a_.list(s.meshes, 60, [&](auto& mesh) { this->mesh(mesh); });
+    a_.list(s.clips, 8, [&](auto& clip) { this->clip(clip); });
+    a_.list(s.morphTargets, 20, [&](auto& target) { morphTarget(target); });
+    a_.list(s.materials, 190, [&](auto& one) { material(one); });
+    a_.list(s.pictures, 8, [&](auto& picture) {
+      a_.text(picture.name);
+      a_.plain(picture.bytes);
+    });
+    a_.optional(s.metresPerUnit, [&](auto& metres) { a_.number(metres); });
+    numbers(s.modelFromFileAxes.coeffs());
+    a_.number(s.meshCount);
+    a_.number(s.primitiveCount);
+    a_.number(s.morphTargetCount);
+    a_.list(s.notes, 4, [&](auto& note) { a_.text(note); });
+  }
+
+ private:
+  /// A vector or matrix of fixed size.
+  template <typename Matrix>
+  void numbers(Matrix& matrix) {
+    for (auto& x : matrix.reshaped()) a_.number(x);
+  }
+
+  template <typename Node>
+  void node(Node& n) {
+    a_.text(n.name);
+    a_.number(n.parent);
+    numbers(n.local.translation);
+    numbers(n.local.rotation.coeffs());
+    numbers(n.local.scale);
+    a_.optional(n.inner, [&](auto& turn) { numbers(turn.coeffs()); });
+  }
+
+  template <typename Skin>
+  void skin(Skin& s) {
+    a_.text(s.name);
+    a_.plain(s.nodes);
+    a_.plain(s.jointFromMesh);
+  }
+
+  template <typename Mesh>
+  void mesh(Mesh& m) {
+    a_.text(m.name);
+    a_.number(m.node);
+    a_.number(m.skin);
+    a_.plain(m.positions);
+    a_.plain(m.triangles);
+    a_.plain(m.weights);
+    a_.plain(m.weightBegin);
+    a_.list(m.morphs, 8, [&](auto& morph) {
+      a_.number(morph.target);
+      a_.plain(morph.offsets);
+    });
+    a_.plain(m.normals);
+    a_.plain(m.tangents);
+    for (auto& set : m.uv) a_.plain(set);
+    a_.plain(m.colors);
+    a_.number(m.material);
+  }
+
+  template <typename Clip>
+  void clip(Clip& c) {
+    a_.text(c.name);
+    a_.list(c.tracks, 7, [&](auto& track) {
+      a_.number(track.node);
+      a_.optional(track.translation, [&](auto& keys) { this->keys(keys); });
+      a_.optional(track.rotation, [&](auto& keys) { this->keys(keys); });
+      a_.optional(track.scale, [&](auto& keys) { this->keys(keys); });
+    });
+  }
+
+  template <typename Keys>
+  void keys(Keys& k) {
+    a_.choice(k.interpolation, 3);
+    a_.plain(k.times);
+    a_.plain(k.values);
+  }
+
+  template <typename Target>
+  void morphTarget(Target& t) {
+    a_.text(t.name);
+    a_.number(t.node);
+    a_.number(t.mesh);
+    a_.number(t.index);
+    a_.number(t.defaultWeight);
+  }
+
+  template <typename Use>
+  void texture(Use& t) {
+    a_.number(t.picture);
+    a_.number(t.uvSet);
+    a_.choice(t.wrapU, 3);
+    a_.choice(t.wrapV, 3);
+    numbers(t.transform);
+  }
+
+  template <typename Material>
+  void material(Material& m) {
+    a_.text(m.name);
+    a_.choice(m.shading, 3);
+    numbers(m.baseColor);
+    texture(m.base);
+    a_.number(m.metallic);
+    a_.number(m.roughness);
+    texture(m.normal);
+    a_.number(m.normalScale);
+    texture(m.occlusion);
+    numbers(m.emissive);
+    texture(m.emissiveTexture);
+    a_.choice(m.alpha, 3);
+    a_.choice(m.doubleSided, 2);
+  }
+
+  Archive& a_;
+};
+
+}  // namespace
+
+std::string encodeScene(const FileScene& scene) {
+  Writer writer;
+  // The writer reads only; Members needs one list of members for both directions.
+  Members(writer).scene(const_cast<FileScene&>(scene));
+  return std::move(writer.bytes);
+}
+
+Result<FileScene> decodeScene(std::string_view bytes, const std::string& name) {
+  Reader reader(bytes, name);
+  FileScene scene;
+  Members(reader).scene(scene);
+  if (reader.in.ok() && reader.in.left() > 0) reader.in.fail(reader.in.offset(), "found more, expected the end");
+  if (!reader.in.ok()) return reader.in.error();
+  if (Result<void> sound = checkScene(scene, name); !sound) return sound.error();
+  return scene;
+}
+
+}  // namespace lorica
