@@ -6,8 +6,7 @@ namespace lorica {
 
 namespace {
 
-constexpr int kMarginShare =
-    12;  // sensors leave margins empty that are narrower than one of so many parts of the image
+constexpr int kMarginShare = 12;  // sensors leave margins empty that are narrower than one of so many parts
 
 }  // namespace
 

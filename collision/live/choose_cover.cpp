@@ -24,8 +24,8 @@ constexpr double kTurn = 0.05;    // per sweep, the rotation of pushes from the 
 constexpr int kShortSweeps = 10;  // with pushes along the faces' normals only
 constexpr int kPushes = 20;       // in one pose, before the next one is processed
 constexpr double kHeld = 1e-7;    // times the part's size: protruding by more than this counts as outside
-constexpr double kSteepest =
-    0.2;  // min cosine of the angle between a push and a face's normal that is used in the push length
+// Min cosine of the angle between a push and a face's normal that is used in the push length.
+constexpr double kSteepest = 0.2;
 constexpr double kMore = 1.0 / 64;  // relative extra length of pushes, so that the iteration ends
 
 /// Planes of a hull: unit normals pointing outward, and offsets.

@@ -25,11 +25,11 @@ struct BonePoseView {
 
 struct CoverSettings {
   double tolerance = 0.0;  ///< max protrusion from the chosen points' hulls before they are enlarged [m]; 0 = exact
-  int maxHullVertices =
-      0;            ///< max points per part, which takes precedence over the tolerance; 0 = no limit, else 4 or more
+  /// Max points per part, which takes precedence over the tolerance; 0 = no limit, else 4 or more.
+  int maxHullVertices = 0;
   int threads = 0;  ///< 0 = as many as the machine has; the result does not depend on it
-  std::function<bool(int partsDone, int parts)> progress =
-      {};  ///< called by one thread at a time; return false to cancel
+  /// Called by one thread at a time; return false to cancel.
+  std::function<bool(int partsDone, int parts)> progress = {};
 };
 
 /// Uses every point that can be on a hull. By construction the surface is inside the hulls in every pose, and so is

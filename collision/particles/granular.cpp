@@ -16,13 +16,12 @@ constexpr float kReach = 1.15f;      // of a list, in diameters
 constexpr int kMaxNeighbours = 24;   // at most twelve equal spheres touch one
 constexpr float kRelaxation = 2.0f;  // multiple of the mean correction
 constexpr float kOpening = 0.12f;    // speed at which overlaps open [m/s]
-constexpr float kDeep =
-    0.1f;  // overlap beyond which it opens faster, in diameters, and the fraction of the excess per substep
-constexpr float kFastest = 1.0f;        // max motion in a substep, in diameters
-constexpr float kQuiet = 0.7f;          // of the displacement by gravity in a substep from rest
-constexpr float kRousing = 2.5f;        // multiple of that displacement that wakes sleeping neighbours
-constexpr float kAsleep = 24.0f;        // quiet substeps until a grain sleeps
-constexpr float kRoused = 16.0f;        // quiet count after something near has moved
+constexpr float kDeep = 0.1f;        // overlap beyond which it opens faster, in diameters; and that share per substep
+constexpr float kFastest = 1.0f;     // max motion in a substep, in diameters
+constexpr float kQuiet = 0.7f;       // of the displacement by gravity in a substep from rest
+constexpr float kRousing = 2.5f;     // multiple of that displacement that wakes sleeping neighbours
+constexpr float kAsleep = 24.0f;     // quiet substeps until a grain sleeps
+constexpr float kRoused = 16.0f;     // quiet count after something near has moved
 constexpr float kHeldOnBody = 0.0006f;  // a grain resting on the body stays if it is pushed by less than this [m]
 
 /// A grain that moves less in a substep is held [m].

@@ -10,10 +10,8 @@ namespace lorica {
 
 /// Input and output of one substep of grains, in the order of the grid and in whole blocks.
 struct GrainPass {
-  const ParticleRow*
-      positions;  ///< positions of the grains [m]; w: above 0 if the grain rests on the body and does not fall
-  const ParticleRow*
-      motions;  ///< displacements in the last substep [m]; w: number of substeps for which they have been quiet
+  const ParticleRow* positions;  ///< [m]; w: above 0 if the grain rests on the body and does not fall
+  const ParticleRow* motions;    ///< in the last substep [m]; w: number of substeps for which they have been quiet
   ParticleRow* nextPositions;
   ParticleRow* nextMotions;
   const std::uint8_t* asleep;  ///< not 0: the grain stays in place

@@ -63,8 +63,7 @@ class ParticleGrid {
 
  private:
   static constexpr int kMaxColumns = 512;  // along x and along z; the outer ones contain everything farther out
-  static constexpr int kChunks =
-      16;  // of particles, for threads; fixed, so that the result does not depend on the number of threads
+  static constexpr int kChunks = 16;       // of particles, however many threads there are: the result is the same
   static constexpr std::size_t kCellsPerParticle = 10;  // max, including one that ends each column
   struct Column {
     std::int32_t firstY = 0;

@@ -10,8 +10,7 @@ namespace {
 
 using enum HumanBone;
 
-constexpr int kColumns =
-    9;  ///< of the left half: column 0 is the middle of the front, 4 the side, 8 the middle of the back
+constexpr int kColumns = 9;  ///< of the left half: 0 is the middle of the front, 4 the side, 8 the middle of the back
 using Row = std::array<int, kColumns>;
 
 /// A horizontal section: an oval, squarer if `square` is below 1.

@@ -191,10 +191,15 @@ TEST_F(LongLShape, ErrorInAPoseIsThatOfClosedForms) {
   EXPECT_NEAR(errorInPose(halves, mesh, posed(sheared)).meshVolume, 24.0 * 6.0, 1e-11);
   EXPECT_NEAR(errorInPose(halves, mesh, posed(sheared)).relative(), 0.0, 1e-12);
 
-  //  5---4
-  //  |   |             The arm pulled out to x = 9: its lower edge is now cut at c = (1.8, 0), still at a fifth, and
-  //  its |   3---------2   upper one still at vertex 3, (1, 1). The hulls' profiles are 0 c 4 5, of area 2.8, and c 1 2
-  //  3, |             |   of area 7.6: they overlap and leave nothing out. 0-----c-------1
+  // The arm pulled out to x = 9: its lower edge is now cut at c = (1.8, 0), still at a fifth, and its upper one still
+  // at vertex 3, (1, 1). The hulls' profiles are 0 c 4 5, of area 2.8, and c 1 2 3, of area 7.6: they overlap and leave
+  // nothing out.
+  //
+  //   5---4
+  //   |   |
+  //   |   3---------2
+  //   |             |
+  //   0-----c-------1
   const auto pulled = [](const Vec3& v) { return Vec3(v.x() > 1.5 ? 9.0 : v.x(), v.y(), v.z()); };
   const PoseError error = errorInPose(halves, mesh, posed(pulled));
   EXPECT_NEAR(error.meshVolume, 10.0, 1e-12);
