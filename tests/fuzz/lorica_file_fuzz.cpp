@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-/// Any bytes as a .lorica file. The first byte tells what is done with the others: they are the whole file, or the
-/// payload of a version, to which a header with the right length and checksum is put, since no fuzzer finds that.
+/// Any bytes as a .lorica file. The first byte says what the others are: the whole file, or the payload of a version,
+/// which gets a header with the right length and checksum, since no fuzzer finds that.
 namespace {
 
 void append(std::uint64_t value, int bytes, std::string& out) {
@@ -40,10 +40,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       pwrite(descriptor, file.data(), file.size(), 0) != static_cast<ssize_t>(file.size())) {
     return 0;
   }
-  const auto content = lorica::readDecomposition(path);
-  if (content) {
-    // What can be read can be written, to the same bytes where the version is the newest.
-    (void)lorica::hashOf(content->decomposition);
-  }
+  if (const auto content = lorica::readDecomposition(path)) (void)lorica::hashOf(content->decomposition);
   return 0;
 }
