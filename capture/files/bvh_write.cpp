@@ -9,6 +9,7 @@
 #include <iterator>
 #include <numbers>
 #include <optional>
+#include <set>
 
 namespace lorica {
 namespace {
@@ -24,6 +25,24 @@ std::string wordOf(const std::string& name) {
     if (static_cast<unsigned char>(c) <= ' ' || c == '{' || c == '}') c = '_';
   }
   return out;
+}
+
+/// One word for each joint. Readers find joints by their names: those that repeat get numbers.
+std::vector<std::string> wordsOf(std::span<const Joint> joints) {
+  std::vector<std::string> words;
+  std::set<std::string> taken;
+  for (const Joint& joint : joints) taken.insert(wordOf(joint.name));
+  std::set<std::string> used;
+  for (const Joint& joint : joints) {
+    std::string word = wordOf(joint.name);
+    for (int copy = 2; used.contains(word); ++copy) {
+      const std::string numbered = fmt::format("{}_{}", wordOf(joint.name), copy);
+      if (!taken.contains(numbered)) word = numbered;
+    }
+    used.insert(word);
+    words.push_back(std::move(word));
+  }
+  return words;
 }
 
 /// Angles about Z, X, Y in degrees; the rotation is Rz * Rx * Ry.
@@ -64,7 +83,10 @@ struct FileJoint {
 class Writer {
  public:
   explicit Writer(const SkeletalMotion& motion)
-      : motion_(motion), skeleton_(motion.skeleton), count_(static_cast<std::size_t>(skeleton_.jointCount())) {}
+      : motion_(motion),
+        skeleton_(motion.skeleton),
+        count_(static_cast<std::size_t>(skeleton_.jointCount())),
+        words_(wordsOf(skeleton_.joints())) {}
 
   std::string write() {
     const Pose atRest = restPose(skeleton_);
@@ -118,8 +140,7 @@ class Writer {
     std::vector<Open> open;
     const auto begin = [&](std::size_t joint) {
       const std::string indent(open.size(), '\t');
-      print("{}{} {}\n{}{{\n{}\tOFFSET ", indent, open.empty() ? "ROOT" : "JOINT",
-            wordOf(skeleton_.joint(static_cast<JointIndex>(joint)).name), indent, indent);
+      print("{}{} {}\n{}{{\n{}\tOFFSET ", indent, open.empty() ? "ROOT" : "JOINT", words_[joint], indent, indent);
       printVector(kUnitsPerMetre * joints_[joint].offset);
       print("\n{}\tCHANNELS {} Zrotation Xrotation Yrotation\n", indent,
             joints_[joint].moves ? "6 Xposition Yposition Zposition" : "3");
@@ -190,6 +211,7 @@ class Writer {
   const SkeletalMotion& motion_;
   const Skeleton& skeleton_;
   std::size_t count_;
+  std::vector<std::string> words_;  ///< the joints' names in the file
   std::vector<FileJoint> joints_;
   std::vector<std::vector<std::size_t>> children_;
   std::vector<std::size_t> order_;
@@ -208,6 +230,13 @@ Result<void> writeBvh(const std::filesystem::path& file, const SkeletalMotion& m
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: the motion has {} joint transforms, expected {} frames of {}, and at least one frame",
                              file.string(), motion.poses.size(), motion.times.size(), joints)};
+  }
+  for (std::size_t i = 0; i < motion.poses.size(); ++i) {
+    const JointTransform& t = motion.poses[i];
+    if (t.translation.allFinite() && t.rotation.coeffs().allFinite() && t.scale.allFinite()) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: frame {}: the pose of joint '{}' is not finite", file.string(), i / joints + 1,
+                             motion.skeleton.joint(static_cast<JointIndex>(i % joints)).name)};
   }
   return writeFileAtomically(file, Writer(motion).write());
 }

@@ -1,0 +1,129 @@
+#include "skinning/clip_files/gltf_embedding.h"
+
+#include "geometry/files.h"
+#include "skinning/clip_files/gltf_animation.h"
+#include "skinning/import/gltf_document.h"
+#include "skinning/import/gltf_parts.h"
+#include "skinning/import/uri.h"
+
+#include <fmt/format.h>
+
+namespace lorica {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Changes the number of a buffer into bytes of the one buffer.
+class BufferMerger {
+ public:
+  BufferMerger(GltfWriter& writer, const GltfDocument& file) : writer_(writer), file_(file) {}
+
+  [[nodiscard]] Result<void> merge() {
+    for (std::size_t b = 0; b < file_.buffers.size(); ++b) {
+      const std::span<const std::byte> bytes = file_.buffers[b];
+      if (bytes.size() < writer_.document["buffers"][b]["byteLength"].get<std::uint64_t>()) {
+        return Error{ErrorCode::kUnsupported, fmt::format("{}: buffer {} has no content", file_.name, b)};
+      }
+      while (writer_.binary.size() % 4 != 0) writer_.binary.push_back('\0');
+      begin_.push_back(writer_.binary.size());
+      writer_.binary.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    }
+    if (begin_.size() <= 1) return {};
+    const auto views = writer_.document.find("bufferViews");
+    if (views == writer_.document.end()) return {};
+    for (Json& view : *views) {
+      move(view);
+      const auto extensions = view.find("extensions");  // compressed copies of the view
+      if (extensions == view.end() || !extensions->is_object()) continue;
+      for (Json& extension : *extensions) move(extension);
+    }
+    return {};
+  }
+
+ private:
+  void move(Json& reference) {
+    const auto buffer = reference.is_object() ? reference.find("buffer") : reference.end();
+    if (buffer == reference.end() || !buffer->is_number_unsigned()) return;
+    const auto b = buffer->get<std::size_t>();
+    if (b >= begin_.size()) return;
+    *buffer = 0;
+    const auto offset = reference.find("byteOffset");
+    const std::size_t within = offset == reference.end() ? 0 : offset->get<std::size_t>();
+    reference["byteOffset"] = begin_[b] + within;
+  }
+
+  GltfWriter& writer_;
+  const GltfDocument& file_;
+  std::vector<std::size_t> begin_;
+};
+
+/// The kind of a picture by its first bytes; empty if unknown.
+[[nodiscard]] std::string mimeTypeOf(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return "image/png";
+  if (bytes.starts_with("\xFF\xD8\xFF")) return "image/jpeg";
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return "image/webp";
+  if (bytes.starts_with("\xABKTX 20")) return "image/ktx2";
+  return {};
+}
+
+/// Takes the pictures of other files into the buffer.
+void embedPictures(GltfWriter& writer, const NamedFiles& files, std::vector<std::string>& notes) {
+  const auto images = writer.document.find("images");
+  if (images == writer.document.end() || !images->is_array()) return;
+  for (Json& image : *images) {
+    const auto uri = image.is_object() ? image.find("uri") : image.end();
+    if (uri == image.end() || !uri->is_string()) continue;
+    const std::string text = uri->get<std::string>();
+    if (isDataUri(text)) continue;
+    const Result<std::filesystem::path> file = files.find(percentDecoded(text));
+    const Result<std::string> content = file ? readFile(*file, NamedBy::kFile) : file.error();
+    const std::string kind = content ? mimeTypeOf(*content) : std::string();
+    if (kind.empty()) {
+      notes.push_back(
+          fmt::format("the picture '{}' was not found or is of an unknown kind: the output refers to it", text));
+      continue;
+    }
+    image.erase("uri");
+    image["mimeType"] = kind;
+    image["bufferView"] = writer.addView(*content);
+  }
+}
+
+}  // namespace
+
+Result<GltfWriter> embedGltf(std::span<const std::byte> bytes, const std::string& name, const NamedFiles& files,
+                             std::vector<std::string>& notes) {
+  const Result<GltfDocument> file = parseGltf(bytes, name, files);
+  if (!file) return file.error();
+  const Result<GltfParts> parts = splitGltf(bytes, name);
+  if (!parts) return parts.error();
+  GltfWriter writer;
+  writer.document = Json::parse(parts->json);
+  if (Result<void> merged = BufferMerger(writer, *file).merge(); !merged) return merged.error();
+  embedPictures(writer, files, notes);
+  return writer;
+}
+
+Result<void> addAnimationToFile(GltfWriter& writer, const SkeletalMotion& motion, std::span<const int> nodeOfJoint) {
+  std::vector<int> nodes(nodeOfJoint.begin(), nodeOfJoint.end());
+  for (JointIndex j = 0; j < motion.skeleton.jointCount(); ++j) {
+    const JointIndex parent = motion.skeleton.joint(j).parent;
+    // The second half of a sheared node, whose matrix is not a transform of this joint alone.
+    if (parent != kNoJoint && nodeOfJoint[parent] == -1) nodes[j] = -1;
+  }
+  if (Result<void> added = addAnimation(writer, motion, nodes); !added) return added;
+  for (const Json& channel : writer.document["animations"][0]["channels"]) {
+    const int index = channel["target"]["node"].get<int>();
+    Json& node = writer.document["nodes"][static_cast<std::size_t>(index)];
+    if (node.erase("matrix") == 0) continue;
+    const auto joint = std::find(nodes.begin(), nodes.end(), index) - nodes.begin();
+    const JointTransform& rest = motion.skeleton.joint(static_cast<JointIndex>(joint)).rest;
+    node["translation"] = listOf(rest.translation);
+    node["rotation"] = listOf(rest.rotation);
+    node["scale"] = listOf(rest.scale);
+  }
+  return {};
+}
+
+}  // namespace lorica

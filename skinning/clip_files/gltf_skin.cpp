@@ -1,0 +1,141 @@
+#include "skinning/clip_files/gltf_skin.h"
+
+#include "skinning/clip_files/gltf_look.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace lorica {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[nodiscard]] std::vector<float> floatsOf(std::span<const Vec3> points) {
+  std::vector<float> numbers;
+  numbers.reserve(3 * points.size());
+  for (const Vec3& p : points) {
+    const Vec3f v = p.cast<float>();
+    numbers.insert(numbers.end(), v.data(), v.data() + 3);
+  }
+  return numbers;
+}
+
+/// A node for each joint. @return the topmost
+[[nodiscard]] Json addNodes(GltfWriter& writer, const Skeleton& skeleton) {
+  Json roots = Json::array();
+  writer.document["nodes"] = Json::array();
+  for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
+    const Joint& joint = skeleton.joint(j);
+    Json node;
+    node["name"] = joint.name;
+    node["translation"] = listOf(joint.rest.translation);
+    node["rotation"] = listOf(joint.rest.rotation);
+    node["scale"] = listOf(joint.rest.scale);
+    const int index = writer.add("nodes", std::move(node));
+    if (joint.parent == kNoJoint) {
+      roots.push_back(index);
+    } else {
+      writer.document["nodes"][static_cast<std::size_t>(joint.parent)]["children"].push_back(index);
+    }
+  }
+  return roots;
+}
+
+[[nodiscard]] int addSkin(GltfWriter& writer, std::span<const Affine3> jointFromModel) {
+  std::vector<float> matrices;
+  Json skin;
+  for (std::size_t j = 0; j < jointFromModel.size(); ++j) {
+    Eigen::Matrix4f matrix = jointFromModel[j].matrix().cast<float>();
+    matrix.row(3) << 0.0F, 0.0F, 0.0F, 1.0F;
+    matrices.insert(matrices.end(), matrix.data(), matrix.data() + 16);
+    skin["joints"].push_back(j);
+  }
+  skin["inverseBindMatrices"] = writer.addNumbers(matrices, "MAT4");
+  return writer.add("skins", std::move(skin));
+}
+
+/// Joints and weights of all vertices, heaviest first, in sets of four.
+void addWeights(GltfWriter& writer, const Character& character, JointIndex firstJoint, Json& attributes) {
+  const std::size_t vertexCount = character.mesh.vertices.size();
+  std::size_t most = 1;
+  for (std::size_t v = 0; v < vertexCount; ++v) {
+    most = std::max<std::size_t>(most, character.influenceBegin[v + 1] - character.influenceBegin[v]);
+  }
+  const std::size_t sets = (most + 3) / 4;
+  std::vector<std::vector<std::uint16_t>> joints(sets, std::vector<std::uint16_t>(4 * vertexCount, 0));
+  std::vector<std::vector<float>> weights(sets, std::vector<float>(4 * vertexCount, 0.0F));
+  for (std::size_t v = 0; v < vertexCount; ++v) {
+    std::vector<Influence> of(character.influences.begin() + character.influenceBegin[v],
+                              character.influences.begin() + character.influenceBegin[v + 1]);
+    std::stable_sort(of.begin(), of.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      joints[i / 4][4 * v + i % 4] = static_cast<std::uint16_t>(of[i].joint - firstJoint);
+      weights[i / 4][4 * v + i % 4] = static_cast<float>(of[i].weight);
+    }
+    // Floats whose sum is 1 to the last digit.
+    double others = 0.0;
+    for (std::size_t i = 1; i < of.size(); ++i) others += weights[i / 4][4 * v + i % 4];
+    weights[0][4 * v] = static_cast<float>(1.0 - others);
+  }
+  for (std::size_t s = 0; s < sets; ++s) {
+    attributes["JOINTS_" + std::to_string(s)] = writer.addNumbers(std::span<const std::uint16_t>(joints[s]), "VEC4");
+    attributes["WEIGHTS_" + std::to_string(s)] = writer.addNumbers(std::span<const float>(weights[s]), "VEC4");
+  }
+}
+
+[[nodiscard]] int addMesh(GltfWriter& writer, const Character& character, const Look& look, JointIndex firstJoint) {
+  Json attributes;
+  attributes["POSITION"] = writer.addNumbers(floatsOf(character.mesh.vertices), "VEC3", true);
+  addWeights(writer, character, firstJoint, attributes);
+  Json mesh;
+  mesh["name"] = character.name;
+  const std::span<const Triangle> all = character.shown.empty() ? character.mesh.triangles : character.shown;
+  const auto addPrimitive = [&](std::span<const Triangle> triangles, Json primitive) {
+    if (triangles.empty()) return;
+    std::vector<std::uint32_t> indices;
+    for (const Triangle& t : triangles) indices.insert(indices.end(), t.begin(), t.end());
+    primitive["indices"] = writer.addNumbers(std::span<const std::uint32_t>(indices), "SCALAR");
+    mesh["primitives"].push_back(std::move(primitive));
+  };
+  if (look.given()) {
+    GltfLook written(writer, look);
+    for (const LookGroup& group : look.groups) {
+      addPrimitive(all.subspan(group.firstTriangle, group.triangleCount), written.primitiveOf(group, attributes));
+    }
+  } else {
+    Json plain;
+    plain["attributes"] = std::move(attributes);
+    addPrimitive(all, std::move(plain));
+  }
+  return writer.add("meshes", std::move(mesh));
+}
+
+}  // namespace
+
+void addCharacter(GltfWriter& writer, const Character& character, const Look& look, const Skeleton& skeleton,
+                  std::span<const Affine3> jointFromModel, JointIndex firstJoint) {
+  writer.document["asset"]["version"] = "2.0";
+  writer.document["asset"]["generator"] = "Lorica";
+  Json roots = addNodes(writer, skeleton);
+  if (roots.size() > 1) {  // the joints of a skin must have one root
+    Json above;
+    above["name"] = "skeleton";
+    above["children"] = std::move(roots);
+    roots = Json::array();
+    roots.push_back(writer.add("nodes", std::move(above)));
+  }
+  if (!character.mesh.triangles.empty()) {
+    Json body;
+    body["name"] = character.name;
+    body["skin"] = addSkin(writer, jointFromModel);
+    body["mesh"] = addMesh(writer, character, look, firstJoint);
+    roots.push_back(writer.add("nodes", std::move(body)));
+  }
+  Json scene;
+  scene["nodes"] = std::move(roots);
+  writer.document["scene"] = 0;
+  writer.document["scenes"] = Json::array({std::move(scene)});
+}
+
+}  // namespace lorica
