@@ -1,5 +1,7 @@
 #include "geometry/files.h"
 
+#include "geometry/hard_stop.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -133,6 +135,7 @@ Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_
   std::string temporary;
   Descriptor out(openBeside(target, 0666, temporary));
   if (!out.valid()) return unwritable(file, errno);
+  const AtHardStop cleaning([&temporary] { ::unlink(temporary.c_str()); });
   int error = exists && ::fchmod(out.get(), status.st_mode & 07777) != 0 ? errno : 0;
   if (error == 0) error = writeAll(out.get(), content);
   if (error == 0 && ::fsync(out.get()) != 0) error = errno;

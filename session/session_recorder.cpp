@@ -1,6 +1,7 @@
 #include "session/session_recorder.h"
 
-#include <fcntl.h>
+#include "geometry/part_file.h"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -53,9 +54,12 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
                                                           sceneText.size(), kLargestBlock)};
   }
   const fs::path part = fs::path(file).replace_extension(".part.lsession");
-  const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666);
-  if (descriptor < 0) return unwritable(part, errno);
-  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, descriptor, header.poseJoints > 0));
+  Result<std::optional<fs::path>> found = keepFound(part);
+  if (!found) return found.error();
+  const Result<int> descriptor = createPart(part);
+  if (!descriptor) return descriptor.error();
+  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, *descriptor, header.poseJoints > 0));
+  recorder->found_ = std::move(*found);
   recorder->block_ = kSessionMagic;
   appendBlock(BlockKind::kHeader, textOf(header), recorder->chain_, recorder->block_);
   appendBlock(BlockKind::kScene, sceneText, recorder->chain_, recorder->block_);
@@ -82,6 +86,7 @@ Result<void> SessionRecorder::write() {
 }
 
 Result<void> SessionRecorder::afterStep(const Session& session, std::span<const WorldAction> done) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   if (over_ || descriptor_ < 0) {
     log_->clear();
     return {};
@@ -118,6 +123,7 @@ Result<void> SessionRecorder::afterStep(const Session& session, std::span<const 
 Result<int> SessionRecorder::finish() {
   if (descriptor_ < 0) return steps_;
   std::error_code ignored;
+  const std::lock_guard<std::mutex> lock(mutex_);
   if (steps_ == 0) {
     close(std::exchange(descriptor_, -1));
     fs::remove(part_, ignored);

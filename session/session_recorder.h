@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/hard_stop.h"
 #include "session/session_blocks.h"
 #include "session/session_file.h"
 #include "session/step_watcher.h"
@@ -7,6 +8,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,7 +17,8 @@ namespace lorica {
 
 /// Writes a session to a .lsession file while it runs. Each step is handed to the operating system as soon as it is
 /// done, so at most the current step is lost if the program ends unexpectedly. While recording, the file is called
-/// NAME.part.lsession; it is readable at any time.
+/// NAME.part.lsession; it is readable at any time. If a killed program left such a file behind, it is kept as
+/// NAME.found-1.lsession.
 class SessionRecorder final : public StepWatcher {
  public:
   /// @param file       final name after finish(): NAME.lsession
@@ -29,6 +32,8 @@ class SessionRecorder final : public StepWatcher {
   SessionRecorder(const SessionRecorder&) = delete;
   SessionRecorder& operator=(const SessionRecorder&) = delete;
 
+  /// The recording that a killed program left behind, under its new name; nothing if there was none.
+  [[nodiscard]] const std::optional<std::filesystem::path>& found() const { return found_; }
   /// The log that the session's source must write to.
   [[nodiscard]] const std::shared_ptr<SourceLog>& log() const { return log_; }
 
@@ -37,7 +42,8 @@ class SessionRecorder final : public StepWatcher {
   /// Stops recording: later steps are not recorded.
   void sessionChanged() override { over_ = true; }
 
-  /// Closes the file and renames it. Without any steps, the file is removed. Further calls do nothing.
+  /// Closes the file and renames it. Without any steps, the file is removed. Further calls do nothing. Other threads
+  /// may call it while a step is done.
   /// @return number of recorded steps
   [[nodiscard]] Result<int> finish();
   /// Whether the session was changed, so that its end is not recorded.
@@ -48,6 +54,8 @@ class SessionRecorder final : public StepWatcher {
   [[nodiscard]] Result<void> write();
 
   std::filesystem::path file_, part_;
+  std::optional<std::filesystem::path> found_;
+  std::mutex mutex_;  ///< of the file
   int descriptor_;
   bool poses_;  ///< whether poses are recorded; otherwise joints
   std::shared_ptr<SourceLog> log_ = std::make_shared<SourceLog>();
@@ -56,6 +64,7 @@ class SessionRecorder final : public StepWatcher {
   std::uint64_t chain_ = 0;
   int steps_ = 0;
   bool over_ = false;
+  AtHardStop finishing_{[this] { (void)finish(); }};
 };
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "viewer/image.h"
 
+#include "geometry/hard_stop.h"
 #include "geometry/module.h"
 #include "viewer/video_module.h"
 
@@ -7,6 +8,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <optional>
 
 namespace lorica {
 namespace fs = std::filesystem;
@@ -19,6 +21,7 @@ struct VideoWriter::Impl {
   long long frames = 0;
   const VideoModule* module = nullptr;
   std::unique_ptr<VideoEncoder> encoder;  ///< null once finished
+  std::optional<AtHardStop> cleaning;
 
   ~Impl() {
     if (temporary.empty()) return;
@@ -66,6 +69,10 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
   impl->width = width;
   impl->height = height;
   impl->temporary = folder / fmt::format(".{}.{}.partial.mp4", file.stem().string(), ::getpid());
+  impl->cleaning.emplace([temporary = impl->temporary] {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+  });
   impl->module = static_cast<const VideoModule*>(*module);
   impl->encoder = impl->module->open(impl->temporary, width, height, framesPerSecond);
   if (impl->encoder == nullptr) {

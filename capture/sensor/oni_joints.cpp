@@ -1,8 +1,8 @@
 #include "capture/sensor/oni_joints.h"
 
 #include "capture/files/joint_csv.h"
+#include "geometry/part_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -25,9 +25,12 @@ Error unwritable(const fs::path& file, int error) {
 Result<JointCsvWriter> JointCsvWriter::create(const fs::path& file) {
   fs::path beside = file;
   beside.replace_extension(".part.csv");
-  const int descriptor = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return unwritable(beside, errno);
-  JointCsvWriter writer(file, beside, descriptor);
+  Result<std::optional<fs::path>> found = keepFound(beside);
+  if (!found) return found.error();
+  const Result<int> descriptor = createPart(beside);
+  if (!descriptor) return descriptor.error();
+  JointCsvWriter writer(file, beside, *descriptor);
+  writer.found_ = std::move(*found);
   if (const Result<void> written = writer.write(jointCsvHeader()); !written) return written.error();
   return writer;
 }
@@ -38,6 +41,7 @@ JointCsvWriter::JointCsvWriter(fs::path target, fs::path beside, int descriptor)
 JointCsvWriter::JointCsvWriter(JointCsvWriter&& other) noexcept
     : target_(std::move(other.target_)),
       beside_(std::move(other.beside_)),
+      found_(std::move(other.found_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       rows_(other.rows_),
       lastTimes_(std::move(other.lastTimes_)) {}

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,14 +65,17 @@ class OpenNi {
 /// Records a camera's depth stream to an .oni file with OpenNI2's own recorder. One recording at a time per process.
 class OpenNiRecorder {
  public:
-  /// Creates a file beside `file`, named x.part.oni. It can be played even if this program is killed. From now on all
-  /// images of the camera are recorded, whether they are read or not.
+  /// Creates a file beside `file`, named x.part.oni. It can be played even if this program is killed; if a killed
+  /// program left such a file behind, it is kept as x.found-1.oni. From now on all images of the camera are recorded,
+  /// whether they are read or not. No file is left if this fails.
   /// @param source  from OpenNi::open(); it must outlive the recorder and must be read continuously
   [[nodiscard]] static Result<std::unique_ptr<OpenNiRecorder>> start(DepthSource& source,
                                                                      const std::filesystem::path& file);
   /// Abandons an unfinished recording and keeps the x.part.oni file.
   virtual ~OpenNiRecorder() = default;
 
+  /// The recording that a killed program left behind, under its new name; nothing if there was none.
+  [[nodiscard]] virtual const std::optional<std::filesystem::path>& found() const = 0;
   /// Ends the recording, checks it, and renames it to its final name.
   /// @return number of frames, or an error if they are damaged
   [[nodiscard]] virtual Result<int> finish() = 0;

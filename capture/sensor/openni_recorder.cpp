@@ -1,8 +1,11 @@
 #include "capture/sensor/oni_file.h"
 #include "capture/sensor/openni_source.h"
+#include "geometry/part_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <string>
@@ -16,22 +19,58 @@ namespace {
 namespace fs = std::filesystem;
 
 /// OpenNI2's packer uses a table that all recorders share.
-bool g_recording = false;
+std::atomic<bool> g_recording = false;
+
+/// Holds g_recording. One at a time.
+class OnlyRecording {
+ public:
+  OnlyRecording() : first_(!g_recording.exchange(true)) {}
+  ~OnlyRecording() {
+    if (first_) g_recording = false;
+  }
+  OnlyRecording(const OnlyRecording&) = delete;
+  OnlyRecording& operator=(const OnlyRecording&) = delete;
+  [[nodiscard]] bool first() const { return first_; }
+
+ private:
+  bool first_;
+};
 
 class Recorder final : public OpenNiRecorder {
  public:
   Recorder(OpenNiSource& source, fs::path target, fs::path beside)
-      : library_(source.library()), target_(std::move(target)), beside_(std::move(beside)) {
-    g_recording = true;
-  }
+      : library_(source.library()), target_(std::move(target)), beside_(std::move(beside)) {}
   ~Recorder() override {
     stop();
-    g_recording = false;
+    if (lock_ >= 0) ::close(lock_);
   }
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
+  [[nodiscard]] bool isTheOnlyOne() const { return only_.first(); }
+  [[nodiscard]] const std::optional<fs::path>& found() const override { return found_; }
+
+  /// No file is left on failure.
   Result<void> begin(OpenNiSource& source) {
+    Result<std::optional<fs::path>> found = keepFound(beside_);
+    if (!found) return found.error();
+    found_ = std::move(*found);
+    // OpenNI2 would crash on a file that it cannot create; it empties one that is there.
+    const Result<int> created = createPart(beside_);
+    if (!created) return created.error();
+    lock_ = *created;
+    Result<void> begun = record(source);
+    if (!begun) {
+      stop();
+      std::error_code ignored;
+      fs::remove(beside_, ignored);
+      return begun;
+    }
+    waitForBegin();
+    return {};
+  }
+
+  Result<void> record(OpenNiSource& source) {
     const OpenNiApi& api = library_.api();
     try {
       if (api.createRecorder(beside_.c_str(), &handle_) != ONI_STATUS_OK) {
@@ -45,7 +84,6 @@ class Recorder final : public OpenNiRecorder {
     } catch (...) {
       return Error{ErrorCode::kUnwritable, fmt::format("{}: OpenNI2's recorder failed", beside_.string())};
     }
-    waitForBegin();
     return {};
   }
 
@@ -101,9 +139,12 @@ class Recorder final : public OpenNiRecorder {
     handle_ = nullptr;
   }
 
+  OnlyRecording only_;
   OpenNiLibrary& library_;
   fs::path target_;
   fs::path beside_;
+  std::optional<fs::path> found_;
+  int lock_ = -1;  ///< descriptor of the file, see createPart()
   OniRecorderHandle handle_ = nullptr;
 };
 
@@ -119,11 +160,11 @@ Result<std::unique_ptr<OpenNiRecorder>> OpenNiRecorder::start(DepthSource& sourc
     return Error{ErrorCode::kNotFound,
                  fmt::format("{}: is unplugged, expected a connected camera to record", source.name())};
   }
-  if (g_recording)
-    return Error{ErrorCode::kInvalidArgument, "a recording is already in progress, expected only one at a time"};
   fs::path beside = file;
   beside.replace_extension(".part.oni");
   auto recorder = std::make_unique<Recorder>(*camera, file, beside);
+  if (!recorder->isTheOnlyOne())
+    return Error{ErrorCode::kInvalidArgument, "a recording is already in progress, expected only one at a time"};
   if (const Result<void> begun = recorder->begin(*camera); !begun) return begun.error();
   return std::unique_ptr<OpenNiRecorder>(std::move(recorder));
 }

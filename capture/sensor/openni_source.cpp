@@ -134,7 +134,7 @@ void OpenNiSource::close() {
   device_ = nullptr;
 }
 
-bool OpenNiSource::comeBack() {
+Result<bool> OpenNiSource::comeBack() {
   const Result<std::vector<OpenNiCamera>> cameras = library_->cameras();
   if (!cameras) return false;
   const auto is = [this](const OpenNiCamera& c) { return c.uri == which_.uri; };
@@ -147,13 +147,19 @@ bool OpenNiSource::comeBack() {
   if (found == cameras->end()) found = std::find_if(cameras->begin(), cameras->end(), isLike);
   if (found == cameras->end() || library_->isGone(found->uri)) return false;
   which_ = *found;
-  return open().ok();
+  const Result<void> opened = open();
+  if (!opened && opened.error().code == ErrorCode::kUnsupported) return opened.error();
+  return opened.ok();  // a camera that was just plugged in may not be ready yet
 }
 
 Result<DepthRead> OpenNiSource::next(DepthFrame& frame) {
-  if (stream_ == nullptr && !comeBack()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
-    return DepthRead::kUnplugged;
+  if (stream_ == nullptr) {
+    const Result<bool> back = comeBack();
+    if (!back) return back.error();
+    if (!*back) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
+      return DepthRead::kUnplugged;
+    }
   }
   const OpenNiApi& api = library_->api();
   try {

@@ -36,7 +36,8 @@ class OpenNiSource final : public DepthSource {
   Result<void> open();
   void close();
   Result<DepthCamera> setUp();
-  bool comeBack();
+  /// @return false while the camera is not there or not ready; an error if another kind of image returned
+  Result<bool> comeBack();
   Result<void> copy(const OniFrame& from, DepthFrame& to);
 
   std::shared_ptr<OpenNiLibrary> library_;

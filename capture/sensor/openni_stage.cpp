@@ -58,6 +58,10 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
   std::unique_ptr<OpenNiStage> stage(new OpenNiStage);
   stage->folder_ = folder;
   stage->owner_ = ::getpid();
+  stage->cleaning_.emplace([folder = stage->folder_] {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  });
   fs::create_directories(stage->folder_ / kDriverFolder, error);
   if (const Result<void> linked = stage->link(library, stage->library()); !linked) return linked.error();
 

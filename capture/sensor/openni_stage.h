@@ -3,9 +3,11 @@
 /// A folder from which OpenNI2 loads drivers. Internal: not installed.
 
 #include "capture/sensor/openni.h"
+#include "geometry/hard_stop.h"
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,7 @@ class OpenNiStage {
   std::filesystem::path folder_;
   int owner_ = 0;  ///< process ID
   std::vector<OpenNiDriver> drivers_;
+  std::optional<AtHardStop> cleaning_;
 };
 
 }  // namespace lorica
