@@ -2,7 +2,30 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
+#include <cmath>
+
 namespace lorica {
+namespace {
+
+/// Eigen's FromTwoVectors to the bit, but for opposite vectors: for these alone it compiles a singular value
+/// decomposition, which takes ten seconds.
+template <class Number, class Vector = Eigen::Matrix<Number, 3, 1>>
+Eigen::Quaternion<Number> rotationOf(const Vector& from, const Vector& to) {
+  const Vector a = from.normalized();
+  const Vector b = to.normalized();
+  const Number cosine = b.dot(a);
+  if (cosine < Number(-1) + Eigen::NumTraits<Number>::dummy_precision()) {
+    const Number squared = (Number(1) + std::max(cosine, Number(-1))) * Number(0.5);
+    const Vector axis = a.unitOrthogonal() * std::sqrt(Number(1) - squared);
+    return {std::sqrt(squared), axis.x(), axis.y(), axis.z()};
+  }
+  const Number twice = std::sqrt((Number(1) + cosine) * Number(2));
+  const Vector axis = a.cross(b) * (Number(1) / twice);
+  return {twice * Number(0.5), axis.x(), axis.y(), axis.z()};
+}
+
+}  // namespace
 
 Vec3 Aabb::center() const {
   return 0.5 * (min + max);
@@ -19,11 +42,11 @@ Aabb boundsOf(std::span<const Vec3> points) {
 }
 
 Quat rotationBetween(const Vec3& from, const Vec3& to) {
-  return Quat::FromTwoVectors(from, to);
+  return rotationOf<double>(from, to);
 }
 
 Eigen::Quaternionf rotationBetween(const Vec3f& from, const Vec3f& to) {
-  return Eigen::Quaternionf::FromTwoVectors(from, to);
+  return rotationOf<float>(from, to);
 }
 
 SymmetricAxes symmetricAxes(const Mat3& matrix) {
