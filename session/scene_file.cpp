@@ -1,6 +1,7 @@
 #include "session/scene_file.h"
 
 #include "geometry/files.h"
+#include "session/prop_overlaps.h"
 #include "session/scene_element.h"
 #include "session/scene_particles.h"
 
@@ -19,7 +20,8 @@ constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
 constexpr std::size_t kMaxProps = 2000;
 constexpr std::size_t kMaxMeshes = 64;   // different ones
 constexpr std::size_t kMaxHulls = 4000;  // of all mesh props together
-constexpr double kFarthest = 50.0;       // maximum of each coordinate [m]
+constexpr std::size_t kMaxNearPairs = 20'000;
+constexpr double kFarthest = 50.0;  // maximum of each coordinate [m]
 
 /// Rotation about the world's x, then y, then z axis. @param degrees  three angles
 Quat turned(const Vec3& degrees) {
@@ -207,6 +209,33 @@ void readChain(SceneElement& element, SceneFile& scene) {
   if (bothEnds) scene.links.push_back({before, kWorldItself, to});
 }
 
+/// Names the props that the elements of a list made: "props[2]", or "copy 3 of props[2]".
+class PropNames {
+ public:
+  void add(const std::string& element, std::size_t propCount) {
+    const std::size_t first = names_.size();
+    const bool several = propCount > first + 1;
+    while (names_.size() < propCount) {
+      names_.push_back(several ? fmt::format("copy {} of {}", names_.size() - first + 1, element) : element);
+    }
+  }
+  [[nodiscard]] const std::string& operator[](std::size_t prop) const { return names_[prop]; }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+/// Physics cannot resolve these, or only at a cost that grows with the square of the number of props.
+void refuseOverlaps(const SceneFile& scene, const PropNames& names, SceneElement& root) {
+  if (const std::optional<PropOverlap> overlap = findPropInside(scene.props)) {
+    return root.fail("", fmt::format("{} inside {}", names[overlap->inner], names[overlap->outer]),
+                     "objects beside each other");
+  }
+  if (countNearPairs(scene.props) > kMaxNearPairs) {
+    root.fail("", "more pairs of objects whose bounding boxes overlap", fmt::format("at most {}", kMaxNearPairs));
+  }
+}
+
 std::size_t hullsOf(const SceneFile& scene) {
   std::size_t count = 0;
   for (const Prop& prop : scene.props) count += prop.mesh ? prop.mesh->hulls.size() : 0;
@@ -234,14 +263,21 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   root.text("name", scene.name);
   root.vector("gravity", -100.0, 100.0, scene.world.gravity);
   root.flag("floor", scene.world.floor);
-  root.each("props", [&](SceneElement& element) { readProp(element, meshes, scene); });
-  root.each("chains", [&](SceneElement& element) { readChain(element, scene); });
+  PropNames names;
+  for (const char* list : {"props", "chains"}) {
+    std::size_t index = 0;
+    root.each(list, [&](SceneElement& element) {
+      list[0] == 'p' ? readProp(element, meshes, scene) : readChain(element, scene);
+      names.add(root.pathOf(list, index++), scene.props.size());
+    });
+  }
   ParticleSettings particles;
   particles.gravity = scene.world.gravity;
   particles.floor = scene.world.floor;
   scene.particles = readParticles(root, particles);
   if (scene.props.size() > kMaxProps) root.fail("", "more props", fmt::format("at most {}", kMaxProps));
   if (hullsOf(scene) > kMaxHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMaxHulls));
+  if (!error) refuseOverlaps(scene, names, root);
   if (error) return Error{meshes.code(), fmt::format("{}: {}", name, *error)};
   return scene;
 }

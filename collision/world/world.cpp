@@ -33,6 +33,8 @@ constexpr double kLongestApproach = 0.025;
 // Faster approaches get no shorter substeps.
 constexpr double kFastestApproach = 2.0 * kTeleportSpeed;
 constexpr double kSamePosition = 0.02;
+// 2,000 props in a heap have some 12,000; each costs up to 4 kB and 20 us a substep.
+constexpr int kMaxPairs = 40'000;
 
 Sweep sweepOf(const LivePart& part, double seconds) {
   const Isometry3& begin = part.previousWorldFromPart;
@@ -88,6 +90,13 @@ btTransform Sweep::at(double fraction) const {
   return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
 }
 
+bool PairLimit::needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const {
+  if ((a->m_collisionFilterGroup & b->m_collisionFilterMask) == 0) return false;
+  if ((b->m_collisionFilterGroup & a->m_collisionFilterMask) == 0) return false;
+  const bool withPart = ((a->m_collisionFilterGroup | b->m_collisionFilterGroup) & kPartGroup) != 0;
+  return pairs_.getNumOverlappingPairs() < (withPart ? 2 * kMaxPairs : kMaxPairs);
+}
+
 World::Impl::Impl(const Settings& s) : settings(s) {
   LORICA_CHECK(settings.substepSeconds > 0.0, "a world needs a substep length above zero");
   // Without polyhedral features a pair yields one point at a time; tilting the shapes slightly finds the others at
@@ -95,6 +104,7 @@ World::Impl::Impl(const Settings& s) : settings(s) {
   configuration.setConvexConvexMultipointIterations();
   configuration.setPlaneConvexMultipointIterations();
   world.getDispatchInfo().m_deterministicOverlappingPairs = true;
+  broadphase.getOverlappingPairCache()->setOverlapFilterCallback(&pairLimit);
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_solverMode &= ~SOLVER_RANDMIZE_ORDER;
   // Overlaps are resolved by position correction, not by velocity: a deforming hull must not kick props. Only the first

@@ -47,6 +47,17 @@ struct GrabAnchor {
   std::unique_ptr<btPoint2PointConstraint> joint;
 };
 
+/// Keeps the number of pairs that the broad phase reports within bounds: further pairs pass through each other until
+/// they part. Pairs with parts of the avatar have twice the room.
+class PairLimit : public btOverlapFilterCallback {
+ public:
+  explicit PairLimit(const btOverlappingPairCache& pairs) : pairs_(pairs) {}
+  bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override;
+
+ private:
+  const btOverlappingPairCache& pairs_;
+};
+
 struct World::Impl {
   // The sweep-and-prune grid. Bodies outside are still handled, but less efficiently.
   static constexpr btScalar kGridHalfSize = 64.0f;
@@ -59,6 +70,7 @@ struct World::Impl {
   // motion, would differ from run to run.
   btAxisSweep3 broadphase{btVector3(-kGridHalfSize, -kGridHalfSize, -kGridHalfSize),
                           btVector3(kGridHalfSize, kGridHalfSize, kGridHalfSize), kMaxBodies, nullptr, true};
+  PairLimit pairLimit{*broadphase.getOverlappingPairCache()};
   ContactSolver solver;
   DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
