@@ -71,8 +71,8 @@ HumanoidGuess guessHumanoid(const Skeleton& skeleton) {
     guess.by = fmt::format("names ({})", named.convention);
     return guess;
   }
-  const BoneJoints shaped = bonesByShape(tree, names);
-  if (jointOf(shaped, HumanBone::kHips) == kNoJoint) {
+  ShapedBones shaped = bonesByShape(tree, names);
+  if (jointOf(shaped.jointOf, HumanBone::kHips) == kNoJoint) {
     const bool anyGiven = std::any_of(given.begin(), given.end(), [](JointIndex joint) { return joint != kNoJoint; });
     const NamedBones upper = anyGiven ? NamedBones{} : upperBodyByNames(tree, names);
     if (upper.convention.empty()) return guess;
@@ -84,12 +84,22 @@ HumanoidGuess guessHumanoid(const Skeleton& skeleton) {
   }
   // Bones that the skeleton already has take precedence; a shape that contradicts them is rejected.
   for (std::size_t bone = 0; bone < given.size(); ++bone) {
-    if (given[bone] != kNoJoint && shaped[bone] != given[bone]) return guess;
+    if (given[bone] != kNoJoint && shaped.jointOf[bone] != given[bone]) return guess;
   }
-  guess.jointOf = shaped;
+  guess.jointOf = shaped.jointOf;
+  guess.doubts = std::move(shaped.doubts);
   dropStrayBones(tree, given, guess.jointOf);
+  for (BoneDoubt& doubt : guess.doubts) {
+    std::erase_if(doubt.bones, [&](HumanBone bone) { return guess[bone] == kNoJoint; });
+  }
   guess.by = "the skeleton's shape";
   return guess;
+}
+
+std::string inWords(const BoneDoubt& doubt) {
+  std::vector<std::string_view> names;
+  for (const HumanBone bone : doubt.bones) names.push_back(nameOf(bone));
+  return fmt::format("{}: {}", fmt::join(names, ", "), doubt.reason);
 }
 
 Skeleton withBones(const Skeleton& skeleton, const HumanoidGuess& bones) {

@@ -8,11 +8,16 @@
 
 namespace lorica {
 
+struct ShapedBones {
+  BoneJoints jointOf{};  ///< all kNoJoint if the skeleton is not a humanoid
+  std::vector<BoneDoubt> doubts;
+};
+
 /// Finds the bones only by the shape of the skeleton in its rest pose: two similar limbs that point away from the trunk
-/// are legs, two similar limbs at its other end are arms, with a head between them. The skeleton may have any
-/// orientation. Left is determined by side words in the names, else by the toes, else by the knees, else it is at +X.
-/// @return all kNoJoint if the skeleton is not a humanoid
-[[nodiscard]] BoneJoints bonesByShape(const JointTree& tree, std::span<const JointName> names);
+/// are legs, two similar limbs at its other end are arms, with a head between them, see findBody(). The skeleton may
+/// have any orientation. Left is determined by side words in the names, else by the toes, else by the knees, else it is
+/// at +X.
+[[nodiscard]] ShapedBones bonesByShape(const JointTree& tree, std::span<const JointName> names);
 
 /// Adds missing bones of a skeleton with known hips and legs by its shape: trunk, neck, head, collar bones, feet, toes,
 /// hands and fingers.

@@ -38,7 +38,7 @@ JointTree::JointTree(const Skeleton& skeleton) {
 }
 
 bool JointTree::isBelow(JointIndex joint, JointIndex ancestor) const {
-  return joint != ancestor && entered_[at(ancestor)] <= entered_[at(joint)] &&
+  return joint != kNoJoint && joint != ancestor && entered_[at(ancestor)] <= entered_[at(joint)] &&
          entered_[at(joint)] < left_[at(ancestor)];
 }
 

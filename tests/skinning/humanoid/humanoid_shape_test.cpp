@@ -2,6 +2,7 @@
 
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
+#include "tests/skinning/humanoid/humanoid_figure.h"
 #include "tests/skinning/humanoid/humanoid_samples.h"
 
 #include <fmt/format.h>
@@ -18,127 +19,20 @@
 namespace lorica {
 namespace {
 
+using test::armsAt;
+using test::build;
+using test::Built;
 using test::contradictions;
 using test::differences;
+using test::Figure;
+using test::isFinger;
 using test::namesOf;
+using test::turned;
+using test::without;
 using enum HumanBone;
 
-/// Positions and hierarchy of joints; the tests bend and change bodies in this form.
-struct Figure {
-  struct Part {
-    std::string name;  ///< the bone's, or a meaningless one
-    int parent = -1;
-    Vec3 position = Vec3::Zero();
-  };
-  std::vector<Part> parts;
-
-  [[nodiscard]] int find(std::string_view name) const {
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (parts[i].name == name) return static_cast<int>(i);
-    }
-    ADD_FAILURE() << "no part " << name;
-    return 0;
-  }
-  [[nodiscard]] bool isBelowOrSame(int part, int ancestor) const {
-    while (part != -1 && part != ancestor) part = parts[part].parent;
-    return part == ancestor;
-  }
-  [[nodiscard]] Vec3 at(std::string_view name) const { return parts[find(name)].position; }
-
-  /// Rotates a part and everything below about it.
-  void bend(std::string_view name, double degrees, const Vec3& axis) {
-    const int top = find(name);
-    const Vec3 centre = at(name);
-    const Quat turn(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis.normalized()));
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (isBelowOrSame(static_cast<int>(i), top)) parts[i].position = centre + turn * (parts[i].position - centre);
-    }
-  }
-  void remove(const std::function<bool(const std::string&)>& which) {
-    for (std::size_t i = parts.size(); i-- > 0;) {
-      if (!which(parts[i].name)) continue;
-      for (Part& part : parts) {
-        if (part.parent == static_cast<int>(i)) part.parent = parts[i].parent;
-        if (part.parent > static_cast<int>(i)) --part.parent;
-      }
-      parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-  }
-  void add(std::string name, std::string_view parent, const Vec3& offset) {
-    parts.push_back({std::move(name), find(parent), at(parent) + offset});
-  }
-  /// Inserts a joint between a part and its parent.
-  void insertAbove(std::string_view name, double fraction) {
-    const int below = find(name);
-    const int above = parts[below].parent;
-    const Vec3 between = (1.0 - fraction) * parts[above].position + fraction * at(name);
-    parts.push_back({"extra above " + std::string(name), above, between});
-    parts[below].parent = static_cast<int>(parts.size()) - 1;
-  }
-};
-
 [[nodiscard]] Figure mannequin() {
-  Figure figure;
-  const Skeleton skeleton = makeMannequinSkeleton();
-  for (const Joint& joint : skeleton.joints()) {
-    figure.parts.push_back({joint.name, joint.parent, mannequinJoint(*joint.bone)});
-  }
-  return figure;
-}
-
-[[nodiscard]] bool isFinger(const std::string& name) {
-  return name.ends_with("Proximal") || name.ends_with("Intermediate") || name.ends_with("Distal") ||
-         name.ends_with("Metacarpal");
-}
-
-struct Built {
-  Skeleton skeleton;
-  std::map<HumanBone, std::string> truth;
-};
-
-/// The figure as a skeleton with meaningless names, another order of siblings and rotated joint axes.
-[[nodiscard]] Built build(const Figure& figure, const Affine3& worldFromFigure, std::uint64_t seed) {
-  RandomNumbers random(seed);
-  std::vector<int> order;
-  std::vector<int> open = {-1};
-  while (!open.empty()) {
-    const std::size_t pick = random.bits() % open.size();
-    const int part = open[pick];
-    open.erase(open.begin() + static_cast<std::ptrdiff_t>(pick));
-    if (part != -1) order.push_back(part);
-    for (std::size_t i = 0; i < figure.parts.size(); ++i) {
-      if (figure.parts[i].parent == part) open.push_back(static_cast<int>(i));
-    }
-  }
-  std::vector<Joint> joints;
-  std::vector<Affine3> worldFromJoint;
-  std::map<int, JointIndex> indexOf;
-  Built built{makeMannequinSkeleton(), {}};
-  for (const int i : order) {
-    const Figure::Part& part = figure.parts[i];
-    Joint joint;
-    joint.name = fmt::format("q{:x}", random.bits() % 0xffffff);
-    joint.parent = part.parent == -1 ? kNoJoint : indexOf.at(part.parent);
-    const Vec3 axis(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
-    Affine3 world = Affine3::Identity();
-    world.translate(worldFromFigure * part.position)
-        .rotate(Eigen::AngleAxisd(random.between(-3.0, 3.0), (axis + Vec3(0, 0, 1e-3)).normalized()));
-    const Affine3 local = joint.parent == kNoJoint ? world : worldFromJoint[joint.parent].inverse() * world;
-    joint.rest.translation = local.translation();
-    joint.rest.rotation = Quat(local.rotation()).normalized();
-    if (const std::optional<HumanBone> bone = humanBoneNamed(part.name)) built.truth[*bone] = joint.name;
-    indexOf[i] = static_cast<JointIndex>(joints.size());
-    worldFromJoint.push_back(world);
-    joints.push_back(joint);
-  }
-  built.skeleton = std::move(*Skeleton::create(std::move(joints)));
-  return built;
-}
-
-[[nodiscard]] Affine3 turned(double degrees, const Vec3& axis, double scale = 1.0) {
-  Affine3 turn = Affine3::Identity();
-  turn.rotate(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis)).scale(scale);
-  return turn;
+  return test::mannequinFigure();
 }
 
 void expectFound(const Figure& figure, const std::string& what, const Affine3& world = Affine3::Identity()) {
@@ -158,17 +52,6 @@ void expectNoHuman(const Figure& figure, const std::string& what) {
     EXPECT_EQ(guess.by, "") << what;
     EXPECT_EQ(namesOf(built.skeleton, guess).size(), 0u) << what;
   }
-}
-
-[[nodiscard]] Figure without(Figure figure, const std::set<std::string>& names) {
-  figure.remove([&](const std::string& name) { return names.contains(name); });
-  return figure;
-}
-
-[[nodiscard]] Figure armsAt(Figure figure, double degreesDown) {
-  figure.bend("leftUpperArm", -degreesDown, Vec3::UnitZ());
-  figure.bend("rightUpperArm", degreesDown, Vec3::UnitZ());
-  return figure;
 }
 
 TEST(HumanoidShape, TheMannequinIsFoundWithoutNames) {
