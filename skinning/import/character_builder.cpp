@@ -1,6 +1,7 @@
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/hidden_meshes.h"
 #include "skinning/import/morph_builder.h"
 #include "skinning/import/spring_joints.h"
 #include "skinning/import/units.h"
@@ -26,12 +27,14 @@ constexpr double kSecondsInADay = 86400.0;
 /// Converts a FileScene to a CharacterFile, phase by phase.
 class CharacterBuilder {
  public:
-  CharacterBuilder(FileScene scene, const std::string& fileName)
-      : scene_(std::move(scene)), fileName_(fileName), frames_(findBindFrames(scene_)) {}
+  /// @param hidden  counts for the file's unit alone
+  CharacterBuilder(FileScene scene, std::span<const FileMesh> hidden, const std::string& fileName)
+      : scene_(std::move(scene)), hidden_(hidden), fileName_(fileName), frames_(findBindFrames(scene_)) {}
 
   [[nodiscard]] Result<CharacterFile> build() {
     out_.format = scene_.format;
     out_.meshes = scene_.meshCount;
+    out_.meshNames = meshNamesOf(scene_);
     out_.primitives = scene_.primitiveCount;
     out_.skins = static_cast<int>(scene_.skins.size());
     out_.morphTargets = scene_.morphTargetCount;
@@ -53,6 +56,10 @@ class CharacterBuilder {
  private:
   [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, fileName_ + ": " + what}; }
 
+  [[nodiscard]] const Affine3& fileFromMesh(const FileMesh& mesh) const {
+    return mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
+  }
+
   // 1. Vertices in the bind pose, still in the file's units.
   void placeMeshes() {
     std::size_t vertexCount = 0;
@@ -65,11 +72,11 @@ class CharacterBuilder {
     all.vertices.reserve(vertexCount);
     all.triangles.reserve(triangleCount);
     for (const FileMesh& mesh : scene_.meshes) {
-      const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
+      const Affine3& fileFrom = fileFromMesh(mesh);
       const auto first = static_cast<VertexIndex>(all.vertices.size());
-      for (const Vec3& p : mesh.positions) all.vertices.push_back(fileFromMesh * p);
+      for (const Vec3& p : mesh.positions) all.vertices.push_back(fileFrom * p);
       // A mirrored mesh is inside out.
-      const bool mirrored = fileFromMesh.linear().determinant() < 0.0;
+      const bool mirrored = fileFrom.linear().determinant() < 0.0;
       for (Triangle triangle : mesh.triangles) {
         for (VertexIndex& v : triangle) v += first;
         if (mirrored) std::swap(triangle[1], triangle[2]);
@@ -101,6 +108,9 @@ class CharacterBuilder {
   // 3. The file's unit, by the size of its mesh, or of its skeleton.
   [[nodiscard]] Result<void> chooseUnits() {
     Aabb box = box_;
+    for (const FileMesh& mesh : hidden_) {
+      for (const Vec3& p : mesh.positions) box.extend(fileFromMesh(mesh) * p);
+    }
     if (box.empty()) {
       for (const std::size_t i : nodesThatShowSize()) box.extend(frames_.fileFromNode[i].translation());
     }
@@ -320,8 +330,7 @@ class CharacterBuilder {
     std::size_t triangle = 0;
     int plain = -1;  // the material of meshes without one
     for (FileMesh& mesh : scene_.meshes) {
-      const Affine3& fileFromMesh = mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
-      addDirections(mesh, modelFromFile * fileFromMesh.linear(), vertex);
+      addDirections(mesh, modelFromFile * fileFromMesh(mesh).linear(), vertex);
       for (std::size_t set = 0; set < 2; ++set)
         std::copy(mesh.uv[set].begin(), mesh.uv[set].end(), look.uv[set].begin() + at(vertex, look.uv[set]));
       std::copy(mesh.colors.begin(), mesh.colors.end(), look.colors.begin() + at(vertex, look.colors));
@@ -425,7 +434,13 @@ class CharacterBuilder {
     }
     Result<Skeleton> skeleton = Skeleton::create(std::move(joints_));
     if (!skeleton) return bad(skeleton.error().message);
-    character.skeleton = scene_.bones.empty() ? withBones(*skeleton, guessHumanoid(*skeleton)) : std::move(*skeleton);
+    if (scene_.bones.empty()) {
+      const HumanoidGuess guess = guessHumanoid(*skeleton);
+      for (const BoneDoubt& doubt : guess.doubts) out_.notes.push_back("unsure of " + inWords(doubt));
+      character.skeleton = withBones(*skeleton, guess);
+    } else {
+      character.skeleton = std::move(*skeleton);
+    }
     addSprings();
     addFace();
     if (character.mesh.vertices.empty()) return {};
@@ -465,6 +480,7 @@ class CharacterBuilder {
   }
 
   FileScene scene_;  // what is no longer needed is moved out, so that large files do not need twice their memory
+  std::span<const FileMesh> hidden_;
   const std::string& fileName_;
   BindFrames frames_;
   CharacterFile out_;
@@ -478,8 +494,11 @@ class CharacterBuilder {
 
 }  // namespace
 
-Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName) {
-  return CharacterBuilder(std::move(scene), fileName).build();
+Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName,
+                                        const CharacterFileSettings& settings) {
+  const Result<std::vector<FileMesh>> hidden = takeHiddenMeshes(scene, settings.hidden, fileName);
+  if (!hidden) return hidden.error();
+  return CharacterBuilder(std::move(scene), *hidden, fileName).build();
 }
 
 }  // namespace lorica

@@ -65,7 +65,7 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       break;
   }
   if (!scene) return scene.error();
-  return makeCharacterFile(std::move(*scene), name);
+  return makeCharacterFile(std::move(*scene), name, settings);
 }
 
 }  // namespace

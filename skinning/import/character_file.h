@@ -21,8 +21,19 @@
 namespace lorica {
 
 struct CharacterFileSettings {
+  /// Meshes that are left out, such as weapons: names of meshes or of the nodes that carry them; case is ignored.
+  std::vector<std::string> hidden = {};
   PathTrust paths = PathTrust::kBeneath;                  ///< which files a character file may name
   std::optional<IsolatedReader> isolated = std::nullopt;  ///< reads FBX and COLLADA; none: this process, unbounded
+};
+
+/// A mesh and the node that carries it, which often has the better name: "1H_Axe" and "Cube.001".
+struct MeshName {
+  std::string node;
+  std::string mesh;  ///< may be empty
+
+  /// "1H_Axe (Cube.001)", or the one name if both are equal.
+  [[nodiscard]] std::string text() const;
 };
 
 /// The content of a character file, in Lorica's units and axes: metres, Y up, facing +Z.
@@ -44,8 +55,9 @@ struct CharacterFile {
   SpringBones springs;  ///< of VRM; empty if the file has none. Its joints are among the character's
   Look look;            ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
 
-  std::string format;  ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "FBX", "COLLADA"
-  int meshes = 0;
+  std::string format;               ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "FBX", "COLLADA"
+  int meshes = 0;                   ///< of the file
+  std::vector<MeshName> meshNames;  ///< of those that are not hidden; at most 1,000
   int primitives = 0;
   int skins = 0;
   int morphTargets = 0;
@@ -53,13 +65,17 @@ struct CharacterFile {
   int repairedVertices = 0;        ///< with weights that did not sum to 1, were negative or not finite, or had no joint
   double metresPerUnit = 1.0;      ///< factor by which the file's lengths were multiplied
   std::vector<std::string> notes;  ///< what was repaired, guessed or skipped: one sentence each
+
+  /// Whether it is a mesh and no character: nothing moves it.
+  [[nodiscard]] bool isMesh() const { return skins == 0 && clips.empty(); }
 };
 
 /// Reads a character from glTF 2.0 (.gltf, .glb), VRM 0.x and 1.0, FBX or COLLADA (.dae), detected from the content.
 ///
 /// Humanoid bones come from VRM's own list, else from guessHumanoid(). Reading glTF or VRM needs at most 250 bytes of
 /// memory per byte of the file, or 130 MB if that is more, whatever the file's content.
-/// @return the content; or an error with file, element, what was found and what was expected
+/// @return the content; or an error with file, element, what was found and what was expected; kInvalidArgument if a
+/// mesh to hide is unknown, or none is left
 [[nodiscard]] Result<CharacterFile> readCharacterFile(const std::filesystem::path& file,
                                                       const CharacterFileSettings& settings = {});
 

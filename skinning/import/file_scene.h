@@ -125,7 +125,8 @@ struct FileScene {
 
 /// Builds skeleton, bind pose, weights and clips from a file's content.
 /// @param fileName  for messages
-[[nodiscard]] Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName);
+[[nodiscard]] Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName,
+                                                      const CharacterFileSettings& settings = {});
 
 /// What a material uses of a mesh's vertices, beside normals.
 struct LookNeeds {

@@ -1,0 +1,81 @@
+#include "skinning/import/hidden_meshes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace lorica {
+
+namespace {
+
+constexpr std::size_t kMostNames = 1000;
+constexpr std::size_t kMostNamesInMessages = 40;
+
+[[nodiscard]] bool sameName(const std::string& a, const std::string& b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+[[nodiscard]] const std::string& nodeOf(const FileScene& scene, const FileMesh& mesh) {
+  return scene.nodes[static_cast<std::size_t>(mesh.node)].name;
+}
+
+/// "1H_Axe (Cube.001), Hat (Cube.002) and 3 more".
+[[nodiscard]] std::string listed(std::vector<MeshName> names) {
+  const std::size_t more = names.size() - std::min(names.size(), kMostNamesInMessages);
+  names.resize(names.size() - more);
+  std::string text;
+  for (const MeshName& name : names) text += (text.empty() ? "" : ", ") + name.text();
+  return more == 0 ? text : fmt::format("{} and {} more", text, more);
+}
+
+}  // namespace
+
+std::string MeshName::text() const {
+  return mesh.empty() || mesh == node ? node : fmt::format("{} ({})", node, mesh);
+}
+
+std::vector<MeshName> meshNamesOf(const FileScene& scene) {
+  std::vector<MeshName> names;
+  std::set<std::pair<std::string_view, std::string_view>> known;
+  for (const FileMesh& mesh : scene.meshes) {
+    const std::string& node = nodeOf(scene, mesh);
+    if (names.size() < kMostNames && known.emplace(node, mesh.name).second) names.push_back({node, mesh.name});
+  }
+  return names;
+}
+
+Result<std::vector<FileMesh>> takeHiddenMeshes(FileScene& scene, std::span<const std::string> hidden,
+                                               const std::string& fileName) {
+  std::vector<FileMesh> taken;
+  if (hidden.empty()) return taken;
+  const std::vector<MeshName> names = meshNamesOf(scene);
+  const auto isMeant = [&](const FileMesh& mesh, const std::string& name) {
+    return sameName(nodeOf(scene, mesh), name) || (!mesh.name.empty() && sameName(mesh.name, name));
+  };
+  for (const std::string& name : hidden) {
+    if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const FileMesh& m) { return isMeant(m, name); })) {
+      continue;
+    }
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: no mesh named `{}` to hide, {}", fileName, name,
+                             names.empty() ? "the file has none" : "expected one of " + listed(names))};
+  }
+  const auto firstHidden = std::stable_partition(scene.meshes.begin(), scene.meshes.end(), [&](const FileMesh& mesh) {
+    return std::none_of(hidden.begin(), hidden.end(), [&](const std::string& name) { return isMeant(mesh, name); });
+  });
+  if (firstHidden == scene.meshes.begin()) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: every mesh is hidden ({}), expected at least one to be left", fileName, listed(names))};
+  }
+  taken.assign(std::make_move_iterator(firstHidden), std::make_move_iterator(scene.meshes.end()));
+  scene.meshes.erase(firstHidden, scene.meshes.end());
+  return taken;
+}
+
+}  // namespace lorica
