@@ -2,6 +2,7 @@
 
 #include "collision/live/lifted_point.h"
 #include "geometry/files.h"
+#include "session/prepare/cache_entries.h"
 
 #include <fmt/format.h>
 
@@ -49,50 +50,30 @@ std::uint64_t cacheKey(const Character& character, const Decomposition& decompos
   return contentHash(rest, contentHash(bytes));
 }
 
-fs::path cacheFile(const DecompositionCache& cache, std::uint64_t key) {
-  return cache.folder.empty() ? fs::path() : cache.folder / (hexDigits(key) + ".lorica");
-}
-
-void warn(const DecompositionCache& cache, const std::string& sentence) {
-  if (cache.warn) cache.warn(sentence);
-}
-
 /// The content of a cache file, if it is whole and fits the mesh.
 std::optional<DecompositionFile> readCache(const DecompositionCache& cache, const fs::path& file, const TriMesh& mesh) {
-  std::error_code ignored;
-  if (file.empty() || !fs::exists(file, ignored)) return std::nullopt;
+  if (!hasEntry(cache, file)) return std::nullopt;
   Result<DecompositionFile> cached = readDecomposition(file);
   if (!cached) {
-    warn(cache, cached.error().message + "; it is computed again");
+    warnOfEntry(cache, cached.error().message);
     return std::nullopt;
   }
   if (cached->meshHash != topologyHash(mesh)) {
-    warn(cache, file.string() + ": made from another mesh; it is computed again");
+    warnOfEntry(cache, file.string() + ": made from another mesh");
     return std::nullopt;
   }
   return std::move(*cached);
 }
 
 void writeCache(const DecompositionCache& cache, const fs::path& file, const DecompositionFile& content) {
-  const char* what = content.cover ? "cover" : "decomposition";
-  if (file.empty()) {
-    warn(cache, fmt::format("neither XDG_CACHE_HOME nor HOME is an absolute path: the {} is not cached", what));
-    return;
-  }
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  std::string problem = error ? fmt::format("{}: {}", file.parent_path().string(), error.message()) : "";
-  if (!error) {
-    if (const Result<void> written = writeDecomposition(file, content); !written) problem = written.error().message;
-  }
-  if (!problem.empty()) warn(cache, fmt::format("{}; the {} is not cached", problem, what));
+  keepEntry(cache, file, [&] { return writeDecomposition(file, content); });
 }
 
 /// Reads a decomposition of keyframes from the cache, or computes and caches it.
 Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMesh& mesh, const Character* character,
                                             const Training* training, const Keyframes& keyframes,
                                             const DecomposeSettings& settings, const DecompositionCache& cache) {
-  const fs::path file = cacheFile(cache, cacheKey(mesh, keyframes, settings));
+  const fs::path file = cacheFile(cache, cacheKey(mesh, keyframes, settings), ".lorica");
   if (std::optional<DecompositionFile> cached = readCache(cache, file, mesh)) {
     return CachedDecomposition{std::move(*cached), true, 0.0};
   }
@@ -147,7 +128,7 @@ Result<CachedDecomposition> meshDecomposition(const std::string& name, const Tri
 Result<HullCover> cachedCover(const Character& character, const DecompositionFile& content, const CoverPoses& poses,
                               const CoverRequest& request, const std::function<Result<HullCover>()>& choose,
                               const DecompositionCache& cache) {
-  const fs::path file = cacheFile(cache, cacheKey(character, content.decomposition, poses, request));
+  const fs::path file = cacheFile(cache, cacheKey(character, content.decomposition, poses, request), ".lorica");
   std::optional<DecompositionFile> cached = readCache(cache, file, character.mesh);
   if (cached && cached->cover && hashOf(cached->decomposition) == hashOf(content.decomposition)) {
     return std::move(*cached->cover);

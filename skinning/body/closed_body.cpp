@@ -1,6 +1,7 @@
 #include "skinning/body/closed_body.h"
 
 #include "geometry/mesh_repair.h"
+#include "skinning/body/body_assembly.h"
 #include "skinning/body/solid_source.h"
 #include "skinning/body/solid_surface.h"
 #include "skinning/body/transfer_weights.h"
@@ -28,24 +29,6 @@ Error cancelled() {
 
 std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-/// Appends a vertex and its influences to a character.
-void append(Character& character, const Vec3& vertex, std::span<const Influence> influences) {
-  character.mesh.vertices.push_back(vertex);
-  character.influences.insert(character.influences.end(), influences.begin(), influences.end());
-  character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
-}
-
-/// A character with the same bones and without a mesh.
-Character bonesOf(const Character& character) {
-  Character bones;
-  bones.name = character.name;
-  bones.skeleton = character.skeleton;
-  bones.jointFromModel = character.jointFromModel;
-  bones.height = character.height;
-  bones.influenceBegin = {0};
-  return bones;
 }
 
 /// Whether every shell encloses its own volume. Shells with overlapping boxes may overlap, so they do not qualify.
@@ -135,8 +118,8 @@ class BodyMaker {
       const std::array<const std::vector<Influence>*, 2> lists{&welded_.influences[origin.first],
                                                                &welded_.influences[origin.second]};
       const std::array<double, 2> shares{0.5, 0.5};
-      append(body_.character, repaired->mesh.vertices[v],
-             origin.first == origin.second ? *lists[0] : blended(lists, shares));
+      appendVertex(body_.character, repaired->mesh.vertices[v],
+                   origin.first == origin.second ? *lists[0] : blended(lists, shares));
     }
     body_.character.mesh.triangles = std::move(repaired->mesh.triangles);
     body_.bodyVertices = static_cast<int>(body_.character.mesh.vertices.size());
@@ -170,7 +153,8 @@ class BodyMaker {
     const std::vector<std::vector<Influence>> weights = transferWeights(solid->mesh, source, body_.resolution);
     if (!step(3)) return cancelled();
 
-    assemble(*solid, weights);
+    body_.character = assembleBody(character_, solid->mesh, weights);
+    body_.bodyVertices = static_cast<int>(weights.size());
     const std::vector<Affine3> bind(character_.jointFromModel.size(), Affine3::Identity());
     body_.distances = distancesInPose(body_, bind);
     (void)step(kSteps);  // the body is complete: cancelling has no effect any more
@@ -209,34 +193,6 @@ class BodyMaker {
     if (solid.partedVoxels > 0) {
       note(fmt::format("limbs that touch in the bind pose were separated at {}",
                        counted(solid.partedVoxels, "voxel", "voxels")));
-    }
-  }
-
-  /// The body's vertices first, then the visible ones.
-  void assemble(const SolidSurface& solid, const std::vector<std::vector<Influence>>& weights) {
-    Character& made = body_.character;
-    made = bonesOf(character_);
-    for (std::size_t v = 0; v < weights.size(); ++v) append(made, solid.mesh.vertices[v], weights[v]);
-    made.mesh.triangles = solid.mesh.triangles;
-    body_.bodyVertices = static_cast<int>(weights.size());
-
-    std::vector<VertexIndex> numberOf(character_.mesh.vertices.size(), -1);
-    std::vector<bool> used(numberOf.size(), false);
-    for (const Triangle& t : character_.mesh.triangles) {
-      for (const VertexIndex v : t) used[v] = true;
-    }
-    for (std::size_t v = 0; v < numberOf.size(); ++v) {
-      if (!used[v]) continue;
-      numberOf[v] = static_cast<VertexIndex>(made.mesh.vertices.size());
-      append(
-          made, character_.mesh.vertices[v],
-          std::span(character_.influences)
-              .subspan(character_.influenceBegin[v], character_.influenceBegin[v + 1] - character_.influenceBegin[v]));
-    }
-    made.shown.reserve(character_.mesh.triangles.size());
-    for (Triangle t : character_.mesh.triangles) {
-      for (VertexIndex& v : t) v = numberOf[v];
-      made.shown.push_back(t);
     }
   }
 

@@ -1,0 +1,48 @@
+#include "skinning/body/body_assembly.h"
+
+namespace lorica {
+
+void appendVertex(Character& character, const Vec3& vertex, std::span<const Influence> influences) {
+  character.mesh.vertices.push_back(vertex);
+  character.influences.insert(character.influences.end(), influences.begin(), influences.end());
+  character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+}
+
+Character bonesOf(const Character& character) {
+  Character bones;
+  bones.name = character.name;
+  bones.skeleton = character.skeleton;
+  bones.jointFromModel = character.jointFromModel;
+  bones.height = character.height;
+  bones.influenceBegin = {0};
+  return bones;
+}
+
+Character assembleBody(const Character& character, const TriMesh& surface,
+                       std::span<const std::vector<Influence>> weights) {
+  Character made = bonesOf(character);
+  for (std::size_t v = 0; v < weights.size(); ++v) appendVertex(made, surface.vertices[v], weights[v]);
+  made.mesh.triangles = surface.triangles;
+
+  std::vector<VertexIndex> numberOf(character.mesh.vertices.size(), -1);
+  std::vector<bool> used(numberOf.size(), false);
+  for (const Triangle& t : character.mesh.triangles) {
+    for (const VertexIndex v : t) used[v] = true;
+  }
+  for (std::size_t v = 0; v < numberOf.size(); ++v) {
+    if (!used[v]) continue;
+    numberOf[v] = static_cast<VertexIndex>(made.mesh.vertices.size());
+    appendVertex(
+        made, character.mesh.vertices[v],
+        std::span(character.influences)
+            .subspan(character.influenceBegin[v], character.influenceBegin[v + 1] - character.influenceBegin[v]));
+  }
+  made.shown.reserve(character.mesh.triangles.size());
+  for (Triangle t : character.mesh.triangles) {
+    for (VertexIndex& v : t) v = numberOf[v];
+    made.shown.push_back(t);
+  }
+  return made;
+}
+
+}  // namespace lorica
