@@ -65,6 +65,7 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       break;
   }
   if (!scene) return scene.error();
+  if (Result<void> bounded = checkWork(*scene, name); !bounded) return bounded.error();
   return makeCharacterFile(std::move(*scene), name, settings);
 }
 

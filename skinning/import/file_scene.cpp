@@ -13,6 +13,24 @@ namespace {
 
 constexpr std::size_t kMostSentences = 4;
 
+/// Nodes that move something, and their ancestors; every node of a scene with only motion.
+[[nodiscard]] std::uint64_t countMovers(const FileScene& scene) {
+  if (scene.meshes.empty() && scene.skins.empty()) return scene.nodes.size();
+  std::vector<char> moves(scene.nodes.size(), 0);
+  std::uint64_t count = 0;
+  const auto mark = [&](int node) {
+    for (; node != -1 && moves[node] == 0; node = scene.nodes[node].parent) {
+      moves[node] = 1;
+      ++count;
+    }
+  };
+  for (const FileSkin& skin : scene.skins) std::for_each(skin.nodes.begin(), skin.nodes.end(), mark);
+  for (const FileMesh& mesh : scene.meshes) {
+    if (mesh.skin == -1) mark(mesh.node);
+  }
+  return count;
+}
+
 }  // namespace
 
 void setMatrix(FileNode& node, const Affine3& parentFromNode) {
@@ -49,6 +67,19 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
   }
   node.local.rotation = Quat(u).normalized();
   node.inner = Quat(Mat3(v.transpose())).normalized();
+}
+
+Result<void> checkWork(const FileScene& scene, const std::string& fileName) {
+  const auto beyond = [&](std::uint64_t count, const char* what, std::uint64_t most) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: {} {}, expected at most {}", fileName, grouped(count), what, grouped(most))};
+  };
+  std::uint64_t triangles = 0;
+  for (const FileMesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+  if (triangles > kMaxTriangles) return beyond(triangles, "triangles", kMaxTriangles);
+  if (scene.skins.empty() && scene.clips.empty()) return {};
+  const std::uint64_t joints = countMovers(scene);
+  return joints > kMaxJoints ? Result<void>(beyond(joints, "joints", kMaxJoints)) : Result<void>();
 }
 
 LookNeeds needsOf(const Material& material) {

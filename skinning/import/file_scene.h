@@ -16,8 +16,8 @@ namespace lorica {
 
 /// Limits of the work that a file causes, however small it is.
 inline constexpr std::size_t kMaxDraws = 200'000;  ///< primitives, each once for every node that draws it
-inline constexpr std::size_t kMaxTriangles = 20'000'000;
-inline constexpr std::size_t kMaxJoints = 20'000;
+inline constexpr std::size_t kMaxTriangles = 10'000'000;
+inline constexpr std::size_t kMaxJoints = 4'096;  ///< of a file with skins or clips: some steps take their square
 
 /// A node of a file, in the file's units.
 struct FileNode {
@@ -122,6 +122,9 @@ struct FileScene {
   int morphTargetCount = 0;
   std::vector<std::string> notes;
 };
+
+/// Refuses a scene beyond these limits. @param fileName  for messages
+[[nodiscard]] Result<void> checkWork(const FileScene& scene, const std::string& fileName);
 
 /// Builds skeleton, bind pose, weights and clips from a file's content.
 /// @param fileName  for messages

@@ -120,12 +120,14 @@ const std::vector<LookFault>& lookFaults() {
        [](Json& d) {
          d["images"][0] = {{"uri", "../skin.png"}};
        },
-       "image 0: '../skin.png' is outside the file's folder, expected a file in it: its materials stay plain"},
+       "image 0: '../skin.png' is outside the file's folder, expected a file in it (or --trust-paths): its materials "
+       "stay plain"},
       {"from the web",
        [](Json& d) {
          d["images"][0] = {{"uri", "http://example.org/skin.png"}};
        },
-       "image 0: 'http://example.org/skin.png' is outside the file's folder, expected a file in it: its materials stay "
+       "image 0: 'http://example.org/skin.png' is outside the file's folder, expected a file in it (or --trust-paths): "
+       "its materials stay "
        "plain"},
       {"wrong types everywhere",
        [](Json& d) {

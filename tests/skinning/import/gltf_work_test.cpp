@@ -1,0 +1,96 @@
+#include "skinning/import/character_file.h"
+#include "skinning/import/uri.h"
+#include "tests/skinning/import/glb_writer.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+#include <chrono>
+#include <string>
+
+namespace lorica {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+using test::GlbWriter;
+
+std::string errorOf(const GlbWriter& writer) {
+  const std::string glb = writer.glb();
+  const Result<CharacterFile> file = parseCharacterFile(std::as_bytes(std::span(glb)), "hero.glb");
+  return file ? "none" : file.error().message;
+}
+
+/// Nodes that all draw one mesh of primitives that share one triangle.
+GlbWriter repeated(int nodes, int primitives, int mode) {
+  GlbWriter writer;
+  const int triangle = writer.accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+  Json mesh = {{"primitives", Json::array()}};
+  for (int p = 0; p < primitives; ++p) {
+    mesh["primitives"].push_back({{"attributes", {{"POSITION", triangle}}}, {"mode", mode}});
+  }
+  writer.add("meshes", mesh);
+  for (int n = 0; n < nodes; ++n) writer.add("nodes", {{"mesh", 0}});
+  return writer;
+}
+
+TEST(GltfWork, NodesTimesPrimitivesAreBounded) {
+  for (const int mode : {0, 4}) {  // points are skipped, but that takes time, too
+    const Clock::time_point start = Clock::now();
+    EXPECT_EQ(errorOf(repeated(99'000, 10'000, mode)),
+              "hero.glb: its nodes draw 990,000,000 primitives, expected at most 200,000");
+    EXPECT_LT(Clock::now() - start, std::chrono::seconds(60)) << "990 million steps take minutes";
+  }
+  EXPECT_EQ(errorOf(repeated(200, 100, 4)), "none");
+}
+
+/// A skin of joints in a chain or in a fan.
+GlbWriter skinned(int joints, bool chain) {
+  GlbWriter writer;
+  const int triangle = writer.accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+  const int bones = writer.accessor(std::vector<std::uint16_t>(12, 0), "VEC4");
+  const int weights = writer.accessor(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  Json list = Json::array();
+  for (int j = 0; j < joints; ++j) {
+    Json node = Json::object();
+    if (chain && j + 1 < joints) node["children"] = Json::array({j + 1});
+    if (!chain && j == 0) {
+      for (int child = 1; child < joints; ++child) node["children"].push_back(child);
+    }
+    writer.add("nodes", node);
+    list.push_back(j);
+  }
+  writer.add("skins", {{"joints", list}});
+  writer.add(
+      "meshes",
+      {{"primitives",
+        Json::array({{{"attributes", {{"POSITION", triangle}, {"JOINTS_0", bones}, {"WEIGHTS_0", weights}}}}})}});
+  writer.add("nodes", {{"mesh", 0}, {"skin", 0}});
+  return writer;
+}
+
+TEST(GltfWork, JointsAreBounded) {
+  for (const bool chain : {false, true}) {
+    EXPECT_EQ(errorOf(skinned(5'000, chain)).substr(0, 22), "hero.glb: 5,000 joints") << chain;
+    EXPECT_EQ(errorOf(skinned(300, chain)), "none");
+  }
+}
+
+TEST(GltfWork, BuffersInNamedPipesAreRefused) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder.path() / "fifo.bin").c_str(), 0600), 0);
+  const Result<CharacterFile> file = readCharacterFile(folder.write(
+      "fifo.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "fifo.bin", "byteLength": 10}]})"));
+  ASSERT_FALSE(file.ok());
+  EXPECT_NE(file.error().message.find("found a named pipe, expected a file"), std::string::npos);
+}
+
+TEST(DataUri, BytesAbove127AreNotNegative) {
+  const Result<std::string> bytes = decodeDataUri("data:;base64,AA\xe4");
+  ASSERT_FALSE(bytes.ok());
+  EXPECT_EQ(bytes.error().message, "its data URI has byte 228 at 2, expected base64");
+}
+
+}  // namespace
+}  // namespace lorica
