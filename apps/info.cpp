@@ -3,6 +3,7 @@
 #include "apps/inputs.h"
 #include "apps/motions.h"
 #include "apps/options.h"
+#include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bone_map.h"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <set>
 
 namespace lorica {
 namespace {
@@ -70,27 +72,48 @@ Result<FileSummary> describe(const Options& options) {
   return subject->character ? describeCharacter(*subject, options.character.textureSize) : describeMesh(*subject);
 }
 
-Result<void> writeMap(const Options& options) {
+/// @return how many of its bones may be wrong
+Result<std::size_t> writeMap(const Options& options) {
   if (!isCharacterFile(options.input)) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("--write-map is for character files, but {} is not one", options.input)};
   }
-  if (Result<void> fine = checkOutput("--write-map", options.writeMap, ".json"); !fine) return fine;
+  if (Result<void> fine = checkOutput("--write-map", options.writeMap, ".json"); !fine) return fine.error();
   const Result<CharacterFile> file = readCharacterFile(options.input);
   if (!file) return file.error();
-  return writeBoneMap(options.writeMap, file->character.skeleton, file->character.name);
+  const Skeleton& own = file->character.skeleton;
+  HumanoidGuess none;
+  none.jointOf.fill(kNoJoint);
+  HumanoidGuess guess = suggestHumanoid(withBones(own, none));
+  Skeleton bones = withBones(own, guess);
+  // A VRM file's own bones are not in doubt.
+  const auto sameBone = [](const Joint& a, const Joint& b) { return a.bone == b.bone; };
+  const bool guessed = std::equal(own.joints().begin(), own.joints().end(), bones.joints().begin(), sameBone);
+  if (!guessed && own.jointOf(HumanBone::kHips) != kNoJoint) {
+    bones = own;
+    guess.doubts.clear();
+  }
+  const Result<void> written = writeBoneMap(options.writeMap, bones, file->character.name, guess.doubts);
+  if (!written) return written.error();
+  std::set<HumanBone> unsure;
+  for (const BoneDoubt& doubt : guess.doubts) unsure.insert(doubt.bones.begin(), doubt.bones.end());
+  return unsure.size();
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.input, options.character.map, options.writeMap}); !fine)
     return fine;
+  std::size_t unsure = 0;
   if (!options.writeMap.empty()) {
-    if (Result<void> written = writeMap(options); !written) return written;
+    const Result<std::size_t> written = writeMap(options);
+    if (!written) return written.error();
+    unsure = *written;
   }
   Result<FileSummary> summary = describe(options);
   if (!summary) return summary.error();
   if (!options.writeMap.empty()) {
-    summary->report.line("bone map", options.writeMap + ": edit it and pass it with --map");
+    const std::string check = unsure == 0 ? "" : fmt::format(", {} unsure", counted(unsure, "bone is", "bones are"));
+    summary->report.line("bone map", options.writeMap + check + ": edit it and pass it with --map");
     summary->json["map"] = options.writeMap;
   }
   return publish(common, summary->report, summary->json);

@@ -181,7 +181,7 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   }
   const std::string format = (*json)["lorica"].get<std::string>();
   if (format != kFormat) return bad(name, fmt::format("lorica is \"{}\", expected \"{}\"", format, kFormat));
-  const std::vector<std::string> known = {"lorica", "character", "bones", "unusedJoints"};
+  const std::vector<std::string> known = {"lorica", "character", "bones", "unsure", "unusedJoints"};
   for (const auto& [key, value] : json->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     return bad(name, fmt::format("unknown key \"{}\"{}", key, nearestOf(key, known)));
@@ -208,7 +208,8 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   return map;
 }
 
-Result<void> writeBoneMap(const std::filesystem::path& file, const Skeleton& skeleton, std::string_view character) {
+Result<void> writeBoneMap(const std::filesystem::path& file, const Skeleton& skeleton, std::string_view character,
+                          std::span<const BoneDoubt> doubts) {
   const JointNames names(skeleton);
   Json json;
   json["lorica"] = kFormat;
@@ -219,6 +220,12 @@ Result<void> writeBoneMap(const std::filesystem::path& file, const Skeleton& ske
     const JointIndex joint = skeleton.jointOf(bone);
     Json& slot = json["bones"][std::string(nameOf(bone))];
     if (joint != kNoJoint) slot = names.textFor(joint);
+  }
+  for (const BoneDoubt& doubt : doubts) {
+    for (const HumanBone bone : doubt.bones) {
+      Json& reason = json["unsure"][std::string(nameOf(bone))];
+      reason = reason.is_null() ? doubt.reason : reason.get<std::string>() + "; " + doubt.reason;
+    }
   }
   json["unusedJoints"] = Json::array();
   for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {

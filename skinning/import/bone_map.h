@@ -1,10 +1,12 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "skinning/humanoid/humanoid.h"
 #include "skinning/skeleton.h"
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,6 +17,7 @@ namespace lorica {
 ///     { "lorica": "bone map 1",
 ///       "character": "hero.glb",
 ///       "bones": { "hips": "Bip01 Pelvis", "spine": "Bip01 Spine", ..., "leftToes": null },
+///       "unsure": { "leftHand": "the arms are not alike" },
 ///       "unusedJoints": [ "Bip01", "Bip01 Tail" ] }
 ///
 /// If several joints have one name, a joint is given by as much of its path as needed: "Neck/Head".
@@ -30,11 +33,12 @@ struct BoneMap {
 /// Parses the content of a bone map. @param name  of the file, for messages
 [[nodiscard]] Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name);
 
-/// Writes the bones of a skeleton as a map to edit: all bones in VRM's order, null if there is none, then the names of
-/// the joints that no bone uses, to copy from.
+/// Writes the bones of a skeleton as a map to edit: all bones in VRM's order, null if there is none, then those that
+/// may be wrong, if any, and the names of the joints that no bone uses, to copy from.
 /// @param character  name of the file that the skeleton came from
+/// @param doubts     of its bones
 [[nodiscard]] Result<void> writeBoneMap(const std::filesystem::path& file, const Skeleton& skeleton,
-                                        std::string_view character);
+                                        std::string_view character, std::span<const BoneDoubt> doubts = {});
 
 /// The same skeleton with exactly the bones of a map.
 /// @param name  of the map, for messages

@@ -102,6 +102,8 @@ TEST(Characters, BonesWithoutNamesAreFoundByShapeAndAMapPutsThemRight) {
   ASSERT_EQ(studio().run({"info", studio().nameless, "--write-map", map}).exitCode, 0);
   nlohmann::json written = nlohmann::json::parse(std::ifstream(map));
   EXPECT_EQ(written["bones"]["leftHand"], found["bones"]["leftHand"]);
+  EXPECT_EQ(written["unsure"]["leftIndexProximal"], "fingers are told apart by their places alone");
+  EXPECT_FALSE(written["unsure"].contains("leftHand"));
   // Swap the arms and their descendants.
   const nlohmann::json before = written["bones"];
   for (const auto& [bone, joint] : before.items()) {

@@ -55,6 +55,20 @@ using enum HumanBone;
   return applied.ok() ? "applied" : applied.error().message;
 }
 
+TEST(BoneMap, SaysWhatIsUnsure) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "map.json";
+  const std::vector<BoneDoubt> doubts = {{{kHips, kLeftUpperLeg}, "a guess"}, {{kHips}, "very low"}};
+  ASSERT_TRUE(writeBoneMap(file, small(), "hero.glb", doubts));
+  const nlohmann::json written = nlohmann::json::parse(*readFile(file));
+  EXPECT_EQ(written["unsure"].size(), 2u);
+  EXPECT_EQ(written["unsure"]["hips"], "a guess; very low");
+  EXPECT_EQ(written["unsure"]["leftUpperLeg"], "a guess");
+  EXPECT_TRUE(readBoneMap(file)) << "what is unsure does not matter to the reader";
+  ASSERT_TRUE(writeBoneMap(file, small(), "hero.glb"));
+  EXPECT_FALSE(nlohmann::json::parse(*readFile(file)).contains("unsure"));
+}
+
 TEST(BoneMap, WhatIsWrittenIsReadAndAppliedAgain) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "map.json";
