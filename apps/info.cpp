@@ -1,5 +1,6 @@
 #include "apps/depth_motion.h"
 #include "apps/file_summary.h"
+#include "apps/file_trust.h"
 #include "apps/inputs.h"
 #include "apps/motions.h"
 #include "apps/options.h"
@@ -79,7 +80,7 @@ Result<std::size_t> writeMap(const Options& options) {
                  fmt::format("--write-map is for character files, but {} is not one", options.input)};
   }
   if (Result<void> fine = checkOutput("--write-map", options.writeMap, ".json"); !fine) return fine.error();
-  const Result<CharacterFile> file = readCharacterFile(options.input);
+  const Result<CharacterFile> file = readCharacterFile(options.input, characterFileSettings());
   if (!file) return file.error();
   const Skeleton& own = file->character.skeleton;
   HumanoidGuess none;

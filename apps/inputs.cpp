@@ -1,6 +1,7 @@
 #include "apps/inputs.h"
 
 #include "apps/expression_options.h"
+#include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
@@ -63,7 +64,7 @@ Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float
 }
 
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
-  Result<CharacterFile> read = readCharacterFile(file);
+  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
   if (!read) return read.error();
   if (read->character.mesh.triangles.empty()) {
     return Error{ErrorCode::kBadMesh, fmt::format("{}: no triangles, only {}; expected a character with a surface",

@@ -1,3 +1,4 @@
+#include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
 
@@ -42,6 +43,7 @@ int run(int argc, char** argv) {
   const auto chosen = std::find_if(commands.begin(), commands.end(),
                                    [](const lorica::Command& command) { return command.app->parsed(); });
 
+  if (common.trustPaths) lorica::trustPaths();
   lorica::watchInterrupt();
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(common.threadCount()));
@@ -55,6 +57,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // Lorica's code throws no exceptions; this reports std::bad_alloc and exceptions of libraries.
   try {
+    if (argc == 2 && argv[1] == lorica::kReadForItself) return lorica::serveIsolatedReader();
     return run(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "lorica: stopped: {}\n", error.what());

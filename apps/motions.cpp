@@ -1,6 +1,7 @@
 #include "apps/motions.h"
 
 #include "apps/depth_motion.h"
+#include "apps/file_trust.h"
 #include "apps/options.h"
 #include "apps/report.h"
 #include "capture/files/bvh_file.h"
@@ -64,7 +65,7 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
     motion.notes = std::move(read->notes);
     return motion;
   }
-  Result<CharacterFile> read = readCharacterFile(file);
+  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
   if (!read) return read.error();
   const Result<const Clip*> clip = findClip(read->clips, options.clip, file.string());
   if (!clip) return clip.error();

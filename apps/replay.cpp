@@ -4,6 +4,7 @@
 #include "apps/run_session.h"
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
+#include "apps/session_files.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 
@@ -28,24 +29,23 @@ struct Options {
 };
 
 /// The recorded character, or the one given by --character.
-Result<Subject> findCharacter(const Options& options, const SessionHeader& header) {
-  CharacterOptions reading{header.boneMap, header.bodyResolution};
+Result<Subject> findCharacter(const Options& options, const SessionHeader& header, const SessionInputs& inputs) {
+  CharacterOptions reading{inputs.boneMap, header.bodyResolution};
   reading.drawn = options.window || options.pictures.any();
   reading.textureSize = options.textureSize;
   reading.expressions = header.expressions;
-  if (!options.character.empty()) return readCharacter(options.character, reading);
-  Result<Subject> subject = readCharacter(header.character, reading);
-  if (subject) return subject;
+  Result<Subject> subject = readCharacter(inputs.character, reading);
+  if (subject || !options.character.empty()) return subject;
   return Error{subject.error().code, fmt::format("{}: the recorded character {} cannot be read ({}): give its file "
                                                  "with --character",
                                                  options.file, header.character, subject.error().message)};
 }
 
 /// The recorded decomposition and cover: the file given by --decomposition, the recorded file, or the default one.
-Result<DecompositionFile> findBody(const Options& options, const SessionHeader& header, const Subject& subject,
-                                   int threads) {
+Result<DecompositionFile> findBody(const Options& options, const SessionHeader& header, const SessionInputs& inputs,
+                                   const Subject& subject, int threads) {
   BodyOptions body;
-  body.decomposition = options.decomposition.empty() ? header.decomposition : options.decomposition;
+  body.decomposition = inputs.decomposition;
   body.cover.tolerance = header.coverTolerance;
   body.cover.hullVertices = header.hullVertices;
   Result<DecompositionFile> file = chooseBody(body, subject, threads);
@@ -74,7 +74,9 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   const auto recorded = std::make_shared<const SessionFile>(std::move(*read));
   const SessionHeader& header = recorded->header;
 
-  const Result<Subject> subject = findCharacter(options, header);
+  const Result<SessionInputs> inputs = inputsOf(*recorded, options.file, options.character, options.decomposition);
+  if (!inputs) return inputs.error();
+  const Result<Subject> subject = findCharacter(options, header, *inputs);
   if (!subject) return subject.error();
   const Character& character = *subject->character;
   if (hashOf(character) != header.characterHash) {
@@ -84,9 +86,9 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
                     "the recorded character with --character",
                     options.file, header.character, subject->name)};
   }
-  const Result<DecompositionFile> body = findBody(options, header, *subject, common.threadCount());
+  const Result<DecompositionFile> body = findBody(options, header, *inputs, *subject, common.threadCount());
   if (!body) return body.error();
-  const auto worldAgain = [&] { return worldOf({recorded->sceneText, header.sceneFolder}, header.scene); };
+  const auto worldAgain = [&] { return worldOf(inputs->scene, header.scene); };
   const auto sourceAgain = [&]() -> Result<std::unique_ptr<PoseSource>> {
     Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(*recorded, character);
     if (!source) return Error{source.error().code, options.file + ": " + source.error().message};

@@ -1,6 +1,7 @@
 #include "apps/scenes.h"
 
 #include "apps/body_choice.h"
+#include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/motions.h"
 #include "apps/progress_bar.h"
@@ -37,14 +38,20 @@ void addSceneOption(CommandLine& app, std::string& scene) {
       ->typeName("SCENE");
 }
 
+Result<std::filesystem::path> scenesFolder() {
+  // It is next to that of recordings, in the source tree and when installed.
+  const Result<std::filesystem::path> recordings = recordingsFolder();
+  if (!recordings) return recordings.error();
+  return recordings->parent_path() / "scenes";
+}
+
 Result<SceneText> readSceneText(const std::string& scene) {
   if (scene.empty()) return SceneText();
   std::filesystem::path file = scene;
   if (isBareName(scene)) {
-    // The folder of scenes is next to that of recordings, in the source tree and when installed.
-    const Result<std::filesystem::path> folder = recordingsFolder();
+    const Result<std::filesystem::path> folder = scenesFolder();
     if (!folder) return folder.error();
-    file = folder->parent_path() / "scenes" / (scene + ".json");
+    file = *folder / (scene + ".json");
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
       return Error{ErrorCode::kNotFound,
@@ -55,7 +62,7 @@ Result<SceneText> readSceneText(const std::string& scene) {
   }
   Result<std::string> text = readFile(file);
   if (!text) return text.error();
-  return SceneText{std::move(*text), file.parent_path()};
+  return SceneText{std::move(*text), file.parent_path(), pathTrust()};
 }
 
 Result<World> worldOf(const SceneText& scene, const std::string& name) {
@@ -63,6 +70,7 @@ Result<World> worldOf(const SceneText& scene, const std::string& name) {
   SceneReading reading;
   reading.folder = scene.folder;
   reading.decomposer = decomposeProp;
+  reading.paths = scene.paths;
   const Result<SceneFile> read = parseScene(scene.text, name, reading);
   if (!read) return read.error();
   return makeWorld(*read);

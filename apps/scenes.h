@@ -2,6 +2,7 @@
 
 #include "apps/command_line.h"
 #include "collision/world/world.h"
+#include "geometry/named_file.h"
 #include "geometry/result.h"
 
 #include <filesystem>
@@ -18,9 +19,13 @@ void addSceneOption(CommandLine& app, std::string& scene);
 
 /// The text of a scene file.
 struct SceneText {
-  std::string text;              ///< empty = the boxes and balls of the demo
-  std::filesystem::path folder;  ///< base of relative mesh paths
+  std::string text;                       ///< empty = the boxes and balls of the demo
+  std::filesystem::path folder;           ///< base of relative mesh paths
+  PathTrust paths = PathTrust::kBeneath;  ///< which mesh files it may name
 };
+
+/// The folder of the shipped scenes.
+[[nodiscard]] Result<std::filesystem::path> scenesFolder();
 
 /// The text that openScene() reads.
 [[nodiscard]] Result<SceneText> readSceneText(const std::string& scene);

@@ -1,12 +1,39 @@
 #include "apps/session_files.h"
 
-#include "apps/scenes.h"
+#include "apps/file_trust.h"
 #include "session/demo_scene.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
+#include <system_error>
+
 namespace lorica {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Whether it is the name of what ships, such as "mannequin" or "bowling", and no file.
+bool isShippedName(const std::string& name) {
+  return name.find('/') == std::string::npos && !fs::path(name).has_extension();
+}
+
+/// A name for the header: relative to the folder of the session, so that both can be moved together.
+std::string nameFor(const std::string& session, const std::string& file) {
+  if (file.empty()) return file;
+  std::error_code error;
+  const fs::path folder = fs::path(session).has_parent_path() ? fs::path(session).parent_path() : fs::path(".");
+  const fs::path relative = fs::relative(file, folder, error);
+  return error || relative.empty() ? file : relative.string();
+}
+
+}  // namespace
+
+void addRecordOption(CommandLine& app, std::string& file) {
+  app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
+}
 
 void addRecordOption(CommandLine& app, std::string& file) {
   app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
@@ -14,6 +41,40 @@ void addRecordOption(CommandLine& app, std::string& file) {
 
 Result<void> checkRecord(const std::string& option, const std::string& file) {
   return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
+}
+
+Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& session, const std::string& character,
+                               const std::string& decomposition) {
+  const SessionHeader& header = recorded.header;
+  const NamedFiles beside{fs::path(session).parent_path(), pathTrust()};
+  Result<void> done;
+  const auto find = [&](const std::string& name, const char* what, const char* instead) -> std::string {
+    if (!done || name.empty()) return name;
+    const Result<fs::path> file = beside.find(name);
+    if (file) return file->string();
+    done = Error{file.error().code,
+                 fmt::format("{}: the recorded {}: {}{}", session, what, file.error().message, instead)};
+    return {};
+  };
+  SessionInputs inputs;
+  inputs.character = !character.empty() ? character
+                     : isShippedName(header.character)
+                         ? header.character
+                         : find(header.character, "character", "; --character gives its file");
+  inputs.boneMap = find(header.boneMap, "bone map", "");
+  inputs.decomposition = decomposition.empty()
+                             ? find(header.decomposition, "decomposition", "; --decomposition gives its file")
+                             : decomposition;
+  inputs.scene = {recorded.sceneText, {}, pathTrust()};
+  if (isShippedName(header.scene) && !header.scene.empty()) {
+    const Result<fs::path> shipped = scenesFolder();
+    if (!shipped) return shipped.error();
+    inputs.scene.folder = *shipped;
+  } else if (!header.scene.empty()) {
+    inputs.scene.folder = find(header.sceneFolder.empty() ? "." : header.sceneFolder, "folder of the scene", "");
+  }
+  if (!done) return done.error();
+  return inputs;
 }
 
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const RecordedAs& as,
@@ -26,11 +87,12 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   header.source = as.source;
   header.poseJoints = as.poses ? character.skeleton.jointCount() : 0;
   header.character = as.character.empty() ? "mannequin" : as.character;
-  header.boneMap = as.reading.map;
+  if (!isShippedName(header.character)) header.character = nameFor(file, header.character);
+  header.boneMap = nameFor(file, as.reading.map);
   header.bodyResolution = as.reading.bodyResolution;
   header.expressions = as.reading.expressions;
   header.characterHash = hashOf(character);
-  header.decomposition = as.body.decomposition;
+  header.decomposition = nameFor(file, as.body.decomposition);
   header.decompositionHash = hashOf(body.decomposition);
   header.coverTolerance = as.body.cover.tolerance;
   header.hullVertices = as.body.cover.hullVertices;
@@ -44,7 +106,7 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
     header.springsHash = hashOf(as.springs->springs);
   }
   header.scene = as.scene;
-  header.sceneFolder = scene->folder.string();
+  if (!isBareName(as.scene)) header.sceneFolder = nameFor(file, scene->folder.empty() ? "." : scene->folder.string());
   header.sceneSeed = as.scene.empty() ? kDemoSeed : 0;
   header.worldHash = hashOf(world);
   return SessionRecorder::start(file, header, scene->text);

@@ -5,7 +5,9 @@
 #include "apps/command_line.h"
 #include "apps/motions.h"
 #include "apps/report.h"
+#include "apps/scenes.h"
 #include "apps/spring_options.h"
+#include "session/session_file.h"
 #include "session/session_recorder.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -33,6 +35,21 @@ struct RecordedAs {
   std::string scene;  ///< as given by the user
   std::optional<SpringChoice> springs;
 };
+
+/// The files that a recorded session names, where this machine has them. Names of what ships stay as they are; the
+/// others follow the rule of NamedFiles, from the folder of the session.
+struct SessionInputs {
+  std::string character;
+  std::string boneMap;        ///< empty = none
+  std::string decomposition;  ///< empty = the default one
+  SceneText scene;
+};
+
+/// @param session    file of the session
+/// @param character  replaces the recorded name and is not checked; empty = as recorded. So does `decomposition`
+/// @return the files; or an error with the name of the first that is not allowed, and the option that gives another
+[[nodiscard]] Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& session,
+                                             const std::string& character, const std::string& decomposition);
 
 /// Starts a recording. @param file  empty = none
 /// @return the recorder, which must watch the session and whose log the source needs; null if none was requested
