@@ -1,34 +1,21 @@
 #include "capture/retarget/proxy_skeleton.h"
 
 #include "capture/retarget/leg_reach.h"
-#include "capture/retarget/limb_ends.h"
-#include "skinning/humanoid/humanoid_words.h"
+#include "capture/retarget/proxy_draft.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <string_view>
+#include <limits>
+#include <numeric>
 
 namespace lorica {
 namespace {
 
-constexpr double kNamedNear = 0.15;  // fraction of the height: max distance of a hand or foot found by name from the
-                                     // limb's end
-constexpr double kPlacedNear = 0.04;
-constexpr double kStrayNear = 0.15;  // fraction of the height: max distance of a stray's mesh from a bone
-constexpr std::array<std::string_view, 4> kHandWords = {"hand", "palm", "wrist", "fist"};
-constexpr std::array<std::string_view, 3> kFootWords = {"foot", "feet", "ankle"};
-constexpr std::array<std::string_view, 3> kToesWords = {"toe", "toes", "ball"};
-
 std::size_t at(JointIndex joint) {
   return static_cast<std::size_t>(joint);
-}
-
-bool hasWord(const JointName& name, std::span<const std::string_view> words) {
-  return std::any_of(name.words.begin(), name.words.end(), [&](const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-  });
 }
 
 /// Local transform of a joint relative to another. Both are given by world rotation, without scale, and world
@@ -43,195 +30,47 @@ JointTransform relative(const Quat& parentRotation, const Affine3& worldFromPare
   return local;
 }
 
-/// A proxy skeleton under construction: the character's joints with their original indices, then the added ones.
-struct Draft {
-  const Character& character;
-  RestMesh mesh;
-  std::vector<JointName> names;
-  std::vector<Joint> joints;  ///< a parent may come after its child; rest is the original one
-  std::vector<Quat> rotation;
-  std::vector<Affine3> world;
-  std::array<JointIndex, kHumanBoneCount> jointOf{};
-  std::vector<ProxySkeleton::Substitute> substitutes;
-  std::vector<ProxySkeleton::Stray> strays;
-
-  explicit Draft(const Character& of)
-      : character(of),
-        mesh(of),
-        names(readJointNames(of.skeleton)),
-        joints(of.skeleton.joints().begin(), of.skeleton.joints().end()),
-        rotation(joints.size()),
-        world(joints.size()) {
-    evaluatePose(of.skeleton, restPose(of.skeleton), rotation, world);
-    for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = of.skeleton.jointOf(static_cast<HumanBone>(b));
-  }
-
-  [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
-  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[at(joint)].translation(); }
-
-  [[nodiscard]] bool isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
-    while (joint != kNoJoint && joint != ancestor) joint = joints[at(joint)].parent;
-    return joint == ancestor;
-  }
-
-  void name(HumanBone bone, JointIndex joint) {
-    jointOf[static_cast<std::size_t>(bone)] = joint;
-    joints[at(joint)].bone = bone;
-  }
-
-  JointIndex add(HumanBone bone, JointIndex parent, const Vec3& where) {
-    const auto joint = static_cast<JointIndex>(joints.size());
-    joints.push_back({fmt::format("{} (added)", nameOf(bone)), parent, {}, {}});
-    rotation.push_back(rotation[at(parent)]);
-    world.push_back(world[at(parent)]);
-    world.back().translation() = where;
-    name(bone, joint);
-    return joint;
-  }
-
-  /// The vertices of a joint of the character and of its descendants.
-  [[nodiscard]] std::vector<Vec3> pointsBelow(JointIndex top) const {
-    std::vector<bool> marked(at(character.skeleton.jointCount()));
-    for (std::size_t j = 0; j < marked.size(); ++j) marked[j] = isBelowOrSame(static_cast<JointIndex>(j), top);
-    return mesh.pointsOf(marked);
-  }
-
-  /// The joint that is a limb's hand or foot although it is attached elsewhere; kNoJoint if there is none.
-  [[nodiscard]] JointIndex findEnd(std::size_t limb, JointIndex last, const std::optional<Vec3>& meshEnd) const {
-    const bool leg = limb >= kFirstLeg;
-    const Side side = limb % 2 == 0 ? Side::kLeft : Side::kRight;
-    const JointIndex hips = (*this)[HumanBone::kHips];
-    // Without a mesh on the limb, only names are used.
-    double nearest = (meshEnd ? kNamedNear : 1.0) * character.height;
-    JointIndex found = kNoJoint;
-    for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
-      if (joints[at(j)].bone || isBelowOrSame(last, j)) continue;
-      const JointName& its = names[at(j)];
-      const bool named = its.side == side && !isHelper(its) &&
-                         hasWord(its, leg ? std::span<const std::string_view>(kFootWords)
-                                          : std::span<const std::string_view>(kHandWords));
-      const bool outside = !isBelowOrSame(j, hips) || isBelowOrSame(j, last);
-      if (!named && !(outside && meshEnd && mesh.carriesVertices(j))) continue;
-      const double away = (position(j) - meshEnd.value_or(position(last))).norm();
-      if (away > nearest || (!named && away > kPlacedNear * character.height)) continue;
-      nearest = away;
-      found = j;
-    }
-    return found;
-  }
-
-  /// Adds the missing bones of one limb. @return whether it succeeded
-  bool complete(std::size_t i) {
-    const LimbBones& limb = limbs()[i];
-    const bool leg = i >= kFirstLeg;
-    const JointIndex upper = (*this)[limb.upper];
-    const JointIndex last = (*this)[limb.lower] == kNoJoint ? upper : (*this)[limb.lower];
-    if (last != upper && !isBelowOrSame(last, upper)) return false;
-    JointIndex end = (*this)[limb.end];
-    if (end != kNoJoint && isBelowOrSame(end, last) && last != upper) return true;
-
-    std::optional<Vec3> meshEnd;
-    if (end == kNoJoint) {
-      const std::vector<Vec3> points = pointsBelow(last);
-      meshEnd = leg ? legEnd(points, position(last), (position(last) - position(upper)).norm())
-                    : armEnd(points, position(last));
-      end = findEnd(i, last, meshEnd);
-      if (end != kNoJoint) {
-        name(limb.end, end);
-        if (leg) nameToes(i == kFirstLeg ? HumanBone::kLeftToes : HumanBone::kRightToes, end);
-      }
-    } else if (isBelowOrSame(last, end)) {
-      return false;
-    }
-    if (end == kNoJoint && !meshEnd) return false;
-    const Vec3 endPosition = end == kNoJoint ? *meshEnd : position(end);
-    JointIndex lower = last;
-    if (last == upper) {
-      lower = add(limb.lower, upper, 0.5 * (position(upper) + endPosition));
-      substitutes.push_back({limb.lower, kNoJoint, upper});
-    }
-    if (end == kNoJoint) {
-      add(limb.end, lower, endPosition);
-      substitutes.push_back({limb.end, kNoJoint, last});
-    } else if (!isBelowOrSame(end, lower)) {
-      if (!isBelowOrSame(end, last)) substitutes.push_back({limb.end, end, last});
-      joints[at(end)].parent = lower;
-    }
-    return true;
-  }
-
-  void nameToes(HumanBone toes, JointIndex foot) {
-    if ((*this)[toes] != kNoJoint) return;
-    for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
-      if (j == foot || joints[at(j)].bone || isHelper(names[at(j)])) continue;
-      if (!isBelowOrSame(j, foot) || !hasWord(names[at(j)], kToesWords)) continue;
-      name(toes, j);
-      return;
-    }
-  }
-
-  /// The bone whose line to the next one passes nearest to a point; kNoJoint if none is near.
-  [[nodiscard]] JointIndex nearestBone(const Vec3& point) const {
-    double nearest = kStrayNear * character.height;
-    JointIndex found = kNoJoint;
-    for (std::size_t b = 0; b <= static_cast<std::size_t>(HumanBone::kRightHand); ++b) {
-      const JointIndex bone = jointOf[b];
-      if (bone == kNoJoint) continue;
-      double away = (point - position(bone)).norm();
-      for (std::size_t next = 0; next <= static_cast<std::size_t>(HumanBone::kRightHand); ++next) {
-        if (jointOf[next] == kNoJoint || joints[at(jointOf[next])].parent != bone) continue;
-        const Vec3 line = position(jointOf[next]) - position(bone);
-        const double along = std::clamp(line.dot(point - position(bone)) / line.squaredNorm(), 0.0, 1.0);
-        if (std::isfinite(along)) away = std::min(away, (point - position(bone) - along * line).norm());
-      }
-      // Of bones that meet at the nearest point, the one farther from the hips.
-      const bool better = away < nearest - 1e-9 || (away <= nearest + 1e-9 && isBelowOrSame(bone, found));
-      if (!better) continue;
-      nearest = away;
-      found = bone;
-    }
-    return found;
-  }
-
-  /// Attaches joints that carry vertices but do not move with the hips to their nearest bones, with all below them.
-  void attachStrays() {
-    const JointIndex hips = (*this)[HumanBone::kHips];
-    for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
-      if (!mesh.carriesVertices(j) || isBelowOrSame(j, hips)) continue;
-      if (isBelowOrSame(hips, j)) {
-        strays.push_back({j, kNoJoint});
-        continue;
-      }
-      std::vector<bool> only(at(character.skeleton.jointCount()), false);
-      only[at(j)] = true;
-      const std::vector<Vec3> points = mesh.pointsOf(only);
-      Vec3 middle = Vec3::Zero();
-      for (const Vec3& point : points) middle += point / static_cast<double>(points.size());
-      const JointIndex bone = nearestBone(middle);
-      strays.push_back({j, bone});
-      if (bone != kNoJoint) joints[at(j)].parent = bone;
-    }
-  }
-
-  /// Joint order: parents before children, otherwise unchanged; and the new index of each joint.
-  [[nodiscard]] std::vector<JointIndex> order() const {
-    std::vector<JointIndex> ordered;
-    ordered.reserve(joints.size());
-    std::vector<bool> placed(joints.size(), false);
-    std::vector<JointIndex> above;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      for (auto up = static_cast<JointIndex>(j); up != kNoJoint && !placed[at(up)]; up = joints[at(up)].parent) {
-        above.push_back(up);
-        placed[at(up)] = true;
-      }
-      ordered.insert(ordered.end(), above.rbegin(), above.rend());
-      above.clear();
-    }
-    return ordered;
-  }
-};
-
 }  // namespace
+
+std::vector<ProxySkeleton::Foot> ProxySkeleton::longFeet(const ProxyDraft& draft, const RetargetRig& rig,
+                                                         std::span<const JointIndex> proxyOf) {
+  constexpr double kSlack = 0.01;                                            // of the height
+  constexpr std::array<double, 5> kPitches = {-0.7, -0.35, 0.0, 0.35, 0.7};  // [rad]
+  std::vector<Foot> feet;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const JointIndex joint = draft[limbs()[kFirstLeg + side].end];
+    if (joint == kNoJoint) continue;
+    Foot foot;
+    foot.joint = proxyOf[at(joint)];
+    foot.level = draft.rotation[at(joint)];
+    std::vector<Vec3> reached;
+    for (JointIndex j = 0; j < draft.character.skeleton.jointCount(); ++j) {
+      if (!draft.isBelowOrSame(j, joint)) continue;
+      for (const Vec3& point : solePoints(draft.pointsOf(j))) {
+        foot.points.push_back({proxyOf[at(j)], draft.world[at(j)].inverse() * point});
+        foot.floor = std::min(foot.floor, point.y());
+        reached.push_back(point);
+      }
+    }
+    const JointIndex toes = draft[side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes];
+    const RetargetRig::Sole& sole = rig.sole[side];
+    const Affine3& worldFromFoot = draft.world[at(joint)];
+    const std::array<Vec3, 3> estimated = {worldFromFoot * sole.heel, worldFromFoot * sole.ball,
+                                           (toes == kNoJoint ? worldFromFoot : draft.world[at(toes)]) * sole.tip};
+    const Vec3 ankle = draft.position(joint);
+    const auto lowest = [&](std::span<const Vec3> points, const Quat& turn) {
+      double y = std::numeric_limits<double>::infinity();
+      for (const Vec3& point : points) y = std::min(y, (turn * (point - ankle)).y());
+      return y;
+    };
+    const bool reachesBelow = std::any_of(kPitches.begin(), kPitches.end(), [&](double pitch) {
+      const Quat turn(Eigen::AngleAxisd(pitch, Vec3::UnitX()));
+      return lowest(reached, turn) < lowest(estimated, turn) - kSlack * draft.character.height;
+    });
+    if (reachesBelow) feet.push_back(std::move(foot));
+  }
+  return feet;
+}
 
 Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
   ProxySkeleton made;
@@ -242,7 +81,7 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
   bool lacking = lacks(HumanBone::kHips);
   for (const LimbBones& limb : limbs()) lacking = lacking || lacks(limb.upper);
   if (!own && lacking) return own.error();
-  Draft draft(character);
+  ProxyDraft draft(character);
   for (std::size_t i = 0; i < kLimbCount && !own; ++i) {
     if (!draft.complete(i)) return own.error();
   }
@@ -250,8 +89,12 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
   made.strays_ = draft.strays;
   const auto attached = [](const Stray& stray) { return stray.on != kNoJoint; };
   if (own && std::none_of(draft.strays.begin(), draft.strays.end(), attached)) {
-    made.skeleton_ = character.skeleton;
-    return made;
+    std::vector<JointIndex> same(ownCount);
+    std::iota(same.begin(), same.end(), 0);
+    if (longFeet(draft, *own, same).empty()) {
+      made.skeleton_ = character.skeleton;
+      return made;
+    }
   }
 
   // The joints in the new order; reattached joints are expressed in their new parents' frames.
@@ -305,13 +148,12 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
     if (i < kFirstLeg || !(isAdded(lower) || isAdded(end))) continue;
     for (std::size_t j = 0; j < ownCount; ++j) {
       if (!draft.isBelowOrSame(static_cast<JointIndex>(j), upper)) continue;
-      std::vector<bool> only(ownCount, false);
-      only[j] = true;
-      for (const Vec3& point : solePoints(draft.mesh.pointsOf(only))) {
+      for (const Vec3& point : solePoints(draft.pointsOf(static_cast<JointIndex>(j)))) {
         made.soles_.push_back({newIndex[j], draft.world[j].inverse() * point});
       }
     }
   }
+  if (made.soles_.empty()) made.feet_ = longFeet(draft, *rig, newIndex);
   made.shown_ = restPose(made.skeleton_);
   made.proxyRotation_.resize(order.size());
   made.worldFromProxy_.resize(order.size());
@@ -340,15 +182,58 @@ void ProxySkeleton::stiffen(std::span<const JointTransform> proxyPose) {
   }
   if (!stiff_.empty()) evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
 
+  levelFeet();
+  raiseHips();
+}
+
+/// Levels each foot only as far as needed.
+void ProxySkeleton::levelFeet() {
+  constexpr int kHalvings = 12;
+  bool any = false;
+  for (const Foot& foot : feet_) {
+    const Vec3 ankle = worldFromProxy_[at(foot.joint)].translation();
+    const auto isAbove = [&](const Quat& turn) {
+      return std::all_of(foot.points.begin(), foot.points.end(), [&](const SolePoint& point) {
+        const Vec3 fromAnkle = worldFromProxy_[at(point.joint)] * point.position - ankle;
+        return ankle.y() + (turn * fromAnkle).y() >= foot.floor;
+      });
+    };
+    if (isAbove(Quat::Identity())) continue;
+    const Quat& current = proxyRotation_[at(foot.joint)];
+    const Quat turned = current * foot.level.conjugate();
+    Quat heading(turned.w(), 0.0, turned.y(), 0.0);
+    if (heading.norm() < 1e-6) continue;  // upside down
+    heading.normalize();
+    const Quat level = (heading * foot.level * current.conjugate()).normalized();
+    double least = 0.0;
+    double enough = 1.0;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (least + enough);
+      (isAbove(Quat::Identity().slerp(middle, level)) ? enough : least) = middle;
+    }
+    const JointIndex parent = skeleton_.joint(foot.joint).parent;
+    const Quat above = parent == kNoJoint ? Quat::Identity() : proxyRotation_[at(parent)];
+    shown_[at(foot.joint)].rotation =
+        (above.conjugate() * Quat::Identity().slerp(enough, level) * current).normalized();
+    any = true;
+  }
+  if (any) evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
+}
+
+void ProxySkeleton::raiseHips() {
   double lowest = 0.0;
   for (const SolePoint& sole : soles_) {
     lowest = std::min(lowest, (worldFromProxy_[at(sole.joint)] * sole.position).y());
   }
-  if (lowest < 0.0) {
-    const JointIndex hips = skeleton_.jointOf(HumanBone::kHips);
-    shown_[at(hips)].translation += hipsParentFromWorld_.linear() * Vec3(0.0, -lowest, 0.0);
-    evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
+  for (const Foot& foot : feet_) {
+    for (const SolePoint& sole : foot.points) {
+      lowest = std::min(lowest, (worldFromProxy_[at(sole.joint)] * sole.position).y() - foot.floor);
+    }
   }
+  if (lowest >= 0.0) return;
+  const JointIndex hips = skeleton_.jointOf(HumanBone::kHips);
+  shown_[at(hips)].translation += hipsParentFromWorld_.linear() * Vec3(0.0, -lowest, 0.0);
+  evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
 }
 
 void ProxySkeleton::mapBack(std::span<const JointTransform> proxyPose, std::span<JointTransform> pose) {

@@ -12,6 +12,8 @@
 
 namespace lorica {
 
+struct ProxyDraft;
+
 /// A retargetable skeleton that substitutes for one that is not: for example that of a game character whose feet are
 /// children of the root, used as IK targets, or whose limbs have one joint each.
 ///
@@ -22,7 +24,11 @@ namespace lorica {
 /// raised if this would put the sole below the floor, y = 0.
 ///
 /// A joint that carries vertices but is not below the hips would stay behind when the body walks: the IK foot of a rig
-/// whose leg ends in a bone of the same name without a mesh. It is attached to the nearest bone.
+/// whose leg ends in a bone of the same name without a mesh. It is attached to the nearest bone. So is a control on the
+/// hips or the trunk that carries the mesh of a hand or foot.
+///
+/// The soles of a rig are estimates. Where the mesh of a foot reaches farther, the foot is levelled until it is not
+/// below the floor; if that is not enough, the hips are raised.
 ///
 /// If a skeleton can be retargeted as is, the proxy equals that skeleton. Keeps no state between frames but has buffers
 /// for one frame: use one instance per thread.
@@ -35,7 +41,7 @@ class ProxySkeleton {
     JointIndex on = kNoJoint;     ///< the last joint of the character's limb
   };
 
-  /// A joint that carries vertices outside the hips.
+  /// A joint that carries vertices outside the hips, or those of a hand or foot that hangs elsewhere.
   struct Stray {
     JointIndex joint = kNoJoint;  ///< of the character
     JointIndex on = kNoJoint;     ///< the bone that it is attached to; kNoJoint: none is near, it stays behind
@@ -74,7 +80,20 @@ class ProxySkeleton {
     Vec3 position;     ///< in the joint
   };
 
+  /// A foot whose mesh reaches below the estimated sole when it is pitched.
+  struct Foot {
+    JointIndex joint = kNoJoint;    ///< of the proxy
+    Quat level = Quat::Identity();  ///< its rotation at rest, world
+    double floor = 0.0;             ///< height that its mesh may reach down to [m]
+    std::vector<SolePoint> points;
+  };
+
   ProxySkeleton() = default;
+  /// The feet that need levelling, by the proxy's rig.
+  [[nodiscard]] static std::vector<Foot> longFeet(const ProxyDraft& draft, const RetargetRig& rig,
+                                                  std::span<const JointIndex> proxyOf);
+  void levelFeet();
+  void raiseHips();
   void stiffen(std::span<const JointTransform> proxyPose);
 
   Skeleton own_;
@@ -85,6 +104,7 @@ class ProxySkeleton {
   std::vector<bool> sameParent_;     ///< one per joint of the character: its local transform equals the proxy's
   std::vector<StiffLimb> stiff_;
   std::vector<SolePoint> soles_;  ///< of legs without feet or shins of their own
+  std::vector<Foot> feet_;
   Affine3 hipsParentFromWorld_ = Affine3::Identity();
 
   Pose shown_;  ///< of the proxy, with stiff limbs straightened

@@ -83,6 +83,7 @@ void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std:
   constexpr double kHeelBehind = 0.45;
   constexpr double kTipAhead = 0.55;
   constexpr double kToesAhead = 0.16;
+  constexpr double kShortestFoot = 0.08;
   constexpr double kAnkleHeight = 0.1;
   constexpr double kToesHeight = 0.03;
   constexpr double kLowestAnkle = 0.05;
@@ -110,6 +111,8 @@ void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std:
   } else if (std::abs(ahead.x()) < ahead.z()) {
     rig.toesHeading[side] = Quat(Eigen::AngleAxisd(std::atan2(ahead.x(), ahead.z()), Vec3::UnitY()));
   }
+  // A joint under the ankle is in the heel, not where the toes begin.
+  if (ahead.norm() < kShortestFoot * leg) ahead *= kToesAhead * leg / ahead.norm();
   rig.ballFromAnkle[side] = ahead - Vec3(0.0, rig.restAnkleHeight[side], 0.0);
   const auto below = [&](double share) -> Vec3 {
     return ankle + ground * Vec3(share * ahead - Vec3(0.0, rig.restAnkleHeight[side], 0.0));
@@ -121,7 +124,7 @@ void measureFoot(RetargetRig& rig, std::span<const Affine3> worldFromJoint, std:
 
 /// Rotation that makes a rest pose's foot stand. It may point down, as in files whose limbs are all aligned with axes.
 Quat flatFoot(const Vec3& toesFromAnkle) {
-  constexpr double kSteepest = 0.85;  // sine; high heels stay below
+  constexpr double kSteepest = 0.95;  // sine; high heels and toe joints under the ankle stay below
   constexpr double kSlope = 0.45;     // slope of the line from ankle to toes in a standing foot [rad]
   const double length = toesFromAnkle.norm();
   if (length < kShortestBone || std::abs(toesFromAnkle.y()) < kSteepest * length) return Quat::Identity();

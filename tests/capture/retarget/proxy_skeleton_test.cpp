@@ -304,11 +304,11 @@ INSTANTIATE_TEST_SUITE_P(All, ProxyMotion, ::testing::Values("walk", "jumping_ja
 struct ControlRig {
   bool hands = false;        ///< controls for the hands, not for the feet alone
   int toes = 0;              ///< 0 stay on the chain, 1 follow the control, 2 have a joint of their own below it
-  bool ownParent = false;    ///< controls hang on a turned, scaled joint beside the hips
+  int parent = 0;            ///< controls hang on 0 nothing, 1 a turned, scaled joint beside the hips, 2 the hips
   const char* name = "IK_";  ///< before the name of the bone
 
   [[nodiscard]] std::string text() const {
-    return fmt::format("hands {}, toes {}, own parent {}, named {}", hands, toes, ownParent, name);
+    return fmt::format("hands {}, toes {}, parent {}, named {}", hands, toes, parent, name);
   }
 };
 
@@ -345,7 +345,8 @@ ControlledCharacter controlled(const ControlRig& rig) {
     return joint;
   };
   JointIndex parent = kNoJoint;  // the mannequin's first joint is its hips
-  if (rig.ownParent) {
+  if (rig.parent == 2) parent = whole.jointOf(B::kHips);
+  if (rig.parent == 1) {
     Affine3 turned = Affine3::Identity();
     turned.rotate(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())).scale(0.01);
     parent = add("Controls", kNoJoint, turned, kNoJoint);
@@ -376,9 +377,9 @@ TEST_P(ProxyMotion, WhatCarriesTheMeshGoesWithTheBonesInEveryRig) {
   int rigs = 0;
   for (const bool hands : {false, true}) {
     for (const int toes : {0, 1, 2}) {
-      for (const bool ownParent : {false, true}) {
+      for (const int parent : {0, 1, 2}) {
         for (const char* name : {"IK_", "ctrl ", "Bone.042 "}) {
-          const ControlRig rig{hands, toes, ownParent, name};
+          const ControlRig rig{hands, toes, parent, name};
           SCOPED_TRACE(rig.text());
           const ControlledCharacter made = controlled(rig);
           ASSERT_TRUE(RetargetRig::create(made.character.skeleton)) << "the chains are whole";
@@ -413,7 +414,7 @@ TEST_P(ProxyMotion, WhatCarriesTheMeshGoesWithTheBonesInEveryRig) {
       }
     }
   }
-  EXPECT_EQ(rigs, 36);
+  EXPECT_EQ(rigs, 54);
 }
 
 TEST(ProxySkeleton, SaysWhatStaysBehind) {
