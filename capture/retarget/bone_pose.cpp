@@ -1,0 +1,108 @@
+#include "capture/retarget/bone_pose.h"
+
+#include "capture/retarget/leg_reach.h"
+#include "skinning/humanoid/humanoid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+/// Limbs of a T-pose may deviate this much [rad].
+constexpr double kTposeTolerance = 0.44;
+
+std::size_t index(HumanBone bone) {
+  return static_cast<std::size_t>(bone);
+}
+std::size_t index(JointIndex joint) {
+  return static_cast<std::size_t>(joint);
+}
+
+Vec3 mirrored(const Vec3& p) {
+  return {-p.x(), p.y(), p.z()};
+}
+Quat mirrored(const Quat& q) {
+  return {q.w(), q.x(), -q.y(), -q.z()};
+}
+
+bool restsInTpose(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint) {
+  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(skeleton.jointOf(bone))].translation(); };
+  const auto along = [&](HumanBone from, HumanBone to, const Vec3& axis) {
+    return (at(to) - at(from)).normalized().dot(axis) >= std::cos(kTposeTolerance);
+  };
+  return std::all_of(limbs().begin(), limbs().end(), [&](const LimbBones& limb) {
+    return along(limb.upper, limb.lower, limb.axis) && along(limb.lower, limb.end, limb.axis);
+  });
+}
+
+}  // namespace
+
+BonePose mirrored(const BonePose& pose) {
+  BonePose out;
+  out.rootPosition = mirrored(pose.rootPosition);
+  out.rootRotation = mirrored(pose.rootRotation);
+  for (std::size_t b = 0; b < pose.rotation.size(); ++b) {
+    const std::size_t other = index(otherSide(static_cast<HumanBone>(b)));
+    if (pose.rotation[other]) out.rotation[b] = mirrored(*pose.rotation[other]);
+    out.offset[b] = mirrored(pose.offset[other]);
+  }
+  return out;
+}
+
+std::vector<Quat> boneReference(const RetargetRig& rig) {
+  const Skeleton& skeleton = rig.skeleton;
+  const auto joints = static_cast<std::size_t>(skeleton.jointCount());
+  std::vector<Quat> reference(joints, Quat::Identity());
+  std::vector<Affine3> worldFromJoint(joints);
+  std::vector<Quat> worldRotation(joints, Quat::Identity());
+  evaluatePose(skeleton, restPose(skeleton), worldRotation, worldFromJoint);
+  const std::vector<Quat>& source = restsInTpose(skeleton, worldFromJoint) ? worldRotation : rig.tposeFromJoint;
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (skeleton.joint(static_cast<JointIndex>(j)).bone) reference[j] = source[j];
+  }
+  return reference;
+}
+
+Result<BonePoseReader> BonePoseReader::create(const Skeleton& skeleton) {
+  Result<RetargetRig> rig = RetargetRig::create(skeleton);
+  if (!rig) return rig.error();
+  return BonePoseReader(std::move(*rig));
+}
+
+BonePoseReader::BonePoseReader(RetargetRig rig)
+    : rig_(std::move(rig)),
+      referenceFromJoint_(boneReference(rig_)),
+      worldRotation_(referenceFromJoint_.size(), Quat::Identity()),
+      worldFromJoint_(referenceFromJoint_.size()) {
+  for (std::size_t b = 0; b < parent_.size(); ++b) {
+    parent_[b] = parentBone(static_cast<HumanBone>(b));
+    while (parent_[b] && rig_.skeleton.jointOf(*parent_[b]) == kNoJoint) parent_[b] = parentBone(*parent_[b]);
+  }
+}
+
+BonePose BonePoseReader::read(std::span<const JointTransform> pose) {
+  const Skeleton& skeleton = rig_.skeleton;
+  evaluatePose(skeleton, pose, worldRotation_, worldFromJoint_);
+  const auto turnOf = [&](JointIndex joint) -> Quat {
+    return worldRotation_[index(joint)] * referenceFromJoint_[index(joint)].conjugate();
+  };
+  BonePose out;
+  for (std::size_t b = 0; b < out.rotation.size(); ++b) {
+    const JointIndex joint = skeleton.jointOf(static_cast<HumanBone>(b));
+    if (joint == kNoJoint) continue;
+    const Vec3 position = worldFromJoint_[index(joint)].translation();
+    if (!parent_[b]) {
+      out.rotation[b] = turnOf(joint).normalized();
+      out.offset[b] = position;
+      continue;
+    }
+    const JointIndex parent = skeleton.jointOf(*parent_[b]);
+    const Quat parentFromWorld = turnOf(parent).conjugate();
+    out.rotation[b] = (parentFromWorld * turnOf(joint)).normalized();
+    out.offset[b] = parentFromWorld * (position - worldFromJoint_[index(parent)].translation());
+  }
+  return out;
+}
+
+}  // namespace lorica

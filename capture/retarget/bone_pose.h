@@ -1,0 +1,59 @@
+#pragma once
+
+#include "capture/retarget/retarget_rig.h"
+#include "skinning/skeleton.h"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// A body's pose by local rotations that are identity in T-pose, facing +Z, whatever the joints' own axes are. VRM
+/// calls such a skeleton normalised; the VMC protocol sends it.
+struct BonePose {
+  Vec3 rootPosition = Vec3::Zero();  ///< of the body's place on the floor [m]
+  Quat rootRotation = Quat::Identity();
+  /// Relative to the parent bone (parentBone()); a bone that is missing is as in T-pose.
+  std::array<std::optional<Quat>, kHumanBoneCount> rotation;
+  /// From the parent bone, or from the root for the hips, in the parent's axes [m].
+  std::array<Vec3, kHumanBoneCount> offset = filledWithZero();
+
+ private:
+  static std::array<Vec3, kHumanBoneCount> filledWithZero() {
+    std::array<Vec3, kHumanBoneCount> zeros;
+    zeros.fill(Vec3::Zero());
+    return zeros;
+  }
+};
+
+/// The pose of the other side: as a mirror shows it.
+[[nodiscard]] BonePose mirrored(const BonePose& pose);
+
+/// The pose in which a skeleton has no rotation as a BonePose: its rest pose if that is a T-pose within 25 degrees, as
+/// VRM demands, else the T-pose of RetargetRig.
+/// @return worldFromJoint rotations, one per joint; identity for joints that are no bones
+[[nodiscard]] std::vector<Quat> boneReference(const RetargetRig& rig);
+
+/// Reads the BonePose of a character's poses. Allocates nothing after construction.
+class BonePoseReader {
+ public:
+  /// @return the reader, or an error with the humanoid bones that the skeleton lacks
+  static Result<BonePoseReader> create(const Skeleton& skeleton);
+
+  /// @param pose  jointCount local transforms
+  /// @return the pose; its root is at the origin, and its hips have their place in the world
+  [[nodiscard]] BonePose read(std::span<const JointTransform> pose);
+
+ private:
+  explicit BonePoseReader(RetargetRig rig);
+
+  RetargetRig rig_;
+  std::vector<Quat> referenceFromJoint_;
+  std::vector<Quat> worldRotation_;
+  std::vector<Affine3> worldFromJoint_;
+  std::array<std::optional<HumanBone>, kHumanBoneCount> parent_;  ///< the nearest one that the skeleton has
+};
+
+}  // namespace lorica

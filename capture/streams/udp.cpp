@@ -1,0 +1,141 @@
+#include "capture/streams/udp.h"
+
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+Error badAddress(const std::string& text, bool needsHost) {
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("the address {}: expected {}, with a port from 1 to 65535", text.empty() ? "''" : text,
+                      needsHost ? "HOST:PORT, such as 127.0.0.1:39539" : "PORT or HOST:PORT, such as 39539")};
+}
+
+struct FreeAddresses {
+  void operator()(addrinfo* list) const { freeaddrinfo(list); }
+};
+using Addresses = std::unique_ptr<addrinfo, FreeAddresses>;
+
+Result<Addresses> resolve(const NetworkAddress& address, bool passive) {
+  addrinfo hints{};
+  hints.ai_family = AF_UNSPEC;
+  hints.ai_socktype = SOCK_DGRAM;
+  hints.ai_flags = passive ? AI_PASSIVE : 0;
+  addrinfo* list = nullptr;
+  const int failed = getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &list);
+  if (failed != 0) {
+    return Error{ErrorCode::kNotFound, fmt::format("{}: {}", textOf(address), gai_strerror(failed))};
+  }
+  return Addresses(list);
+}
+
+/// Opens a socket and applies `use` to it and each address until one succeeds.
+template <typename Use>
+Result<int> openFirst(const NetworkAddress& address, bool passive, const char* purpose, Use&& use) {
+  const Result<Addresses> list = resolve(address, passive);
+  if (!list) return list.error();
+  int reason = EADDRNOTAVAIL;
+  for (const addrinfo* one = list->get(); one != nullptr; one = one->ai_next) {
+    const int descriptor = socket(one->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (descriptor >= 0 && use(descriptor, one->ai_addr, one->ai_addrlen) == 0) return descriptor;
+    reason = errno;
+    if (descriptor >= 0) close(descriptor);
+  }
+  return Error{ErrorCode::kUnreadable,
+               fmt::format("{}: cannot {}: {}", textOf(address), purpose, std::strerror(reason))};
+}
+
+}  // namespace
+
+Result<NetworkAddress> parseNetworkAddress(const std::string& text, bool needsHost) {
+  NetworkAddress address;
+  std::string_view port = text;
+  const std::size_t colon = text.rfind(':');
+  if (colon != std::string::npos) {
+    port = std::string_view(text).substr(colon + 1);
+    address.host = text.substr(0, colon);
+    if (address.host.starts_with('[') && address.host.ends_with(']')) {
+      address.host = address.host.substr(1, address.host.size() - 2);
+    } else if (address.host.find(':') != std::string::npos) {
+      return badAddress(text, needsHost);
+    }
+  } else if (needsHost) {
+    return badAddress(text, needsHost);
+  }
+  unsigned number = 0;
+  const auto [end, wrong] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (wrong != std::errc() || end != port.data() + port.size() || number == 0 || number > 65535 ||
+      address.host.empty()) {
+    return badAddress(text, needsHost);
+  }
+  address.port = static_cast<std::uint16_t>(number);
+  return address;
+}
+
+std::string textOf(const NetworkAddress& address) {
+  const bool six = address.host.find(':') != std::string::npos;
+  return six ? fmt::format("[{}]:{}", address.host, address.port) : fmt::format("{}:{}", address.host, address.port);
+}
+
+Result<UdpSocket> UdpSocket::listen(const NetworkAddress& address) {
+  const Result<int> descriptor = openFirst(address, true, "listen there", ::bind);
+  if (!descriptor) return descriptor.error();
+  return UdpSocket(*descriptor);
+}
+
+Result<UdpSocket> UdpSocket::connect(const NetworkAddress& address) {
+  const Result<int> descriptor = openFirst(address, false, "send there", ::connect);
+  if (!descriptor) return descriptor.error();
+  return UdpSocket(*descriptor);
+}
+
+UdpSocket::~UdpSocket() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+UdpSocket::UdpSocket(UdpSocket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+UdpSocket& UdpSocket::operator=(UdpSocket&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+std::optional<UdpSocket::Packet> UdpSocket::receive(std::span<std::byte> memory, double seconds) {
+  pollfd ready{descriptor_, POLLIN, 0};
+  if (poll(&ready, 1, static_cast<int>(1e3 * seconds)) <= 0) return std::nullopt;
+  sockaddr_storage from{};
+  socklen_t length = sizeof from;
+  const ssize_t size =
+      recvfrom(descriptor_, memory.data(), memory.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
+  if (size < 0) return std::nullopt;
+  return Packet{static_cast<std::size_t>(size),
+                contentHash(std::string_view(reinterpret_cast<const char*>(&from), length))};
+}
+
+bool UdpSocket::send(std::span<const std::byte> packet) {
+  return ::send(descriptor_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno == ECONNREFUSED;
+}
+
+std::uint16_t UdpSocket::port() const {
+  sockaddr_storage own{};
+  socklen_t length = sizeof own;
+  if (getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &length) != 0) return 0;
+  if (own.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6*>(&own)->sin6_port);
+  return ntohs(reinterpret_cast<const sockaddr_in*>(&own)->sin_port);
+}
+
+}  // namespace lorica

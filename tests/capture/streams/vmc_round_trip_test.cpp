@@ -1,0 +1,249 @@
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/retarget.h"
+#include "capture/retarget/stream_retarget.h"
+#include "capture/streams/vmc_receiver.h"
+#include "capture/streams/vmc_writer.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/capture/figures.h"
+#include "tests/support/allocations.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+using B = HumanBone;
+using test::angleBetween;
+using test::degrees;
+
+/// The poses of a skeleton that performs a shipped recording.
+std::vector<Pose> performed(const Skeleton& skeleton, const std::string& name, std::vector<double>& times) {
+  const Result<std::vector<SkeletonFrame>> frames = readJointCsv(test::recordingsFolder() / (name + ".csv"));
+  Result<Retargeter> retargeter = Retargeter::create(skeleton);
+  if (!frames || !retargeter) return {};
+  std::vector<Pose> poses;
+  Pose pose = restPose(skeleton);
+  for (const SkeletonFrame& frame : *frames) {
+    retargeter->apply(frame, pose);
+    poses.push_back(pose);
+    times.push_back(frame.time);
+  }
+  return poses;
+}
+
+/// What a receiver makes of a pose that another program sends.
+BonePose sentAndReceived(BonePoseReader& reader, std::span<const JointTransform> pose) {
+  VmcWriter writer;
+  VmcReceiver receiver;
+  EXPECT_TRUE(receiver.take(writer.write(reader.read(pose), {}, 0.0, true), 0.0));
+  return receiver.frame().pose;
+}
+
+Vec3 along(const Skeleton& skeleton, const std::vector<Affine3>& world, B from, B to) {
+  return world[skeleton.jointOf(to)].translation() - world[skeleton.jointOf(from)].translation();
+}
+
+TEST(VmcRoundTrip, TheSameCharacterMovesIdentically) {
+  test::FigureSettings crooked;
+  crooked.crookedAxes = true;
+  crooked.armsDown = degrees(50.0);
+  for (const Skeleton& skeleton : {makeMannequin().skeleton, test::makeFigure(crooked).skeleton}) {
+    for (const char* name : {"walk", "punch_and_kick"}) {
+      std::vector<double> times;
+      const std::vector<Pose> poses = performed(skeleton, name, times);
+      ASSERT_FALSE(poses.empty());
+      Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
+      Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
+      ASSERT_TRUE(reader && retargeter);
+      Pose pose = restPose(skeleton);
+      double worst = 0.0;
+      for (std::size_t f = 0; f < poses.size(); ++f) {
+        retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], true, pose);
+        const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[f]);
+        const std::vector<Affine3> got = test::worldOf(skeleton, pose);
+        for (std::size_t j = 0; j < got.size(); ++j) {
+          worst = std::max(worst, (got[j].translation() - wanted[j].translation()).norm());
+        }
+      }
+      EXPECT_LT(worst, 1e-4) << name;
+    }
+  }
+}
+
+/// A character of other proportions: limbs point as the sender's do, and feet that stand keep their place.
+TEST(VmcRoundTrip, AnotherCharacterPointsItsLimbsAsTheSender) {
+  const Skeleton sender = makeMannequin().skeleton;
+  test::FigureSettings settings;
+  settings.thigh = 0.3;
+  settings.shin = 0.5;
+  settings.scale = 1.3;
+  settings.armsDown = degrees(45.0);
+  settings.crookedAxes = true;
+  const Skeleton target = test::makeFigure(settings).skeleton;
+  std::vector<double> times;
+  const std::vector<Pose> poses = performed(sender, "jumping_jacks", times);
+  Result<BonePoseReader> reader = BonePoseReader::create(sender);
+  StreamRetargetSettings pure;
+  pure.plantFeet = false;
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(target, pure);
+  ASSERT_TRUE(reader && retargeter);
+  ASSERT_FALSE(poses.empty());
+  Pose pose = restPose(target);
+  double worst = 0.0;
+  for (std::size_t f = 0; f < poses.size(); ++f) {
+    retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], true, pose);
+    const std::vector<Affine3> wanted = test::worldOf(sender, poses[f]);
+    const std::vector<Affine3> got = test::worldOf(target, pose);
+    for (const LimbBones& limb : limbs()) {
+      for (const auto& [from, to] : {std::pair(limb.upper, limb.lower), std::pair(limb.lower, limb.end)}) {
+        worst = std::max(worst, angleBetween(along(sender, wanted, from, to), along(target, got, from, to)));
+      }
+    }
+  }
+  // The mannequin rests in a T-pose, whose limbs are not exactly straight.
+  EXPECT_LT(worst, degrees(8.0));
+}
+
+TEST(VmcRoundTrip, FeetThatStandKeepTheirPlaceOnLongerLegs) {
+  const Skeleton sender = makeMannequin().skeleton;
+  test::FigureSettings settings;
+  settings.thigh = 0.5;
+  settings.shin = 0.3;
+  const Skeleton target = test::makeFigure(settings).skeleton;
+  std::vector<double> times;
+  const std::vector<Pose> poses = performed(sender, "walk", times);
+  Result<BonePoseReader> reader = BonePoseReader::create(sender);
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(target);
+  ASSERT_TRUE(reader && retargeter);
+  Pose pose = restPose(target);
+  std::array<std::vector<Vec3>, 2> sent;
+  std::array<std::vector<Vec3>, 2> got;
+  double lowest = 1.0;
+  for (std::size_t f = 0; f < poses.size(); ++f) {
+    retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], true, pose);
+    const std::vector<Affine3> from = test::worldOf(sender, poses[f]);
+    const std::vector<Affine3> to = test::worldOf(target, pose);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const B foot = limbs()[kFirstLeg + side].end;
+      sent[side].push_back(from[sender.jointOf(foot)].translation());
+      got[side].push_back(to[target.jointOf(foot)].translation());
+      lowest = std::min(lowest, got[side].back().y());
+    }
+  }
+  // Where the sender's foot stays within 5 mm for a third of a second, ours stays within 2 cm.
+  int stances = 0;
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (std::size_t f = 10; f < poses.size(); ++f) {
+      if ((sent[side][f] - sent[side][f - 10]).norm() > 0.005) continue;
+      ++stances;
+      EXPECT_LT((got[side][f] - got[side][f - 10]).norm(), 0.02) << "frame " << f;
+    }
+  }
+  EXPECT_GT(stances, 20);
+  EXPECT_GT(lowest, 0.02);  // an ankle stays above the floor
+}
+
+TEST(VmcRoundTrip, MirroringTwiceChangesNothing) {
+  const Skeleton skeleton = makeMannequin().skeleton;
+  std::vector<double> times;
+  const std::vector<Pose> poses = performed(skeleton, "wave", times);
+  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
+  ASSERT_TRUE(reader);
+  const BonePose pose = reader->read(poses[poses.size() / 2]);
+  const BonePose twice = mirrored(mirrored(pose));
+  for (std::size_t b = 0; b < pose.rotation.size(); ++b) {
+    ASSERT_EQ(pose.rotation[b].has_value(), twice.rotation[b].has_value());
+    if (pose.rotation[b]) {
+      EXPECT_LT(pose.rotation[b]->angularDistance(*twice.rotation[b]), 1e-12);
+    }
+    EXPECT_TRUE(pose.offset[b].isApprox(twice.offset[b]) || pose.offset[b].isZero());
+  }
+}
+
+/// Some programs send zeros instead of offsets: the character keeps its own proportions.
+TEST(StreamRetarget, ZeroOffsetsDoNotCollapseTheCharacter) {
+  const Skeleton skeleton = makeMannequin().skeleton;
+  std::vector<double> times;
+  const std::vector<Pose> poses = performed(skeleton, "walk", times);
+  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
+  ASSERT_TRUE(reader && retargeter);
+  Pose pose = restPose(skeleton);
+  for (std::size_t f = 0; f < poses.size(); f += 7) {
+    BonePose sent = sentAndReceived(*reader, poses[f]);
+    const Vec3 hips = sent.offset[0];
+    sent.offset.fill(Vec3::Zero());
+    sent.offset[0] = hips;
+    retargeter->apply(sent, times[f], true, pose);
+    const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[f]);
+    const std::vector<Affine3> got = test::worldOf(skeleton, pose);
+    for (std::size_t j = 0; j < got.size(); ++j) {
+      EXPECT_LT((got[j].translation() - wanted[j].translation()).norm(), 1e-4);
+    }
+  }
+}
+
+/// A sender whose avatar hangs half a metre above the floor.
+TEST(StreamRetarget, NoAvatarFloats) {
+  const Skeleton skeleton = makeMannequin().skeleton;
+  std::vector<double> times;
+  const std::vector<Pose> poses = performed(skeleton, "walk", times);
+  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
+  ASSERT_TRUE(reader && retargeter);
+  Pose pose = restPose(skeleton);
+  for (std::size_t f = 0; f < 60; ++f) {
+    BonePose sent = sentAndReceived(*reader, poses[f]);
+    sent.rootPosition.y() = 0.5;
+    retargeter->apply(sent, times[f], true, pose);
+  }
+  const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[59]);
+  const std::vector<Affine3> got = test::worldOf(skeleton, pose);
+  const JointIndex hips = skeleton.jointOf(B::kHips);
+  EXPECT_NEAR(got[hips].translation().y(), wanted[hips].translation().y(), 0.06);
+}
+
+TEST(StreamRetarget, SilenceHoldsAndReturnsWithoutAJump) {
+  const Skeleton skeleton = makeMannequin().skeleton;
+  std::vector<double> times;
+  const std::vector<Pose> poses = performed(skeleton, "jumping_jacks", times);
+  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
+  ASSERT_TRUE(reader && retargeter);
+  Pose pose = restPose(skeleton);
+  std::vector<Vec3> hands;
+  for (std::size_t f = 0; f < poses.size() && times[f] < 6.0; ++f) {
+    const bool silent = times[f] > 1.0 && times[f] < 3.5;
+    retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], !silent, pose);
+    hands.push_back(test::worldOf(skeleton, pose)[skeleton.jointOf(B::kLeftHand)].translation());
+  }
+  double fastest = 0.0;
+  for (std::size_t f = 1; f < hands.size(); ++f) {
+    fastest = std::max(fastest, (hands[f] - hands[f - 1]).norm() / (times[f] - times[f - 1]));
+  }
+  EXPECT_LT(fastest, 14.0);  // of the hands themselves and of the blend
+}
+
+TEST(StreamRetarget, AllocatesNothingPerFrame) {
+  const Skeleton skeleton = makeMannequin().skeleton;
+  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
+  ASSERT_TRUE(reader && retargeter);
+  VmcWriter writer;
+  VmcReceiver receiver;
+  Pose pose = restPose(skeleton);
+  const long before = test::allocationCount();
+  for (int i = 0; i < 10; ++i) {
+    receiver.take(writer.write(reader->read(pose), {}, 0.1 * i, true), 0.1 * i);
+    retargeter->apply(receiver.frame().pose, 0.1 * i, true, pose);
+  }
+  EXPECT_EQ(test::allocationCount(), before);
+}
+
+}  // namespace
+}  // namespace lorica
