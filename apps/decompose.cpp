@@ -380,7 +380,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "      the fewest points that let the surface protrude by at most 2 mm; then the hulls are enlarged\n"
       "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
       "  lorica decompose scan.ply --parts 16 --export-obj hulls.obj\n"
-      "      an open, torn or flipped mesh is mended, or gets a closed body; the report says which\n"
+      "      an open, torn or flipped mesh is repaired, or gets a closed body; the report says which\n"
       "\nThe hulls contain every vertex of the input's surface. Of a mesh, exports have the units and coordinates of\n"
       "the file (glTF: Y up; COLLADA: converted to metres, Y up); of a character, metres, Y up, facing +Z.\n"
       "For a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"

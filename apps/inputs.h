@@ -17,7 +17,7 @@ namespace lorica {
 
 /// When a closed body takes the place of a surface.
 enum class BodyChoice : std::uint8_t {
-  kIfNeeded,  ///< if the surface is not closed and cannot be mended
+  kIfNeeded,  ///< if the surface is not closed and cannot be repaired
   kNever,  ///< not for a mesh, whose surface is left as it is; a character's body is made, to be refused or described
   kAlways  ///< even if it is closed
 };
@@ -52,7 +52,7 @@ struct Subject {
   std::string name;  ///< a file name without its folder, or "mannequin"
   TriMesh mesh;
   std::optional<Character> character;       ///< with a body that can be decomposed
-  std::string repaired;                     ///< what was mended to make the file's mesh closed; empty = nothing
+  std::string repaired;                     ///< what was repaired to make the file's mesh closed; empty = nothing
   std::optional<CharacterFile> file;        ///< as read, if the subject comes from a character file
   std::optional<ClosedBody> body;           ///< the body of that character
   std::optional<RebuiltMesh> rebuilt = {};  ///< if `mesh` is a body made for a mesh that is no character
@@ -65,7 +65,7 @@ struct Subject {
 };
 
 /// Reads INPUT of `decompose` and `info`: the name of a built-in character, a character file, or else a mesh file. A
-/// character file with neither skin nor clips is a mesh. A mesh is mended, or gets a closed body, see meshSubject(); a
+/// character file with neither skin nor clips is a mesh. A mesh is repaired, or gets a closed body, see meshSubject(); a
 /// body is made for a character.
 [[nodiscard]] Result<Subject> readSubject(const std::string& input, const CharacterOptions& options = {});
 

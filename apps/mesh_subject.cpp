@@ -43,7 +43,7 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
 
 void addBodyOption(CommandLine& app, std::string& body) {
   app.addOption("--body", body,
-                "Replace the surface by a closed body: `auto` = if it cannot be mended, `never` = refuse such a mesh, "
+                "Replace the surface by a closed body: `auto` = if it cannot be repaired, `never` = refuse such a mesh, "
                 "`always` = even a closed one [default: auto]")
       ->typeName("WHEN")
       ->check(oneOf({"auto", "never", "always"}));
@@ -71,7 +71,7 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
 }
 
 void addMeshTo(Report& report, const Subject& subject) {
-  if (!subject.repaired.empty()) report.line("mended", subject.repaired);
+  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
   if (!subject.rebuilt) return;
   const auto& [problem, resolution, far, firstOriginal] = *subject.rebuilt;
   report.line("closed body",

@@ -14,7 +14,7 @@ void addBodyOption(CommandLine& app, std::string& body);
 /// @param name  one of these
 [[nodiscard]] BodyChoice bodyChoice(const std::string& name);
 
-/// A subject of a mesh that is no character: mended, see mendMesh(); if that is not enough and the options allow it,
+/// A subject of a mesh that is no character: repaired, see mendMesh(); if that is not enough and the options allow it,
 /// with a closed body instead of its own surface.
 /// @param name     for the subject and for errors
 /// @param mesh     as the file has it
@@ -22,7 +22,7 @@ void addBodyOption(CommandLine& app, std::string& body);
 /// @return the subject; its mesh is not closed if no body may be made, which is left to the check
 [[nodiscard]] Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options);
 
-/// What was mended in a mesh, and the closed body that was made for it: why, and how far it is from the original.
+/// What was repaired in a mesh, and the closed body that was made for it: why, and how far it is from the original.
 void addMeshTo(Report& report, const Subject& subject);
 void addMeshTo(nlohmann::ordered_json& json, const Subject& subject);
 

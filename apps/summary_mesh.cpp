@@ -27,7 +27,7 @@ FileSummary describeMesh(const Subject& subject) {
   report.line("vertices", grouped(std::ssize(mesh.vertices)));
   report.line("triangles", grouped(std::ssize(mesh.triangles)));
   report.line("components", grouped(components));
-  if (!subject.repaired.empty()) report.line("mended", subject.repaired);
+  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
   report.line("closed", closed
                             ? "yes, it can be decomposed"
                             : "no: " + closed.error().message + "; `lorica decompose` builds a closed body around it");

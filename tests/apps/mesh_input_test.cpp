@@ -90,7 +90,7 @@ TEST(MeshInput, SmallFaultsAreMendedAndSaid) {
   EXPECT_EQ(json["repaired"], "1 repeated triangle dropped, 1 triangle turned, 1 pinhole closed with 1 triangle");
   EXPECT_FALSE(json.contains("body"));
   const CommandResult text = runLorica({"decompose", file});
-  EXPECT_NE(text.out.find("mended "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("repaired "), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("1 triangle turned"), std::string::npos) << text.out;
 }
 
