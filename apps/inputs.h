@@ -65,8 +65,8 @@ struct Subject {
 };
 
 /// Reads INPUT of `decompose` and `info`: the name of a built-in character, a character file, or else a mesh file. A
-/// character file with neither skin nor clips is a mesh. A mesh is repaired, or gets a closed body, see meshSubject(); a
-/// body is made for a character.
+/// character file with neither skin nor clips is a mesh. A mesh is repaired, or gets a closed body, see meshSubject();
+/// a body is made for a character.
 [[nodiscard]] Result<Subject> readSubject(const std::string& input, const CharacterOptions& options = {});
 
 /// A character by its name or file, or an error that says what is expected.

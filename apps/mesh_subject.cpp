@@ -42,9 +42,10 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
 }  // namespace
 
 void addBodyOption(CommandLine& app, std::string& body) {
-  app.addOption("--body", body,
-                "Replace the surface by a closed body: `auto` = if it cannot be repaired, `never` = refuse such a mesh, "
-                "`always` = even a closed one [default: auto]")
+  app.addOption(
+         "--body", body,
+         "Replace the surface by a closed body: `auto` = if it cannot be repaired, `never` = refuse such a mesh, "
+         "`always` = even a closed one [default: auto]")
       ->typeName("WHEN")
       ->check(oneOf({"auto", "never", "always"}));
 }
