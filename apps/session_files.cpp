@@ -35,6 +35,44 @@ void addRecordOption(CommandLine& app, std::string& file) {
   app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
 }
 
+Result<void> checkRecord(const std::string& option, const std::string& file) {
+  return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
+}
+
+Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& session, const std::string& character,
+                               const std::string& decomposition) {
+  const SessionHeader& header = recorded.header;
+  const NamedFiles beside{fs::path(session).parent_path(), pathTrust()};
+  Result<void> done;
+  const auto find = [&](const std::string& name, const char* what, const char* instead) -> std::string {
+    if (!done || name.empty()) return name;
+    const Result<fs::path> file = beside.find(name);
+    if (file) return file->string();
+    done = Error{file.error().code,
+                 fmt::format("{}: the recorded {}: {}{}", session, what, file.error().message, instead)};
+    return {};
+  };
+  SessionInputs inputs;
+  inputs.character = !character.empty() ? character
+                     : isShippedName(header.character)
+                         ? header.character
+                         : find(header.character, "character", "; --character gives its file");
+  inputs.boneMap = find(header.boneMap, "bone map", "");
+  inputs.decomposition = decomposition.empty()
+                             ? find(header.decomposition, "decomposition", "; --decomposition gives its file")
+                             : decomposition;
+  inputs.scene = {recorded.sceneText, {}, pathTrust()};
+  if (isShippedName(header.scene) && !header.scene.empty()) {
+    const Result<fs::path> shipped = scenesFolder();
+    if (!shipped) return shipped.error();
+    inputs.scene.folder = *shipped;
+  } else if (!header.scene.empty()) {
+    inputs.scene.folder = find(header.sceneFolder.empty() ? "." : header.sceneFolder, "folder of the scene", "");
+  }
+  if (!done) return done.error();
+  return inputs;
+}
+
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const RecordedAs& as,
                                                        const Character& character, const DecompositionFile& body,
                                                        const World& world) {
