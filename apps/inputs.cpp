@@ -35,6 +35,16 @@ Result<ClosedBody> makeBodyWithProgress(const Character& character, const Charac
   return body;
 }
 
+/// The mannequin's material.
+Material clay() {
+  Material material;
+  material.name = "clay";
+  material.baseColor = {0.62f, 0.53f, 0.46f, 1.0f};
+  material.metallic = 0.0f;
+  material.roughness = 0.6f;
+  return material;
+}
+
 /// Rejects options that would have no effect on a mesh or a built-in character.
 Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
   for (const auto& [given, option] :
@@ -134,6 +144,7 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
     }
     Character character = makeMannequin();
     TriMesh mesh = character.mesh;
+    if (options.drawn) character.avatar = makePlainAvatar(character, clay());
     return Subject{input, std::move(mesh), std::move(character), "", std::nullopt, std::nullopt};
   }
   if (isBareName(input)) {

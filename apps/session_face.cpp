@@ -1,5 +1,7 @@
 #include "apps/session_face.h"
 
+#include "skinning/look/expressed_materials.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -7,7 +9,9 @@ namespace lorica {
 
 std::optional<SessionFace> SessionFace::of(const std::shared_ptr<const Avatar>& avatar) {
   const AvatarFace& face = avatar->face;
-  if (face.morphs.targets.empty() && face.lookAt.kind == LookAtKind::kNone) return std::nullopt;
+  if (face.morphs.targets.empty() && face.lookAt.kind == LookAtKind::kNone && !changesMaterials(face.expressions)) {
+    return std::nullopt;
+  }
   return SessionFace(avatar);
 }
 
@@ -19,6 +23,7 @@ SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
   bindNormals_.resize(avatar_->character.mesh.vertices.size(), Vec3f::Zero());
   positions_ = avatar_->character.mesh.vertices;
   normals_ = bindNormals_;
+  if (changesMaterials(avatar_->face.expressions)) materials_ = avatar_->look.materials;
 }
 
 void SessionFace::choose(int expression) {
@@ -45,6 +50,10 @@ void SessionFace::update(const Session& session, const Vec3& watcher, std::span<
   face_.update(input);
   turnEyes(avatar_->character, own.lookAt, input.gaze, worldFromModel);
 
+  if (!materials_.empty()) {
+    expressMaterials(own.expressions, face_.expressionWeights(), avatar_->look.materials, materials_);
+    scene.avatarMaterials = materials_;
+  }
   const std::span<const float> weights = face_.targetWeights();
   const bool still = std::equal(weights.begin(), weights.end(), own.morphs.targets.begin(),
                                 [](float w, const MorphTarget& target) { return w == target.defaultWeight; });

@@ -17,7 +17,7 @@ namespace lorica {
 /// must hold.
 class SessionFace {
  public:
-  /// @return none if the avatar has no morph targets and no eyes that move
+  /// @return none if the avatar has no morph targets, no eyes that move and no expressions that change materials
   [[nodiscard]] static std::optional<SessionFace> of(const std::shared_ptr<const Avatar>& avatar);
 
   /// Sets one expression, in addition to those that were chosen on the command line, and takes back the previous one.
@@ -27,7 +27,7 @@ class SessionFace {
   /// Computes the face of the session's frame. Does not allocate memory after the first frame.
   /// @param watcher         [m], world: what the eyes follow while it is in front of the head
   /// @param worldFromModel  of the avatar's joints; those of the eyes are turned
-  /// @param scene           gets the changed positions and normals, borrowed from this object
+  /// @param scene           gets the changed positions, normals and materials, borrowed from this object
   void update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene);
 
  private:
@@ -39,6 +39,7 @@ class SessionFace {
   std::vector<Vec3f> bindNormals_;  // of every vertex; zero where the file has none
   std::vector<Vec3> positions_;
   std::vector<Vec3f> normals_;
+  std::vector<Material> materials_;  // empty if no expression changes any
 };
 
 }  // namespace lorica

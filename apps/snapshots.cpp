@@ -27,7 +27,7 @@ constexpr double kLongestStill = 10.0;  // longer gaps in a recording are shorte
 
 SceneOptions usualView(const Character& character) {
   SceneOptions show;
-  show.colorSkinByPart = show.hulls = character.avatar == nullptr;
+  show.colorSkinByPart = show.hulls = character.avatar == nullptr || character.avatar->plain;
   return show;
 }
 

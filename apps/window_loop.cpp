@@ -70,7 +70,7 @@ class WindowLoop {
         hands_(subject.sourceAgain != nullptr),
         due_(now()) {
     const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
-    if (avatar == nullptr || avatar->face.morphs.targets.empty()) return;
+    if (avatar == nullptr) return;
     for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
   }
 

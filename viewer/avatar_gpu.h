@@ -46,8 +46,9 @@ struct AvatarGpu {
   GLuint vertexArray = 0, shapeBuffer = 0, vertexBuffer = 0, indexBuffer = 0;
   GLuint jointTexture = 0;
   StreamBuffer jointBuffer, posedBuffer;
-  std::vector<GLuint> surfaces;     ///< uniform buffers, by material
-  std::vector<AvatarShape> shapes;  ///< as uploaded last
+  std::vector<GLuint> surfaces;                    ///< uniform buffers, by material
+  std::vector<shaders::SurfaceUniforms> uniforms;  ///< in them
+  std::vector<AvatarShape> shapes;                 ///< as uploaded last
   std::vector<AvatarShape> bindShapes;
   std::vector<AvatarVertex> vertices;  ///< kept only if they are skinned on the CPU
   std::vector<AvatarPosed> posed;      ///< of this picture

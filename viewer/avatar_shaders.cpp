@@ -258,7 +258,8 @@ vec3 shaded(vec4 at, vec4 base, vec3 n) {
 #endif
   float lit = clamp((dot(n, toLight.xyz) + border + 1.0 - toon.x) / max(2.0 - 2.0 * toon.x, 1e-5), 0.0, 1.0);
   vec3 c = keyColor.rgb * mix(dark, base.rgb, lit);
-  vec3 around = ambientAt(n);
+  // Ambient light depends on the height of the normal alone, so its mean over all directions is that of level ones.
+  vec3 around = ambientAt(vec3(n.x, n.y * (1.0 - toon.z), n.z));
   // As MToon 0.x does, so that strong light does not wash the colours out.
   c = min(c + around * base.rgb, base.rgb);
 
@@ -354,10 +355,10 @@ SurfaceUniforms surfaceUniforms(const Material& material) {
   SurfaceUniforms u = {};
   const ToonMaterial& toon = material.toon;
   u.baseColor = material.baseColor;
-  u.emissive << material.emissive, material.normalScale;
+  u.emissive << material.emissiveStrength * material.emissive, material.normalScale;
   u.physical << material.metallic, material.roughness, material.occlusionStrength, material.alphaCutoff;
   u.shade << toon.shadeColor, toon.shift;
-  u.toon << toon.toony, toon.shiftScale, 0.0f, toon.rimLightingMix;
+  u.toon << toon.toony, toon.shiftScale, toon.giEqualization, toon.rimLightingMix;
   u.matcap << toon.matcapFactor, 0.0f;
   u.rim << toon.rimColor, toon.rimPower;
   u.outline << toon.rimLift, toon.outlineWidth, toon.outline == OutlineMode::kScreen ? 1.0f : 0.0f,

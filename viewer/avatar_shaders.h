@@ -34,7 +34,7 @@ struct SurfaceUniforms {
   Eigen::Vector4f emissive;  ///< w: normal scale
   Eigen::Vector4f physical;  ///< metallic, roughness, occlusion strength, alpha cutoff
   Eigen::Vector4f shade;     ///< w: shading shift
-  Eigen::Vector4f toon;      ///< toony, shift scale, 0, rim lighting mix
+  Eigen::Vector4f toon;      ///< toony, shift scale, ambient light evened out, rim lighting mix
   Eigen::Vector4f matcap;
   Eigen::Vector4f rim;      ///< w: power
   Eigen::Vector4f outline;  ///< rim lift, width, 1 = screen, lighting mix

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
+#include <span>
 
 namespace lorica {
 
@@ -46,6 +48,11 @@ constexpr std::size_t kPosedVertices = 2000;
   const Material& b = *next.material;
   return a.alpha == AlphaMode::kOpaque && b.alpha == AlphaMode::kOpaque && a.doubleSided == b.doubleSided &&
          first.firstIndex + static_cast<std::size_t>(indexCount) == next.firstIndex;
+}
+
+[[nodiscard]] bool isOutlined(const Material& material) {
+  return material.shading == Shading::kToon && material.toon.outline != OutlineMode::kNone &&
+         material.toon.outlineWidth > 0.0f;
 }
 
 }  // namespace
@@ -161,10 +168,12 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
 
   // 2. Materials.
   while (made.surfaces.size() < drawn.look.materials.size()) made.surfaces.push_back(gpu.makeBuffer());
+  made.uniforms.clear();
   for (std::size_t m = 0; m < drawn.look.materials.size(); ++m) {
-    const shaders::SurfaceUniforms uniforms = shaders::surfaceUniforms(drawn.look.materials[m]);
+    const shaders::SurfaceUniforms& uniforms =
+        made.uniforms.emplace_back(shaders::surfaceUniforms(drawn.look.materials[m]));
     gl.BindBuffer(GL_UNIFORM_BUFFER, made.surfaces[m]);
-    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(uniforms), &uniforms, GL_STATIC_DRAW);
+    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(uniforms), &uniforms, GL_DYNAMIC_DRAW);
   }
 
   // 3. Groups.
@@ -238,6 +247,7 @@ void Renderer::Impl::uploadAvatar(const Scene& scene, const SceneOptions& option
   gl.BindTexture(GL_TEXTURE_BUFFER, avatar->jointTexture);
   gl.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, avatar->jointBuffer.id);
 
+  recolorAvatar(scene);
   reshapeAvatar(scene);
   if (!avatar->posedOnCpu) return;
   poseAvatar(avatar->shapes, avatar->vertices, avatar->jointRows, avatar->posed);
@@ -261,6 +271,19 @@ void Renderer::Impl::reshapeAvatar(const Scene& scene) {
   if (!changed || avatar->posedOnCpu) return;
   gl.BindBuffer(GL_ARRAY_BUFFER, avatar->shapeBuffer);
   gl.BufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(count * sizeof(AvatarShape)), avatar->shapes.data());
+}
+
+/// Uploads the materials that an expression changes, or changed in the picture before.
+void Renderer::Impl::recolorAvatar(const Scene& scene) {
+  const std::vector<Material>& own = scene.avatar->look.materials;
+  const std::span<const Material> shown = scene.avatarMaterials.size() == own.size() ? scene.avatarMaterials : own;
+  for (std::size_t m = 0; m < shown.size(); ++m) {
+    const shaders::SurfaceUniforms now = shaders::surfaceUniforms(shown[m]);
+    if (std::memcmp(&now, &avatar->uniforms[m], sizeof now) == 0) continue;
+    avatar->uniforms[m] = now;
+    gl.BindBuffer(GL_UNIFORM_BUFFER, avatar->surfaces[m]);
+    gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof now, &now);
+  }
 }
 
 void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsizei indexCount) {
@@ -319,11 +342,7 @@ void Renderer::Impl::drawAvatarOpaque() {
   for (const AvatarGroup& group : avatar->groups) {
     if (group.material->alpha == AlphaMode::kBlend) continue;
     drawAvatarGroup(group, Draw::kSurface);
-    const Material& material = *group.material;
-    if (material.shading == Shading::kToon && material.toon.outline != OutlineMode::kNone &&
-        material.toon.outlineWidth > 0.0f) {
-      drawAvatarGroup(group, Draw::kOutline);
-    }
+    if (isOutlined(*group.material)) drawAvatarGroup(group, Draw::kOutline);
   }
   gl.CullFace(GL_BACK);
 }
@@ -363,8 +382,10 @@ void Renderer::Impl::drawAvatarBlended(const Vec3& eye) {
     gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     drawAvatarGroup(group, Draw::kDepth);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    gl.DepthMask(group.material->blendWritesDepth ? GL_TRUE : GL_FALSE);
     gl.Enable(GL_BLEND);
+    gl.DepthMask(GL_FALSE);
+    if (isOutlined(*group.material)) drawAvatarGroup(group, Draw::kOutline);  // it is behind the surface
+    gl.DepthMask(group.material->blendWritesDepth ? GL_TRUE : GL_FALSE);
     drawAvatarGroup(group, Draw::kSurface);
     gl.Disable(GL_BLEND);
     gl.DepthMask(GL_TRUE);

@@ -120,6 +120,7 @@ struct Renderer::Impl {
   void fillAvatar(AvatarGpu& made, const Avatar& drawn);
   void releaseAvatar(AvatarGpu& made);
   void reshapeAvatar(const Scene& scene);
+  void recolorAvatar(const Scene& scene);
   [[nodiscard]] GLuint avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb);
   [[nodiscard]] GLuint avatarProgram(shaders::AvatarVariant variant);
   /// @param indexCount  0 = the group's; more = with the groups after it

@@ -40,11 +40,12 @@ struct Scene {
   const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter of the picture's width; null = none
   const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
-  std::shared_ptr<const Avatar> avatar;     ///< drawn instead of the mesh; null = none
-  std::span<const Affine3> worldFromModel;  ///< of the avatar's joints, see computeWorldFromModel()
-  std::span<const Vec3> avatarPositions;    ///< of the avatar's vertices in the bind pose, changed by an expression
-  std::span<const Vec3f> avatarNormals;     ///< with them; both empty = as in the avatar
-  double time = 0.0;                        ///< of moving textures [s]
+  std::shared_ptr<const Avatar> avatar;       ///< drawn instead of the mesh; null = none
+  std::span<const Affine3> worldFromModel;    ///< of the avatar's joints, see computeWorldFromModel()
+  std::span<const Vec3> avatarPositions;      ///< of the avatar's vertices in the bind pose, changed by an expression
+  std::span<const Vec3f> avatarNormals;       ///< with them; both empty = as in the avatar
+  std::span<const Material> avatarMaterials;  ///< changed by an expression; empty = as in the avatar
+  double time = 0.0;                          ///< of moving textures [s]
 };
 
 /// The layers of a scene that are drawn.

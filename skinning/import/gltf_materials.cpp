@@ -130,7 +130,7 @@ class MaterialReader {
     material.doubleSided = members.flag(json, "doubleSided");
 
     const Json& extensions = memberOf(json, "extensions");
-    material.emissive *=
+    material.emissiveStrength =
         members.number(memberOf(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
     if (memberOf(extensions, "KHR_materials_unlit").is_object()) material.shading = Shading::kUnlit;
     if (const Json& mtoon = memberOf(extensions, "VRMC_materials_mtoon"); mtoon.is_object()) {
@@ -150,9 +150,9 @@ class MaterialReader {
       std::array<float, 2> scale = {1.0f, 1.0f};
       numbersOf(moved, "offset", offset);
       numbersOf(moved, "scale", scale);
-      const float turn = numberOf(moved, "rotation", 0.0f);
-      const float c = std::cos(turn);
-      const float s = std::sin(turn);
+      use.rotation = numberOf(moved, "rotation", 0.0f);
+      const float c = std::cos(use.rotation);
+      const float s = std::sin(use.rotation);
       use.transform << c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1];
       use.uvSet = uvSetOf(moved, use.uvSet);
     }

@@ -114,6 +114,7 @@ void applyMtoon0(const Json& properties, const TextureOfIndex& textureOf, Member
   toon.outlineLightingMix = members.number(floats, "_OutlineColorMode", 0.0f) == 1.0f
                                 ? members.number(floats, "_OutlineLightingMix", 1.0f)
                                 : 0.0f;
+  toon.giEqualization = 1.0f - std::clamp(members.number(floats, "_IndirectLightIntensity", 0.1f), 0.0f, 1.0f);
   toon.uvAnimationMask = texture("_UvAnimMaskTexture");
   toon.uvScroll = {members.number(floats, "_UvAnimScrollX", 0.0f), -members.number(floats, "_UvAnimScrollY", 0.0f)};
   toon.uvRotation = members.number(floats, "_UvAnimRotation", 0.0f);
@@ -164,6 +165,7 @@ void applyMtoon1(const Json& mtoon, const std::function<TextureUse(const Json&)>
   toon.outlineWidthTexture = use(memberOf(mtoon, "outlineWidthMultiplyTexture"));
   members.numbers(mtoon, "outlineColorFactor", {toon.outlineColor.data(), 3});
   toon.outlineLightingMix = members.number(mtoon, "outlineLightingMixFactor", 1.0f);
+  toon.giEqualization = std::clamp(members.number(mtoon, "giEqualizationFactor", 0.9f), 0.0f, 1.0f);
   toon.uvAnimationMask = use(memberOf(mtoon, "uvAnimationMaskTexture"));
   toon.uvScroll = {members.number(mtoon, "uvAnimationScrollXSpeedFactor", 0.0f),
                    members.number(mtoon, "uvAnimationScrollYSpeedFactor", 0.0f)};

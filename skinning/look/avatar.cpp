@@ -12,6 +12,23 @@ std::size_t Avatar::textureBytes() const {
   return bytes;
 }
 
+std::shared_ptr<const Avatar> makePlainAvatar(const Character& character, const Material& material) {
+  auto avatar = std::make_shared<Avatar>();
+  avatar->character = character;
+  avatar->plain = true;
+  const TriMesh& mesh = character.mesh;
+  avatar->look.materials = {material};
+  avatar->look.groups.push_back({character.name, 0, 0, mesh.triangles.size(), false});
+  avatar->look.normals.assign(mesh.vertices.size(), Vec3f::Zero());
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    const Vec3f twiceTheArea = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).cast<float>();
+    for (const VertexIndex v : t) avatar->look.normals[v] += twiceTheArea;
+  }
+  for (Vec3f& normal : avatar->look.normals) normal.normalize();
+  return avatar;
+}
+
 Result<MadeAvatar> makeAvatar(Character character, Look look, const DecodeSettings& settings, AvatarFace face) {
   auto avatar = std::make_shared<Avatar>();
   avatar->character = std::move(character);

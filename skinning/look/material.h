@@ -19,6 +19,7 @@ struct TextureUse {
   bool smooth = true;  ///< linear interpolation between texels; false: nearest
   /// KHR_texture_transform: texture coordinates = this * (u, v, 1).
   Eigen::Matrix<float, 2, 3> transform = Eigen::Matrix<float, 2, 3>::Identity();
+  float rotation = 0.0f;  ///< the one in `transform` [rad]
 
   [[nodiscard]] bool given() const { return picture >= 0; }
 };
@@ -59,6 +60,7 @@ struct ToonMaterial {
   TextureUse outlineWidthTexture;   ///< green channel is a factor of the width
   Vec3f outlineColor{0, 0, 0};      ///< linear RGB
   float outlineLightingMix = 1.0f;  ///< 0 = its own colour, 1 = times the lit surface
+  float giEqualization = 0.9f;      ///< 1 = ambient light is the same from all directions
   TextureUse uvAnimationMask;       ///< blue channel is a factor of the animation below
   Eigen::Vector2f uvScroll{0, 0};   ///< of all textures [1/s]
   float uvRotation = 0.0f;          ///< about their middle [rad/s]
@@ -77,7 +79,8 @@ struct Material {
   float normalScale = 1.0f;
   TextureUse occlusion;  ///< red channel
   float occlusionStrength = 1.0f;
-  Vec3f emissive{0, 0, 0};  ///< linear RGB, with its strength; may exceed 1
+  Vec3f emissive{0, 0, 0};        ///< linear RGB; may exceed 1
+  float emissiveStrength = 1.0f;  ///< factor of `emissive`
   TextureUse emissiveTexture;
   AlphaMode alpha = AlphaMode::kOpaque;
   float alphaCutoff = 0.5f;  ///< of AlphaMode::kMask

@@ -110,10 +110,17 @@ TEST(AvatarToon, AmbientLightFollowsTheNormalsHeightAndNeverExceedsTheLitColor) 
   AvatarLight light = dark();
   light.sky = Vec3f(0.2f, 0.4f, 0.6f);
   light.ground = Vec3f(0.3f, 0.1f, 0.0f);
-  for (const double up : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
-    const AvatarMaker maker = squareOf(toon(), Vec3(0.0, up, std::sqrt(1.0 - up * up)));
-    const Vec3 around = (light.ground + (light.sky - light.ground) * static_cast<float>(0.5 + 0.5 * up)).cast<double>();
-    expectColor(middleOf(*studio, maker, light), around.cwiseProduct(kLit), 2, "up " + std::to_string(up));
+  for (const double even : {0.0, 0.4, 1.0}) {
+    for (const double up : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+      Material material = toon();
+      material.toon.giEqualization = static_cast<float>(even);
+      const AvatarMaker maker = squareOf(material, Vec3(0.0, up, std::sqrt(1.0 - up * up)));
+      const Vec3 sky = light.sky.cast<double>(), ground = light.ground.cast<double>();
+      const Vec3 raw = ground + (sky - ground) * (0.5 + 0.5 * up);
+      const Vec3 around = raw + even * (0.5 * (sky + ground) - raw);
+      expectColor(middleOf(*studio, maker, light), around.cwiseProduct(kLit), 2,
+                  "evened out by " + std::to_string(even) + ", up " + std::to_string(up));
+    }
   }
   light.key = light.sky = light.ground = Vec3f::Constant(3.0f);
   expectColor(middleOf(*studio, squareOf(toon(), towardsLight()), light), kLit, 2, "strong light");
@@ -251,6 +258,35 @@ TEST(AvatarToon, OutlinesTakeTheirWidthFromATextureAndTheirColorFromTheLight) {
     }
   }
   EXPECT_NEAR(brightest, byteOf(0.9 * kLit.x()), 2);
+}
+
+TEST(AvatarToon, BlendedSurfacesHaveTheirOutlineBehindThem) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  for (const float alpha : {0.6f, 0.4f}) {
+    AvatarMaker maker;
+    Material material = toon();
+    material.alpha = AlphaMode::kBlend;
+    material.baseColor = {0.0f, 1.0f, 0.0f, alpha};
+    material.toon.shadeColor = {0.0f, 1.0f, 0.0f};
+    material.toon.outline = OutlineMode::kWorld;
+    material.toon.outlineWidth = 0.04f;
+    material.toon.outlineColor = {1, 0, 0};
+    material.toon.outlineLightingMix = 0.0f;
+    maker.material(material);
+    maker.addSphere({0, 1, 0}, 0.4, 96, 128);
+    const AvatarOnStage stage(maker.avatar);
+    const Image image = studio->draw(stage.scene(), onBlack(keyOnly(1.0f)), test::frontCamera(), 600, 600);
+    const auto middle = test::pixelAt(image, 300, 300);
+    // What is more opaque than not hides the outline behind it.
+    EXPECT_NEAR(middle[0], alpha > 0.5f ? 0.0f : 255.0f * alpha * (1.0f - alpha), 2);
+    EXPECT_NEAR(middle[1], 255.0f * alpha, 2);
+    const double focal = 300.0 / std::tan(0.5 * test::frontCamera().verticalFov);
+    const double distance = test::frontCamera().eye.z();
+    const int beside = static_cast<int>(focal * 0.42 / std::sqrt(distance * distance - 0.42 * 0.42));
+    const auto outline = test::pixelAt(image, 300 - beside, 300);
+    EXPECT_NEAR(outline[0], 255.0f * alpha, 2);
+    EXPECT_EQ(outline[1], 0);
+  }
 }
 
 }  // namespace

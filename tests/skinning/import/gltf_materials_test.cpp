@@ -62,7 +62,8 @@ TEST(GltfMaterials, EveryFieldIsRead) {
   EXPECT_EQ(m.occlusion.uvSet, 1);
   EXPECT_EQ(m.occlusionStrength, 0.625F);
   EXPECT_EQ(pictureOf(*file, m.emissiveTexture), "picture 5");
-  EXPECT_EQ(m.emissive, Vec3f(1.0F, 2.0F, 4.0F));
+  EXPECT_EQ(m.emissive, Vec3f(0.25F, 0.5F, 1.0F));
+  EXPECT_EQ(m.emissiveStrength, 4.0F);
   EXPECT_EQ(m.alpha, AlphaMode::kMask);
   EXPECT_EQ(m.alphaCutoff, 0.875F);
   EXPECT_TRUE(m.doubleSided);

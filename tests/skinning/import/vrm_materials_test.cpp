@@ -76,6 +76,7 @@ TEST(Mtoon1, EveryFieldIsRead) {
                                       {"outlineWidthMultiplyTexture", {{"index", 5}}},
                                       {"outlineColorFactor", {0.125, 0.25, 0.375}},
                                       {"outlineLightingMixFactor", 0.5},
+                                      {"giEqualizationFactor", 0.625},
                                       {"uvAnimationMaskTexture", {{"index", 6}}},
                                       {"uvAnimationScrollXSpeedFactor", 0.5},
                                       {"uvAnimationScrollYSpeedFactor", -0.25},
@@ -108,6 +109,7 @@ TEST(Mtoon1, EveryFieldIsRead) {
   EXPECT_EQ(pictureOf(*file, toon.outlineWidthTexture), "picture 5");
   EXPECT_EQ(toon.outlineColor, Vec3f(0.125F, 0.25F, 0.375F));
   EXPECT_EQ(toon.outlineLightingMix, 0.5F);
+  EXPECT_EQ(toon.giEqualization, 0.625F);
   EXPECT_EQ(pictureOf(*file, toon.uvAnimationMask), "picture 6");
   EXPECT_EQ(toon.uvScroll, Eigen::Vector2f(0.5F, -0.25F));
   EXPECT_EQ(toon.uvRotation, 2.0F);
@@ -292,6 +294,10 @@ TEST(Mtoon0, DefaultsAreUnitys) {
   EXPECT_EQ(m.toon.rimLightingMix, 0.0F);
   EXPECT_EQ(m.toon.outline, OutlineMode::kNone);
   EXPECT_EQ(m.toon.outlineLightingMix, 0.0F);
+  EXPECT_EQ(m.toon.giEqualization, 0.9F);
+  EXPECT_EQ(
+      onlyOf({{"shader", "VRM/MToon"}, {"floatProperties", {{"_IndirectLightIntensity", 0.25}}}}).toon.giEqualization,
+      0.75F);
   for (const TextureUse* use : m.textures()) EXPECT_FALSE(use->given());
   EXPECT_EQ(onlyOf({{"shader", "VRM/MToon"}, {"floatProperties", {{"_OutlineWidthMode", 2}}}}).toon.outline,
             OutlineMode::kScreen);
