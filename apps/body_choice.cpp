@@ -14,11 +14,10 @@ namespace lorica {
 namespace {
 
 /// The requested decomposition, checked against the character, or the default one.
-Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const Subject& subject, int threads,
-                                              const Motion* atHand) {
+Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const Subject& subject, int threads) {
   const Character& character = *subject.character;
   if (options.decomposition.empty()) {
-    Result<CachedDecomposition> made = defaultDecomposition(subject, threads, atHand);
+    Result<CachedDecomposition> made = defaultDecomposition(subject, threads);
     if (!made) return made.error();
     return std::move(made->file);
   }
@@ -35,9 +34,9 @@ Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const 
 
 /// A cover of the body: from the user's cache, or chosen in poses of the character's default training.
 Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body, const CoverRequest& request,
-                          int threads, const Motion* atHand) {
+                          int threads) {
   const Character& character = *subject.character;
-  const Result<Training> training = trainingMotions(subject, {}, atHand);
+  const Result<Training> training = trainingMotions(subject, {});
   if (!training) return training.error();
   const Result<CoverPoses> poses = coverPoses(character, training->motions);
   if (!poses) return poses.error();
@@ -48,11 +47,12 @@ Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body,
 }  // namespace
 
 DecompositionCache userCache() {
-  return {userCacheFolder(), [](const std::string& sentence) { warn(sentence); }};
+  // One cause often keeps both the body and its decomposition from the cache.
+  return {userCacheFolder(), warnOnce};
 }
 
-Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads, const Motion* atHand) {
-  const Result<Training> training = trainingMotions(subject, {}, atHand);
+Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads) {
+  const Result<Training> training = trainingMotions(subject, {});
   if (!training) return training.error();
   const NothingToCleanUp nothing;  // files are written later
   ProgressBar bar("Decomposing " + subject.character->name, "parts");
@@ -76,13 +76,12 @@ void addBodyOptions(CommandLine& app, BodyOptions& options) {
            "Limit each hull to N vertices in every frame; hulls are enlarged to contain the body");
 }
 
-Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads,
-                                     const Motion* atHand) {
-  Result<DecompositionFile> body = chooseDecomposition(options, subject, threads, atHand);
+Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads) {
+  Result<DecompositionFile> body = chooseDecomposition(options, subject, threads);
   if (!body || !options.cover.given()) return body;
   body->cover.reset();
   if (options.cover.exact()) return body;
-  Result<HullCover> cover = coverOf(subject, *body, options.cover, threads, atHand);
+  Result<HullCover> cover = coverOf(subject, *body, options.cover, threads);
   if (!cover) return cover.error();
   body->cover = std::move(*cover);
   return body;

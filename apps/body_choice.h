@@ -16,21 +16,18 @@ struct BodyOptions {
   CoverRequest cover;         ///< not given = the cover in the file
 };
 
-/// The user's cache; it prints warnings to standard error.
+/// The user's cache; it prints warnings to standard error, each sentence once.
 [[nodiscard]] DecompositionCache userCache();
 
 /// defaultDecomposition() with the character's default training, the user's cache and a progress bar; Ctrl-C cancels.
-[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads,
-                                                               const Motion* atHand = nullptr);
+[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads);
 
 /// --decomposition, --cover, --hull-vertices.
 void addBodyOptions(CommandLine& app, BodyOptions& options);
 
 /// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
 /// @param subject  a character
-/// @param atHand   see trainingMotions()
 /// @return the body, or an error if the file was made from another mesh or cannot be read
-[[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads,
-                                                   const Motion* atHand = nullptr);
+[[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads);
 
 }  // namespace lorica

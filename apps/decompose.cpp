@@ -263,6 +263,15 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
+  const Result<std::vector<Motion>> motions = readMotions(options.motions);
+  if (!motions) return motions.error();
+  reading.suits = [&](const CharacterFile& file) -> Result<void> {
+    if (file.isMesh()) return {};
+    for (const Motion& motion : *motions) {
+      if (Result<void> able = checkPerformed(file.character, motion); !able) return able;
+    }
+    return {};
+  };
   const Result<Subject> subject = readSubject(options.input, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
@@ -274,9 +283,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   std::optional<CoverPoses> posesToCover;
   std::optional<Training> training;
   if (subject->character) {
-    Result<Training> motions = trainingMotions(*subject, options.motions);
-    if (!motions) return motions.error();
-    training = std::move(*motions);
+    Result<Training> trained = trainingMotions(*subject, *motions);
+    if (!trained) return trained.error();
+    training = std::move(*trained);
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
     Result<Keyframes> sampled = trainingKeyframes(*subject->character, *training, count);
     if (!sampled) return Error{sampled.error().code, "--keyframes: " + sampled.error().message};

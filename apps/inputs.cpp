@@ -1,11 +1,13 @@
 #include "apps/inputs.h"
 
+#include "apps/body_choice.h"
 #include "apps/expression_options.h"
 #include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
+#include "session/prepare/body_cache.h"
 #include "geometry/mesh_files.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
@@ -22,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 
-/// makeBody() with a progress bar; Ctrl-C cancels.
+/// cachedBody() with a progress bar; Ctrl-C cancels.
 Result<ClosedBody> makeBodyWithProgress(const Character& character, const CharacterOptions& options) {
   const NothingToCleanUp nothing;
   ProgressBar bar("Making a closed body for " + character.name, "steps");
@@ -30,7 +32,7 @@ Result<ClosedBody> makeBodyWithProgress(const Character& character, const Charac
   settings.resolution = options.bodyResolution;
   settings.keepClosed = options.body != BodyChoice::kAlways;
   settings.progress = progressOf(bar);
-  Result<ClosedBody> body = makeBody(character, settings);
+  Result<ClosedBody> body = cachedBody(character, settings, userCache());
   if (!body) return Error{body.error().code, character.name + ": " + body.error().message};
   return body;
 }
@@ -48,7 +50,8 @@ Material clay() {
 /// Rejects options that would have no effect on a mesh or a built-in character.
 Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
   for (const auto& [given, option] :
-       {std::pair(!options.map.empty(), "--map"), std::pair(!options.expressions.empty(), "--expression")}) {
+       {std::pair(!options.map.empty(), "--map"), std::pair(!options.expressions.empty(), "--expression"),
+        std::pair(!options.hidden.empty(), "--hide")}) {
     if (!given) continue;
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option)};
@@ -74,7 +77,7 @@ Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float
 }
 
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
-  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
+  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings(options.hidden));
   if (!read) return read.error();
   if (read->character.mesh.triangles.empty()) {
     return Error{ErrorCode::kBadMesh, fmt::format("{}: no triangles, only {}; expected a character with a surface",
@@ -89,7 +92,10 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
   }
   Result<std::vector<float>> expressions = chosenExpressions(read->expressions, options.expressions, file.string());
   if (!expressions) return expressions.error();
-  if (read->skins == 0 && read->clips.empty()) {
+  if (options.suits) {
+    if (Result<void> fine = options.suits(*read); !fine) return fine.error();
+  }
+  if (read->isMesh()) {
     // A mesh: in the units and coordinates of the file, from which the first joint converts.
     TriMesh mesh = read->character.mesh;
     for (Vec3& p : mesh.vertices) p = read->character.jointFromModel.front() * p;
@@ -122,6 +128,16 @@ void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
          "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
          "creates one")
       ->typeName("FILE.json");
+  addHideOption(app, options.hidden);
+}
+
+void addHideOption(CommandLine& app, std::vector<std::string>& hidden) {
+  app.addOption(
+         "--hide", hidden,
+         "Leave out a mesh of the character, such as a weapon, from pictures and hulls; may be repeated; `lorica "
+         "info` lists the names")
+      ->repeatable()
+      ->typeName("NAME");
   addLength(app, "--body-resolution", options.bodyResolution,
             "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
   addExpressionOption(app, options.expressions);
@@ -157,6 +173,13 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
   if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
+Result<void> followsPerson(const CharacterFile& file) {
+  Motion person;
+  person.name = "a person";
+  person.joints = {SkeletonFrame()};
+  return checkPerformed(file.character, person);
+}
+
   return meshSubject(fs::path(input).filename().string(), std::move(*mesh), options);
 }
 
@@ -166,12 +189,13 @@ Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOpti
                                                    "(.glb, .gltf, .vrm, .fbx, .dae)",
                                                    nameOrFile, kMannequin)};
   }
-  Result<Subject> subject = readSubject(nameOrFile, options);
-  if (subject && !subject->character) {
+  CharacterOptions reading = options;
+  reading.suits = [&](const CharacterFile& file) -> Result<void> {
+    if (!file.isMesh()) return options.suits ? options.suits(file) : Result<void>();
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: found a mesh without skin and clips, expected a character", nameOrFile)};
-  }
-  return subject;
+  };
+  return readSubject(nameOrFile, reading);
 }
 
 }  // namespace lorica

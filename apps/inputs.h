@@ -9,6 +9,7 @@
 #include "skinning/import/character_file.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,11 +31,17 @@ struct CharacterOptions {
   bool drawn = false;                         ///< the character is drawn: decode the pictures of its materials
   int textureSize = 0;                        ///< largest side of those pictures [pixels]; 0 = as stored
   std::vector<std::string> expressions = {};  ///< see chosenExpressions()
+  std::vector<std::string> hidden = {};       ///< names of meshes, see CharacterFileSettings
   std::optional<std::string> ownClip = {};    ///< name of the own clip that the character plays, see findClip()
+  /// Whether the character can do what it is read for: called before its body is made, which takes up to seconds. Its
+  /// error ends the reading. None = anything will do.
+  std::function<Result<void>(const CharacterFile& file)> suits = {};
 };
 
-/// --map, --body-resolution and --expression.
+/// --map, --body-resolution, --expression and --hide.
 void addCharacterOptions(CommandLine& app, CharacterOptions& options);
+/// --hide NAME, which may be repeated.
+void addHideOption(CommandLine& app, std::vector<std::string>& hidden);
 /// --texture-size, for commands that draw.
 void addTextureOption(CommandLine& app, int& textureSize);
 
@@ -68,6 +75,9 @@ struct Subject {
 /// character file with neither skin nor clips is a mesh. A mesh is repaired, or gets a closed body, see meshSubject();
 /// a body is made for a character.
 [[nodiscard]] Result<Subject> readSubject(const std::string& input, const CharacterOptions& options = {});
+
+/// CharacterOptions::suits for a person before a camera, whose joints the character must be able to follow.
+[[nodiscard]] Result<void> followsPerson(const CharacterFile& file);
 
 /// A character by its name or file, or an error that says what is expected.
 [[nodiscard]] Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options = {});

@@ -185,6 +185,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!inWindow) return inWindow.error();
   CharacterOptions reading = options.reading;
   reading.drawn = *inWindow || options.pictures.any();
+  reading.suits = followsPerson;
   const Result<Subject> subject = readCharacter(options.character, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;

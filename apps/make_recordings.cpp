@@ -19,20 +19,6 @@ constexpr std::string_view kUsage =
     "Writes the recordings that ship with Lorica into OUTDIR as joint CSV (recordings/FORMAT.md).\n"
     "The output is the same on each run.\n";
 
-/// Rounds to 0.01 mm, 0.00001 of a quaternion component and 1 us: finer than any tracker, and keeps files small.
-void roundForFile(std::vector<lorica::SkeletonFrame>& frames) {
-  // Adding zero turns -0 into 0.
-  const auto rounded = [](double value, double perUnit) { return std::round(value * perUnit) / perUnit + 0.0; };
-  for (lorica::SkeletonFrame& frame : frames) {
-    frame.time = rounded(frame.time, 1e6);
-    for (lorica::TrackedJoint& joint : frame.joints) {
-      for (double& p : joint.position) p = rounded(p, 1e5);
-      if (!joint.orientation) continue;
-      for (double& q : joint.orientation->coeffs()) q = rounded(q, 1e5);
-    }
-  }
-}
-
 int fail(std::string_view sentence) {
   fmt::print(stderr, "lorica-make-recordings: {}\n", sentence);
   return kTrouble;
@@ -58,7 +44,7 @@ int main(int argc, char** argv) {
   for (int i = 0; i < lorica::kSyntheticMotionCount; ++i) {
     const auto motion = static_cast<SyntheticMotion>(i);
     const auto write = [&](std::vector<lorica::SkeletonFrame> frames, std::string_view suffix) {
-      roundForFile(frames);
+      lorica::roundForFile(frames);
       return lorica::writeJointCsv(folder / fmt::format("{}{}.csv", nameOf(motion), suffix), frames);
     };
     const std::vector<lorica::SkeletonFrame> clean = synthesizeMotion(motion);

@@ -232,6 +232,20 @@ Result<std::vector<Motion>> readShippedRecordings() {
   return motions;
 }
 
+std::vector<Motion> makeShippedMotions() {
+  std::vector<Motion> motions;
+  motions.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    const auto which = static_cast<SyntheticMotion>(m);
+    Motion motion;
+    motion.name = nameOf(which);
+    motion.joints = synthesizeMotion(which);
+    roundForFile(motion.joints);
+    motions.push_back(std::move(motion));
+  }
+  return motions;
+}
+
 Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name, const std::string& source) {
   if (clips.empty()) {
     return Error{ErrorCode::kNotFound, source + ": found no animation, expected at least one clip"};

@@ -47,6 +47,9 @@ void addFaultOption(CommandLine& app, MotionOptions& options);
 /// The shipped recordings without noise, in a fixed order: the default training of humanoids without clips.
 [[nodiscard]] Result<std::vector<Motion>> readShippedRecordings();
 
+/// The same motions made again, equal bit for bit: where the recordings were not found.
+[[nodiscard]] std::vector<Motion> makeShippedMotions();
+
 /// The folder of the shipped recordings: $LORICA_RECORDINGS, or relative to the program, in a build tree or installed.
 [[nodiscard]] Result<std::filesystem::path> recordingsFolder();
 

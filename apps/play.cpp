@@ -114,7 +114,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Subject& subject = input->subject;
   const Motion& motion = input->motion;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount(), &motion);
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
   if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
@@ -191,8 +191,8 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "      hulls of at most 64 vertices that contain the body in 128 sampled poses\n"
       "  lorica play wave --json - | jq .stages.total.median\n"
       "\nWithout --decomposition: 16 parts from 12 keyframes, computed on the first run and then cached, as are the\n"
-      "hull covers of --cover and --hull-vertices. Keyframes come from the character's own clips, else from the\n"
-      "shipped recordings.");
+      "body of a character whose surface is open, and the hull covers of --cover and --hull-vertices. Keyframes come\n"
+      "from the character's own clips and, of a humanoid, from the shipped recordings.");
   addPlaybackInputOptions(*app, options->input);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);

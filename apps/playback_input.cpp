@@ -28,19 +28,21 @@ std::string clipsOf(const CharacterFile& file) {
   return more == 0 ? text : fmt::format("{} and {} more", text, more);
 }
 
-/// Rejects a human motion for a character that is not a humanoid but has its own clips; the error lists them.
-Result<void> checkPerformer(const Motion& motion, const Subject& subject, const std::string& asGiven) {
-  if (!subject.file || subject.file->clips.empty() || canPerform(*subject.character)) return {};
-  if (motion.fromCharacterFile && retargetByJointNames(*motion.bones, subject.character->skeleton)) return {};
-  const std::string clips = clipsOf(*subject.file);
+/// Rejects a motion that the character cannot perform. If it is not a humanoid but has its own clips, the error lists
+/// them.
+Result<void> checkPerformer(const Motion& motion, const CharacterFile& file, const std::string& asGiven,
+                            const JointSettings& settings) {
+  const Result<void> able = checkPerformed(file.character, motion, settings);
+  if (able || file.clips.empty() || canPerform(file.character)) return able;
+  const std::string clips = clipsOf(file);
   return Error{
       ErrorCode::kInvalidArgument,
       fmt::format("{} on {}: found a motion of {}, expected one of the character's own clips{}, because its {} joints "
                   "were not recognised as a humanoid: lorica play {}{}. If it is a humanoid, write a bone map with "
                   "`lorica info {} --write-map FILE`, edit it and pass it with --map",
-                  motion.name, subject.name, motion.fromCharacterFile ? "another character" : "a human",
-                  clips.empty() ? "" : ", " + clips, subject.character->skeleton.jointCount(), asGiven,
-                  clips.empty() ? "" : " --clip " + subject.file->clips.front().name, asGiven)};
+                  motion.name, file.character.name, motion.fromCharacterFile ? "another character" : "a human",
+                  clips.empty() ? "" : ", " + clips, file.character.skeleton.jointCount(), asGiven,
+                  clips.empty() ? "" : " --clip " + file.clips.front().name, asGiven)};
 }
 
 /// Notes if the hulls grew for expressions or clips.
@@ -76,6 +78,10 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
       (options.character.empty() || options.motion.empty() || options.motion == options.character)) {
     CharacterOptions reading = options.reading;
     reading.ownClip = options.performing.clip;
+    reading.suits = [&](const CharacterFile& file) -> Result<void> {
+      const Result<const Clip*> clip = findClip(file.clips, options.performing.clip, own);
+      return clip ? Result<void>() : clip.error();
+    };
     Result<Subject> subject = readSubject(own, reading);
     if (subject && subject->character) {
       const Result<const Clip*> clip = findClip(subject->file->clips, options.performing.clip, own);
@@ -94,11 +100,15 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   }
   Result<Motion> motion = readMotion(own, options.performing);
   if (!motion) return motion.error();
-  Result<Subject> subject = readCharacter(options.character.empty() ? "mannequin" : options.character, options.reading);
+  CharacterOptions reading = options.reading;
+  reading.suits = [&](const CharacterFile& file) {
+    return checkPerformer(*motion, file, options.character, options.performing.joints());
+  };
+  Result<Subject> subject = readCharacter(options.character.empty() ? "mannequin" : options.character, reading);
   if (!subject) return subject.error();
-  if (Result<void> fine = checkPerformer(*motion, *subject, options.character); !fine) return fine.error();
   if (subject->file) {
-    motion->notes.insert(motion->notes.end(), subject->file->notes.begin(), subject->file->notes.end());
+    // Notes about the character are told from those about the motion.
+    for (const std::string& note : subject->file->notes) motion->notes.push_back(subject->name + ": " + note);
     const std::vector<std::string> strays = leftBehind(*subject->character);
     motion->notes.insert(motion->notes.end(), strays.begin(), strays.end());
     tellReached(*subject, *motion);

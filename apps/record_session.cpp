@@ -36,7 +36,9 @@ Result<Performer> openMotion(const SessionRecording& options) {
 
 Result<Performer> openCharacter(const SessionRecording& options) {
   const std::string name = options.input.character.empty() ? "mannequin" : options.input.character;
-  Result<Subject> subject = readCharacter(name, options.input.reading);
+  CharacterOptions reading = options.input.reading;
+  reading.suits = followsPerson;
+  Result<Subject> subject = readCharacter(name, reading);
   if (!subject) return subject.error();
   return Performer{std::move(*subject), name, std::nullopt, nullptr, ""};
 }

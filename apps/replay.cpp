@@ -34,6 +34,7 @@ Result<Subject> findCharacter(const Options& options, const SessionHeader& heade
   reading.drawn = options.window || options.pictures.any();
   reading.textureSize = options.textureSize;
   reading.expressions = header.expressions;
+  reading.hidden = header.hidden;
   Result<Subject> subject = readCharacter(inputs.character, reading);
   if (subject || !options.character.empty()) return subject;
   return Error{subject.error().code, fmt::format("{}: the recorded character {} cannot be read ({}): give its file "

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <thread>
 
 namespace lorica {
@@ -139,6 +140,11 @@ Result<void> checkOutputFolder(const std::string& option, const std::filesystem:
 
 void warn(const std::string& sentence) {
   fmt::print(stderr, "lorica: warning: {}\n", sentence);
+}
+
+void warnOnce(const std::string& sentence) {
+  static std::set<std::string> said;
+  if (said.insert(sentence).second) warn(sentence);
 }
 
 std::string environment(const char* name) {

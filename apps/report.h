@@ -69,6 +69,8 @@ class Report {
 
 /// Prints a warning to standard error, one line: "lorica: warning: ...".
 void warn(const std::string& sentence);
+/// warn(), unless this function has printed the same sentence before. Not for several threads.
+void warnOnce(const std::string& sentence);
 
 /// The value of an environment variable; empty if it is not set.
 [[nodiscard]] std::string environment(const char* name);

@@ -24,6 +24,7 @@ constexpr double kUncovered = 0.5;
 struct Options {
   std::string mesh;
   std::string parts;
+  CharacterOptions reading;  // which meshes are hidden
 };
 
 nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, const Score& score) {
@@ -75,7 +76,7 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.mesh, options.parts}); !fine) return fine;
-  const Result<Subject> subject = readSubject(options.mesh);
+  const Result<Subject> subject = readSubject(options.mesh, options.reading);
   if (!subject) return subject.error();
   const TriMesh& mesh = subject->mesh;
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
@@ -121,6 +122,7 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
       ->required()
       ->typeName("");
   app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required()->typeName("");
+  addHideOption(*app, options->reading.hidden);
   return {app, [options](const CommonOptions& given) { return run(*options, given); }};
 }
 

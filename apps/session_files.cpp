@@ -87,6 +87,7 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   header.boneMap = nameFor(file, as.reading.map);
   header.bodyResolution = as.reading.bodyResolution;
   header.expressions = as.reading.expressions;
+  header.hidden = as.reading.hidden;
   header.characterHash = hashOf(character);
   header.decomposition = nameFor(file, as.body.decomposition);
   header.decompositionHash = hashOf(body.decomposition);

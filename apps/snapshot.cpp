@@ -253,7 +253,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Size size = *sizeOf(options.size);
   const Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
   if (!camera) return camera.error();
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount(), &motion);
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
   if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();

@@ -249,6 +249,7 @@ FileSummary describeCharacter(const Subject& subject, int textureSize) {
   addBody(subject, summary);
   describeSprings(file.springs, summary.report, json);
   addFace(file, summary);
+  describeMeshNames(file.meshNames, summary.report, json);
   describeLook(file.look, textureSize, summary.report, json);
   addClips(file.clips, summary);
   for (const std::string& note : file.notes) summary.report.note(note);

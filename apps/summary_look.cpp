@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -16,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kRowsShown = 12;
-constexpr std::size_t kNamesShown = 12;
+constexpr std::size_t kNamesShown = 24;
 constexpr int kSuggestedSize = 1024;  // if no texture size is given
 
 const char* nameOf(Shading shading) {
@@ -50,22 +49,6 @@ std::size_t bytesOf(PictureSize size, int textureSize) {
 
 std::string megabytes(std::size_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
-}
-
-void describeMeshes(const Look& look, Report& report, Json& json) {
-  std::vector<std::string> names;
-  std::set<std::string> known;
-  json["meshNames"] = Json::array();
-  for (const LookGroup& group : look.groups) {
-    if (!known.insert(group.mesh).second) continue;
-    json["meshNames"].push_back(group.mesh);
-    if (!group.mesh.empty()) names.push_back(group.mesh);
-  }
-  if (names.empty()) return;
-  const std::size_t more = names.size() - std::min(names.size(), kNamesShown);
-  names.resize(names.size() - more);
-  report.line("mesh names",
-              fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
 }
 
 void describeMaterials(const Look& look, Report& report, Json& json) {
@@ -132,6 +115,20 @@ void describePictures(const Look& look, int textureSize, Report& report, Json& j
 
 }  // namespace
 
+void describeMeshNames(std::span<const MeshName> meshes, Report& report, Json& json) {
+  json["meshNames"] = Json::array();
+  std::vector<std::string> names;
+  for (const MeshName& mesh : meshes) {
+    json["meshNames"].push_back({{"node", mesh.node}, {"mesh", mesh.mesh}});
+    names.push_back(mesh.text());
+  }
+  if (names.empty()) return;
+  const std::size_t more = names.size() - std::min(names.size(), kNamesShown);
+  names.resize(names.size() - more);
+  report.line("mesh names",
+              fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
+}
+
 void describeLook(const Look& look, int textureSize, Report& report, Json& json) {
   if (!look.given()) {
     report.line("materials", "none: drawn in plain grey");
@@ -139,7 +136,6 @@ void describeLook(const Look& look, int textureSize, Report& report, Json& json)
     json["pictures"] = Json::array();
     return;
   }
-  describeMeshes(look, report, json);
   describeMaterials(look, report, json);
   describePictures(look, textureSize, report, json);
 }

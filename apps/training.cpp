@@ -11,21 +11,25 @@
 
 namespace lorica {
 
-Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions, const Motion* atHand) {
-  std::vector<Motion> given;
-  given.reserve(motions.size());
-  for (const std::string& name : motions) {
+Result<std::vector<Motion>> readMotions(std::span<const std::string> names) {
+  std::vector<Motion> motions;
+  motions.reserve(names.size());
+  for (const std::string& name : names) {
     Result<Motion> motion = readMotion(name);
     if (!motion) return motion.error();
-    given.push_back(std::move(*motion));
+    motions.push_back(std::move(*motion));
   }
+  return motions;
+}
+
+Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions) {
   const auto usual = [&]() -> Result<std::vector<Motion>> {
     Result<std::vector<Motion>> shipped = readShippedRecordings();
-    if (shipped || atHand == nullptr) return shipped;
-    warn(fmt::format("{}; the hulls are trained on {} alone", shipped.error().message, atHand->name));
-    return std::vector<Motion>{*atHand};
+    if (shipped) return shipped;
+    warnOnce(shipped.error().message + "; the hulls are trained on the same motions, generated again");
+    return makeShippedMotions();
   };
-  return trainingMotions(*subject.character, given, subject.clips(), usual);
+  return trainingMotions(*subject.character, motions, subject.clips(), usual);
 }
 
 Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh, PoseView keyframes,

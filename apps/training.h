@@ -6,15 +6,17 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace lorica {
 
-/// trainingMotions() of session/prepare for motions given by name. The shipped recordings are the usual motions.
-/// @param motions  paths or names, see readMotion(); may be empty
-/// @param atHand   the motion that will be played, if it is known: used, with a warning, where the shipped recordings
-///                 are not found; null = then that is an error
-[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const std::string> motions,
-                                               const Motion* atHand = nullptr);
+/// Reads motions by paths or names, see readMotion().
+[[nodiscard]] Result<std::vector<Motion>> readMotions(std::span<const std::string> names);
+
+/// trainingMotions() of session/prepare. The shipped recordings are the usual motions.
+/// Where they are not found, they are generated again, with a warning.
+/// @param motions  may be empty
+[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions);
 
 /// A decomposition and its computation time.
 struct TimedDecomposition {

@@ -24,6 +24,7 @@ struct SessionHeader {
   std::string boneMap;                   ///< file; empty = none
   double bodyResolution = 0.0;           ///< [m]; 0 = automatic
   std::vector<std::string> expressions;  ///< as given, such as "Joy=1": hulls may have grown for them
+  std::vector<std::string> hidden;       ///< names of meshes that are left out
   std::uint64_t characterHash = 0;
 
   std::string decomposition;             ///< file; empty = the default one

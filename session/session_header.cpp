@@ -47,18 +47,24 @@ void readFaults(SceneElement& root, SessionHeader& header) {
   }
 }
 
+/// Reads one text or a list of texts.
+/// @param example  of one, for the message
+void readTexts(SceneElement& element, const char* key, const char* example, std::vector<std::string>& texts) {
+  if (!element.has(key)) return;
+  const SceneJson& list = element.at(key);
+  for (const SceneJson& one : list.is_array() ? list : SceneJson::array({list})) {
+    if (!one.is_string()) return element.fail(key, shownInScene(one), fmt::format("texts such as \"{}\"", example));
+    texts.push_back(one.get<std::string>());
+  }
+}
+
 void readCharacter(SceneElement element, SessionHeader& header) {
-  element.allow({"name", "map", "body-resolution", "expressions", "hash"});
+  element.allow({"name", "map", "body-resolution", "expressions", "hide", "hash"});
   element.text("name", header.character);
   element.text("map", header.boneMap);
   element.number("body-resolution", 0.0, 1e3, header.bodyResolution);
-  if (element.has("expressions")) {
-    const SceneJson& list = element.at("expressions");
-    for (const SceneJson& one : list.is_array() ? list : SceneJson::array({list})) {
-      if (!one.is_string()) return element.fail("expressions", shownInScene(one), "texts such as \"Joy=1\"");
-      header.expressions.push_back(one.get<std::string>());
-    }
-  }
+  readTexts(element, "expressions", "Joy=1", header.expressions);
+  readTexts(element, "hide", "Axe", header.hidden);
   readHash(element, "hash", header.characterHash);
 }
 
@@ -107,6 +113,7 @@ std::string textOf(const SessionHeader& header) {
   if (!header.boneMap.empty()) character["map"] = header.boneMap;
   if (header.bodyResolution > 0.0) character["body-resolution"] = header.bodyResolution;
   if (!header.expressions.empty()) character["expressions"] = header.expressions;
+  if (!header.hidden.empty()) character["hide"] = header.hidden;
   character["hash"] = hexDigits(header.characterHash);
   SceneJson& body = json["decomposition"];
   if (!header.decomposition.empty()) body["file"] = header.decomposition;

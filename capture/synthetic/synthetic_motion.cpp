@@ -2,6 +2,8 @@
 
 #include "capture/synthetic/motion_clips.h"
 
+#include <cmath>
+
 namespace lorica {
 
 std::string_view nameOf(SyntheticMotion motion) {
@@ -20,6 +22,19 @@ std::string_view nameOf(SyntheticMotion motion) {
       return "turn_around";
   }
   return {};
+}
+
+void roundForFile(std::vector<SkeletonFrame>& frames) {
+  // Adding zero turns -0 into 0.
+  const auto rounded = [](double value, double perUnit) { return std::round(value * perUnit) / perUnit + 0.0; };
+  for (SkeletonFrame& frame : frames) {
+    frame.time = rounded(frame.time, 1e6);
+    for (TrackedJoint& joint : frame.joints) {
+      for (double& p : joint.position) p = rounded(p, 1e5);
+      if (!joint.orientation) continue;
+      for (double& q : joint.orientation->coeffs()) q = rounded(q, 1e5);
+    }
+  }
 }
 
 std::vector<SkeletonFrame> synthesizeMotion(SyntheticMotion motion) {

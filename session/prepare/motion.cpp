@@ -38,6 +38,19 @@ Result<SkeletalMotion> performedBy(const Character& character, const Motion& mot
   return named(retargetMotion(*motion.bones, character, retargeting));
 }
 
+Result<void> checkPerformed(const Character& character, const Motion& motion, const JointSettings& settings) {
+  Motion first{motion.name, {}, std::nullopt, motion.fromCharacterFile, motion.format, {}};
+  if (motion.bones) {
+    const std::span<const JointTransform> pose = motion.bones->pose(0);
+    first.bones = SkeletalMotion{
+        motion.bones->name, motion.bones->skeleton, {motion.bones->times.front()}, {pose.begin(), pose.end()}};
+  } else {
+    first.joints = {motion.joints.front()};
+  }
+  const Result<SkeletalMotion> performed = performedBy(character, first, settings);
+  return performed ? Result<void>() : performed.error();
+}
+
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const SourceTreatment& treatment) {
   if (!motion.bones) {

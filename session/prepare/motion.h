@@ -39,7 +39,11 @@ struct Motion {
 [[nodiscard]] Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion,
                                                  const JointSettings& settings = {});
 
-/// The same as a source of poses: joints are retargeted frame by frame, as live ones are, and faults are injected.
+/// Whether a character can perform a motion: the error of performedBy(), at the cost of one frame.
+[[nodiscard]] Result<void> checkPerformed(const Character& character, const Motion& motion,
+                                          const JointSettings& settings = {});
+
+/// performedBy() as a source of poses: joints are retargeted frame by frame, as live ones are, and faults are injected.
 /// @return the source; the errors of performedBy(); or that the faults do not apply to a motion of bones
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                                const SourceTreatment& treatment = {});

@@ -36,6 +36,23 @@ TEST(Live, AVirtualPersonIsFollowed) {
   EXPECT_GE(json["latency"]["median"].get<double>(), json["tracking"]["median"].get<double>());
 }
 
+TEST(Live, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
+  const TemporaryFolder folder;
+  CommandSurroundings moved;
+  moved.recordings = "/nowhere";
+  const CommandResult live =
+      runLorica({"live", "--virtual", "--motion", "wave", "--frames", "3", "--headless", "--json", "-"}, moved);
+  ASSERT_EQ(live.exitCode, 0) << live.err;
+  EXPECT_EQ(live.json()["parts"], 16);
+  const auto hashOf = [](const CommandSurroundings& surroundings) {
+    const CommandResult made =
+        runLorica({"decompose", "mannequin", "--parts", "3", "--keyframes", "4", "--json", "-"}, surroundings);
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+    return made.json()["hash"];
+  };
+  EXPECT_EQ(hashOf(moved), hashOf({}));
+}
+
 TEST(Live, AnUnpluggedSensorIsSurvivedAndComesBack) {
   const TemporaryFolder folder;
   const CommandResult result = runLorica(

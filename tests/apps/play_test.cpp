@@ -53,14 +53,25 @@ TEST(Play, RunsAndThreadsAgree) {
   EXPECT_EQ(outcome("2"), one);
 }
 
-TEST(Play, AwayFromTheRecordingsTheMotionAtHandTrains) {
+TEST(Play, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
+  const TemporaryFolder folder;
+  const std::filesystem::path session = folder.path() / "s.lsession";
   CommandSurroundings moved;
+  moved.folder = folder.path();
   moved.recordings = "/nowhere";
   const std::string motion = recordingsFolder() / "wave.csv";
-  const CommandResult played = runLorica({"play", motion, "--frames", "10", "--json", "-"}, moved);
-  EXPECT_EQ(played.exitCode, 0) << played.err;
-  EXPECT_EQ(played.json()["frames"], 10);
-  EXPECT_NE(played.err.find("the hulls are trained on wave alone"), std::string::npos) << played.err;
+  const CommandResult played =
+      runLorica({"play", motion, "--frames", "10", "--cover", "0.01", "--record", session, "--json", "-"}, moved);
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const std::string sentence = "/nowhere: no such folder; the hulls are trained on the same motions, generated again";
+  const std::size_t said = played.err.find(sentence);
+  EXPECT_NE(said, std::string::npos) << played.err;
+  EXPECT_EQ(played.err.find(sentence, said + 1), std::string::npos) << "said twice: " << played.err;
+  CommandSurroundings home;
+  home.folder = folder.path();
+  EXPECT_EQ(runLorica({"play", motion, "--frames", "10", "--cover", "0.01", "--json", "-"}, home).json()["hash"],
+            played.json()["hash"]);
+  EXPECT_EQ(runLorica({"replay", session, "--json", "-"}, moved).json()["same"], true);
   const CommandResult unknown = runLorica({"play", "wave"}, moved);
   EXPECT_EQ(unknown.exitCode, 2);
 }

@@ -44,7 +44,8 @@ TEST(SummaryLook, MaterialsPicturesAndTheirMemoryAreListed) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.write("dressed.glb", dressedMannequin().glb());
   const Json json = runLorica({"info", file, "--json", "-"}).json();
-  EXPECT_EQ(json["meshNames"], Json::array({"Coat"}));
+  ASSERT_EQ(json["meshNames"].size(), 1u);
+  EXPECT_EQ(json["meshNames"][0]["mesh"], "Coat");
   ASSERT_EQ(json["materials"].size(), 1u) << "one is not used";
   const Json& wool = json["materials"][0];
   EXPECT_EQ(wool["name"], "wool");

@@ -72,6 +72,8 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   header.boneMap = "map.json";
   header.bodyResolution = 0.1 / 3.0;
   header.expressions = {"Joy=1", "A \"b\"=0.5"};
+  header.hidden = {"1H_Axe", "A \"b\""};
+  header.clip = "";
   header.characterHash = 0xffffffffffffffffu;
   header.decomposition = "b.lorica";
   header.decompositionHash = 1;
@@ -91,6 +93,8 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   EXPECT_EQ(textOf(*again), textOf(header));
   EXPECT_EQ(again->bodyResolution, header.bodyResolution);
   EXPECT_EQ(again->expressions, header.expressions);
+  EXPECT_EQ(again->hidden, header.hidden);
+  EXPECT_EQ(again->clip, header.clip);
   EXPECT_EQ(again->characterHash, header.characterHash);
   EXPECT_EQ(again->joints.smoothing->minCutoff, 1.0 / 7.0);
   EXPECT_EQ(again->faults.dropout, 0.1);

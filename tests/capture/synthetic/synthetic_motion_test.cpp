@@ -258,6 +258,24 @@ TEST_P(SyntheticMotions, TheShippedFileHoldsThisMotion) {
   }
 }
 
+TEST_P(SyntheticMotions, RoundedTheyAreTheShippedFileBitForBit) {
+  // So that whoever has lost the files trains on the same.
+  const auto file = test::recordingsFolder() / (std::string(nameOf(GetParam())) + ".csv");
+  const std::vector<SkeletonFrame> shipped = readJointCsv(file).value();
+  std::vector<SkeletonFrame> made = frames;
+  roundForFile(made);
+  ASSERT_EQ(shipped.size(), made.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    ASSERT_EQ(shipped[i].time, made[i].time);
+    ASSERT_EQ(shipped[i].user, made[i].user);
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      ASSERT_EQ(shipped[i].joints[j].position, made[i].joints[j].position) << "frame " << i << ", joint " << j;
+      ASSERT_EQ(shipped[i].joints[j].orientation->coeffs(), made[i].joints[j].orientation->coeffs());
+      ASSERT_EQ(shipped[i].joints[j].confidence, made[i].joints[j].confidence);
+    }
+  }
+}
+
 TEST_P(SyntheticMotions, TwiceGivesTheSame) {
   const std::vector<SkeletonFrame> again = synthesizeMotion(GetParam());
   ASSERT_EQ(again.size(), frames.size());
