@@ -47,9 +47,12 @@ Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& s
   const auto find = [&](const std::string& name, const char* what, const char* instead) -> std::string {
     if (!done || name.empty()) return name;
     const Result<fs::path> file = beside.find(name);
-    if (file) return file->string();
-    done = Error{file.error().code,
-                 fmt::format("{}: the recorded {}: {}{}", session, what, file.error().message, instead)};
+    std::error_code ignored;
+    const fs::file_type type = file ? fs::status(*file, ignored).type() : fs::file_type::none;
+    const bool special = type == fs::file_type::fifo || type == fs::file_type::socket;  // opening one may wait
+    if (file && !special) return file->string();
+    const std::string why = file ? fmt::format("{} is no regular file", file->string()) : file.error().message;
+    done = Error{ErrorCode::kBadFormat, fmt::format("{}: the recorded {}: {}{}", session, what, why, instead)};
     return {};
   };
   SessionInputs inputs;
