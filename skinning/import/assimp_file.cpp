@@ -160,7 +160,6 @@ class AssimpSceneReader {
     const auto note = [&](std::uint64_t count, const char* what) {
       if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
     };
-    morphs_.finish();
     note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
     note(notFinite_, "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
     note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
@@ -294,6 +293,7 @@ class AssimpSceneReader {
         addTrack(channel.mScalingKeys, channel.mNumScalingKeys, secondsPerTick, asVec3, track.scale);
         clip.tracks.push_back(std::move(track));
       }
+      morphs_.addWeights(from, secondsPerTick, nodeOfName_, clip);
       scene_.clips.push_back(std::move(clip));
     }
     if (lostChannels > 0) {
@@ -303,6 +303,7 @@ class AssimpSceneReader {
       scene_.notes.push_back(fmt::format("{} animation keys are not finite or not later than the previous key: skipped",
                                          grouped(lateKeys_)));
     }
+    morphs_.finish();
     return {};
   }
 

@@ -2,15 +2,52 @@
 
 #include "skinning/import/gltf_morphs.h"
 
+#include <assimp/anim.h>
 #include <assimp/mesh.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace lorica {
 
 namespace {
+
+constexpr int kAmbiguous = -1;
+
+/// The keys of one target; keys that are not finite or not later than the previous one are counted.
+class WeightKeys {
+ public:
+  void add(double time, double weight, std::uint64_t& lost) {
+    if (!std::isfinite(time) || !std::isfinite(weight) || (!track_.times.empty() && time <= track_.times.back())) {
+      ++lost;
+      return;
+    }
+    track_.times.push_back(time);
+    track_.values.push_back(static_cast<float>(weight));
+  }
+  void appendTo(std::vector<MorphWeightTrack>& tracks, int target) {
+    if (track_.times.empty()) return;
+    track_.firstTarget = target;
+    track_.targetCount = 1;
+    tracks.push_back(std::move(track_));
+  }
+
+ private:
+  MorphWeightTrack track_;
+};
+
+/// Where a clip's times begin. assimp 5.2 subtracts 2^63 from the times of a clip that has no start and moves no node.
+[[nodiscard]] double startOf(const aiAnimation& from, double secondsPerTick) {
+  constexpr double kImpossible = -1e7;  // [s]
+  double first = 0.0;
+  for (unsigned c = 0; c < from.mNumMorphMeshChannels; ++c) {
+    const aiMeshMorphAnim& channel = *from.mMorphMeshChannels[c];
+    if (channel.mNumKeys > 0) first = std::min(first, channel.mKeys[0].mTime * secondsPerTick);
+  }
+  return first < kImpossible ? first : 0.0;
+}
 
 [[nodiscard]] Vec3f difference(const aiVector3D& a, const aiVector3D& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
@@ -53,7 +90,33 @@ void AssimpMorphs::add(const aiMesh& from, FileMesh& mesh) {
       known_.emplace(std::pair(mesh.node, name), index);
       scene_.morphTargets.push_back({name, mesh.node, -1, static_cast<int>(t), 0.0F});
     }
+    const auto [place, first] = byIndex_.emplace(std::pair(mesh.node, t), index);
+    if (!first && place->second != index) place->second = kAmbiguous;
     if (!offsets->empty()) mesh.morphs.push_back({index, std::move(*offsets)});
+  }
+}
+
+void AssimpMorphs::addWeights(const aiAnimation& from, double secondsPerTick,
+                              const std::map<std::string, int>& nodeOfName, FileClip& clip) {
+  const double start = startOf(from, secondsPerTick);
+  for (unsigned c = 0; c < from.mNumMorphMeshChannels; ++c) {
+    const aiMeshMorphAnim& channel = *from.mMorphMeshChannels[c];
+    // The name of a node, an asterisk, and the number of one of its meshes.
+    const std::string name = channel.mName.C_Str();
+    const auto node = nodeOfName.find(name.substr(0, name.rfind('*')));
+    std::map<int, WeightKeys> keysOfTarget;
+    for (unsigned k = 0; k < channel.mNumKeys; ++k) {
+      const aiMeshMorphKey& key = channel.mKeys[k];
+      for (unsigned v = 0; v < key.mNumValuesAndWeights; ++v) {
+        const auto target = node == nodeOfName.end() ? byIndex_.end() : byIndex_.find({node->second, key.mValues[v]});
+        if (target == byIndex_.end() || target->second == kAmbiguous) {
+          ++lostWeights_;
+        } else {
+          keysOfTarget[target->second].add(key.mTime * secondsPerTick - start, key.mWeights[v], lostWeights_);
+        }
+      }
+    }
+    for (auto& [target, keys] : keysOfTarget) keys.appendTo(clip.weights, target);
   }
 }
 
@@ -62,6 +125,11 @@ void AssimpMorphs::finish() {
     scene_.notes.push_back(
         fmt::format("{} morph targets have numbers that are not finite, or not the vertices of their mesh: skipped",
                     grouped(broken_)));
+  }
+  if (lostWeights_ > 0) {
+    scene_.notes.push_back(fmt::format(
+        "{} keys of weights refer to no morph target, are not finite or not later than the previous key: skipped",
+        grouped(lostWeights_)));
   }
   if (beyondLimit_ > 0) {
     scene_.notes.push_back(fmt::format("{} morph targets are beyond the first {}: skipped", grouped(beyondLimit_),

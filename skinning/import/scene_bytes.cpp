@@ -103,7 +103,7 @@ class Members {
     a_.list(s.nodes, 80, [&](auto& node) { this->node(node); });
     a_.list(s.skins, 12, [&](auto& skin) { this->skin(skin); });
     a_.list(s.meshes, 60, [&](auto& mesh) { this->mesh(mesh); });
-    a_.list(s.clips, 8, [&](auto& clip) { this->clip(clip); });
+    a_.list(s.clips, 12, [&](auto& clip) { this->clip(clip); });
     a_.list(s.morphTargets, 20, [&](auto& target) { morphTarget(target); });
     a_.list(s.materials, 190, [&](auto& one) { material(one); });
     a_.list(s.pictures, 8, [&](auto& picture) {
@@ -171,6 +171,11 @@ class Members {
       a_.optional(track.rotation, [&](auto& keys) { this->keys(keys); });
       a_.optional(track.scale, [&](auto& keys) { this->keys(keys); });
     });
+    a_.list(c.weights, 17, [&](auto& track) {
+      a_.number(track.firstTarget);
+      a_.number(track.targetCount);
+      keys(track);
+    });
   }
 
   template <typename Keys>
@@ -196,6 +201,7 @@ class Members {
     a_.choice(t.wrapU, 3);
     a_.choice(t.wrapV, 3);
     numbers(t.transform);
+    a_.number(t.rotation);
   }
 
   template <typename Material>

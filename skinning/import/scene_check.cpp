@@ -92,22 +92,36 @@ template <typename Element>
   return q.coeffs().allFinite();
 }
 
+[[nodiscard]] bool areSoundTimes(const std::vector<double>& times) {
+  const auto late = [](double a, double b) { return !(a < b); };
+  return !times.empty() && std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }) &&
+         std::adjacent_find(times.begin(), times.end(), late) == times.end();
+}
+
 template <typename Value>
 [[nodiscard]] bool isSound(const std::optional<KeyTrack<Value>>& track) {
   if (!track) return true;
-  const auto late = [](double a, double b) { return !(a < b); };
-  return track->interpolation == KeyInterpolation::kLinear && !track->times.empty() &&
+  return track->interpolation == KeyInterpolation::kLinear && areSoundTimes(track->times) &&
          track->values.size() == track->times.size() &&
-         std::all_of(track->times.begin(), track->times.end(), [](double t) { return std::isfinite(t); }) &&
-         std::adjacent_find(track->times.begin(), track->times.end(), late) == track->times.end() &&
          std::all_of(track->values.begin(), track->values.end(), [](const Value& value) { return isFinite(value); });
 }
 
+/// One target's weights.
+[[nodiscard]] bool isSound(const FileScene& scene, const MorphWeightTrack& track) {
+  return within(track.firstTarget, scene.morphTargets.size()) && track.targetCount == 1 &&
+         track.interpolation == KeyInterpolation::kLinear && areSoundTimes(track.times) &&
+         track.values.size() == track.times.size() &&
+         std::all_of(track.values.begin(), track.values.end(), [](float value) { return std::isfinite(value); });
+}
+
 [[nodiscard]] bool isSound(const FileScene& scene, const FileClip& clip) {
-  return std::all_of(clip.tracks.begin(), clip.tracks.end(), [&](const FileTrack& track) {
+  const auto sound = [&](const FileTrack& track) {
     return within(track.node, scene.nodes.size()) && isSound(track.translation) && isSound(track.rotation) &&
            isSound(track.scale);
-  });
+  };
+  return std::all_of(clip.tracks.begin(), clip.tracks.end(), sound) &&
+         std::all_of(clip.weights.begin(), clip.weights.end(),
+                     [&](const MorphWeightTrack& track) { return isSound(scene, track); });
 }
 
 [[nodiscard]] bool isSound(const FileScene& scene, const Material& material) {

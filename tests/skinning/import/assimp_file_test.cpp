@@ -180,6 +180,41 @@ TEST(FbxFile, ShapesAreMorphTargetsInMetres) {
   EXPECT_EQ(file->expressions.list[0].name, smile.name);
 }
 
+/// The same with a clip that moves the shape to 100, then to 25 percent.
+/// @param range  properties of the clip
+std::string fbxMorphClipText(const std::string& range) {
+  std::string text = fbxMorphText();
+  text.insert(text.find(" Model: 200"),
+              " AnimationStack: 400, \"AnimStack::Grin\", \"\" {\n" + range +
+                  " }\n"
+                  " AnimationLayer: 401, \"AnimLayer::Base\", \"\" {\n }\n"
+                  " AnimationCurveNode: 402, \"AnimCurveNode::DeformPercent\", \"\" {\n  Properties70:  {\n   P: "
+                  "\"d|DeformPercent\", \"Number\", \"\", \"A\",0\n  }\n }\n"
+                  " AnimationCurve: 403, \"AnimCurve::\", \"\" {\n  Default: 0\n  KeyVer: 4008\n  KeyTime: *3 {\n   a: "
+                  "0,46186158000,92372316000\n  }\n  KeyValueFloat: *3 {\n   a: 0,100,25\n  }\n }\n");
+  text.insert(text.rfind("}\n"),
+              " C: \"OO\",401,400\n C: \"OO\",402,401\n C: \"OP\",402,301, \"DeformPercent\"\n C: \"OP\",403,402, "
+              "\"d|DeformPercent\"\n");
+  return text;
+}
+
+TEST(FbxFile, ClipsMoveItsShapes) {
+  const std::string twoSeconds =
+      "  Properties70:  {\n   P: \"LocalStop\", \"KTime\", \"Time\", \"\",92372316000\n  }\n";
+  for (const std::string& range : {std::string(), twoSeconds}) {
+    const Result<CharacterFile> file = parsedText(fbxMorphClipText(range), "t.fbx");
+    ASSERT_TRUE(file.ok()) << file.error().message;
+    ASSERT_EQ(file->clips.size(), 1u);
+    ASSERT_EQ(file->morphs.clips.size(), 1u);
+    for (const std::string& note : file->notes) EXPECT_EQ(note.find("weights"), std::string::npos) << note;
+    std::vector<float> weights = {-1.0F};
+    for (const auto& [time, weight] : {std::pair(0.0, 0.0F), {0.25, 0.25F}, {1.0, 1.0F}, {1.5, 0.625F}, {9.0, 0.25F}}) {
+      sampleMorphWeights(file->morphs.clips[0], time, weights);
+      EXPECT_NEAR(weights[0], weight, 1e-5F) << time;
+    }
+  }
+}
+
 TEST(FbxFile, ItsUnitAndAxesAreFollowed) {
   // Z up, -Y to the front, as in 3ds Max; the unit is 2 cm.
   const std::string settings = property("UpAxis", 2) + property("UpAxisSign", 1) + property("FrontAxis", 1) +
