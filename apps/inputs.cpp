@@ -7,8 +7,8 @@
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
-#include "session/prepare/body_cache.h"
 #include "geometry/mesh_files.h"
+#include "session/prepare/body_cache.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
@@ -41,7 +41,7 @@ Result<ClosedBody> makeBodyWithProgress(const Character& character, const Charac
 Material clay() {
   Material material;
   material.name = "clay";
-  material.baseColor = {0.62f, 0.53f, 0.46f, 1.0f};
+  material.baseColor = {0.68f, 0.60f, 0.52f, 1.0f};
   material.metallic = 0.0f;
   material.roughness = 0.6f;
   return material;
@@ -173,12 +173,12 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
   if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
-Result<void> followsPerson(const CharacterFile& file) {
-  Motion person;
-  person.name = "a person";
-  person.joints = {SkeletonFrame()};
-  return checkPerformed(file.character, person);
-}
+  Result<void> followsPerson(const CharacterFile& file) {
+    Motion person;
+    person.name = "a person";
+    person.joints = {SkeletonFrame()};
+    return checkPerformed(file.character, person);
+  }
 
   return meshSubject(fs::path(input).filename().string(), std::move(*mesh), options);
 }

@@ -128,7 +128,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
                       options.input.performing,
                       options.body,
                       options.scene,
-                      springs};
+                      springs,
+                      input->ownClip};
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, as, *subject.character, *file, *world);
   if (!recorder) return recorder.error();

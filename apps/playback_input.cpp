@@ -93,7 +93,7 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
       motion.format = subject->file->format;
       motion.notes = subject->file->notes;
       tellReached(*subject, motion);
-      return PlaybackInput{std::move(*subject), std::move(motion)};
+      return PlaybackInput{std::move(*subject), std::move(motion), options.performing.clip};
     }
     // A file without a surface holds a motion for another character.
     if (!subject && (options.motion.empty() || subject.error().code != ErrorCode::kBadMesh)) return subject.error();

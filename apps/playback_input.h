@@ -4,6 +4,7 @@
 #include "apps/inputs.h"
 #include "apps/motions.h"
 
+#include <optional>
 #include <string>
 
 namespace lorica {
@@ -24,6 +25,7 @@ void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options);
 struct PlaybackInput {
   Subject subject;  ///< with a character
   Motion motion;
+  std::optional<std::string> ownClip = {};  ///< the character's own clip that it performs, as given; see findClip()
 };
 
 /// If the motion file is a character, or only a character is given, it performs its own clip.

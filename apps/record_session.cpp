@@ -23,6 +23,7 @@ struct Performer {
   std::optional<Motion> motion;            ///< none = live camera
   std::unique_ptr<SkeletonSource> joints;  ///< of the live camera
   std::string source;
+  std::optional<std::string> clip = {};  ///< see PlaybackInput::ownClip
 };
 
 Result<Performer> openMotion(const SessionRecording& options) {
@@ -31,7 +32,8 @@ Result<Performer> openMotion(const SessionRecording& options) {
   const bool ownFile = options.input.character.empty() && input->subject.file.has_value();
   std::string source = input->motion.name;
   return Performer{std::move(input->subject), ownFile ? options.input.motion : options.input.character,
-                   std::move(input->motion), nullptr, std::move(source)};
+                   std::move(input->motion),  nullptr,
+                   std::move(source),         std::move(input->ownClip)};
 }
 
 Result<Performer> openCharacter(const SessionRecording& options) {
@@ -93,8 +95,8 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   const MotionOptions& performing = options.input.performing;
   const bool poses = performer->motion && performer->motion->bones;
   const std::optional<SpringChoice> springs = chooseSprings(performer->subject, options.input.springs);
-  const RecordedAs as{performer->source, poses,        performer->name, options.input.reading,
-                      performing,        options.body, options.scene,   springs};
+  const RecordedAs as{performer->source, poses,         performer->name, options.input.reading, performing,
+                      options.body,      options.scene, springs,         performer->clip};
   const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options.out, as, character, *body, *world);
   if (!recorder) return recorder.error();
   const std::shared_ptr<SourceLog>& log = (*recorder)->log();

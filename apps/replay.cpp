@@ -35,6 +35,7 @@ Result<Subject> findCharacter(const Options& options, const SessionHeader& heade
   reading.textureSize = options.textureSize;
   reading.expressions = header.expressions;
   reading.hidden = header.hidden;
+  reading.ownClip = header.clip;
   Result<Subject> subject = readCharacter(inputs.character, reading);
   if (subject || !options.character.empty()) return subject;
   return Error{subject.error().code, fmt::format("{}: the recorded character {} cannot be read ({}): give its file "

@@ -91,6 +91,7 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   header.bodyResolution = as.reading.bodyResolution;
   header.expressions = as.reading.expressions;
   header.hidden = as.reading.hidden;
+  header.clip = as.clip;
   header.characterHash = hashOf(character);
   header.decomposition = nameFor(file, as.body.decomposition);
   header.decompositionHash = hashOf(body.decomposition);

@@ -34,6 +34,7 @@ struct RecordedAs {
   const BodyOptions& body;
   std::string scene;  ///< as given by the user
   std::optional<SpringChoice> springs;
+  std::optional<std::string> clip = {};  ///< see PlaybackInput::ownClip
 };
 
 /// The files that a recorded session names, where this machine has them. Names of what ships stay as they are; the

@@ -25,6 +25,7 @@ struct SessionHeader {
   double bodyResolution = 0.0;           ///< [m]; 0 = automatic
   std::vector<std::string> expressions;  ///< as given, such as "Joy=1": hulls may have grown for them
   std::vector<std::string> hidden;       ///< names of meshes that are left out
+  std::optional<std::string> clip;       ///< the character's own clip that it plays, as given; none = another motion
   std::uint64_t characterHash = 0;
 
   std::string decomposition;             ///< file; empty = the default one

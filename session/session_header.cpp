@@ -59,12 +59,13 @@ void readTexts(SceneElement& element, const char* key, const char* example, std:
 }
 
 void readCharacter(SceneElement element, SessionHeader& header) {
-  element.allow({"name", "map", "body-resolution", "expressions", "hide", "hash"});
+  element.allow({"name", "map", "body-resolution", "expressions", "hide", "clip", "hash"});
   element.text("name", header.character);
   element.text("map", header.boneMap);
   element.number("body-resolution", 0.0, 1e3, header.bodyResolution);
   readTexts(element, "expressions", "Joy=1", header.expressions);
   readTexts(element, "hide", "Axe", header.hidden);
+  if (element.has("clip")) element.text("clip", header.clip.emplace());
   readHash(element, "hash", header.characterHash);
 }
 
@@ -114,6 +115,7 @@ std::string textOf(const SessionHeader& header) {
   if (header.bodyResolution > 0.0) character["body-resolution"] = header.bodyResolution;
   if (!header.expressions.empty()) character["expressions"] = header.expressions;
   if (!header.hidden.empty()) character["hide"] = header.hidden;
+  if (header.clip) character["clip"] = *header.clip;
   character["hash"] = hexDigits(header.characterHash);
   SceneJson& body = json["decomposition"];
   if (!header.decomposition.empty()) body["file"] = header.decomposition;

@@ -121,6 +121,22 @@ TEST(Faces, ARecordedExpressionReplaysWithTheSameHulls) {
   EXPECT_NE(plain.json()["hash"], played.json()["hash"]);
 }
 
+TEST(Faces, AReplayPlaysTheClipsFace) {
+  const fs::path& folder = studio().folder.path();
+  const fs::path recorded = folder / "breathe.lsession";
+  const CommandResult played =
+      studio().run({"play", studio().breathing, "--clip", "Breathe", "--frames", "31", "--record", recorded,
+                    "--snapshots", folder / "played", "--every", "30", "--camera", "side"});
+  if (played.exitCode == 2 && played.err.find("OSMesa") != std::string::npos) GTEST_SKIP() << "no renderer";
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const CommandResult again =
+      studio().run({"replay", recorded, "--snapshots", folder / "again", "--every", "30", "--camera", "side"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  const auto picture = [&](const char* run, const char* file) { return readPng(folder / run / file).value().rgba; };
+  EXPECT_EQ(picture("again", "frame_0030.png"), picture("played", "frame_0030.png"));
+  EXPECT_NE(picture("played", "frame_0030.png"), picture("played", "frame_0000.png"));
+}
+
 /// Pictures from the side: the belly shows.
 TEST(Faces, PicturesShowExpressionsAndClips) {
   const auto picture = [](std::vector<std::string> arguments) -> std::optional<Image> {
