@@ -128,7 +128,7 @@ template <typename Value>
   const auto textures = material.textures();
   const bool used = std::all_of(textures.begin(), textures.end(), [&](const TextureUse* use) {
     return (use->picture == -1 || within(use->picture, scene.pictures.size())) && within(use->uvSet, 2) &&
-           use->transform.allFinite();
+           use->transform.allFinite() && std::isfinite(use->rotation);
   });
   const auto isShare = [](float number) { return number >= 0.0F && number <= 1.0F; };
   return used && material.baseColor.allFinite() && material.emissive.allFinite() && isShare(material.metallic) &&

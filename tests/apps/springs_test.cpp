@@ -38,7 +38,7 @@ TEST(Springs, EachModeMovesTheHullsInItsOwnWayAndIsReplayed) {
     arguments.insert(arguments.end(), springs.begin(), springs.end());
     const CommandResult played = runLorica(arguments);
     EXPECT_EQ(played.exitCode, 0) << played.err;
-    const CommandResult again = runLorica({"replay", session, "--decomposition", body, "--json", "-"});
+    const CommandResult again = runLorica({"replay", session, "--character", godette, "--json", "-"});
     EXPECT_EQ(again.exitCode, 0) << again.err;
     EXPECT_EQ(again.json()["hash"], played.json()["hash"]);
     return played.json()["hash"].get<std::string>();
