@@ -128,6 +128,9 @@ void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
          "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
          "creates one")
       ->typeName("FILE.json");
+  addLength(app, "--body-resolution", options.bodyResolution,
+            "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
+  addExpressionOption(app, options.expressions);
   addHideOption(app, options.hidden);
 }
 
@@ -138,9 +141,6 @@ void addHideOption(CommandLine& app, std::vector<std::string>& hidden) {
          "info` lists the names")
       ->repeatable()
       ->typeName("NAME");
-  addLength(app, "--body-resolution", options.bodyResolution,
-            "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
-  addExpressionOption(app, options.expressions);
 }
 
 void addTextureOption(CommandLine& app, int& textureSize) {
@@ -173,14 +173,14 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
   if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
   Result<TriMesh> mesh = readMesh(input);
   if (!mesh) return mesh.error();
-  Result<void> followsPerson(const CharacterFile& file) {
-    Motion person;
-    person.name = "a person";
-    person.joints = {SkeletonFrame()};
-    return checkPerformed(file.character, person);
-  }
-
   return meshSubject(fs::path(input).filename().string(), std::move(*mesh), options);
+}
+
+Result<void> followsPerson(const CharacterFile& file) {
+  Motion person;
+  person.name = "a person";
+  person.joints = {SkeletonFrame()};
+  return checkPerformed(file.character, person);
 }
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options) {
