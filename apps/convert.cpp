@@ -1,3 +1,4 @@
+#include "apps/convert_character.h"
 #include "apps/depth_motion.h"
 #include "apps/motions.h"
 #include "apps/options.h"
@@ -20,6 +21,7 @@ struct Options {
   std::string input;
   std::string output;
   MotionOptions motion;
+  ConvertCharacter character;
   bool cameraFrame = false;
 };
 
@@ -48,12 +50,11 @@ Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
   return joints;
 }
 
-/// Writes OUT. An unprocessed skeleton keeps its joints.
-/// @return the delay of smoothing [s]; none without smoothing
-Result<std::optional<double>> write(const Options& options, const Motion& motion, bool asBvh) {
+/// Writes OUT without a character. An unprocessed skeleton keeps its joints.
+Result<ConvertedClip> write(const Options& options, const Motion& motion, bool asBvh) {
   if (asBvh && motion.bones && !options.motion.mirror) {
     if (Result<void> written = writeBvh(options.output, *motion.bones); !written) return written.error();
-    return std::optional<double>();
+    return ConvertedClip{};
   }
   const Result<Joints> joints = asJoints(motion, options.motion);
   if (!joints) return joints.error();
@@ -64,7 +65,9 @@ Result<std::optional<double>> write(const Options& options, const Motion& motion
   } else if (Result<void> written = writeJointCsv(options.output, joints->frames); !written) {
     return written.error();
   }
-  return joints->delay;
+  ConvertedClip made;
+  made.delay = joints->delay;
+  return made;
 }
 
 /// Everyone in a depth recording, where they are in front of the camera.
@@ -99,39 +102,74 @@ Result<void> runCameraFrame(const Options& options, const CommonOptions& common)
   return publish(common, report, json);
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.input, options.output}); !fine) return fine;
-  const std::string extension = lowerCase(fs::path(options.output).extension().string());
-  if (extension != ".csv" && extension != ".bvh") {
+/// Rejects outputs that nothing can be written to, and those that are an input.
+Result<void> checkFiles(const Options& options, const std::string& extension) {
+  const bool onCharacter = !options.character.name.empty();
+  if (options.cameraFrame && onCharacter) {
+    return Error{ErrorCode::kInvalidArgument, "--camera-frame writes everyone as tracked: leave out --character"};
+  }
+  const bool known = extension == ".bvh" || extension == (onCharacter ? ".glb" : ".csv");
+  if (!known && extension == ".glb") {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found the extension `{}`, expected .csv (Lorica's joints) or .bvh", options.output,
-                             extension)};
+                 fmt::format("{}: a .glb shows a character in motion, expected --character FILE", options.output)};
+  }
+  if (!known) {
+    const char* expected = onCharacter ? ".glb or .bvh, which hold the motion of a character"
+                                       : ".csv (Lorica's joints), .bvh, or .glb with --character";
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found the extension `{}`, expected {}", options.output, extension, expected)};
+  }
+  if (!options.character.map.empty() && !onCharacter) {
+    return Error{ErrorCode::kInvalidArgument, "--map is for the bones of a character, expected --character FILE"};
   }
   if (Result<void> fine = checkOutput("OUT", options.output); !fine) return fine;
   std::error_code ignored;
-  if (fs::equivalent(options.input, options.output, ignored)) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} is the input and would be overwritten", options.output)};
+  for (const std::string& input : {options.input, options.character.name, options.character.map}) {
+    if (fs::equivalent(input, options.output, ignored)) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("{} is an input and would be overwritten", options.output)};
+    }
   }
+  return {};
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {options.input, options.output, options.character.name}); !fine) {
+    return fine;
+  }
+  const std::string extension = lowerCase(fs::path(options.output).extension().string());
+  if (Result<void> fine = checkFiles(options, extension); !fine) return fine;
   if (options.cameraFrame) return runCameraFrame(options, common);
   const Result<Motion> motion = readMotion(options.input, options.motion);
   if (!motion) return motion.error();
-  const Result<std::optional<double>> delay = write(options, *motion, extension == ".bvh");
-  if (!delay) return delay.error();
+  const Result<ConvertedClip> made = options.character.name.empty()
+                                         ? write(options, *motion, extension == ".bvh")
+                                         : convertOnto(options.character, *motion, options.motion, options.output);
+  if (!made) return made.error();
 
   Report report(
       fmt::format("{}: {}, {:.2f} s", motion->name, counted(motion->frameCount(), "frame"), motion->seconds()));
   report.line("input format", motion->format);
-  if (*delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * **delay));
+  if (made->joints > 0) {
+    report.line("character",
+                fmt::format("{}, {}, {}", options.character.name, counted(made->joints, "joint"), made->units));
+  }
+  if (made->delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * *made->delay));
   report.line("output", options.output);
-  for (const std::string& note : motion->notes) report.note(note);
+  std::vector<std::string> notes = motion->notes;
+  notes.insert(notes.end(), made->notes.begin(), made->notes.end());
+  for (const std::string& note : notes) report.note(note);
   nlohmann::ordered_json json;
   json["input"] = options.input;
   json["format"] = motion->format;
   json["frames"] = motion->frameCount();
   json["seconds"] = motion->seconds();
-  json["smoothingDelay"] = *delay ? nlohmann::ordered_json(**delay) : nlohmann::ordered_json();
+  json["smoothingDelay"] = made->delay ? nlohmann::ordered_json(*made->delay) : nlohmann::ordered_json();
+  if (made->joints > 0) {
+    json["character"] = options.character.name;
+    json["joints"] = made->joints;
+  }
   json["output"] = options.output;
-  json["notes"] = motion->notes;
+  json["notes"] = notes;
   return publish(common, report, json);
 }
 
@@ -139,22 +177,36 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 Command addConvert(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(parent, common, "convert", "Convert a motion to Lorica's joint CSV or to BVH.",
-                                   "  lorica convert kinect.csv joints.csv\n"
-                                   "      convert a sensor's joints to metres, Y up, standing on the floor\n"
-                                   "  lorica convert kinect.csv motion.bvh --person 2\n"
-                                   "      the second person, for use in an animation program\n"
-                                   "  lorica convert hero.glb joints.csv --clip Run\n"
-                                   "      a character's clip as joints\n"
-                                   "  lorica convert room.oni room.csv --camera-frame\n"
-                                   "      everyone in a depth recording: room.cam.csv and room.lab");
+  CommandLine* app =
+      addSubcommand(parent, common, "convert",
+                    "Convert a motion to Lorica's joint CSV, to BVH, or to an animation of your character.",
+                    "  lorica convert kinect.csv joints.csv\n"
+                    "      convert a sensor's joints to metres, Y up, standing on the floor\n"
+                    "  lorica convert kinect.csv motion.bvh --person 2\n"
+                    "      the second person, for use in an animation program\n"
+                    "  lorica convert walk.csv walk.glb --character hero.glb\n"
+                    "      your character in motion: its own file with one animation more\n"
+                    "  lorica convert walk.csv walk.bvh --character hero.glb\n"
+                    "      the motion of its joints\n"
+                    "  lorica convert hero.glb joints.csv --clip Run\n"
+                    "      a character's clip as joints\n"
+                    "  lorica convert room.oni room.csv --camera-frame\n"
+                    "      everyone in a depth recording: room.cam.csv and room.lab");
   app->addOption("IN", options->input,
                  "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
       ->required()
       ->typeName("");
-  app->addOption("OUT", options->output, "Output file: .csv or .bvh")->required()->typeName("");
+  app->addOption("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required()->typeName("");
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
+  app->addOption(
+         "--character", options->character.name,
+         "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
+         "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
+         "joints, in centimetres")
+      ->typeName("FILE");
+  app->addOption("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one")
+      ->typeName("FILE.json");
   app->addFlag("--camera-frame", options->cameraFrame,
                "Of a depth recording, write the joints of everyone in the camera's frame (OUT.cam.csv) and whose each "
                "pixel is (OUT.lab), to judge the tracker");

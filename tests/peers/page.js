@@ -60,6 +60,13 @@ function pose(character, options) {
     if (change.scale) nodes[index].scale.set(...change.scale);
     nodes[index].updateMatrix(); // spring bones are not updated by themselves
   }
+  if (options.clip !== undefined) {
+    const mixer = new THREE.AnimationMixer(character.gltf.scene);
+    const action = mixer.clipAction(character.gltf.animations[0]);
+    action.setLoop(THREE.LoopOnce).clampWhenFinished = true;
+    action.play();
+    mixer.setTime(options.clip);
+  }
   for (const [index, weights] of Object.entries(options.morphs ?? {})) {
     for (const mesh of meshesOf(character, nodes[index])) weights.forEach((w, i) => { mesh.morphTargetInfluences[i] = w; });
   }

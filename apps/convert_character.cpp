@@ -1,0 +1,119 @@
+#include "apps/convert_character.h"
+
+#include "apps/file_trust.h"
+#include "apps/options.h"
+#include "capture/files/bvh_file.h"
+#include "capture/retarget/proxy_skeleton.h"
+#include "skinning/clip_files/character_clip.h"
+#include "skinning/clip_files/own_motion.h"
+#include "skinning/import/bone_map.h"
+#include "skinning/import/character_file.h"
+#include "skinning/mannequin/mannequin.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+constexpr const char* kMannequin = "mannequin";
+
+Result<CharacterFile> readMapped(const ConvertCharacter& from) {
+  if (!isCharacterFile(from.name)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--character {}: expected a character file (.glb, .gltf, .vrm, .fbx, .dae) or {}",
+                             from.name, kMannequin)};
+  }
+  Result<CharacterFile> file = readCharacterFile(from.name, characterFileSettings());
+  if (!file || from.map.empty()) return file;
+  const Result<BoneMap> map = readBoneMap(from.map);
+  if (!map) return map.error();
+  Result<Skeleton> mapped = applyBoneMap(file->character.skeleton, *map, from.map);
+  if (!mapped) return mapped.error();
+  file->character.skeleton = std::move(*mapped);
+  return file;
+}
+
+struct Performed {
+  SkeletalMotion motion;
+  std::optional<double> delay;
+};
+
+/// All frames of the motion on the character, as `play` shows them.
+Result<Performed> performWhole(const Character& character, const Motion& motion, const MotionOptions& options) {
+  const Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, options);
+  if (!source) return source.error();
+  Performed performed{{motion.name, character.skeleton, {}, {}}, std::nullopt};
+  Pose pose = restPose(character.skeleton);
+  for (;;) {
+    const Result<std::optional<double>> time = (*source)->next(pose);
+    if (!time) return time.error();
+    if (!*time) break;
+    performed.motion.times.push_back(**time);
+    performed.motion.poses.insert(performed.motion.poses.end(), pose.begin(), pose.end());
+  }
+  performed.delay = (*source)->smoothingDelay();
+  return performed;
+}
+
+/// A scale of joints that a BVH file cannot hold, as a sentence; empty if there is none.
+std::string scaleNote(const SkeletalMotion& motion) {
+  const auto scaled = [](const Joint& joint) { return (joint.rest.scale - Vec3::Ones()).norm() > 1e-4; };
+  const std::span<const Joint> joints = motion.skeleton.joints();
+  const auto count = std::count_if(joints.begin(), joints.end(), scaled);
+  if (count == 0) return {};
+  return fmt::format("{} with a scale, the first '{}': BVH has none; their joints are where they are, unscaled",
+                     counted(static_cast<int>(count), "joint"),
+                     std::find_if(joints.begin(), joints.end(), scaled)->name);
+}
+
+Result<void> writeCharacterBvh(const std::string& out, const SkeletalMotion& motion, ConvertedClip& made) {
+  made.joints = motion.skeleton.jointCount();
+  made.units = "centimetres";
+  if (const std::string note = scaleNote(motion); !note.empty()) made.notes.push_back(note);
+  return writeBvh(out, motion);
+}
+
+}  // namespace
+
+Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& motion, const MotionOptions& options,
+                                  const std::string& out) {
+  const bool asBvh = lowerCase(std::filesystem::path(out).extension().string()) == ".bvh";
+  ConvertedClip made;
+  if (from.name == kMannequin) {
+    const Character mannequin = makeMannequin();
+    const Result<Performed> performed = performWhole(mannequin, motion, options);
+    if (!performed) return performed.error();
+    made.delay = performed->delay;
+    made.joints = mannequin.skeleton.jointCount();
+    made.units = "metres";
+    const Result<void> written =
+        asBvh ? writeCharacterBvh(out, performed->motion, made) : writeClip(out, mannequin, performed->motion);
+    if (!written) return written.error();
+    return made;
+  }
+  const Result<CharacterFile> file = readMapped(from);
+  if (!file) return file.error();
+  const Result<Performed> performed = performWhole(file->character, motion, options);
+  if (!performed) return performed.error();
+  made.delay = performed->delay;
+  made.notes = leftBehind(file->character);
+  if (asBvh) {
+    const SkeletalMotion own = withoutCopies(inMetres(*file, performed->motion));
+    if (Result<void> written = writeCharacterBvh(out, own, made); !written) return written.error();
+    return made;
+  }
+  const Result<std::vector<std::string>> notes = writeClip(out, {from.name, &*file, pathTrust()}, performed->motion);
+  if (!notes) return notes.error();
+  made.joints =
+      static_cast<int>(file->nodeOfJoint.size() - std::count(file->nodeOfJoint.begin(), file->nodeOfJoint.end(), -1));
+  made.notes.insert(made.notes.end(), notes->begin(), notes->end());
+  const bool ownUnits = file->format.starts_with("glTF") || file->format.starts_with("VRM");
+  made.units = !ownUnits || file->metresPerUnit == 1.0
+                   ? "metres"
+                   : fmt::format("the character's, {:g} m each", file->metresPerUnit);
+  return made;
+}
+
+}  // namespace lorica
