@@ -1,5 +1,7 @@
 #include "acd/concavity.h"
 
+#include "acd/separating_plane.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -46,45 +48,6 @@ Vec3 between(Vec3 a, Vec3 b, double t) {
     }
   }
   return a;
-}
-
-double supportValue(std::span<const Vec3> points, const Vec3& direction, Vec3& where) {
-  double best = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : points) {
-    const double value = direction.dot(p);
-    if (value > best) {
-      best = value;
-      where = p;
-    }
-  }
-  return best;
-}
-
-/// Finds a separating plane by Gilbert's iteration towards the nearest points of two convex hulls; stops as soon as the
-/// gap is at least half of the best possible.
-bool separatingPlane(std::span<const Vec3> a, std::span<const Vec3> b, Plane& plane) {
-  Vec3 towards = a.front() - b.front();  // a point of the difference set b -> a, moved towards the origin
-  for (int step = 0; step < 200; ++step) {
-    const double length = towards.norm();
-    if (length == 0.0) return false;
-    const Vec3 normal = towards / length;
-    Vec3 nearestA = a.front();
-    Vec3 nearestB = b.front();
-    const double lowA = -supportValue(a, -normal, nearestA);
-    const double highB = supportValue(b, normal, nearestB);
-    // A gap of half of the best possible one is good enough for a cut.
-    if (lowA - highB > 0.5 * length || (step == 199 && lowA > highB)) {
-      plane = {normal, 0.5 * (lowA + highB)};
-      return true;
-    }
-    const Vec3 step3 = (nearestA - nearestB) - towards;
-    const double lengthSq = step3.squaredNorm();
-    if (lengthSq == 0.0) return false;
-    const double t = std::clamp(-towards.dot(step3) / lengthSq, 0.0, 1.0);
-    if (t == 0.0) return false;
-    towards += t * step3;
-  }
-  return false;
 }
 
 }  // namespace
@@ -282,8 +245,7 @@ std::vector<Plane> componentPlanes(const Part& part, std::span<const Vec3> point
   if (hulls.size() > kMaxComponents) hulls.resize(kMaxComponents);
   for (std::size_t i = 0; i < hulls.size(); ++i) {
     for (std::size_t j = i + 1; j < hulls.size(); ++j) {
-      Plane plane;
-      if (separatingPlane(hulls[i].vertices, hulls[j].vertices, plane)) planes.push_back(plane);
+      if (const auto plane = separatingPlane(hulls[i].vertices, hulls[j].vertices)) planes.push_back(*plane);
     }
   }
   return planes;

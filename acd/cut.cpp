@@ -33,6 +33,27 @@ class Half {
   Part part_;
 };
 
+/// Gives thin triangles to the half that has most of their corners: there they do not enlarge the hull.
+void assignThin(const Part& part, std::span<const std::size_t> thin, std::size_t pointCount, Half& above, Half& below) {
+  if (thin.empty()) return;
+  const auto cornersIn = [pointCount](const Half& half) {
+    std::vector<bool> used(pointCount, false);
+    for (const Triangle& t : half.triangles()) {
+      for (const PointIndex p : t) {
+        if (static_cast<std::size_t>(p) < pointCount) used[p] = true;
+      }
+    }
+    return used;
+  };
+  const std::vector<bool> inAbove = cornersIn(above);
+  const std::vector<bool> inBelow = cornersIn(below);
+  for (const std::size_t i : thin) {
+    int difference = 0;
+    for (const PointIndex p : part.triangles[i]) difference += (inAbove[p] ? 1 : 0) - (inBelow[p] ? 1 : 0);
+    (difference >= 0 ? above : below).add(part.triangles[i], part.sourceTriangle[i]);
+  }
+}
+
 }  // namespace
 
 void PlaneSides::classify(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance) {
@@ -58,14 +79,17 @@ CutPoint PlaneSides::crossing(PointIndex a, PointIndex b) const {
   return {a, b, db / (db - da)};
 }
 
-int PlaneSides::sideOf(const Triangle& t, std::span<const Vec3> points, const Plane& plane) const {
+int PlaneSides::sideOf(const Triangle& t, std::span<const Vec3> points, const Plane& plane, double tolerance) const {
   for (PointIndex p : t) {
     if (sideOf(p) != 0) return sideOf(p);
   }
   const Vec3& a = points[t[0]];
   const Vec3& b = points[t[1]];
   const Vec3& c = points[t[2]];
-  return (b - a).cross(c - a).dot(plane.normal) > 0.0 ? -1 : 1;
+  const double twiceArea = (b - a).cross(c - a).dot(plane.normal);
+  const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  if (twiceArea * twiceArea <= tolerance * tolerance * longestSq) return 0;
+  return twiceArea > 0.0 ? -1 : 1;
 }
 
 CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance,
@@ -83,12 +107,18 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
 
   // Assign each triangle to a half, or clip it into a piece for each half.
   Half above, below;
+  std::vector<std::size_t> thin;  // triangles without a reliable normal, in the plane
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     const Triangle& t = part.triangles[i];
     const std::int32_t source = part.sourceTriangle[i];
     const std::array<int, 3> s = {sides.sideOf(t[0]), sides.sideOf(t[1]), sides.sideOf(t[2])};
     if (std::min({s[0], s[1], s[2]}) >= 0 || std::max({s[0], s[1], s[2]}) <= 0) {
-      (sides.sideOf(t, points, plane) > 0 ? above : below).add(t, source);
+      const int side = sides.sideOf(t, points, plane, tolerance);
+      if (side == 0) {
+        thin.push_back(i);
+      } else {
+        (side > 0 ? above : below).add(t, source);
+      }
       continue;
     }
     std::array<PointIndex, 4> upper{}, lower{};
@@ -102,6 +132,7 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
     above.addPolygon({upper.data(), upperCount}, source);
     below.addPolygon({lower.data(), lowerCount}, source);
   }
+  assignThin(part, thin, points.size(), above, below);
 
   // The open edges of the upper half, all on the plane, bound the cap.
   const auto onPlane = [&](PointIndex p) { return p >= firstNewPoint || sides.sideOf(p) == 0; };

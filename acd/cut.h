@@ -29,8 +29,10 @@ class PlaneSides {
   [[nodiscard]] double distanceOf(PointIndex p) const { return distance_[p]; }
   /// The intersection of the plane and the edge between two points on opposite sides (Eq. 10).
   [[nodiscard]] CutPoint crossing(PointIndex a, PointIndex b) const;
-  /// The side of a triangle that does not cross the plane. A triangle in the plane belongs to the side of the solid.
-  [[nodiscard]] int sideOf(const Triangle& triangle, std::span<const Vec3> points, const Plane& plane) const;
+  /// The side of a triangle that does not cross the plane. A triangle in the plane belongs to the side of the solid; 0
+  /// if it is thinner than the tolerance, so that its normal does not tell which side that is.
+  [[nodiscard]] int sideOf(const Triangle& triangle, std::span<const Vec3> points, const Plane& plane,
+                           double tolerance) const;
 
  private:
   std::vector<std::int8_t> side_;

@@ -64,14 +64,16 @@ bool near(const Group& a, const Group& b) {
 
 }  // namespace
 
-Merged mergePieces(std::span<const Piece> pieces, const CutContext& context, int partCount, double coarse) {
+Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const CutContext& context, int partCount,
+                   double coarse) {
+  LORICA_CHECK(!pieces.empty() && partCount >= 1, "merging needs at least one piece and leaves at least one part");
   std::vector<Group> groups(pieces.size());
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
     Group& g = groups[i];
     g.pieces = {i};
     for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
       std::vector<Vec3> own, outer;
-      for (PointIndex p : pieces[i].hullPoints[k]) own.push_back(context.points[k][p]);
+      for (PointIndex p : pieces[i]->hullPoints[k]) own.push_back(context.points[k][p]);
       const HullOutline outline = convexHullOutline(own, coarse);
       for (VertexIndex v : outline.points) outer.push_back(own[v]);
       g.hullVolume += outline.volume;

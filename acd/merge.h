@@ -2,6 +2,7 @@
 
 #include "acd/piece.h"
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,9 +15,12 @@ struct Merged {
 };
 
 /// Repeatedly merges the pair of pieces whose common hull adds the least volume over all keyframes, down to `partCount`
-/// parts, then continues to a single part to find the order of the levels of detail.
-/// @param coarse  tolerance of the hulls while scoring, see convexHullVolume()
-[[nodiscard]] Merged mergePieces(std::span<const Piece> pieces, const CutContext& context, int partCount,
-                                 double coarse);
+/// parts, then continues to a single part to find the order of the levels of detail. Of equal pairs the one whose
+/// pieces come first is merged. The pieces of a group are in ascending order.
+/// @param pieces     at least one; if there are at most `partCount`, each is a part
+/// @param partCount  at least 1
+/// @param coarse     tolerance of the hulls while scoring, see convexHullVolume()
+[[nodiscard]] Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const CutContext& context,
+                                 int partCount, double coarse);
 
 }  // namespace lorica

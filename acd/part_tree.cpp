@@ -161,7 +161,7 @@ bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {
       const std::array<int, 3> s = {sides.sideOf(t[0]), sides.sideOf(t[1]), sides.sideOf(t[2])};
       const int low = std::min({s[0], s[1], s[2]});
       const int high = std::max({s[0], s[1], s[2]});
-      const int flatSide = low == 0 && high == 0 ? sides.sideOf(t, points, plane) : 0;
+      const int flatSide = low == 0 && high == 0 ? sides.sideOf(t, points, plane, tolerance) : 0;
       anyAbove |= high > 0;
       anyBelow |= low < 0;
       for (int c = 0; c < 3; ++c) {

@@ -19,6 +19,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kExact = 1e-10;  // tolerance of a hull, see convexHullVolume()
 constexpr double kSolid = 1e-9;   // minimum hull volume of a half, as a fraction of the mesh's volume
 
+constexpr std::size_t kScoredPoints = 4000;  // of small parts, so many points are at least scored with hulls
+
 class SplitSearch {
  public:
   SplitSearch(const Piece& piece, std::size_t keyframe, const CutContext& context, const SplitEffort& effort)
@@ -38,7 +40,9 @@ class SplitSearch {
     std::size_t few = planes.size();
     if (estimates_) {
       planes = ranked(planes);
-      few = static_cast<std::size_t>(effort_.shortlist + effort_.refinedPlanes);
+      // Small parts cost so little that many planes can be scored.
+      few = std::max(static_cast<std::size_t>(effort_.shortlist), kScoredPoints / tree_->points(0).size()) +
+            static_cast<std::size_t>(effort_.refinedPlanes);
     }
     // If none of the first planes leaves volume on both sides, try the next ones.
     for (std::size_t first = 0; first < planes.size(); first += few) {
@@ -47,7 +51,7 @@ class SplitSearch {
       const auto best = std::min_element(scores.begin(), scores.end());
       if (std::isinf(*best)) continue;
       const Plane& plane = here[best - scores.begin()];
-      return Split{plane, keyframe_, score(plane, kInfinity, 0.0, kExact)};
+      return Split{plane, keyframe_, score(plane, kInfinity, 0.0, effort_.exactVolume ? kExact : effort_.coarse)};
     }
     return std::nullopt;
   }
@@ -73,7 +77,8 @@ class SplitSearch {
     return planes;
   }
 
-  /// Adds evenly spaced planes perpendicular to the coordinate axes and to the principal axes of the hull points.
+  /// Adds evenly spaced planes perpendicular to the coordinate axes, which are those of the mesh's own
+  /// frame, to their diagonals and to the principal axes of the hull points.
   void addAxisPlanes(std::vector<Plane>& planes) const {
     const std::vector<Vec3>& hullPoints = hullPoints_;
     Vec3 mean = Vec3::Zero();
@@ -86,15 +91,27 @@ class SplitSearch {
       const Vec3 axis = solver.vectors.col(i);
       if (axis.cwiseAbs().maxCoeff() < 0.98) axes.push_back(axis);
     }
-    for (const Vec3& axis : axes) {
-      double low = kInfinity, high = -kInfinity;
-      for (const Vec3& p : hullPoints) {
-        low = std::min(low, axis.dot(p));
-        high = std::max(high, axis.dot(p));
-      }
-      for (int i = 1; i <= effort_.axisPlanes; ++i)
-        planes.push_back({axis, low + (high - low) * i / (effort_.axisPlanes + 1)});
+    for (const Vec3& axis : axes) addPlanesAcross(axis, effort_.axisPlanes, planes);
+    for (const Vec3& diagonal : diagonals()) addPlanesAcross(diagonal, effort_.diagonalPlanes, planes);
+  }
+
+  /// Directions to the middles of a cube's edges and to its corners, one of each opposite pair.
+  static std::vector<Vec3> diagonals() {
+    std::vector<Vec3> found;
+    for (int code = 0; code < 27; ++code) {
+      const Vec3 direction(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1);
+      if (code > 13 && direction.squaredNorm() > 1.5) found.push_back(direction.normalized());
     }
+    return found;
+  }
+
+  void addPlanesAcross(const Vec3& axis, int count, std::vector<Plane>& planes) const {
+    double low = kInfinity, high = -kInfinity;
+    for (const Vec3& p : hullPoints_) {
+      low = std::min(low, axis.dot(p));
+      high = std::max(high, axis.dot(p));
+    }
+    for (int i = 1; i <= count; ++i) planes.push_back({axis, low + (high - low) * i / (count + 1)});
   }
 
   /// Returns the planes that divide the part: the best ones refined, then all, ordered by estimate.

@@ -11,12 +11,14 @@ struct SplitEffort {
   int candidateEdges = 8;    ///< C of the paper
   int planesPerEdge = 5;     ///< R of the paper
   double edgeSpacing = 0.0;  ///< minimum distance of candidate edges, as a fraction of the part's diagonal
-  int axisPlanes = 0;        ///< planes perpendicular to each axis of the part
+  int axisPlanes = 0;        ///< planes perpendicular to each axis of the mesh's frame and of the part
+  int diagonalPlanes = 0;    ///< planes perpendicular to each diagonal between the axes of the mesh's frame
   int refineSteps = 0;       ///< steps of the local search around the best planes
   int refinedPlanes = 0;     ///< number of best planes that are refined
   int shortlist = 0;         ///< number of planes, the best by estimate, that are scored exactly; 0 = all
   double balance = 0.0;      ///< weight of equal half volumes, as a fraction of the part's error
   double coarse = 1e-10;     ///< tolerance of the hulls while scoring, see convexHullVolume()
+  bool exactVolume = true;   ///< whether Split::hullVolume is exact; otherwise it has the tolerance `coarse`
 };
 
 /// A way to divide a part in two.

@@ -35,7 +35,11 @@ struct Solids {
       pieces.push_back(measure(std::move(part), context));
     }
   }
-  [[nodiscard]] Merged merged(int partCount) const { return mergePieces(pieces, context, partCount, kExact); }
+  [[nodiscard]] Merged merged(int partCount) const {
+    std::vector<std::shared_ptr<const Piece>> shared;
+    for (const Piece& piece : pieces) shared.push_back(std::make_shared<const Piece>(piece));
+    return mergePieces(shared, context, partCount, kExact);
+  }
 
   TriMesh mesh;
   std::vector<Vec3> positions;

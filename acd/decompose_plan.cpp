@@ -1,0 +1,69 @@
+#include "acd/decompose_plan.h"
+
+#include <cmath>
+
+namespace lorica {
+
+Plan planFor(const DecomposeSettings& settings) {
+  Plan plan;
+  switch (settings.preset) {
+    case DecomposePreset::kPaper:
+      break;
+    case DecomposePreset::kFast:
+      plan.cuts.effort.candidateEdges = 12;
+      plan.cuts.effort.edgeSpacing = 0.05;
+      plan.cuts.effort.axisPlanes = 6;
+      plan.cuts.effort.diagonalPlanes = 6;
+      plan.cuts.effort.shortlist = 2;
+      plan.cuts.effort.balance = 0.01;
+      plan.cuts.effort.coarse = 1e-3;
+      plan.cuts.effort.exactVolume = false;  // the next piece is not chosen by its gain
+      plan.cuts.overCut = 1.4;
+      break;
+    case DecomposePreset::kQuality:
+      plan.cuts.effort.candidateEdges = 16;
+      plan.cuts.effort.edgeSpacing = 0.05;
+      plan.cuts.effort.axisPlanes = 12;
+      plan.cuts.effort.refinedPlanes = 3;
+      plan.cuts.effort.refineSteps = 8;
+      plan.cuts.effort.shortlist = 4;
+      plan.cuts.effort.balance = 0.03;
+      plan.cuts.effort.coarse = 1e-3;
+      plan.cuts.overCut = 1.7;
+      plan.cuts.byGain = true;
+      plan.trialEffort = plan.cuts.effort;
+      plan.trialEffort.candidateEdges = 8;
+      plan.trialEffort.planesPerEdge = 3;
+      plan.trialEffort.axisPlanes = 4;
+      plan.trialEffort.refinedPlanes = 1;
+      plan.trialEffort.shortlist = 1;
+      plan.trials = 12;
+      plan.lastEffort = plan.cuts.effort;
+      plan.lastTrials = 8;
+      break;
+  }
+  if (settings.candidateEdges > 0) plan.cuts.effort.candidateEdges = settings.candidateEdges;
+  if (settings.planesPerEdge > 0) plan.cuts.effort.planesPerEdge = settings.planesPerEdge;
+  // Without part count and limits, cutting goes on until all parts are convex: nothing to merge. One part needs no cut.
+  const bool toTheEnd = settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0;
+  if (toTheEnd || settings.maxParts == 1) plan.cuts.overCut = 1.0;
+  // Planes that do not pass through concave edges would then cut off endlessly many small pieces.
+  if (toTheEnd) {
+    plan.cuts.effort.axisPlanes = plan.cuts.effort.diagonalPlanes = plan.cuts.effort.refinedPlanes = 0;
+  }
+  return plan;
+}
+
+std::vector<std::size_t> pieceCounts(int partCount, double overCut) {
+  const auto wanted = static_cast<std::size_t>(partCount);
+  std::vector<std::size_t> counts = {wanted};
+  if (overCut <= 1.0) return counts;
+  // A fixed sequence of part counts, each 1.4 times the one before.
+  for (std::size_t upTo = 1;; upTo = (7 * upTo + 4) / 5) {
+    const auto pieces = static_cast<std::size_t>(std::ceil(static_cast<double>(upTo) * overCut));
+    if (pieces > counts.back()) counts.push_back(pieces);
+    if (upTo >= wanted) return counts;
+  }
+}
+
+}  // namespace lorica

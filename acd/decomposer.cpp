@@ -1,0 +1,341 @@
+#include "acd/decomposer.h"
+
+#include "acd/hull_distance.h"
+#include "acd/improve.h"
+#include "acd/merge.h"
+#include "geometry/convex_hull.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace lorica {
+namespace {
+
+// A part whose hull volume exceeds its own by less than this fraction of the mesh's volume counts as convex.
+constexpr double kConvex = 1e-9;
+// Stop here if the limits cannot be met with a reasonable number of parts.
+constexpr std::size_t kMaxParts = 4096;
+// A piece that no plane improves is worth this share of its error: a handle gains only by the cut after the next.
+constexpr double kStalled = 0.2;
+
+/// Hull volume of all pieces over all keyframes.
+double hullVolumeOf(const auto& pieces) {
+  double sum = 0.0;
+  for (const auto& piece : pieces) sum += piece->totalHullVolume();
+  return sum;
+}
+
+}  // namespace
+
+Decomposer::Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const Plan& plan)
+    : settings_(settings), plan_(plan), context_(mesh, keyframes) {}
+
+bool Decomposer::divide() {
+  Part whole;
+  whole.triangles = context_.mesh.triangles;
+  whole.sourceTriangle.reserve(whole.triangles.size());
+  for (std::size_t i = 0; i < whole.triangles.size(); ++i) whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
+  whole.points = pointsUsedBy(whole.triangles);
+  leaves_.push_back(leafOf(std::move(whole)));
+  std::vector<std::size_t> counts;
+  if (settings_.maxParts > 0) counts = pieceCounts(settings_.maxParts, plan_.cuts.overCut);
+  std::size_t limit = limited() ? kMaxParts : std::numeric_limits<std::size_t>::max();
+  if (!counts.empty()) limit = counts.back();
+  while (leaves_.size() < limit) {
+    if (!goOn(leaves_.size(), limit)) return false;
+    if (met_ == 0 && limitsMet()) {
+      // Cut further, so that merging has alternatives; merging stops while the limits are still met.
+      met_ = leaves_.size();
+      atLimit_ = piecesNow();
+      limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * plan_.cuts.overCut)));
+      continue;
+    }
+    if (std::ranges::find(counts, leaves_.size()) != counts.end()) stages_.push_back(piecesNow());
+    const std::optional<std::size_t> next = plan_.cuts.byGain ? mostGaining() : mostConcave();
+    if (!next) break;
+    carryOut(*next);
+  }
+  if (settings_.maxParts == 0 && !limited()) separateComponents();
+  stages_.push_back(piecesNow());
+  if (plan_.cuts.overCut <= 1.0) {
+    parts_ = stages_.back();
+  } else {
+    const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : leaves_.size();
+    parts_ = met_ > 0 ? mergedWithinLimits(wanted) : bestMerged(wanted);
+  }
+  return true;
+}
+
+bool Decomposer::betterThan(const Decomposer& other) const {
+  if (parts_.size() != other.parts_.size()) return parts_.size() < other.parts_.size();
+  return hullVolumeOf(parts_) < hullVolumeOf(other.parts_);
+}
+
+Result<Decomposition> Decomposer::finish() {
+  Decomposition result;
+  result.vertexCount = static_cast<int>(context_.mesh.vertices.size());
+  result.triangleCount = static_cast<int>(context_.mesh.triangles.size());
+  if (plan_.cuts.overCut <= 1.0) {
+    result.splitFrom = std::move(splitFrom_);
+    for (const SharedPiece& part : parts_) result.parts.push_back(part->part);
+  } else {
+    if (plan_.trials > 0 && !improveParts()) return Error{ErrorCode::kCancelled, "decomposition cancelled"};
+    Merged order = mergePieces(parts_, context_, static_cast<int>(parts_.size()), plan_.cuts.effort.coarse);
+    result.splitFrom = std::move(order.splitFrom);
+    for (const std::vector<std::size_t>& group : order.groups) result.parts.push_back(parts_[group[0]]->part);
+  }
+  result.cutPoints = std::move(context_.cutPoints);
+  (void)goOn(leaves_.size(), leaves_.size());  // the result is complete: it is too late to cancel
+  return result;
+}
+
+/// Reports progress, scaled to the requested number of parts if more pieces are cut. Returns false to cancel.
+bool Decomposer::goOn(std::size_t pieces, std::size_t limit) const {
+  if (!settings_.progress) return true;
+  const std::size_t done =
+      settings_.maxParts > 0 ? pieces * static_cast<std::size_t>(settings_.maxParts) / limit : pieces;
+  return settings_.progress(static_cast<int>(done), settings_.maxParts);
+}
+
+/// Whether the hull volume of all pieces meets maxError in every keyframe; false if maxError is not set.
+bool Decomposer::errorMet(std::span<const SharedPiece> pieces) const {
+  if (settings_.maxError <= 0.0) return false;
+  for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
+    double volume = -context_.meshVolume[k];
+    for (const SharedPiece& piece : pieces) volume += piece->hullVolume[k];
+    if (volume > settings_.maxError * std::abs(context_.meshVolume[k])) return false;
+  }
+  return true;
+}
+
+/// Largest distance from the hull of a piece to its surface in any keyframe. Distances below maxDistance may be
+/// reported as up to maxDistance.
+double Decomposer::distanceOf(const Piece& piece) const {
+  std::vector<double> distances(context_.keyframeCount());
+  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
+    std::vector<Vec3> corners;
+    corners.reserve(piece.hullPoints[k].size());
+    for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);
+    distances[k] = hullDistance(convexHull(corners), context_.points[k], piece.part.triangles, settings_.maxDistance);
+  });
+  return *std::max_element(distances.begin(), distances.end());
+}
+
+bool Decomposer::tooFar(Leaf& leaf) const {
+  if (!leaf.distance) leaf.distance = distanceOf(*leaf.piece);
+  return *leaf.distance > settings_.maxDistance;
+}
+
+/// Whether one of the limits is met.
+bool Decomposer::limitsMet() {
+  if (!limited()) return false;
+  if (errorMet(piecesNow())) return true;
+  return settings_.maxDistance > 0.0 &&
+         std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return tooFar(l); });
+}
+
+bool Decomposer::limitsMet(std::span<const SharedPiece> pieces) const {
+  if (errorMet(pieces)) return true;
+  return settings_.maxDistance > 0.0 && std::all_of(pieces.begin(), pieces.end(), [&](const SharedPiece& p) {
+           return distanceOf(*p) <= settings_.maxDistance;
+         });
+}
+
+/// Whether cutting a leaf helps to meet the limits: if there is only a distance limit, leaves that meet it are not cut.
+bool Decomposer::worthCutting(Leaf& leaf) const {
+  return settings_.maxDistance <= 0.0 || met_ > 0 || settings_.maxError > 0.0 || tooFar(leaf);
+}
+
+Decomposer::Leaf Decomposer::leafOf(Part part) const {
+  Leaf leaf;
+  leaf.piece = std::make_shared<const Piece>(measure(std::move(part), context_));
+  leaf.exhausted.resize(context_.keyframeCount(), false);
+  return leaf;
+}
+
+/// r*: the keyframe with the largest error among those not exhausted; none if the part is convex.
+std::optional<std::size_t> Decomposer::worstKeyframe(const Leaf& leaf) const {
+  std::optional<std::size_t> worst;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
+    const double error = leaf.piece->error(k);
+    if (leaf.exhausted[k] || error <= kConvex * std::abs(context_.meshVolume[k]) || error <= largest) continue;
+    largest = error;
+    worst = k;
+  }
+  return worst;
+}
+
+/// Finds a leaf's best split in its worst keyframe, or in the next worst if no plane divides it there.
+bool Decomposer::search(Leaf& leaf) {
+  while (!leaf.searched) {
+    const auto keyframe = worstKeyframe(leaf);
+    if (!keyframe) {
+      leaf.searched = true;
+      break;
+    }
+    leaf.split = bestSplit(*leaf.piece, *keyframe, context_, plan_.cuts.effort);
+    if (leaf.split) {
+      leaf.searched = true;
+      leaf.gain = leaf.piece->totalHullVolume() - leaf.split->hullVolume;
+    } else {
+      leaf.exhausted[*keyframe] = true;
+    }
+  }
+  return leaf.split.has_value();
+}
+
+/// P*: the part with the largest error in any keyframe (Eq. 15) that can still be cut.
+std::optional<std::size_t> Decomposer::mostConcave() {
+  while (true) {
+    std::optional<std::size_t> worst;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) {
+      const auto k = worstKeyframe(leaves_[i]);
+      if (!k || leaves_[i].piece->error(*k) <= largest || (leaves_[i].searched && !leaves_[i].split)) continue;
+      if (!worthCutting(leaves_[i])) continue;
+      largest = leaves_[i].piece->error(*k);
+      worst = i;
+    }
+    if (!worst || search(leaves_[*worst])) return worst;
+  }
+}
+
+/// The part whose best split has the largest gain, or the largest share of its error if it has no gain. A part's error
+/// bounds its gain, so few parts must be searched.
+std::optional<std::size_t> Decomposer::mostGaining() {
+  std::vector<std::size_t> order(leaves_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto errorOf = [&](std::size_t i) { return leaves_[i].piece->totalError(); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return errorOf(a) > errorOf(b); });
+  // Search the two parts with the largest errors in parallel; usually both are needed.
+  tbb::parallel_for(std::size_t{0}, std::min(order.size(), std::size_t{2}), [&](std::size_t i) {
+    if (worthCutting(leaves_[order[i]])) search(leaves_[order[i]]);
+  });
+  std::optional<std::size_t> best;
+  double most = 0.0;
+  for (const std::size_t i : order) {
+    if (best && errorOf(i) <= most) break;
+    if (!worthCutting(leaves_[i]) || !search(leaves_[i])) continue;
+    const double worth = std::max(leaves_[i].gain, kStalled * errorOf(i));
+    if (best && worth <= most) continue;
+    most = worth;
+    best = i;
+  }
+  return best;
+}
+
+void Decomposer::carryOut(std::size_t index) {
+  const Split split = *leaves_[index].split;
+  CutResult cut = cutPart(leaves_[index].piece->part, context_.points[split.keyframe], split.plane,
+                          context_.onPlane[split.keyframe], context_.pointCount());
+  context_.addCutPoints(cut.newPoints);
+  splitFrom_.push_back(static_cast<PartIndex>(index));
+  leaves_.emplace_back();
+  tbb::parallel_invoke([&] { leaves_[index] = leafOf(std::move(cut.above)); },
+                       [&] { leaves_.back() = leafOf(std::move(cut.below)); });
+}
+
+/// Algorithm 1, last line: components that no plane could separate become separate parts. Inside-out shells (the wall
+/// of a cavity) stay in the part that contains the cavity.
+void Decomposer::separateComponents() {
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    const Part& part = leaves_[i].piece->part;
+    const Components components = connectedComponents(static_cast<std::size_t>(context_.pointCount()), part.triangles);
+    if (components.count < 2) continue;
+    Part first, rest;
+    for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+      Part& side = components.componentOfTriangle[t] == 0 ? first : rest;
+      side.triangles.push_back(part.triangles[t]);
+      side.sourceTriangle.push_back(part.sourceTriangle[t]);
+    }
+    if (signedVolume(context_.points[0], first.triangles) <= 0.0 ||
+        signedVolume(context_.points[0], rest.triangles) <= 0.0) {
+      continue;
+    }
+    first.points = pointsUsedBy(first.triangles);
+    rest.points = pointsUsedBy(rest.triangles);
+    splitFrom_.push_back(static_cast<PartIndex>(i));
+    leaves_[i] = leafOf(std::move(first));
+    leaves_.push_back(leafOf(std::move(rest)));
+  }
+}
+
+std::vector<Decomposer::SharedPiece> Decomposer::piecesNow() const {
+  std::vector<SharedPiece> pieces;
+  pieces.reserve(leaves_.size());
+  for (const Leaf& leaf : leaves_) pieces.push_back(leaf.piece);
+  return pieces;
+}
+
+/// Merges pieces to the given number of parts.
+std::vector<Decomposer::SharedPiece> Decomposer::merged(std::span<const SharedPiece> pieces, std::size_t count) const {
+  std::vector<SharedPiece> parts;
+  parts.reserve(count);
+  for (const auto& group : mergePieces(pieces, context_, static_cast<int>(count), plan_.cuts.effort.coarse).groups) {
+    std::vector<const Part*> members;
+    members.reserve(group.size());
+    for (const std::size_t i : group) members.push_back(&pieces[i]->part);
+    parts.push_back(members.size() == 1 ? pieces[group[0]]
+                                        : std::make_shared<const Piece>(measure(unite(members), context_)));
+  }
+  return parts;
+}
+
+/// Merges the pieces of each stage; the parts with the least hull volume.
+std::vector<Decomposer::SharedPiece> Decomposer::bestMerged(std::size_t count) const {
+  std::vector<SharedPiece> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<SharedPiece>& pieces : stages_) {
+    std::vector<SharedPiece> parts = merged(pieces, count);
+    const double volume = hullVolumeOf(parts);
+    if (volume >= least) continue;
+    least = volume;
+    best = std::move(parts);
+  }
+  return best;
+}
+
+/// Binary search for the fewest parts that meet the limits, assuming that fewer parts are worse; never more than `max`.
+std::vector<Decomposer::SharedPiece> Decomposer::mergedWithinLimits(std::size_t max) const {
+  const std::vector<SharedPiece>& pieces = stages_.back();
+  std::size_t kept = atLimit_.size(), broken = 0;
+  std::vector<SharedPiece> best = atLimit_;
+  while (broken + 1 < kept) {
+    const std::size_t count = std::min((broken + kept) / 2, max);
+    std::vector<SharedPiece> tried = merged(pieces, count);
+    if (limitsMet(tried)) {
+      kept = count;
+      best = std::move(tried);
+    } else if (count >= max) {
+      return merged(pieces, max);
+    } else {
+      broken = count;
+    }
+  }
+  return best.size() > max ? merged(pieces, max) : best;
+}
+
+/// Improves the parts, unless that breaks the limits. Returns false if cancelled.
+bool Decomposer::improveParts() {
+  std::vector<Piece> pieces;
+  pieces.reserve(parts_.size());
+  for (const SharedPiece& part : parts_) pieces.push_back(*part);
+  const auto tell = [this, count = parts_.size()] { return goOn(count - 1, count); };
+  if (!improve(pieces, context_, plan_.trialEffort, plan_.trials, tell) ||
+      !improve(pieces, context_, plan_.lastEffort, plan_.lastTrials, tell)) {
+    return false;
+  }
+  std::vector<SharedPiece> better;
+  better.reserve(pieces.size());
+  for (Piece& piece : pieces) better.push_back(std::make_shared<const Piece>(std::move(piece)));
+  if (met_ == 0 || limitsMet(better)) parts_ = std::move(better);
+  return true;
+}
+
+}  // namespace lorica

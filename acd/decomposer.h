@@ -1,0 +1,70 @@
+#pragma once
+
+#include "acd/decompose_plan.h"
+#include "acd/piece.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace lorica {
+
+/// Cuts a mesh into pieces and merges them to parts: Thul et al. 2018, Algorithm 3; with one keyframe Algorithm 2.
+class Decomposer {
+ public:
+  /// @param keyframes  must outlive this object, as must the mesh and the settings
+  Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const Plan& plan);
+
+  /// Cuts the mesh into at most the requested number of parts. Returns false if cancelled.
+  [[nodiscard]] bool divide();
+  /// Whether the parts are fewer than those of another, or as many and with less hull volume.
+  [[nodiscard]] bool betterThan(const Decomposer& other) const;
+  /// Improves the parts if the plan requires it, and sorts them by level of detail.
+  [[nodiscard]] Result<Decomposition> finish();
+
+ private:
+  using SharedPiece = std::shared_ptr<const Piece>;
+  /// A piece with the best split found for it so far.
+  struct Leaf {
+    SharedPiece piece;
+    std::vector<bool> exhausted;  // keyframes in which no plane divides the piece
+    bool searched = false;
+    std::optional<Split> split;
+    double gain = 0.0;
+    std::optional<double> distance;  // see distanceOf()
+  };
+
+  [[nodiscard]] bool limited() const { return settings_.maxError > 0.0 || settings_.maxDistance > 0.0; }
+  [[nodiscard]] bool goOn(std::size_t pieces, std::size_t limit) const;
+  [[nodiscard]] bool errorMet(std::span<const SharedPiece> pieces) const;
+  [[nodiscard]] double distanceOf(const Piece& piece) const;
+  [[nodiscard]] bool tooFar(Leaf& leaf) const;
+  [[nodiscard]] bool limitsMet();
+  [[nodiscard]] bool limitsMet(std::span<const SharedPiece> pieces) const;
+  [[nodiscard]] bool worthCutting(Leaf& leaf) const;
+  [[nodiscard]] Leaf leafOf(Part part) const;
+  [[nodiscard]] std::optional<std::size_t> worstKeyframe(const Leaf& leaf) const;
+  bool search(Leaf& leaf);
+  std::optional<std::size_t> mostConcave();
+  std::optional<std::size_t> mostGaining();
+  void carryOut(std::size_t index);
+  void separateComponents();
+  [[nodiscard]] std::vector<SharedPiece> piecesNow() const;
+  [[nodiscard]] std::vector<SharedPiece> merged(std::span<const SharedPiece> pieces, std::size_t count) const;
+  [[nodiscard]] std::vector<SharedPiece> bestMerged(std::size_t count) const;
+  [[nodiscard]] std::vector<SharedPiece> mergedWithinLimits(std::size_t max) const;
+  [[nodiscard]] bool improveParts();
+
+  const DecomposeSettings& settings_;
+  Plan plan_;
+  CutContext context_;
+  std::vector<Leaf> leaves_;
+  std::vector<PartIndex> splitFrom_;
+  std::vector<std::vector<SharedPiece>> stages_;  // the pieces at each of pieceCounts()
+  std::size_t met_ = 0;                           // pieces when the limits were first met; 0 = not yet
+  std::vector<SharedPiece>
+      atLimit_;  // those pieces: further cuts can increase a hull's distance to its remaining surface
+  std::vector<SharedPiece> parts_;
+};
+
+}  // namespace lorica
