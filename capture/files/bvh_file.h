@@ -46,8 +46,8 @@ struct BvhFile {
 /// Writes a BVH file, completely or not at all. Centimetres, Y up; channels Xposition Yposition Zposition Zrotation
 /// Xrotation Yrotation on roots and on joints that translate relative to their parent, rotations only elsewhere. Frames
 /// are sampled evenly at the motion's mean frame rate. Blanks and braces in names become '_', and names that repeat get
-/// numbers: "Hand", "Hand_2". Scales of joints are contained in the positions. The file's joint axes are aligned with the
-/// world at rest, as BVH requires, so the rotation values differ from the motion's; positions are the same.
+/// numbers: "Hand", "Hand_2". Scales of joints are contained in the positions. The file's joint axes are aligned with
+/// the world at rest, as BVH requires, so the rotation values differ from the motion's; positions are the same.
 /// @return an error if there is no frame, a number is not finite or the file cannot be written
 [[nodiscard]] Result<void> writeBvh(const std::filesystem::path& file, const SkeletalMotion& motion);
 
