@@ -239,8 +239,12 @@ std::vector<Motion> makeShippedMotions() {
     const auto which = static_cast<SyntheticMotion>(m);
     Motion motion;
     motion.name = nameOf(which);
-    motion.joints = synthesizeMotion(which);
-    roundForFile(motion.joints);
+    std::vector<SkeletonFrame> frames = synthesizeMotion(which);
+    roundForFile(frames);
+    // Through the text of the file: reading it normalises rotations.
+    std::string text = jointCsvHeader();
+    for (const SkeletonFrame& frame : frames) text += jointCsvRow(frame);
+    motion.joints = parseJointCsv(text, motion.name).value();
     motions.push_back(std::move(motion));
   }
   return motions;

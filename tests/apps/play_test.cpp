@@ -58,6 +58,7 @@ TEST(Play, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
   const std::filesystem::path session = folder.path() / "s.lsession";
   CommandSurroundings moved;
   moved.folder = folder.path();
+  moved.cache = folder.path() / "cache";
   moved.recordings = "/nowhere";
   const std::string motion = recordingsFolder() / "wave.csv";
   const CommandResult played =
@@ -67,8 +68,8 @@ TEST(Play, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
   const std::size_t said = played.err.find(sentence);
   EXPECT_NE(said, std::string::npos) << played.err;
   EXPECT_EQ(played.err.find(sentence, said + 1), std::string::npos) << "said twice: " << played.err;
-  CommandSurroundings home;
-  home.folder = folder.path();
+  CommandSurroundings home = moved;
+  home.recordings.clear();
   EXPECT_EQ(runLorica({"play", motion, "--frames", "10", "--cover", "0.01", "--json", "-"}, home).json()["hash"],
             played.json()["hash"]);
   EXPECT_EQ(runLorica({"replay", session, "--json", "-"}, moved).json()["same"], true);
