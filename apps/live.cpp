@@ -189,11 +189,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Result<Subject> subject = readCharacter(options.character, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;
-  const Result<DecompositionFile> body = chooseBody(options.body, *subject, common.threadCount());
-  if (!body) return body.error();
-
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
+  const Result<DecompositionFile> body = chooseBody(options.body, *subject, common.threadCount());
+  if (!body) return body.error();
 
   // The source is opened last, because it runs while the rest is prepared.
   Result<Joints> joints = openJoints(options);

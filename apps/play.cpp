@@ -114,10 +114,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Subject& subject = input->subject;
   const Motion& motion = input->motion;
   if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
-  if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
+  if (!file) return file.error();
   const std::string& character =
       !options.input.character.empty() || !subject.file ? options.input.character : options.input.motion;
   const std::optional<SpringChoice> springs = chooseSprings(subject, options.input.springs);

@@ -85,10 +85,10 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   if (!performer) return performer.error();
   const Character& character = *performer->subject.character;
   if (Result<void> fine = checkCover(options.body.cover, character); !fine) return fine;
-  const Result<DecompositionFile> body = chooseBody(options.body, performer->subject, common.threadCount());
-  if (!body) return body.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
+  const Result<DecompositionFile> body = chooseBody(options.body, performer->subject, common.threadCount());
+  if (!body) return body.error();
   if (live) {
     if (Result<void> opened = openCameraFor(options, *performer); !opened) return opened;
   }

@@ -253,10 +253,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Size size = *sizeOf(options.size);
   const Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
   if (!camera) return camera.error();
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
-  if (!file) return file.error();
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
+  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
+  if (!file) return file.error();
   Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.input.performing);
   if (!source) return source.error();
   Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
