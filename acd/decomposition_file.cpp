@@ -375,9 +375,21 @@ DecompositionFile takeContent(ByteReader& reader) {
   return content;
 }
 
-Result<DecompositionFile> decode(std::string_view bytes, const std::string& fileName) {
+}  // namespace
+
+std::uint64_t topologyHash(const TriMesh& mesh) {
+  std::string bytes;
+  bytes.reserve(8 + 12 * mesh.triangles.size());
+  appendLittleEndian(static_cast<std::uint64_t>(mesh.vertices.size()), bytes);
+  for (const Triangle& t : mesh.triangles) {
+    for (const VertexIndex v : t) appendLittleEndian(v, bytes);
+  }
+  return contentHash(bytes);
+}
+
+Result<DecompositionFile> parseDecomposition(std::string_view bytes, const std::string& name) {
   const auto refused = [&](ErrorCode code, std::string_view message) {
-    return Error{code, fmt::format("{}: {}", fileName, message)};
+    return Error{code, fmt::format("{}: {}", name, message)};
   };
   if (bytes.substr(0, kMagic.size()) != kMagic) {
     return refused(ErrorCode::kBadFormat, "not a .lorica file: its first 8 bytes are not LORICA, CR, LF");
@@ -404,7 +416,7 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
                                                       hexDigits(found), hexDigits(expected)));
   }
 
-  ByteReader reader(bytes, kHeaderBytes, fileName);
+  ByteReader reader(bytes, kHeaderBytes, name);
   DecompositionFile content = takeContent(reader);
   if (reader.ok() && reader.left() > 0) {
     reader.fail(reader.offset(), fmt::format("{} bytes are left after the end", reader.left()));
@@ -413,44 +425,37 @@ Result<DecompositionFile> decode(std::string_view bytes, const std::string& file
   return content;
 }
 
-}  // namespace
-
-std::uint64_t topologyHash(const TriMesh& mesh) {
-  std::string bytes;
-  bytes.reserve(8 + 12 * mesh.triangles.size());
-  appendLittleEndian(static_cast<std::uint64_t>(mesh.vertices.size()), bytes);
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexIndex v : t) appendLittleEndian(v, bytes);
-  }
-  return contentHash(bytes);
-}
-
-Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content) {
+Result<std::string> formatDecomposition(const DecompositionFile& content, const std::string& name) {
   if (const std::optional<TrainingRange>& training = content.training) {
     const std::size_t expected = static_cast<std::size_t>(training->keyframeCount) * training->probes.size();
     if (training->positions.size() != expected) {
       return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("{}: not written: {} positions of {} probes in {} keyframes", file.string(),
+                   fmt::format("{}: not written: {} positions of {} probes in {} keyframes", name,
                                training->positions.size(), training->probes.size(), training->keyframeCount)};
     }
   }
   // Reading back costs a millisecond, and a file that nobody can read later would cost the whole decomposition.
-  const std::string bytes = encode(content);
-  const Result<DecompositionFile> again = decode(bytes, file.string());
+  std::string bytes = encode(content);
+  const Result<DecompositionFile> again = parseDecomposition(bytes, name);
   if (!again)
     return Error{ErrorCode::kInvalidArgument, "not written, for it could not be read: " + again.error().message};
   if (hashOf(again->decomposition) != hashOf(content.decomposition)) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: not written: a part's points or source triangles do not fit its triangles", file.string())};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: not written: a part's points or source triangles do not fit its triangles", name)};
   }
-  return writeFileAtomically(file, bytes);
+  return bytes;
+}
+
+Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content) {
+  const Result<std::string> bytes = formatDecomposition(content, file.string());
+  if (!bytes) return bytes.error();
+  return writeFileAtomically(file, *bytes);
 }
 
 Result<DecompositionFile> readDecomposition(const std::filesystem::path& file) {
   const Result<std::string> bytes = readFile(file);
   if (!bytes) return bytes.error();
-  return decode(*bytes, file.string());
+  return parseDecomposition(*bytes, file.string());
 }
 
 }  // namespace lorica

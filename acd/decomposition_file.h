@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -40,7 +41,12 @@ struct DecompositionFile {
 /// @return success; kInvalidArgument if the content is inconsistent, kUnwritable
 [[nodiscard]] Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content);
 
+/// The bytes of such a file. @param name  for error messages
+[[nodiscard]] Result<std::string> formatDecomposition(const DecompositionFile& content, const std::string& name);
+
 /// @return the content, or a sentence: not a .lorica file, other version, damaged at byte n, wrong checksum
 [[nodiscard]] Result<DecompositionFile> readDecomposition(const std::filesystem::path& file);
+/// The same for bytes in memory. @param name  for error messages
+[[nodiscard]] Result<DecompositionFile> parseDecomposition(std::string_view bytes, const std::string& name);
 
 }  // namespace lorica

@@ -50,10 +50,28 @@ std::uint64_t cacheKey(const Character& character, const Decomposition& decompos
   return contentHash(rest, contentHash(bytes));
 }
 
-/// The content of a cache file, if it is whole and fits the mesh.
-std::optional<DecompositionFile> readCache(const DecompositionCache& cache, const fs::path& file, const TriMesh& mesh) {
+constexpr const char* kExtension = ".entry";
+
+/// The first line of an entry, before the bytes of a .lorica file.
+std::string firstLine(std::uint64_t key) {
+  return fmt::format("lorica cache entry {}\n", hexDigits(key));
+}
+
+/// The content of an entry, if it is whole, is that of the key and fits the mesh.
+std::optional<DecompositionFile> readCache(const DecompositionCache& cache, std::uint64_t key, const TriMesh& mesh) {
+  const fs::path file = cacheFile(cache, key, kExtension);
   if (!hasEntry(cache, file)) return std::nullopt;
-  Result<DecompositionFile> cached = readDecomposition(file);
+  const Result<std::string> bytes = readFile(file);
+  if (!bytes) {
+    warnOfEntry(cache, bytes.error().message);
+    return std::nullopt;
+  }
+  const std::string line = firstLine(key);
+  if (!bytes->starts_with(line)) {
+    warnOfEntry(cache, fmt::format("{}: does not begin with '{}'", file.string(), line.substr(0, line.size() - 1)));
+    return std::nullopt;
+  }
+  Result<DecompositionFile> cached = parseDecomposition(std::string_view(*bytes).substr(line.size()), file.string());
   if (!cached) {
     warnOfEntry(cache, cached.error().message);
     return std::nullopt;
@@ -65,16 +83,21 @@ std::optional<DecompositionFile> readCache(const DecompositionCache& cache, cons
   return std::move(*cached);
 }
 
-void writeCache(const DecompositionCache& cache, const fs::path& file, const DecompositionFile& content) {
-  keepEntry(cache, file, [&] { return writeDecomposition(file, content); });
+void writeCache(const DecompositionCache& cache, std::uint64_t key, const DecompositionFile& content) {
+  const fs::path file = cacheFile(cache, key, kExtension);
+  keepEntry(cache, file, [&]() -> Result<void> {
+    const Result<std::string> bytes = formatDecomposition(content, file.string());
+    if (!bytes) return bytes.error();
+    return writeFileAtomically(file, firstLine(key) + *bytes);
+  });
 }
 
 /// Reads a decomposition of keyframes from the cache, or computes and caches it.
 Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMesh& mesh, const Character* character,
                                             const Training* training, const Keyframes& keyframes,
                                             const DecomposeSettings& settings, const DecompositionCache& cache) {
-  const fs::path file = cacheFile(cache, cacheKey(mesh, keyframes, settings), ".lorica");
-  if (std::optional<DecompositionFile> cached = readCache(cache, file, mesh)) {
+  const std::uint64_t key = cacheKey(mesh, keyframes, settings);
+  if (std::optional<DecompositionFile> cached = readCache(cache, key, mesh)) {
     return CachedDecomposition{std::move(*cached), true, 0.0};
   }
   const PoseView poses{keyframes.positions, static_cast<int>(mesh.vertices.size())};
@@ -88,7 +111,7 @@ Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMe
   }
   const Quality quality = measureQuality(*made, mesh, poses);
   DecompositionFile content = fileContent(name, mesh, character, training, poses, std::move(*made), quality);
-  writeCache(cache, file, content);
+  writeCache(cache, key, content);
   return CachedDecomposition{std::move(content), false, seconds};
 }
 
@@ -128,8 +151,8 @@ Result<CachedDecomposition> meshDecomposition(const std::string& name, const Tri
 Result<HullCover> cachedCover(const Character& character, const DecompositionFile& content, const CoverPoses& poses,
                               const CoverRequest& request, const std::function<Result<HullCover>()>& choose,
                               const DecompositionCache& cache) {
-  const fs::path file = cacheFile(cache, cacheKey(character, content.decomposition, poses, request), ".lorica");
-  std::optional<DecompositionFile> cached = readCache(cache, file, character.mesh);
+  const std::uint64_t key = cacheKey(character, content.decomposition, poses, request);
+  std::optional<DecompositionFile> cached = readCache(cache, key, character.mesh);
   if (cached && cached->cover && hashOf(cached->decomposition) == hashOf(content.decomposition)) {
     return std::move(*cached->cover);
   }
@@ -137,7 +160,7 @@ Result<HullCover> cachedCover(const Character& character, const DecompositionFil
   if (!cover) return cover.error();
   DecompositionFile kept = content;
   kept.cover = *cover;
-  writeCache(cache, file, kept);
+  writeCache(cache, key, kept);
   return cover;
 }
 

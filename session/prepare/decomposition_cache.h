@@ -12,8 +12,10 @@
 
 namespace lorica {
 
-/// A folder of .lorica files, each named by a hash of everything that its content depends on: topology, keyframe
-/// positions, settings, kAlgorithmVersion. A damaged file is replaced; an unwritable folder causes a warning.
+/// A folder of entries, each named by its key: a hash of everything that its content depends on (topology, keyframe
+/// positions, settings, kAlgorithmVersion). An entry is a line with its key, then the bytes of a .lorica file. One that
+/// is damaged or has another key is replaced; an unwritable folder causes a warning. There are bodies in it, too: see
+/// body_cache.h.
 struct DecompositionCache {
   std::filesystem::path folder;                                ///< empty = no cache
   std::function<void(const std::string& sentence)> warn = {};  ///< none = warnings are dropped
