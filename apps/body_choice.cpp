@@ -54,7 +54,6 @@ DecompositionCache userCache() {
 Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads) {
   const Result<Training> training = trainingMotions(subject, {});
   if (!training) return training.error();
-  const NothingToCleanUp nothing;  // files are written later
   ProgressBar bar("Decomposing " + subject.character->name, "parts");
   DecomposeSettings settings;
   settings.threads = threads;

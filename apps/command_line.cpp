@@ -1,8 +1,11 @@
 #include "apps/command_line.h"
 
+#include "apps/standard_streams.h"
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <sstream>
 #include <utility>
 
 namespace lorica {
@@ -144,25 +147,35 @@ std::string CommandLine::helpCommand() const {
   return app_->get_name() + " --help";
 }
 
+/// Prints help, a version, or why they could not be printed. @return the exit status
+int CommandLine::printHelp(const CLI::ParseError& asked) const {
+  std::ostringstream out, err;
+  (void)app_->exit(asked, out, err);
+  const Result<void> printed = print(out.str(), "the help");
+  if (printed) return 0;
+  say(fmt::format("{}: {}\n", app_->get_name(), printed.error().message));
+  return kBadInputStatus;
+}
+
 std::optional<int> CommandLine::parse(int argc, char** argv) {
   const std::string& name = app_->get_name();
+  const auto refuse = [&](const std::string& sentence) {
+    say(fmt::format("{}: {}\nTry `{}`.\n", name, printable(sentence), helpCommand()));
+    return kBadInputStatus;
+  };
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ExtrasError&) {
     const std::vector<std::string> extras = app_->remaining(true);
-    fmt::print(stderr, "{}: {}: {}\nTry `{}`.\n", name, extras.empty() ? "?" : extras.front(),
-               app_->get_subcommands().empty() ? "unknown command, expected one of " + subcommandNames()
-                                               : "unexpected argument",
-               helpCommand());
-    return kBadInputStatus;
+    return refuse(fmt::format("{}: {}", extras.empty() ? "?" : extras.front(),
+                              app_->get_subcommands().empty() ? "unknown command, expected one of " + subcommandNames()
+                                                              : "unexpected argument"));
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app_->exit(error);  // --help and --version
-    fmt::print(stderr, "{}: {}\nTry `{}`.\n", name, error.what(), helpCommand());
-    return kBadInputStatus;
+    if (error.get_exit_code() == 0) return printHelp(error);  // --help and --version
+    return refuse(error.what());
   }
   if (app_->get_subcommands().empty()) {
-    fmt::print(stderr, "{}: no command given, expected one of {}\nTry `{}`.\n", name, subcommandNames(), helpCommand());
-    return kBadInputStatus;
+    return refuse("no command given, expected one of " + subcommandNames());
   }
   return std::nullopt;
 }

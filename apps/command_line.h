@@ -10,11 +10,12 @@
 namespace CLI {
 class App;
 class Option;
+class ParseError;
 }  // namespace CLI
 
 namespace lorica {
 
-/// Exit status for rejected arguments or files.
+/// Exit status for rejected arguments or files, and for output that cannot be written.
 inline constexpr int kBadInputStatus = 2;
 
 /// Checks the text of an option's value and may change it.
@@ -78,6 +79,7 @@ class CommandLine {
   Option* add(const std::string& name, Value& value, const std::string& description);
   [[nodiscard]] std::string subcommandNames() const;
   [[nodiscard]] std::string helpCommand() const;
+  [[nodiscard]] int printHelp(const CLI::ParseError& asked) const;
 
   std::unique_ptr<CLI::App> root_;  ///< null for a subcommand
   CLI::App* app_;

@@ -71,7 +71,6 @@ std::string asTyped(const CoverRequest& request) {
 
 Result<HullCover> chooseCoverWithProgress(const Character& character, const Decomposition& decomposition,
                                           const CoverPoses& poses, const CoverRequest& request, int threads) {
-  const NothingToCleanUp nothing;  // files are written later
   ProgressBar bar("Choosing a hull cover for " + character.name, "parts");
   bar.update(0, static_cast<int>(decomposition.parts.size()));
   Result<HullCover> cover = chooseCover(character, decomposition, poses, request, threads, progressOf(bar));

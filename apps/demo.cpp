@@ -8,6 +8,7 @@
 #include "apps/progress_bar.h"
 #include "apps/run_session.h"
 #include "apps/run_statistics.h"
+#include "apps/standard_streams.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -156,7 +157,7 @@ Report toReport(const Show& show) {
 Result<std::optional<Window>> chooseWindow(const Options& options, const Character& character) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
-    fmt::print(stderr, "No display: drawing a video and pictures to {} instead.\n", options.out);
+    say(fmt::format("No display: drawing a video and pictures to {} instead.\n", options.out));
     return std::optional<Window>();
   }
   Result<Window> window = openWindow("", character);

@@ -3,7 +3,6 @@
 #include "apps/body_choice.h"
 #include "apps/expression_options.h"
 #include "apps/file_trust.h"
-#include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
@@ -26,7 +25,6 @@ constexpr const char* kMannequin = "mannequin";
 
 /// cachedBody() with a progress bar; Ctrl-C cancels.
 Result<ClosedBody> makeBodyWithProgress(const Character& character, const CharacterOptions& options) {
-  const NothingToCleanUp nothing;
   ProgressBar bar("Making a closed body for " + character.name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;
@@ -62,7 +60,6 @@ Result<void> refuseFileOptions(const std::string& input, const CharacterOptions&
 /// Decodes the pictures of a character's materials with a progress bar; Ctrl-C cancels.
 Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float> expressions,
                                           const CharacterOptions& options) {
-  const NothingToCleanUp nothing;
   ProgressBar bar("Decoding textures of " + file.character.name, "textures");
   DecodeSettings settings;
   settings.largestSide = options.textureSize;

@@ -1,59 +1,95 @@
 #include "apps/interrupt.h"
 
+#include "apps/standard_streams.h"
+#include "geometry/hard_stop.h"
+
+#include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
+
+#include <array>
+#include <atomic>
 #include <csignal>
-#include <string_view>
+#include <thread>
 
 namespace lorica {
 namespace {
 
-constexpr unsigned kGraceSeconds = 1;
+constexpr int kGraceMs = 700;
 
-volatile std::sig_atomic_t gInterrupted = 0;
-volatile std::sig_atomic_t gNothingToCleanUp = 0;
-volatile std::sig_atomic_t gTerminal = 0;
+volatile std::sig_atomic_t gSignal = 0;
+volatile std::sig_atomic_t gSignals = 0;
+std::atomic<bool> gAnswered = false;
+std::atomic<bool> gSaid = false;
+std::array<int, 2> gPipe = {-1, -1};  // from the handler to the watcher: a byte for each signal
 
-// Both handlers must be async-signal-safe: no allocation, no streams.
-void onInterrupt(int) {
-  gInterrupted = 1;
-  if (gNothingToCleanUp != 0) alarm(kGraceSeconds);
+// Must be async-signal-safe: no allocation, no streams, no locks.
+void onSignal(int number) {
+  if (gSignals >= 2) _exit(128 + number);
+  gSignal = number;
+  gSignals = gSignals + 1;
+  [[maybe_unused]] const ssize_t written = write(gPipe[1], "!", 1);
 }
 
-void onGraceOver(int) {
-  if (gNothingToCleanUp == 0) return;
-  // Overwrite a progress bar on the current line.
-  const std::string_view words = gTerminal != 0 ? "\r\x1b[Klorica: cancelled\n" : "lorica: cancelled\n";
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, words.data(), words.size());
-  _exit(kInterruptedStatus);
+/// Waits for a signal. @param ms  -1 = for ever  @return false if none came
+bool waitForSignal(int ms) {
+  pollfd waiting = {gPipe[0], POLLIN, 0};
+  if (poll(&waiting, 1, ms) <= 0) return false;
+  char byte = 0;
+  return read(gPipe[0], &byte, 1) == 1;
+}
+
+void watch() {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);  // other threads run the handler
+  while (!waitForSignal(-1)) {
+  }
+  if (!waitForSignal(kGraceMs) && gAnswered) {
+    while (!waitForSignal(-1)) {
+    }
+  }
+  runHardStop();
+  sayCancelled();
+  _exit(interruptedStatus());
 }
 
 }  // namespace
 
 void watchInterrupt() {
+  if (pipe2(gPipe.data(), O_CLOEXEC) != 0) return;  // the signals end the program as usual
+  std::thread(watch).detach();
   struct sigaction action = {};
-  action.sa_handler = onInterrupt;
-  // The second Ctrl-C reaches the default handler; a blocked write is restarted, so that output stays complete.
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  action.sa_flags = SA_RESTART;  // a blocked write continues, so that output stays complete
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  action.sa_handler = onGraceOver;
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGALRM, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before = {};
+    sigaction(number, nullptr, &before);
+    action.sa_handler = onSignal;
+    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
+  }
+  action.sa_handler = SIG_IGN;
+  for (const int number : {SIGPIPE, SIGXFSZ}) sigaction(number, &action, nullptr);  // writing fails instead
 }
 
 bool interrupted() {
-  return gInterrupted != 0;
+  return gSignal != 0;
 }
 
-NothingToCleanUp::NothingToCleanUp() {
-  gTerminal = isatty(STDERR_FILENO);
-  gNothingToCleanUp = 1;
-  if (interrupted()) alarm(kGraceSeconds);  // Ctrl-C was pressed just before
+void answerInterrupt() {
+  gAnswered = true;
 }
 
-NothingToCleanUp::~NothingToCleanUp() {
-  gNothingToCleanUp = 0;
-  alarm(0);
+void sayCancelled() {
+  if (gSaid.exchange(true)) return;
+  pollfd error = {STDERR_FILENO, POLLOUT, 0};
+  if (poll(&error, 1, 0) == 0) return;  // a full pipe that nobody reads
+  // Overwrite a progress bar on the current line.
+  say(isatty(STDERR_FILENO) == 1 ? "\r\x1b[Klorica: cancelled\n" : "lorica: cancelled\n");
+}
+
+int interruptedStatus() {
+  return 128 + (gSignal != 0 ? gSignal : SIGINT);
 }
 
 }  // namespace lorica

@@ -2,23 +2,25 @@
 
 namespace lorica {
 
-/// After this call, Ctrl-C requests a clean stop instead of ending the program; a second Ctrl-C ends it immediately.
+/// After this call SIGINT (Ctrl-C), SIGTERM and SIGHUP request a clean stop, and writing to a closed pipe or beyond
+/// the limit of file sizes is an error instead of a signal. A signal that was ignored when the program started stays
+/// ignored (nohup).
+///
+/// A program that has not ended 0.7 s after the signal, because a step takes long, is ended: recordings are finished,
+/// temporary files and folders removed (geometry/hard_stop.h), the status is that of the signal. A second signal does
+/// the same at once, a third ends the program without all that.
 void watchInterrupt();
 
-/// Whether Ctrl-C was pressed since watchInterrupt().
+/// Whether one of these signals came since watchInterrupt().
 [[nodiscard]] bool interrupted();
 
-/// While an object of this class exists, there is nothing to clean up: if the program does not stop within one second
-/// of Ctrl-C, because a step takes long, it is ended with the message and exit status of a clean stop. One at a time.
-class NothingToCleanUp {
- public:
-  NothingToCleanUp();
-  ~NothingToCleanUp();
-  NothingToCleanUp(const NothingToCleanUp&) = delete;
-  NothingToCleanUp& operator=(const NothingToCleanUp&) = delete;
-};
+/// The program is ending by itself and needs no help: only a second signal ends it early.
+void answerInterrupt();
 
-/// Exit status of a program ended by Ctrl-C, as shells report it.
-inline constexpr int kInterruptedStatus = 130;
+/// Prints that the command was cancelled, once.
+void sayCancelled();
+
+/// Exit status of a program ended by a signal, as shells report it: 128 and the number of the signal; 130 for Ctrl-C.
+[[nodiscard]] int interruptedStatus();
 
 }  // namespace lorica

@@ -10,6 +10,7 @@
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/standard_streams.h"
 #include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
 
@@ -92,6 +93,7 @@ Result<void> runHeadless(const Options& options, Live& live) {
 }
 
 Result<void> runInWindow(const Options& options, Live& live) {
+  answerInterrupt();
   Result<Window> window = openWindow(live.name, live.session.character());
   if (!window) return window.error();
   WindowSubject subject{live.session, live.name};
@@ -121,6 +123,7 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
   live.statistics.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
   json["refusedLegs"] = live.session.source().refusedLegs();
+  answerInterrupt();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
   live.drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(live.session.hash());
@@ -214,7 +217,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   session->watch(*recorder);
 
   Live live{std::move(*session), joints->tracked, joints->name, {}, {}, {}, {}};
-  if (!*inWindow) fmt::print(stderr, "Tracking with {}; press Ctrl-C to stop.\n", live.name);
+  if (!*inWindow) say(fmt::format("Tracking with {}; press Ctrl-C to stop.\n", live.name));
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
   if (!ran) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error

@@ -1,6 +1,7 @@
 #include "apps/live_log.h"
 
 #include "apps/percentiles.h"
+#include "apps/standard_streams.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -37,7 +38,7 @@ void LiveLog::add(const LiveJoints& joints, double seconds) {
   } else if (sight.roomUncertain && !wasUncertain_) {
     news = kStepOut;
   }
-  if (news != nullptr) fmt::print(stderr, "{:6.1f} s  {}\n", seconds, news);
+  if (news != nullptr) say(fmt::format("{:6.1f} s  {}\n", seconds, news));
   unplugged_ = unplugged;
   if (sight.read == DepthRead::kFrame) {
     wasFollowed_ = sight.followed;

@@ -1,6 +1,7 @@
 #include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
+#include "apps/standard_streams.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
@@ -13,10 +14,11 @@ namespace {
 
 int fail(const lorica::Error& error) {
   if (error.code == lorica::ErrorCode::kCancelled) {
-    fmt::print(stderr, "lorica: cancelled\n");
-    return lorica::kInterruptedStatus;
+    lorica::answerInterrupt();
+    lorica::sayCancelled();
+    return lorica::interruptedStatus();
   }
-  fmt::print(stderr, "lorica: {}\n", error.message);
+  lorica::say(fmt::format("lorica: {}\n", lorica::printable(error.message)));
   return lorica::kBadInputStatus;
 }
 
@@ -30,7 +32,8 @@ int run(int argc, char** argv) {
       "  lorica live --virtual                    # follow a person before a depth camera, here a virtual one\n"
       "  lorica info hero.glb                     # describe your own character\n"
       "  lorica play walk --character hero.glb --window\n"
-      "\n`lorica COMMAND --help` describes each command.");
+      "\n`lorica COMMAND --help` describes each command.\n"
+      "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, 130 = Ctrl-C.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {
       lorica::addDemo(app, common),     lorica::addDecompose(app, common), lorica::addScore(app, common),
@@ -44,7 +47,6 @@ int run(int argc, char** argv) {
                                    [](const lorica::Command& command) { return command.app->parsed(); });
 
   if (common.trustPaths) lorica::trustPaths();
-  lorica::watchInterrupt();
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(common.threadCount()));
   const lorica::Result<void> done = chosen->run(common);
@@ -58,9 +60,11 @@ int main(int argc, char** argv) {
   // Lorica's code throws no exceptions; this reports std::bad_alloc and exceptions of libraries.
   try {
     if (argc == 2 && argv[1] == lorica::kReadForItself) return lorica::serveIsolatedReader();
+    lorica::openStandardStreams();
+    lorica::watchInterrupt();
     return run(argc, argv);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lorica: stopped: {}\n", error.what());
+    lorica::say(fmt::format("lorica: stopped: {}\n", lorica::printable(error.what())));
     return 1;
   }
 }

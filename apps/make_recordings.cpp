@@ -1,11 +1,11 @@
 // Writes the recordings that ship with Lorica: all synthetic motions, two of them also with simulated sensor noise.
 
+#include "apps/standard_streams.h"
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
 
 #include <fmt/core.h>
-#include <cmath>
-#include <cstdio>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -20,7 +20,7 @@ constexpr std::string_view kUsage =
     "The output is the same on each run.\n";
 
 int fail(std::string_view sentence) {
-  fmt::print(stderr, "lorica-make-recordings: {}\n", sentence);
+  lorica::say(fmt::format("lorica-make-recordings: {}\n", lorica::printable(sentence)));
   return kTrouble;
 }
 
@@ -28,9 +28,10 @@ int fail(std::string_view sentence) {
 
 int main(int argc, char** argv) {
   using lorica::SyntheticMotion;
+  lorica::openStandardStreams();
   if (argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h")) {
-    fmt::print("{}", kUsage);
-    return 0;
+    const lorica::Result<void> printed = lorica::print(kUsage, "the help");
+    return printed ? 0 : fail(printed.error().message);
   }
   if (argc != 2) return fail(fmt::format("found {} arguments, expected one folder; see --help", argc - 1));
   if (argv[1][0] == '-' || argv[1][0] == '\0') {

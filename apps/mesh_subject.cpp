@@ -1,6 +1,5 @@
 #include "apps/mesh_subject.h"
 
-#include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
 #include "geometry/mesh_mending.h"
@@ -15,7 +14,6 @@ namespace {
 
 /// Replaces the subject's mesh by a closed body. Ctrl-C cancels.
 Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::string problem) {
-  const NothingToCleanUp nothing;
   ProgressBar bar("Making a closed body for " + subject.name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;

@@ -1,8 +1,8 @@
 #include "apps/progress_bar.h"
 
 #include "apps/interrupt.h"
-
 #include "apps/report.h"
+#include "apps/standard_streams.h"
 
 #include <fmt/format.h>
 
@@ -17,6 +17,7 @@ namespace {
 constexpr double kRedrawSeconds = 0.05;
 constexpr double kLineSeconds = 10.0;
 constexpr int kWidestBar = 40;
+constexpr std::size_t kLongestLabel = 100;  // [bytes]
 
 /// "12 of 240 frames", or "12 parts" if the total is unknown.
 std::string countText(int done, int total, const std::string& unit) {
@@ -25,8 +26,8 @@ std::string countText(int done, int total, const std::string& unit) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::string label, std::string unit)
-    : label_(std::move(label)),
+ProgressBar::ProgressBar(const std::string& label, std::string unit)
+    : label_(printable(label, kLongestLabel)),
       unit_(std::move(unit)),
       terminal_(isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
@@ -36,7 +37,7 @@ ProgressBar::ProgressBar(std::string label, std::string unit)
 }
 
 ProgressBar::~ProgressBar() {
-  if (terminal_ && shown_) fmt::print(stderr, "\r\x1b[K");
+  if (terminal_ && shown_) say("\r\x1b[K");
 }
 
 void ProgressBar::update(int done, int total) {
@@ -48,9 +49,8 @@ void ProgressBar::update(int done, int total) {
     draw(done, total, seconds);
   } else {
     if (sinceShown < kLineSeconds) return;
-    fmt::print(stderr, "{}: {} after {:.0f} s\n", label_, countText(done, total, unit_), seconds);
+    say(fmt::format("{}: {} after {:.0f} s\n", label_, countText(done, total, unit_), seconds));
   }
-  std::fflush(stderr);
   lastShown_ = now;
   shown_ = true;
 }
@@ -70,7 +70,7 @@ void ProgressBar::draw(int done, int total, double seconds) const {
   line += tail;
   // A line longer than the terminal would wrap and could not be erased.
   line.resize(std::min<std::size_t>(line.size(), static_cast<std::size_t>(std::max(terminalWidth(stderr) - 1, 1))));
-  fmt::print(stderr, "\r\x1b[K{}", line);
+  say(fmt::format("\r\x1b[K{}", line));
 }
 
 std::function<bool(int, int)> progressOf(ProgressBar& bar) {

@@ -11,7 +11,7 @@ class ProgressBar {
  public:
   /// @param label  the task: "Decomposing mannequin"
   /// @param unit   the counted items: "parts"
-  ProgressBar(std::string label, std::string unit);
+  ProgressBar(const std::string& label, std::string unit);
   /// Removes the bar from the terminal.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

@@ -5,16 +5,21 @@
 #include "apps/record_session.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/standard_streams.h"
 #include "capture/sensor/oni_joints.h"
 #include "capture/sensor/openni.h"
 #include "capture/tracking/tracker.h"
+#include "geometry/hard_stop.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -45,27 +50,47 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
   DepthFrame frame;
   int read = 0;
   const PlaybackOptions& limit = options.limit;
+  std::mutex files;  // the program may be ended while the camera waits
+  bool finished = false;
+  const auto finish = [&]() -> Result<void> {
+    const std::lock_guard<std::mutex> lock(files);
+    if (std::exchange(finished, true)) return {};
+    const Result<int> rows = joints.finish();
+    if (read == 0) {  // ended before the first image
+      recorder.discard();
+      return Error{ErrorCode::kCancelled, "cancelled"};
+    }
+    const Result<int> frames = recorder.finish();
+    if (!rows) return rows.error();
+    if (!frames) return frames.error();
+    recording.rows = *rows;
+    recording.frames = *frames;
+    return {};
+  };
+  const AtHardStop finishing([&] { (void)finish(); });
   while (!interrupted()) {
     const Result<DepthRead> got = depth.next(frame);
-    if (!got) return got.error();
+    if (!got) {
+      (void)finish();  // keep what was recorded despite the error
+      return got.error();
+    }
     recording.unplugged |= *got == DepthRead::kUnplugged;
     if (*got == DepthRead::kEnd) break;
     if (*got != DepthRead::kFrame) continue;
-    for (const TrackedPerson& person : tracker.track(frame)) {
+    const std::span<const TrackedPerson> people = tracker.track(frame);
+    const std::lock_guard<std::mutex> lock(files);
+    if (finished) break;  // the program is being ended
+    ++read;
+    for (const TrackedPerson& person : people) {
       if (Result<void> added = joints.add(person.skeleton); !added) return added.error();
     }
     if (!firstTime) firstTime = frame.time;
     recording.seconds = frame.time - *firstTime;
-    ++read;
     if (limit.frames > 0 && read >= limit.frames) break;
     if (limit.seconds > 0.0 && recording.seconds >= limit.seconds) break;
   }
-  const Result<int> rows = joints.finish();
-  if (!rows) return rows.error();
-  recording.rows = *rows;
-  const Result<int> frames = recorder.finish();
-  if (!frames) return frames.error();
-  recording.frames = *frames;
+  answerInterrupt();
+  if (const Result<void> done = finish(); !done) return done.error();
   return recording;
 }
 
@@ -97,12 +122,19 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
   if (!depth) return depth.error();
   Result<Tracker> tracker = Tracker::create((*depth)->camera());
   if (!tracker) return tracker.error();
-  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**depth, options.out);
-  if (!recorder) return recorder.error();
   Result<JointCsvWriter> joints = JointCsvWriter::create(jointsBeside(options.out));
   if (!joints) return joints.error();
+  std::optional<AtHardStop> starting(std::in_place, [&] { (void)joints->finish(); });  // removes the empty file
+  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**depth, options.out);
+  if (!recorder) {
+    (void)joints->finish();
+    return recorder.error();
+  }
+  starting.reset();
+  sayFound((*recorder)->found());
+  sayFound(joints->found());
 
-  fmt::print(stderr, "Recording {}; press Ctrl-C to stop.\n", (*depth)->name());
+  say(fmt::format("Recording {}; press Ctrl-C to stop.\n", (*depth)->name()));
   const Result<Recording> made = record(options, **depth, *tracker, **recorder, *joints);
   if (!made) return made.error();
 
@@ -165,7 +197,8 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
                     "  lorica replay kick.lsession\n"
                     "      run it again and compare the results\n"
                     "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
-                    "They are readable even if the program is killed.");
+                    "They are readable even if the program is killed; the next recording of that name keeps them as "
+                    "body.found-1.oni, ...");
   app->addOption("OUT", options->out, "The recording to write: .oni or .lsession")->required()->typeName("");
   addPlaybackInputOptions(*app, options->input);
   addFaultOption(*app, options->input.performing);

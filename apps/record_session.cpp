@@ -4,6 +4,7 @@
 #include "apps/playback.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/standard_streams.h"
 #include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
 
@@ -69,6 +70,7 @@ Result<double> runAll(const SessionRecording& options, Session& session) {
     if (options.limit.frames > 0 && session.frameCount() >= options.limit.frames) break;
     if (options.limit.seconds > 0.0 && session.time() - first >= options.limit.seconds) break;
   }
+  answerInterrupt();
   return session.frameCount() > 0 ? session.time() - first : 0.0;
 }
 
@@ -112,8 +114,12 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   if (Result<void> added = addSprings(springs, *session); !added) return added;
   session->watch(*recorder);
 
-  if (live) fmt::print(stderr, "Recording {}; press Ctrl-C to stop.\n", performer->source);
+  if (live) say(fmt::format("Recording {}; press Ctrl-C to stop.\n", performer->source));
   const Result<double> seconds = runAll(options, *session);
+  if (interrupted() && session->frameCount() == 0) {
+    (void)(*recorder)->finish();  // removes the file
+    return Error{ErrorCode::kCancelled, "cancelled"};
+  }
   Report report(fmt::format("Recorded a session of {}: {} ({:.1f} s)", performer->source,
                             counted(session->frameCount(), "step"), seconds ? *seconds : 0.0));
   nlohmann::ordered_json json;

@@ -1,5 +1,6 @@
 #include "apps/report.h"
 
+#include "apps/standard_streams.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -23,7 +24,18 @@ std::size_t widthOf(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-void printTable(const Table& table) {
+constexpr std::size_t kLongestCell = 200;    // [bytes]
+constexpr std::size_t kLongestValue = 4000;  // of a line: a list of bones, say [bytes]
+
+Table shortened(const Table& table) {
+  Table shown = table;
+  for (std::vector<std::string>& row : shown.rows) {
+    for (std::string& cell : row) cell = printable(cell, kLongestCell);
+  }
+  return shown;
+}
+
+void addTable(const Table& table, std::string& text) {
   std::vector<std::size_t> widths;
   widths.reserve(table.headings.size());
   for (const std::string& heading : table.headings) widths.push_back(widthOf(heading));
@@ -37,9 +49,9 @@ void printTable(const Table& table) {
       line += "  " + (c >= table.textFrom ? row[c] + space : space + row[c]);
     }
     line.erase(line.find_last_not_of(' ') + 1);
-    fmt::print("{}\n", line);
+    text += line + "\n";
   };
-  fmt::print("\n");
+  text += "\n";
   printRow(table.headings);
   for (const std::vector<std::string>& row : table.rows) printRow(row);
 }
@@ -50,37 +62,33 @@ int CommonOptions::threadCount() const {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-void Report::print() const {
+std::string Report::text() const {
   const bool bold = isatty(STDOUT_FILENO) == 1 && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
-  fmt::print("{}{}{}\n", bold ? "\x1b[1m" : "", headline_, bold ? "\x1b[0m" : "");
+  std::string text = fmt::format("{}{}{}\n", bold ? "\x1b[1m" : "", printable(headline_), bold ? "\x1b[0m" : "");
   std::size_t width = 0;
-  for (const auto& [label, value] : lines_) width = std::max(width, label.size());
+  for (const auto& [label, value] : lines_) width = std::max(width, printable(label, kLongestCell).size());
   for (const auto& [label, value] : lines_) {
     if (label.empty() && value.empty()) {
-      fmt::print("\n");
+      text += "\n";
     } else {
-      fmt::print("  {:<{}}  {}\n", label, width, value);
+      text += fmt::format("  {:<{}}  {}\n", printable(label, kLongestCell), width, printable(value, kLongestValue));
     }
   }
-  for (const Table& table : tables_) printTable(table);
-  for (const std::string& note : notes_) fmt::print("\n  {}\n", note);
-  std::fflush(stdout);
+  for (const Table& table : tables_) addTable(shortened(table), text);
+  for (const std::string& note : notes_) text += fmt::format("\n  {}\n", printable(note));
+  return text;
 }
 
 Result<void> publish(const CommonOptions& options, const Report& report, const nlohmann::ordered_json& json) {
   // File names may not be valid UTF-8; JSON must be.
   const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   if (options.json == "-") {
-    const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-    if (!written) return Error{ErrorCode::kUnwritable, "standard output: could not write the JSON"};
-    return {};
+    return print(text, "the JSON");
   }
   if (!options.json.empty()) {
     if (Result<void> written = writeFileAtomically(options.json, text); !written) return written;
   }
-  report.print();
-  if (std::ferror(stdout) != 0) return Error{ErrorCode::kUnwritable, "standard output: could not write the report"};
-  return {};
+  return print(report.text(), "the report");
 }
 
 Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others) {
@@ -139,7 +147,7 @@ Result<void> checkOutputFolder(const std::string& option, const std::filesystem:
 }
 
 void warn(const std::string& sentence) {
-  fmt::print(stderr, "lorica: warning: {}\n", sentence);
+  say(fmt::format("lorica: warning: {}\n", printable(sentence)));
 }
 
 void warnOnce(const std::string& sentence) {

@@ -39,8 +39,8 @@ class Report {
   void table(Table table) { tables_.push_back(std::move(table)); }
   /// A sentence at the end of the report.
   void note(std::string sentence) { notes_.push_back(std::move(sentence)); }
-  /// Prints to standard output; the headline is bold in a terminal unless NO_COLOR is set.
-  void print() const;
+  /// For standard output; the headline is bold in a terminal unless NO_COLOR is set.
+  [[nodiscard]] std::string text() const;
 
  private:
   std::string headline_;

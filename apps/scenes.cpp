@@ -18,7 +18,6 @@ namespace {
 
 /// The decomposition of a prop's mesh: from the user's cache, or computed with a progress bar. Ctrl-C cancels.
 Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surface, int parts) {
-  const NothingToCleanUp nothing;
   ProgressBar bar("Decomposing " + name, "parts");
   DecomposeSettings settings;
   settings.maxParts = parts;

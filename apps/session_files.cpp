@@ -35,6 +35,11 @@ void addRecordOption(CommandLine& app, std::string& file) {
   app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
 }
 
+void sayFound(const std::optional<std::filesystem::path>& found) {
+  if (!found) return;
+  warn(fmt::format("found the recording of a program that was killed; it is kept as {}", found->string()));
+}
+
 Result<void> checkRecord(const std::string& option, const std::string& file) {
   return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
 }
@@ -110,7 +115,9 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   if (!isBareName(as.scene)) header.sceneFolder = nameFor(file, scene->folder.empty() ? "." : scene->folder.string());
   header.sceneSeed = as.scene.empty() ? kDemoSeed : 0;
   header.worldHash = hashOf(world);
-  return SessionRecorder::start(file, header, scene->text);
+  Result<std::shared_ptr<SessionRecorder>> recorder = SessionRecorder::start(file, header, scene->text);
+  if (recorder) sayFound((*recorder)->found());
+  return recorder;
 }
 
 Result<void> finishRecorder(const std::shared_ptr<SessionRecorder>& recorder, const std::string& file, Report& report,

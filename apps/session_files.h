@@ -12,6 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,9 @@ namespace lorica {
 
 /// --record FILE.lsession.
 void addRecordOption(CommandLine& app, std::string& file);
+
+/// Says that a recording was found that a killed program left behind. @param found  its new name
+void sayFound(const std::optional<std::filesystem::path>& found);
 
 /// Rejects an unusable file name before any work.
 [[nodiscard]] Result<void> checkRecord(const std::string& option, const std::string& file);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace lorica {
 namespace {
 
@@ -10,6 +12,15 @@ using Json = nlohmann::ordered_json;
 
 std::string point(const Vec3& p) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
+}
+
+std::string volumeText(double volume) {
+  return std::isfinite(volume) ? fmt::format("{:.6g}", volume) : "too large to be measured";
+}
+
+/// A number for JSON, which has no infinity.
+Json finite(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
 }
 
 }  // namespace
@@ -28,16 +39,16 @@ FileSummary describeMesh(const Subject& subject) {
   report.line("triangles", grouped(std::ssize(mesh.triangles)));
   report.line("components", grouped(components));
   if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
-  report.line("closed", closed
-                            ? "yes, it can be decomposed"
-                            : "no: " + closed.error().message + "; `lorica decompose` builds a closed body around it");
-  report.line("volume", fmt::format("{:.6g}", volume));
-  report.line("hull volume", fmt::format("{:.6g}", hullVolume));
+  const bool measurable = std::isfinite(volume) && std::isfinite(hullVolume) && std::isfinite(box.diagonal());
+  const char* remedy = measurable ? "; `lorica decompose` builds a closed body around it" : "";
+  report.line("closed", closed ? "yes, it can be decomposed" : "no: " + closed.error().message + remedy);
+  report.line("volume", volumeText(volume));
+  report.line("hull volume", measurable ? volumeText(hullVolume) : "too large to be measured");
   const double convexity = hullVolume > 0.0 ? volume / hullVolume : 0.0;
   if (closed && hullVolume > 0.0) report.line("convexity", fmt::format("{:.4f} (volume / hull volume)", convexity));
   if (!box.empty()) {
     report.line("bounding box", fmt::format("{} to {}", point(box.min), point(box.max)));
-    report.line("diagonal", fmt::format("{:.6g}", box.diagonal()));
+    if (std::isfinite(box.diagonal())) report.line("diagonal", fmt::format("{:.6g}", box.diagonal()));
   }
 
   Json& json = summary.json;
@@ -49,8 +60,8 @@ FileSummary describeMesh(const Subject& subject) {
   json["closed"] = closed.ok();
   json["repaired"] = subject.repaired.empty() ? Json() : Json(subject.repaired);
   json["problem"] = closed ? Json() : Json(closed.error().message);
-  json["volume"] = volume;
-  json["hullVolume"] = hullVolume;
+  json["volume"] = finite(volume);
+  json["hullVolume"] = measurable ? Json(hullVolume) : Json();
   json["convexity"] = closed && hullVolume > 0.0 ? Json(convexity) : Json();
   json["boundingBox"] =
       box.empty() ? Json() : Json{{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}};

@@ -34,7 +34,6 @@ Result<Training> trainingMotions(const Subject& subject, std::span<const Motion>
 
 Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh, PoseView keyframes,
                                                  DecomposeSettings settings) {
-  const NothingToCleanUp nothing;  // files are written later
   ProgressBar bar("Decomposing " + name, "parts");
   settings.progress = progressOf(bar);
   const auto start = std::chrono::steady_clock::now();

@@ -79,6 +79,8 @@ class OpenNiRecorder {
   /// Ends the recording, checks it, and renames it to its final name.
   /// @return number of frames, or an error if they are damaged
   [[nodiscard]] virtual Result<int> finish() = 0;
+  /// Ends the recording and removes its file, for one without frames.
+  virtual void discard() = 0;
 };
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "capture/sensor/oni_file.h"
 #include "capture/sensor/openni_source.h"
+#include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
 
 #include <fmt/format.h>
@@ -59,11 +60,10 @@ class Recorder final : public OpenNiRecorder {
     const Result<int> created = createPart(beside_);
     if (!created) return created.error();
     lock_ = *created;
+    const AtHardStop cleaning([this] { ::unlink(beside_.c_str()); });
     Result<void> begun = record(source);
     if (!begun) {
-      stop();
-      std::error_code ignored;
-      fs::remove(beside_, ignored);
+      discard();
       return begun;
     }
     waitForBegin();
@@ -125,6 +125,12 @@ class Recorder final : public OpenNiRecorder {
                                                        target_.string(), error.message(), beside_.string())};
     }
     return frames;
+  }
+
+  void discard() override {
+    stop();
+    std::error_code ignored;
+    fs::remove(beside_, ignored);
   }
 
  private:

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace lorica::test {
+
+/// What happens to a running command.
+enum class Fault { kNone, kInterrupt, kTerminate, kHangUp, kKill, kDiskFull, kOutputClosed, kErrorsClosed, kReadOnly };
+
+[[nodiscard]] const char* nameOf(Fault fault);
+
+struct FaultyRun {
+  std::vector<std::string> arguments;  ///< after `lorica`
+  std::filesystem::path folder;        ///< working folder
+  std::filesystem::path cache;         ///< XDG_CACHE_HOME
+  Fault fault = Fault::kNone;
+  /// Signals are sent as soon as this holds; empty = 0.25 s after the start.
+  std::function<bool()> ready = {};
+};
+
+struct FaultyEnd {
+  int exitCode = -1;  ///< 128 + the signal's number if a signal ended it
+  bool bySignal = false;
+  double secondsAfterSignal = 0.0;
+  std::string out, err;
+};
+
+/// Runs the command with a fault. Its temporary folder is `folder`/tmp.
+[[nodiscard]] FaultyEnd runWithFault(const FaultyRun& run);
+
+}  // namespace lorica::test

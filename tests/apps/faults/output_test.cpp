@@ -1,0 +1,95 @@
+#include "tests/apps/faults/faulty_run.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <string>
+
+namespace lorica::test {
+namespace {
+
+/// Runs a line of the shell, where $LORICA is the command. @return its exit status
+int shell(const TemporaryFolder& folder, const std::string& line) {
+  const std::string command =
+      "cd '" + folder.path().string() + "' && XDG_CACHE_HOME=/dev/null LORICA='" LORICA_COMMAND "'; " + line;
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+FaultyEnd run(const TemporaryFolder& folder, std::vector<std::string> arguments, Fault fault = Fault::kNone) {
+  return runWithFault({std::move(arguments), folder.path(), folder.path() / "cache", fault});
+}
+
+const std::vector<std::string>& commands() {
+  static const std::vector<std::string> all = {"demo",   "decompose", "score", "play",    "live",
+                                               "record", "replay",    "info",  "convert", "snapshot"};
+  return all;
+}
+
+TEST(Output, HelpThatCannotBeWrittenIsAnError) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(shell(folder, "\"$LORICA\" --help > /dev/full 2> err"), 2);
+  EXPECT_EQ(shell(folder, "grep -q 'standard output: could not write the help: No space' err"), 0);
+  EXPECT_EQ(shell(folder, "\"$LORICA\" --version > /dev/full 2> err"), 2);
+  for (const std::string& command : commands()) {
+    EXPECT_EQ(shell(folder, "\"$LORICA\" " + command + " --help > /dev/full 2> /dev/null"), 2) << command;
+    EXPECT_EQ(shell(folder, "\"$LORICA\" " + command + " --help > /dev/null"), 0) << command;
+  }
+}
+
+TEST(Output, MessagesThatCannotBeWrittenDoNotAbort) {
+  const TemporaryFolder folder;
+  for (const std::string& command : commands()) {
+    EXPECT_EQ(shell(folder, "\"$LORICA\" " + command + " --no-such-option 2> /dev/full"), 2) << command;
+    EXPECT_EQ(shell(folder, "\"$LORICA\" " + command + " --no-such-option 2>&-"), 2) << command;
+  }
+  EXPECT_EQ(shell(folder, "\"$LORICA\" info missing.off > /dev/full 2> /dev/full"), 2);
+  EXPECT_EQ(shell(folder, "\"$LORICA\" info missing.off >&- 2>&- <&-"), 2);
+  EXPECT_EQ(shell(folder, "(sleep 0.2; \"$LORICA\" info mannequin; echo $? > status) | true"), 0);
+  EXPECT_EQ(shell(folder, "sleep 2; test \"$(cat status)\" = 2"), 0) << "a closed pipe is an error, no signal";
+}
+
+TEST(Output, AFileNeverTakesThePlaceOfAMissingStream) {
+  const TemporaryFolder folder;
+  // The JSON would be opened as descriptor 1 or 2, and the report or a warning would be written into it.
+  const FaultyEnd end = run(folder, {"info", "mannequin", "--json", "o.json"}, Fault::kErrorsClosed);
+  EXPECT_EQ(end.exitCode, 0);
+  (void)run(folder, {"info", "mannequin", "--json", "p.json"}, Fault::kOutputClosed);
+  for (const char* name : {"o.json", "p.json"}) {
+    EXPECT_EQ(shell(folder, std::string("python3 -m json.tool ") + name + " > /dev/null"), 0) << name;
+  }
+}
+
+TEST(Output, LongNamesAreShortenedAndControlCharactersEscaped) {
+  const TemporaryFolder folder;
+  const FaultyEnd end = run(folder, {"info", std::string(100'000, 'x') + "\x1b[31m.off"});
+  EXPECT_EQ(end.exitCode, 2);
+  EXPECT_LT(end.err.size(), 1200u);
+  EXPECT_NE(end.err.find("bytes) ..."), std::string::npos) << end.err;
+  const FaultyEnd option = run(folder, {"info", "--" + std::string(100'000, 'y')});
+  EXPECT_EQ(option.exitCode, 2);
+  EXPECT_LT(option.err.size(), 1200u);
+  const FaultyEnd colour = run(folder, {"info", "a\x1b[31m\n\xff\u00e9.off"});
+  EXPECT_NE(colour.err.find("a\\x1b[31m\\x0a\\xff\u00e9.off"), std::string::npos) << colour.err;
+
+  folder.write("long.json", R"({"format": "lorica scene 1", ")" + std::string(100'000, 'k') + R"(": 1})");
+  const FaultyEnd key =
+      run(folder, {"play", "wave", "--frames", "1", "--scene", "long.json", "--decomposition", "n.lorica"});
+  EXPECT_EQ(key.exitCode, 2);
+  EXPECT_LT(key.err.size(), 1200u);
+}
+
+TEST(Output, AVolumeBeyondAllNumbersIsSaidInWords) {
+  const TemporaryFolder folder;
+  folder.write("huge.off", "OFF\n4 4 0\n0 0 0\n1e200 0 0\n0 1e200 0\n0 0 1e200\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  const FaultyEnd end = run(folder, {"info", "huge.off"});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_EQ(end.out.find("nan"), std::string::npos) << end.out;
+  EXPECT_EQ(end.out.find("builds a closed body"), std::string::npos) << end.out;
+  EXPECT_NE(end.out.find("too large to be measured"), std::string::npos) << end.out;
+}
+
+}  // namespace
+}  // namespace lorica::test
