@@ -97,9 +97,10 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
 /// Rejects options about the performance: a depth recording holds only the depth images; these options apply when it is
 /// played.
 Result<void> refuseSessionOptions(const CommandLine& app, const Options& options) {
-  for (const char* name :
-       {"MOTION", "--character", "--map", "--body-resolution", "--decomposition", "--cover", "--hull-vertices",
-        "--scene", "--inject", "--mirror", "--smooth", "--min-cutoff", "--beta", "--clip", "--format", "--person"}) {
+  for (const char* name : {"MOTION",       "--character", "--map",           "--body-resolution", "--expression",
+                           "--hide",       "--springs",   "--decomposition", "--cover",           "--hull-vertices",
+                           "--scene",      "--inject",    "--mirror",        "--upper-body",      "--smooth",
+                           "--min-cutoff", "--beta",      "--clip",          "--format",          "--person"}) {
     if (!app.given(name)) continue;
     return Error{
         ErrorCode::kInvalidArgument,

@@ -136,6 +136,7 @@ TEST(Hide, WrongNamesAreASentence) {
                 "hero.glb: no mesh named `Sword` to hide, expected one of skin, Club (Cube.001)");
   expectRefused({"decompose", armed, "--hide", "Club", "--hide", "skin"}, "every mesh is hidden");
   expectRefused({"play", armed, "--hide", "skin", "--hide", "Club"}, "every mesh is hidden");
+  expectRefused({"record", "x.oni", "--virtual", "--hide", "Club"}, "--hide is for sessions");
   expectRefused({"play", "wave", "--hide", "Club"}, "mannequin: --hide is for character files");
 }
 
