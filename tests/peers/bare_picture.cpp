@@ -1,6 +1,7 @@
 #include "tests/peers/bare_picture.h"
 
 #include "skinning/linear_blend.h"
+#include "skinning/look/expressed_materials.h"
 #include "skinning/morphs/face.h"
 #include "tests/peers/avatar_poses.h"
 #include "tests/peers/peer.h"
@@ -11,10 +12,11 @@
 namespace lorica::test {
 namespace {
 
-/// The avatar's vertices in the bind pose with a shot's expressions.
+/// The avatar's vertices in the bind pose, and its materials, with a shot's expressions.
 struct FaceShape {
   std::vector<Vec3> positions;
   std::vector<Vec3f> normals;
+  std::vector<Material> materials;
 };
 
 FaceShape faceShape(const Sitter& sitter, const nlohmann::json& expressions) {
@@ -26,7 +28,8 @@ FaceShape faceShape(const Sitter& sitter, const nlohmann::json& expressions) {
   }
   face.update({});
   const std::vector<Vec3>& bind = file.character.mesh.vertices;
-  FaceShape shape = {std::vector<Vec3>(bind.size()), std::vector<Vec3f>(file.look.normals.size())};
+  FaceShape shape = {std::vector<Vec3>(bind.size()), std::vector<Vec3f>(file.look.normals.size()), file.look.materials};
+  expressMaterials(file.expressions, face.expressionWeights(), file.look.materials, shape.materials);
   applyMorphs(file.morphs, face.targetWeights(), bind, file.look.normals, shape.positions, shape.normals);
   return shape;
 }
@@ -49,6 +52,7 @@ MaskedPicture drawBare(Studio& studio, const Sitter& sitter, const nlohmann::jso
     face = faceShape(sitter, shot["expressions"]);
     scene.avatarPositions = face.positions;
     scene.avatarNormals = face.normals;
+    scene.avatarMaterials = face.materials;
   }
 
   Camera camera;

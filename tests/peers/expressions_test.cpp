@@ -1,6 +1,8 @@
-// Faces as three.js and three-vrm make them: every expression moves the vertices to the same places.
+// Faces as three.js and three-vrm make them: every expression moves the vertices to the same places and gives materials
+// the same colours.
 #include "skinning/morphs/face.h"
 #include "tests/peers/avatar_poses.h"
+#include "tests/peers/bare_picture.h"
 #include "tests/peers/peer.h"
 #include "tests/support/datasets.h"
 
@@ -60,6 +62,56 @@ TEST(PeerExpressions, VerticesAgreeForEachOfGodettesSeventeen) {
   }
   EXPECT_GE(moving, 28);
   std::printf("%zu faces, of which %d move a vertex by over 1 mm: within %.2g m\n", made.size(), moving, farthest);
+}
+
+/// Adds what an expression of VRM 0.x changes of a material. Colours are 0 or 1, because three-vrm takes them as linear
+/// and Lorica as gamma-encoded, as Unity does. Shades are nowhere brighter than the lit colour, which Lorica forbids.
+void addMaterialValue(json& document, const std::string& preset, const char* material, const char* property,
+                      const json& target) {
+  for (json& group : document["extensions"]["VRM"]["blendShapeMaster"]["blendShapeGroups"]) {
+    if (group["presetName"] != preset) continue;
+    group["materialValues"].push_back(
+        {{"materialName", material}, {"propertyName", property}, {"targetValue", target}});
+  }
+}
+
+TEST(PeerExpressions, ColoursAndTexturesAgreeOnAnEditedGodette) {
+  LORICA_REQUIRE_DATASET(path, "characters/godette/Godette_vrm_v4.vrm");
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_STUDIO(studio, "");
+  const test::TemporaryFolder folder;
+  const std::filesystem::path edited = folder.path() / "edited.vrm";
+  test::writeEdited(path, edited, [](json& document) {
+    addMaterialValue(document, "joy", "Face", "_Color", {1, 0, 0, 1});
+    addMaterialValue(document, "joy", "Face", "_ShadeColor", {1, 0, 0, 1});
+    addMaterialValue(document, "angry", "Body", "_Color", {0, 1, 1, 1});
+    addMaterialValue(document, "angry", "Body", "_ShadeColor", {0, 0, 1, 1});
+    addMaterialValue(document, "sorrow", "Body", "_MainTex_ST", {1, 1, 0.25, 0.25});
+    addMaterialValue(document, "sorrow", "Face", "_MainTex_ST", {2, 1, 0, 0});
+  });
+  Result<CharacterFile> file = readCharacterFile(edited);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  Result<MadeAvatar> avatar = makeAvatar(file.value().character, file.value().look);
+  ASSERT_TRUE(avatar.ok()) << avatar.error().message;
+  const test::Sitter sitter = {std::move(file).value(), avatar.value().avatar};
+  json shots = {{"eye", {0.6, 1.2, 2.4}}, {"target", {0, 0.75, 0}}, {"width", 400}, {"height", 400}};
+  shots["shots"]["none"] = json::object();
+  for (const char* name : {"happy", "angry", "sad"}) shots["shots"][name]["expressions"][name] = 1.0;
+  shots["shots"]["half"]["expressions"] = {{"happy", 0.5}, {"sad", 0.5}};
+  const auto made = test::shootWithPeer(edited, shots);
+  ASSERT_EQ(made.size(), 5u);
+  for (const auto& [name, shot] : made) {
+    const test::MaskedPicture ours = test::drawBare(*studio, sitter, shot.facts["options"]);
+    const test::Likeness like = test::likenessOf(ours, {shot.picture, shot.mask});
+    const test::Likeness unlike = test::likenessOf(ours, {made.at("none").picture, made.at("none").mask});
+    EXPECT_GE(like.silhouettes, 0.99) << name;
+    EXPECT_LE(like.wrong, 0.03) << name;
+    if (name != "none") {
+      EXPECT_GT(unlike.wrong, 0.1) << name << " changes nothing";
+    }
+    std::printf("%s: %.2f %% wholly wrong; against no expression %.1f %%\n", name.c_str(), 100.0 * like.wrong,
+                100.0 * unlike.wrong);
+  }
 }
 
 }  // namespace

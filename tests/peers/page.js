@@ -51,7 +51,13 @@ function pose(character, options) {
     }
     setHumanoid(character, options, vrm.humanoid.getNormalizedBoneNode('hips').position.clone());
     vrm.humanoid.update();
+    if (options.lookAt) {
+      scene.updateMatrixWorld(true);
+      vrm.lookAt.lookAt(new THREE.Vector3(...options.lookAt));
+      vrm.lookAt.update(0);
+    }
     vrm.expressionManager?.update();
+    vrm.materials?.forEach((material) => material.update?.(0)); // takes the offsets of textures over
     vrm.nodeConstraintManager?.update();
   }
   for (const [index, change] of Object.entries(options.nodes ?? {})) {
@@ -225,7 +231,7 @@ window.shoot = async (bytes, options) => {
   const character = await load(bytes, options);
   const { vrm, nodes, gltf } = character;
   if (!vrm) {
-    for (const key of ['rotations', 'hips', 'expressions', 'frames']) {
+    for (const key of ['rotations', 'hips', 'expressions', 'lookAt', 'frames']) {
       if (options[key]) throw new Error(`${key} needs a VRM character`);
     }
   }
@@ -234,8 +240,10 @@ window.shoot = async (bytes, options) => {
   else pose(character, options);
   shot.joints = joints(character);
   shot.nodes = worldPositions(nodes);
+  shot.nodeRotations = nodes.map((node) => node.getWorldQuaternion(new THREE.Quaternion()).toArray());
   shot.nodeNames = (gltf.parser.json.nodes ?? []).map((node) => node.name ?? '');
   shot.expressions = vrm?.expressionManager?.expressions.map((expression) => expression.expressionName) ?? [];
+  shot.expressionWeights = Object.fromEntries((vrm?.expressionManager?.expressions ?? []).map((e) => [e.expressionName, e.weight]));
   if (options.vertices) {
     shot.meshes = vertices(character).map((mesh) => ({ ...mesh, positions: base64(new Uint8Array(mesh.positions.buffer)) }));
   }

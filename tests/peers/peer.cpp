@@ -1,5 +1,6 @@
 #include "tests/peers/peer.h"
 
+#include "skinning/import/gltf_parts.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <span>
 
 namespace lorica::test {
 namespace {
@@ -82,6 +84,33 @@ std::map<std::string, PeerShot> shootWithPeer(const fs::path& character, const j
     std::memcpy(static_cast<void*>(shot.vertices.data()), bytes.data(), shot.vertices.size() * sizeof(Vec3f));
   }
   return made;
+}
+
+void writeEdited(const fs::path& from, const fs::path& to, const std::function<void(json&)>& edit) {
+  const std::string bytes = textOf(from);
+  const Result<GltfParts> parts = splitGltf(std::as_bytes(std::span(bytes)), from.string());
+  ASSERT_TRUE(parts.ok() && parts->binary) << from;
+  json document = json::parse(parts->json);
+  edit(document);
+  std::string text = document.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::ofstream out(to, std::ios::binary);
+  const auto number = [&](std::size_t n) {
+    const auto value = static_cast<std::uint32_t>(n);  // GLB is little-endian, as are all machines that Lorica runs on
+    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const std::span<const std::byte> binary = *parts->binary;
+  const std::size_t padded = (binary.size() + 3) / 4 * 4;
+  for (const std::size_t n : {std::size_t{0x46546C67}, std::size_t{2}, 12 + 8 + text.size() + 8 + padded, text.size(),
+                              std::size_t{0x4E4F534A}}) {
+    number(n);
+  }
+  out << text;
+  number(padded);
+  number(0x004E4942);
+  out.write(reinterpret_cast<const char*>(binary.data()), static_cast<std::streamsize>(binary.size()));
+  out << std::string(padded - binary.size(), '\0');
+  ASSERT_TRUE(out.good()) << to;
 }
 
 Vec3 vectorOf(const json& numbers) {

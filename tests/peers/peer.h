@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -40,6 +41,10 @@ struct PeerShot {
 /// @param shots  as in tests/peers/shots
 [[nodiscard]] std::map<std::string, PeerShot> shootWithPeer(const std::filesystem::path& character,
                                                             const nlohmann::json& shots);
+
+/// A copy of a GLB or VRM with changed JSON. @param edit  changes the document in place
+void writeEdited(const std::filesystem::path& from, const std::filesystem::path& to,
+                 const std::function<void(nlohmann::json&)>& edit);
 
 [[nodiscard]] Vec3 vectorOf(const nlohmann::json& numbers);
 
