@@ -65,7 +65,7 @@ Json GltfLook::primitiveOf(const LookGroup& group, const Json& attributes) {
 }
 
 void GltfLook::use(const char* extension) {
-  if (usesExtension_.emplace(extension, true).second) writer_.add("extensionsUsed", extension);
+  if (extensions_.insert(extension).second) writer_.add("extensionsUsed", extension);
 }
 
 int GltfLook::pictureIndex(int picture) {

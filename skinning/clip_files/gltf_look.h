@@ -4,7 +4,8 @@
 #include "skinning/look/look.h"
 
 #include <map>
-#include <vector>
+#include <set>
+#include <string>
 
 namespace lorica {
 
@@ -30,8 +31,8 @@ class GltfLook {
   const Look& look_;
   std::map<int, int> imageOf_;        ///< of each picture that was written
   nlohmann::ordered_json lists_;      ///< attributes beside positions and weights
-  int normals_ = -1, tangents_ = -1;  ///< accessors
-  std::map<std::string, bool> usesExtension_;
+  int normals_ = -1;                  ///< accessor
+  std::set<std::string> extensions_;  ///< that the document uses
 };
 
 }  // namespace lorica
