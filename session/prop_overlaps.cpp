@@ -35,8 +35,8 @@ bool contains(const Prop& prop, const Vec3& position) {
   return false;
 }
 
-/// Whether the centre of mass of a prop is in another prop. That of a mesh may be outside of it, such as in the hole of a
-/// ring, and then tells nothing.
+/// Whether the centre of mass of a prop is in another prop. That of a mesh may be outside of it, such as in the hole of
+/// a ring, and then tells nothing.
 bool isInside(const Prop& inner, const Prop& outer) {
   if (!inner.mesh) return contains(outer, inner.worldFromProp.translation());
   const Vec3 centre = inner.worldFromProp * inner.mesh->solid.center;
