@@ -8,6 +8,7 @@
 #include "capture/retarget/retarget.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "collision/live/choose_cover.h"
+#include "collision/live/lifted_part.h"
 #include "collision/live/live_body.h"
 #include "collision/live/rigid_fit.h"
 #include "collision/world/self_contact.h"
@@ -23,6 +24,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <map>
 #include <memory>
@@ -75,13 +77,21 @@ Motion poseAt60Hz(const Character& character, SyntheticMotion which) {
   return motion;
 }
 
+/// CPU time of this thread: other load of the machine does not count [us].
+double threadMicroseconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
 /// Times of the frames of all motions [us]. The minimum of the repeats of each frame counts, to exclude other load of
 /// the machine.
 struct FrameTimes {
-  std::vector<double> us;
+  std::vector<double> us, cpuUs;
   std::uint64_t hash = 0;  ///< of the results of the frames
 
   [[nodiscard]] double median() const { return medianOf(us); }
+  [[nodiscard]] double cpuMedian() const { return medianOf(cpuUs); }
   [[nodiscard]] double worst() const { return *std::max_element(us.begin(), us.end()); }
 };
 
@@ -98,7 +108,9 @@ FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t 
   std::size_t first = 0;
   for (const Motion& motion : motions) {
     const std::size_t count = motion.worldFromModel.size();
-    times.us.resize(first + (count + stride - 1) / stride, std::numeric_limits<double>::infinity());
+    for (std::vector<double>* column : {&times.us, &times.cpuUs}) {
+      column->resize(first + (count + stride - 1) / stride, std::numeric_limits<double>::infinity());
+    }
     for (int repeat = 0; repeat < repeats; ++repeat) {
       start();
       if (before) before(motion.worldFromModel.front());
@@ -106,10 +118,13 @@ FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t 
       for (std::size_t f = 0; f < count; f += stride) {
         if (before) before(motion.worldFromModel[f]);
         const Clock::time_point begin = Clock::now();
+        const double cpuBegin = threadMicroseconds();
         frame(motion.worldFromModel[f]);
+        const double cpuUs = threadMicroseconds() - cpuBegin;
         const double us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
-        double& min = times.us[first + f / stride];
-        min = std::min(min, us);
+        const std::size_t at = first + f / stride;
+        times.us[at] = std::min(times.us[at], us);
+        times.cpuUs[at] = std::min(times.cpuUs[at], cpuUs);
         if (repeat == 0) times.hash = hash(times.hash);
       }
     }
@@ -119,8 +134,9 @@ FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t 
 }
 
 void row(const std::string& what, const FrameTimes& times, const FrameTimes& reference, const std::string& beside) {
-  fmt::print("{},{:.2f},{:.2f},{},{:.2f},{:.1f},{:016x}\n", csvField(what), times.median(), times.worst(),
-             csvField(beside), reference.median(), reference.median() / times.median(), times.hash);
+  fmt::print("{},{:.2f},{:.2f},{:.2f},{},{:.2f},{:.2f},{:.1f},{:016x}\n", csvField(what), times.median(),
+             times.cpuMedian(), times.worst(), csvField(beside), reference.median(), reference.cpuMedian(),
+             reference.cpuMedian() / times.cpuMedian(), times.hash);
   std::fflush(stdout);
 }
 
@@ -390,7 +406,7 @@ int run(const Options& options) {
     motions.push_back(poseAt60Hz(character, static_cast<SyntheticMotion>(m)));
   }
   if (options.growth) return measureGrowth(character, motions);
-  fmt::print("what,median_us,worst_us,beside,beside_median_us,ratio,hash\n");
+  fmt::print("what,median_us,cpu_median_us,worst_us,beside,beside_median_us,beside_cpu_median_us,cpu_ratio,hash\n");
   const Result<Decomposition> decomposition = decomposeMannequin(character, options.parts);
   if (!decomposition) return fail(decomposition.error());
   measureStages(character, *decomposition, motions, options.repeats);

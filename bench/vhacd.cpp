@@ -3,17 +3,15 @@
 
 #include "acd/score.h"
 #include "acd/transfer.h"
+#include "bench/benchmark_table.h"
 #include "bench/measure.h"
 #include "geometry/files.h"
-#include "geometry/mesh_files.h"
-#include "geometry/mesh_repair.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <map>
 #include <sstream>
 
@@ -31,12 +29,6 @@ struct Options {
   int repeats = 1;
 };
 
-/// A mesh of the table and its number of parts.
-struct Wanted {
-  std::string mesh;
-  std::vector<int> counts;
-};
-
 struct Row {
   std::string mesh;
   int wanted = 0;
@@ -51,57 +43,12 @@ struct Row {
   double cpuSeconds = 0.0;
 };
 
-Result<std::vector<Wanted>> readTable(const fs::path& file) {
-  const Result<std::string> text = readFile(file);
-  if (!text) return text.error();
-  std::vector<Wanted> table;
-  std::istringstream lines(*text);
-  std::string line;
-  bool headed = false;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    if (line.ends_with('\r')) line.pop_back();
-    if (line.empty() || line[0] == '#') continue;
-    if (!std::exchange(headed, true)) continue;  // column names
-    std::istringstream fields(line);
-    Wanted wanted;
-    std::getline(fields, wanted.mesh, ',');
-    for (std::string field; std::getline(fields, field, ',');) {
-      int count = 0;
-      const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), count);
-      if (error != std::errc() || end != field.data() + field.size() || count < 1) {
-        return Error{ErrorCode::kBadFormat, fmt::format("{}: line {}: found `{}`, expected a part count of at least 1",
-                                                        file.string(), number, field)};
-      }
-      wanted.counts.push_back(count);
-    }
-    if (wanted.mesh.empty() || wanted.counts.empty()) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: line {}: expected a mesh and part counts", file.string(), number)};
-    }
-    table.push_back(std::move(wanted));
-  }
-  return table;
-}
-
-/// The mesh's file in the folder, in any format; empty if there is none.
-fs::path fileOf(const fs::path& folder, const std::string& mesh) {
-  for (const char* extension : {".off", ".obj", ".ply", ".stl"}) {
-    std::error_code ignored;
-    if (fs::path file = folder / (mesh + extension); fs::is_regular_file(file, ignored)) return file;
-  }
-  return {};
-}
-
 /// Does all work for one row. @return the measured columns as CSV
 Result<std::string> measure(const fs::path& file, int parts, DecomposePreset preset, int threads, int repeats) {
-  Result<TriMesh> read = readMesh(file);
-  if (!read) return read.error();
-  TriMesh mesh = std::move(*read);
   std::string repaired;
-  if (Result<MeshRepair> repair = repairClosedMesh(mesh); repair && repair->changed()) {
-    repaired = repair->summary();
-    mesh = std::move(repair->mesh);
-  }
+  const Result<TriMesh> read = readRepaired(file, &repaired);
+  if (!read) return read.error();
+  const TriMesh& mesh = *read;
   DecomposeSettings settings;
   settings.maxParts = parts;
   settings.preset = preset;
@@ -181,27 +128,18 @@ void summarize(const std::vector<Row>& rows) {
 }
 
 int run(const Options& options) {
-  const Result<std::vector<Wanted>> table = readTable(options.table);
+  const Result<std::vector<BenchmarkMesh>> table = readBenchmark(options.folder, options.table, options.only);
   if (!table) return fail(table.error());
-  for (const std::string& name : options.only) {
-    const auto named = [&](const Wanted& wanted) { return wanted.mesh == name; };
-    if (std::any_of(table->begin(), table->end(), named)) continue;
-    return fail({ErrorCode::kNotFound, fmt::format("--only: {} is not in {}", name, options.table)});
-  }
 
   fmt::print(
       "mesh,wanted,preset,threads,parts,score16,score16_se,score17,distance_percent,uncovered,seconds,"
       "min_seconds,cpu_seconds,peak_mib,hash,vertices,repaired,error\n");
   std::vector<Row> rows;
   int failed = 0;
-  for (const Wanted& wanted : *table) {
-    if (!options.only.empty() &&
-        std::find(options.only.begin(), options.only.end(), wanted.mesh) == options.only.end()) {
-      continue;
-    }
-    const fs::path file = fileOf(options.folder, wanted.mesh);
+  for (const BenchmarkMesh& wanted : *table) {
+    const fs::path& file = wanted.file;
     if (file.empty()) {
-      fmt::print(stderr, "{}: no such mesh in {}\n", wanted.mesh, options.folder);
+      fmt::print(stderr, "{}: no such mesh in {}\n", wanted.name, options.folder);
       ++failed;
       continue;
     }
@@ -209,10 +147,10 @@ int run(const Options& options) {
       for (const std::string& preset : options.presets) {
         for (const int threads : options.threads) {
           const int count = wanted.counts[column];
-          fmt::print(stderr, "{} in {} parts, {}, threads {}\n", wanted.mesh, count, preset, threads);
+          fmt::print(stderr, "{} in {} parts, {}, threads {}\n", wanted.name, count, preset, threads);
           const Result<std::string> measured =
               inOwnProcess([&] { return measure(file, count, presetOf(preset), threads, options.repeats); });
-          const std::string start = fmt::format("{},{},{},{}", wanted.mesh, count, preset, threads);
+          const std::string start = fmt::format("{},{},{},{}", wanted.name, count, preset, threads);
           if (!measured) {
             fmt::print(stderr, "{}: {}\n", file.filename().string(), measured.error().message);
             fmt::print("{},,,,,,,,,,,,,,{}\n", start, csvField(measured.error().message));
@@ -221,7 +159,7 @@ int run(const Options& options) {
           }
           fmt::print("{},{},\n", start, *measured);
           std::fflush(stdout);
-          Row row{wanted.mesh, count, column, preset, threads};
+          Row row{wanted.name, count, column, preset, threads};
           std::array<double, 9> number{};
           std::istringstream fields(*measured);
           std::string field;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "geometry/mesh_repair.h"
+#include "geometry/result.h"
+#include "geometry/tri_mesh.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lorica::bench {
+
+/// A mesh of a benchmark and the part counts to cut it into.
+struct BenchmarkMesh {
+  std::string name;
+  std::vector<int> counts;
+  std::filesystem::path file;  ///< empty if the folder has no such mesh
+};
+
+/// Reads a table of mesh names and part counts, and finds the meshes in a folder, in any format.
+/// @param only  keep only these meshes; empty = all
+/// @return the meshes, or an error: unreadable table, or a name in `only` that the table does not have
+[[nodiscard]] Result<std::vector<BenchmarkMesh>> readBenchmark(const std::filesystem::path& folder,
+                                                               const std::filesystem::path& table,
+                                                               const std::vector<std::string>& only);
+
+/// Reads a mesh and repairs small faults.
+/// @param summary  what was repaired, if not null
+[[nodiscard]] Result<TriMesh> readRepaired(const std::filesystem::path& file, std::string* summary = nullptr);
+
+}  // namespace lorica::bench
