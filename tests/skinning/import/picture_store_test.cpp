@@ -265,7 +265,7 @@ TEST(PictureStore, AThousandBrokenPicturesAreOneSentence) {
   EXPECT_EQ(
       file->notes[0],
       "1,000 pictures are not available, their materials stay plain; the first: image 0: '../skin0.png' is outside "
-      "the file's folder, expected a file in it: its materials stay plain");
+      "the file's folder, expected a file in it (or --trust-paths): its materials stay plain");
 }
 
 }  // namespace
