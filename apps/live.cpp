@@ -11,8 +11,11 @@
 #include "apps/scenes.h"
 #include "apps/session_files.h"
 #include "apps/standard_streams.h"
+#include "apps/vmc_input.h"
+#include "apps/vmc_output.h"
 #include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
+#include "session/stream_pose_source.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,6 +29,8 @@ namespace {
 struct Options {
   DepthOptions depth;
   std::string nite;  // library; empty = Lorica's own tracker
+  std::string vmc;   // address to listen at instead of a camera; empty = none
+  VmcOutputOptions out;
   int person = 0;
   std::string character = "mannequin";
   CharacterOptions reading;
@@ -43,7 +48,8 @@ struct Options {
 /// The running session and its results.
 struct Live {
   Session session;
-  const LiveJoints* joints;  // owned by the session; null if NiTE 2 tracks
+  const LiveJoints* joints;  // owned by the session; null if NiTE 2 tracks or a program sends
+  std::optional<VmcInput> vmc;
   std::string name;
   LiveLog log;
   RunStatistics statistics;
@@ -56,6 +62,7 @@ double note(Live& live, double& firstTime) {
   if (live.session.frameCount() == 1) firstTime = live.session.time();
   const double seconds = live.session.time() - firstTime;
   if (live.joints != nullptr) live.log.add(*live.joints, seconds);
+  if (live.vmc) live.vmc->add(live.session);
   live.statistics.add(live.session);
   return seconds;
 }
@@ -85,6 +92,7 @@ Result<void> runHeadless(const Options& options, Live& live) {
     }
     if (!*more) break;
   }
+  answerInterrupt();
   if (!*pictures) return {};
   const Result<DrawnFiles> drawn = (*pictures)->finish();
   if (!drawn) return drawn.error();
@@ -93,7 +101,6 @@ Result<void> runHeadless(const Options& options, Live& live) {
 }
 
 Result<void> runInWindow(const Options& options, Live& live) {
-  answerInterrupt();
   Result<Window> window = openWindow(live.name, live.session.character());
   if (!window) return window.error();
   WindowSubject subject{live.session, live.name};
@@ -110,7 +117,12 @@ Result<void> runInWindow(const Options& options, Live& live) {
     subject.trackingSeconds = [&] { return live.joints->sight().trackSeconds; };
     subject.inset = &live.picture;
   }
+  if (live.vmc) {
+    subject.ready = [&] { return live.vmc->ready(live.session); };
+    subject.trouble = [&] { return live.vmc->state(); };
+  }
   const Result<WindowEnd> end = runInWindow(*window, subject, options.limit);
+  answerInterrupt();
   return end ? Result<void>() : end.error();
 }
 
@@ -120,10 +132,10 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
   json["character"] = live.session.character().name;
   json["parts"] = body.decomposition.parts.size();
   if (live.joints != nullptr) live.log.addTo(json);
+  if (live.vmc) live.vmc->addTo(json);
   live.statistics.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
   json["refusedLegs"] = live.session.source().refusedLegs();
-  answerInterrupt();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
   live.drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(live.session.hash());
@@ -134,6 +146,7 @@ Report toReport(const Options& options, const Live& live) {
   Report report(fmt::format("{} followed {}: {}", live.session.character().name, live.name,
                             counted(live.statistics.frames(), "frame")));
   if (live.joints != nullptr) live.log.addTo(report);
+  if (live.vmc) live.vmc->addTo(report);
   if (const std::optional<double> delay = live.session.source().smoothingDelay()) {
     report.line("smoothing", fmt::format("joints lag by another {:.0f} ms", 1e3 * *delay));
   }
@@ -158,18 +171,25 @@ Result<bool> chooseWindow(const Options& options) {
   return displayAvailable();
 }
 
-/// The tracker.
-struct Joints {
-  std::unique_ptr<SkeletonSource> source;
-  const LiveJoints* tracked;  // the source; null if NiTE 2 tracks
+/// Whom the character follows.
+struct Performer {
+  std::unique_ptr<SkeletonSource> joints;  ///< null if a program sends
+  const LiveJoints* tracked;               ///< the joints; null if NiTE 2 tracks or a program sends
+  std::optional<VmcInput> vmc;
   std::string name;
 };
 
-Result<Joints> openJoints(const Options& options) {
+Result<Performer> openPerformer(const Options& options) {
+  if (!options.vmc.empty()) {
+    Result<VmcInput> vmc = VmcInput::open(options.vmc);
+    if (!vmc) return vmc.error();
+    std::string name = vmc->name();
+    return Performer{nullptr, nullptr, std::move(*vmc), std::move(name)};
+  }
   if (!options.nite.empty()) {
     Result<std::unique_ptr<SkeletonSource>> source = openNite(options.depth, options.nite);
     if (!source) return source.error();
-    return Joints{std::move(*source), nullptr, "NiTE 2"};
+    return Performer{std::move(*source), nullptr, std::nullopt, "NiTE 2"};
   }
   Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
   if (!depth) return depth.error();
@@ -177,7 +197,17 @@ Result<Joints> openJoints(const Options& options) {
   if (!tracker) return tracker.error();
   auto joints = std::make_unique<LiveJoints>(DepthJoints(std::move(*depth), std::move(*tracker), options.person));
   const LiveJoints* tracked = joints.get();
-  return Joints{std::move(joints), tracked, tracked->source().name()};
+  return Performer{std::move(joints), tracked, std::nullopt, tracked->source().name()};
+}
+
+/// The poses of a character that follows the performer.
+Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Performer& performer,
+                                             const SourceTreatment& treatment) {
+  if (!performer.vmc) return makeTreatedSource(character, std::move(performer.joints), treatment);
+  Result<std::unique_ptr<PoseSource>> sent =
+      makeStreamPoseSource(character, performer.vmc->takeStream(), treatment.joints.mirror);
+  if (!sent) return sent.error();
+  return makeTreatedSource(std::move(*sent), treatment);
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
@@ -188,7 +218,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!inWindow) return inWindow.error();
   CharacterOptions reading = options.reading;
   reading.drawn = *inWindow || options.pictures.any();
-  reading.suits = followsPerson;
+  if (options.vmc.empty()) reading.suits = followsPerson;
   const Result<Subject> subject = readCharacter(options.character, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;
@@ -198,26 +228,31 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!body) return body.error();
 
   // The source is opened last, because it runs while the rest is prepared.
-  Result<Joints> joints = openJoints(options);
-  if (!joints) return joints.error();
+  Result<Performer> performer = openPerformer(options);
+  if (!performer) return performer.error();
+  const bool sent = performer->vmc.has_value();
   const std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
-  const RecordedAs as{joints->name,       false,        options.character, options.reading,
-                      options.performing, options.body, options.scene,     springs};
+  RecordedAs as{performer->name,    sent,         options.character, options.reading,
+                options.performing, options.body, options.scene,     springs};
+  as.trust = sent;
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, as, *subject->character, *body, *world);
   if (!recorder) return recorder.error();
   const SourceTreatment treatment{*recorder ? (*recorder)->log() : nullptr, options.performing.faults(),
                                   options.performing.joints()};
-  Result<std::unique_ptr<PoseSource>> source =
-      makeTreatedSource(*subject->character, std::move(joints->source), treatment);
+  Result<std::unique_ptr<PoseSource>> source = sourceOf(*subject->character, *performer, treatment);
   if (!source) return source.error();
   Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
   if (Result<void> added = addSprings(springs, *session); !added) return added;
-  session->watch(*recorder);
+  Result<std::shared_ptr<StepWatcher>> watcher = makeVmcOutput(options.out, *subject->character, *recorder);
+  if (!watcher) return watcher.error();
+  session->watch(std::move(*watcher));
 
-  Live live{std::move(*session), joints->tracked, joints->name, {}, {}, {}, {}};
-  if (!*inWindow) say(fmt::format("Tracking with {}; press Ctrl-C to stop.\n", live.name));
+  Live live{std::move(*session), performer->tracked, std::move(performer->vmc), performer->name, {}, {}, {}, {}};
+  if (!*inWindow) {
+    say(fmt::format("{} {}; press Ctrl-C to stop.\n", sent ? "Listening for" : "Tracking with", live.name));
+  }
   const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
   if (!ran) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
@@ -244,13 +279,24 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
                     "      pictures/frame_0000.png, ...; needs no display\n"
                     "  lorica live --driver libfreenect-openni2/libFreenectDriver.so.0\n"
                     "      a Kinect with an additional driver\n"
+                    "  lorica live --vmc 39539 --character hero.vrm\n"
+                    "      no camera: follow a program that sends the VMC protocol to this machine\n"
+                    "  lorica live --vmc-out 192.168.0.7:39539\n"
+                    "      send the tracked pose to a program on another machine\n"
                     "\nCtrl-C stops it and prints a summary. Drivers for each camera: docs/SENSORS.md.");
   addDepthOptions(*app, options->depth);
   Option* person = addCount(*app, "--person", options->person, 1,
                             "Person to follow, numbered by order of appearance [default: the nearest]");
-  app->addOption("--nite", options->nite, "Track with NiTE 2, if you have it: libNiTE2.so")
-      ->typeName("FILE")
-      ->excludes(person);
+  Option* nite = app->addOption("--nite", options->nite, "Track with NiTE 2, if you have it: libNiTE2.so")
+                     ->typeName("FILE")
+                     ->excludes(person);
+  app->addOption("--vmc", options->vmc,
+                 "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open to this "
+                 "machine only; see docs/STREAMS.md")
+      ->typeName("[HOST:]PORT")
+      ->excludes(person)
+      ->excludes(nite);
+  addVmcOutputOptions(*app, options->out);
   app->addOption("--character", options->character,
                  "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
       ->typeName("FILE");

@@ -8,6 +8,7 @@
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/vmc_output.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -27,6 +28,7 @@ struct Options {
   SnapshotOptions pictures;
   PlaybackOptions playing;
   std::string record;  // file; empty = none
+  VmcOutputOptions out;
   bool window = false;
   bool selfContacts = false;
 };
@@ -141,7 +143,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> added = addSprings(springs, *session); !added) return added;
 
   RunStatistics statistics;
-  session->watch(*recorder);
+  Result<std::shared_ptr<StepWatcher>> watcher = makeVmcOutput(options.out, *subject.character, *recorder);
+  if (!watcher) return watcher.error();
+  session->watch(std::move(*watcher));
   DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
     if (options.window) return playWithWindow(options, *input, *session, statistics);
@@ -198,6 +202,7 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
   addFaultOption(*app, options->input.performing);
+  addVmcOutputOptions(*app, options->out);
   addRecordOption(*app, options->record);
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after N frames");
   app->addFlag("--as-fast-as-possible", options->playing.hurry,

@@ -5,6 +5,7 @@
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/vmc_output.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 
@@ -24,6 +25,7 @@ struct Options {
   std::string character;      // empty = as recorded
   std::string decomposition;  // empty = as recorded
   SnapshotOptions pictures;
+  VmcOutputOptions out;
   int textureSize = 0;  // see CharacterOptions
   bool window = false;
 };
@@ -110,12 +112,15 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
 
   std::shared_ptr<SessionReplay> replay;
   RunStatistics statistics;
-  const auto begin = [&] {
+  const auto begin = [&]() -> Result<void> {
     replay = std::make_shared<SessionReplay>(recorded);
-    session->watch(replay);
     statistics = RunStatistics();
+    Result<std::shared_ptr<StepWatcher>> watcher = makeVmcOutput(options.out, character, replay);
+    if (!watcher) return watcher.error();
+    session->watch(std::move(*watcher));
+    return {};
   };
-  begin();
+  if (Result<void> begun = begin(); !begun) return begun;
   const std::string name = header.source.empty() ? options.file : header.source;
   const auto steps = static_cast<int>(recorded->steps.size());
   DrawnFiles drawn;
@@ -124,7 +129,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     watched.duration = recorded->steps.back().time - recorded->steps.front().time;
     watched.sourceAgain = sourceAgain;
     watched.worldAgain = worldAgain;
-    watched.restarted = begin;
+    watched.restarted = [&] { (void)begin(); };  // it could be opened before
     watched.stepped = [&] { statistics.add(*session); };
     PlaybackOptions limit;
     limit.frames = steps;
@@ -191,6 +196,7 @@ Command addReplay(CommandLine& parent, CommonOptions& common) {
   app->addOption("--character", options->character, "File of the character, if it was moved")->typeName("FILE");
   app->addOption("--decomposition", options->decomposition, "File of the decomposition, if it was moved")
       ->typeName("FILE.lorica");
+  addVmcOutputOptions(*app, options->out);
   Option* window =
       app->addFlag("--window", options->window, "Open a window with a timeline; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);

@@ -5,6 +5,7 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/standing_legs.h"
 #include "session/joint_trust.h"
+#include "session/proxy_pose_source.h"
 
 #include <algorithm>
 #include <chrono>
@@ -57,35 +58,6 @@ class JointPoseSource final : public PoseSource {
   std::optional<OneEuroFilter> filter_;
   bool mirror_;
   double waited_ = 0.0;
-};
-
-/// Poses a proxy skeleton and maps the poses back to the character.
-class ProxyPoseSource final : public PoseSource {
- public:
-  ProxyPoseSource(ProxySkeleton proxy, std::unique_ptr<PoseSource> source)
-      : proxy_(std::move(proxy)), source_(std::move(source)), pose_(restPose(proxy_.skeleton())) {}
-
-  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
-    Result<std::optional<double>> time = source_->next(pose_);
-    if (time && time->has_value()) proxy_.mapBack(pose_, pose);
-    const std::span<const double> trust = source_->trust();
-    trust_.resize(trust.empty() ? 0 : pose.size());
-    for (std::size_t j = 0; j < trust_.size(); ++j) {
-      trust_[j] = trust[proxy_.proxyOf(static_cast<JointIndex>(j))];
-    }
-    return time;
-  }
-
-  [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
-  [[nodiscard]] std::span<const double> trust() const override { return trust_; }
-  [[nodiscard]] double waited() const override { return source_->waited(); }
-  [[nodiscard]] bool refusedLegs() const override { return source_->refusedLegs(); }
-
- private:
-  ProxySkeleton proxy_;
-  std::unique_ptr<PoseSource> source_;
-  Pose pose_;                  ///< of the proxy skeleton
-  std::vector<double> trust_;  ///< of the character's joints
 };
 
 class MotionPoseSource final : public PoseSource {
@@ -159,7 +131,7 @@ Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& charact
   if (!proxy) return proxy.error();
   Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(proxy->skeleton(), std::move(joints), settings);
   if (!source || proxy->isOwn()) return source;
-  return std::unique_ptr<PoseSource>(std::make_unique<ProxyPoseSource>(std::move(*proxy), std::move(*source)));
+  return makeProxyPoseSource(std::move(*proxy), std::move(*source));
 }
 
 std::unique_ptr<PoseSource> makeMotionPoseSource(SkeletalMotion motion) {

@@ -79,6 +79,8 @@ class Session {
   [[nodiscard]] const SessionSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
   /// Time of this frame [s].
   [[nodiscard]] double time() const { return time_; }
+  /// Local transforms of the character's joints, without springs.
+  [[nodiscard]] std::span<const JointTransform> pose() const { return pose_; }
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
   /// The posed mesh vertices and cut points, pointCount() in total [m]. Only rendering needs them; they are computed on
   /// demand.

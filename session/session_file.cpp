@@ -108,6 +108,12 @@ class StepReader {
       joint.scale = position("a scale");
       file_.poses.push_back(joint);
     }
+    if (!header_.poseTrust) return;
+    for (int j = 0; j < header_.poseJoints && !wrong_ && reader_.ok(); ++j) {
+      const auto trust = reader_.take<double>();
+      if (!(trust >= 0.0 && trust <= 1.0)) fail(fmt::format("found a trust of {}, expected 0 to 1", trust));
+      file_.poseTrust.push_back(trust);
+    }
   }
 
   void readAction() {

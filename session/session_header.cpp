@@ -109,6 +109,7 @@ std::string textOf(const SessionHeader& header) {
   json["format"] = kFormat;
   json["source"] = header.source;
   json["pose-joints"] = header.poseJoints;
+  if (header.poseTrust) json["pose-trust"] = true;
   SceneJson& character = json["character"];
   character["name"] = header.character;
   if (!header.boneMap.empty()) character["map"] = header.boneMap;
@@ -150,8 +151,8 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   std::optional<std::string> error;
   SessionHeader header;
   SceneElement root(*json, "", error);
-  root.allow({"format", "source", "pose-joints", "character", "decomposition", "mirror", "upper-body", "smoothing",
-              "faults", "springs", "scene"});
+  root.allow({"format", "source", "pose-joints", "pose-trust", "character", "decomposition", "mirror", "upper-body",
+              "smoothing", "faults", "springs", "scene"});
   std::string format;
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
@@ -160,6 +161,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   }
   root.text("source", header.source);
   root.integer("pose-joints", 0, kMaxPoseJoints, header.poseJoints);
+  if (root.has("pose-trust")) root.flag("pose-trust", header.poseTrust);
   for (const char* key : {"character", "decomposition", "scene"}) root.need(key, "an object");
   if (!root.failed()) readCharacter(root.child("character"), header);
   if (!root.failed()) readBody(root.child("decomposition"), header);

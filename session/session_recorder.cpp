@@ -109,6 +109,8 @@ Result<void> SessionRecorder::afterStep(const Session& session, std::span<const 
         put(joint.rotation, step_);
         put(joint.scale, step_);
       }
+      if (log_->trust.empty()) continue;
+      for (const double trust : std::span(log_->trust).subspan(i * joints, joints)) step_.put(trust);
     }
   } else {
     for (const SkeletonFrame& frame : log_->joints) put(frame, step_);
@@ -121,9 +123,9 @@ Result<void> SessionRecorder::afterStep(const Session& session, std::span<const 
 }
 
 Result<int> SessionRecorder::finish() {
+  const std::lock_guard<std::mutex> lock(mutex_);
   if (descriptor_ < 0) return steps_;
   std::error_code ignored;
-  const std::lock_guard<std::mutex> lock(mutex_);
   if (steps_ == 0) {
     close(std::exchange(descriptor_, -1));
     fs::remove(part_, ignored);

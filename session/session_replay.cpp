@@ -11,6 +11,35 @@
 #include <vector>
 
 namespace lorica {
+namespace {
+
+/// Recorded poses with the trust that they had.
+class RecordedPoses final : public PoseSource {
+ public:
+  /// @param trust  one for each joint of each pose; empty = all trusted
+  RecordedPoses(SkeletalMotion motion, std::vector<double> trust)
+      : joints_(static_cast<std::size_t>(motion.skeleton.jointCount())),
+        poses_(makeMotionPoseSource(std::move(motion))),
+        trust_(std::move(trust)) {}
+
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    Result<std::optional<double>> time = poses_->next(pose);
+    if (time && time->has_value()) ++read_;
+    return time;
+  }
+  [[nodiscard]] std::span<const double> trust() const override {
+    if (trust_.empty() || read_ == 0) return {};
+    return std::span(trust_).subspan((read_ - 1) * joints_, joints_);
+  }
+
+ private:
+  std::size_t joints_;
+  std::unique_ptr<PoseSource> poses_;
+  std::vector<double> trust_;
+  std::size_t read_ = 0;
+};
+
+}  // namespace
 
 Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& recorded, const Character& character) {
   const SourceTreatment treatment{nullptr, recorded.header.faults, recorded.header.joints};
@@ -23,7 +52,7 @@ Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& rec
                              character.skeleton.jointCount())};
   }
   SkeletalMotion motion{recorded.header.source, character.skeleton, recorded.poseTimes, recorded.poses};
-  return makeTreatedSource(makeMotionPoseSource(std::move(motion)), treatment);
+  return makeTreatedSource(std::make_unique<RecordedPoses>(std::move(motion), recorded.poseTrust), treatment);
 }
 
 void SessionReplay::beforeStep(Session& session) {

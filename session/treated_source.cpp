@@ -33,6 +33,7 @@ class LoggedPoses final : public PoseSource {
     if (time && time->has_value()) {
       log_->poseTimes.push_back(**time);
       log_->poses.insert(log_->poses.end(), pose.begin(), pose.end());
+      log_->trust.insert(log_->trust.end(), source_->trust().begin(), source_->trust().end());
     }
     return time;
   }

@@ -14,11 +14,13 @@ struct SourceLog {
   std::vector<SkeletonFrame> joints;
   std::vector<double> poseTimes;      ///< [s]
   std::vector<JointTransform> poses;  ///< jointCount per time
+  std::vector<double> trust;          ///< jointCount per time; empty if the source has none, see PoseSource::trust()
 
   void clear() {
     joints.clear();
     poseTimes.clear();
     poses.clear();
+    trust.clear();
   }
 };
 

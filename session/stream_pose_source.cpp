@@ -1,0 +1,94 @@
+#include "session/stream_pose_source.h"
+
+#include "capture/retarget/stream_retarget.h"
+#include "session/proxy_pose_source.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+/// A session goes on at least this often [s].
+constexpr double kLongestWait = 1.0 / 30.0;
+constexpr double kSilentSeconds = 0.5;
+constexpr double kRecoverSeconds = 0.3;
+
+class StreamPoseSource final : public PoseSource {
+ public:
+  StreamPoseSource(const Skeleton& skeleton, StreamRetargeter retargeter, std::unique_ptr<BoneStream> stream,
+                   bool mirror)
+      : skeleton_(skeleton),
+        retargeter_(std::move(retargeter)),
+        stream_(std::move(stream)),
+        mirror_(mirror),
+        trust_(static_cast<std::size_t>(skeleton.jointCount()), 0.0) {}
+
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    const double begin = stream_->now();
+    const bool isNew = stream_->wait(kLongestWait, frame_);
+    const double now = stream_->now();
+    waited_ = now - begin;
+    if (isNew) {
+      heard_ = true;
+      if (mirror_) frame_.pose = mirrored(frame_.pose);
+    }
+    const double time = std::max(isNew ? frame_.time : now, time_);
+    const bool known = heard_ && frame_.tracking && now - frame_.time < kSilentSeconds;
+    retargeter_.apply(frame_.pose, time, known, pose);
+    updateTrust(known, time - time_);
+    time_ = time;
+    return std::optional<double>(time);
+  }
+
+  [[nodiscard]] std::span<const double> trust() const override { return trust_; }
+  [[nodiscard]] double waited() const override { return waited_; }
+
+ private:
+  /// Joints have their parents' trust, and none from the first bone of a limb on that is not sent.
+  void updateTrust(bool known, double step) {
+    const std::span<const Joint> joints = skeleton_.joints();
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const JointIndex parent = joints[j].parent;
+      const bool above = parent == kNoJoint ? known : trust_[static_cast<std::size_t>(parent)] > 0.0;
+      const bool sure = above && !isGuessed(joints[j].bone);
+      trust_[j] = sure ? std::min(1.0, trust_[j] + std::max(step, kLeastTrust) / kRecoverSeconds) : 0.0;
+    }
+  }
+
+  [[nodiscard]] bool isGuessed(const std::optional<HumanBone>& bone) const {
+    if (!bone || frame_.pose.rotation[static_cast<std::size_t>(*bone)]) return false;
+    return std::any_of(limbs().begin(), limbs().end(),
+                       [&](const LimbBones& limb) { return *bone == limb.upper || *bone == limb.lower; });
+  }
+
+  static constexpr double kLeastTrust = 1e-6;
+
+  Skeleton skeleton_;
+  StreamRetargeter retargeter_;
+  std::unique_ptr<BoneStream> stream_;
+  bool mirror_;
+  BoneFrame frame_;
+  bool heard_ = false;
+  double time_ = 0.0;
+  double waited_ = 0.0;
+  std::vector<double> trust_;  ///< one per joint
+};
+
+}  // namespace
+
+Result<std::unique_ptr<PoseSource>> makeStreamPoseSource(const Character& character, std::unique_ptr<BoneStream> stream,
+                                                         bool mirror) {
+  LORICA_CHECK(stream != nullptr, "a stream pose source needs a stream");
+  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  if (!proxy) return proxy.error();
+  Result<StreamRetargeter> retargeter = StreamRetargeter::create(proxy->skeleton());
+  if (!retargeter) return retargeter.error();
+  auto source =
+      std::make_unique<StreamPoseSource>(proxy->skeleton(), std::move(*retargeter), std::move(stream), mirror);
+  if (proxy->isOwn()) return std::unique_ptr<PoseSource>(std::move(source));
+  return makeProxyPoseSource(std::move(*proxy), std::move(source));
+}
+
+}  // namespace lorica
