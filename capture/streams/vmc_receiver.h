@@ -22,11 +22,11 @@ struct VmcExpression {
 
 /// Collects the messages of one sender of the VMC protocol (https://protocol.vmc.info, version 3.1) to frames.
 ///
-/// A frame is complete when every bone that the sender keeps sending has come again; or when a bone comes again, OK or T
-/// comes, or 1/90 s has passed. Bones that are not sent again keep their last rotation. Axes are converted from Unity's
-/// to Lorica's. Unknown addresses, bones and surplus arguments are ignored, and so are numbers that are not finite,
-/// rotations that are none, and positions beyond 100 m. Time tags and the sender's clock are not used. Allocates
-/// nothing but the names of up to 256 expressions.
+/// A frame is complete when every bone that the sender keeps sending has come again; or when a bone comes again, OK or
+/// T comes, or 1/90 s has passed. Bones that are not sent again keep their last rotation. Axes are converted from
+/// Unity's to Lorica's. Unknown addresses, bones and surplus arguments are ignored, and so are numbers that are not
+/// finite, rotations that are none, and positions beyond 100 m. Time tags and the sender's clock are not used.
+/// Allocates nothing but the names of up to 256 expressions.
 class VmcReceiver {
  public:
   /// @param seconds  when the packet arrived; does not decrease
