@@ -14,8 +14,8 @@ namespace lorica {
 
 /// Options of every subcommand.
 struct CommonOptions {
-  std::string json;  ///< file for the report as JSON; "-" = standard output instead of the text; empty = none
-  int threads = 0;   ///< 0 = all that the machine has
+  std::string json;         ///< file for the report as JSON; "-" = standard output instead of the text; empty = none
+  int threads = 0;          ///< 0 = all that the machine has
   bool trustPaths = false;  ///< files may name files anywhere, see NamedFiles
 
   /// The number of threads to use on this machine.
