@@ -214,6 +214,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.character, options.body.decomposition}); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
+  if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
+  if (Result<void> fine = checkVmcOutput(options.out); !fine) return fine;
   const Result<bool> inWindow = chooseWindow(options);
   if (!inWindow) return inWindow.error();
   CharacterOptions reading = options.reading;

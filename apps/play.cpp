@@ -109,6 +109,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
+  if (Result<void> fine = checkVmcOutput(options.out); !fine) return fine;
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = options.window || options.pictures.any();
   const Result<PlaybackInput> input = readPlaybackInput(asked);

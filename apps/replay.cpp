@@ -73,6 +73,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"); !fine)
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
+  if (Result<void> fine = checkVmcOutput(options.out); !fine) return fine;
   Result<SessionFile> read = readSession(options.file);
   if (!read) return read.error();
   const auto recorded = std::make_shared<const SessionFile>(std::move(*read));

@@ -16,6 +16,13 @@ constexpr double kLongestWait = 1.0 / 30.0;
 
 }  // namespace
 
+Result<void> checkVmcInput(const std::string& listenAt) {
+  if (listenAt.empty()) return {};
+  const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
+  if (!address) return Error{address.error().code, "--vmc: " + address.error().message};
+  return {};
+}
+
 Result<VmcInput> VmcInput::open(const std::string& listenAt) {
   const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
   if (!address) return Error{address.error().code, "--vmc: " + address.error().message};

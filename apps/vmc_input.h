@@ -13,6 +13,9 @@
 
 namespace lorica {
 
+/// Rejects a bad address before any work. @param listenAt  empty = none
+[[nodiscard]] Result<void> checkVmcInput(const std::string& listenAt);
+
 /// A VMC stream that a session follows, and what is told of it.
 class VmcInput {
  public:

@@ -113,6 +113,14 @@ void addVmcOutputOptions(CommandLine& app, VmcOutputOptions& options) {
       ->needs(to);
 }
 
+Result<void> checkVmcOutput(const VmcOutputOptions& options) {
+  if (options.to.empty()) return {};
+  const Result<NetworkAddress> address = parseNetworkAddress(options.to, true);
+  if (!address) return Error{address.error().code, "--vmc-out: " + address.error().message};
+  const Result<VmcBones> bones = bonesOf(options.bones);
+  return bones ? Result<void>() : bones.error();
+}
+
 Result<std::shared_ptr<StepWatcher>> makeVmcOutput(const VmcOutputOptions& options, const Character& character,
                                                    std::shared_ptr<StepWatcher> next) {
   if (options.to.empty()) return next;

@@ -20,6 +20,9 @@ struct VmcOutputOptions {
 /// --vmc-out HOST:PORT, --vmc-bones NAME,...
 void addVmcOutputOptions(CommandLine& app, VmcOutputOptions& options);
 
+/// Rejects a bad address or bone before any work.
+[[nodiscard]] Result<void> checkVmcOutput(const VmcOutputOptions& options);
+
 /// Sends a session's pose by the VMC protocol after each step, at most 60 times per second of its own time. A recording
 /// is slowed down to real time. A receiver that is not there is no error.
 /// @param next  another watcher of the same session; may be null
