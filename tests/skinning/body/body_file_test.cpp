@@ -108,7 +108,9 @@ TEST(BodyFile, EveryPrefixIsRefused) {
   const std::string_view whole = bytes;
   for (std::size_t length = 0; length < bytes.size(); length += length < 400 ? 1 : 97) {
     EXPECT_FALSE(decoded(whole.substr(0, length)).ok()) << length;
-    if (length >= kHeaderBytes) EXPECT_FALSE(decoded(sealed(bytes.substr(0, length))).ok()) << length << " sealed";
+    if (length >= kHeaderBytes) {
+      EXPECT_FALSE(decoded(sealed(bytes.substr(0, length))).ok()) << length << " sealed";
+    }
   }
   EXPECT_FALSE(decoded(sealed(bytes + "x")).ok());
 }
