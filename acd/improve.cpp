@@ -35,6 +35,13 @@ class Improver {
   /// Makes one move that saves volume. Returns false if there is none.
   bool step() { return exchange() || recut(); }
 
+  /// Of all parts, over all keyframes.
+  [[nodiscard]] double hullVolume() const {
+    double volume = 0.0;
+    for (const Piece& part : parts_) volume += part.totalHullVolume();
+    return volume;
+  }
+
  private:
   /// Two parts that touch.
   struct Pair {
@@ -214,11 +221,17 @@ class Improver {
 bool improve(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience,
              const std::function<bool()>& goOn) {
   Improver improver(parts, context, effort, patience);
-  // Terminates: every move saves a minimum volume.
-  do {
+  // A move is chosen by what it promises to save. Where keyframes are flat, a cut may not keep that promise, and moves
+  // would go round in circles: it ends before the first move that costs volume.
+  while (true) {
     if (!goOn()) return false;
-  } while (improver.step());
-  return true;
+    std::vector<Piece> kept = parts;
+    const double before = improver.hullVolume();
+    if (!improver.step()) return true;
+    if (improver.hullVolume() < before) continue;
+    parts = std::move(kept);
+    return true;
+  }
 }
 
 }  // namespace lorica
