@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace lorica {
 
@@ -127,6 +128,32 @@ struct Nearest {
       return nearestOfMesh(point, *prop.mesh);
   }
   return {};
+}
+
+/// The nearest free one of some points all over the sphere around a tail's head; the tail itself if none is better.
+[[nodiscard]] Vec3 nearestFree(const LiveObstacles& obstacles, std::size_t spring, const Vec3& head, const Vec3& tail) {
+  constexpr int kRings = 11;
+  constexpr int kAround = 12;
+  const Vec3 along = tail - head;
+  const double length = along.norm();
+  if (!(length > 0.0)) return tail;
+  const Vec3 aside = along.unitOrthogonal();
+  const Vec3 other = along.cross(aside) / length;
+  Vec3 best = tail;
+  double leastBelow = obstacles.below(spring, head, tail);
+  for (int ring = 1; ring <= kRings && leastBelow > 0.0; ++ring) {
+    const double angle = std::numbers::pi * ring / (kRings + 1);
+    for (int i = 0; i < kAround; ++i) {
+      const double turn = 2.0 * std::numbers::pi * i / kAround;
+      const Vec3 across = std::cos(turn) * aside + std::sin(turn) * other;
+      const Vec3 point = head + std::cos(angle) * along + std::sin(angle) * length * across;
+      const double depth = obstacles.below(spring, head, point);
+      if (depth >= leastBelow) continue;
+      leastBelow = depth;
+      best = point;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -269,6 +296,23 @@ void LiveObstacles::pushOut(std::size_t spring, const Vec3& head, double length,
     }
     if (!moved) return;
   }
+  // Squeezed between bodies, with its own centre in one of them: it goes where there is room.
+  if (below(spring, head, tail) > hitRadii_[spring]) tail = nearestFree(*this, spring, head, tail);
+}
+
+double LiveObstacles::below(std::size_t spring, const Vec3& head, const Vec3& tail) const {
+  const std::span<const double> radii = std::span(radii_).subspan(spring * solids_.size(), solids_.size());
+  double deepest = -kInfinity;
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    if (radii[s] == -kInfinity || solids_[s].planes.empty()) continue;
+    const Vec3 local = solids_[s].worldFromSolid.inverse() * tail;
+    deepest = std::max(deepest, radii[s] - depthless(solids_[s], local));
+  }
+  for (const Prop& prop : props_) {
+    const std::optional<SpringPush> push = pushOf(prop, hitRadii_[spring], head, tail);
+    if (push) deepest = std::max(deepest, push->height - push->normal.dot(tail - head));
+  }
+  return deepest;
 }
 
 std::optional<SpringPush> LiveObstacles::pushOf(const Solid& solid, double radius, double hitRadius, const Vec3& head,

@@ -262,8 +262,8 @@ TEST(SessionSprings, GodettesHairStaysOutOfHerBody) {
       EXPECT_GT(inside.samples, 1000);
       if (mode != SpringMode::kBody) continue;
       // In two frames of the jumping jacks an arm passes through the side of the head and squeezes a lock.
-      EXPECT_LE(inside.beyondHitRadius, recording == std::string("jumping_jacks") ? 2 : 0) << recording;
-      EXPECT_LT(inside.deepest, 0.03) << recording;
+      EXPECT_EQ(inside.beyondHitRadius, 0) << recording;
+      EXPECT_LT(inside.deepest, 0.02) << recording;
     }
   }
 }
