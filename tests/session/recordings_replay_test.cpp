@@ -53,14 +53,14 @@ TEST_P(ShippedSession, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings, ShippedSession,
-                         testing::Values(Known{"jumping_jacks", 2.0, 0x6c1033b890defb5cu, 0x85f53d86a1ae2ae0u},
-                                         Known{"punch_and_kick", 5.5, 0xc6de7a85616de63bu, 0xf51a70d8cc03b712u},
-                                         Known{"punch_and_kick_noisy", 5.5, 0x2323bc515b64c6ccu, 0x356374254dd2e8du},
-                                         Known{"squat_and_reach", 2.0, 0x3a7949fab29bdb90u, 0xbd236d2220e5f306u},
-                                         Known{"turn_around", 2.0, 0x2418007483c6f077u, 0xcbf454cbc78d6083u},
-                                         Known{"walk", 3.0, 0x804066cab2c51915u, 0x364f8a7c3b7d3b29u},
-                                         Known{"walk_noisy", 3.0, 0xf16d838af4e83001u, 0xe0f98885801eae3eu},
-                                         Known{"wave", 2.0, 0xf3eb08a0594db2c3u, 0x9200d599303e0967u}),
+                         testing::Values(Known{"jumping_jacks", 2.0, 0xecb99a10d3c9e8a8u, 0x48889db7519bb4d3u},
+                                         Known{"punch_and_kick", 5.5, 0x3eff5c690fefe37fu, 0xfdb865a69a457797u},
+                                         Known{"punch_and_kick_noisy", 5.5, 0x289682435bb472fcu, 0x92c55f1a3c2b02dau},
+                                         Known{"squat_and_reach", 2.0, 0x9f8897bf610e7e1du, 0xf0693cef4a97bcd0u},
+                                         Known{"turn_around", 2.0, 0x1b3c17eae936dcf5u, 0xf19d5e1719eb262au},
+                                         Known{"walk", 3.0, 0xd7f95dcf5384a469u, 0xa29dff5d322a1ff1u},
+                                         Known{"walk_noisy", 3.0, 0xfacda179ecfb7374u, 0x3674bde2914402adu},
+                                         Known{"wave", 2.0, 0x1c20d621d2c43481u, 0xa265051eeeb10e86u}),
                          [](const auto& param) { return std::string(param.param.recording); });
 
 struct KnownParticles {
