@@ -98,9 +98,9 @@ class SplitSearch {
   /// Directions to the middles of a cube's edges and to its corners, one of each opposite pair.
   static std::vector<Vec3> diagonals() {
     std::vector<Vec3> found;
-    for (int code = 0; code < 27; ++code) {
-      const Vec3 direction(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1);
-      if (code > 13 && direction.squaredNorm() > 1.5) found.push_back(direction.normalized());
+    for (int code = 14; code < 27; ++code) {  // x, y and z + 1 are its digits in base 3; 13 is the middle
+      const Eigen::Vector3i direction(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1);
+      if (direction.squaredNorm() > 1) found.emplace_back(direction.cast<double>().normalized());
     }
     return found;
   }

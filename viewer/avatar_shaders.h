@@ -41,6 +41,8 @@ struct SurfaceUniforms {
   Eigen::Vector4f outlineColor;
   Eigen::Vector4f animation;                 ///< scroll [1/s], rotation [rad/s]
   Eigen::Vector4f uvRows[2 * kAvatarSlots];  ///< per slot: two rows of its transform; w of the first: set
+
+  [[nodiscard]] bool operator==(const SurfaceUniforms&) const = default;
 };
 
 /// A material's textures by AvatarSlot.

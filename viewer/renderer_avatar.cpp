@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <span>
 
 namespace lorica {
@@ -279,7 +278,7 @@ void Renderer::Impl::recolorAvatar(const Scene& scene) {
   const std::span<const Material> shown = scene.avatarMaterials.size() == own.size() ? scene.avatarMaterials : own;
   for (std::size_t m = 0; m < shown.size(); ++m) {
     const shaders::SurfaceUniforms now = shaders::surfaceUniforms(shown[m]);
-    if (std::memcmp(&now, &avatar->uniforms[m], sizeof now) == 0) continue;
+    if (now == avatar->uniforms[m]) continue;
     avatar->uniforms[m] = now;
     gl.BindBuffer(GL_UNIFORM_BUFFER, avatar->surfaces[m]);
     gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof now, &now);
