@@ -2,6 +2,7 @@
 
 #include "collision/world/bullet_math.h"
 #include "collision/world/resolve_overlaps.h"
+#include "collision/world/strike_limit.h"
 #include "collision/world/world_impl.h"
 #include "geometry/result.h"
 
@@ -16,10 +17,6 @@
 namespace lorica {
 namespace {
 
-// Faster parts jumped rather than moved: the fastest human kicks and punches stay below 20 m/s.
-constexpr double kTeleportSpeed = 25.0;
-// Speed limit of a strike by a part of trust 0. The limit rises linearly with the trust, to kTeleportSpeed at trust 1.
-constexpr double kDistrustedSpeed = 0.5;
 // Hulls are inflated by this so that GJK sees touching shapes as separate. Boxes and balls have their margin inside.
 constexpr btScalar kPartMargin = 0.001f;
 // Maximum distance over which a contact follows the hull's surface from frame to frame, and the height above the
@@ -59,8 +56,7 @@ Sweep sweepOf(const LivePart& part, double seconds) {
     sweep.angle = 0.0;
   }
   if (part.trust < 1.0) {
-    const double bound = kDistrustedSpeed + std::max(part.trust, 0.0) * (kTeleportSpeed - kDistrustedSpeed);
-    sweep.strength = std::min(1.0, bound * seconds / std::max(path, 1e-9));
+    sweep.strength = std::min(1.0, strikeLimit(part.trust) * seconds / std::max(path, 1e-9));
   }
   return sweep;
 }
