@@ -25,15 +25,6 @@ std::vector<double> massesOf(const Decomposition& decomposition, const Character
   return masses;
 }
 
-/// How fast two parts approach each other along the direction from the first to the second [m/s].
-double closingSpeed(const LivePart& first, const LivePart& second, const SelfContact& contact, double seconds) {
-  const Vec3 firstVelocity = velocityAt(first, contact.position, seconds);
-  const Vec3 secondVelocity = velocityAt(second, contact.position, seconds);
-  if (std::max(firstVelocity.norm(), secondVelocity.norm()) > kTeleportSpeed) return 0.0;
-  const double closing = (firstVelocity - secondVelocity).dot(contact.direction);
-  return std::clamp(closing, 0.0, strikeLimit(std::min(first.trust, second.trust)));
-}
-
 }  // namespace
 
 ContactEvents::ContactEvents(const Session& session)
@@ -76,7 +67,8 @@ void ContactEvents::addSelfTouches(const Session& session, double seconds) {
     const double mass = std::min(masses_[contact.first], masses_[contact.second]);
     touches_.push_back({TouchPair{TouchKind::kSelf, 0, contact.first, 0, contact.second},
                         bones_.at(first, contact.position), bones_.at(second, contact.position), contact.position,
-                        contact.direction, contact.depth, mass * closingSpeed(first, second, contact, seconds)});
+                        contact.direction, contact.depth,
+                        mass * closingSpeed(first, second, contact.position, contact.direction, seconds)});
   }
 }
 

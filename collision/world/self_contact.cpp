@@ -2,32 +2,20 @@
 
 #include "acd/transfer.h"
 #include "collision/world/bullet_math.h"
+#include "collision/world/part_overlap.h"
 #include "collision/world/part_shape.h"
 #include "geometry/result.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
-#include <numbers>
+#include <optional>
 
 namespace lorica {
 namespace {
 
 constexpr btScalar kRestGap = 0.005f;  // hulls closer than this in the rest pose are neighbours [m]
-
-// Rotations of the frame in which a pair is tested.
-constexpr int kViewCount = 8;
-const btQuaternion kViews[kViewCount] = {{0, 0, 0, 1},
-                                         {0.5f, 0.5f, 0.5f, 0.5f},
-                                         {0.6f, 0, 0, 0.8f},
-                                         {0, -0.28f, 0, 0.96f},
-                                         {0.48f, 0, 0.36f, 0.8f},
-                                         {-0.5f, 0.7f, -0.1f, 0.5f},
-                                         {0.1f, -0.3f, 0.9f, 0.3f},
-                                         {-0.7f, -0.1f, 0.1f, 0.7f}};
 
 /// A part's shape in Bullet.
 struct Solid {
@@ -52,58 +40,6 @@ bool sharePoints(const Part& a, const Part& b) {
     }
   }
   return false;
-}
-
-/// Overlap of the two along a direction: how far the second must move along it to leave the first behind [m].
-double overlapAlong(const LivePart& first, const LivePart& second, const Vec3& direction) {
-  const Vec3 inFirst = first.worldFromPart.linear().transpose() * direction;
-  const Vec3 inSecond = second.worldFromPart.linear().transpose() * direction;
-  double high = -std::numeric_limits<double>::infinity();
-  double low = std::numeric_limits<double>::infinity();
-  for (const Vec3& v : first.shape.vertices) high = std::max(high, v.dot(inFirst));
-  for (const Vec3& v : second.shape.vertices) low = std::min(low, v.dot(inSecond));
-  return high + first.worldFromPart.translation().dot(direction) - low -
-         second.worldFromPart.translation().dot(direction);
-}
-
-/// Searches the face normals of a hull for a direction of smaller depth. Never fails, but ignores edges.
-/// @param sign  +1 for the first part's faces, -1 for the second's
-void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of, double sign, SelfContact& contact) {
-  const std::vector<Vec3>& v = of.shape.vertices;
-  for (const Triangle& t : of.shape.triangles) {
-    const Vec3& corner = v[t[0]];
-    const Vec3 normal = (v[t[1]] - corner).cross(v[t[2]] - corner);
-    const double length = normal.norm();
-    if (!(length > 0.0)) continue;
-    const Vec3 direction = of.worldFromPart.linear() * (sign / length * normal);
-    const double depth = overlapAlong(first, second, direction);
-    if (depth >= contact.depth) continue;
-    contact.depth = depth;
-    contact.direction = direction;
-  }
-}
-
-/// Refines the direction by local search with decreasing steps: the minimum may be at a pair of edges, between faces.
-void settle(const LivePart& first, const LivePart& second, SelfContact& contact) {
-  constexpr int kAround = 16;
-  for (double step = 0.4; step > 1e-6;) {
-    const Vec3 u = contact.direction.unitOrthogonal(), v = contact.direction.cross(u);
-    SelfContact best = contact;
-    for (int i = 0; i < kAround; ++i) {
-      const double angle = 2.0 * std::numbers::pi * i / kAround;
-      const Vec3 direction = (contact.direction + step * (std::cos(angle) * u + std::sin(angle) * v)).normalized();
-      const double depth = overlapAlong(first, second, direction);
-      if (depth < best.depth) {
-        best.depth = depth;
-        best.direction = direction;
-      }
-    }
-    if (best.depth < contact.depth) {
-      contact = best;
-    } else {
-      step *= 0.6;
-    }
-  }
 }
 
 }  // namespace
@@ -188,57 +124,8 @@ std::span<const SelfContact> SelfContactQuery::find(std::span<const LivePart> pa
 }
 
 void SelfContactQuery::Impl::test(std::span<const LivePart> parts, PartIndex a, PartIndex b) {
-  const LivePart& first = parts[a];
-  const LivePart& second = parts[b];
-  const PartShape& firstShape = solids[a].shape;
-  const PartShape& secondShape = solids[b].shape;
-  const Isometry3 firstFromSecond = first.worldFromPart.inverse() * second.worldFromPart;
-  const Isometry3 secondFromFirst = firstFromSecond.inverse();
-  const btTransform there = toBullet(Quat(firstFromSecond.linear()), firstFromSecond.translation());
-  const btTransform back = toBullet(Quat(secondFromFirst.linear()), secondFromFirst.translation());
-
-  SelfContact contact;
-  contact.first = a;
-  contact.second = b;
-  contact.depth = std::numeric_limits<double>::infinity();
-  // For about one pair in ten thousand, Bullet reports an overlapping pair as separate, or its expanding polytope
-  // algorithm (EPA) stops far from the minimum depth or fails. So its results are checked in double precision: parts
-  // are separate only if a separating plane exists. Each depth is computed twice, from either part, and in rotated
-  // frames until two results exist.
-  int depths = 0;
-  double deepest = 0.0;
-  for (int look = 0; look < 2 * kViewCount && depths < 2; ++look) {
-    const bool swapped = look % 2 == 1;
-    const LivePart& mine = swapped ? second : first;
-    const PartShape& myShape = swapped ? secondShape : firstShape;
-    const PartShape& otherShape = swapped ? firstShape : secondShape;
-    // In the part's own frame, single precision is accurate to about 0.001 mm.
-    const btTransform view(kViews[look / 2]);
-    const btTransform other = view * (swapped ? back : there);
-    const Mat3 worldFromView = mine.worldFromPart.linear() * fromBullet(view).linear().transpose();
-    const double sign = swapped ? 1.0 : -1.0;
-    btGjkEpaSolver2::sResults results;
-    const auto direction = [&] { return Vec3(worldFromView * (sign * fromBullet(results.normal).normalized())); };
-    if (depths == 0 && btGjkEpaSolver2::Distance(&myShape, view, &otherShape, other, other.getOrigin(), results) &&
-        overlapAlong(first, second, direction()) <= 0.0) {
-      return;
-    }
-    if (!btGjkEpaSolver2::Penetration(&myShape, view, &otherShape, other, other.getOrigin(), results, false)) continue;
-    ++depths;
-    const double depth = overlapAlong(first, second, direction());
-    deepest = std::max(deepest, depth);
-    if (depth >= contact.depth) continue;
-    contact.depth = depth;
-    contact.direction = direction();
-    const Vec3 middle = 0.5 * (fromBullet(results.witnesses[0]) + fromBullet(results.witnesses[1]));
-    contact.position = worldFromView * middle + mine.worldFromPart.translation();
-  }
-  if (depths < 2 || deepest > 1.02 * contact.depth + 1e-4) {
-    tryFaces(first, second, first, 1.0, contact);
-    tryFaces(first, second, second, -1.0, contact);
-    settle(first, second, contact);
-  }
-  if (contact.depth > 0.0 && std::isfinite(contact.depth)) contacts.push_back(contact);
+  const std::optional<PartOverlap> overlap = overlapOf(parts[a], solids[a].shape, parts[b], solids[b].shape);
+  if (overlap) contacts.push_back({a, b, overlap->position, overlap->direction, overlap->depth});
 }
 
 }  // namespace lorica

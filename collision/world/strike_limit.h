@@ -1,6 +1,6 @@
 #pragma once
 
-#include <algorithm>
+#include "collision/live/live_part.h"
 
 namespace lorica {
 
@@ -8,9 +8,14 @@ namespace lorica {
 inline constexpr double kTeleportSpeed = 25.0;
 
 /// Fastest strike of a part of some trust [m/s]: 0.5 without trust, rising linearly to kTeleportSpeed with full trust.
-[[nodiscard]] inline double strikeLimit(double trust) {
-  constexpr double kDistrustedSpeed = 0.5;
-  return kDistrustedSpeed + std::max(trust, 0.0) * (kTeleportSpeed - kDistrustedSpeed);
-}
+[[nodiscard]] double strikeLimit(double trust);
+
+/// How fast two parts approach each other at a point, by their rigid motion [m/s]: 0 while they rest or move apart, and
+/// if one jumped; at most the limit of the less trusted one.
+/// @param point      world [m]
+/// @param direction  from the first part to the second, unit
+/// @param seconds    since the last frame, above 0
+[[nodiscard]] double closingSpeed(const LivePart& first, const LivePart& second, const Vec3& point,
+                                  const Vec3& direction, double seconds);
 
 }  // namespace lorica

@@ -1,0 +1,144 @@
+#include "collision/world/part_overlap.h"
+
+#include "collision/world/bullet_math.h"
+
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+// Rotations of the frame in which a pair is tested.
+constexpr int kViewCount = 8;
+const btQuaternion kViews[kViewCount] = {{0, 0, 0, 1},
+                                         {0.5f, 0.5f, 0.5f, 0.5f},
+                                         {0.6f, 0, 0, 0.8f},
+                                         {0, -0.28f, 0, 0.96f},
+                                         {0.48f, 0, 0.36f, 0.8f},
+                                         {-0.5f, 0.7f, -0.1f, 0.5f},
+                                         {0.1f, -0.3f, 0.9f, 0.3f},
+                                         {-0.7f, -0.1f, 0.1f, 0.7f}};
+
+/// Overlap of the two along a direction: how far the second must move along it to leave the first behind [m].
+double overlapAlong(const LivePart& first, const LivePart& second, const Vec3& direction) {
+  const Vec3 inFirst = first.worldFromPart.linear().transpose() * direction;
+  const Vec3 inSecond = second.worldFromPart.linear().transpose() * direction;
+  double high = -std::numeric_limits<double>::infinity();
+  double low = std::numeric_limits<double>::infinity();
+  for (const Vec3& v : first.shape.vertices) high = std::max(high, v.dot(inFirst));
+  for (const Vec3& v : second.shape.vertices) low = std::min(low, v.dot(inSecond));
+  return high + first.worldFromPart.translation().dot(direction) - low -
+         second.worldFromPart.translation().dot(direction);
+}
+
+/// Searches the face normals of a hull for a direction of smaller depth. Never fails, but ignores edges.
+/// @param sign  +1 for the first part's faces, -1 for the second's
+void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of, double sign, PartOverlap& overlap) {
+  const std::vector<Vec3>& v = of.shape.vertices;
+  for (const Triangle& t : of.shape.triangles) {
+    const Vec3& corner = v[t[0]];
+    const Vec3 normal = (v[t[1]] - corner).cross(v[t[2]] - corner);
+    const double length = normal.norm();
+    if (!(length > 0.0)) continue;
+    const Vec3 direction = of.worldFromPart.linear() * (sign / length * normal);
+    const double depth = overlapAlong(first, second, direction);
+    if (depth >= overlap.depth) continue;
+    overlap.depth = depth;
+    overlap.direction = direction;
+  }
+}
+
+/// Refines the direction by local search with decreasing steps: the minimum may be at a pair of edges, between faces.
+void settle(const LivePart& first, const LivePart& second, PartOverlap& overlap) {
+  constexpr int kAround = 16;
+  for (double step = 0.4; step > 1e-6;) {
+    const Vec3 u = overlap.direction.unitOrthogonal(), v = overlap.direction.cross(u);
+    PartOverlap best = overlap;
+    for (int i = 0; i < kAround; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kAround;
+      const Vec3 direction = (overlap.direction + step * (std::cos(angle) * u + std::sin(angle) * v)).normalized();
+      const double depth = overlapAlong(first, second, direction);
+      if (depth < best.depth) {
+        best.depth = depth;
+        best.direction = direction;
+      }
+    }
+    if (best.depth < overlap.depth) {
+      overlap = best;
+    } else {
+      step *= 0.6;
+    }
+  }
+}
+
+/// Whether no direction nearby has a smaller depth. EPA may stop at an edge of two aligned boxes, from either part.
+bool isLeast(const LivePart& first, const LivePart& second, const PartOverlap& overlap) {
+  constexpr double kNearby = 0.02;     // [rad]
+  constexpr double kTolerance = 1e-4;  // [m]
+  const Vec3 u = overlap.direction.unitOrthogonal(), v = overlap.direction.cross(u);
+  for (const auto& [x, y] : {std::pair(1.0, 0.0), std::pair(0.0, 1.0), std::pair(-1.0, 0.0), std::pair(0.0, -1.0),
+                             std::pair(0.7, 0.7), std::pair(-0.7, 0.7), std::pair(-0.7, -0.7), std::pair(0.7, -0.7)}) {
+    const Vec3 direction = (overlap.direction + kNearby * (x * u + y * v)).normalized();
+    if (overlapAlong(first, second, direction) < overlap.depth - kTolerance) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& firstShape, const LivePart& second,
+                                     const PartShape& secondShape) {
+  const Isometry3 firstFromSecond = first.worldFromPart.inverse() * second.worldFromPart;
+  const Isometry3 secondFromFirst = firstFromSecond.inverse();
+  const btTransform there = toBullet(Quat(firstFromSecond.linear()), firstFromSecond.translation());
+  const btTransform back = toBullet(Quat(secondFromFirst.linear()), secondFromFirst.translation());
+
+  PartOverlap overlap;
+  overlap.depth = std::numeric_limits<double>::infinity();
+  // For about one pair in ten thousand, Bullet reports an overlapping pair as separate, or its expanding polytope
+  // algorithm (EPA) stops far from the minimum depth or fails. So its results are checked in double precision: parts
+  // are separate only if a separating plane exists. Each depth is computed twice, from either part, and in rotated
+  // frames until two results exist.
+  int depths = 0;
+  double deepest = 0.0;
+  for (int look = 0; look < 2 * kViewCount && depths < 2; ++look) {
+    const bool swapped = look % 2 == 1;
+    const LivePart& mine = swapped ? second : first;
+    const PartShape& myShape = swapped ? secondShape : firstShape;
+    const PartShape& otherShape = swapped ? firstShape : secondShape;
+    // In the part's own frame, single precision is accurate to about 0.001 mm.
+    const btTransform view(kViews[look / 2]);
+    const btTransform other = view * (swapped ? back : there);
+    const Mat3 worldFromView = mine.worldFromPart.linear() * fromBullet(view).linear().transpose();
+    const double sign = swapped ? 1.0 : -1.0;
+    btGjkEpaSolver2::sResults results;
+    const auto direction = [&] { return Vec3(worldFromView * (sign * fromBullet(results.normal).normalized())); };
+    if (depths == 0 && btGjkEpaSolver2::Distance(&myShape, view, &otherShape, other, other.getOrigin(), results) &&
+        overlapAlong(first, second, direction()) <= 0.0) {
+      return std::nullopt;
+    }
+    if (!btGjkEpaSolver2::Penetration(&myShape, view, &otherShape, other, other.getOrigin(), results, false)) continue;
+    ++depths;
+    const double depth = overlapAlong(first, second, direction());
+    deepest = std::max(deepest, depth);
+    if (depth >= overlap.depth) continue;
+    overlap.depth = depth;
+    overlap.direction = direction();
+    const Vec3 middle = 0.5 * (fromBullet(results.witnesses[0]) + fromBullet(results.witnesses[1]));
+    overlap.position = worldFromView * middle + mine.worldFromPart.translation();
+  }
+  if (depths < 2 || deepest > 1.02 * overlap.depth + 1e-4 || !isLeast(first, second, overlap)) {
+    tryFaces(first, second, first, 1.0, overlap);
+    tryFaces(first, second, second, -1.0, overlap);
+    settle(first, second, overlap);
+  }
+  if (overlap.depth > 0.0 && std::isfinite(overlap.depth)) return overlap;
+  return std::nullopt;
+}
+
+}  // namespace lorica
