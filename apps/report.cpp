@@ -79,7 +79,8 @@ std::string Report::text() const {
   return text;
 }
 
-Result<void> publish(const CommonOptions& options, const Report& report, const nlohmann::ordered_json& json) {
+Result<void> publish(const CommonOptions& options, const Report& report, const nlohmann::ordered_json& json,
+                     bool outputTaken) {
   // File names may not be valid UTF-8; JSON must be.
   const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   if (options.json == "-") {
@@ -88,25 +89,29 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
   if (!options.json.empty()) {
     if (Result<void> written = writeFileAtomically(options.json, text); !written) return written;
   }
-  return print(report.text(), "the report");
+  if (!outputTaken) return print(report.text(), "the report");
+  say(report.text());
+  return {};
 }
 
-Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others) {
+Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others,
+                             const std::string& option) {
   if (options.json.empty() || options.json == "-") return {};
   const std::filesystem::path json = options.json;
   std::error_code ignored;
   const std::filesystem::path meant = std::filesystem::weakly_canonical(json, ignored);
   for (const std::filesystem::path& other : others) {
     if (other.empty() || std::filesystem::weakly_canonical(other, ignored) != meant) continue;
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--json: {} is also an input or another output and would be overwritten", json.string())};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: {} is also an input or another output and would be overwritten", option, json.string())};
   }
   if (std::filesystem::exists(json, ignored) && !std::filesystem::is_directory(json, ignored) &&
       !std::filesystem::is_regular_file(json, ignored)) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("--json: {} is not a regular file; `--json -` writes to standard output", json.string())};
+    return Error{ErrorCode::kUnwritable, fmt::format("{}: {} is not a regular file; `{} -` writes to standard output",
+                                                     option, json.string(), option)};
   }
-  return checkOutput("--json", json);
+  return checkOutput(option, json);
 }
 
 Result<void> checkOutput(const std::string& option, const std::filesystem::path& file, const std::string& extension) {

@@ -50,13 +50,16 @@ class Report {
 };
 
 /// Prints the report and writes the JSON, according to the options.
+/// @param outputTaken  something else was written to standard output: the report goes to standard error
 [[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
-                                   const nlohmann::ordered_json& json);
+                                   const nlohmann::ordered_json& json, bool outputTaken = false);
 
 /// Rejects, before any work, a --json file that cannot be written or that is one of the other files.
 /// @param others  inputs and other outputs of the command; empty ones are ignored
+/// @param option  for the error message, of another output that is checked in the same way
 [[nodiscard]] Result<void> checkJsonOutput(const CommonOptions& options,
-                                           const std::vector<std::filesystem::path>& others);
+                                           const std::vector<std::filesystem::path>& others,
+                                           const std::string& option = "--json");
 
 /// Rejects an output file before any work: its folder must exist, and it must not be a folder itself.
 /// @param option     for the error message: "--export-obj"
