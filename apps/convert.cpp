@@ -1,4 +1,5 @@
-#include "apps/convert_character.h"
+#include "apps/convert.h"
+
 #include "apps/depth_motion.h"
 #include "apps/motions.h"
 #include "apps/options.h"
@@ -48,26 +49,6 @@ Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
   Joints joints{std::move(frames), std::nullopt};
   if (filter) joints.delay = filter->delay();
   return joints;
-}
-
-/// Writes OUT without a character. An unprocessed skeleton keeps its joints.
-Result<ConvertedClip> write(const Options& options, const Motion& motion, bool asBvh) {
-  if (asBvh && motion.bones && !options.motion.mirror) {
-    if (Result<void> written = writeBvh(options.output, *motion.bones); !written) return written.error();
-    return ConvertedClip{};
-  }
-  const Result<Joints> joints = asJoints(motion, options.motion);
-  if (!joints) return joints.error();
-  if (asBvh) {
-    const Result<SkeletalMotion> bones = skeletalMotionOf(joints->frames);
-    if (!bones) return bones.error();
-    if (Result<void> written = writeBvh(options.output, *bones); !written) return written.error();
-  } else if (Result<void> written = writeJointCsv(options.output, joints->frames); !written) {
-    return written.error();
-  }
-  ConvertedClip made;
-  made.delay = joints->delay;
-  return made;
 }
 
 /// Everyone in a depth recording, where they are in front of the camera.
@@ -142,7 +123,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const Result<Motion> motion = readMotion(options.input, options.motion);
   if (!motion) return motion.error();
   const Result<ConvertedClip> made = options.character.name.empty()
-                                         ? write(options, *motion, extension == ".bvh")
+                                         ? writeMotion(options.output, *motion, options.motion)
                                          : convertOnto(options.character, *motion, options.motion, options.output);
   if (!made) return made.error();
 
@@ -175,6 +156,26 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
 }  // namespace
 
+Result<ConvertedClip> writeMotion(const std::string& output, const Motion& motion, const MotionOptions& options) {
+  const bool asBvh = lowerCase(fs::path(output).extension().string()) == ".bvh";
+  if (asBvh && motion.bones && !options.mirror) {
+    if (Result<void> written = writeBvh(output, *motion.bones); !written) return written.error();
+    return ConvertedClip{};
+  }
+  const Result<Joints> joints = asJoints(motion, options);
+  if (!joints) return joints.error();
+  if (asBvh) {
+    const Result<SkeletalMotion> bones = skeletalMotionOf(joints->frames);
+    if (!bones) return bones.error();
+    if (Result<void> written = writeBvh(output, *bones); !written) return written.error();
+  } else if (Result<void> written = writeJointCsv(output, joints->frames); !written) {
+    return written.error();
+  }
+  ConvertedClip made;
+  made.delay = joints->delay;
+  return made;
+}
+
 Command addConvert(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app =
@@ -190,10 +191,14 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
                     "      the motion of its joints\n"
                     "  lorica convert hero.glb joints.csv --clip Run\n"
                     "      a character's clip as joints\n"
+                    "  lorica convert take.pcap take.bvh\n"
+                    "      what a program sent, on its own skeleton; of take.lsession what the character did\n"
                     "  lorica convert room.oni room.csv --camera-frame\n"
                     "      everyone in a depth recording: room.cam.csv and room.lab");
-  app->addOption("IN", options->input,
-                 "Recorded joints, .bvh, a character file with clips, or the name of a shipped recording")
+  app->addOption(
+         "IN", options->input,
+         "Recorded joints, .bvh, a character file with clips, VMC packets (.pcap), a session (.lsession), or the "
+         "name of a shipped recording")
       ->required()
       ->typeName("");
   app->addOption("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required()->typeName("");

@@ -1,21 +1,22 @@
 #include "apps/body_choice.h"
 #include "apps/depth_inputs.h"
 #include "apps/depth_picture.h"
+#include "apps/events_output.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/live_log.h"
 #include "apps/options.h"
 #include "apps/playback.h"
+#include "apps/pose_output.h"
 #include "apps/run_session.h"
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
 #include "apps/standard_streams.h"
+#include "apps/stream_motion.h"
 #include "apps/vmc_input.h"
-#include "apps/vmc_output.h"
 #include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
-#include "session/stream_pose_source.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,9 +29,10 @@ namespace {
 
 struct Options {
   DepthOptions depth;
-  std::string nite;  // library; empty = Lorica's own tracker
-  std::string vmc;   // address to listen at instead of a camera; empty = none
-  VmcOutputOptions out;
+  std::string nite;     // library; empty = Lorica's own tracker
+  VmcInputOptions vmc;  // instead of a camera
+  PoseOutputOptions out;
+  std::string events;  // file or -; empty = none
   int person = 0;
   std::string character = "mannequin";
   CharacterOptions reading;
@@ -180,7 +182,7 @@ struct Performer {
 };
 
 Result<Performer> openPerformer(const Options& options) {
-  if (!options.vmc.empty()) {
+  if (!options.vmc.listenAt.empty()) {
     Result<VmcInput> vmc = VmcInput::open(options.vmc);
     if (!vmc) return vmc.error();
     std::string name = vmc->name();
@@ -204,8 +206,7 @@ Result<Performer> openPerformer(const Options& options) {
 Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Performer& performer,
                                              const SourceTreatment& treatment) {
   if (!performer.vmc) return makeTreatedSource(character, std::move(performer.joints), treatment);
-  Result<std::unique_ptr<PoseSource>> sent =
-      makeStreamPoseSource(character, performer.vmc->takeStream(), treatment.joints.mirror);
+  Result<std::unique_ptr<PoseSource>> sent = performer.vmc->makeSource(character, treatment.joints.mirror);
   if (!sent) return sent.error();
   return makeTreatedSource(std::move(*sent), treatment);
 }
@@ -215,12 +216,16 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
-  if (Result<void> fine = checkVmcOutput(options.out); !fine) return fine;
+  if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
+  if (Result<void> fine =
+          checkEvents(options.events, common, {options.character, options.body.decomposition, options.record});
+      !fine)
+    return fine;
   const Result<bool> inWindow = chooseWindow(options);
   if (!inWindow) return inWindow.error();
   CharacterOptions reading = options.reading;
   reading.drawn = *inWindow || options.pictures.any();
-  if (options.vmc.empty()) reading.suits = followsPerson;
+  if (options.vmc.listenAt.empty()) reading.suits = followsPerson;
   const Result<Subject> subject = readCharacter(options.character, reading);
   if (!subject) return subject.error();
   if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;
@@ -236,7 +241,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
   RecordedAs as{performer->name,    sent,         options.character, options.reading,
                 options.performing, options.body, options.scene,     springs};
-  as.trust = sent;
+  as.stream = sent;
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, as, *subject->character, *body, *world);
   if (!recorder) return recorder.error();
@@ -247,9 +252,12 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
   if (!session) return session.error();
   if (Result<void> added = addSprings(springs, *session); !added) return added;
-  Result<std::shared_ptr<StepWatcher>> watcher = makeVmcOutput(options.out, *subject->character, *recorder);
+  Result<std::shared_ptr<StepWatcher>> watcher =
+      makePoseOutput(options.out, *subject, options.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
-  session->watch(std::move(*watcher));
+  const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
+  if (!events) return events.error();
+  session->watch(*events ? *events : *watcher);
 
   Live live{std::move(*session), performer->tracked, std::move(performer->vmc), performer->name, {}, {}, {}, {}};
   if (!*inWindow) {
@@ -262,8 +270,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   }
   Report report = toReport(options, live);
   nlohmann::ordered_json json = toJson(options, live, *body);
+  if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
-  return publish(common, report, json);
+  return publish(common, report, json, options.events == "-");
 }
 
 }  // namespace
@@ -292,13 +301,10 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   Option* nite = app->addOption("--nite", options->nite, "Track with NiTE 2, if you have it: libNiTE2.so")
                      ->typeName("FILE")
                      ->excludes(person);
-  app->addOption("--vmc", options->vmc,
-                 "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open to this "
-                 "machine only; see docs/STREAMS.md")
-      ->typeName("[HOST:]PORT")
-      ->excludes(person)
-      ->excludes(nite);
-  addVmcOutputOptions(*app, options->out);
+  addVmcInputOptions(*app, options->vmc)->excludes(person)->excludes(nite);
+  addSenderOption(*app, options->vmc.sender);
+  addPoseOutputOptions(*app, options->out);
+  addEventsOption(*app, options->events);
   app->addOption("--character", options->character,
                  "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
       ->typeName("FILE");

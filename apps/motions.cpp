@@ -4,6 +4,7 @@
 #include "apps/file_trust.h"
 #include "apps/options.h"
 #include "apps/report.h"
+#include "apps/stream_motion.h"
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
@@ -21,6 +22,10 @@ namespace fs = std::filesystem;
 
 bool isBvh(const fs::path& file) {
   return lowerCase(file.extension().string()) == ".bvh";
+}
+
+bool isSessionFile(const fs::path& file) {
+  return lowerCase(file.extension().string()) == ".lsession";
 }
 
 /// Rejects an option that would have no effect on this kind of file.
@@ -77,7 +82,27 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
   return motion;
 }
 
+/// Rejects options that are for other motions than a stream or a session.
+Result<void> refuseReadingOptions(const fs::path& file, const MotionOptions& options) {
+  for (const Result<void>& fine :
+       {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
+        refuse(options.person > 0, "--person", file.string(), "recorded joints"),
+        refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
+    if (!fine) return fine;
+  }
+  return {};
+}
+
 Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options) {
+  const bool packets = isPacketFile(file);
+  if (Result<void> fine = refuse(!options.sender.empty() && !packets, "--sender", file.string(), "VMC packets");
+      !fine) {
+    return fine.error();
+  }
+  if (packets || isSessionFile(file)) {
+    if (Result<void> fine = refuseReadingOptions(file, options); !fine) return fine.error();
+    return packets ? readPacketMotion(file, options) : readSessionMotion(file);
+  }
   if (isDepthRecording(file)) {
     for (const Result<void>& fine :
          {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
@@ -129,6 +154,7 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
       "Person to use, by number in a stream of joints, or by order of appearance before a depth camera [default: the "
       "one with the most motion; before a camera the nearest]");
   app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
+  addSenderOption(app, options.sender);
 }
 
 void addPlayingOptions(CommandLine& app, MotionOptions& options) {

@@ -24,13 +24,14 @@ struct MotionOptions {
   bool upperBody = false;
   std::string smooth = "off";  ///< or "one-euro"
   OneEuroSettings oneEuro;
+  std::string sender;  ///< model of the sender of recorded packets, see readSenderRest(); empty = none
   std::string inject;  ///< faults, see parseFaults(); empty = none
 
   [[nodiscard]] JointSettings joints() const;
   [[nodiscard]] FaultSettings faults() const;
 };
 
-/// --format, --person, --clip: how a motion is read.
+/// --format, --person, --clip, --sender: how a motion is read.
 void addReadingOptions(CommandLine& app, MotionOptions& options);
 /// --mirror, --upper-body, --smooth, --min-cutoff, --beta: how it is processed.
 void addPlayingOptions(CommandLine& app, MotionOptions& options);

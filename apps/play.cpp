@@ -1,14 +1,15 @@
 #include "acd/decomposition_file.h"
 #include "apps/body_choice.h"
+#include "apps/events_output.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/playback_input.h"
+#include "apps/pose_output.h"
 #include "apps/run_session.h"
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "apps/vmc_output.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -28,7 +29,8 @@ struct Options {
   SnapshotOptions pictures;
   PlaybackOptions playing;
   std::string record;  // file; empty = none
-  VmcOutputOptions out;
+  PoseOutputOptions out;
+  std::string events;  // file or -; empty = none
   bool window = false;
   bool selfContacts = false;
 };
@@ -109,7 +111,12 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
-  if (Result<void> fine = checkVmcOutput(options.out); !fine) return fine;
+  if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
+  if (Result<void> fine =
+          checkEvents(options.events, common,
+                      {options.input.motion, options.input.character, options.body.decomposition, options.record});
+      !fine)
+    return fine;
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = options.window || options.pictures.any();
   const Result<PlaybackInput> input = readPlaybackInput(asked);
@@ -132,7 +139,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
                       options.body,
                       options.scene,
                       springs,
-                      input->ownClip};
+                      input->ownClip,
+                      motion.packets.has_value()};
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, as, *subject.character, *file, *world);
   if (!recorder) return recorder.error();
@@ -144,9 +152,12 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> added = addSprings(springs, *session); !added) return added;
 
   RunStatistics statistics;
-  Result<std::shared_ptr<StepWatcher>> watcher = makeVmcOutput(options.out, *subject.character, *recorder);
+  Result<std::shared_ptr<StepWatcher>> watcher =
+      makePoseOutput(options.out, subject, options.input.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
-  session->watch(std::move(*watcher));
+  const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
+  if (!events) return events.error();
+  session->watch(*events ? *events : *watcher);
   DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
     if (options.window) return playWithWindow(options, *input, *session, statistics);
@@ -161,8 +172,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   }
   Report report = toReport(options, motion, *session, *file, statistics, drawn);
   nlohmann::ordered_json json = toJson(options, motion, *session, *file, statistics, drawn);
+  if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
-  return publish(common, report, json);
+  return publish(common, report, json, options.events == "-");
 }
 
 }  // namespace
@@ -203,7 +215,8 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
   addFaultOption(*app, options->input.performing);
-  addVmcOutputOptions(*app, options->out);
+  addPoseOutputOptions(*app, options->out);
+  addEventsOption(*app, options->events);
   addRecordOption(*app, options->record);
   addCount(*app, "--frames", options->playing.frames, 1, "Stop after N frames");
   app->addFlag("--as-fast-as-possible", options->playing.hurry,

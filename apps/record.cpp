@@ -1,11 +1,14 @@
+#include "apps/convert.h"
 #include "apps/depth_inputs.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/playback.h"
+#include "apps/record_packets.h"
 #include "apps/record_session.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
 #include "apps/standard_streams.h"
+#include "apps/stream_motion.h"
 #include "capture/sensor/oni_joints.h"
 #include "capture/sensor/openni.h"
 #include "capture/tracking/tracker.h"
@@ -94,17 +97,16 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
   return recording;
 }
 
-/// Rejects options about the performance: a depth recording holds only the depth images; these options apply when it is
-/// played.
-Result<void> refuseSessionOptions(const CommandLine& app, const Options& options) {
+/// Rejects options about the performance: depth images and packets are recorded as they are; these options apply when
+/// they are played.
+Result<void> refuseSessionOptions(const CommandLine& app, const Options& options, const char* what) {
   for (const char* name : {"MOTION",       "--character", "--map",           "--body-resolution", "--expression",
                            "--hide",       "--springs",   "--decomposition", "--cover",           "--hull-vertices",
                            "--scene",      "--inject",    "--mirror",        "--upper-body",      "--smooth",
                            "--min-cutoff", "--beta",      "--clip",          "--format",          "--person"}) {
     if (!app.given(name)) continue;
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: {} is for sessions ({}), not for depth recordings (.oni)", options.out, name, kSessionEnding)};
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: {} is for sessions ({}), not for {}", options.out, name, kSessionEnding, what)};
   }
   return {};
 }
@@ -158,6 +160,30 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
   return publish(common, report, json);
 }
 
+/// A motion while it happens: the session is recorded, and converted at its end. If the program is killed, the session
+/// is left, which `lorica convert` reads.
+Result<void> recordMotion(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {options.out, options.input.motion, options.input.character});
+      !fine) {
+    return fine;
+  }
+  if (Result<void> fine = checkOutput("OUT", options.out); !fine) return fine;
+  Options session = options;
+  session.out = options.out + kSessionEnding;
+  return recordSession(session, common, [&](Report& report) -> Result<void> {
+    const Result<Motion> motion = readSessionMotion(session.out);
+    if (!motion) return motion.error();
+    // Poses of bones are mirrored already.
+    const Result<ConvertedClip> made =
+        writeMotion(options.out, *motion, motion->bones ? MotionOptions() : options.input.performing);
+    if (!made) return made.error();
+    std::error_code ignored;
+    fs::remove(session.out, ignored);
+    report.line("motion", options.out);
+    return {};
+  });
+}
+
 Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
@@ -169,12 +195,22 @@ Result<void> run(const CommandLine& app, const Options& options, const CommonOpt
     if (Result<void> fine = checkRecord("OUT", options.out); !fine) return fine;
     return recordSession(options, common);
   }
-  if (ending != ".oni") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("OUT: found {}, expected a name that ends in .oni (depth) or {} (a session)", options.out,
-                             kSessionEnding)};
+  if (ending == ".bvh" || ending == ".csv") return recordMotion(options, common);
+  if (ending == ".pcap") {
+    if (Result<void> fine = refuseSessionOptions(app, options, "packets (.pcap)"); !fine) return fine;
+    return recordPackets(options.out, options.vmc.listenAt, options.limit, common);
   }
-  if (Result<void> fine = refuseSessionOptions(app, options); !fine) return fine;
+  if (ending != ".oni") {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("OUT: found {}, expected a name that ends in .oni (depth), {} (a session), .bvh or .csv (a "
+                    "motion), or .pcap (packets)",
+                    options.out, kSessionEnding)};
+  }
+  if (Result<void> fine = refuseSessionOptions(app, options, "depth recordings (.oni)"); !fine) return fine;
+  if (app.given("--vmc")) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: --vmc sends no depth images", options.out)};
+  }
   return recordDepth(options, common);
 }
 
@@ -197,18 +233,29 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
                     "      of the person before the camera, with simulated tracking faults\n"
                     "  lorica replay kick.lsession\n"
                     "      run it again and compare the results\n"
+                    "  lorica record take.bvh --vmc 39539\n"
+                    "      a motion that a program sends by the VMC protocol; or take.csv, or take.lsession\n"
+                    "  lorica record take.pcap --vmc 39539\n"
+                    "      its packets as they are, for `lorica play`, tcpdump and Wireshark\n"
                     "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
                     "They are readable even if the program is killed; the next recording of that name keeps them as "
                     "body.found-1.oni, ...");
-  app->addOption("OUT", options->out, "The recording to write: .oni or .lsession")->required()->typeName("");
+  app->addOption("OUT", options->out, "The recording to write: .oni, .lsession, .bvh, .csv or .pcap")
+      ->required()
+      ->typeName("");
   addPlaybackInputOptions(*app, options->input);
   addFaultOption(*app, options->input.performing);
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
   addDepthOptions(*app, options->depth);
+  addVmcInputOptions(*app, options->vmc);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after N frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after S seconds");
-  return {app, [app, options](const CommonOptions& given) { return run(*app, *options, given); }};
+  return {app, [app, options](const CommonOptions& given) {
+            const bool live = options->input.motion.empty();
+            if (live) options->vmc.sender = options->input.performing.sender;
+            return run(*app, *options, given);
+          }};
 }
 
 }  // namespace lorica

@@ -4,8 +4,10 @@
 #include "apps/depth_inputs.h"
 #include "apps/playback_input.h"
 #include "apps/report.h"
+#include "apps/vmc_input.h"
 #include "apps/window_loop.h"
 
+#include <functional>
 #include <string>
 
 namespace lorica {
@@ -15,12 +17,15 @@ struct SessionRecording {
   std::string out;
   PlaybackInputOptions input;  ///< no motion = a live camera
   DepthOptions depth;
+  VmcInputOptions vmc;  ///< a program instead of a camera
   BodyOptions body;
   std::string scene;
   PlaybackOptions limit;
 };
 
-/// Plays a motion, or follows the person before a camera, and records the session without a window.
-[[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common);
+/// Plays a motion, or follows the person before a camera or a program, and records the session without a window.
+/// @param finished  called when the file is complete; may add to the report
+[[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common,
+                                         const std::function<Result<void>(Report&)>& finished = {});
 
 }  // namespace lorica

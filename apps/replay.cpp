@@ -1,11 +1,12 @@
 #include "apps/body_choice.h"
+#include "apps/events_output.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
+#include "apps/pose_output.h"
 #include "apps/run_session.h"
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
-#include "apps/vmc_output.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 
@@ -25,7 +26,8 @@ struct Options {
   std::string character;      // empty = as recorded
   std::string decomposition;  // empty = as recorded
   SnapshotOptions pictures;
-  VmcOutputOptions out;
+  PoseOutputOptions out;
+  std::string events;   // file or -; empty = none
   int textureSize = 0;  // see CharacterOptions
   bool window = false;
 };
@@ -73,7 +75,10 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"); !fine)
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
-  if (Result<void> fine = checkVmcOutput(options.out); !fine) return fine;
+  if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
+  if (Result<void> fine = checkEvents(options.events, common, {options.file, options.character, options.decomposition});
+      !fine)
+    return fine;
   Result<SessionFile> read = readSession(options.file);
   if (!read) return read.error();
   const auto recorded = std::make_shared<const SessionFile>(std::move(*read));
@@ -112,13 +117,18 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   if (Result<void> same = checkReplay(header, options.file, *session); !same) return same;
 
   std::shared_ptr<SessionReplay> replay;
+  std::shared_ptr<EventsOutput> events;
   RunStatistics statistics;
   const auto begin = [&]() -> Result<void> {
     replay = std::make_shared<SessionReplay>(recorded);
     statistics = RunStatistics();
-    Result<std::shared_ptr<StepWatcher>> watcher = makeVmcOutput(options.out, character, replay);
+    Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, *subject, header.expressions, replay);
     if (!watcher) return watcher.error();
-    session->watch(std::move(*watcher));
+    if (Result<void> kept = finishEvents(events); !kept) return kept;
+    Result<std::shared_ptr<EventsOutput>> written = makeEventsOutput(options.events, *watcher);
+    if (!written) return written.error();
+    events = std::move(*written);
+    session->watch(events ? events : *watcher);
     return {};
   };
   if (Result<void> begun = begin(); !begun) return begun;
@@ -142,6 +152,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     if (!played) return played.error();
     drawn = *played;
   }
+  if (Result<void> kept = finishEvents(events); !kept) return kept;
 
   const std::optional<SessionReplay::Difference>& difference = replay->difference();
   const bool whole = replay->steps() == steps;
@@ -173,7 +184,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   report.line("hash", hexDigits(session->hash()));
   for (const std::string& note : recorded->notes) report.note("Recording: " + note + ".");
   differs = difference.has_value();
-  return publish(common, report, json);
+  return publish(common, report, json, options.events == "-");
 }
 
 }  // namespace
@@ -197,7 +208,8 @@ Command addReplay(CommandLine& parent, CommonOptions& common) {
   app->addOption("--character", options->character, "File of the character, if it was moved")->typeName("FILE");
   app->addOption("--decomposition", options->decomposition, "File of the decomposition, if it was moved")
       ->typeName("FILE.lorica");
-  addVmcOutputOptions(*app, options->out);
+  addPoseOutputOptions(*app, options->out);
+  addEventsOption(*app, options->events);
   Option* window =
       app->addFlag("--window", options->window, "Open a window with a timeline; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);

@@ -38,6 +38,8 @@ void SessionFace::choose(int expression) {
 
 void SessionFace::update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene) {
   const AvatarFace& own = avatar_->face;
+  follower_.apply(session.source().expressions(), own.expressions, own.chosen, face_);
+  if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
   FaceInput input;
   input.time = session.time();
   if (own.lookAt.head != kNoJoint) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/expression_follower.h"
 #include "session/session.h"
 #include "skinning/look/avatar.h"
 #include "skinning/morphs/face.h"
@@ -12,9 +13,9 @@
 
 namespace lorica {
 
-/// The face of a session's avatar: its expressions, the clip that it plays, blinking, and eyes that follow the
-/// picture's camera. It is only drawn; hulls and physics do not depend on it, see coverReached() for shapes that they
-/// must hold.
+/// The face of a session's avatar: its expressions, those that the session's source sends, the clip that it plays,
+/// blinking, and eyes that follow the picture's camera. It is only drawn; hulls and physics do not depend on it, see
+/// coverReached() for shapes that they must hold.
 class SessionFace {
  public:
   /// @return none if the avatar has no morph targets, no eyes that move and no expressions that change materials
@@ -36,6 +37,7 @@ class SessionFace {
   std::shared_ptr<const Avatar> avatar_;
   Face face_;
   int chosen_ = -1;
+  ExpressionFollower follower_;
   std::vector<Vec3f> bindNormals_;  // of every vertex; zero where the file has none
   std::vector<Vec3> positions_;
   std::vector<Vec3f> normals_;

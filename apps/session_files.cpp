@@ -90,7 +90,8 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   SessionHeader header;
   header.source = as.source;
   header.poseJoints = as.poses ? character.skeleton.jointCount() : 0;
-  header.poseTrust = as.trust;
+  header.poseTrust = as.stream;
+  header.poseExpressions = as.stream;
   header.character = as.character.empty() ? "mannequin" : as.character;
   if (!isShippedName(header.character)) header.character = nameFor(file, header.character);
   header.boneMap = nameFor(file, as.reading.map);

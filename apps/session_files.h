@@ -39,7 +39,7 @@ struct RecordedAs {
   std::string scene;  ///< as given by the user
   std::optional<SpringChoice> springs;
   std::optional<std::string> clip = {};  ///< see PlaybackInput::ownClip
-  bool trust = false;                    ///< whether the source of poses has trust, see PoseSource::trust()
+  bool stream = false;                   ///< whether the poses come with trust and expressions, see PoseSource
 };
 
 /// The files that a recorded session names, where this machine has them. Names of what ships stay as they are; the

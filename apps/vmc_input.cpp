@@ -1,7 +1,10 @@
 #include "apps/vmc_input.h"
 
+#include "apps/options.h"
 #include "apps/percentiles.h"
 #include "apps/standard_streams.h"
+#include "apps/stream_motion.h"
+#include "session/stream_pose_source.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,36 +16,68 @@ namespace {
 
 constexpr double kSilentSeconds = 0.5;
 constexpr double kLongestWait = 1.0 / 30.0;
+constexpr int kLongestDelayMs = 1000;
 
 }  // namespace
 
-Result<void> checkVmcInput(const std::string& listenAt) {
-  if (listenAt.empty()) return {};
-  const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
-  if (!address) return Error{address.error().code, "--vmc: " + address.error().message};
-  return {};
+Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
+  Option* vmc = app.addOption("--vmc", options.listenAt,
+                              "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "
+                              "to this machine only; see docs/STREAMS.md");
+  vmc->typeName("[HOST:]PORT");
+  addCount(app, "--delay", options.delayMs, 0,
+           "Show what is received so many milliseconds later, at an even pace, if the network is uneven [default: 0]")
+      ->typeName("MS")
+      ->needs(vmc);
+  return vmc;
 }
 
-Result<VmcInput> VmcInput::open(const std::string& listenAt) {
-  const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
+Result<void> checkVmcInput(const VmcInputOptions& options) {
+  if (options.listenAt.empty()) {
+    if (options.sender.empty()) return {};
+    return Error{ErrorCode::kInvalidArgument, "--sender is for a program that sends, expected --vmc"};
+  }
+  if (options.delayMs > kLongestDelayMs) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--delay: found {} ms, expected at most {}", options.delayMs, kLongestDelayMs)};
+  }
+  const Result<NetworkAddress> address = parseNetworkAddress(options.listenAt, false);
+  if (!address) return Error{address.error().code, "--vmc: " + address.error().message};
+  const Result<std::optional<SenderRest>> sender = readSenderRest(options.sender);
+  return sender ? Result<void>() : sender.error();
+}
+
+Result<VmcInput> VmcInput::open(const VmcInputOptions& options) {
+  const Result<NetworkAddress> address = parseNetworkAddress(options.listenAt, false);
   if (!address) return Error{address.error().code, "--vmc: " + address.error().message};
   Result<UdpSocket> socket = UdpSocket::listen(*address);
   if (!socket) return Error{socket.error().code, "--vmc: " + socket.error().message};
-  return VmcInput(std::make_unique<VmcStream>(std::move(*socket)), "VMC on " + textOf(*address));
+  Result<std::optional<SenderRest>> sender = readSenderRest(options.sender);
+  if (!sender) return sender.error();
+  return VmcInput(std::make_unique<VmcStream>(std::move(*socket), 1e-3 * options.delayMs), "VMC on " + textOf(*address),
+                  std::move(*sender), options.delayMs);
 }
 
-VmcInput::VmcInput(std::unique_ptr<VmcStream> stream, std::string name)
-    : view_(stream.get()), stream_(std::move(stream)), name_(std::move(name)) {}
+VmcInput::VmcInput(std::unique_ptr<VmcStream> stream, std::string name, std::optional<SenderRest> sender, int delayMs)
+    : view_(stream.get()),
+      stream_(std::move(stream)),
+      name_(std::move(name)),
+      sender_(std::move(sender)),
+      delayMs_(delayMs) {}
+
+Result<std::unique_ptr<PoseSource>> VmcInput::makeSource(const Character& character, bool mirror) {
+  return makeStreamPoseSource(character, std::move(stream_), {mirror, sender_});
+}
 
 bool VmcInput::ready(const Session& session) const {
   return view_->ready() || session.frameCount() == 0 || view_->now() - session.time() > kLongestWait;
 }
 
 void VmcInput::add(const Session& session) {
-  const std::optional<double> last = view_->lastTime();
-  const bool isNew = last && session.time() == *last;
-  if (isNew) latency_.push_back(1e6 * (view_->now() - *last));
-  const bool hears = last && view_->now() - *last < kSilentSeconds;
+  const std::optional<VmcStream::Given> last = view_->lastGiven();
+  const bool isNew = last && session.time() == last->time;
+  if (isNew) latency_.push_back(1e6 * (view_->now() - last->arrival));
+  const bool hears = last && view_->now() - last->time < kSilentSeconds;
   if (hears != heard_) {
     const std::string title = view_->title();
     say(hears ? fmt::format("A program is sending{}.\n", title.empty() ? "" : ": " + printable(title))
@@ -58,11 +93,9 @@ std::string VmcInput::state() const {
 void VmcInput::addTo(nlohmann::ordered_json& json) const {
   const VmcStream::Counts counts = view_->counts();
   const Percentiles latency = percentilesOf(latency_);
-  json["stream"] = {{"packets", counts.packets},
-                    {"refusedPackets", counts.refused},
-                    {"packetsOfOthers", counts.others},
-                    {"frames", counts.frames},
-                    {"jitter", 1e6 * counts.jitter}};
+  json["stream"] = {{"packets", counts.packets}, {"refusedPackets", counts.refused}, {"packetsOfOthers", counts.others},
+                    {"frames", counts.frames},   {"jitter", 1e6 * counts.jitter},    {"delay", delayMs_},
+                    {"lateFrames", counts.late}};
   json["latency"] = {{"median", latency.median}, {"p95", latency.p95}};
 }
 
@@ -73,6 +106,10 @@ void VmcInput::addTo(Report& report) const {
   if (counts.others > 0) packets += fmt::format("; {} of other senders ignored", counts.others);
   report.line("stream", fmt::format("{} in {}", counted(counts.frames, "frame"), packets));
   if (counts.frames > 1) report.line("jitter", fmt::format("{:.1f} ms", 1e3 * counts.jitter));
+  if (delayMs_ > 0.0) {
+    report.line("delay", fmt::format("{} ms, which the latency includes; {} came later", delayMs_,
+                                     counted(counts.late, "frame")));
+  }
   if (latency_.empty()) return;
   const Percentiles latency = percentilesOf(latency_);
   report.line("latency", fmt::format("{:.2f} ms from a packet to its hulls; 95 % within {:.2f} ms",

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "apps/command_line.h"
 #include "apps/report.h"
+#include "capture/retarget/sender_rest.h"
 #include "capture/streams/vmc_stream.h"
 #include "session/session.h"
 
@@ -13,18 +15,28 @@
 
 namespace lorica {
 
-/// Rejects a bad address before any work. @param listenAt  empty = none
-[[nodiscard]] Result<void> checkVmcInput(const std::string& listenAt);
+/// How a program is listened to.
+struct VmcInputOptions {
+  std::string listenAt;  ///< PORT or HOST:PORT; empty = not at all
+  int delayMs = 0;       ///< of the frames
+  std::string sender;    ///< see readSenderRest()
+};
+
+/// --vmc and --delay. @return --vmc
+Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options);
+
+/// Rejects a bad address or sender before any work.
+[[nodiscard]] Result<void> checkVmcInput(const VmcInputOptions& options);
 
 /// A VMC stream that a session follows, and what is told of it.
 class VmcInput {
  public:
-  /// @param listenAt  PORT or HOST:PORT
+  /// @param options  with an address
   /// @return the opened stream, or why there is none
-  [[nodiscard]] static Result<VmcInput> open(const std::string& listenAt);
+  [[nodiscard]] static Result<VmcInput> open(const VmcInputOptions& options);
 
-  /// For makeStreamPoseSource(), once. The stream must outlive this object's later use, as the session's source does.
-  [[nodiscard]] std::unique_ptr<BoneStream> takeStream() { return std::move(stream_); }
+  /// The poses of a character that follows the stream; once. The source must outlive this object's later use.
+  [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeSource(const Character& character, bool mirror);
 
   /// "VMC on 127.0.0.1:39539"
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -40,11 +52,13 @@ class VmcInput {
   void addTo(Report& report) const;
 
  private:
-  VmcInput(std::unique_ptr<VmcStream> stream, std::string name);
+  VmcInput(std::unique_ptr<VmcStream> stream, std::string name, std::optional<SenderRest> sender, int delayMs);
 
   const VmcStream* view_;
   std::unique_ptr<BoneStream> stream_;
   std::string name_;
+  std::optional<SenderRest> sender_;
+  int delayMs_;
   std::vector<double> latency_;  // from the packet to the posed hulls [us]
   bool heard_ = false;           // a frame came within half a second
 };

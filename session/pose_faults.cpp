@@ -13,26 +13,36 @@ class FaultyPoses final : public PoseSource {
       : source_(std::move(source)), frames_(settings) {}
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
-    if (inner_.empty()) {
-      inner_.assign(pose.begin(), pose.end());
-      shown_ = inner_;
-      taken_ = inner_;
-    }
+    if (inner_.pose.empty()) inner_.pose.assign(pose.begin(), pose.end());
     Result<std::optional<double>> time = take();
     if (!time || !time->has_value()) return time;
     taken_ = inner_;
     overtake(**time);
     if (!frames_.frozen() || !started_) shown_ = taken_;
     started_ = true;
-    std::copy(shown_.begin(), shown_.end(), pose.begin());
+    std::copy(shown_.pose.begin(), shown_.pose.end(), pose.begin());
     return time;
   }
 
+  [[nodiscard]] std::span<const double> trust() const override { return shown_.trust; }
+  [[nodiscard]] std::span<const NamedWeight> expressions() const override { return shown_.expressions; }
   [[nodiscard]] double waited() const override { return source_->waited(); }
 
  private:
+  /// What a source gave at once.
+  struct Frame {
+    Pose pose;
+    std::vector<double> trust;
+    std::vector<NamedWeight> expressions;
+  };
+
   Result<std::optional<double>> take() {
-    if (!ahead_) return source_->next(inner_);
+    if (!ahead_) {
+      Result<std::optional<double>> time = source_->next(inner_.pose);
+      inner_.trust.assign(source_->trust().begin(), source_->trust().end());
+      inner_.expressions.assign(source_->expressions().begin(), source_->expressions().end());
+      return time;
+    }
     Result<std::optional<double>> time = std::move(*ahead_);
     ahead_.reset();
     return time;
@@ -52,9 +62,9 @@ class FaultyPoses final : public PoseSource {
   std::unique_ptr<PoseSource> source_;
   FrameFaults frames_;
   std::optional<Result<std::optional<double>>> ahead_;  ///< the time of inner_ if it was not shown yet
-  Pose inner_;                                          ///< last pose of the source
-  Pose taken_;                                          ///< pose of this frame
-  Pose shown_;                                          ///< last pose that was not frozen
+  Frame inner_;                                         ///< the last one of the source
+  Frame taken_;                                         ///< the one of this time
+  Frame shown_;                                         ///< the last one that was not frozen
   bool started_ = false;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/named_weight.h"
 #include "capture/retarget/retarget.h"
 #include "capture/skeleton_frame.h"
 #include "capture/smoothing.h"
@@ -27,6 +28,10 @@ class PoseSource {
 
   /// Trust of each joint's position in the last pose, 0 to 1, see JointTrust; empty if all joints are fully trusted.
   [[nodiscard]] virtual std::span<const double> trust() const { return {}; }
+
+  /// Expressions of the face that belong to the last pose, valid until the next call of next(); empty if the source has
+  /// none.
+  [[nodiscard]] virtual std::span<const NamedWeight> expressions() const { return {}; }
 
   /// Time that the last next() waited for joints, including tracking [s]; 0 if they were available.
   [[nodiscard]] virtual double waited() const { return 0.0; }

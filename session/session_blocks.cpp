@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lorica {
 namespace {
 
@@ -17,6 +19,21 @@ std::uint64_t checkOf(std::string_view bytes, std::uint64_t chain) {
 }
 
 }  // namespace
+
+void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes) {
+  const auto fits = [](const NamedWeight& one) { return one.name.size() <= kLongestExpression; };
+  const auto fitting = static_cast<std::size_t>(std::count_if(expressions.begin(), expressions.end(), fits));
+  std::size_t left = std::min(fitting, kMostExpressions);
+  bytes.put(static_cast<std::uint16_t>(left));
+  for (const NamedWeight& one : expressions) {
+    if (left == 0) return;
+    if (!fits(one)) continue;
+    bytes.put(static_cast<std::uint8_t>(one.name.size()));
+    bytes.put(std::string_view(one.name));
+    bytes.put(one.weight);
+    --left;
+  }
+}
 
 void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain, std::string& bytes) {
   LORICA_CHECK(payload.size() <= kLargestBlock, "the payload of a block is too large");

@@ -1,10 +1,12 @@
 #pragma once
 
+#include "capture/named_weight.h"
 #include "geometry/result.h"
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -31,12 +33,20 @@ class ByteWriter {
     const auto* bytes = reinterpret_cast<const char*>(&number);
     bytes_.append(bytes, sizeof(Number));
   }
+  void put(std::string_view bytes) { bytes_ += bytes; }
   void clear() { bytes_.clear(); }
   [[nodiscard]] std::string_view bytes() const { return bytes_; }
 
  private:
   std::string bytes_;
 };
+
+/// Maximum number of expressions of one pose, and of bytes of their names.
+inline constexpr std::size_t kMostExpressions = 256, kLongestExpression = 128;
+
+/// Appends the expressions of one pose: their number in two bytes; for each the length of its name in one byte, the
+/// name, and the weight. Those beyond the maximum are left out.
+void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes);
 
 /// Appends a block to a file's bytes. @param chain  checksum of the previous block, input and output; initially 0
 void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain, std::string& bytes);

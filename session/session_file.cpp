@@ -40,6 +40,9 @@ class StepReader {
     }
     for (std::size_t i = 0; i < step.joints && !wrong_ && reader_.ok(); ++i) readJoints();
     for (std::size_t i = 0; i < step.poses && !wrong_ && reader_.ok(); ++i) readPose();
+    for (std::size_t i = 0; header_.poseExpressions && i < step.poses && !wrong_ && reader_.ok(); ++i) {
+      readExpressions();
+    }
     for (std::size_t i = 0; i < step.actions && !wrong_ && reader_.ok(); ++i) readAction();
     if (!reader_.ok()) return "is truncated";
     if (wrong_) return wrong_;
@@ -113,6 +116,27 @@ class StepReader {
       const auto trust = reader_.take<double>();
       if (!(trust >= 0.0 && trust <= 1.0)) fail(fmt::format("found a trust of {}, expected 0 to 1", trust));
       file_.poseTrust.push_back(trust);
+    }
+  }
+
+  void readExpressions() {
+    std::vector<NamedWeight>& all = file_.poseExpressions.emplace_back();
+    const auto count = reader_.take<std::uint16_t>();
+    if (count > kMostExpressions) {
+      return fail(fmt::format("found {} expressions, expected at most {}", count, kMostExpressions));
+    }
+    for (std::size_t i = 0; i < count && !wrong_ && reader_.ok(); ++i) {
+      const auto length = reader_.take<std::uint8_t>();
+      if (length > kLongestExpression) {
+        return fail(fmt::format("found a name of {} bytes, expected at most {}", length, kLongestExpression));
+      }
+      NamedWeight one;
+      one.name = reader_.takeText(length);
+      one.weight = reader_.take<float>();
+      if (!(one.weight >= 0.0f && one.weight <= 1.0f)) {
+        fail(fmt::format("found an expression of weight {}, expected 0 to 1", one.weight));
+      }
+      all.push_back(std::move(one));
     }
   }
 

@@ -17,9 +17,10 @@ namespace lorica {
 /// The inputs of a recorded session. File names are those at the time of the recording, as hints for finding the files;
 /// hashes verify that the files found are the same.
 struct SessionHeader {
-  std::string source;      ///< name of the motion: "walk"
-  int poseJoints = 0;      ///< joints per recorded pose; 0 = tracked joints were recorded
-  bool poseTrust = false;  ///< whether the trust of each joint was recorded with each pose
+  std::string source;            ///< name of the motion: "walk"
+  int poseJoints = 0;            ///< joints per recorded pose; 0 = tracked joints were recorded
+  bool poseTrust = false;        ///< whether the trust of each joint was recorded with each pose
+  bool poseExpressions = false;  ///< whether expressions of the face were recorded with each pose
 
   std::string character;                 ///< name or file, as given
   std::string boneMap;                   ///< file; empty = none
@@ -66,9 +67,11 @@ struct SessionFile {
   std::vector<double> poseTimes;      ///< [s]
   std::vector<JointTransform> poses;  ///< header.poseJoints for each time
   std::vector<double> poseTrust;      ///< header.poseJoints for each time; empty without header.poseTrust
-  std::vector<WorldAction> actions;   ///< of all steps, concatenated
-  bool finished = false;              ///< whether the file was closed; otherwise the program ended before
-  std::vector<std::string> notes;     ///< on dropped data
+  /// For each time; empty without header.poseExpressions.
+  std::vector<std::vector<NamedWeight>> poseExpressions;
+  std::vector<WorldAction> actions;  ///< of all steps, concatenated
+  bool finished = false;             ///< whether the file was closed; otherwise the program ended before
+  std::vector<std::string> notes;    ///< on dropped data
 };
 
 /// Reads and validates a .lsession file. An incomplete block at the end is dropped, with a note; all other damage is an

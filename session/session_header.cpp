@@ -110,6 +110,7 @@ std::string textOf(const SessionHeader& header) {
   json["source"] = header.source;
   json["pose-joints"] = header.poseJoints;
   if (header.poseTrust) json["pose-trust"] = true;
+  if (header.poseExpressions) json["pose-expressions"] = true;
   SceneJson& character = json["character"];
   character["name"] = header.character;
   if (!header.boneMap.empty()) character["map"] = header.boneMap;
@@ -151,8 +152,8 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   std::optional<std::string> error;
   SessionHeader header;
   SceneElement root(*json, "", error);
-  root.allow({"format", "source", "pose-joints", "pose-trust", "character", "decomposition", "mirror", "upper-body",
-              "smoothing", "faults", "springs", "scene"});
+  root.allow({"format", "source", "pose-joints", "pose-trust", "pose-expressions", "character", "decomposition",
+              "mirror", "upper-body", "smoothing", "faults", "springs", "scene"});
   std::string format;
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
@@ -162,6 +163,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   root.text("source", header.source);
   root.integer("pose-joints", 0, kMaxPoseJoints, header.poseJoints);
   if (root.has("pose-trust")) root.flag("pose-trust", header.poseTrust);
+  if (root.has("pose-expressions")) root.flag("pose-expressions", header.poseExpressions);
   for (const char* key : {"character", "decomposition", "scene"}) root.need(key, "an object");
   if (!root.failed()) readCharacter(root.child("character"), header);
   if (!root.failed()) readBody(root.child("decomposition"), header);

@@ -58,7 +58,7 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
   if (!found) return found.error();
   const Result<int> descriptor = createPart(part);
   if (!descriptor) return descriptor.error();
-  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, *descriptor, header.poseJoints > 0));
+  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, *descriptor, header));
   recorder->found_ = std::move(*found);
   recorder->block_ = kSessionMagic;
   appendBlock(BlockKind::kHeader, textOf(header), recorder->chain_, recorder->block_);
@@ -67,8 +67,12 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
   return recorder;
 }
 
-SessionRecorder::SessionRecorder(fs::path file, fs::path part, int descriptor, bool poses)
-    : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor), poses_(poses) {}
+SessionRecorder::SessionRecorder(fs::path file, fs::path part, int descriptor, const SessionHeader& header)
+    : file_(std::move(file)),
+      part_(std::move(part)),
+      descriptor_(descriptor),
+      poses_(header.poseJoints > 0),
+      expressions_(header.poseExpressions) {}
 
 SessionRecorder::~SessionRecorder() {
   if (descriptor_ >= 0) close(descriptor_);
@@ -112,6 +116,7 @@ Result<void> SessionRecorder::afterStep(const Session& session, std::span<const 
       if (log_->trust.empty()) continue;
       for (const double trust : std::span(log_->trust).subspan(i * joints, joints)) step_.put(trust);
     }
+    if (expressions_) step_.put(log_->expressions.bytes());
   } else {
     for (const SkeletonFrame& frame : log_->joints) put(frame, step_);
   }

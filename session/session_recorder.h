@@ -50,14 +50,15 @@ class SessionRecorder final : public StepWatcher {
   [[nodiscard]] bool cutShort() const { return over_; }
 
  private:
-  SessionRecorder(std::filesystem::path file, std::filesystem::path part, int descriptor, bool poses);
+  SessionRecorder(std::filesystem::path file, std::filesystem::path part, int descriptor, const SessionHeader& header);
   [[nodiscard]] Result<void> write();
 
   std::filesystem::path file_, part_;
   std::optional<std::filesystem::path> found_;
   std::mutex mutex_;  ///< of the file
   int descriptor_;
-  bool poses_;  ///< whether poses are recorded; otherwise joints
+  bool poses_;        ///< whether poses are recorded; otherwise joints
+  bool expressions_;  ///< whether expressions are recorded with them
   std::shared_ptr<SourceLog> log_ = std::make_shared<SourceLog>();
   ByteWriter step_;
   std::string block_;  ///< bytes to be written

@@ -16,11 +16,13 @@ namespace {
 /// Recorded poses with the trust that they had.
 class RecordedPoses final : public PoseSource {
  public:
-  /// @param trust  one for each joint of each pose; empty = all trusted
-  RecordedPoses(SkeletalMotion motion, std::vector<double> trust)
+  /// @param trust        one for each joint of each pose; empty = all trusted
+  /// @param expressions  of each pose; empty = none
+  RecordedPoses(SkeletalMotion motion, std::vector<double> trust, std::vector<std::vector<NamedWeight>> expressions)
       : joints_(static_cast<std::size_t>(motion.skeleton.jointCount())),
         poses_(makeMotionPoseSource(std::move(motion))),
-        trust_(std::move(trust)) {}
+        trust_(std::move(trust)),
+        expressions_(std::move(expressions)) {}
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
     Result<std::optional<double>> time = poses_->next(pose);
@@ -31,11 +33,16 @@ class RecordedPoses final : public PoseSource {
     if (trust_.empty() || read_ == 0) return {};
     return std::span(trust_).subspan((read_ - 1) * joints_, joints_);
   }
+  [[nodiscard]] std::span<const NamedWeight> expressions() const override {
+    if (expressions_.empty() || read_ == 0) return {};
+    return expressions_[read_ - 1];
+  }
 
  private:
   std::size_t joints_;
   std::unique_ptr<PoseSource> poses_;
   std::vector<double> trust_;
+  std::vector<std::vector<NamedWeight>> expressions_;
   std::size_t read_ = 0;
 };
 
@@ -52,7 +59,8 @@ Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& rec
                              character.skeleton.jointCount())};
   }
   SkeletalMotion motion{recorded.header.source, character.skeleton, recorded.poseTimes, recorded.poses};
-  return makeTreatedSource(std::make_unique<RecordedPoses>(std::move(motion), recorded.poseTrust), treatment);
+  return makeTreatedSource(
+      std::make_unique<RecordedPoses>(std::move(motion), recorded.poseTrust, recorded.poseExpressions), treatment);
 }
 
 void SessionReplay::beforeStep(Session& session) {

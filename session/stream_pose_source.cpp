@@ -4,6 +4,7 @@
 #include "session/proxy_pose_source.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -18,21 +19,24 @@ constexpr double kRecoverSeconds = 0.3;
 class StreamPoseSource final : public PoseSource {
  public:
   StreamPoseSource(const Skeleton& skeleton, StreamRetargeter retargeter, std::unique_ptr<BoneStream> stream,
-                   bool mirror)
+                   const StreamSettings& settings)
       : skeleton_(skeleton),
         retargeter_(std::move(retargeter)),
         stream_(std::move(stream)),
-        mirror_(mirror),
+        settings_(settings),
         trust_(static_cast<std::size_t>(skeleton.jointCount()), 0.0) {}
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
-    const double begin = stream_->now();
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point begin = Clock::now();
     const bool isNew = stream_->wait(kLongestWait, frame_);
+    waited_ = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (!isNew && stream_->ended()) return std::optional<double>();
     const double now = stream_->now();
-    waited_ = now - begin;
     if (isNew) {
       heard_ = true;
-      if (mirror_) frame_.pose = mirrored(frame_.pose);
+      if (settings_.sender) settings_.sender->apply(frame_.pose);
+      if (settings_.mirror) frame_.pose = mirrored(frame_.pose);
     }
     const double time = std::max(isNew ? frame_.time : now, time_);
     const bool known = heard_ && frame_.tracking && now - frame_.time < kSilentSeconds;
@@ -43,6 +47,7 @@ class StreamPoseSource final : public PoseSource {
   }
 
   [[nodiscard]] std::span<const double> trust() const override { return trust_; }
+  [[nodiscard]] std::span<const NamedWeight> expressions() const override { return frame_.expressions; }
   [[nodiscard]] double waited() const override { return waited_; }
 
  private:
@@ -68,7 +73,7 @@ class StreamPoseSource final : public PoseSource {
   Skeleton skeleton_;
   StreamRetargeter retargeter_;
   std::unique_ptr<BoneStream> stream_;
-  bool mirror_;
+  StreamSettings settings_;
   BoneFrame frame_;
   bool heard_ = false;
   double time_ = 0.0;
@@ -79,14 +84,14 @@ class StreamPoseSource final : public PoseSource {
 }  // namespace
 
 Result<std::unique_ptr<PoseSource>> makeStreamPoseSource(const Character& character, std::unique_ptr<BoneStream> stream,
-                                                         bool mirror) {
+                                                         const StreamSettings& settings) {
   LORICA_CHECK(stream != nullptr, "a stream pose source needs a stream");
   Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
   if (!proxy) return proxy.error();
   Result<StreamRetargeter> retargeter = StreamRetargeter::create(proxy->skeleton());
   if (!retargeter) return retargeter.error();
   auto source =
-      std::make_unique<StreamPoseSource>(proxy->skeleton(), std::move(*retargeter), std::move(stream), mirror);
+      std::make_unique<StreamPoseSource>(proxy->skeleton(), std::move(*retargeter), std::move(stream), settings);
   if (proxy->isOwn()) return std::unique_ptr<PoseSource>(std::move(source));
   return makeProxyPoseSource(std::move(*proxy), std::move(source));
 }

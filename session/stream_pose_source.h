@@ -1,20 +1,28 @@
 #pragma once
 
+#include "capture/retarget/sender_rest.h"
 #include "capture/streams/bone_stream.h"
 #include "session/pose_source.h"
 #include "skinning/character.h"
 
 #include <memory>
+#include <optional>
 
 namespace lorica {
 
-/// Poses a character with what another program sends, see StreamRetargeter. Never ends.
+struct StreamSettings {
+  bool mirror = false;                    ///< swaps left and right, except for expressions
+  std::optional<SenderRest> sender = {};  ///< of a sender whose zero rotations are no T-pose
+};
+
+/// Poses a character with what another program sends, see StreamRetargeter. Ends with the stream.
 ///
 /// Without new frames the pose is held, and time goes on in steps of at most 1/30 s. After half a second of silence, or
 /// while the sender says that it is not tracking, the trust of all joints is 0. It is also 0 for limbs that the sender
 /// leaves out. It recovers within 0.3 s.
 /// @return the source, or an error with the humanoid bones that the character lacks
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeStreamPoseSource(const Character& character,
-                                                                       std::unique_ptr<BoneStream> stream, bool mirror);
+                                                                       std::unique_ptr<BoneStream> stream,
+                                                                       const StreamSettings& settings = {});
 
 }  // namespace lorica

@@ -34,11 +34,13 @@ class LoggedPoses final : public PoseSource {
       log_->poseTimes.push_back(**time);
       log_->poses.insert(log_->poses.end(), pose.begin(), pose.end());
       log_->trust.insert(log_->trust.end(), source_->trust().begin(), source_->trust().end());
+      putExpressions(source_->expressions(), log_->expressions);
     }
     return time;
   }
   [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
   [[nodiscard]] std::span<const double> trust() const override { return source_->trust(); }
+  [[nodiscard]] std::span<const NamedWeight> expressions() const override { return source_->expressions(); }
   [[nodiscard]] double waited() const override { return source_->waited(); }
 
  private:

@@ -3,6 +3,7 @@
 #include "capture/fault_injector.h"
 #include "capture/skeleton_frame.h"
 #include "session/pose_source.h"
+#include "session/session_blocks.h"
 
 #include <memory>
 #include <vector>
@@ -15,12 +16,14 @@ struct SourceLog {
   std::vector<double> poseTimes;      ///< [s]
   std::vector<JointTransform> poses;  ///< jointCount per time
   std::vector<double> trust;          ///< jointCount per time; empty if the source has none, see PoseSource::trust()
+  ByteWriter expressions;             ///< of each time, as session files hold them, see putExpressions()
 
   void clear() {
     joints.clear();
     poseTimes.clear();
     poses.clear();
     trust.clear();
+    expressions.clear();
   }
 };
 

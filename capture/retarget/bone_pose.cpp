@@ -50,6 +50,18 @@ BonePose mirrored(const BonePose& pose) {
   return out;
 }
 
+WorldBones worldOf(const BonePose& pose) {
+  WorldBones world;
+  for (std::size_t b = 0; b < world.turn.size(); ++b) {
+    const std::optional<HumanBone> parent = parentBone(static_cast<HumanBone>(b));
+    const Quat above = parent ? world.turn[index(*parent)] : pose.rootRotation;
+    const Vec3 from = parent ? world.position[index(*parent)] : pose.rootPosition;
+    world.turn[b] = pose.rotation[b] ? (above * *pose.rotation[b]).normalized() : above;
+    world.position[b] = from + above * pose.offset[b];
+  }
+  return world;
+}
+
 std::vector<Quat> boneReference(const RetargetRig& rig) {
   const Skeleton& skeleton = rig.skeleton;
   const auto joints = static_cast<std::size_t>(skeleton.jointCount());

@@ -28,6 +28,14 @@ struct BonePose {
   }
 };
 
+/// Where the bones of a pose are in the world.
+struct WorldBones {
+  std::array<Quat, kHumanBoneCount> turn;      ///< from the T-pose
+  std::array<Vec3, kHumanBoneCount> position;  ///< of the joint where the bone begins [m]
+};
+/// Bones that the pose lacks follow their parents.
+[[nodiscard]] WorldBones worldOf(const BonePose& pose);
+
 /// The pose of the other side: as a mirror shows it.
 [[nodiscard]] BonePose mirrored(const BonePose& pose);
 

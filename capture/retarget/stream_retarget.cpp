@@ -54,14 +54,7 @@ void StreamRetargeter::apply(const BonePose& sent, double time, bool known, std:
 }
 
 StreamRetargeter::Sender StreamRetargeter::readSender(const BonePose& sent) const {
-  Sender sender;
-  for (std::size_t b = 0; b < sender.turn.size(); ++b) {
-    const std::optional<HumanBone> parent = parentBone(static_cast<HumanBone>(b));
-    const Quat above = parent ? sender.turn[index(*parent)] : sent.rootRotation;
-    const Vec3 from = parent ? sender.position[index(*parent)] : sent.rootPosition;
-    sender.turn[b] = sent.rotation[b] ? (above * *sent.rotation[b]).normalized() : above;
-    sender.position[b] = from + above * sent.offset[b];
-  }
+  Sender sender{worldOf(sent)};
   sender.middleHip =
       0.5 * (sender.position[index(HumanBone::kLeftUpperLeg)] + sender.position[index(HumanBone::kRightUpperLeg)]);
   double length = 0.0;

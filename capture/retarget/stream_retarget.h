@@ -43,9 +43,7 @@ class StreamRetargeter {
 
  private:
   /// The sender's body in one frame.
-  struct Sender {
-    std::array<Quat, kHumanBoneCount> turn;  ///< worldFromBone, identity in T-pose
-    std::array<Vec3, kHumanBoneCount> position;
+  struct Sender : WorldBones {
     double legLength = 0.0;  ///< 0 if its offsets do not tell
     Vec3 middleHip = Vec3::Zero();
   };

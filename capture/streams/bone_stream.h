@@ -1,6 +1,9 @@
 #pragma once
 
+#include "capture/named_weight.h"
 #include "capture/retarget/bone_pose.h"
+
+#include <vector>
 
 namespace lorica {
 
@@ -8,7 +11,8 @@ namespace lorica {
 struct BoneFrame {
   double time = 0.0;  ///< when its last packet arrived, in seconds since the stream began
   BonePose pose;
-  bool tracking = true;  ///< false if the sender says that it is not tracking
+  bool tracking = true;                  ///< false if the sender says that it is not tracking
+  std::vector<NamedWeight> expressions;  ///< in the order in which the sender first named them
 };
 
 /// A body that another program sends while it moves. Each protocol is one implementation, see docs/STREAMS.md.
@@ -23,6 +27,8 @@ class BoneStream {
   [[nodiscard]] virtual bool wait(double seconds, BoneFrame& frame) = 0;
   /// Whether wait() would return at once with a new frame.
   [[nodiscard]] virtual bool ready() const = 0;
+  /// Whether there will never be a frame again, as after the last one of a recording.
+  [[nodiscard]] virtual bool ended() const { return false; }
   /// Seconds since the stream began.
   [[nodiscard]] virtual double now() const = 0;
 };

@@ -59,6 +59,11 @@ Result<int> openFirst(const NetworkAddress& address, bool passive, const char* p
                fmt::format("{}: cannot {}: {}", textOf(address), purpose, std::strerror(reason))};
 }
 
+std::uint16_t portOf(const sockaddr_storage& address) {
+  if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
+  return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
+}
+
 }  // namespace
 
 Result<NetworkAddress> parseNetworkAddress(const std::string& text, bool needsHost) {
@@ -123,7 +128,7 @@ std::optional<UdpSocket::Packet> UdpSocket::receive(std::span<std::byte> memory,
       recvfrom(descriptor_, memory.data(), memory.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
   if (size < 0) return std::nullopt;
   return Packet{static_cast<std::size_t>(size),
-                contentHash(std::string_view(reinterpret_cast<const char*>(&from), length))};
+                contentHash(std::string_view(reinterpret_cast<const char*>(&from), length)), portOf(from)};
 }
 
 bool UdpSocket::send(std::span<const std::byte> packet) {
@@ -134,8 +139,7 @@ std::uint16_t UdpSocket::port() const {
   sockaddr_storage own{};
   socklen_t length = sizeof own;
   if (getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &length) != 0) return 0;
-  if (own.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6*>(&own)->sin6_port);
-  return ntohs(reinterpret_cast<const sockaddr_in*>(&own)->sin_port);
+  return portOf(own);
 }
 
 }  // namespace lorica

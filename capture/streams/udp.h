@@ -39,6 +39,7 @@ class UdpSocket {
   struct Packet {
     std::size_t size = 0;
     std::uint64_t sender = 0;  ///< a hash of its address and port
+    std::uint16_t port = 0;    ///< of the sender
   };
   /// Waits for a packet. @param memory  gets its bytes; a longer packet is cut
   /// @return the packet; nothing if none came within the time

@@ -75,7 +75,7 @@ VmcReceiver::Taken VmcReceiver::takeExpression(OscArguments arguments) {
   const std::optional<double> weight = arguments.number();
   if (!name || !weight) return Taken::kNothing;
   const auto known = std::find_if(expressions_.begin(), expressions_.end(),
-                                  [&](const VmcExpression& expression) { return expression.name == *name; });
+                                  [&](const NamedWeight& expression) { return expression.name == *name; });
   const auto index = static_cast<std::size_t>(known - expressions_.begin());
   if (known == expressions_.end()) {
     if (expressions_.size() == kMostExpressions || name->size() > kLongestName) return Taken::kState;
@@ -160,6 +160,7 @@ void VmcReceiver::complete() {
   frame_.time = now_;
   frame_.pose = pending_;
   frame_.tracking = tracking_;
+  frame_.expressions = expressions_;
   fresh_.fill(false);
   freshCount_ = 0;
   completed_ = true;

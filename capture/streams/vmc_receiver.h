@@ -14,12 +14,6 @@
 
 namespace lorica {
 
-/// An expression that the sender set.
-struct VmcExpression {
-  std::string name;
-  float weight = 0.0f;
-};
-
 /// Collects the messages of one sender of the VMC protocol (https://protocol.vmc.info, version 3.1) to frames.
 ///
 /// A frame is complete when every bone that the sender keeps sending has come again; or when a bone comes again, OK or
@@ -36,8 +30,8 @@ class VmcReceiver {
   bool wait(double seconds);
 
   [[nodiscard]] const BoneFrame& frame() const { return frame_; }
-  /// In the order in which they first came; weights as of the last "apply".
-  [[nodiscard]] std::span<const VmcExpression> expressions() const { return expressions_; }
+  /// In the order in which they first came; weights as of the last "apply". Those of frame() are as of its end.
+  [[nodiscard]] std::span<const NamedWeight> expressions() const { return expressions_; }
   /// Packets that were no OSC, or that no message of was understood.
   [[nodiscard]] std::int64_t refusedCount() const { return refused_; }
   /// The title of the sender's avatar as it reports it; empty if it does not.
@@ -65,7 +59,7 @@ class VmcReceiver {
   double firstFresh_ = 0.0;
   double now_ = 0.0;
   bool completed_ = false;
-  std::vector<VmcExpression> expressions_;
+  std::vector<NamedWeight> expressions_;
   std::vector<float> wanted_;  ///< weights before "apply"
   std::int64_t refused_ = 0;
   std::string title_;

@@ -3,22 +3,19 @@
 #include "capture/streams/vmc_writer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace lorica {
 namespace {
 
-/// A sender that is silent for this time gives way to another one [s].
-constexpr double kSilentSeconds = 0.5;
 /// How long the thread waits for a packet before it looks whether to stop, or whether a frame is complete [s].
 constexpr double kPollSeconds = 0.02;
-/// Share of a new value in the means of steps and jitter, as RTP computes them (RFC 3550, 6.4.1).
-constexpr double kMeanShare = 1.0 / 16.0;
+constexpr std::size_t kMostWaiting = 256;
 
 }  // namespace
 
-VmcStream::VmcStream(UdpSocket socket) : socket_(std::move(socket)), thread_([this] { run(); }) {}
+VmcStream::VmcStream(UdpSocket socket, double delay)
+    : socket_(std::move(socket)), pace_(delay), waiting_(kMostWaiting), thread_([this] { run(); }) {}
 
 VmcStream::~VmcStream() {
   {
@@ -34,69 +31,65 @@ double VmcStream::now() const {
 
 void VmcStream::run() {
   std::vector<std::byte> memory(kLargestPacket);
-  std::optional<std::uint64_t> followed;
-  double lastHeard = 0.0;
   while (true) {
     const std::optional<UdpSocket::Packet> packet = socket_.receive(memory, kPollSeconds);
     const double seconds = now();
-    bool complete = false;
-    if (packet) {
-      const bool silent = seconds - lastHeard > kSilentSeconds;
-      if (!followed || (silent && *followed != packet->sender)) {
-        followed = packet->sender;
-        receiver_ = {};
-      }
-      const bool own = *followed == packet->sender;
-      if (own) {
-        lastHeard = seconds;
-        complete = receiver_.take(std::span(memory).first(packet->size), seconds);
-      }
-      const std::lock_guard lock(mutex_);
-      ++(own ? counts_.packets : counts_.others);
-      counts_.refused = receiver_.refusedCount();
-    } else {
-      complete = receiver_.wait(seconds);
-    }
-    if (complete) publish(seconds);
+    const bool complete = packet ? follower_.take(std::span(memory).first(packet->size), packet->sender, seconds)
+                                 : follower_.wait(seconds);
     const std::lock_guard lock(mutex_);
+    counts_.packets = follower_.packets();
+    counts_.others = follower_.others();
+    counts_.refused = follower_.refused();
+    if (complete) publish();
     if (stop_) return;
   }
 }
 
-void VmcStream::publish(double seconds) {
-  const std::lock_guard lock(mutex_);
-  latest_ = receiver_.frame();
-  const std::span<const VmcExpression> expressions = receiver_.expressions();
-  expressions_.assign(expressions.begin(), expressions.end());
-  if (title_ != receiver_.title()) title_ = receiver_.title();
-  if (lastFrame_) {
-    const double step = seconds - *lastFrame_;
-    meanStep_ += counts_.frames == 1 ? step : kMeanShare * (step - meanStep_);
-    counts_.jitter += kMeanShare * (std::abs(step - meanStep_) - counts_.jitter);
+/// Puts the frame at the end of the ring; the oldest gives way.
+void VmcStream::publish() {
+  const VmcReceiver& receiver = follower_.receiver();
+  if (count_ == kMostWaiting) {
+    first_ = (first_ + 1) % kMostWaiting;
+    --count_;
   }
-  lastFrame_ = seconds;
+  Waiting& place = waiting_[(first_ + count_++) % kMostWaiting];
+  place.frame = receiver.frame();
+  place.due = pace_.due(receiver.frame().time);
+  if (title_ != receiver.title()) title_ = receiver.title();
   ++counts_.frames;
+  counts_.jitter = pace_.jitter();
+  counts_.late = pace_.late();
   changed_.notify_all();
+}
+
+bool VmcStream::isDue(double seconds) const {
+  return count_ > 0 && waiting_[first_].due <= seconds;
 }
 
 bool VmcStream::wait(double seconds, BoneFrame& frame) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return counts_.frames > given_; });
-  if (counts_.frames == given_) return false;
-  given_ = counts_.frames;
-  frame = latest_;
-  givenTime_ = latest_.time;
+  const double until = now() + seconds;
+  while (!isDue(now())) {
+    const double left = std::min(until, count_ > 0 ? waiting_[first_].due : until) - now();
+    if (now() >= until) return false;
+    if (left > 0.0) changed_.wait_for(lock, std::chrono::duration<double>(left));
+  }
+  // Of several that are due the last one is given.
+  std::size_t latest = first_;
+  while (isDue(now())) {
+    latest = first_;
+    first_ = (first_ + 1) % kMostWaiting;
+    --count_;
+  }
+  frame = waiting_[latest].frame;
+  given_ = Given{waiting_[latest].due, frame.time};
+  frame.time = waiting_[latest].due;
   return true;
 }
 
 bool VmcStream::ready() const {
   const std::lock_guard lock(mutex_);
-  return counts_.frames > given_;
-}
-
-void VmcStream::readExpressions(std::vector<VmcExpression>& expressions) const {
-  const std::lock_guard lock(mutex_);
-  expressions.assign(expressions_.begin(), expressions_.end());
+  return isDue(now());
 }
 
 VmcStream::Counts VmcStream::counts() const {
@@ -104,9 +97,9 @@ VmcStream::Counts VmcStream::counts() const {
   return counts_;
 }
 
-std::optional<double> VmcStream::lastTime() const {
+std::optional<VmcStream::Given> VmcStream::lastGiven() const {
   const std::lock_guard lock(mutex_);
-  return givenTime_;
+  return given_;
 }
 
 std::string VmcStream::title() const {

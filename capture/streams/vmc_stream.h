@@ -1,21 +1,25 @@
 #pragma once
 
 #include "capture/streams/bone_stream.h"
+#include "capture/streams/frame_pace.h"
 #include "capture/streams/udp.h"
-#include "capture/streams/vmc_receiver.h"
+#include "capture/streams/vmc_follower.h"
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
 namespace lorica {
 
-/// Listens for VMC packets on its own thread. Follows one sender: the first, and another one when that was silent for
-/// half a second.
+/// Listens for VMC packets on its own thread, see VmcFollower. At most 256 frames wait to be taken, whatever is sent.
+///
+/// With a delay frames are given at an even pace, see FramePace.
 class VmcStream final : public BoneStream {
  public:
   struct Counts {
@@ -23,11 +27,12 @@ class VmcStream final : public BoneStream {
     std::int64_t refused = 0;  ///< of these, packets that were not understood
     std::int64_t others = 0;   ///< packets of other senders
     std::int64_t frames = 0;
-    double jitter = 0.0;  ///< mean deviation of the time between frames from its mean [s]
+    std::int64_t late = 0;  ///< of these, frames that the delay was too short for
+    double jitter = 0.0;    ///< mean deviation of the time between frames from its mean [s]
   };
 
-  /// Starts to listen.
-  explicit VmcStream(UdpSocket socket);
+  /// Starts to listen. @param delay  of each frame [s]
+  explicit VmcStream(UdpSocket socket, double delay = 0.0);
   ~VmcStream() override;
   VmcStream(const VmcStream&) = delete;
   VmcStream& operator=(const VmcStream&) = delete;
@@ -36,32 +41,40 @@ class VmcStream final : public BoneStream {
   [[nodiscard]] bool ready() const override;
   [[nodiscard]] double now() const override;
 
-  /// The expressions of the last frame that wait() gave.
-  void readExpressions(std::vector<VmcExpression>& expressions) const;
   [[nodiscard]] Counts counts() const;
-  /// BoneFrame::time of the last frame that wait() gave; none before the first.
-  [[nodiscard]] std::optional<double> lastTime() const;
+  /// When the last frame that wait() gave was given, its BoneFrame::time, and when its last packet arrived [s].
+  struct Given {
+    double time = 0.0;
+    double arrival = 0.0;
+  };
+  /// None before the first frame.
+  [[nodiscard]] std::optional<Given> lastGiven() const;
   /// The sender's avatar as it reports it; empty if it does not.
   [[nodiscard]] std::string title() const;
 
  private:
+  struct Waiting {
+    BoneFrame frame;
+    double due = 0.0;  ///< when it is given [s]
+  };
+
   void run();
-  void publish(double seconds);
+  void publish();
+  [[nodiscard]] bool isDue(double seconds) const;
 
   UdpSocket socket_;      ///< used by the thread only
-  VmcReceiver receiver_;  ///< used by the thread only
+  VmcFollower follower_;  ///< used by the thread only
+  FramePace pace_;        ///< used by the thread only
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  BoneFrame latest_;
-  std::vector<VmcExpression> expressions_;
+  std::vector<Waiting> waiting_;  ///< a ring
+  std::size_t first_ = 0;         ///< of the ring
+  std::size_t count_ = 0;         ///< in the ring
   std::string title_;
   Counts counts_;
-  std::int64_t given_ = 0;  ///< frames up to the last that wait() gave
-  std::optional<double> givenTime_;
-  double meanStep_ = 0.0;
-  std::optional<double> lastFrame_;
+  std::optional<Given> given_;
   bool stop_ = false;
 
   std::thread thread_;

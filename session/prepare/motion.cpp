@@ -2,6 +2,8 @@
 
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "capture/streams/recorded_stream.h"
+#include "session/stream_pose_source.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +16,15 @@ constexpr double kClipRate = 60.0;  // [1/s]
 
 Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
   return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
+}
+
+/// The source of a motion of packets.
+Result<std::unique_ptr<PoseSource>> streamSourceOf(const Character& character, const Motion& motion,
+                                                   const JointSettings& settings) {
+  Result<std::unique_ptr<PoseSource>> source = makeStreamPoseSource(
+      character, std::make_unique<RecordedStream>(motion.packets->file), {settings.mirror, motion.packets->sender});
+  if (!source) return onCharacter(motion, character, source.error());
+  return source;
 }
 
 }  // namespace
@@ -39,7 +50,11 @@ Result<SkeletalMotion> performedBy(const Character& character, const Motion& mot
 }
 
 Result<void> checkPerformed(const Character& character, const Motion& motion, const JointSettings& settings) {
-  Motion first{motion.name, {}, std::nullopt, motion.fromCharacterFile, motion.format, {}};
+  if (motion.packets) {
+    const Result<std::unique_ptr<PoseSource>> source = streamSourceOf(character, motion, settings);
+    return source ? Result<void>() : source.error();
+  }
+  Motion first{motion.name, {}, std::nullopt, std::nullopt, motion.fromCharacterFile, motion.format, {}};
   if (motion.bones) {
     const std::span<const JointTransform> pose = motion.bones->pose(0);
     first.bones = SkeletalMotion{
@@ -53,6 +68,11 @@ Result<void> checkPerformed(const Character& character, const Motion& motion, co
 
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const SourceTreatment& treatment) {
+  if (motion.packets) {
+    Result<std::unique_ptr<PoseSource>> source = streamSourceOf(character, motion, treatment.joints);
+    if (!source) return source.error();
+    return makeTreatedSource(std::move(*source), treatment);
+  }
   if (!motion.bones) {
     Result<std::unique_ptr<PoseSource>> source =
         makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);

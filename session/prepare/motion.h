@@ -1,6 +1,8 @@
 #pragma once
 
+#include "capture/retarget/sender_rest.h"
 #include "capture/skeleton_frame.h"
+#include "capture/streams/packet_file.h"
 #include "geometry/result.h"
 #include "session/pose_source.h"
 #include "session/treated_source.h"
@@ -14,16 +16,27 @@
 
 namespace lorica {
 
+/// What a program sent while it was recorded.
+struct RecordedPackets {
+  std::shared_ptr<const PacketFile> file;
+  std::optional<SenderRest> sender;
+  int steps = 0;  ///< of a session that follows it, pauses included
+};
+
 /// A recorded motion before a character performs it: joints, or the motion of a skeleton of its own.
 struct Motion {
   std::string name;  ///< a file's stem or a shipped name; "hero: Run" for a clip
   std::vector<SkeletonFrame> joints;
-  std::optional<SkeletalMotion> bones;  ///< if set, there are no joints
-  bool fromCharacterFile = false;       ///< the bones are those of a character; another one may use the same names
-  std::string format;                   ///< "BVH", "joints (lorica)", "glTF 2.0"
-  std::vector<std::string> notes;       ///< what was guessed, repaired or left out
+  std::optional<SkeletalMotion> bones;          ///< if set, there are no joints
+  std::optional<RecordedPackets> packets = {};  ///< if set, poses come from these; the bones are the sender's
+  bool fromCharacterFile = false;  ///< the bones are those of a character; another one may use the same names
+  std::string format;              ///< "BVH", "joints (lorica)", "glTF 2.0"
+  std::vector<std::string> notes;  ///< what was guessed, repaired or left out
 
-  [[nodiscard]] int frameCount() const { return bones ? bones->frameCount() : static_cast<int>(joints.size()); }
+  [[nodiscard]] int frameCount() const {
+    if (packets) return packets->steps;
+    return bones ? bones->frameCount() : static_cast<int>(joints.size());
+  }
   [[nodiscard]] double firstTime() const { return bones ? bones->times.front() : joints.front().time; }
   /// From the first frame to the last [s].
   [[nodiscard]] double seconds() const { return (bones ? bones->times.back() : joints.back().time) - firstTime(); }

@@ -1,6 +1,7 @@
 #include "capture/streams/vmc_receiver.h"
 
 #include "capture/streams/vmc_names.h"
+#include "tests/capture/streams/vmc_packet.h"
 
 #include <gtest/gtest.h>
 
@@ -14,37 +15,7 @@ namespace {
 
 using B = HumanBone;
 
-/// Packets as other programs lay them out. Values are in Unity's axes.
-class Packet {
- public:
-  Packet& bundle() {
-    writer_.beginBundle();
-    return *this;
-  }
-  Packet& place(std::string_view address, std::string_view name, const std::vector<float>& values) {
-    writer_.beginMessage(address, "s" + std::string(values.size(), 'f'));
-    writer_.add(name);
-    for (const float value : values) writer_.add(value);
-    writer_.endMessage();
-    return *this;
-  }
-  Packet& bone(std::string_view name, const std::vector<float>& values = {0, 0.1f, 0, 0, 0, 0, 1}) {
-    return place("/VMC/Ext/Bone/Pos", name, values);
-  }
-  Packet& numbers(std::string_view address, const std::vector<std::int32_t>& values) {
-    writer_.beginMessage(address, std::string(values.size(), 'i'));
-    for (const std::int32_t value : values) writer_.add(value);
-    writer_.endMessage();
-    return *this;
-  }
-  Packet& weight(std::string_view name, float value) { return place("/VMC/Ext/Blend/Val", name, {value}); }
-  Packet& empty(std::string_view address) { return numbers(address, {}); }
-  [[nodiscard]] std::span<const std::byte> bytes() const { return writer_.packet(); }
-
- private:
-  std::vector<std::byte> memory_ = std::vector<std::byte>(16384);
-  OscWriter writer_{memory_};
-};
+using test::Packet;
 
 bool take(VmcReceiver& receiver, const Packet& packet, double seconds) {
   return receiver.take(packet.bytes(), seconds);
@@ -64,6 +35,14 @@ TEST(VmcNames, AreUnitys) {
   for (const char* other : {"", "LeftEye", "Jaw", "LastBone", "hipsy", "LEFTUPPERARM"}) {
     EXPECT_FALSE(vmcBoneNamed(other)) << other;
   }
+}
+
+TEST(VmcNames, ExpressionsHaveTheOldNames) {
+  EXPECT_EQ(vmcExpressionNamed("happy"), "Joy");
+  EXPECT_EQ(vmcExpressionNamed("blinkLeft"), "Blink_L");
+  EXPECT_EQ(vmcExpressionNamed("aa"), "A");
+  EXPECT_EQ(vmcExpressionNamed("surprised"), "surprised");
+  EXPECT_EQ(vmcExpressionNamed("MyFace"), "MyFace");
 }
 
 /// A turn of 90 degrees about Unity's +Y (clockwise from above) moves the left hand, at -X there, to +Z.
@@ -184,6 +163,8 @@ TEST(VmcReceiver, ExpressionsAreAppliedTogether) {
   EXPECT_EQ(receiver.expressions()[0].name, "Joy");
   EXPECT_EQ(receiver.expressions()[0].weight, 0.5f);
   EXPECT_EQ(receiver.expressions()[1].weight, 1.0f);  // weights are at most 1
+  EXPECT_TRUE(take(receiver, Packet().bundle().bone("Hips"), 0.01));
+  EXPECT_EQ(receiver.frame().expressions, (std::vector<NamedWeight>{{"Joy", 0.5f}, {"Blink", 1.0f}}));
 }
 
 TEST(VmcReceiver, ExpressionsAreBounded) {

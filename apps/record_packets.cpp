@@ -1,0 +1,154 @@
+#include "apps/record_packets.h"
+
+#include "apps/interrupt.h"
+#include "apps/report.h"
+#include "apps/session_files.h"
+#include "apps/standard_streams.h"
+#include "capture/streams/packet_file.h"
+#include "capture/streams/udp.h"
+#include "capture/streams/vmc_writer.h"
+#include "geometry/hard_stop.h"
+#include "geometry/part_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How long the socket is waited for before Ctrl-C is looked for [s].
+constexpr double kPollSeconds = 0.1;
+
+Error unwritable(const fs::path& file, int error) {
+  return {ErrorCode::kUnwritable, fmt::format("{}: {}", file.string(), std::generic_category().message(error))};
+}
+
+/// A .pcap file that grows. Each packet is handed to the system at once, so that a killed program loses none.
+class PacketWriter {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<PacketWriter>> create(const fs::path& file) {
+    const fs::path part = fs::path(file).replace_extension(".part.pcap");
+    const Result<std::optional<fs::path>> found = keepFound(part);
+    if (!found) return found.error();
+    sayFound(*found);
+    const Result<int> descriptor = createPart(part);
+    if (!descriptor) return descriptor.error();
+    std::unique_ptr<PacketWriter> writer(new PacketWriter(file, part, *descriptor));
+    if (Result<void> written = writer->write(packetFileHeader()); !written) return written.error();
+    return writer;
+  }
+  ~PacketWriter() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  PacketWriter(const PacketWriter&) = delete;
+  PacketWriter& operator=(const PacketWriter&) = delete;
+
+  Result<void> add(const std::string& record) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (descriptor_ < 0) return {};  // the program is being ended
+    ++packets_;
+    return write(record);
+  }
+  [[nodiscard]] int packets() const { return packets_; }
+
+  /// Renames the file; without packets it is removed. Further calls do nothing.
+  Result<void> finish() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (descriptor_ < 0) return {};
+    std::error_code failed;
+    if (packets_ == 0) {
+      close(std::exchange(descriptor_, -1));
+      fs::remove(part_, failed);
+      return {};
+    }
+    const bool kept = fsync(descriptor_) == 0 || errno == EINVAL;
+    const int error = errno;
+    close(std::exchange(descriptor_, -1));
+    if (!kept) return unwritable(part_, error);
+    fs::rename(part_, file_, failed);
+    return failed ? unwritable(file_, failed.value()) : Result<void>();
+  }
+
+ private:
+  PacketWriter(fs::path file, fs::path part, int descriptor)
+      : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor) {}
+
+  Result<void> write(const std::string& bytes) {
+    std::string_view rest = bytes;
+    while (!rest.empty()) {
+      const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return unwritable(part_, errno);
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return {};
+  }
+
+  fs::path file_, part_;
+  std::mutex mutex_;  ///< of the file
+  int descriptor_;
+  int packets_ = 0;
+  AtHardStop finishing_{[this] { (void)finish(); }};
+};
+
+std::uint64_t microsecondsNow() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(since).count());
+}
+
+}  // namespace
+
+Result<void> recordPackets(const std::string& out, const std::string& listenAt, const PlaybackOptions& limit,
+                           const CommonOptions& common) {
+  if (Result<void> fine = checkJsonOutput(common, {out}); !fine) return fine;
+  if (Result<void> fine = checkOutput("OUT", out, ".pcap"); !fine) return fine;
+  if (listenAt.empty()) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: packets come from a program, expected --vmc PORT", out)};
+  }
+  const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
+  Result<UdpSocket> socket = address ? UdpSocket::listen(*address) : address.error();
+  if (!socket) return Error{socket.error().code, "--vmc: " + socket.error().message};
+  const Result<std::unique_ptr<PacketWriter>> writer = PacketWriter::create(out);
+  if (!writer) return writer.error();
+
+  say(fmt::format("Recording packets to {}; press Ctrl-C to stop.\n", textOf(*address)));
+  std::vector<std::byte> memory(kLargestPacket);
+  std::optional<std::uint64_t> first;
+  double seconds = 0.0;
+  while (!interrupted()) {
+    const std::optional<UdpSocket::Packet> packet = socket->receive(memory, kPollSeconds);
+    const std::uint64_t now = microsecondsNow();
+    if (packet) {
+      if (!first) first = now;
+      const std::string record = packetRecord(std::span(memory).first(packet->size), now, packet->port, address->port);
+      if (Result<void> added = (*writer)->add(record); !added) return added;
+    }
+    seconds = first ? 1e-6 * static_cast<double>(now - *first) : 0.0;
+    if (limit.seconds > 0.0 && seconds >= limit.seconds) break;
+  }
+  answerInterrupt();
+  if (Result<void> done = (*writer)->finish(); !done) return done;
+  const int packets = (*writer)->packets();
+  if (packets == 0) return Error{ErrorCode::kCancelled, "cancelled"};
+  Report report(fmt::format("Recorded {} to {} ({:.1f} s)", counted(packets, "packet"), textOf(*address), seconds));
+  report.line("packets", out);
+  nlohmann::ordered_json json;
+  json["recording"] = out;
+  json["packets"] = packets;
+  json["seconds"] = seconds;
+  return publish(common, report, json);
+}
+
+}  // namespace lorica

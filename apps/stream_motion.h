@@ -1,0 +1,23 @@
+#pragma once
+
+#include "apps/motions.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// Reads a recording of VMC packets (.pcap): what the sender's bones did.
+[[nodiscard]] Result<Motion> readPacketMotion(const std::filesystem::path& file, const MotionOptions& options);
+
+/// Reads the motion of a recorded session (.lsession): its joints, or the poses of its character, whose file must be
+/// there.
+[[nodiscard]] Result<Motion> readSessionMotion(const std::filesystem::path& file);
+
+/// The rest pose of a sender's model. @param file  VRM 1.0; empty = none
+[[nodiscard]] Result<std::optional<SenderRest>> readSenderRest(const std::string& file);
+/// --sender FILE.vrm
+void addSenderOption(CommandLine& app, std::string& file);
+
+}  // namespace lorica

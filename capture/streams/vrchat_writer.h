@@ -1,0 +1,32 @@
+#pragma once
+
+#include "capture/retarget/bone_pose.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// Writes poses as VRChat's OSC trackers (https://docs.vrchat.com/docs/osc-trackers): one bundle a frame with head,
+/// hips, chest, feet, knees and elbows. Positions are the joints', scaled to a user of 1.7 m; rotations are those of
+/// the bones, of knees and elbows those of thighs and upper arms, as Euler angles in degrees that are applied in
+/// Unity's order Z, X, Y. Allocates nothing after construction.
+class VrchatWriter {
+ public:
+  /// @param height  of the character [m], positive
+  explicit VrchatWriter(double height);
+
+  /// @param pose  in our axes
+  /// @return the packet, valid until the next call
+  [[nodiscard]] std::span<const std::byte> write(const BonePose& pose);
+
+ private:
+  double scale_;
+  std::vector<std::byte> memory_;
+};
+
+/// Unity's eulerAngles of a rotation in Unity's axes [degrees]: R = Ry * Rx * Rz.
+[[nodiscard]] Vec3 unityAngles(const Quat& rotation);
+
+}  // namespace lorica

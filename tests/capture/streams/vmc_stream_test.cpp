@@ -1,0 +1,129 @@
+#include "capture/streams/vmc_stream.h"
+
+#include "geometry/random_numbers.h"
+#include "tests/capture/streams/vmc_packet.h"
+#include "tests/support/allocations.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+using test::Packet;
+
+/// Deviation of the steps between times from 1/60 s.
+double unevenness(const std::vector<double>& times) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < times.size(); ++i) sum += std::abs(times[i] - times[i - 1] - 1.0 / 60.0);
+  return sum / static_cast<double>(times.size() - 1);
+}
+
+TEST(FramePace, WithoutADelayEachFrameIsDueAtOnce) {
+  FramePace pace(0.0);
+  for (const double arrival : {0.0, 0.3, 0.301, 5.0}) EXPECT_EQ(pace.due(arrival), arrival);
+  EXPECT_EQ(pace.late(), 0);
+}
+
+TEST(FramePace, ADelayMakesAnUnevenPaceEven) {
+  RandomNumbers random(5);
+  FramePace pace(0.05);
+  std::vector<double> arrivals;
+  std::vector<double> due;
+  double cost = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    const double arrival = i / 60.0 + random.between(0.0, 0.016);
+    const double shown = pace.due(arrival);
+    EXPECT_GE(shown, arrival);
+    if (i < 120) continue;
+    arrivals.push_back(arrival);
+    due.push_back(shown);
+    cost += (shown - arrival) / 480.0;
+  }
+  EXPECT_TRUE(std::is_sorted(due.begin(), due.end()));
+  EXPECT_LT(unevenness(due), unevenness(arrivals) / 4.0);
+  EXPECT_NEAR(cost, 0.05, 0.005);
+  EXPECT_EQ(pace.late(), 0);
+}
+
+TEST(FramePace, FramesThatComeLaterThanTheDelayAreCounted) {
+  FramePace pace(0.02);
+  for (int i = 0; i < 100; ++i) (void)pace.due(i / 60.0 + (i % 10 == 9 ? 0.06 : 0.0));
+  EXPECT_GE(pace.late(), 5);
+  EXPECT_LE(pace.late(), 20);
+}
+
+TEST(FramePace, APauseBeginsAnew) {
+  FramePace pace(0.05);
+  for (int i = 0; i < 100; ++i) (void)pace.due(i / 60.0);
+  EXPECT_NEAR(pace.due(10.0), 10.05, 1e-9);
+}
+
+/// A hundred thousand packets, as fast as they can be sent: one frame at a time waits for the session, and neither
+/// side takes memory for more.
+TEST(VmcStream, AFloodIsOneFrameForEachStep) {
+  Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
+  ASSERT_TRUE(socket);
+  const std::uint16_t port = socket->port();
+  VmcStream stream(std::move(*socket));
+  Result<UdpSocket> sender = UdpSocket::connect({"127.0.0.1", port});
+  Result<UdpSocket> other = UdpSocket::connect({"127.0.0.1", port});
+  ASSERT_TRUE(sender && other);
+  Packet packet;
+  packet.bundle().bone("Hips").weight("Joy", 1.0f).empty("/VMC/Ext/Blend/Apply");
+  Packet small;
+  small.bundle();
+  BoneFrame frame;
+  for (int i = 0; i < 2000; ++i) sender->send(packet.bytes());  // every place of the ring gets its memory
+  for (int i = 0; i < 100 && !stream.wait(0.1, frame); ++i) {
+  }
+  const std::int64_t before = test::allocationCount();
+  int given = 0, waits = 0;
+  for (int i = 0; i < 100000; ++i) {
+    sender->send(packet.bytes());
+    if (i % 10 == 0) other->send(small.bytes());
+    if (i % 1000 != 0) continue;
+    ++waits;
+    given += stream.wait(0.0, frame) ? 1 : 0;
+  }
+  const std::int64_t allocations = test::allocationCount() - before;
+  EXPECT_EQ(waits, 100);
+  EXPECT_LE(given, waits);
+  EXPECT_LE(allocations, 20);  // of the first steps
+  // All that is left is one frame.
+  VmcStream::Counts counts = stream.counts();
+  for (int i = 0; i < 50; ++i) {
+    const VmcStream::Counts last = counts;
+    (void)stream.wait(0.05, frame);
+    counts = stream.counts();
+    if (counts.packets == last.packets) break;
+  }
+  EXPECT_FALSE(stream.wait(0.0, frame));
+  EXPECT_LE(counts.packets, 102000);
+  EXPECT_GT(counts.packets, 100);
+  EXPECT_EQ(frame.expressions, (std::vector<NamedWeight>{{"Joy", 1.0f}}));
+}
+
+TEST(VmcStream, ADelayedFrameIsGivenWhenItIsDue) {
+  Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
+  ASSERT_TRUE(socket);
+  Result<UdpSocket> sender = UdpSocket::connect({"127.0.0.1", socket->port()});
+  VmcStream stream(std::move(*socket), 0.2);
+  ASSERT_TRUE(sender);
+  sender->send(Packet().bundle().bone("Hips").bytes());
+  BoneFrame frame;
+  bool got = false;
+  for (int i = 0; i < 100 && !got; ++i) got = stream.wait(0.05, frame);
+  ASSERT_TRUE(got);
+  const std::optional<VmcStream::Given> given = stream.lastGiven();
+  ASSERT_TRUE(given);
+  EXPECT_NEAR(given->time - given->arrival, 0.2, 1e-9);
+  EXPECT_EQ(frame.time, given->time);
+  EXPECT_GE(stream.now(), given->time);
+}
+
+}  // namespace
+}  // namespace lorica

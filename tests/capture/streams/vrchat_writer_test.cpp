@@ -1,0 +1,95 @@
+#include "capture/streams/vrchat_writer.h"
+
+#include "capture/streams/osc.h"
+#include "geometry/random_numbers.h"
+#include "skinning/mannequin/mannequin.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+#include <string>
+
+namespace lorica {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+
+Quat about(const Vec3& axis, double degrees) {
+  return Quat(Eigen::AngleAxisd(kRadians * degrees, axis));
+}
+
+std::map<std::string, Vec3> decoded(std::span<const std::byte> bytes) {
+  std::map<std::string, Vec3> vectors;
+  OscPacket packet(bytes);
+  while (const std::optional<OscMessage> message = packet.next()) {
+    EXPECT_EQ(message->types, "fff");
+    OscArguments arguments(*message);
+    Vec3 v;
+    for (double& value : v) value = arguments.number().value();
+    vectors[std::string(message->address)] = v;
+  }
+  EXPECT_FALSE(packet.malformed());
+  return vectors;
+}
+
+/// Unity: "a rotation of z degrees around the z axis, x degrees around the x axis, and y degrees around the y axis, in
+/// that order".
+TEST(VrchatWriter, AnglesAreAppliedInUnitysOrder) {
+  RandomNumbers random(3);
+  for (int i = 0; i < 1000; ++i) {
+    Quat q;
+    for (double& value : q.coeffs()) value = random.between(-1.0, 1.0);
+    q.normalize();
+    const Vec3 angles = unityAngles(q);
+    const Quat again =
+        about(Vec3::UnitY(), angles.y()) * about(Vec3::UnitX(), angles.x()) * about(Vec3::UnitZ(), angles.z());
+    EXPECT_LT(again.angularDistance(q), 1e-6) << q.coeffs().transpose();
+  }
+  for (const double x : {90.0, -90.0}) {
+    const Quat q = about(Vec3::UnitY(), 30.0) * about(Vec3::UnitX(), x);
+    const Vec3 angles = unityAngles(q);
+    const Quat again = about(Vec3::UnitY(), angles.y()) * about(Vec3::UnitX(), angles.x());
+    EXPECT_LT(again.angularDistance(q), 1e-6);
+  }
+}
+
+TEST(VrchatWriter, TheBodyIsScaledToTheUserAndMirrored) {
+  const Character mannequin = makeMannequin();
+  Result<BonePoseReader> reader = BonePoseReader::create(mannequin.skeleton);
+  ASSERT_TRUE(reader);
+  const Pose rest = restPose(mannequin.skeleton);
+  const BonePose pose = reader->read(rest);
+  std::vector<Affine3> worldFromJoint(rest.size());
+  computeWorldFromJoint(mannequin.skeleton, rest, worldFromJoint);
+  VrchatWriter writer(mannequin.height);
+  const std::map<std::string, Vec3> sent = decoded(writer.write(pose));
+  EXPECT_EQ(sent.size(), 18u);
+  const auto expected = [&](HumanBone bone) {
+    Vec3 p = 1.7 / mannequin.height * worldFromJoint[mannequin.skeleton.jointOf(bone)].translation();
+    p.x() = -p.x();  // Unity is left-handed
+    return p;
+  };
+  const std::map<std::string, HumanBone> places = {{"head", HumanBone::kHead},      {"1", HumanBone::kHips},
+                                                   {"3", HumanBone::kLeftFoot},     {"6", HumanBone::kRightLowerLeg},
+                                                   {"7", HumanBone::kLeftLowerArm}, {"2", HumanBone::kChest}};
+  for (const auto& [name, bone] : places) {
+    const Vec3& p = sent.at("/tracking/trackers/" + name + "/position");
+    EXPECT_LT((p - expected(bone)).norm(), 1e-6) << name;
+    EXPECT_LT(sent.at("/tracking/trackers/" + name + "/rotation").norm(), 1e-3) << name;  // a T-pose
+  }
+}
+
+/// Turned to its left, towards +X here, the body faces -X in Unity: a yaw of -90 degrees.
+TEST(VrchatWriter, ATurnIsAYaw) {
+  Result<BonePoseReader> reader = BonePoseReader::create(makeMannequin().skeleton);
+  ASSERT_TRUE(reader);
+  BonePose pose = reader->read(restPose(makeMannequin().skeleton));
+  pose.rootRotation = about(Vec3::UnitY(), 90.0);
+  VrchatWriter writer(1.7);
+  const Vec3 yaw = decoded(writer.write(pose)).at("/tracking/trackers/1/rotation");
+  EXPECT_LT((yaw - Vec3(0, -90, 0)).norm(), 1e-3) << yaw.transpose();
+}
+
+}  // namespace
+}  // namespace lorica
