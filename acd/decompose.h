@@ -26,9 +26,8 @@ struct DecomposeSettings {
   DecomposePreset preset = DecomposePreset::kFast;
   int candidateEdges = 0;  ///< C: concave edges tried for each cut, deepest first; 0 = preset's value (paper: 8)
   int planesPerEdge = 0;   ///< R: plane orientations for each edge; 0 = preset's value (paper: 5)
-  /// With limits, the number of parts is the smallest that meets all of them in every keyframe, but at most maxParts
-  /// unless that is 0. A limit of 0 is no limit. They are about the parts' hulls, see partHull(), and not about larger
-  /// ones with fewer vertices.
+  /// With limits, the number of parts is the smallest that meets one of the limits in every keyframe, but at most
+  /// maxParts unless that is 0. A limit of 0 is no limit.
   double maxError = 0.0;     ///< (hull volume - mesh volume) / mesh volume
   double maxDistance = 0.0;  ///< of any point of a part's hull from the part, see hullDistance() [m]
   int threads = 0;           ///< 0 = all of the machine's; the result does not depend on it

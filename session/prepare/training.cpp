@@ -81,11 +81,7 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
     Result<ChosenKeyframes> found =
         chooseKeyframes(character, training.motions, kDefaultKeyframes, kLikeEnough * character.height);
     if (!found) return found.error();
-    Keyframes keyframes{std::move(found->positions),
-                        static_cast<int>(found->sources.size()),
-                        {},
-                        found->farthest,
-                        std::move(found->worldFromModel)};
+    Keyframes keyframes{std::move(found->positions), static_cast<int>(found->sources.size()), {}, found->farthest};
     keyframes.chosen.reserve(found->sources.size());
     for (const KeyframeSource& source : found->sources) {
       keyframes.chosen.push_back({training.motions[source.motion].name, source.frame, source.time});
@@ -99,19 +95,18 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
   }
   Result<std::vector<Vec3>> positions = sampleKeyframes(character, training.motions, *count);
   if (!positions) return positions.error();
-  return Keyframes{std::move(*positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
+  return Keyframes{std::move(*positions), *count, {}, 0.0};
 }
 
 DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
                               const Training* training, PoseView keyframes, Decomposition decomposition,
-                              const UsedHulls& hulls) {
-  const Quality quality = measureQuality(mesh, keyframes, hulls);
+                              const Quality& quality) {
   DecompositionFile content;
   content.source = name;
   content.meshHash = topologyHash(mesh);
   content.meanError = quality.error;
   content.errorPerKeyframe = quality.errorPerKeyframe;
-  content.detailLevels = detailLevels(decomposition, mesh, keyframes, hulls);
+  content.detailLevels = detailLevels(decomposition, mesh, keyframes);
   if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
   if (character != nullptr || keyframes.keyframeCount() > 1) content.training = trainingRange(decomposition, keyframes);
   if (character != nullptr && training != nullptr) {
