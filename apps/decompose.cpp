@@ -2,15 +2,15 @@
 
 #include "acd/held_vertices.h"
 #include "apps/cover_options.h"
-#include "apps/hull_export.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/training.h"
 #include "collision/live/attached_vertices.h"
+#include "export/hull_export.h"
+#include "export/mesh_export.h"
 #include "geometry/files.h"
-#include "geometry/mesh_files.h"
 #include "session/prepare/quality.h"
 
 #include <fmt/format.h>
@@ -352,7 +352,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
   }
   if (!options.obj.empty()) {
-    if (Result<void> written = writeObjObjects(options.obj, outcome.hulls.objects); !written) return written;
+    if (Result<void> written = writeMeshes(options.obj, outcome.hulls.objects); !written) return written;
   }
   return publish(common, toReport(options, *subject, outcome), toJson(options, *subject, outcome));
 }

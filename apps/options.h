@@ -48,7 +48,7 @@ Option* addLength(CommandLine& app, const std::string& name, double& value, cons
 Option* addShare(CommandLine& app, const std::string& name, double& value, const std::string& description);
 
 /// One source file per subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, replay.cpp,
-/// info.cpp, convert.cpp, snapshot.cpp.
+/// info.cpp, convert.cpp, export.cpp, snapshot.cpp.
 [[nodiscard]] Command addDemo(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addScore(CommandLine& parent, CommonOptions& common);
@@ -58,6 +58,7 @@ Option* addShare(CommandLine& app, const std::string& name, double& value, const
 [[nodiscard]] Command addReplay(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addInfo(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addConvert(CommandLine& parent, CommonOptions& common);
+[[nodiscard]] Command addExport(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addSnapshot(CommandLine& parent, CommonOptions& common);
 
 }  // namespace lorica

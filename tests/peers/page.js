@@ -98,6 +98,15 @@ function step(character, frames) {
   });
 }
 
+/// How far each point is outside the nearest collider of the springs; negative inside.
+function depths({ vrm }, points) {
+  const target = new THREE.Vector3();
+  const colliders = [...vrm.springBoneManager.colliders];
+  for (const collider of colliders) collider.updateWorldMatrix(true, true);
+  return points.map((p) => Math.min(...colliders.map((collider) => collider.shape.calculateCollision(
+    collider.colliderMatrix, new THREE.Vector3(...p), 0, target))));
+}
+
 /// World positions of all vertices after morphs and skinning: nodes in the file's order, then primitives, then vertices.
 function vertices(character) {
   const p = new THREE.Vector3();
@@ -244,6 +253,7 @@ window.shoot = async (bytes, options) => {
   shot.nodeNames = (gltf.parser.json.nodes ?? []).map((node) => node.name ?? '');
   shot.expressions = vrm?.expressionManager?.expressions.map((expression) => expression.expressionName) ?? [];
   shot.expressionWeights = Object.fromEntries((vrm?.expressionManager?.expressions ?? []).map((e) => [e.expressionName, e.weight]));
+  if (options.probes) shot.depths = depths(character, options.probes);
   if (options.vertices) {
     shot.meshes = vertices(character).map((mesh) => ({ ...mesh, positions: base64(new Uint8Array(mesh.positions.buffer)) }));
   }

@@ -46,8 +46,8 @@ std::string missingForPeers() {
   const char* named = std::getenv("CHROMIUM");
   const fs::path chromium = named != nullptr ? named : "/usr/bin/chromium";
   if (!fs::exists(chromium)) return "Chromium is missing (" + chromium.string() + ")" + install;
-  for (const char* package :
-       {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc", "osc-min"}) {
+  for (const char* package : {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc",
+                              "osc-min", "@mujoco/mujoco", "@gltf-transform/core", "@gltf-transform/extensions"}) {
     if (!fs::exists(kPeers / "node_modules" / package)) {
       return "the npm package " + std::string(package) + " is missing in " + kPeers.string() + install;
     }

@@ -1,4 +1,4 @@
-#include "apps/hull_export.h"
+#include "export/hull_export.h"
 
 #include "acd/hull_budget.h"
 #include "acd/transfer.h"

@@ -1,0 +1,294 @@
+#include "apps/export_inputs.h"
+#include "apps/export_report.h"
+#include "apps/file_trust.h"
+#include "apps/interrupt.h"
+#include "apps/mesh_subject.h"
+#include "apps/options.h"
+#include "export/engines.h"
+#include "export/glb_colliders.h"
+#include "export/mesh_export.h"
+#include "export/robot_files.h"
+#include "export/vrm_colliders.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  ExportSourceOptions source;
+  std::string body = "auto";
+  std::string output;
+  std::string motion;
+  MotionOptions reading;
+  std::optional<double> at;  // [s]
+  std::string engine;
+  int hullVertices = 0;  // 0 = the engine's
+  bool perBone = false;
+  bool mocap = false;
+  bool khr = false;
+};
+
+constexpr const char* kFormats =
+    ".obj, .stl or .ply (meshes of hulls), .xml (MuJoCo's MJCF), .urdf, .glb or "
+    ".vrm";
+
+enum class Format { kMeshes, kMjcf, kUrdf, kGlb, kVrm };
+
+std::optional<Format> formatOf(const std::string& file) {
+  const std::string extension = lowerCase(fs::path(file).extension().string());
+  if (extension == ".obj" || extension == ".stl" || extension == ".ply") return Format::kMeshes;
+  if (extension == ".xml") return Format::kMjcf;
+  if (extension == ".urdf") return Format::kUrdf;
+  if (extension == ".glb") return Format::kGlb;
+  if (extension == ".vrm") return Format::kVrm;
+  return std::nullopt;
+}
+
+Error refused(std::string sentence) {
+  return {ErrorCode::kInvalidArgument, std::move(sentence)};
+}
+
+/// The vertex limit: what was asked for, else the engine's. 0 = none.
+int vertexLimit(const Options& options) {
+  if (options.hullVertices > 0) return options.hullVertices;
+  const std::optional<Engine> engine = engineNamed(options.engine);
+  return engine ? engine->maxVertices : 0;
+}
+
+/// Rejects, before any work, outputs that cannot be written and options that contradict each other.
+Result<void> check(const Options& options, const CommonOptions& common) {
+  const std::optional<Format> format = formatOf(options.output);
+  if (!format) {
+    return refused(fmt::format("{}: found the extension `{}`, expected {}", options.output,
+                               fs::path(options.output).extension().string(), kFormats));
+  }
+  if (options.at && format != Format::kMeshes) {
+    return refused(
+        fmt::format("{}: holds hulls for all poses, not those of --at; expected .obj, .stl or .ply", options.output));
+  }
+  if (options.mocap && format != Format::kMjcf) {
+    return refused(fmt::format("{}: --mocap is for MuJoCo, expected OUT.xml", options.output));
+  }
+  if (options.at.has_value() != !options.motion.empty()) {
+    return refused(options.at ? "--at is a moment of a motion, expected --motion NAME too"
+                              : "--motion needs the moment to export, expected --at SECONDS too");
+  }
+  if (options.at && *options.at < 0.0) return refused(fmt::format("--at {:g}: expected 0 or more", *options.at));
+  if (options.at && options.perBone) {
+    return refused("--per-bone makes hulls for all poses, but --at exports one: expected one of the two");
+  }
+  if (options.khr && format != Format::kGlb) {
+    return refused(fmt::format("{}: --khr is an extension of glTF, expected OUT.glb", options.output));
+  }
+  if (Result<void> fine = checkOutput("OUT", options.output); !fine) return fine;
+  std::error_code ignored;
+  for (const std::string& input : {options.source.input, options.source.decomposition, options.motion}) {
+    if (fs::equivalent(input, options.output, ignored)) {
+      return refused(fmt::format("{} is an input and would be overwritten", options.output));
+    }
+  }
+  return checkJsonOutput(common, {options.source.input, options.source.decomposition, options.motion, options.output});
+}
+
+Result<void> checkSubject(const Options& options, const Subject& subject) {
+  if (formatOf(options.output) == Format::kVrm && !(subject.file && subject.file->format.starts_with("VRM"))) {
+    return refused(
+        fmt::format("{}: a .vrm gets colliders for the springs of a VRM character, but {} is none; expected "
+                    ".glb, .xml, .urdf, .obj, .stl or .ply",
+                    options.output, subject.name));
+  }
+  if (subject.character) return {};
+  for (const auto& [given, option] :
+       {std::pair(options.perBone, "--per-bone"), std::pair(options.at.has_value(), "--at")}) {
+    if (given) return refused(fmt::format("{} is for characters, but {} is a static mesh", option, subject.name));
+  }
+  return {};
+}
+
+/// Hulls that are rigid on bones, and how well they do in poses that were not used to make them.
+Result<RigidExport> makeRigid(const Options& options, const ExportSource& source, int threads) {
+  const Character& character = *source.subject.character;
+  const Result<CoverPoses> poses = exportPoses(source.subject);
+  if (!poses) return poses.error();
+  const RigidColliderSettings settings{vertexLimit(options), options.perBone, threads};
+  Result<std::vector<RigidCollider>> made =
+      makeRigidColliders(character, source.content.decomposition, poses->sampledView(), settings);
+  if (!made) return made.error();
+  RigidExport rigid;
+  rigid.colliders = std::move(*made);
+  rigid.trainingPoses = poses->sampledView().poseCount();
+  rigid.heldOutPoses = poses->heldOutView().poseCount();
+  const BonePoseView measured = rigid.heldOutPoses > 0 ? poses->heldOutView() : poses->sampledView();
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  rigid.fits = measureFit(character, rigid.colliders, measured, threads);
+  return rigid;
+}
+
+/// The hulls of a mesh, or of a character in one pose.
+Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& source, int threads) {
+  const int limit = vertexLimit(options);
+  Result<HullExport> hulls = options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit)
+                                        : restHulls(source, limit, threads);
+  if (hulls && interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  return hulls;
+}
+
+GlbColliderSettings glbSettings(const Options& options) {
+  GlbColliderSettings settings;
+  if (const std::optional<Engine> engine = engineNamed(options.engine)) {
+    settings.prefix = engine->prefix;
+    settings.postfix = engine->postfix;
+  }
+  settings.khr = options.khr;
+  return settings;
+}
+
+/// Writes bodies for a robotics engine.
+Result<void> writeModel(const Options& options, const RigidModel& model) {
+  if (formatOf(options.output) == Format::kUrdf) return writeUrdf(options.output, model);
+  return writeMjcf(options.output, model, options.mocap ? MjcfMotion::kMocap : MjcfMotion::kJoints);
+}
+
+/// The character with hulls below its bones, or a VRM with colliders for its springs.
+Result<void> writeCharacter(const Options& options, const ExportSource& source,
+                            std::span<const RigidCollider> colliders, ExportReport& report) {
+  const Character& character = *source.subject.character;
+  const std::optional<CharacterFile>& file = source.subject.file;
+  Result<CharacterDocument> document = file ? characterDocument({source.input, &*file, pathTrust()})
+                                            : Result<CharacterDocument>(characterDocument(character));
+  if (!document) return document.error();
+  if (formatOf(options.output) == Format::kVrm) {
+    const Result<int> added =
+        addSpringColliders(*document, colliders, character.skeleton, file->springs, source.subject.name);
+    if (!added) return added.error();
+    report.addSprings(*added, static_cast<int>(file->springs.chains.size()));
+  } else {
+    addColliders(*document, colliders, plainNames(colliderNames(character, colliders)), glbSettings(options));
+  }
+  report.note(document->notes);
+  return writeDocument(options.output, *document);
+}
+
+Result<void> exportRigid(const Options& options, const ExportSource& source, int threads, ExportReport& report) {
+  const Result<RigidExport> rigid = makeRigid(options, source, threads);
+  if (!rigid) return rigid.error();
+  const Character& character = *source.subject.character;
+  const std::optional<Format> format = formatOf(options.output);
+  Result<void> written;
+  if (format == Format::kGlb || format == Format::kVrm) {
+    written = writeCharacter(options, source, rigid->colliders, report);
+  } else if (format == Format::kMeshes) {
+    written = writeMeshes(options.output, namedHulls(character, rigid->colliders));
+  } else {
+    const RigidModel model = rigidModelOf(character, rigid->colliders);
+    written = writeModel(options, model);
+    report.add(model);
+  }
+  report.add(*rigid);
+  return written;
+}
+
+Result<void> exportOnePose(const Options& options, const ExportSource& source, int threads, ExportReport& report) {
+  Result<HullExport> hulls = hullsInOnePose(options, source, threads);
+  if (!hulls) return hulls.error();
+  report.add(*hulls);
+  if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls->objects);
+  if (formatOf(options.output) == Format::kGlb) {
+    return writeGlbHulls(options.output, hulls->objects, glbSettings(options));
+  }
+  const std::string name = fs::path(source.subject.name).stem().string();
+  const RigidModel model = rigidModelOf(name, source.subject.mesh, std::move(hulls->objects));
+  report.add(model);
+  return writeModel(options, model);
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = check(options, common); !fine) return fine;
+  ExportSourceOptions reading = options.source;
+  reading.reading.body = bodyChoice(options.body);
+  const int threads = common.threadCount();
+  const Result<ExportSource> source = readExportSource(reading, threads);
+  if (!source) return source.error();
+  if (Result<void> fine = checkSubject(options, source->subject); !fine) return fine;
+  const bool rigid = source->subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
+  ExportReport report(source->subject, options.output);
+  const Result<void> done =
+      rigid ? exportRigid(options, *source, threads, report) : exportOnePose(options, *source, threads, report);
+  if (!done) return done;
+  return publish(common, report.text, report.json);
+}
+
+std::vector<std::string> engineNames() {
+  std::vector<std::string> names;
+  for (const Engine& engine : engines()) names.emplace_back(engine.name);
+  return names;
+}
+
+}  // namespace
+
+Command addExport(CommandLine& parent, CommonOptions& common) {
+  const auto options = std::make_shared<Options>();
+  CommandLine* app = addSubcommand(
+      parent, common, "export", "Export convex hulls of a mesh or a character for other engines.",
+      "  lorica export bunny.off hulls.obj --engine unreal\n"
+      "      the parts' hulls with at most 32 vertices each\n"
+      "  lorica export mannequin hulls.ply --motion walk --at 1.5\n"
+      "      the live hulls of one frame, to check from outside that they hold the body\n"
+      "  lorica export hero.glb colliders.obj --per-bone\n"
+      "      a rigid hull for each bone, and how far the skin sticks out of them in other poses\n"
+      "  lorica export hero.lorica hulls.stl\n"
+      "      of a decomposition that lies beside the file that it was made from\n"
+      "  lorica export hero.glb hero.xml --per-bone\n"
+      "      a ragdoll for MuJoCo; with --mocap, bodies that are placed from outside\n"
+      "  lorica export hero.fbx hero.glb --engine godot\n"
+      "      the character with hulls below its bones, as kinematic bodies\n"
+      "  lorica export hero.vrm with_colliders.vrm\n"
+      "      the same file with colliders that keep hair out of the body\n"
+      "  lorica export bunny.off bunny.urdf\n"
+      "      for ROS, with its meshes in bunny_meshes/\n"
+      "\nCoordinates: of a mesh, those of its file; of a character, metres, Y up, facing +Z; in .xml and\n"
+      ".urdf Z up, facing +X. Bodies have the density of water.");
+  app->addOption("IN", options->source.input,
+                 "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, or a "
+                 "decomposition (.lorica)")
+      ->required()
+      ->typeName("");
+  app->addOption("OUT", options->output, std::string("Output file: ") + kFormats)->required()->typeName("");
+  app->addOption("--decomposition", options->source.decomposition,
+                 "Decomposition of IN, written by `lorica decompose -o`")
+      ->typeName("FILE.lorica");
+  addCount(*app, "--parts", options->source.parts, 1,
+           "Number of parts that a mesh is divided into; a character's are those of its decomposition [default: 16]");
+  app->addOption("--engine", options->engine,
+                 "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
+                 "60, jolt 256; mujoco and godot have no limit")
+      ->typeName("NAME")
+      ->check(oneOf(engineNames()));
+  addCount(*app, "--hull-vertices", options->hullVertices, 4,
+           "Limit each hull to N vertices; it is enlarged to contain the same [default: the engine's]");
+  app->addFlag("--per-bone", options->perBone,
+               "One rigid hull for each bone of a character: the skin is cut along weights");
+  app->addFlag("--mocap", options->mocap, "In .xml: bodies without joints, for poses from outside (mocap_pos)");
+  app->addFlag(
+      "--khr", options->khr,
+      std::string("In .glb: also KHR_physics_rigid_bodies, as drafted on ") + kKhrDraft + ", not yet ratified");
+  app->addOption("--motion", options->motion,
+                 "With --at: recorded joints, .bvh, a character file with clips, or a "
+                 "shipped recording")
+      ->typeName("FILE");
+  app->addOption("--at", options->at, "Export the live hulls of this moment of --motion [s]")->typeName("SECONDS");
+  addReadingOptions(*app, options->reading);
+  addCharacterOptions(*app, options->source.reading);
+  addBodyOption(*app, options->body);
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica

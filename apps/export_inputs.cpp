@@ -1,0 +1,170 @@
+#include "apps/export_inputs.h"
+
+#include "acd/held_vertices.h"
+#include "acd/hull_budget.h"
+#include "apps/body_choice.h"
+#include "apps/interrupt.h"
+#include "apps/options.h"
+#include "apps/progress_bar.h"
+#include "apps/training.h"
+#include "collision/live/attached_vertices.h"
+#include "collision/live/live_body.h"
+#include "skinning/linear_blend.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a .lorica file was made from: a built-in character, or a file beside it.
+std::string sourceBeside(const fs::path& lorica, const std::string& source) {
+  return isBareName(source) ? source : (lorica.parent_path() / fs::path(source).filename()).string();
+}
+
+Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, int threads) {
+  ProgressBar bar("Decomposing " + subject.name, "parts");
+  DecomposeSettings settings;
+  settings.maxParts = parts > 0 ? parts : kExportParts;
+  settings.threads = threads;
+  settings.progress = progressOf(bar);
+  Result<CachedDecomposition> made = meshDecomposition(subject.name, subject.mesh, settings, userCache());
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (!made) return made.error();
+  return std::move(made->file);
+}
+
+/// The vertices of a mesh's surface and those that it stands for; all vertices of a character.
+std::vector<VertexIndex> verticesToHold(const Subject& subject) {
+  std::vector<bool> hold(subject.mesh.vertices.size(), subject.character.has_value());
+  for (const Triangle& t : subject.mesh.triangles) {
+    for (const VertexIndex v : t) hold[v] = true;
+  }
+  for (const VertexIndex v : subject.held) hold[v] = true;
+  std::vector<VertexIndex> which;
+  for (std::size_t v = 0; v < hold.size(); ++v) {
+    if (hold[v]) which.push_back(static_cast<VertexIndex>(v));
+  }
+  return which;
+}
+
+Result<DecompositionFile> readFitting(const std::string& file, const Subject& subject) {
+  Result<DecompositionFile> read = readDecomposition(file);
+  if (!read) return read;
+  if (read->meshHash != topologyHash(subject.mesh)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file,
+                             read->source, grouped(read->decomposition.vertexCount), subject.name,
+                             grouped(std::ssize(subject.mesh.vertices)))};
+  }
+  return read;
+}
+
+}  // namespace
+
+Result<ExportSource> readExportSource(const ExportSourceOptions& options, int threads) {
+  std::string input = options.input;
+  std::string decomposition = options.decomposition;
+  if (lowerCase(fs::path(input).extension().string()) == ".lorica") {
+    if (!decomposition.empty()) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{}: IN is a decomposition already, expected no --decomposition", input)};
+    }
+    const Result<DecompositionFile> content = readDecomposition(input);
+    if (!content) return content.error();
+    decomposition = input;
+    input = sourceBeside(input, content->source);
+    if (!isBareName(input) && !fs::exists(input)) {
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{}: made from {}, which is not beside it; expected `lorica export {} OUT "
+                               "--decomposition {}`",
+                               decomposition, content->source, content->source, decomposition)};
+    }
+  }
+  Result<Subject> subject = readSubject(input, options.reading);
+  if (!subject) return subject.error();
+  if (subject->character && options.parts > 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--parts is for meshes, but {} is a character: expected `lorica decompose {} --parts {} "
+                             "-o FILE.lorica`, then --decomposition FILE.lorica",
+                             subject->name, input, options.parts)};
+  }
+  ExportSource source{input, std::move(*subject), {}};
+  if (!decomposition.empty()) {
+    Result<DecompositionFile> read = readFitting(decomposition, source.subject);
+    if (!read) return read.error();
+    source.content = std::move(*read);
+  } else if (source.subject.character) {
+    Result<CachedDecomposition> made = defaultDecomposition(source.subject, threads);
+    if (!made) return made.error();
+    source.content = std::move(made->file);
+  } else {
+    Result<DecompositionFile> made = decomposeMesh(source.subject, options.parts, threads);
+    if (!made) return made.error();
+    source.content = std::move(*made);
+  }
+  return source;
+}
+
+Result<HullExport> restHulls(const ExportSource& source, int maxVertices, int threads) {
+  const Subject& subject = source.subject;
+  const Decomposition& decomposition = source.content.decomposition;
+  const std::vector<std::vector<PointIndex>> attached =
+      subject.character ? attachedVerticesOf(decomposition, liftPoints(*subject.character, decomposition))
+                        : assignHeldVertices(decomposition, subject.mesh.vertices, subject.held);
+  HullExport hulls =
+      exportHulls(withHeldVertices(decomposition, attached), subject.mesh.vertices, maxVertices, threads);
+  if (Result<void> all = checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject)); !all) {
+    return Error{all.error().code, subject.name + ": " + all.error().message};
+  }
+  return hulls;
+}
+
+Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion, const MotionOptions& reading,
+                           double at, int maxVertices) {
+  const Character& character = *source.subject.character;
+  const Result<Motion> read = readMotion(motion, reading);
+  if (!read) return read.error();
+  if (!(at <= read->seconds())) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--at {:g}: {} lasts {:g} s, expected 0 to that", at, read->name, read->seconds())};
+  }
+  const Result<SkeletalMotion> performed = performedBy(character, *read, reading.joints());
+  if (!performed) return performed.error();
+  Pose pose = restPose(character.skeleton);
+  poseAt(*performed, performed->times.front() + at, pose);
+  std::vector<Affine3> bones(pose.size());
+  computeWorldFromJoint(character.skeleton, pose, bones);
+  computeWorldFromModel(character, bones, bones);
+  Result<LiveBody> body = LiveBody::create(source.content.decomposition, character, source.content.cover);
+  if (!body) return body.error();
+  body->update(bones);
+
+  HullExport hulls;
+  double before = 0.0;
+  double after = 0.0;
+  for (const LivePart& part : body->parts()) {
+    const ConvexHull hull = worldHull(part);
+    BudgetedHull exported{{hull.vertices, hull.triangles}, hull.volume, 1.0};
+    if (maxVertices > 0) exported = simplifyHull(hull, maxVertices);
+    before += hull.volume;
+    after += exported.volume;
+    hulls.growth.push_back(exported.growth);
+    hulls.maxVerticesBefore = std::max(hulls.maxVerticesBefore, hull.vertices.size());
+    hulls.maxVertices = std::max(hulls.maxVertices, exported.mesh.vertices.size());
+    hulls.objects.push_back({fmt::format("part_{}", hulls.objects.size()), std::move(exported.mesh)});
+  }
+  if (before > 0.0) hulls.totalGrowth = after / before;
+  return hulls;
+}
+
+Result<CoverPoses> exportPoses(const Subject& subject) {
+  const Result<Training> training = trainingMotions(subject, {});
+  if (!training) return training.error();
+  return coverPoses(*subject.character, training->motions);
+}
+
+}  // namespace lorica

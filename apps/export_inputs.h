@@ -1,0 +1,45 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "apps/inputs.h"
+#include "apps/motions.h"
+#include "export/hull_export.h"
+#include "export/rigid_colliders.h"
+#include "session/prepare/cover_poses.h"
+
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// What is exported, and how it is divided.
+struct ExportSource {
+  std::string input;  ///< the mesh or character, with its folder
+  Subject subject;
+  DecompositionFile content;  ///< of the subject's mesh
+};
+
+struct ExportSourceOptions {
+  std::string input;          ///< mesh, character, `mannequin`, or a .lorica file beside what it was made from
+  std::string decomposition;  ///< .lorica file; empty = decompose
+  int parts = 0;              ///< of a mesh; 0 = kExportParts
+  CharacterOptions reading;
+};
+
+inline constexpr int kExportParts = 16;
+
+/// Reads and decomposes. Ctrl-C cancels.
+[[nodiscard]] Result<ExportSource> readExportSource(const ExportSourceOptions& options, int threads);
+
+/// Hulls of a mesh, or of a character's bind pose: they contain every vertex, which is checked.
+[[nodiscard]] Result<HullExport> restHulls(const ExportSource& source, int maxVertices, int threads);
+
+/// The live hulls of a character in one frame of a motion.
+/// @param at  seconds after the motion's first frame
+[[nodiscard]] Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion,
+                                         const MotionOptions& reading, double at, int maxVertices);
+
+/// Poses of the character's default training, and others to measure.
+[[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject);
+
+}  // namespace lorica

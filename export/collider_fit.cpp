@@ -1,0 +1,233 @@
+#include "export/collider_fit.h"
+
+#include "geometry/random_numbers.h"
+#include "geometry/triangle_tree.h"
+#include "skinning/linear_blend.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace lorica {
+
+namespace {
+
+constexpr int kSamples = 64;       // of each collider's surface
+constexpr double kInside = 1e-9;   // [m]
+constexpr double kVisible = 1e-3;  // [m]
+
+/// A convex solid with its planes.
+class Hull {
+ public:
+  explicit Hull(const RigidCollider& collider) : mesh_(&collider.hull) {
+    for (const Triangle& t : mesh_->triangles) {
+      const Vec3& a = mesh_->vertices[t[0]];
+      const Vec3 normal = (mesh_->vertices[t[1]] - a).cross(mesh_->vertices[t[2]] - a);
+      if (normal.norm() > 1e-14) planes_.push_back({normal.normalized(), normal.normalized().dot(a)});
+    }
+    box_ = boundsOf(mesh_->vertices);
+  }
+  /// The distance of a point outside, at most 0 inside; or any number from `below` on if it is at least that.
+  [[nodiscard]] double outside(const Vec3& p, double below) const {
+    if (distanceSqToBox(p, box_) >= below * below) return below;
+    double rough = -kInfinity;
+    for (const auto& [normal, offset] : planes_) {
+      rough = std::max(rough, normal.dot(p) - offset);
+      if (rough >= below) return rough;
+    }
+    if (rough <= 0.0) return rough;
+    double leastSq = kInfinity;
+    for (const Triangle& t : mesh_->triangles) {
+      const auto [distanceSq, shares] =
+          nearestOnTriangle(p, {mesh_->vertices[t[0]], mesh_->vertices[t[1]], mesh_->vertices[t[2]]});
+      leastSq = std::min(leastSq, distanceSq);
+    }
+    return std::sqrt(leastSq);
+  }
+  /// Points of the surface, spread by area.
+  [[nodiscard]] std::vector<Vec3> samples(std::uint64_t seed) const {
+    std::vector<double> upTo;
+    double all = 0.0;
+    for (const Triangle& t : mesh_->triangles) {
+      const Vec3& a = mesh_->vertices[t[0]];
+      all += 0.5 * (mesh_->vertices[t[1]] - a).cross(mesh_->vertices[t[2]] - a).norm();
+      upTo.push_back(all);
+    }
+    std::vector<Vec3> points;
+    RandomNumbers random(seed);
+    for (int i = 0; i < kSamples; ++i) {
+      const double at = all * (i + 0.5) / kSamples;
+      const auto found = std::lower_bound(upTo.begin(), upTo.end() - 1, at);
+      const Triangle& t = mesh_->triangles[static_cast<std::size_t>(found - upTo.begin())];
+      double u = random.unit();
+      double v = random.unit();
+      if (u + v > 1.0) {
+        u = 1.0 - u;
+        v = 1.0 - v;
+      }
+      const Vec3& a = mesh_->vertices[t[0]];
+      points.push_back(a + u * (mesh_->vertices[t[1]] - a) + v * (mesh_->vertices[t[2]] - a));
+    }
+    return points;
+  }
+
+ private:
+  struct Plane {
+    Vec3 normal;
+    double offset = 0.0;
+  };
+  const TriMesh* mesh_;
+  std::vector<Plane> planes_;
+  Aabb box_;
+};
+
+class Round {
+ public:
+  explicit Round(const RigidCollider& collider) : capsule_(collider.capsule) {}
+  [[nodiscard]] double outside(const Vec3& p, double) const { return capsule_.outside(p); }
+  [[nodiscard]] std::vector<Vec3> samples(std::uint64_t seed) const {
+    RandomNumbers random(seed);
+    const Vec3 along = capsule_.to - capsule_.from;
+    const double length = along.norm();
+    const Vec3 axis = length > 0.0 ? Vec3(along / length) : Vec3(Vec3::UnitY());
+    const Quat turn = rotationBetween(Vec3::UnitY(), axis);
+    const double r = capsule_.radius;
+    std::vector<Vec3> points;
+    for (int i = 0; i < kSamples; ++i) {
+      // A band of a ball has the area of the cylinder around it: so heights are even from pole to pole.
+      const double height = (length + 2.0 * r) * (i + 0.5) / kSamples - r;
+      const double angle = 2.0 * std::numbers::pi * random.unit();
+      const double beyond = height < 0.0 ? height : std::max(0.0, height - length);
+      const double across = std::sqrt(std::max(0.0, r * r - beyond * beyond));
+      points.push_back(capsule_.from + turn * Vec3(across * std::cos(angle), height, across * std::sin(angle)));
+    }
+    return points;
+  }
+
+ private:
+  Capsule capsule_;
+};
+
+/// One pose: the skin, its tree, and where colliders are.
+struct PosedSkin {
+  std::vector<Vec3> vertices;
+  std::span<const Triangle> triangles;
+  std::vector<Affine3> modelFromWorld;  // of each joint
+};
+
+struct OnePose {
+  double worstOut = 0.0, worstStandOff = 0.0, sumStandOff = 0.0;
+  std::size_t out = 0, samples = 0;
+};
+
+template <typename Shape>
+OnePose measurePose(std::span<const RigidCollider> colliders, const std::vector<Shape>& shapes,
+                    const std::vector<std::vector<Vec3>>& samples, std::span<const bool> isSkin, const PosedSkin& skin,
+                    const TriangleTree& tree, std::span<const Affine3> worldFromModel) {
+  OnePose pose;
+  std::size_t last = 0;  // the collider that held the point before this one
+  const auto outsideAll = [&](const Vec3& p, std::size_t except) {
+    double least = kInfinity;
+    for (std::size_t i = 0; i < shapes.size() && least > 0.0; ++i) {
+      const std::size_t c = (last + i) % shapes.size();
+      if (c == except) continue;
+      least = std::min(least, shapes[c].outside(skin.modelFromWorld[colliders[c].joint] * p, least));
+      if (least <= 0.0) last = c;
+    }
+    return least;
+  };
+  for (std::size_t v = 0; v < skin.vertices.size(); ++v) {
+    if (!isSkin[v]) continue;
+    const double outside = outsideAll(skin.vertices[v], shapes.size());
+    if (outside <= kInside) continue;
+    pose.worstOut = std::max(pose.worstOut, outside);
+    if (outside > kVisible) ++pose.out;
+  }
+  for (std::size_t c = 0; c < shapes.size(); ++c) {
+    for (const Vec3& sample : samples[c]) {
+      const Vec3 p = worldFromModel[colliders[c].joint] * sample;
+      if (outsideAll(p, c) < 0.0) continue;
+      ++pose.samples;
+      const TriangleTree::Hit hit = tree.nearest(p);
+      const std::array<Vec3, 3>& t = tree.corners(hit);
+      const Vec3 nearest = hit.shares.x() * t[0] + hit.shares.y() * t[1] + hit.shares.z() * t[2];
+      if ((t[1] - t[0]).cross(t[2] - t[0]).dot(p - nearest) <= 0.0) continue;  // inside the skin
+      pose.worstStandOff = std::max(pose.worstStandOff, hit.distance);
+      pose.sumStandOff += hit.distance;
+    }
+  }
+  return pose;
+}
+
+ColliderFit sumOf(std::span<const OnePose> poses, std::size_t vertexCount) {
+  ColliderFit fit;
+  std::size_t out = 0;
+  std::size_t samples = 0;
+  double sum = 0.0;
+  for (const OnePose& pose : poses) {
+    fit.worstOut = std::max(fit.worstOut, pose.worstOut);
+    fit.meanWorstOut += pose.worstOut / static_cast<double>(poses.size());
+    fit.worstStandOff = std::max(fit.worstStandOff, pose.worstStandOff);
+    sum += pose.sumStandOff;
+    out += pose.out;
+    samples += pose.samples;
+  }
+  if (samples > 0) fit.meanStandOff = sum / static_cast<double>(samples);
+  fit.shareOut = static_cast<double>(out) / static_cast<double>(std::max<std::size_t>(1, poses.size() * vertexCount));
+  return fit;
+}
+
+template <typename Shape>
+void prepare(std::span<const RigidCollider> colliders, std::vector<Shape>& shapes,
+             std::vector<std::vector<Vec3>>& samples) {
+  for (std::size_t c = 0; c < colliders.size(); ++c) {
+    shapes.emplace_back(colliders[c]);
+    samples.push_back(shapes.back().samples(c));
+  }
+}
+
+}  // namespace
+
+ColliderFits measureFit(const Character& character, std::span<const RigidCollider> colliders, BonePoseView poses,
+                        int threads) {
+  const std::span<const Triangle> triangles =
+      character.shown.empty() ? std::span(character.mesh.triangles) : std::span(character.shown);
+  const std::size_t count = character.mesh.vertices.size();
+  const auto isSkin = std::make_unique<bool[]>(count);
+  for (const Triangle& t : triangles) {
+    for (const VertexIndex v : t) isSkin[static_cast<std::size_t>(v)] = true;
+  }
+  std::vector<Hull> hulls;
+  std::vector<Round> rounds;
+  std::vector<std::vector<Vec3>> ofHulls, ofRounds;
+  prepare(colliders, hulls, ofHulls);
+  prepare(colliders, rounds, ofRounds);
+
+  const auto poseCount = static_cast<std::size_t>(poses.poseCount());
+  std::vector<OnePose> hullPoses(poseCount), roundPoses(poseCount);
+  tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic).execute([&] {
+    tbb::parallel_for(std::size_t{0}, poseCount, [&](std::size_t k) {
+      const std::span<const Affine3> worldFromModel = poses.pose(static_cast<int>(k));
+      PosedSkin skin{std::vector<Vec3>(count), triangles, {}};
+      skinLinearBlend(character, worldFromModel, skin.vertices);
+      for (const Affine3& transform : worldFromModel) skin.modelFromWorld.push_back(transform.inverse());
+      const TriangleTree tree(skin.vertices, triangles);
+      const std::span<const bool> isShown(isSkin.get(), count);
+      hullPoses[k] = measurePose(colliders, hulls, ofHulls, isShown, skin, tree, worldFromModel);
+      roundPoses[k] = measurePose(colliders, rounds, ofRounds, isShown, skin, tree, worldFromModel);
+    });
+  });
+  const auto shown = static_cast<std::size_t>(std::count(isSkin.get(), isSkin.get() + count, true));
+  ColliderFits fits{sumOf(hullPoses, shown), sumOf(roundPoses, shown)};
+  for (const RigidCollider& collider : colliders) {
+    fits.hulls.volume += collider.volume;
+    fits.capsules.volume += collider.capsule.volume();
+  }
+  return fits;
+}
+
+}  // namespace lorica

@@ -1,0 +1,132 @@
+#include "export/glb_colliders.h"
+
+#include "geometry/files.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <set>
+
+namespace lorica {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kOmiBody = "OMI_physics_body";
+constexpr const char* kOmiShape = "OMI_physics_shape";
+constexpr const char* kKhr = "KHR_physics_rigid_bodies";
+
+void useExtension(Json& document, const char* name) {
+  Json& used = document["extensionsUsed"];
+  if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
+}
+
+/// A mesh of one hull. @return its index
+int addHullMesh(GltfWriter& writer, const TriMesh& hull, const std::string& name, int material) {
+  std::vector<float> positions;
+  for (const Vec3& p : hull.vertices) {
+    for (int i = 0; i < 3; ++i) positions.push_back(static_cast<float>(p[i]));
+  }
+  std::vector<std::uint32_t> indices;
+  for (const Triangle& t : hull.triangles) indices.insert(indices.end(), t.begin(), t.end());
+  Json primitive;
+  primitive["attributes"]["POSITION"] = writer.addNumbers(positions, "VEC3", true);
+  primitive["indices"] = writer.addNumbers(std::span<const std::uint32_t>(indices), "SCALAR");
+  primitive["material"] = material;
+  Json mesh;
+  mesh["name"] = name;
+  mesh["primitives"] = Json::array({std::move(primitive)});
+  return writer.add("meshes", std::move(mesh));
+}
+
+int addGlass(GltfWriter& writer) {
+  Json material;
+  material["name"] = "collider";
+  material["pbrMetallicRoughness"]["baseColorFactor"] = Json::array({0.2, 0.6, 1.0, 0.3});
+  material["pbrMetallicRoughness"]["metallicFactor"] = 0.0;
+  material["alphaMode"] = "BLEND";
+  return writer.add("materials", std::move(material));
+}
+
+/// A node with a hull and what makes it a collider. @return its index
+int addHullNode(GltfWriter& writer, const TriMesh& hull, const std::string& plain, int material, const char* motion,
+                const GlbColliderSettings& settings) {
+  const std::string name = settings.prefix + plain + settings.postfix;
+  const int mesh = addHullMesh(writer, hull, name, material);
+  Json& shapes = writer.document["extensions"][kOmiShape]["shapes"];
+  Json shape;
+  shape["type"] = "convex";
+  shape["convex"]["mesh"] = mesh;
+  const std::size_t shapeIndex = shapes.size();
+  shapes.push_back(std::move(shape));
+
+  Json node;
+  node["name"] = name;
+  node["mesh"] = mesh;
+  Json& body = node["extensions"][kOmiBody];
+  body["motion"]["type"] = motion;
+  body["collider"]["shape"] = shapeIndex;
+  useExtension(writer.document, kOmiBody);
+  useExtension(writer.document, kOmiShape);
+  if (settings.khr) {
+    Json& rigid = node["extensions"][kKhr];
+    if (std::string_view(motion) == "kinematic") rigid["motion"]["isKinematic"] = true;
+    rigid["collider"]["geometry"]["mesh"] = mesh;
+    rigid["collider"]["geometry"]["convexHull"] = true;
+    useExtension(writer.document, kKhr);
+  }
+  return writer.add("nodes", std::move(node));
+}
+
+/// Puts a node below another one, or into the scene.
+void hang(Json& document, int node, int parent) {
+  if (parent >= 0) {
+    document["nodes"][static_cast<std::size_t>(parent)]["children"].push_back(node);
+    return;
+  }
+  if (!document.contains("scenes")) document["scenes"] = Json::array({Json::object()});
+  const auto scene = document.value("scene", std::size_t{0});
+  document["scenes"][scene]["nodes"].push_back(node);
+}
+
+}  // namespace
+
+void addColliders(CharacterDocument& document, std::span<const RigidCollider> colliders,
+                  std::span<const std::string> names, const GlbColliderSettings& settings) {
+  GltfWriter& writer = document.writer;
+  const int material = addGlass(writer);
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const JointIndex joint = colliders[i].joint;
+    TriMesh hull = colliders[i].hull;
+    const Affine3& nodeFromModel = document.nodeFromModel[joint];
+    for (Vec3& p : hull.vertices) p = nodeFromModel * p;
+    if (nodeFromModel.linear().determinant() < 0.0) {
+      for (Triangle& t : hull.triangles) std::swap(t[1], t[2]);
+    }
+    const int node = addHullNode(writer, hull, names[i], material, "kinematic", settings);
+    hang(writer.document, node, document.hangOn[joint]);
+  }
+}
+
+Result<void> writeGlbHulls(const std::filesystem::path& file, const std::vector<NamedMesh>& hulls,
+                           const GlbColliderSettings& settings) {
+  CharacterDocument document;
+  GltfWriter& writer = document.writer;
+  writer.document["asset"]["version"] = "2.0";
+  writer.document["asset"]["generator"] = "Lorica";
+  writer.document["scene"] = 0;
+  const int material = addGlass(writer);
+  for (const NamedMesh& hull : hulls) {
+    hang(writer.document, addHullNode(writer, hull.mesh, hull.name, material, "static", settings), -1);
+  }
+  return writeDocument(file, document);
+}
+
+Result<void> writeDocument(const std::filesystem::path& file, CharacterDocument& document) {
+  const Result<std::string> bytes = document.writer.glb(file.string());
+  if (!bytes) return bytes.error();
+  return writeFileAtomically(file, *bytes);
+}
+
+}  // namespace lorica

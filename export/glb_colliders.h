@@ -1,0 +1,36 @@
+#pragma once
+
+#include "export/rigid_colliders.h"
+#include "geometry/mesh_files.h"
+#include "skinning/clip_files/character_document.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// How engines are told that a mesh of a GLB is a collider.
+struct GlbColliderSettings {
+  std::string prefix, postfix;  ///< of the nodes' names, see Engine
+  bool khr = false;             ///< also KHR_physics_rigid_bodies, as drafted on kKhrDraft
+};
+
+/// The draft of KHR_physics_rigid_bodies that is written: colliders refer to meshes directly.
+inline constexpr const char* kKhrDraft = "2026-06-12";
+
+/// Adds each hull as a mesh on a node of its own below its bone: OMI_physics_body (kinematic, as bones are moved) with
+/// a convex OMI_physics_shape. The hulls are translucent. Nothing else of the document changes.
+/// @param names  of the hulls, as many
+void addColliders(CharacterDocument& document, std::span<const RigidCollider> colliders,
+                  std::span<const std::string> names, const GlbColliderSettings& settings);
+
+/// Hulls alone, of a mesh that does not move: static bodies.
+/// @return or that the file cannot be written
+[[nodiscard]] Result<void> writeGlbHulls(const std::filesystem::path& file, const std::vector<NamedMesh>& hulls,
+                                         const GlbColliderSettings& settings);
+
+/// Writes a document, completely or not at all.
+[[nodiscard]] Result<void> writeDocument(const std::filesystem::path& file, CharacterDocument& document);
+
+}  // namespace lorica

@@ -1,0 +1,109 @@
+#include "export/mesh_export.h"
+
+#include "geometry/files.h"
+#include "geometry/little_endian.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+namespace lorica {
+
+namespace {
+
+std::string stlOf(const std::vector<NamedMesh>& meshes) {
+  std::string text;
+  for (const NamedMesh& each : meshes) {
+    text += fmt::format("solid {}\n", each.name);
+    for (const Triangle& t : each.mesh.triangles) {
+      const Vec3& a = each.mesh.vertices[t[0]];
+      const Vec3& b = each.mesh.vertices[t[1]];
+      const Vec3& c = each.mesh.vertices[t[2]];
+      const Vec3 normal = (b - a).cross(c - a).normalized();
+      text += fmt::format("facet normal {} {} {}\nouter loop\n", normal.x(), normal.y(), normal.z());
+      for (const Vec3& p : {a, b, c}) text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
+      text += "endloop\nendfacet\n";
+    }
+    text += fmt::format("endsolid {}\n", each.name);
+  }
+  return text;
+}
+
+std::string plyOf(const std::vector<NamedMesh>& meshes) {
+  std::size_t vertices = 0;
+  std::size_t faces = 0;
+  std::string text = "ply\nformat ascii 1.0\ncomment Lorica\n";
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    text += fmt::format("comment part {} {}\n", i, meshes[i].name);
+    vertices += meshes[i].mesh.vertices.size();
+    faces += meshes[i].mesh.triangles.size();
+  }
+  text += fmt::format(
+      "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nproperty int part\nend_header\n",
+      vertices, faces);
+  for (const NamedMesh& each : meshes) {
+    for (const Vec3& p : each.mesh.vertices) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  }
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    for (const Triangle& t : meshes[i].mesh.triangles) {
+      text += fmt::format("3 {} {} {} {}\n", first + t[0], first + t[1], first + t[2], i);
+    }
+    first += meshes[i].mesh.vertices.size();
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string formatMeshes(const std::vector<NamedMesh>& meshes, const std::string& extension) {
+  LORICA_CHECK(extension == ".stl" || extension == ".ply", "the caller chooses among known formats");
+  std::vector<std::string> names;
+  for (const NamedMesh& each : meshes) names.push_back(each.name);
+  names = plainNames(names);
+  std::vector<NamedMesh> named = meshes;
+  for (std::size_t i = 0; i < named.size(); ++i) named[i].name = names[i];
+  return extension == ".stl" ? stlOf(named) : plyOf(named);
+}
+
+Result<void> writeMeshes(const std::filesystem::path& file, const std::vector<NamedMesh>& meshes) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (extension == ".obj") return writeObjObjects(file, meshes);
+  return writeFileAtomically(file, formatMeshes(meshes, extension));
+}
+
+std::string formatBinaryStl(const TriMesh& mesh) {
+  std::string bytes(80, ' ');
+  appendLittleEndian(static_cast<std::uint32_t>(mesh.triangles.size()), bytes);
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    const Vec3& b = mesh.vertices[t[1]];
+    const Vec3& c = mesh.vertices[t[2]];
+    for (const Vec3& v : {Vec3((b - a).cross(c - a).normalized()), a, b, c}) {
+      for (int i = 0; i < 3; ++i) appendLittleEndian(static_cast<float>(v[i]), bytes);
+    }
+    appendLittleEndian(std::uint16_t{0}, bytes);
+  }
+  return bytes;
+}
+
+std::vector<std::string> plainNames(const std::vector<std::string>& names) {
+  std::set<std::string> used;
+  std::vector<std::string> plain;
+  for (std::string name : names) {
+    for (char& c : name) {
+      const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                        c == '.' || c == '_';
+      if (!fine) c = '_';
+    }
+    if (name.empty()) name = "_";
+    std::string unique = name;
+    for (int n = 2; !used.insert(unique).second; ++n) unique = fmt::format("{}_{}", name, n);
+    plain.push_back(std::move(unique));
+  }
+  return plain;
+}
+
+}  // namespace lorica

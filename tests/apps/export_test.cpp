@@ -1,0 +1,113 @@
+// `lorica export`: what is written, and what is refused in a sentence.
+#include "geometry/files.h"
+#include "geometry/mesh_files.h"
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string writeL(const TemporaryFolder& folder) {
+  const fs::path file = folder.path() / "l.obj";
+  EXPECT_TRUE(writeObjObjects(file, {{"l", makeLShape()}}).ok());
+  return file;
+}
+
+CommandResult runIn(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+  CommandSurroundings surroundings;
+  surroundings.folder = folder.path();
+  surroundings.cache = folder.path() / "cache";
+  return runLorica(arguments, surroundings);
+}
+
+TEST(Export, AMeshComesInEveryFormat) {
+  const TemporaryFolder folder;
+  (void)writeL(folder);
+  for (const std::string out : {"h.obj", "h.stl", "h.ply", "h.xml", "h.urdf", "h.glb"}) {
+    const CommandResult result = runIn(folder, {"export", "l.obj", out, "--parts", "2", "--json", "-"});
+    ASSERT_EQ(result.exitCode, 0) << out << ": " << result.err;
+    EXPECT_EQ(result.json()["hulls"], 2) << out;
+    EXPECT_TRUE(fs::exists(folder.path() / out));
+  }
+  for (const char* mesh : {"h.obj", "h.stl", "h.ply"}) {
+    const TriMesh hulls = readMesh(folder.path() / mesh).value();
+    EXPECT_NEAR(signedVolume(hulls.vertices, hulls.triangles), 3.0, 1e-9) << mesh;
+  }
+  EXPECT_NE(readFile(folder.path() / "h.xml").value().find("<freejoint"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder.path() / "h_meshes" / "l_hull_1.stl"));
+}
+
+TEST(Export, OfDecomposeIsTheSame) {
+  const TemporaryFolder folder;
+  (void)writeL(folder);
+  ASSERT_EQ(runIn(folder, {"decompose", "l.obj", "--parts", "2", "-o", "l.lorica", "--export-obj", "a.obj"}).exitCode,
+            0);
+  ASSERT_EQ(runIn(folder, {"export", "l.obj", "b.obj", "--parts", "2"}).exitCode, 0);
+  ASSERT_EQ(runIn(folder, {"export", "l.lorica", "c.obj"}).exitCode, 0);
+  const std::string hulls = readFile(folder.path() / "a.obj").value();
+  EXPECT_EQ(readFile(folder.path() / "b.obj").value(), hulls);
+  EXPECT_EQ(readFile(folder.path() / "c.obj").value(), hulls);
+}
+
+TEST(Export, EnginesLimitTheVertices) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "ball.obj";
+  ASSERT_TRUE(writeObjObjects(file, {{"ball", makeSphere(1.0, 12, 24)}}).ok());
+  const CommandResult unreal =
+      runIn(folder, {"export", "ball.obj", "h.glb", "--engine", "unreal", "--parts", "1", "--json", "-"});
+  ASSERT_EQ(unreal.exitCode, 0) << unreal.err;
+  EXPECT_EQ(unreal.json()["maxVertices"], 32);
+  EXPECT_NE(readFile(folder.path() / "h.glb").value().find("\"UCX_part_0\""), std::string::npos);
+}
+
+void expectRefused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& fragments) {
+  const std::vector<std::string> before = filesIn(folder.path());
+  CommandSurroundings surroundings;
+  surroundings.folder = folder.path();
+  const CommandResult result = runLorica(arguments, surroundings);
+  EXPECT_EQ(result.exitCode, 2) << result.err;
+  for (const std::string& fragment : fragments) {
+    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
+  }
+  EXPECT_EQ(filesIn(folder.path()), before);
+}
+
+TEST(Export, WhatCannotBeIsRefusedInASentence) {
+  const TemporaryFolder folder;
+  (void)writeL(folder);
+  expectRefused(folder, {"export", "l.obj", "l.obj"}, {"l.obj", "overwritten"});
+  expectRefused(folder, {"export", "l.obj", "l.usd"}, {"`.usd`", ".obj", ".glb"});
+  expectRefused(folder, {"export", "l.obj", "l"}, {"extension ``", ".xml"});
+  expectRefused(folder, {"export", "l.obj", "h.vrm"}, {"h.vrm", "springs", "l.obj", ".glb"});
+  expectRefused(folder, {"export", "l.obj", "h.stl", "--per-bone"}, {"--per-bone", "static mesh"});
+  expectRefused(folder, {"export", "l.obj", "h.stl", "--motion", "walk", "--at", "1"}, {"--at", "static mesh"});
+  expectRefused(folder, {"export", "l.obj", "h.xml", "--motion", "walk", "--at", "1"}, {"h.xml", "--at", ".ply"});
+  expectRefused(folder, {"export", "mannequin", "h.stl", "--at", "1"}, {"--at", "--motion"});
+  expectRefused(folder, {"export", "mannequin", "h.stl", "--motion", "walk"}, {"--motion", "--at"});
+  expectRefused(folder, {"export", "l.obj", "h.stl", "--mocap"}, {"--mocap", ".xml"});
+  expectRefused(folder, {"export", "l.obj", "h.xml", "--khr"}, {"--khr", ".glb"});
+  expectRefused(folder, {"export", "l.obj", "h.xml", "--engine", "quake"}, {"quake", "unity", "godot"});
+  expectRefused(folder, {"export", "l.obj", "no/h.xml"}, {"no"});
+  expectRefused(folder, {"export", "mannequin", "h.glb", "--parts", "4"}, {"--parts", "mannequin", "--decomposition"});
+  expectRefused(folder, {"export", "gone.lorica", "h.glb"}, {"gone.lorica"});
+}
+
+TEST(Export, ADecompositionNeedsWhatItWasMadeFrom) {
+  const TemporaryFolder folder;
+  (void)writeL(folder);
+  ASSERT_EQ(runIn(folder, {"decompose", "l.obj", "--parts", "2", "-o", "l.lorica"}).exitCode, 0);
+  fs::rename(folder.path() / "l.obj", folder.path() / "m.obj");
+  expectRefused(folder, {"export", "l.lorica", "h.ply"}, {"l.lorica", "l.obj", "--decomposition"});
+  EXPECT_EQ(runIn(folder, {"export", "m.obj", "h.ply", "--decomposition", "l.lorica"}).exitCode, 0);
+  ASSERT_TRUE(writeObjObjects(folder.path() / "t.obj", {{"t", makeTetrahedron()}}).ok());
+  expectRefused(folder, {"export", "t.obj", "i.ply", "--decomposition", "l.lorica"}, {"l.lorica", "t.obj"});
+}
+
+}  // namespace
+}  // namespace lorica::test

@@ -1,0 +1,63 @@
+#include "export/mesh_export.h"
+
+#include "geometry/files.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica {
+namespace {
+
+std::vector<NamedMesh> twoSolids() {
+  TriMesh box = test::makeBox(Vec3(-1.0, 0.0, 2.0), Vec3(0.25, 1.0 / 3.0, 3.0));
+  return {{"box of a hand", std::move(box)}, {"tetrahedron", test::makeTetrahedron()}};
+}
+
+class MeshFormat : public testing::TestWithParam<const char*> {};
+
+TEST_P(MeshFormat, IsReadBackDigitForDigit) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / (std::string("hulls") + GetParam());
+  const std::vector<NamedMesh> solids = twoSolids();
+  ASSERT_TRUE(writeMeshes(file, solids).ok());
+  const TriMesh read = readMesh(file).value();
+  EXPECT_EQ(read.triangles.size(), 16U);
+  EXPECT_EQ(read.vertices.size(), 12U);
+  EXPECT_DOUBLE_EQ(signedVolume(read.vertices, read.triangles), 1.25 / 3.0 + 1.0 / 6.0);
+  EXPECT_EQ(surfaceBounds(read).min, Vec3(-1.0, 0.0, 0.0));
+}
+
+INSTANTIATE_TEST_SUITE_P(, MeshFormat, testing::Values(".obj", ".stl", ".ply", ".STL"),
+                         [](const auto& each) { return "as" + std::to_string(each.index) + (each.param + 1); });
+
+TEST(MeshExportNames, OfPartsAreInTheFile) {
+  const std::string stl = formatMeshes(twoSolids(), ".stl");
+  EXPECT_NE(stl.find("solid box_of_a_hand\n"), std::string::npos);
+  EXPECT_NE(stl.find("endsolid tetrahedron\n"), std::string::npos);
+  const std::string ply = formatMeshes(twoSolids(), ".ply");
+  EXPECT_NE(ply.find("comment part 1 tetrahedron\n"), std::string::npos);
+  EXPECT_NE(ply.find("\n3 8 10 9 1\n"), std::string::npos) << ply;
+}
+
+TEST(MeshExportNames, AreMadePlainAndUnique) {
+  EXPECT_EQ(plainNames({"Hips", "Hips", "Hips_2", "\xe8\x85\xb0<\"", "", "a b"}),
+            (std::vector<std::string>{"Hips", "Hips_2", "Hips_2_2", "_____", "_", "a_b"}));
+}
+
+TEST(MeshExport, BinaryStlHasOneRecordForEachTriangle) {
+  const test::TemporaryFolder folder;
+  const std::string bytes = formatBinaryStl(test::makeTetrahedron());
+  EXPECT_EQ(bytes.size(), 84U + 4U * 50U);
+  const TriMesh read = readMesh(folder.write("t.stl", bytes)).value();
+  EXPECT_DOUBLE_EQ(signedVolume(read.vertices, read.triangles), 1.0 / 6.0);
+}
+
+TEST(MeshExport, LeavesNothingWhereItCannotWrite) {
+  const test::TemporaryFolder folder;
+  EXPECT_FALSE(writeMeshes(folder.path() / "no" / "hulls.stl", twoSolids()).ok());
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace lorica

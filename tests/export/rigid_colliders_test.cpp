@@ -1,0 +1,131 @@
+// Rigid colliders against what they promise: in the poses that they are made from they hold the whole surface.
+#include "export/rigid_colliders.h"
+
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/export/stick_figure.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica {
+namespace {
+
+const std::vector<double> kBends = {0.0, 0.9, -0.4, 1.4};
+
+std::vector<RigidCollider> collidersOf(const Character& character, std::span<const Affine3> poses,
+                                       const RigidColliderSettings& settings = {}) {
+  return makeRigidColliders(character, test::onePart(character), {poses, character.skeleton.jointCount()}, settings)
+      .value();
+}
+
+/// The farthest that a vertex is outside all colliders, by their planes.
+double farthestOutside(const Character& character, std::span<const RigidCollider> colliders,
+                       std::span<const Affine3> bones) {
+  std::vector<Vec3> posed(character.mesh.vertices.size());
+  skinLinearBlend(character, bones, posed);
+  double farthest = 0.0;
+  for (const Vec3& p : posed) {
+    double least = kInfinity;
+    for (const RigidCollider& collider : colliders) {
+      const Vec3 local = bones[collider.joint].inverse() * p;
+      double outside = -kInfinity;
+      for (const Triangle& t : collider.hull.triangles) {
+        const Vec3& a = collider.hull.vertices[t[0]];
+        const Vec3 normal = (collider.hull.vertices[t[1]] - a).cross(collider.hull.vertices[t[2]] - a);
+        if (normal.norm() < 1e-12) continue;
+        outside = std::max(outside, normal.normalized().dot(local - a));
+      }
+      least = std::min(least, outside);
+    }
+    farthest = std::max(farthest, least);
+  }
+  return farthest;
+}
+
+TEST(RigidColliders, HoldTheSurfaceInEveryPoseThatTheyAreMadeFrom) {
+  const Character figure = test::stickFigure();
+  const std::vector<Affine3> poses = test::bentPoses(figure, kBends);
+  for (const int limit : {0, 16}) {
+    const std::vector<RigidCollider> colliders = collidersOf(figure, poses, {limit, false, 1});
+    ASSERT_EQ(colliders.size(), 2U);
+    for (std::size_t k = 0; k < kBends.size(); ++k) {
+      EXPECT_LT(farthestOutside(figure, colliders, std::span(poses).subspan(2 * k, 2)), 1e-6) << "pose " << k;
+    }
+    for (const RigidCollider& collider : colliders) {
+      if (limit > 0) {
+        EXPECT_LE(collider.hull.vertices.size(), 16U);
+      }
+      EXPECT_NEAR(collider.volume, signedVolume(collider.hull.vertices, collider.hull.triangles), 1e-9);
+      for (const Vec3& p : limit == 0 ? collider.hull.vertices : std::vector<Vec3>()) {
+        EXPECT_LE(collider.capsule.outside(p), 1e-9);
+      }
+    }
+  }
+}
+
+TEST(RigidColliders, OfABodyThatDoesNotBendAreItsHalves) {
+  const Character figure = test::stickFigure();
+  const std::vector<Affine3> poses = test::bentPoses(figure, {0.0, 0.0});
+  const std::vector<RigidCollider> colliders = collidersOf(figure, poses);
+  ASSERT_EQ(colliders.size(), 2U);
+  EXPECT_EQ(colliders[0].joint, 0);
+  EXPECT_EQ(colliders[1].joint, 1);
+  EXPECT_NEAR(colliders[0].volume, 0.04 * 1.0, 1e-6);
+  EXPECT_NEAR(colliders[1].volume, 0.04 * 1.0, 1e-6);
+}
+
+TEST(RigidColliders, StickOutOnlyInOtherPoses) {
+  const Character figure = test::stickFigure();
+  const std::vector<RigidCollider> colliders = collidersOf(figure, test::bentPoses(figure, {0.0}));
+  EXPECT_GT(farthestOutside(figure, colliders, test::bentPoses(figure, {1.2})), 0.005);
+}
+
+TEST(RigidColliders, DoNotDependOnThreads) {
+  const Character mannequin = makeMannequin();
+  Pose pose = restPose(mannequin.skeleton);
+  pose[mannequin.skeleton.jointOf(HumanBone::kLeftLowerArm)].rotation = Quat(Eigen::AngleAxisd(1.0, Vec3::UnitY()));
+  std::vector<Affine3> bones(pose.size());
+  computeWorldFromJoint(mannequin.skeleton, pose, bones);
+  computeWorldFromModel(mannequin, bones, bones);
+  const std::vector<RigidCollider> one = collidersOf(mannequin, bones, {32, true, 1});
+  const std::vector<RigidCollider> many = collidersOf(mannequin, bones, {32, true, 5});
+  ASSERT_EQ(one.size(), many.size());
+  EXPECT_GT(one.size(), 20U);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].joint, many[i].joint);
+    EXPECT_EQ(one[i].hull.vertices, many[i].hull.vertices);
+    EXPECT_EQ(one[i].hull.triangles, many[i].hull.triangles);
+    EXPECT_EQ(one[i].part, -1);
+  }
+}
+
+TEST(RigidColliders, OfOneBoneInManyPosesAreAsOfOnePose) {
+  Character figure = test::stickFigure();
+  for (Influence& influence : figure.influences) influence.joint = 0;
+  const std::vector<RigidCollider> colliders = collidersOf(figure, test::bentPoses(figure, kBends));
+  ASSERT_EQ(colliders.size(), 1U);
+  EXPECT_NEAR(colliders[0].volume, 0.04 * 2.0, 1e-6);
+}
+
+TEST(RigidColliders, FlatSkinGetsAThickness) {
+  Character flat = test::stickFigure();
+  for (Vec3& p : flat.mesh.vertices) p.z() = 0.0;
+  const std::vector<RigidCollider> colliders = collidersOf(flat, test::bentPoses(flat, {0.0}));
+  ASSERT_EQ(colliders.size(), 2U);
+  for (const RigidCollider& collider : colliders) {
+    EXPECT_GE(collider.hull.triangles.size(), 4U);
+    EXPECT_GT(collider.volume, 1e-5);
+  }
+}
+
+TEST(RigidColliders, ABoneScaledToNothingIsRefused) {
+  const Character figure = test::stickFigure();
+  std::vector<Affine3> poses = test::bentPoses(figure, {0.0});
+  poses[1].linear().setZero();
+  const auto made = makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {});
+  ASSERT_FALSE(made.ok());
+  EXPECT_NE(made.error().message.find("'upper'"), std::string::npos) << made.error().message;
+}
+
+}  // namespace
+}  // namespace lorica
