@@ -1,11 +1,20 @@
 #include "apps/command_line.h"
 
 #include "apps/standard_streams.h"
+#include "geometry/similar_name.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
@@ -14,7 +23,42 @@ namespace {
 constexpr std::size_t kColumnWidth = 30;  // of the options' names in the help
 constexpr std::size_t kGap = 2;           // minimum between a name and its description
 
-/// CLI11's layout, but a name that leaves less than kGap before the description is followed by a line break.
+/// Columns for the help: those of the terminal, else what COLUMNS says, else 100; at least 60 and at most 120, since
+/// longer lines read badly.
+int helpWidth() {
+  winsize window{};
+  int columns = 100;
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0) {
+    columns = window.ws_col;
+  } else if (const char* wished = std::getenv("COLUMNS")) {
+    columns = std::atoi(wished);
+  }
+  return std::clamp(columns, 60, 120);
+}
+
+/// Breaks a text between words so that no line reaches beyond the width, if no word does.
+/// @param column  where the text begins in its first line; the others are indented to it
+std::string wrapped(std::string_view text, std::size_t column, std::size_t width) {
+  std::string result;
+  std::size_t at = column;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    if (at > column && at + 1 + word.size() > width) {
+      result += "\n" + std::string(column, ' ');
+      at = column;
+    } else if (at > column) {
+      result += ' ';
+      ++at;
+    }
+    result += word;
+    at += word.size();
+  }
+  return result;
+}
+
+/// CLI11's layout, but lines are as long as the terminal is wide, and a name that leaves less than kGap before the
+/// description is followed by a line break.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(kColumnWidth); }
@@ -28,8 +72,21 @@ class HelpFormatter : public CLI::Formatter {
     } else {
       text.resize(kColumnWidth, ' ');
     }
-    return text + description + "\n";
+    return text + wrapped(description, kColumnWidth, width_) + "\n";
   }
+
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::string name = "  " + command->get_name();
+    name.resize(kColumnWidth, ' ');
+    return name + wrapped(command->get_description(), kColumnWidth, width_) + "\n";
+  }
+
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped(app->get_description(), 0, width_) + "\n";
+  }
+
+ private:
+  std::size_t width_ = static_cast<std::size_t>(helpWidth());
 };
 
 CLI::Validator validatorOf(TextCheck check) {
@@ -133,10 +190,28 @@ Option* CommandLine::addFlag(const std::string& name, bool& value, const std::st
   return &options_.emplace_back(app_->add_flag(name, value, description));
 }
 
-std::string CommandLine::subcommandNames() const {
-  std::string names;
-  for (const auto& command : subcommands_) names += (names.empty() ? "" : ", ") + command->app_->get_name();
+std::vector<std::string> CommandLine::subcommandNames() const {
+  std::vector<std::string> names;
+  for (const auto& command : subcommands_) names.push_back(command->app_->get_name());
   return names;
+}
+
+/// Why an argument that nothing takes is refused.
+std::string CommandLine::unexpected(const std::string& argument) const {
+  const std::vector<CLI::App*> chosen = app_->get_subcommands();
+  if (chosen.empty()) {
+    const std::vector<std::string> names = subcommandNames();
+    const std::string similar = didYouMean(argument, names);
+    return fmt::format("{}: unknown command{}", argument,
+                       similar.empty() ? fmt::format(", expected one of {}", fmt::join(names, ", ")) : similar);
+  }
+  if (argument.rfind("--", 0) != 0) return argument + ": unexpected argument";
+  std::vector<std::string> names;
+  for (const CLI::Option* option : chosen.front()->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::string name = argument.substr(0, argument.find('='));
+  return fmt::format("{}: unknown option{}", name, didYouMean(name, names));
 }
 
 /// The help command for the chosen subcommand, for error messages.
@@ -163,19 +238,29 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     say(fmt::format("{}: {}\nTry `{}`.\n", name, printable(sentence), helpCommand()));
     return kBadInputStatus;
   };
+  // `lorica help play` is `lorica play --help`.
+  std::array<const char*, 3> help = {argv[0], "--help", nullptr};
+  const char* const* arguments = argv;
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    if (argc > 2) {
+      const std::vector<std::string> names = subcommandNames();
+      if (std::find(names.begin(), names.end(), argv[2]) == names.end()) return refuse(unexpected(argv[2]));
+      help = {argv[0], argv[2], "--help"};
+    }
+    argc = std::min(argc, 3);
+    arguments = help.data();
+  }
   try {
-    app_->parse(argc, argv);
+    app_->parse(argc, arguments);
   } catch (const CLI::ExtrasError&) {
     const std::vector<std::string> extras = app_->remaining(true);
-    return refuse(fmt::format("{}: {}", extras.empty() ? "?" : extras.front(),
-                              app_->get_subcommands().empty() ? "unknown command, expected one of " + subcommandNames()
-                                                              : "unexpected argument"));
+    return refuse(unexpected(extras.empty() ? "?" : extras.front()));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return printHelp(error);  // --help and --version
     return refuse(error.what());
   }
   if (app_->get_subcommands().empty()) {
-    return refuse("no command given, expected one of " + subcommandNames());
+    return refuse(fmt::format("no command given, expected one of {}", fmt::join(subcommandNames(), ", ")));
   }
   return std::nullopt;
 }

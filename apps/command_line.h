@@ -77,7 +77,8 @@ class CommandLine {
   explicit CommandLine(CLI::App* app);
   template <typename Value>
   Option* add(const std::string& name, Value& value, const std::string& description);
-  [[nodiscard]] std::string subcommandNames() const;
+  [[nodiscard]] std::vector<std::string> subcommandNames() const;
+  [[nodiscard]] std::string unexpected(const std::string& argument) const;
   [[nodiscard]] std::string helpCommand() const;
   [[nodiscard]] int printHelp(const CLI::ParseError& asked) const;
 

@@ -32,7 +32,7 @@ int run(int argc, char** argv) {
       "  lorica live --virtual                    # follow a person before a depth camera, here a virtual one\n"
       "  lorica info hero.glb                     # describe your own character\n"
       "  lorica play walk --character hero.glb --window\n"
-      "\n`lorica COMMAND --help` describes each command.\n"
+      "\n`lorica help COMMAND` describes each command.\n"
       "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, 130 = Ctrl-C.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {

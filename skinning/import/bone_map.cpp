@@ -1,6 +1,7 @@
 #include "skinning/import/bone_map.h"
 
 #include "geometry/files.h"
+#include "geometry/similar_name.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <fmt/format.h>
@@ -23,7 +24,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "bone map 1";
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundred thousand joints is smaller
-constexpr std::size_t kLongestToCompare = 200;            ///< length of names for which a similar name is searched
 
 [[nodiscard]] std::size_t at(HumanBone bone) {
   return static_cast<std::size_t>(bone);
@@ -37,39 +37,6 @@ constexpr std::size_t kLongestToCompare = 200;            ///< length of names f
 [[nodiscard]] std::string asText(const std::string& bytes) {
   const std::string quoted = Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace);
   return Json::parse(quoted).get<std::string>();
-}
-
-/// Levenshtein distance: insertions, deletions and changes of letters. Case is ignored.
-[[nodiscard]] std::size_t editDistance(std::string_view a, std::string_view b) {
-  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (small(a[i - 1]) == small(b[j - 1]) ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-/// "; did you mean "hand.l"?", or empty if no name is similar.
-[[nodiscard]] std::string nearestOf(std::string_view name, std::span<const std::string> known) {
-  constexpr std::size_t kMaxCompared = 2000;
-  if (name.size() > kLongestToCompare) return "";
-  const std::string* nearest = nullptr;
-  std::size_t min = std::max<std::size_t>(name.size() / 2, 2) + 1;
-  for (const std::string& candidate : known.first(std::min(known.size(), kMaxCompared))) {
-    if (candidate.size() > kLongestToCompare) continue;
-    const std::size_t distance = editDistance(name, candidate);
-    if (distance >= min) continue;
-    min = distance;
-    nearest = &candidate;
-  }
-  return nearest == nullptr ? "" : fmt::format("; did you mean \"{}\"?", *nearest);
 }
 
 [[nodiscard]] std::vector<std::string> boneNames() {
@@ -184,7 +151,7 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   const std::vector<std::string> known = {"lorica", "character", "bones", "unsure", "unusedJoints"};
   for (const auto& [key, value] : json->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    return bad(name, fmt::format("unknown key \"{}\"{}", key, nearestOf(key, known)));
+    return bad(name, fmt::format("unknown key \"{}\"{}", key, didYouMean(key, known)));
   }
   if (!json->contains("bones") || !(*json)["bones"].is_object()) {
     return bad(name, "bones is missing, expected an object with a joint name for each bone");
@@ -197,7 +164,7 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   }
   for (const auto& [key, value] : (*json)["bones"].items()) {
     const std::optional<HumanBone> bone = humanBoneNamed(key);
-    if (!bone) return bad(name, fmt::format("bones: \"{}\" is not a bone{}", key, nearestOf(key, boneNames())));
+    if (!bone) return bad(name, fmt::format("bones: \"{}\" is not a bone{}", key, didYouMean(key, boneNames())));
     if (value.is_null()) continue;
     if (!value.is_string() || value.get<std::string>().empty()) {
       return bad(name, fmt::format("bones: {} is {}, expected a joint name or null", key,
@@ -247,7 +214,7 @@ Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std:
     const std::vector<JointIndex> found = names.find(text);
     if (found.empty()) {
       return Error{ErrorCode::kNotFound, fmt::format("{}: {}: the character has no joint \"{}\"{}", name, nameOf(bone),
-                                                     text, nearestOf(text, names.all()))};
+                                                     text, didYouMean(text, names.all()))};
     }
     if (found.size() > 1) {
       return bad(name, fmt::format("{}: {} joints are named \"{}\", expected one: write \"{}\" or \"{}\"", nameOf(bone),

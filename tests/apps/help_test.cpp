@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 namespace lorica::test {
 namespace {
 
@@ -36,6 +38,31 @@ TEST(Command, HelpSeparatesOptionsFromTheirDescriptions) {
   EXPECT_NE(help.find("  --strip                     Combine"), std::string::npos) << help;
 }
 
+TEST(Command, HelpFitsTheWidth) {
+  for (const char* command : {"play", "live", "decompose"}) {
+    std::istringstream help(runLorica({command, "--help"}).out);
+    std::string line;
+    while (std::getline(help, line) && line != "Examples:") EXPECT_LE(line.size(), 100u) << line;
+    EXPECT_EQ(line, "Examples:");
+  }
+}
+
+TEST(Command, HelpIsACommandToo) {
+  EXPECT_EQ(runLorica({"help", "play"}).out, runLorica({"play", "--help"}).out);
+  EXPECT_EQ(runLorica({"help"}).out, runLorica({"--help"}).out);
+  const CommandResult unknown = runLorica({"help", "plya"});
+  EXPECT_EQ(unknown.exitCode, 2);
+  EXPECT_NE(unknown.err.find("plya: unknown command; did you mean \"play\"?"), std::string::npos) << unknown.err;
+}
+
+TEST(Command, MisspeltOptionsAreRecognised) {
+  const CommandResult result = runLorica({"play", "walk", "--windw"});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_EQ(result.err, "lorica: --windw: unknown option; did you mean \"--window\"?\nTry `lorica play --help`.\n");
+  EXPECT_EQ(runLorica({"play", "walk", "--quarterstaff=3"}).err,
+            "lorica: --quarterstaff: unknown option\nTry `lorica play --help`.\n");
+}
+
 TEST(Command, SaysItsVersion) {
   const CommandResult result = runLorica({"--version"});
   EXPECT_EQ(result.exitCode, 0);
@@ -54,7 +81,11 @@ TEST(Command, WithoutArgumentsListsTheCommands) {
 TEST(Command, UnknownCommandIsRefused) {
   const CommandResult result = runLorica({"decompoes", "bunny.off"});
   EXPECT_EQ(result.exitCode, 2);
-  EXPECT_NE(result.err.find("decompoes"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("decompoes: unknown command; did you mean \"decompose\"?"), std::string::npos)
+      << result.err;
+  const CommandResult unlike = runLorica({"quarterstaff"});
+  EXPECT_NE(unlike.err.find("quarterstaff: unknown command, expected one of demo, decompose, "), std::string::npos)
+      << unlike.err;
 }
 
 }  // namespace
