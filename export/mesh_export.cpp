@@ -60,6 +60,7 @@ std::string plyOf(const std::vector<NamedMesh>& meshes) {
 std::string formatMeshes(const std::vector<NamedMesh>& meshes, const std::string& extension) {
   LORICA_CHECK(extension == ".stl" || extension == ".ply", "the caller chooses among known formats");
   std::vector<std::string> names;
+  names.reserve(meshes.size());
   for (const NamedMesh& each : meshes) names.push_back(each.name);
   names = plainNames(names);
   std::vector<NamedMesh> named = meshes;
