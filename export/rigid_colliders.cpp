@@ -162,6 +162,7 @@ Result<std::vector<RigidCollider>> makeRigidColliders(const Character& character
   }
   const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition);
   std::vector<Vec3> bind;
+  bind.reserve(lifted.size());
   for (const LiftedPoint& point : lifted) bind.push_back(bindPositionOf(point));
   const std::vector<Group> groups =
       settings.perBone ? groupsOfBody(character, lifted, bind) : groupsOfParts(character, decomposition, lifted, bind);

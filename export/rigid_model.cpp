@@ -83,6 +83,7 @@ void findOverlaps(RigidModel& model) {
 /// Gives bodies their unique plain names. @return how many were changed
 int nameBodies(std::vector<RigidBody>& bodies) {
   std::vector<std::string> names;
+  names.reserve(bodies.size());
   for (const RigidBody& body : bodies) names.push_back(body.name);
   const std::vector<std::string> plain = plainNames(names);
   int changed = 0;

@@ -1,6 +1,11 @@
 // `lorica export`: what is written, and what is refused in a sentence.
+#include "capture/files/joint_csv.h"
+#include "geometry/convex_hull.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
+#include "session/pose_source.h"
+#include "skinning/linear_blend.h"
+#include "skinning/mannequin/mannequin.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
@@ -63,6 +68,40 @@ TEST(Export, EnginesLimitTheVertices) {
   ASSERT_EQ(unreal.exitCode, 0) << unreal.err;
   EXPECT_EQ(unreal.json()["maxVertices"], 32);
   EXPECT_NE(readFile(folder.path() / "h.glb").value().find("\"UCX_part_0\""), std::string::npos);
+}
+
+TEST(Export, HullsOfAMomentHoldTheSkin) {
+  const TemporaryFolder folder;
+  const CommandResult made = runIn(
+      folder, {"decompose", "mannequin", "--parts", "2", "--keyframes", "2", "--motion", "walk", "-o", "body.lorica"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  const CommandResult result = runIn(folder, {"export", "body.lorica", "at.obj", "--motion", "walk", "--at", "1.5"});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  std::vector<ConvexHull> hulls;
+  const std::vector<NamedMesh> parts = readObjObjects(folder.path() / "at.obj").value();
+  for (const NamedMesh& part : parts) {
+    hulls.push_back(convexHull(part.mesh.vertices));
+  }
+  ASSERT_EQ(hulls.size(), 2U);
+
+  const Character mannequin = makeMannequin();
+  const SkeletalMotion walk = perform(mannequin, readJointCsv(recordingsFolder() / "walk.csv").value()).value();
+  Pose pose = restPose(mannequin.skeleton);
+  poseAt(walk, walk.times.front() + 1.5, pose);
+  std::vector<Affine3> bones(pose.size());
+  computeWorldFromJoint(mannequin.skeleton, pose, bones);
+  computeWorldFromModel(mannequin, bones, bones);
+  std::vector<Vec3> skin(mannequin.mesh.vertices.size());
+  skinLinearBlend(mannequin, bones, skin);
+  double farthest = 0.0;
+  for (std::size_t v = 0; v < skin.size(); v += 7) {
+    const std::span<const Vec3> one(&skin[v], 1);
+    farthest = std::max(farthest, std::min(largestViolation(hulls[0], one), largestViolation(hulls[1], one)));
+  }
+  EXPECT_LT(farthest, 1e-5);
+  const CommandResult late = runIn(folder, {"export", "body.lorica", "b.obj", "--motion", "walk", "--at", "100"});
+  EXPECT_EQ(late.exitCode, 2);
+  EXPECT_NE(late.err.find("--at 100: walk lasts"), std::string::npos) << late.err;
 }
 
 void expectRefused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
