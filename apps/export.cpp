@@ -90,6 +90,10 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   }
   if (Result<void> fine = checkOutput("OUT", options.output); !fine) return fine;
   std::error_code ignored;
+  if (format == Format::kUrdf && fs::exists(urdfFolder(options.output), ignored)) {
+    return refused(fmt::format("{}: exists already, expected a new folder for the meshes of {}",
+                               urdfFolder(options.output).string(), options.output));
+  }
   for (const std::string& input : {options.source.input, options.source.decomposition, options.motion}) {
     if (fs::equivalent(input, options.output, ignored)) {
       return refused(fmt::format("{} is an input and would be overwritten", options.output));

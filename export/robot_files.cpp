@@ -192,9 +192,13 @@ std::vector<UrdfMesh> urdfMeshes(const RigidModel& model, const std::string& fol
   return meshes;
 }
 
+fs::path urdfFolder(const fs::path& file) {
+  return file.parent_path() / plainNames({file.stem().string() + "_meshes"}).front();
+}
+
 Result<void> writeUrdf(const fs::path& file, const RigidModel& model) {
-  const std::string folder = plainNames({file.stem().string() + "_meshes"}).front();
-  const fs::path path = file.parent_path() / folder;
+  const fs::path path = urdfFolder(file);
+  const std::string folder = path.filename().string();
   std::error_code failed;
   if (fs::exists(path, failed)) {
     return Error{ErrorCode::kUnwritable, fmt::format("{}: exists already, expected a new folder for the meshes of {}",

@@ -31,6 +31,9 @@ struct UrdfMesh {
 [[nodiscard]] std::string formatUrdf(const RigidModel& model, const std::string& folder);
 [[nodiscard]] std::vector<UrdfMesh> urdfMeshes(const RigidModel& model, const std::string& folder);
 
+/// The folder of the meshes of FILE.urdf: FILE_meshes, in plain letters.
+[[nodiscard]] std::filesystem::path urdfFolder(const std::filesystem::path& file);
+
 /// Writes FILE.urdf, and its meshes in FILE_meshes/. If anything cannot be written, what this call made is removed.
 /// @return or that the folder of meshes exists already
 [[nodiscard]] Result<void> writeUrdf(const std::filesystem::path& file, const RigidModel& model);
