@@ -30,6 +30,7 @@ void put(const char* name, const Vec3& v, Text& text) {
 /// The name of each joint as JSON.
 std::vector<std::string> quotedNames(const Skeleton& skeleton) {
   std::vector<std::string> names;
+  names.reserve(static_cast<std::size_t>(skeleton.jointCount()));
   for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
     names.push_back(
         nlohmann::json(skeleton.joint(joint).name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -114,9 +115,10 @@ class EventsWriter final : public EventsOutput {
     const int descriptor = std::exchange(descriptor_, -1);
     if (part_.empty()) return written;
     ::close(descriptor);
+    if (failed_ || !written) return written;  // what could be written stays under the name of the part
     std::error_code error;
     fs::rename(part_, file_, error);
-    return written && error ? unwritable(error.value()) : written;
+    return error ? unwritable(error.value()) : Result<void>();
   }
 
  private:
@@ -128,10 +130,11 @@ class EventsWriter final : public EventsOutput {
 
   [[nodiscard]] Result<void> write() {
     std::string_view left(text_.data(), text_.size());
-    while (!left.empty() && descriptor_ >= 0) {
+    while (!left.empty() && descriptor_ >= 0 && !failed_) {
       const ssize_t written = ::write(descriptor_, left.data(), left.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return unwritable(errno);
+      failed_ = written < 0;
+      if (failed_) return unwritable(errno);
       left.remove_prefix(static_cast<std::size_t>(written));
     }
     text_.clear();
@@ -144,6 +147,7 @@ class EventsWriter final : public EventsOutput {
   std::mutex mutex_;  ///< of the lines and the descriptor
   std::optional<EventLines> lines_;
   Text text_;
+  bool failed_ = false;  ///< nothing more can be written
   AtHardStop finishing_{[this] { (void)finish(); }};
 };
 

@@ -68,6 +68,13 @@ struct Crowd {
   }
 };
 
+std::uint64_t hashOf(const LiveBody& body, std::uint64_t seed) {
+  for (const LivePart& part : body.parts()) {
+    seed = XXH3_64bits_withSeed(part.shape.vertices.data(), part.shape.vertices.size() * sizeof(Vec3), seed);
+  }
+  return seed;
+}
+
 struct Row {
   double hullsUs = 0.0, contactsUs = 0.0, contacts = 0.0, bytes = 0.0;
   std::uint64_t hash = 0;
@@ -86,7 +93,9 @@ Row measure(const std::shared_ptr<const BodyPlan>& plan, std::span<const BonePos
     for (std::size_t a = 0; a < count; ++a) {
       const BonePoses& poses = motions[a % motions.size()];
       Isometry3 place = Isometry3::Identity();
-      place.translation() = options.spacing * Vec3(static_cast<double>(a % side), 0.0, static_cast<double>(a / side));
+      const std::size_t x = a % side;
+      const std::size_t z = a / side;
+      place.translation() = options.spacing * Vec3(static_cast<double>(x), 0.0, static_cast<double>(z));
       const std::vector<Affine3> matrices =
           placed(poses[(static_cast<std::size_t>(frame) + 37 * a) % poses.size()], place);
       const double begin = threadMicroseconds();
@@ -100,6 +109,7 @@ Row measure(const std::shared_ptr<const BodyPlan>& plan, std::span<const BonePos
       hulls.push_back(hullsUs);
     }
     row.contacts += static_cast<double>(found.size()) / options.frames;
+    for (const LiveBody& body : crowd.bodies) row.hash = hashOf(body, row.hash);
     for (const BodyContact& c : found) row.hash = XXH3_64bits_withSeed(&c.depth, sizeof(c.depth), row.hash);
   }
   row.hullsUs = medianOf(hulls);
