@@ -36,10 +36,10 @@ int run(int argc, char** argv) {
       "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, 130 = Ctrl-C.");
   lorica::CommonOptions common;
   const std::vector<lorica::Command> commands = {
-      lorica::addDemo(app, common),     lorica::addDecompose(app, common), lorica::addScore(app, common),
-      lorica::addPlay(app, common),     lorica::addLive(app, common),      lorica::addRecord(app, common),
-      lorica::addReplay(app, common),   lorica::addInfo(app, common),      lorica::addConvert(app, common),
-      lorica::addExport(app, common),   lorica::addSnapshot(app, common),
+      lorica::addDemo(app, common),   lorica::addDecompose(app, common), lorica::addScore(app, common),
+      lorica::addPlay(app, common),   lorica::addLive(app, common),      lorica::addRecord(app, common),
+      lorica::addReplay(app, common), lorica::addInfo(app, common),      lorica::addConvert(app, common),
+      lorica::addExport(app, common), lorica::addSnapshot(app, common),
   };
 
   if (const std::optional<int> status = app.parse(argc, argv)) return *status;
