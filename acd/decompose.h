@@ -19,15 +19,16 @@ enum class DecomposePreset : std::uint8_t {
 
 /// Increase this when decompose() or chooseCover() gives a different result for the same input, or when .lorica files
 /// hold more data, so that caches written by older versions are not used.
-inline constexpr std::uint64_t kAlgorithmVersion = 6;
+inline constexpr std::uint64_t kAlgorithmVersion = 7;
 
 struct DecomposeSettings {
   int maxParts = 16;  ///< M; 0 = until no concave edge remains (Algorithm 1)
   DecomposePreset preset = DecomposePreset::kFast;
   int candidateEdges = 0;  ///< C: concave edges tried for each cut, deepest first; 0 = preset's value (paper: 8)
   int planesPerEdge = 0;   ///< R: plane orientations for each edge; 0 = preset's value (paper: 5)
-  /// With limits, the number of parts is the smallest that meets one of the limits in every keyframe, but at most
-  /// maxParts unless that is 0. A limit of 0 is no limit.
+  /// With limits, the number of parts is the smallest that meets all of them in every keyframe, but at most maxParts
+  /// unless that is 0. A limit of 0 is no limit. They are about the parts' hulls, see partHull(), and not about larger
+  /// ones with fewer vertices.
   double maxError = 0.0;     ///< (hull volume - mesh volume) / mesh volume
   double maxDistance = 0.0;  ///< of any point of a part's hull from the part, see hullDistance() [m]
   int threads = 0;           ///< 0 = all of the machine's; the result does not depend on it

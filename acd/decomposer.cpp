@@ -102,9 +102,9 @@ bool Decomposer::goOn(std::size_t pieces, std::size_t limit) const {
   return settings_.progress(static_cast<int>(done), settings_.maxParts);
 }
 
-/// Whether the hull volume of all pieces meets maxError in every keyframe; false if maxError is not set.
+/// Whether the hull volume of all pieces meets maxError in every keyframe.
 bool Decomposer::errorMet(std::span<const SharedPiece> pieces) const {
-  if (settings_.maxError <= 0.0) return false;
+  if (settings_.maxError <= 0.0) return true;
   for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
     double volume = -context_.meshVolume[k];
     for (const SharedPiece& piece : pieces) volume += piece->hullVolume[k];
@@ -131,24 +131,24 @@ bool Decomposer::tooFar(Leaf& leaf) const {
   return *leaf.distance > settings_.maxDistance;
 }
 
-/// Whether one of the limits is met.
+/// Whether all limits are met.
 bool Decomposer::limitsMet() {
   if (!limited()) return false;
-  if (errorMet(piecesNow())) return true;
-  return settings_.maxDistance > 0.0 &&
-         std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return tooFar(l); });
+  errorMet_ = errorMet(piecesNow());
+  return errorMet_ && (settings_.maxDistance <= 0.0 ||
+                       std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return tooFar(l); }));
 }
 
 bool Decomposer::limitsMet(std::span<const SharedPiece> pieces) const {
-  if (errorMet(pieces)) return true;
-  return settings_.maxDistance > 0.0 && std::all_of(pieces.begin(), pieces.end(), [&](const SharedPiece& p) {
-           return distanceOf(*p) <= settings_.maxDistance;
-         });
+  return errorMet(pieces) &&
+         (settings_.maxDistance <= 0.0 || std::all_of(pieces.begin(), pieces.end(), [&](const SharedPiece& p) {
+            return distanceOf(*p) <= settings_.maxDistance;
+          }));
 }
 
-/// Whether cutting a leaf helps to meet the limits: if there is only a distance limit, leaves that meet it are not cut.
+/// Whether cutting a leaf helps to meet the limits: if only the distance is missed, leaves that meet it are not cut.
 bool Decomposer::worthCutting(Leaf& leaf) const {
-  return settings_.maxDistance <= 0.0 || met_ > 0 || settings_.maxError > 0.0 || tooFar(leaf);
+  return settings_.maxDistance <= 0.0 || met_ > 0 || !errorMet_ || tooFar(leaf);
 }
 
 Decomposer::Leaf Decomposer::leafOf(Part part) const {

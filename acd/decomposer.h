@@ -61,6 +61,7 @@ class Decomposer {
   std::vector<Leaf> leaves_;
   std::vector<PartIndex> splitFrom_;
   std::vector<std::vector<SharedPiece>> stages_;  // the pieces at each of pieceCounts()
+  bool errorMet_ = false;                         // by the pieces when limitsMet() was last asked
   std::size_t met_ = 0;                           // pieces when the limits were first met; 0 = not yet
   std::vector<SharedPiece>
       atLimit_;  // those pieces: further cuts can increase a hull's distance to its remaining surface

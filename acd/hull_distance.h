@@ -15,7 +15,7 @@ namespace lorica {
 /// upper bounds over a piece of the hull. The piece with the highest bound is halved until the bound is within the
 /// tolerance.
 /// @param points       positions that the triangles index
-/// @param triangles    of the closed part, at least one; the hull is that of their corners
+/// @param triangles    of the closed part, at least one; the hull contains them
 /// @param ignoreBelow  distances up to this need not be distinguished [m]; raised to 0.1 % of the hull's diagonal
 /// @return a value between the true distance and max(1.01 * true distance, ignoreBelow); 0 for a degenerate hull
 [[nodiscard]] double hullDistance(const ConvexHull& hull, std::span<const Vec3> points,

@@ -16,14 +16,7 @@ struct LevelsInPose {
   std::vector<int> hullVertices;
 };
 
-LevelsInPose judge(const Decomposition& decomposition, const TriMesh& mesh, std::span<const Vec3> posed) {
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
-  transfer(decomposition, posed, points);
-  const double meshVolume = signedVolume(posed, mesh.triangles);
-  std::vector<ConvexHull> hulls(decomposition.parts.size());
-  tbb::parallel_for(std::size_t{0}, hulls.size(),
-                    [&](std::size_t i) { hulls[i] = partHull(decomposition.parts[i], points); });
-
+LevelsInPose judge(const Decomposition& decomposition, double meshVolume, std::vector<ConvexHull> hulls) {
   // From the finest level to the coarsest: merge the last part into the part that it was split from. The hull of both
   // is the hull of their hulls' vertices.
   LevelsInPose levels{std::vector<double>(hulls.size()), std::vector<int>(hulls.size())};
@@ -70,11 +63,23 @@ Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
   return level;
 }
 
-std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes) {
+std::vector<std::vector<ConvexHull>> hullsOfParts(const Decomposition& decomposition, PoseView keyframes) {
+  std::vector<std::vector<ConvexHull>> hulls(static_cast<std::size_t>(keyframes.keyframeCount()));
+  tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
+    std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+    transfer(decomposition, keyframes.keyframe(k), points);
+    hulls[k] = partHulls(decomposition, points);
+  });
+  return hulls;
+}
+
+std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes,
+                                      std::span<const std::vector<ConvexHull>> hulls) {
   LORICA_CHECK(keyframes.keyframeCount() > 0, "detailLevels() needs at least one keyframe");
   std::vector<LevelsInPose> poses(static_cast<std::size_t>(keyframes.keyframeCount()));
-  tbb::parallel_for(0, keyframes.keyframeCount(),
-                    [&](int k) { poses[k] = judge(decomposition, mesh, keyframes.keyframe(k)); });
+  tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
+    poses[k] = judge(decomposition, signedVolume(keyframes.keyframe(k), mesh.triangles), hulls[k]);
+  });
   std::vector<DetailLevel> detailLevels(decomposition.parts.size());
   const double share = 1.0 / keyframes.keyframeCount();
   for (std::size_t n = 0; n < detailLevels.size(); ++n) {

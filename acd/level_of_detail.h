@@ -1,7 +1,9 @@
 #pragma once
 
 #include "acd/decomposition.h"
+#include "geometry/convex_hull.h"
 
+#include <span>
 #include <vector>
 
 namespace lorica {
@@ -19,9 +21,13 @@ struct DetailLevel {
 /// @param partCount  1 to parts.size()
 [[nodiscard]] Decomposition levelOfDetail(const Decomposition& decomposition, int partCount);
 
+/// The hulls of all parts, one list for each keyframe.
+[[nodiscard]] std::vector<std::vector<ConvexHull>> hullsOfParts(const Decomposition& decomposition, PoseView keyframes);
+
 /// Evaluates all levels of detail, without merging triangles: entry n - 1 is for n parts, the last one for all parts.
 /// @param keyframes  positions [m], keyframeCount x vertexCount, keyframe-major, at least one
+/// @param hulls      hullsOfParts(), or larger ones that are used in their place
 [[nodiscard]] std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const TriMesh& mesh,
-                                                    PoseView keyframes);
+                                                    PoseView keyframes, std::span<const std::vector<ConvexHull>> hulls);
 
 }  // namespace lorica

@@ -79,6 +79,7 @@ Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& 
   Result<DecompositionFile> body = chooseDecomposition(options, subject, threads);
   if (!body || !options.cover.given()) return body;
   body->cover.reset();
+  body->errorPerKeyframe.clear();  // it was that of other hulls
   if (options.cover.exact()) return body;
   Result<HullCover> cover = coverOf(subject, *body, options.cover, threads);
   if (!cover) return cover.error();

@@ -1,17 +1,16 @@
 #include "acd/decompose.h"
 
 #include "acd/held_vertices.h"
+#include "acd/level_of_detail.h"
 #include "apps/cover_options.h"
+#include "apps/hull_fit.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/training.h"
-#include "collision/live/attached_vertices.h"
-#include "export/hull_export.h"
 #include "export/mesh_export.h"
 #include "geometry/files.h"
-#include "session/prepare/quality.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -79,58 +78,56 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
   return checkJsonOutput(common, others);
 }
 
-/// Which limit stopped the decomposition, and the distance of the hulls from the surface if it was limited.
-struct Ending {
-  const char* by = "parts";  // or "error", "distance", "convex"
-  std::optional<double> distance;
-};
-
 /// All results.
 struct Outcome {
-  TimedDecomposition made;
-  Quality quality;
+  Fit fit;
   Keyframes keyframes;
-  Ending ending;
-  std::size_t attached = 0;        // vertices that no part contains but its hull does
-  HullExport hulls;                // of a mesh; of a character's bind pose if they are exported
-  std::optional<HullCover> cover;  // for a character, unless it is exact
-  double coverVolume = 0.0;        // of its hulls, relative to exact ones: volumeGrowth()
+  DecomposeSettings limits;
+  double coverVolume = 0.0;  // of a character's cover, relative to exact hulls: volumeGrowth()
   int threads = 0;
 };
 
-Ending findEnding(const Options& options, int maxParts, const Decomposition& made, const Quality& quality,
-                  PoseView poses) {
-  Ending ending;
-  if (options.maxDistance > 0.0) {
-    ending.distance = measureDistance(made, poses, 0.1 * options.maxDistance);
-    // Both are upper bounds; the second is tighter near the limit.
-    if (*ending.distance > options.maxDistance) {
-      ending.distance = std::min(*ending.distance, measureDistance(made, poses, options.maxDistance));
-    }
+/// What the decomposition stopped at: "error", "distance", "limits" if both were given, "parts", "convex", or
+/// "vertices": hulls of so few vertices do not get better with more parts.
+std::string endedBy(const Outcome& outcome) {
+  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const bool both = limits.maxError > 0.0 && limits.maxDistance > 0.0;
+  if ((limits.maxError > 0.0 || limits.maxDistance > 0.0) && fit.errorMet(limits) && fit.distanceMet(limits)) {
+    return both ? "limits" : limits.maxError > 0.0 ? "error" : "distance";
   }
-  if (options.maxError > 0.0 && quality.error <= options.maxError) {
-    ending.by = "error";
-  } else if (ending.distance && *ending.distance <= options.maxDistance) {
-    ending.by = "distance";
-  } else if (static_cast<int>(made.parts.size()) != maxParts) {
-    ending.by = "convex";
-  }
-  return ending;
+  if (fit.stalled) return "vertices";
+  return static_cast<int>(fit.made.decomposition.parts.size()) == limits.maxParts ? "parts" : "convex";
 }
 
 /// "the limit of 8 parts was reached; an error of 5.0 % was not"
-std::string sentence(const Options& options, const Ending& ending, int partCount) {
-  const std::string by = ending.by;
-  std::vector<std::string> limits;
-  if (options.maxError > 0.0) limits.push_back("an error of " + percent(options.maxError));
-  if (options.maxDistance > 0.0) limits.push_back(fmt::format("a distance of {:g}", options.maxDistance));
-  const std::string unmet = fmt::format("{}", fmt::join(limits, " or "));
-  if (by == "error") return limits.front() + " was reached";
-  if (by == "distance") return limits.back() + " was reached";
-  if (by == "parts") {
-    return fmt::format("the limit of {} was reached; {} was not", counted(partCount, "part"), unmet);
+std::string endingSentence(const Outcome& outcome) {
+  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const std::string by = endedBy(outcome);
+  const bool reached = by == "error" || by == "distance" || by == "limits";
+  std::vector<std::string> named;
+  if (limits.maxError > 0.0 && fit.errorMet(limits) == reached) {
+    named.push_back("an error of " + percent(limits.maxError));
   }
-  return fmt::format("no useful cut is left; {} was not reached", unmet);
+  if (limits.maxDistance > 0.0 && fit.distanceMet(limits) == reached) {
+    named.push_back(fmt::format("a distance of {:g}", limits.maxDistance));
+  }
+  const std::string these = fmt::format("{} {}", fmt::join(named, " and "), named.size() == 1 ? "was" : "were");
+  if (reached) return these + " reached";
+  if (by == "parts") return fmt::format("the limit of {} was reached; {} not", counted(limits.maxParts, "part"), these);
+  if (by == "vertices") return fmt::format("more parts no longer make such hulls tighter; {} not reached", these);
+  return fmt::format("no useful cut is left; {} not reached", these);
+}
+
+/// Says, before any work, which limits give if not all can hold.
+void sayWhatGives(const Options& options, const DecomposeSettings& limits) {
+  std::vector<std::string> kept, given;
+  if (!options.cover.exact()) kept.push_back(asTyped(options.cover));
+  if (limits.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
+  if (limits.maxDistance > 0.0) given.push_back(fmt::format("--max-distance {:g}", limits.maxDistance));
+  if (kept.empty() || given.empty()) return;
+  if (limits.maxParts > 0) kept.push_back(fmt::format("--parts {}", limits.maxParts));
+  warn(fmt::format("hulls of few points are larger: where not all limits can hold, {} will, and {} will not",
+                   fmt::join(kept, " and "), fmt::join(given, " and ")));
 }
 
 /// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
@@ -166,7 +163,8 @@ std::vector<VertexIndex> verticesToHold(const Subject& subject) {
 }
 
 nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [made, quality, keyframes, ending, attached, hulls, cover, coverVolume, threads] = outcome;
+  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
   nlohmann::ordered_json json;
   json["input"] = subject.name;
   json["parts"] = made.decomposition.parts.size();
@@ -174,10 +172,10 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
   json["hullVolume"] = quality.hullVolume;
   json["score"] = quality.score;
   json["error"] = quality.error;
-  json["endedBy"] = ending.by;
+  json["endedBy"] = endedBy(outcome);
   if (options.maxError > 0.0) json["maxError"] = options.maxError;
   if (options.maxDistance > 0.0) json["maxDistance"] = options.maxDistance;
-  if (ending.distance) json["distance"] = *ending.distance;
+  if (distance) json["distance"] = *distance;
   json["seconds"] = made.seconds;
   json["threads"] = threads;
   json["vertices"] = subject.mesh.vertices.size();
@@ -204,7 +202,8 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
 }
 
 Report toReport(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [made, quality, keyframes, ending, attached, hulls, cover, coverVolume, threads] = outcome;
+  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
   Report report(fmt::format("{}: {}", subject.name,
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
@@ -222,12 +221,12 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
     report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
                                          percent(*worst)));
   }
-  if (ending.distance) {
-    report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}",
-                                        *ending.distance, subject.character ? ", in the worst keyframe" : ""));
+  if (distance) {
+    report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
+                                        subject.character ? ", in the worst keyframe" : ""));
   }
   if (options.maxError > 0.0 || options.maxDistance > 0.0) {
-    report.line("stopped because", sentence(options, ending, static_cast<int>(made.decomposition.parts.size())));
+    report.line("stopped because", endingSentence(outcome));
   }
   report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
   report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
@@ -299,7 +298,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   const PoseView poses{outcome.keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
 
   // Decompose and measure.
-  DecomposeSettings settings;
+  DecomposeSettings& settings = outcome.limits;
   const bool limited = options.maxError > 0.0 || options.maxDistance > 0.0;
   settings.maxParts = options.parts > 0 ? options.parts : subject->character && !limited ? kCharacterParts : 0;
   settings.maxError = options.maxError;
@@ -310,32 +309,17 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   settings.candidateEdges = options.candidates;
   settings.planesPerEdge = options.orientations;
   settings.threads = outcome.threads;
-  Result<TimedDecomposition> made = decomposeWithProgress(subject->name, subject->mesh, poses, settings);
-  if (!made) return made.error();
-  outcome.made = std::move(*made);
-  const Decomposition& decomposition = outcome.made.decomposition;
-  if (posesToCover) {
-    Result<HullCover> cover =
-        chooseCoverWithProgress(*subject->character, decomposition, *posesToCover, options.cover, outcome.threads);
-    if (!cover) return cover.error();
-    outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *cover);
-    outcome.cover = std::move(*cover);
-  }
-  // What stopped it is found without vertices that no part contains. Those belong to the hulls all the same.
-  outcome.quality = measureQuality(decomposition, subject->mesh, poses);
-  outcome.ending = findEnding(options, settings.maxParts, decomposition, outcome.quality, poses);
-  const std::vector<std::vector<PointIndex>> attached =
-      subject->character ? attachedVerticesOf(decomposition, liftPoints(*subject->character, decomposition))
-                         : assignHeldVertices(decomposition, subject->mesh.vertices, subject->held);
-  for (const std::vector<PointIndex>& own : attached) outcome.attached += own.size();
-  const Decomposition held = withHeldVertices(decomposition, attached);
-  if (!subject->character && outcome.attached > 0) {
-    outcome.quality = measureQuality(held, subject->mesh, poses);
-    if (outcome.ending.distance) outcome.ending.distance = measureDistance(held, poses, 0.1 * options.maxDistance);
+  sayWhatGives(options, settings);
+  Result<Fit> found = fitHulls({*subject, outcome.keyframes, posesToCover ? &*posesToCover : nullptr, options.cover,
+                                !options.obj.empty(), settings});
+  if (!found) return found.error();
+  const Fit& fit = outcome.fit = std::move(*found);
+  const Decomposition& decomposition = fit.made.decomposition;
+  if (fit.cover) {
+    outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *fit.cover);
   }
   if (!subject->character || !options.obj.empty()) {
-    outcome.hulls = exportHulls(held, subject->mesh.vertices, options.cover.hullVertices, outcome.threads);
-    if (Result<void> all = checkHullsHold(outcome.hulls, subject->mesh.vertices, verticesToHold(*subject)); !all) {
+    if (Result<void> all = checkHullsHold(fit.exported, subject->mesh.vertices, verticesToHold(*subject)); !all) {
       return Error{all.error().code, subject->name + ": " + all.error().message};
     }
   }
@@ -343,16 +327,17 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 
   // Write the outputs, each completely or not at all.
   if (!options.output.empty()) {
+    // Of a mesh, a file has all points, whatever the vertex limit of the exported hulls.
+    const UsedHulls hulls = subject->character ? fit.hulls : hullsOfParts(fit.held, poses);
     DecompositionFile content =
         fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr,
-                    training ? &*training : nullptr, poses, subject->character ? decomposition : held, outcome.quality);
-    content.decomposition = decomposition;
-    content.cover = outcome.cover;
-    if (!subject->character && outcome.attached > 0) content.cover = coverWithHeldVertices(held);
+                    training ? &*training : nullptr, poses, decomposition, hulls);
+    content.cover = fit.cover;
+    if (!subject->character && fit.attached > 0) content.cover = coverWithHeldVertices(fit.held);
     if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
   }
   if (!options.obj.empty()) {
-    if (Result<void> written = writeMeshes(options.obj, outcome.hulls.objects); !written) return written;
+    if (Result<void> written = writeMeshes(options.obj, fit.exported.objects); !written) return written;
   }
   return publish(common, toReport(options, *subject, outcome), toJson(options, *subject, outcome));
 }
@@ -393,7 +378,10 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "\nThe hulls contain every vertex of the input's surface. Of a mesh, exports have the units and coordinates of\n"
       "the file (glTF: Y up; COLLADA: converted to metres, Y up); of a character, metres, Y up, facing +Z.\n"
       "For a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"
-      "contain it. Volumes, score and error are means over the keyframes. The points of the hull cover are chosen\n"
+      "contain it. Volumes, score, error and distance are those of the hulls that are exported; for a character those "
+      "of\n"
+      "its live hulls, and volumes, score and error are means over the keyframes. The points of the hull cover are "
+      "chosen\n"
       "in 128 poses, half of them from the motions and half random within joint limits, and measured in 128 other\n"
       "poses.");
   app->addOption("INPUT", options->input,
@@ -407,7 +395,8 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   addShare(*app, "--max-error", options->maxError,
            "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
   addLength(*app, "--max-distance", options->maxDistance,
-            "Stop when no point of the hulls is farther from the surface in any keyframe, in units of the mesh");
+            "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in "
+            "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
   app->addOption(
          "--preset", options->preset,
          "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "

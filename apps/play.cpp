@@ -64,7 +64,7 @@ nlohmann::ordered_json toJson(const Options& options, const Motion& motion, cons
   json["notes"] = motion.notes;
   json["character"] = session.character().name;
   json["parts"] = file.decomposition.parts.size();
-  json["error"] = file.meanError;
+  json["error"] = file.errorPerKeyframe.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(file.meanError);
   addCoverTo(json, file.cover);
   statistics.addTo(json);
   const std::optional<double> delay = session.source().smoothingDelay();
@@ -79,9 +79,12 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
                 const RunStatistics& statistics, const DrawnFiles& drawn) {
   Report report(
       fmt::format("{} performed {}: {}", session.character().name, motion.name, counted(statistics.frames(), "frame")));
-  report.line("parts",
-              fmt::format("{}; hulls have {} more volume than the body (mean over {})", file.decomposition.parts.size(),
-                          percent(file.meanError), counted(std::ssize(file.errorPerKeyframe), "training keyframe")));
+  std::string parts = std::to_string(file.decomposition.parts.size());
+  if (!file.errorPerKeyframe.empty()) {
+    parts += fmt::format("; hulls have {} more volume than the body (mean over {})", percent(file.meanError),
+                         counted(std::ssize(file.errorPerKeyframe), "training keyframe"));
+  }
+  report.line("parts", parts);
   addCoverTo(report, file.cover);
   statistics.addTrainingTo(report);
   if (const std::optional<double> delay = session.source().smoothingDelay()) {

@@ -19,11 +19,12 @@
 namespace lorica {
 namespace {
 
-constexpr int kSweeps = 60;       // over all sampled poses, while pushing points outward
-constexpr double kTurn = 0.05;    // per sweep, the rotation of pushes from the faces' normals to outward
-constexpr int kShortSweeps = 10;  // with pushes along the faces' normals only
-constexpr int kPushes = 20;       // in one pose, before the next one is processed
-constexpr double kHeld = 1e-7;    // times the part's size: protruding by more than this counts as outside
+constexpr int kSweeps = 60;         // over all sampled poses, while pushing points outward
+constexpr double kTurn = 0.05;      // per sweep, the rotation of pushes from the faces' normals to outward
+constexpr int kShortSweeps = 10;    // with pushes along the faces' normals only
+constexpr int kPushes = 20;         // in one pose, before the next one is processed
+constexpr double kFarthest = 10.0;  // times the part's size: longer pushes diverge
+constexpr double kHeld = 1e-7;      // times the part's size: protruding by more than this counts as outside
 // Min cosine of the angle between a push and a face's normal that is used in the push length.
 constexpr double kSteepest = 0.2;
 constexpr double kMore = 1.0 / 64;  // relative extra length of pushes, so that the iteration ends
@@ -295,6 +296,7 @@ class PartCover {
     for (const Chosen& c : chosen_) turns.push_back(turnOf(point(c.candidate), sampled_.pose(pose)));
     std::vector<Vec3> moves(chosen_.size());
     for (int push = 0; push < kPushes; ++push) {
+      if (!(longestPush() <= kFarthest * size_)) return false;
       const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
       if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // a plane covers no volume
       const Planes planes = planesOf(hull);
@@ -416,7 +418,7 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
         outcomes[i].held = part.grow(atMost);
         outcomes[i].shortfall = part.shortfall();
         outcomes[i].growth = part.longestPush();
-        outcomes[i].heldOut = part.farthestOut(heldOut);
+        if (outcomes[i].held) outcomes[i].heldOut = part.farthestOut(heldOut);
         cover.points[i] = part.points();
       }
       const std::scoped_lock lock(progressMutex);

@@ -1,5 +1,6 @@
 #include "session/prepare/decomposition_cache.h"
 
+#include "acd/level_of_detail.h"
 #include "collision/live/lifted_point.h"
 #include "geometry/files.h"
 #include "session/prepare/cache_entries.h"
@@ -109,8 +110,12 @@ Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMe
     if (made.error().code == ErrorCode::kBadMesh) return Error{ErrorCode::kBadMesh, name + ": " + made.error().message};
     return made.error();
   }
-  const Quality quality = measureQuality(*made, mesh, poses);
-  DecompositionFile content = fileContent(name, mesh, character, training, poses, std::move(*made), quality);
+  UsedHulls hulls = hullsOfParts(*made, poses);
+  if (character != nullptr) {
+    const HullCover cover = coverExactly(*made, liftPoints(*character, *made));
+    hulls = liveHulls(*character, *made, cover, {keyframes.worldFromModel, character->skeleton.jointCount()});
+  }
+  DecompositionFile content = fileContent(name, mesh, character, training, poses, std::move(*made), hulls);
   writeCache(cache, key, content);
   return CachedDecomposition{std::move(content), false, seconds};
 }

@@ -55,6 +55,27 @@ std::vector<Vec3> poseFrames(const Character& character, std::span<const Skeleta
   return positions;
 }
 
+/// The bones in some frames of motions.
+/// @param frames  as for poseFrames()
+/// @return worldFromModel, as many poses as frames x jointCount, pose-major
+std::vector<Affine3> bonesInFrames(const Character& character, std::span<const SkeletalMotion> motions,
+                                   std::span<const std::size_t> frames) {
+  const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
+  std::vector<Affine3> bones(frames.size() * jointCount);
+  std::size_t next = 0;
+  std::size_t first = 0;
+  for (const SkeletalMotion& motion : motions) {
+    const std::size_t end = first + motion.times.size();
+    for (; next < frames.size() && frames[next] < end; ++next) {
+      const std::span<Affine3> here = std::span(bones).subspan(next * jointCount, jointCount);
+      computeWorldFromJoint(character.skeleton, motion.pose(static_cast<int>(frames[next] - first)), here);
+      computeWorldFromModel(character, here, here);
+    }
+    first = end;
+  }
+  return bones;
+}
+
 constexpr std::size_t kVerticesCompared = 300;
 constexpr std::size_t kFramesCompared = 10000;
 
@@ -109,6 +130,10 @@ Result<std::vector<Vec3>> sampleKeyframes(const Character& character, std::span<
   return poseFrames(character, motions, evenly(wanted, frameCount));
 }
 
+std::vector<Affine3> sampleBones(const Character& character, std::span<const SkeletalMotion> motions, int count) {
+  return bonesInFrames(character, motions, evenly(static_cast<std::size_t>(count), frameCountOf(motions)));
+}
+
 Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<const SkeletalMotion> motions, int atMost,
                                         double closeEnough) {
   const std::size_t frameCount = frameCountOf(motions);
@@ -146,6 +171,7 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
   std::sort(chosen.begin(), chosen.end());
 
   result.positions = poseFrames(character, motions, chosen);
+  result.worldFromModel = bonesInFrames(character, motions, chosen);
   result.sources.reserve(chosen.size());
   std::size_t first = 0;  // index of the motion's first frame in the concatenated motions
   for (std::size_t m = 0; m < motions.size(); ++m) {

@@ -20,6 +20,11 @@ namespace lorica {
 [[nodiscard]] Result<std::vector<Vec3>> sampleKeyframes(const Character& character,
                                                         std::span<const SkeletalMotion> motions, int count);
 
+/// The bones in the keyframes of sampleKeyframes(), for as many frames as there are at least.
+/// @return worldFromModel, count x jointCount, pose-major
+[[nodiscard]] std::vector<Affine3> sampleBones(const Character& character, std::span<const SkeletalMotion> motions,
+                                               int count);
+
 /// The frame that a keyframe was taken from.
 struct KeyframeSource {
   std::size_t motion = 0;
@@ -30,6 +35,7 @@ struct KeyframeSource {
 struct ChosenKeyframes {
   std::vector<Vec3> positions;          ///< [m], count x vertexCount, keyframe-major
   std::vector<KeyframeSource> sources;  ///< one for each keyframe, in the order of the motions
+  std::vector<Affine3> worldFromModel;  ///< of the bones in each keyframe, count x jointCount
   double farthest = 0.0;                ///< maximum distance of a frame to its nearest keyframe [m]
 };
 

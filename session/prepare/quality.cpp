@@ -9,11 +9,13 @@
 
 namespace lorica {
 
-Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes) {
+Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls& hulls) {
   Quality quality;
   const double share = 1.0 / keyframes.keyframeCount();
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
-    const PoseError pose = errorInPose(decomposition, mesh, keyframes.keyframe(k));
+    PoseError pose;
+    pose.meshVolume = signedVolume(keyframes.keyframe(k), mesh.triangles);
+    for (const ConvexHull& hull : hulls[k]) pose.hullVolume += hull.volume;
     quality.errorPerKeyframe.push_back(pose.relative());
     quality.meshVolume += share * pose.meshVolume;
     quality.hullVolume += share * pose.hullVolume;
@@ -23,15 +25,15 @@ Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, 
   return quality;
 }
 
-double measureDistance(const Decomposition& decomposition, PoseView keyframes, double ignoreBelow) {
+double measureDistance(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
+                       double ignoreBelow) {
   double worst = 0.0;
   std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
   std::vector<double> ofPart(decomposition.parts.size());
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     transfer(decomposition, keyframes.keyframe(k), points);
     tbb::parallel_for(std::size_t{0}, ofPart.size(), [&](std::size_t i) {
-      const Part& part = decomposition.parts[i];
-      ofPart[i] = hullDistance(partHull(part, points), points, part.triangles, ignoreBelow);
+      ofPart[i] = hullDistance(hulls[k][i], points, decomposition.parts[i].triangles, ignoreBelow);
     });
     worst = std::max(worst, *std::max_element(ofPart.begin(), ofPart.end()));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
+#include "session/prepare/used_hulls.h"
 
 #include <vector>
 
@@ -16,10 +17,13 @@ struct Quality {
 };
 
 /// Means of the volumes, of the score and of the error over the keyframes.
-[[nodiscard]] Quality measureQuality(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes);
+/// @param hulls  in each keyframe
+[[nodiscard]] Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls& hulls);
 
 /// Largest distance of the hulls from the surface of their parts, over all keyframes: an upper bound that is at most 1
 /// % too large. Distances below `ignoreBelow` are not resolved [mesh units; m for a character].
-[[nodiscard]] double measureDistance(const Decomposition& decomposition, PoseView keyframes, double ignoreBelow);
+/// @param hulls  of the parts, in each keyframe
+[[nodiscard]] double measureDistance(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
+                                     double ignoreBelow);
 
 }  // namespace lorica

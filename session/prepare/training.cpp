@@ -81,7 +81,11 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
     Result<ChosenKeyframes> found =
         chooseKeyframes(character, training.motions, kDefaultKeyframes, kLikeEnough * character.height);
     if (!found) return found.error();
-    Keyframes keyframes{std::move(found->positions), static_cast<int>(found->sources.size()), {}, found->farthest};
+    Keyframes keyframes{std::move(found->positions),
+                        static_cast<int>(found->sources.size()),
+                        {},
+                        found->farthest,
+                        std::move(found->worldFromModel)};
     keyframes.chosen.reserve(found->sources.size());
     for (const KeyframeSource& source : found->sources) {
       keyframes.chosen.push_back({training.motions[source.motion].name, source.frame, source.time});
@@ -95,18 +99,19 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
   }
   Result<std::vector<Vec3>> positions = sampleKeyframes(character, training.motions, *count);
   if (!positions) return positions.error();
-  return Keyframes{std::move(*positions), *count, {}, 0.0};
+  return Keyframes{std::move(*positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
 }
 
 DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
                               const Training* training, PoseView keyframes, Decomposition decomposition,
-                              const Quality& quality) {
+                              const UsedHulls& hulls) {
+  const Quality quality = measureQuality(mesh, keyframes, hulls);
   DecompositionFile content;
   content.source = name;
   content.meshHash = topologyHash(mesh);
   content.meanError = quality.error;
   content.errorPerKeyframe = quality.errorPerKeyframe;
-  content.detailLevels = detailLevels(decomposition, mesh, keyframes);
+  content.detailLevels = detailLevels(decomposition, mesh, keyframes, hulls);
   if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
   if (character != nullptr || keyframes.keyframeCount() > 1) content.training = trainingRange(decomposition, keyframes);
   if (character != nullptr && training != nullptr) {

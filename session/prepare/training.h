@@ -42,6 +42,7 @@ struct Keyframes {
   int count = 0;
   std::vector<ChosenFrame> chosen;  ///< one for each keyframe if they were chosen by their differences, else empty
   double farthest = 0.0;            ///< of chosen ones: no frame differs more than this from its nearest keyframe [m]
+  std::vector<Affine3> worldFromModel = {};  ///< of the bones, count x jointCount; empty for a mesh
 };
 
 /// The default number of keyframes, and the maximum when they are chosen by their differences.
@@ -60,8 +61,9 @@ inline constexpr int kChooseKeyframes = -1;
 /// range, and the bones that move each part; no cover. The training range contains all frames of the training motions;
 /// of more than 3,000 frames, that many at even intervals are considered.
 /// @param character  null for a mesh, as is training
+/// @param hulls      those that are used, of the parts, in each keyframe
 [[nodiscard]] DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
                                             const Training* training, PoseView keyframes, Decomposition decomposition,
-                                            const Quality& quality);
+                                            const UsedHulls& hulls);
 
 }  // namespace lorica

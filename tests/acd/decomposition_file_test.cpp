@@ -254,8 +254,13 @@ TEST(DecompositionFile, RealDecompositionSurvives) {
   settings.maxParts = 6;
   const auto decomposition = decompose(torus, pose, settings);
   ASSERT_TRUE(decomposition.ok()) << decomposition.error().message;
-  const DecompositionFile content{
-      *decomposition, "torus", topologyHash(torus), 0.5, {0.5}, detailLevels(*decomposition, torus, pose), {}};
+  const DecompositionFile content{*decomposition,
+                                  "torus",
+                                  topologyHash(torus),
+                                  0.5,
+                                  {0.5},
+                                  detailLevels(*decomposition, torus, pose, hullsOfParts(*decomposition, pose)),
+                                  {}};
   const TemporaryFolder folder;
   const auto written = writeDecomposition(folder.path() / "torus.lorica", content);
   ASSERT_TRUE(written.ok()) << written.error().message;

@@ -66,7 +66,8 @@ TEST_P(LevelOfDetail, EveryLevelIsADecompositionOfTheMesh) {
 TEST_P(LevelOfDetail, DetailLevelsSaysWhatTheJoinedPartsMeasure) {
   const Animated animated;
   const Decomposition all = decomposed(animated, GetParam());
-  const std::vector<DetailLevel> levels = detailLevels(all, animated.mesh, animated.keyframes());
+  const std::vector<DetailLevel> levels =
+      detailLevels(all, animated.mesh, animated.keyframes(), hullsOfParts(all, animated.keyframes()));
   ASSERT_EQ(levels.size(), all.parts.size());
   for (int n = 1; n <= static_cast<int>(all.parts.size()); ++n) {
     // Slow reference: merge the triangles, then compute the hulls of all their points.
@@ -125,7 +126,7 @@ TEST(DetailLevels, OfTheLShapeHasItsClosedForm) {
   const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
   const auto both = decompose(mesh, pose, settings);
   ASSERT_TRUE(both.ok());
-  const std::vector<DetailLevel> levels = detailLevels(*both, mesh, pose);
+  const std::vector<DetailLevel> levels = detailLevels(*both, mesh, pose, hullsOfParts(*both, pose));
   ASSERT_EQ(levels.size(), 2u);
   // One hull: an extruded pentagon of volume 3.5 for a mesh of 3. Two hulls: boxes.
   EXPECT_NEAR(levels[0].meanError, 0.5 / 3.0, 1e-12);

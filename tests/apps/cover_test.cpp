@@ -125,15 +125,21 @@ TEST(Cover, PlayUsesTheCoverOfTheFileUnlessAnotherIsRequested) {
   EXPECT_EQ(exact["cover"], nlohmann::json({{"exact", true}}));
   EXPECT_EQ(bounded["cover"]["hullVertices"], 100);
   EXPECT_NE(bounded["hash"], exact["hash"]);
-  EXPECT_EQ(play(few, {"--cover", "exact"}), exact);
+  EXPECT_GT(bounded["error"].get<double>(), exact["error"].get<double>());
+  // The error is known for the file's own hulls only.
+  const auto unmeasured = [](nlohmann::json json) {
+    json["error"] = nullptr;
+    return json;
+  };
+  EXPECT_EQ(play(few, {"--cover", "exact"}), unmeasured(exact));
   EXPECT_FALSE(std::filesystem::exists(surroundings.cache / "lorica"));
 
   // Chosen by `play` it is the same cover; the next time it comes from the cache.
-  EXPECT_EQ(play(all, {"--hull-vertices", "100"}), bounded);
+  EXPECT_EQ(play(all, {"--hull-vertices", "100"}), unmeasured(bounded));
   ASSERT_EQ(filesIn(surroundings.cache / "lorica").size(), 1u);
   const std::filesystem::path kept = surroundings.cache / "lorica" / filesIn(surroundings.cache / "lorica").front();
   const auto written = std::filesystem::last_write_time(kept);
-  EXPECT_EQ(play(all, {"--hull-vertices", "100"}), bounded);
+  EXPECT_EQ(play(all, {"--hull-vertices", "100"}), unmeasured(bounded));
   EXPECT_EQ(std::filesystem::last_write_time(kept), written);
   play(all, {"--cover", "0.02"});
   EXPECT_EQ(filesIn(surroundings.cache / "lorica").size(), 2u) << "another cover has another cache file";

@@ -112,7 +112,7 @@ TEST(Decompose, ReportsALimitThatCouldNotBeMet) {
   const std::vector<std::string> arguments = {"decompose",   mesh,     "--parts",        "3",
                                               "--max-error", "0.0001", "--max-distance", "0.0001"};
   const CommandResult text = runLorica(arguments);
-  EXPECT_NE(text.out.find("the limit of 3 parts was reached; an error of 0.0 % or a distance of 0.0001 was not"),
+  EXPECT_NE(text.out.find("the limit of 3 parts was reached; an error of 0.0 % and a distance of 0.0001 were not"),
             std::string::npos)
       << text.out;
   std::vector<std::string> withJson = arguments;
@@ -147,7 +147,7 @@ TEST(Decompose, ConvexMeshIsNotCut) {
       runLorica({"decompose", mesh, "--parts", "9", "--max-error", "1%", "--max-distance", "0.001", "--json", "-"})
           .json();
   EXPECT_EQ(json["parts"], 1);
-  EXPECT_EQ(json["endedBy"], "error");
+  EXPECT_EQ(json["endedBy"], "limits");
   EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "9", "--json", "-"}).json()["endedBy"], "convex");
 }
 
