@@ -81,6 +81,22 @@ TriMesh makeTable() {
   return solidCells(grid, [](int x, int y, int z) { return y == 1 || ((x == 1 || x == 3) && (z == 1 || z == 3)); });
 }
 
+/// A square frame: four boxes.
+TriMesh makeFrame() {
+  const std::array<std::vector<double>, 3> grid = {{{0.0, 0.3, 1.7, 2.0}, {0.0, 0.4, 2.1, 2.5}, {0.0, 0.5}}};
+  return solidCells(grid, [](int x, int y, int) { return x != 1 || y != 1; });
+}
+
+/// A block with a handle on one side: four boxes.
+TriMesh makeHandle() {
+  const std::array<std::vector<double>, 3> grid = {
+      {{0.0, 1.0, 1.6, 1.9}, {0.0, 0.4, 0.7, 1.9, 2.2, 2.5}, {0.0, 0.3, 0.7, 1.0}}};
+  return solidCells(grid, [](int x, int y, int z) {
+    const bool arm = x == 1 && (y == 1 || y == 3), bar = x == 2 && y >= 1 && y <= 3;
+    return x == 0 || (z == 1 && (arm || bar));
+  });
+}
+
 /// Two unit boxes with a gap between them.
 TriMesh makePair(double gap) {
   return test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({1 + gap, 0.3, 0.2}, {2 + gap, 1.3, 1.2}));
@@ -106,6 +122,14 @@ TEST_P(Rotation, TableIsFiveBoxesHoweverItLies) {
   const TriMesh table = makeTable();
   for (int i = 0; i < kRotations; ++i) {
     EXPECT_NEAR(errorOf(turned(table, randomRotation(i)), 5, GetParam()), 0.0, 1e-6) << "rotation " << i;
+  }
+}
+
+TEST_P(Rotation, RingsAndHandlesAreTheirBoxesHoweverTheyLie) {
+  for (const TriMesh& mesh : {makeFrame(), makeHandle()}) {
+    for (int i = 0; i < kRotations; ++i) {
+      EXPECT_NEAR(errorOf(turned(mesh, randomRotation(i)), 4, GetParam()), 0.0, 1e-6) << "rotation " << i;
+    }
   }
 }
 
