@@ -150,7 +150,8 @@ TEST_F(Replay, WrongWordsGetASentence) {
     EXPECT_EQ(result.exitCode, 2) << result.out;
     return result.err;
   };
-  EXPECT_NE(sentence({"record", "s.txt"}).find("ends in .oni (depth) or .lsession (a session)"), std::string::npos);
+  EXPECT_NE(sentence({"record", "s.txt"}).find("ends in .oni (depth), .lsession (a session), .bvh or .csv"),
+            std::string::npos);
   EXPECT_NE(sentence({"record", "s.oni", "walk"}).find("MOTION is for sessions"), std::string::npos);
   EXPECT_NE(sentence({"record", session.string(), "walk", "--virtual"}).find("and a camera, expected only one"),
             std::string::npos);
