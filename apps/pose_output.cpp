@@ -2,10 +2,12 @@
 
 #include "apps/expression_follower.h"
 #include "apps/expression_options.h"
+#include "capture/streams/contact_writer.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_names.h"
 #include "capture/streams/vmc_writer.h"
 #include "capture/streams/vrchat_writer.h"
+#include "session/contact_events.h"
 
 #include <fmt/format.h>
 
@@ -61,6 +63,43 @@ class SentFace {
   std::vector<VmcWeight> weights_;
 };
 
+/// The contacts of one body, each as a packet. Bones are those of VMC: of a joint that is none, the nearest one above.
+class SentContacts {
+ public:
+  explicit SentContacts(const Session& session) : events_(session) {
+    const Skeleton& skeleton = session.character().skeleton;
+    names_.reserve(static_cast<std::size_t>(skeleton.jointCount()));
+    for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
+      JointIndex named = joint;
+      while (named != kNoJoint && !skeleton.joint(named).bone) named = skeleton.joint(named).parent;
+      names_.push_back(vmcNameOf(named == kNoJoint ? HumanBone::kHips : *skeleton.joint(named).bone));
+    }
+  }
+
+  void send(const Session& session, UdpSocket& to) { send(events_.update(session), to); }
+  void sendEnds(UdpSocket& to) { send(events_.endAll(), to); }
+
+ private:
+  [[nodiscard]] std::string_view nameOf(JointIndex joint) const {
+    return joint == kNoJoint ? vmcNameOf(HumanBone::kHips) : names_[static_cast<std::size_t>(joint)];
+  }
+
+  void send(std::span<const ContactEvent> events, UdpSocket& to) {
+    constexpr std::string_view kPhases[] = {"begin", "stay", "end"};
+    for (const ContactEvent& event : events) {
+      const Touch& touch = event.touch;
+      const bool prop = touch.pair.kind == TouchKind::kProp;
+      to.send(writer_.write({kPhases[static_cast<int>(event.phase)], nameOf(touch.bone),
+                             prop ? std::string_view() : nameOf(touch.otherBone), touch.pair.other, touch.point,
+                             touch.strength}));
+    }
+  }
+
+  ContactEvents events_;
+  std::vector<std::string_view> names_;
+  ContactWriter writer_;
+};
+
 /// Each program that is sent to.
 struct VmcReceiverAt {
   UdpSocket socket;
@@ -80,20 +119,29 @@ class PoseOutput final : public StepWatcher {
         vmc_(std::move(vmc)),
         vrchat_(std::move(vrchat)),
         next_(std::move(next)) {}
+  ~PoseOutput() override {
+    if (contacts_) contacts_->sendEnds(vmc_->socket);
+  }
+  PoseOutput(const PoseOutput&) = delete;
+  PoseOutput& operator=(const PoseOutput&) = delete;
 
   void beforeStep(Session& session) override {
+    if (vmc_ && !contacts_) contacts_.emplace(session);
     if (next_) next_->beforeStep(session);
   }
 
   Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override {
     waitUntilDue(session.time());
     send(session);
+    if (vmc_) contacts_->send(session, vmc_->socket);
     return next_ ? next_->afterStep(session, done) : Result<void>();
   }
 
   void sessionChanged() override {
     begin_.reset();
     sent_.reset();
+    if (contacts_) contacts_->sendEnds(vmc_->socket);
+    contacts_.reset();
     if (next_) next_->sessionChanged();
   }
 
@@ -135,6 +183,7 @@ class PoseOutput final : public StepWatcher {
   std::unique_ptr<SentFace> face_;
   std::optional<VmcReceiverAt> vmc_;
   std::optional<VrchatAt> vrchat_;
+  std::optional<SentContacts> contacts_;
   std::shared_ptr<StepWatcher> next_;
   std::optional<Clock::time_point> begin_;  ///< when the session's time was 0
   double first_ = 0.0;                      ///< time of the first frame [s]

@@ -29,8 +29,8 @@ void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options);
 [[nodiscard]] Result<void> checkPoseOutput(const PoseOutputOptions& options);
 
 /// Sends a session's pose and face after each step, at most 60 times per second of its own time, by the VMC protocol
-/// and as VRChat's trackers. A recording is slowed down to real time. A receiver that is not there is no error. VRChat
-/// hears nothing while tracking is lost.
+/// and as VRChat's trackers; by VMC also the contacts of each step. A recording is slowed down to real time. A receiver
+/// that is not there is no error. VRChat hears nothing while tracking is lost.
 /// @param subject      the session's character
 /// @param expressions  that were chosen for it, see chosenExpressions()
 /// @param next         another watcher of the same session; may be null

@@ -1,11 +1,22 @@
+#include "capture/streams/osc.h"
 #include "capture/streams/udp.h"
+#include "geometry/files.h"
+#include "skinning/skeleton.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cctype>
+#include <optional>
+#include <set>
+#include <span>
+#include <sstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -41,6 +52,60 @@ TEST(LiveStream, OneLoricaFollowsAnother) {
   ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
   EXPECT_TRUE(replayed.json()["same"].get<bool>());
   EXPECT_EQ(replayed.json()["hash"], json["hash"]);
+}
+
+/// The mannequin's name of a bone that VMC names; other words as they are.
+std::string humanBoneName(const std::string& word) {
+  const std::optional<HumanBone> bone =
+      humanBoneNamed(std::string(1, static_cast<char>(std::tolower(word[0]))) + word.substr(1));
+  return bone ? std::string(nameOf(*bone)) : word;
+}
+
+/// What is sent under /VMC/Thru is what --events writes: of each contact the begin and the end.
+TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
+  const TemporaryFolder folder;
+  const std::string body = folder.path() / "body.lorica";
+  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body}).exitCode, 0);
+  Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
+  ASSERT_TRUE(socket.ok());
+  const std::string events = folder.path() / "events.jsonl";
+  CommandResult sent;
+  std::atomic<bool> ended = false;
+  std::thread sender([&] {
+    sent = runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--events", events,
+                      "--vmc-out", "127.0.0.1:" + std::to_string(socket->port())});
+    ended = true;
+  });
+  std::multiset<std::string> heard;
+  std::vector<std::byte> memory(65536);
+  for (;;) {
+    const bool last = ended;
+    const std::optional<UdpSocket::Packet> packet = socket->receive(memory, 0.1);
+    if (!packet && last) break;
+    if (!packet) continue;
+    OscPacket osc(std::span<const std::byte>(memory.data(), packet->size));
+    while (const std::optional<OscMessage> message = osc.next()) {
+      if (!message->address.starts_with("/VMC/Thru/lorica/contact/") || message->address.ends_with("/stay")) continue;
+      OscArguments arguments(*message);
+      std::istringstream text{std::string(arguments.text().value())};
+      std::string bone, other;
+      text >> bone >> other;
+      heard.insert(fmt::format("{} {} {}", message->address.substr(25), humanBoneName(bone), humanBoneName(other)));
+    }
+  }
+  sender.join();
+  ASSERT_EQ(sent.exitCode, 0) << sent.err;
+  std::multiset<std::string> written;
+  std::istringstream lines(readFile(events).value());
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line);
+    if (event["event"] == "stay") continue;
+    const std::string other =
+        event["kind"] == "prop" ? "prop:" + event["prop"].dump() : event["otherBone"].get<std::string>();
+    written.insert(fmt::format("{} {} {}", event["event"].get<std::string>(), event["bone"].get<std::string>(), other));
+  }
+  EXPECT_GE(written.size(), 4u);
+  EXPECT_EQ(heard, written);
 }
 
 TEST(LiveStream, WithoutASenderTheAvatarStandsAndStrikesNothing) {
