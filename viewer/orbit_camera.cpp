@@ -7,6 +7,7 @@ namespace lorica {
 namespace {
 
 constexpr double kHighest = 1.54;   // just below 90 degrees, where the up direction would be undefined [rad]
+constexpr double kLowest = 0.05;    // of the eye above the floor [m]
 constexpr double kNearest = 0.2;    // [m]
 constexpr double kFarthest = 60.0;  // [m]
 
@@ -27,6 +28,7 @@ void OrbitCamera::reset() {
 void OrbitCamera::turn(double right, double up) {
   azimuth_ = std::remainder(azimuth_ + right, 2.0 * EIGEN_PI);
   elevation_ = std::clamp(elevation_ + up, -kHighest, kHighest);
+  stayAboveFloor();
 }
 
 void OrbitCamera::pan(double right, double up) {
@@ -36,10 +38,18 @@ void OrbitCamera::pan(double right, double up) {
   const Vec3 upAxis = rightAxis.cross(forward);
   const double pictureHeight = 2.0 * distance_ * std::tan(0.5 * start_.verticalFov);
   target_ += pictureHeight * (right * rightAxis + up * upAxis);
+  stayAboveFloor();
 }
 
 void OrbitCamera::zoom(double factor) {
   distance_ = std::clamp(distance_ * factor, kNearest, kFarthest);
+  stayAboveFloor();
+}
+
+void OrbitCamera::stayAboveFloor() {
+  target_.y() = std::max(target_.y(), 0.0);
+  const double lowest = std::asin(std::clamp((kLowest - target_.y()) / distance_, -1.0, 1.0));
+  elevation_ = std::max(elevation_, std::min(lowest, kHighest));
 }
 
 Camera OrbitCamera::camera() const {

@@ -4,7 +4,8 @@
 
 namespace lorica {
 
-/// A camera that orbits around a target point, controlled by the mouse.
+/// A camera that orbits around a target point, controlled by the mouse. The user cannot bring the eye or the target
+/// below the floor (y = 0).
 class OrbitCamera {
  public:
   explicit OrbitCamera(const Camera& start = {});
@@ -20,6 +21,8 @@ class OrbitCamera {
   [[nodiscard]] Camera camera() const;
 
  private:
+  void stayAboveFloor();
+
   Camera start_;
   Vec3 target_;
   double azimuth_ = 0.0;    ///< around Y, 0 at +Z [rad]

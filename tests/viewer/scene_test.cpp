@@ -1,5 +1,6 @@
 #include "viewer/scene.h"
 
+#include "geometry/random_numbers.h"
 #include "viewer/orbit_camera.h"
 
 #include <gtest/gtest.h>
@@ -91,6 +92,23 @@ TEST(OrbitCamera, PanningByAPictureHeightMovesByTheSeenHeight) {
   const double seen = 2.0 * 5.0 * std::tan(0.5 * start.verticalFov);
   EXPECT_NEAR(orbit.camera().target.x(), seen, 1e-9);
   EXPECT_NEAR(orbit.camera().target.y(), 1.0 + 0.5 * seen, 1e-9);
+}
+
+TEST(OrbitCamera, TheUserCannotGoBelowTheFloor) {
+  OrbitCamera orbit;
+  RandomNumbers random(5);
+  for (int i = 0; i < 2000; ++i) {
+    const double amount = random.between(-1.0, 1.0);
+    const double other = random.between(-1.0, 1.0);
+    if (i % 3 == 0) orbit.turn(amount, other);
+    if (i % 3 == 1) orbit.pan(amount, other);
+    if (i % 3 == 2) orbit.zoom(std::exp(0.5 * amount));
+    EXPECT_GE(orbit.camera().eye.y(), 0.05 - 1e-9);
+    EXPECT_GE(orbit.camera().target.y(), 0.0);
+  }
+  orbit.reset();
+  orbit.turn(0.0, -3.0);
+  EXPECT_NEAR(orbit.camera().eye.y(), 0.05, 1e-9);
 }
 
 TEST(OrbitCamera, ZoomStaysWithinReach) {
