@@ -1,0 +1,46 @@
+#pragma once
+
+#include "bindings/playable_character.h"
+#include "collision/live/live_body.h"
+#include "collision/world/self_contact.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// A body that is moved from pose to pose, and its hulls in world space. After the first frames nothing allocates.
+class LiveCharacter {
+ public:
+  explicit LiveCharacter(std::shared_ptr<const CharacterBody> body);
+
+  /// @param pose  jointCount local transforms
+  void pose(std::span<const JointTransform> pose);
+  /// @param worldFromJoint  jointCount transforms
+  void place(std::span<const Affine3> worldFromJoint);
+
+  [[nodiscard]] const CharacterBody& body() const { return *body_; }
+  [[nodiscard]] const std::shared_ptr<const CharacterBody>& sharedBody() const { return body_; }
+  [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
+  [[nodiscard]] std::span<const LivePart> parts() const { return live_.parts(); }
+  /// Whether it was ever moved. Before that the hulls are empty.
+  [[nodiscard]] bool posed() const { return posed_; }
+  /// In world space [m], one for each part.
+  [[nodiscard]] std::span<const ConvexHull> hulls() const { return hulls_; }
+  /// See SelfContactQuery. The first call prepares the query.
+  [[nodiscard]] std::span<const SelfContact> selfContacts();
+
+ private:
+  void move();
+
+  std::shared_ptr<const CharacterBody> body_;
+  LiveBody live_;
+  std::vector<Affine3> worldFromJoint_, worldFromModel_;
+  std::vector<ConvexHull> hulls_;
+  std::optional<SelfContactQuery> contacts_;
+  bool posed_ = false;
+};
+
+}  // namespace lorica

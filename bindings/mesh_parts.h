@@ -1,0 +1,53 @@
+#pragma once
+
+#include "acd/decompose.h"
+#include "acd/decomposition_file.h"
+#include "geometry/convex_hull.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// When a closed body takes the place of a mesh's surface.
+enum class ClosedSurface : std::uint8_t {
+  kIfNeeded,  ///< if the surface is not closed and cannot be repaired
+  kNever,     ///< such a mesh is refused
+  kAlways,    ///< even if it is closed
+};
+
+struct MeshPartsSettings {
+  DecomposeSettings decompose;  ///< its limits hold on the hulls before their vertices are limited
+  int hullVertices = 0;         ///< a hull with more is enclosed in a larger one of at most as many, 0 = no limit
+  ClosedSurface closed = ClosedSurface::kIfNeeded;
+};
+
+/// A mesh in convex hulls that together contain every vertex of its surface. Lengths are in the mesh's unit.
+struct MeshParts {
+  std::vector<ConvexHull> hulls;
+  double meshVolume = 0.0;
+  double hullVolume = 0.0;    ///< sum over the hulls
+  std::string repaired;       ///< what was done to the mesh before; empty = nothing
+  DecompositionFile content;  ///< for writeDecomposition()
+};
+
+/// A mesh of positions and indices from outside.
+/// @param positions  vertexCount x 3
+/// @param corners    triangleCount x 3
+/// @return the mesh, or a sentence about the first number that is not finite or index that is out of range
+[[nodiscard]] Result<TriMesh> checkedMesh(std::span<const double> positions, std::span<const std::int64_t> corners);
+
+/// Repairs the mesh or builds a closed surface around it, decomposes it, and makes the hulls, as `lorica decompose`
+/// does.
+[[nodiscard]] Result<MeshParts> partsOfMesh(TriMesh mesh, const MeshPartsSettings& settings);
+
+/// The same parts as those of a file that was written before.
+/// @param mesh      the mesh that the file was made from, as it was then
+/// @param settings  only hullVertices, closed and threads are used
+[[nodiscard]] Result<MeshParts> partsFromFile(const std::filesystem::path& file, TriMesh mesh,
+                                              const MeshPartsSettings& settings);
+
+}  // namespace lorica

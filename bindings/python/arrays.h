@@ -1,0 +1,27 @@
+#pragma once
+
+#include "geometry/convex_hull.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace lorica {
+
+/// The mesh in two arrays, (n, 3) numbers and (m, 3) integers of any type and strides.
+/// @throws ValueError  with a sentence about shape, type, first number that is not finite, or index out of range
+[[nodiscard]] TriMesh meshFrom(const pybind11::object& vertices, const pybind11::object& faces);
+
+/// Transforms in an array of (count, 4, 4) numbers.
+/// @throws ValueError  with a sentence
+[[nodiscard]] std::vector<Affine3> transformsFrom(const pybind11::object& matrices, std::size_t count);
+
+/// Read-only arrays over memory that belongs to `owner`, which they keep alive.
+[[nodiscard]] pybind11::array view(std::span<const Vec3> points, pybind11::handle owner);
+[[nodiscard]] pybind11::array view(std::span<const Triangle> triangles, pybind11::handle owner);
+[[nodiscard]] pybind11::array view(std::span<const Affine3> transforms, pybind11::handle owner);
+
+}  // namespace lorica

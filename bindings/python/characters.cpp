@@ -1,0 +1,297 @@
+#include "bindings/live_character.h"
+#include "bindings/python/arrays.h"
+#include "bindings/python/hull.h"
+#include "bindings/python/work.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+#include <mutex>
+
+namespace lorica {
+namespace {
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+using py::literals::operator""_a;
+
+struct CharacterHandle {
+  std::shared_ptr<const PlayableCharacter> owner;
+  [[nodiscard]] const Character& character() const { return owner->character; }
+};
+
+struct BodyHandle {
+  std::shared_ptr<const CharacterBody> body;
+};
+
+/// One frame, independent of those before and after it.
+struct Frame {
+  double time = 0.0;
+  std::vector<ConvexHull> hulls;
+  std::vector<Affine3> worldFromJoint;
+};
+struct FrameHandle {
+  std::shared_ptr<const Frame> frame;
+};
+
+/// A live body that threads may share: one frame at a time.
+class Live {
+ public:
+  explicit Live(const BodyHandle& body) : live_(body.body) {}
+
+  /// Called without the interpreter's lock. @param move  moves the body
+  template <typename Move>
+  FrameHandle frameAfter(double time, const Move& move) {
+    const std::lock_guard lock(mutex_);
+    move(live_);
+    Frame frame;
+    frame.time = time;
+    frame.hulls.assign(live_.hulls().begin(), live_.hulls().end());
+    frame.worldFromJoint.assign(live_.worldFromJoint().begin(), live_.worldFromJoint().end());
+    return {std::make_shared<const Frame>(std::move(frame))};
+  }
+
+  std::vector<SelfContact> contacts() {
+    const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    const std::span<const SelfContact> found = live_.selfContacts();
+    return {found.begin(), found.end()};
+  }
+
+  FrameHandle pose(const py::object& matrices) {
+    const std::vector<Affine3> worldFromJoint = transformsFrom(matrices, live_.worldFromJoint().size());
+    const py::gil_scoped_release released;
+    return frameAfter(0.0, [&](LiveCharacter& live) { live.place(worldFromJoint); });
+  }
+
+ private:
+  std::mutex mutex_;
+  LiveCharacter live_;
+};
+
+/// A motion on a live body.
+struct Player {
+  SkeletalMotion motion;
+  std::shared_ptr<Live> live;
+  int next = 0;
+
+  FrameHandle step() {
+    if (next >= motion.frameCount()) throw py::stop_iteration();
+    const int index = next++;
+    const py::gil_scoped_release released;
+    return live->frameAfter(motion.times[static_cast<std::size_t>(index)],
+                            [&](LiveCharacter& body) { body.pose(motion.pose(index)); });
+  }
+
+  FrameHandle at(double seconds) const {
+    if (!std::isfinite(seconds))
+      throw py::value_error(fmt::format("time: found {}, expected a finite number", seconds));
+    const py::gil_scoped_release released;
+    Pose pose = restPose(motion.skeleton);
+    poseAt(motion, seconds, pose);
+    return live->frameAfter(seconds, [&](LiveCharacter& body) { body.pose(pose); });
+  }
+};
+
+std::vector<std::string> jointNames(const Character& character) {
+  std::vector<std::string> names;
+  for (const Joint& joint : character.skeleton.joints()) names.push_back(joint.name);
+  return names;
+}
+
+std::vector<int> jointParents(const Character& character) {
+  std::vector<int> parents;
+  for (const Joint& joint : character.skeleton.joints()) parents.push_back(joint.parent);
+  return parents;
+}
+
+CharacterHandle openCharacter(const py::object& file) {
+  const auto name = py::module_::import("os").attr("fspath")(file).cast<std::string>();
+  using Pointer = std::shared_ptr<const PlayableCharacter>;
+  return {resultAside<Pointer>(py::none(), [&](const DecomposeProgress&) { return readPlayable(name); })};
+}
+
+BodyHandle makeBodyOf(const CharacterHandle& character, int parts, std::optional<double> cover, int hullVertices,
+                      int threads, const py::object& progress) {
+  if (parts < 0 || hullVertices < 0 || threads < 0) {
+    throw py::value_error(
+        fmt::format("parts {}, hull_vertices {}, threads {}: expected none below 0", parts, hullVertices, threads));
+  }
+  if (cover && !(std::isfinite(*cover) && *cover >= 0.0)) {
+    throw py::value_error(fmt::format("cover: found {}, expected 0 or more", *cover));
+  }
+  if (hullVertices > 0 && hullVertices < 4) {
+    throw py::value_error(fmt::format("hull_vertices: found {}, expected at least 4, or 0 for no limit", hullVertices));
+  }
+  CharacterBodySettings settings{parts, {cover, hullVertices}, threads, {}};
+  using Pointer = std::shared_ptr<const CharacterBody>;
+  return {resultAside<Pointer>(progress, [&](const DecomposeProgress& report) {
+    settings.progress = report;
+    return makeCharacterBody(character.owner, settings);
+  })};
+}
+
+BodyHandle loadBody(const CharacterHandle& character, const fs::path& file) {
+  using Pointer = std::shared_ptr<const CharacterBody>;
+  return {resultAside<Pointer>(py::none(),
+                               [&](const DecomposeProgress&) { return readCharacterBody(character.owner, file); })};
+}
+
+std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, const std::string& clip, bool mirror) {
+  const auto name = py::module_::import("os").attr("fspath")(motion).cast<std::string>();
+  auto performed = resultAside<SkeletalMotion>(py::none(), [&](const DecomposeProgress&) {
+    return performanceOf(body.body->character(), name, {clip, mirror});
+  });
+  return std::make_shared<Player>(Player{std::move(performed), std::make_shared<Live>(body)});
+}
+
+void addCharacter(py::module_& module) {
+  py::class_<CharacterHandle>(module, "Character",
+                              "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.")
+      .def(
+          py::init(&openCharacter), "file"_a = "mannequin",
+          "Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in \"mannequin\".\n\nAn open surface gets a closed body.")
+      .def_property_readonly(
+          "name", [](const CharacterHandle& self) { return self.character().name; }, "Of the file.")
+      .def_property_readonly(
+          "height", [](const CharacterHandle& self) { return self.character().height; }, "In the bind pose [m].")
+      .def_property_readonly(
+          "joints", [](const CharacterHandle& self) { return jointNames(self.character()); },
+          "Names, parents before children.")
+      .def_property_readonly(
+          "parents", [](const CharacterHandle& self) { return jointParents(self.character()); },
+          "For each joint its parent's index; -1 = none.")
+      .def_property_readonly(
+          "clips",
+          [](const CharacterHandle& self) {
+            std::vector<std::string> names;
+            for (const Clip& clip : self.owner->clips) names.push_back(clip.name);
+            return names;
+          },
+          "Names of its own animations.")
+      .def_property_readonly(
+          "notes", [](const CharacterHandle& self) { return self.owner->notes; },
+          "What was repaired, guessed or left out when the file was read: one sentence each.")
+      .def_property_readonly(
+          "vertices",
+          [](const py::object& self) {
+            return view(self.cast<const CharacterHandle&>().character().mesh.vertices, self);
+          },
+          "(n, 3) float64, read-only, no copy: of the closed body in the bind pose [m].")
+      .def_property_readonly(
+          "faces",
+          [](const py::object& self) {
+            return view(self.cast<const CharacterHandle&>().character().mesh.triangles, self);
+          },
+          "(m, 3) int32, read-only, no copy: the closed body.")
+      .def("body", &makeBodyOf, "parts"_a = 0, py::kw_only(), "cover"_a = py::none(), "hull_vertices"_a = 0,
+           "threads"_a = 0, "progress"_a = py::none(),
+           R"(Decompose the character, trained on its own clips and on recordings of people.
+
+parts          at most this many; 0 = the body of `lorica play`, 16 parts, kept in the user's cache
+cover          length [m]: use fewer points, so that the surface sticks out by at most this before the hulls are
+               enlarged to hold it; None or 0 = all points
+hull_vertices  at most this many in each hull and frame, at least 4; 0 = no limit
+threads        0 = all of the machine's
+progress       called with the numbers of parts done and wanted; return False to cancel)")
+      .def("load_body", &loadBody, "file"_a, "The body in a .lorica file that was made from this character.")
+      .def("__repr__", [](const CharacterHandle& self) {
+        return fmt::format("<lorica.Character {} with {} joints>", self.character().name,
+                           self.character().skeleton.jointCount());
+      });
+}
+
+void addBody(py::module_& module) {
+  py::class_<BodyHandle>(module, "Body", "A decomposed character. Immutable; threads may share it.")
+      .def_property_readonly(
+          "character", [](const BodyHandle& self) { return CharacterHandle{self.body->owner}; },
+          "The one it was made from.")
+      .def(
+          "__len__", [](const BodyHandle& self) { return self.body->content.decomposition.parts.size(); },
+          "Number of parts.")
+      .def_property_readonly(
+          "error", [](const BodyHandle& self) { return self.body->content.meanError; },
+          "(hull volume - mesh volume) / mesh volume, mean over the training poses.")
+      .def(
+          "live", [](const BodyHandle& self) { return std::make_shared<Live>(self); },
+          "A live body, to be moved by your own skeleton.")
+      .def(
+          "save",
+          [](const BodyHandle& self, const fs::path& file) {
+            Result<void> written;
+            {
+              const py::gil_scoped_release released;
+              written = writeDecomposition(file, self.body->content);
+            }
+            if (!written) raise(written.error());
+          },
+          "file"_a, "Write a .lorica file, for load_body() and the command.")
+      .def("__repr__", [](const BodyHandle& self) {
+        return fmt::format("<lorica.Body of {}: {} parts>", self.body->character().name,
+                           self.body->content.decomposition.parts.size());
+      });
+}
+
+void addFrame(py::module_& module) {
+  py::class_<FrameHandle>(module, "Frame", "A body in one pose. It stays as it is when the body moves on.")
+      .def_property_readonly(
+          "time", [](const FrameHandle& self) { return self.frame->time; }, "In the motion [s].")
+      .def_property_readonly(
+          "hulls", [](const FrameHandle& self) { return hullList(self.frame->hulls, self.frame); },
+          "A Hull for each part, in world space [m].")
+      .def_property_readonly(
+          "world_from_joint",
+          [](const py::object& self) { return view(self.cast<const FrameHandle&>().frame->worldFromJoint, self); },
+          "(joints, 4, 4) float64, read-only, no copy.");
+  py::class_<SelfContact>(module, "Contact", "Two parts of one body that overlap and are no neighbours.")
+      .def_readonly("first", &SelfContact::first, "Index of a part, below `second`.")
+      .def_readonly("second", &SelfContact::second, "Index of the other part.")
+      .def_property_readonly(
+          "position",
+          [](const py::object& self) {
+            return view(std::span(&self.cast<const SelfContact&>().position, 1), self).attr("reshape")(3);
+          },
+          "(3,) float64: where the overlap is deepest, world [m].")
+      .def_property_readonly(
+          "direction",
+          [](const py::object& self) {
+            return view(std::span(&self.cast<const SelfContact&>().direction, 1), self).attr("reshape")(3);
+          },
+          "(3,) float64: unit, from the first part to the second.")
+      .def_readonly("depth", &SelfContact::depth, "How far the second has to move along the direction [m].");
+}
+
+}  // namespace
+
+void addCharacters(py::module_& module) {
+  addCharacter(module);
+  addBody(module);
+  addFrame(module);
+  py::class_<Live, std::shared_ptr<Live>>(module, "Live",
+                                          "A body that is moved. Threads may share it, one call at a time.")
+      .def("pose", &Live::pose, "world_from_joint"_a,
+           "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.")
+      .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.");
+  py::class_<Player, std::shared_ptr<Player>>(module, "Player", "A motion on a body: an iterator of Frame.")
+      .def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
+      .def("__next__", &Player::step)
+      .def(
+          "__len__", [](const Player& self) { return self.motion.frameCount(); }, "Number of frames.")
+      .def("at", &Player::at, "time"_a,
+           "The Frame at any time [s], between two frames interpolated. Iteration goes on where it was.")
+      .def_property_readonly(
+          "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
+      .def(
+          "contacts", [](const Player& self) { return self.live->contacts(); },
+          "Overlaps of the body's own parts in the last frame: a list of Contact.");
+  module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
+             R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
+
+motion  recorded joints (.csv, .txt), .bvh, or a character file with clips; or the name of a shipped recording: "walk"
+clip    of a character file with several; empty = the first
+mirror  swap left and right)");
+}
+
+}  // namespace lorica

@@ -1,0 +1,183 @@
+#include "bindings/mesh_parts.h"
+#include "bindings/python/arrays.h"
+#include "bindings/python/hull.h"
+#include "bindings/python/work.h"
+#include "geometry/mesh_files.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <optional>
+
+namespace lorica {
+namespace {
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+using py::literals::operator""_a;
+
+constexpr int kUsualParts = 16;
+
+using PartsPointer = std::shared_ptr<const MeshParts>;
+
+/// A list in Python: the hulls of a mesh.
+struct PartList {
+  PartsPointer parts;
+};
+
+DecomposePreset presetNamed(const std::string& name) {
+  if (name == "paper") return DecomposePreset::kPaper;
+  if (name == "fast") return DecomposePreset::kFast;
+  if (name == "quality") return DecomposePreset::kQuality;
+  throw py::value_error(fmt::format("preset: found {}, expected paper, fast or quality", name));
+}
+
+ClosedSurface closedNamed(const std::string& name) {
+  if (name == "auto") return ClosedSurface::kIfNeeded;
+  if (name == "never") return ClosedSurface::kNever;
+  if (name == "always") return ClosedSurface::kAlways;
+  throw py::value_error(fmt::format("closed_body: found {}, expected auto, never or always", name));
+}
+
+PartList decomposeMesh(const py::object& vertices, const py::object& faces, std::optional<int> parts, double maxError,
+                       double maxDistance, const std::string& preset, int hullVertices, const std::string& closedBody,
+                       int threads, const py::object& progress) {
+  const bool limited = maxError > 0.0 || maxDistance > 0.0;
+  MeshPartsSettings settings;
+  settings.decompose.maxParts = parts.value_or(limited ? 0 : kUsualParts);
+  settings.decompose.maxError = maxError;
+  settings.decompose.maxDistance = maxDistance;
+  settings.decompose.preset = presetNamed(preset);
+  settings.decompose.threads = threads;
+  settings.hullVertices = hullVertices;
+  settings.closed = closedNamed(closedBody);
+  TriMesh mesh = meshFrom(vertices, faces);
+  MeshParts made = resultAside<MeshParts>(progress, [&](const DecomposeProgress& report) {
+    settings.decompose.progress = report;
+    return partsOfMesh(std::move(mesh), settings);
+  });
+  return {std::make_shared<const MeshParts>(std::move(made))};
+}
+
+PartList loadParts(const fs::path& file, const py::object& vertices, const py::object& faces, int hullVertices) {
+  MeshPartsSettings settings;
+  settings.hullVertices = hullVertices;
+  TriMesh mesh = meshFrom(vertices, faces);
+  MeshParts made = resultAside<MeshParts>(py::none(), [&](const DecomposeProgress& report) {
+    settings.decompose.progress = report;
+    return partsFromFile(file, std::move(mesh), settings);
+  });
+  return {std::make_shared<const MeshParts>(std::move(made))};
+}
+
+py::tuple readMeshFile(const fs::path& file) {
+  const auto mesh = std::make_shared<const TriMesh>(
+      resultAside<TriMesh>(py::none(), [&](const DecomposeProgress&) { return readMesh(file); }));
+  const py::capsule owner(new std::shared_ptr<const TriMesh>(mesh),
+                          [](void* held) { delete static_cast<std::shared_ptr<const TriMesh>*>(held); });
+  return py::make_tuple(view(mesh->vertices, owner), view(mesh->triangles, owner));
+}
+
+void addHull(py::module_& module) {
+  py::class_<HullView>(module, "Hull", "A convex polyhedron.")
+      .def_property_readonly(
+          "vertices", [](const py::object& self) { return view(self.cast<const HullView&>().hull->vertices, self); },
+          "(n, 3) float64, read-only, no copy. Of a mesh in its unit; of a character in metres, in world space.")
+      .def_property_readonly(
+          "faces", [](const py::object& self) { return view(self.cast<const HullView&>().hull->triangles, self); },
+          "(m, 3) int32, read-only, no copy: triangles, counter-clockwise seen from outside. None while it is flat.")
+      .def_property_readonly(
+          "volume", [](const HullView& self) { return self.hull->volume; }, "In the cubed unit of the vertices.")
+      .def("__repr__", [](const HullView& self) {
+        return fmt::format("<lorica.Hull with {} vertices>", self.hull->vertices.size());
+      });
+}
+
+void addParts(py::module_& module) {
+  py::class_<PartList>(module, "Parts", "The convex hulls of a mesh: a sequence of Hull.")
+      .def("__len__", [](const PartList& self) { return self.parts->hulls.size(); })
+      .def("__getitem__",
+           [](const PartList& self, py::ssize_t index) {
+             const auto count = static_cast<py::ssize_t>(self.parts->hulls.size());
+             if (index < -count || index >= count) throw py::index_error(fmt::format("part {} of {}", index, count));
+             return HullView{{self.parts, &self.parts->hulls[static_cast<std::size_t>((index + count) % count)]}};
+           })
+      .def("__iter__", [](const PartList& self) { return py::iter(hullList(self.parts->hulls, self.parts)); })
+      .def_property_readonly(
+          "hulls", [](const PartList& self) { return hullList(self.parts->hulls, self.parts); }, "A list of Hull.")
+      .def_property_readonly(
+          "mesh_volume", [](const PartList& self) { return self.parts->meshVolume; },
+          "Of the mesh, or of the closed body that was built for it.")
+      .def_property_readonly(
+          "hull_volume", [](const PartList& self) { return self.parts->hullVolume; }, "The sum over the hulls.")
+      .def_property_readonly(
+          "error",
+          [](const PartList& self) {
+            return (self.parts->hullVolume - self.parts->meshVolume) / self.parts->meshVolume;
+          },
+          "(hull volume - mesh volume) / mesh volume.")
+      .def_property_readonly(
+          "repaired", [](const PartList& self) { return self.parts->repaired; },
+          "What was done to the mesh first, in words; empty if nothing.")
+      .def(
+          "save",
+          [](const PartList& self, const fs::path& file) {
+            Result<void> written;
+            {
+              const py::gil_scoped_release released;
+              written = writeDecomposition(file, self.parts->content);
+            }
+            if (!written) raise(written.error());
+          },
+          "file"_a, "Writes a .lorica file. It holds no positions: load_parts() and the command need the mesh, too.")
+      .def("__repr__",
+           [](const PartList& self) { return fmt::format("<lorica.Parts: {} hulls>", self.parts->hulls.size()); });
+}
+
+}  // namespace
+
+py::list hullList(std::span<const ConvexHull> hulls, const std::shared_ptr<const void>& owner) {
+  py::list list;
+  for (const ConvexHull& hull : hulls) list.append(HullView{std::shared_ptr<const ConvexHull>(owner, &hull)});
+  return list;
+}
+
+}  // namespace lorica
+
+PYBIND11_MODULE(_lorica, module) {
+  namespace py = pybind11;
+  using namespace lorica;
+  using py::literals::operator""_a;
+  module.doc() = "Convex parts of meshes and of moving characters.";
+  module.attr("__version__") = LORICA_VERSION;
+  module.attr("Cancelled") = py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(
+      "lorica.Cancelled", "The progress function returned False.", PyExc_RuntimeError, nullptr));
+  addHull(module);
+  addParts(module);
+  addCharacters(module);
+  module.def("decompose", &decomposeMesh, "vertices"_a, "faces"_a, "parts"_a = py::none(), py::kw_only(),
+             "max_error"_a = 0.0, "max_distance"_a = 0.0, "preset"_a = "fast", "hull_vertices"_a = 0,
+             "closed_body"_a = "auto", "threads"_a = 0, "progress"_a = py::none(),
+             R"(Decompose a mesh into nearly convex parts, and return their hulls.
+
+The hulls together contain every vertex of the surface. The same arguments give the same hulls on any number of threads:
+there is no seed. A mesh with small faults is repaired; an open one gets a closed body, see `closed_body`.
+
+vertices       (n, 3) finite numbers, in any unit
+faces          (m, 3) integers: triangles, counter-clockwise seen from outside
+parts          at most this many; 0 = until no concave edge remains; None = 16, or with a limit below as many as it takes
+max_error      stop when the parts' hulls have at most this much more volume, relative to the mesh; 0 = no limit
+max_distance   use the fewest parts with no point of a hull farther than this from the surface; 0 = no limit
+preset         "paper", "fast" or "quality"
+hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit
+closed_body    "auto" builds a closed surface if the mesh cannot be repaired, "never" refuses such a mesh, "always"
+threads        0 = all of the machine's
+progress       called with the numbers of parts done and wanted; return False to cancel
+
+Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.)");
+  module.def("load_parts", &loadParts, "file"_a, "vertices"_a, "faces"_a, py::kw_only(), "hull_vertices"_a = 0,
+             "The parts in a .lorica file that was made from this mesh.");
+  module.def("read_mesh", &readMeshFile, "file"_a,
+             "Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy.");
+}

@@ -1,0 +1,116 @@
+#include "bindings/python/work.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace lorica {
+namespace {
+
+namespace py = pybind11;
+
+constexpr std::chrono::milliseconds kLook{50};  // how often signals are looked for
+
+/// What the two threads tell each other.
+struct Talk {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::optional<std::pair<int, int>> question;  ///< progress that the work waits to have reported
+  bool cancelled = false;
+  bool done = false;
+  std::exception_ptr failure;
+
+  /// Called by the work. @return false to cancel
+  bool report(int partsDone, int partsWanted) {
+    std::unique_lock lock(mutex);
+    if (cancelled) return false;
+    question = {partsDone, partsWanted};
+    changed.notify_all();
+    changed.wait(lock, [&] { return !question.has_value(); });
+    return !cancelled;
+  }
+};
+
+/// Waits for a question, for the end, or for the next look at signals. @return the question
+std::optional<std::pair<int, int>> waitFor(Talk& talk) {
+  const py::gil_scoped_release released;
+  std::unique_lock lock(talk.mutex);
+  talk.changed.wait_for(lock, kLook, [&] { return talk.question.has_value() || talk.done; });
+  return talk.question;
+}
+
+bool isDone(Talk& talk) {
+  const std::lock_guard lock(talk.mutex);
+  return talk.done;
+}
+
+void answer(Talk& talk, bool goOn) {
+  const std::lock_guard lock(talk.mutex);
+  talk.question.reset();
+  if (!goOn) talk.cancelled = true;
+  talk.changed.notify_all();
+}
+
+}  // namespace
+
+void raise(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kNotFound:
+      PyErr_SetString(PyExc_FileNotFoundError, error.message.c_str());
+      break;
+    case ErrorCode::kUnreadable:
+    case ErrorCode::kUnwritable:
+      PyErr_SetString(PyExc_OSError, error.message.c_str());
+      break;
+    case ErrorCode::kCancelled:
+      PyErr_SetString(py::module_::import("lorica._lorica").attr("Cancelled").ptr(), error.message.c_str());
+      break;
+    default:
+      PyErr_SetString(PyExc_ValueError, error.message.c_str());
+  }
+  throw py::error_already_set();
+}
+
+void runAside(const py::object& progress, const std::function<void(const DecomposeProgress&)>& work) {
+  if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0) {
+    throw py::value_error("progress: expected a function of two numbers, or None");
+  }
+  Talk talk;
+  std::thread worker([&] {
+    std::exception_ptr failure;
+    try {
+      // Asked even without a function, so that Ctrl-C is seen.
+      work([&](int partsDone, int partsWanted) { return talk.report(partsDone, partsWanted); });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(talk.mutex);
+    talk.failure = failure;
+    talk.done = true;
+    talk.changed.notify_all();
+  });
+
+  std::optional<py::error_already_set> raised;
+  while (!isDone(talk)) {
+    const std::optional<std::pair<int, int>> question = waitFor(talk);
+    bool goOn = !raised;
+    try {
+      if (goOn && PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (goOn && question && !progress.is_none()) {
+        const py::object said = progress(question->first, question->second);
+        goOn = !said.is(py::bool_(false));
+      }
+    } catch (py::error_already_set& error) {
+      raised.emplace(std::move(error));
+      goOn = false;
+    }
+    if (question || !goOn) answer(talk, goOn);
+  }
+  worker.join();
+  if (raised) throw py::error_already_set(std::move(*raised));
+  if (talk.failure) std::rethrow_exception(talk.failure);
+}
+
+}  // namespace lorica

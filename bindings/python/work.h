@@ -1,0 +1,39 @@
+#pragma once
+
+#include "acd/decompose.h"
+#include "geometry/result.h"
+
+#include <pybind11/pybind11.h>
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+namespace lorica {
+
+/// Raises the exception for an error: FileNotFoundError, OSError, lorica.Cancelled, or ValueError.
+[[noreturn]] void raise(const Error& error);
+
+/// The value, or an exception with the error's sentence.
+template <typename T>
+[[nodiscard]] T valueOf(Result<T> result) {
+  if (!result) raise(result.error());
+  return std::move(*result);
+}
+
+/// Runs work in a thread of its own, without the interpreter's lock. Meanwhile this thread calls `progress` for the
+/// work, one call at a time, and looks for signals 20 times a second. Ctrl-C, an exception in `progress`, and its
+/// answer False cancel the work; the first two are raised again when it has stopped.
+/// @param progress  None, or called with parts done and wanted
+void runAside(const pybind11::object& progress, const std::function<void(const DecomposeProgress&)>& work);
+
+/// The same for work with a result.
+template <typename T>
+[[nodiscard]] T resultAside(const pybind11::object& progress,
+                            const std::function<Result<T>(const DecomposeProgress&)>& work) {
+  std::optional<Result<T>> result;
+  runAside(progress, [&](const DecomposeProgress& report) { result.emplace(work(report)); });
+  return valueOf(std::move(*result));
+}
+
+}  // namespace lorica

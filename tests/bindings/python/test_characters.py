@@ -1,0 +1,124 @@
+import tempfile
+import unittest
+from pathlib import Path
+
+import lorica
+import numpy as np
+from shapes import FILES, farthest_outside
+
+
+def bytes_of(frame):
+    """As tests/bindings/truth.cpp writes a session's frame."""
+    parts = (
+        np.array([len(hull.vertices), len(hull.faces)], np.int32).tobytes() + hull.vertices.tobytes() + hull.faces.tobytes()
+        for hull in frame.hulls
+    )
+    return b"".join(parts)
+
+
+class Characters(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.mannequin = lorica.Character()
+        cls.body = cls.mannequin.load_body(FILES / "body.lorica")
+
+    def test_hulls_are_those_of_a_session_bit_for_bit(self):
+        for motion, truth in (("walk", "walk_csv.hulls"), (FILES / "walk.bvh", "walk_bvh.hulls")):
+            player = lorica.play(motion, self.body)
+            found = b"".join(bytes_of(frame) for _, frame in zip(range(40), player))
+            self.assertEqual(found, (FILES / truth).read_bytes())
+
+    def test_the_body_is_the_commands_byte_for_byte(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "again.lorica"
+            self.mannequin.body(4).save(file)
+            self.assertEqual(file.read_bytes(), (FILES / "body.lorica").read_bytes())
+
+    def test_frames_stay_when_the_body_moves_on(self):
+        player = lorica.play("walk", self.body)
+        first = next(player)
+        before = bytes_of(first)
+        last = list(player)[-1]
+        self.assertEqual(bytes_of(first), before)
+        self.assertNotEqual(bytes_of(last), before)
+        self.assertEqual(last.time, player.times[-1])
+        self.assertEqual(len(player), len(player.times))
+        self.assertEqual(list(player), [])
+
+    def test_own_transforms_give_the_same_hulls(self):
+        live = self.body.live()
+        for _, frame in zip(range(5), lorica.play("walk", self.body)):
+            self.assertEqual(bytes_of(live.pose(frame.world_from_joint)), bytes_of(frame))
+
+    def test_any_time_can_be_asked_for(self):
+        player = lorica.play("walk", self.body)
+        between = (player.times[3] + player.times[4]) / 2
+        frame = player.at(between)
+        self.assertEqual(frame.time, between)
+        hands = [lorica.play("walk", self.body).at(player.times[i]).world_from_joint[-1, :3, 3] for i in (3, 4)]
+        middle = frame.world_from_joint[-1, :3, 3]
+        self.assertLess(np.linalg.norm(middle - sum(hands) / 2), 0.01)
+        with self.assertRaisesRegex(ValueError, "finite"):
+            player.at(float("nan"))
+
+    def test_a_files_own_clip_moves_it(self):
+        hero = lorica.Character(FILES / "hero.glb")
+        self.assertEqual(len(hero.joints), len(hero.parents))
+        frame = next(lorica.play(FILES / "hero.glb", hero.body(2), clip="nod"))
+        self.assertEqual(len(frame.hulls), 2)
+        self.assertEqual(frame.world_from_joint.shape, (len(hero.joints), 4, 4))
+        # The clip starts in the bind pose.
+        used = hero.vertices[np.unique(hero.faces)]
+        nearest = np.min([farthest_outside(hull, used) for hull in frame.hulls], axis=0)
+        self.assertLess(nearest.max(), 1e-6)
+
+    def test_hulls_are_convex_in_every_frame(self):
+        for _, frame in zip(range(20), lorica.play("squat_and_reach", self.body)):
+            for hull in frame.hulls:
+                self.assertLess(farthest_outside(hull, hull.vertices).max(), 1e-6)
+
+    def test_a_files_clips_are_named(self):
+        hero = lorica.Character(str(FILES / "hero.glb"))
+        self.assertEqual(hero.clips, ["Bow", "Nod"])
+        self.assertTrue(any("closed" in note or "surface" in note for note in hero.notes), hero.notes)
+
+    def test_contacts_name_parts_that_are_no_neighbours(self):
+        player = lorica.play("punch_and_kick", self.body)
+        seen = []
+        for _ in player:
+            seen += player.contacts()
+        self.assertTrue(seen)
+        for contact in seen:
+            self.assertLess(contact.first, contact.second)
+            self.assertGreater(contact.depth, 0)
+            self.assertAlmostEqual(np.linalg.norm(contact.direction), 1, 6)
+            self.assertEqual(contact.position.shape, (3,))
+
+    def test_a_vertex_limit_holds_in_every_frame(self):
+        body = self.mannequin.body(2, hull_vertices=32)
+        for _, frame in zip(range(30), lorica.play("punch_and_kick", body)):
+            self.assertLessEqual(max(len(hull.vertices) for hull in frame.hulls), 32)
+
+    def test_bad_input_is_a_sentence(self):
+        for error, sentence, call in (
+            (FileNotFoundError, "expected mannequin or a character file", lambda: lorica.Character("nobody")),
+            (FileNotFoundError, "No such file", lambda: lorica.Character("nobody.glb")),
+            (FileNotFoundError, "no shipped recording", lambda: lorica.play("stroll", self.body)),
+            (FileNotFoundError, "no clip named Run, expected one of Bow, Nod",
+             lambda: lorica.play(FILES / "hero.glb", self.body, clip="Run")),
+            (ValueError, "only character files have clips", lambda: lorica.play("walk.csv", self.body, clip="Run")),
+            (ValueError, "made from mannequin",
+             lambda: lorica.Character(FILES / "hero.glb").load_body(FILES / "body.lorica")),
+            (ValueError, "parts -1", lambda: self.mannequin.body(-1)),
+            (ValueError, "hull_vertices: found 2", lambda: self.mannequin.body(hull_vertices=2)),
+            (ValueError, "cover: found -1", lambda: self.mannequin.body(cover=-1.0)),
+            (ValueError, r"expected \(52, 4, 4\)", lambda: self.body.live().pose(np.eye(4))),
+            (ValueError, "joint 0", lambda: self.body.live().pose(np.full((52, 4, 4), np.nan))),
+            (ValueError, "joint 0", lambda: self.body.live().pose(np.zeros((52, 4, 4)))),
+        ):
+            with self.subTest(sentence), self.assertRaisesRegex(error, sentence):
+                call()
+
+
+if __name__ == "__main__":
+    unittest.main()
