@@ -29,6 +29,8 @@ class LiveCharacter {
   [[nodiscard]] bool posed() const { return posed_; }
   /// In world space [m], one for each part.
   [[nodiscard]] std::span<const ConvexHull> hulls() const { return hulls_; }
+  /// See LiveBody::support(). Only after the first pose.
+  [[nodiscard]] Vec3 support(PartIndex part, const Vec3& direction) const { return live_.support(part, direction); }
   /// See SelfContactQuery. The first call prepares the query.
   [[nodiscard]] std::span<const SelfContact> selfContacts();
 

@@ -8,7 +8,8 @@ set(commands
   "${LORICA} convert walk ${FILES}/walk.bvh"
   "${TRUTH} glb ${FILES}/hero.glb"
   "${TRUTH} hulls ${FILES}/body.lorica ${RECORDINGS}/walk.csv 40 ${FILES}/walk_csv.hulls"
-  "${TRUTH} hulls ${FILES}/body.lorica ${FILES}/walk.bvh 40 ${FILES}/walk_bvh.hulls")
+  "${TRUTH} hulls ${FILES}/body.lorica ${FILES}/walk.bvh 40 ${FILES}/walk_bvh.hulls"
+  "${TRUTH} depth ${RECORDINGS}/wave_depth.oni 20 ${FILES}/depth")
 foreach(command ${commands})
   separate_arguments(arguments UNIX_COMMAND "${command}")
   execute_process(COMMAND ${arguments} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)

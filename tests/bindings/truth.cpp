@@ -4,16 +4,22 @@
 //   truth hulls BODY.lorica MOTION FRAMES OUT     the hulls of a session's first frames, in world space: for each part
 //                                                 its counts of vertices and triangles (int32), x y z (float64) and
 //                                                 indices (int32)
+//   truth depth FILE.oni FRAMES OUT               images and the tracker's joints: width, height (int32), two fields of
+//                                                 view (float64); for each frame its time (float64), depths (uint16),
+//                                                 count of people (int32), and of each 15 joints' x y z confidence
 
 #include "acd/decomposition_file.h"
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
+#include "capture/sensor/oni_file.h"
+#include "capture/tracking/tracker.h"
 #include "session/demo_scene.h"
 #include "session/prepare/motion.h"
 #include "session/session.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/mannequin_glb.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -61,6 +67,33 @@ std::string hullsOfSession(const std::filesystem::path& body, const std::filesys
   return bytes;
 }
 
+std::string trackedDepth(const std::filesystem::path& recording, int frames) {
+  OniFile file = OniFile::open(recording).value();
+  const DepthCamera& camera = file.info().camera;
+  Tracker tracker = Tracker::create(camera).value();
+  std::string bytes;
+  const std::int32_t size[] = {camera.width, camera.height};
+  const double fov[] = {camera.horizontalFov, camera.verticalFov};
+  append(bytes, size, 2);
+  append(bytes, fov, 2);
+  DepthFrame image;
+  for (int frame = 0; frame < std::min(frames, file.info().frameCount); ++frame) {
+    if (const Result<void> read = file.read(frame, image); !read) break;
+    append(bytes, &image.time, 1);
+    append(bytes, image.depthMm.data(), image.depthMm.size());
+    const std::span<const TrackedPerson> people = tracker.track(image);
+    const auto count = static_cast<std::int32_t>(people.size());
+    append(bytes, &count, 1);
+    for (const TrackedPerson& person : people) {
+      for (const TrackedJoint& joint : person.skeleton.joints) {
+        append(bytes, joint.position.data(), 3);
+        append(bytes, &joint.confidence, 1);
+      }
+    }
+  }
+  return bytes;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -69,6 +102,8 @@ int main(int argc, char** argv) {
     std::ofstream(argv[2], std::ios::binary) << lorica::test::mannequinGlb(true);
   } else if (what == "hulls" && argc == 6) {
     std::ofstream(argv[5], std::ios::binary) << hullsOfSession(argv[2], argv[3], std::atoi(argv[4]));
+  } else if (what == "depth" && argc == 5) {
+    std::ofstream(argv[4], std::ios::binary) << trackedDepth(argv[2], std::atoi(argv[3]));
   } else {
     return 2;
   }

@@ -1,0 +1,152 @@
+#include "bindings/c/guard.h"
+#include "bindings/c/handles.h"
+#include "bindings/c/hull.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+Result<CharacterBodySettings> settingsFrom(const lorica_body_options* given) {
+  const Result<lorica_body_options> options = taken(given, "options");
+  if (!options) return options.error();
+  const bool fits = options->parts >= 0 && options->threads >= 0 && std::isfinite(options->cover) &&
+                    options->cover >= 0.0 && (options->hull_vertices == 0 || options->hull_vertices >= 4);
+  if (!fits) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("parts {}, threads {}, cover {}, hull_vertices {}: expected none below 0, and at least 4 "
+                             "vertices of a hull, or 0",
+                             options->parts, options->threads, options->cover, options->hull_vertices)};
+  }
+  CharacterBodySettings settings;
+  settings.parts = options->parts;
+  settings.cover.hullVertices = options->hull_vertices;
+  if (options->cover > 0.0) settings.cover.tolerance = options->cover;
+  settings.threads = options->threads;
+  settings.progress = progressFrom(options->progress, options->user);
+  return settings;
+}
+
+}  // namespace
+}  // namespace lorica
+
+using namespace lorica;
+
+lorica_status lorica_character_read(const char* name_or_file, lorica_character** out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(name_or_file, "name_or_file"); !fine) return fine;
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    auto read = readPlayable(name_or_file);
+    if (!read) return read.error();
+    *out = new lorica_character{std::move(*read)};
+    return {};
+  });
+}
+
+void lorica_character_free(lorica_character* character) {
+  delete character;
+}
+
+const char* lorica_character_name(const lorica_character* character) {
+  return character == nullptr ? "" : character->owner->character.name.c_str();
+}
+
+double lorica_character_height(const lorica_character* character) {
+  return character == nullptr ? 0.0 : character->owner->character.height;
+}
+
+size_t lorica_character_joint_count(const lorica_character* character) {
+  return character == nullptr ? 0 : character->owner->character.skeleton.joints().size();
+}
+
+const char* lorica_character_joint_name(const lorica_character* character, size_t joint) {
+  if (joint >= lorica_character_joint_count(character)) return nullptr;
+  return character->owner->character.skeleton.joints()[joint].name.c_str();
+}
+
+int32_t lorica_character_joint_parent(const lorica_character* character, size_t joint) {
+  if (joint >= lorica_character_joint_count(character)) return -1;
+  return character->owner->character.skeleton.joints()[joint].parent;
+}
+
+size_t lorica_character_clip_count(const lorica_character* character) {
+  return character == nullptr ? 0 : character->owner->clips.size();
+}
+
+const char* lorica_character_clip_name(const lorica_character* character, size_t clip) {
+  return clip < lorica_character_clip_count(character) ? character->owner->clips[clip].name.c_str() : nullptr;
+}
+
+lorica_status lorica_body_make(const lorica_character* character, const lorica_body_options* options,
+                               lorica_body** out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(character, "character"); !fine) return fine;
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    const Result<CharacterBodySettings> settings = settingsFrom(options);
+    if (!settings) return settings.error();
+    auto made = makeCharacterBody(character->owner, *settings);
+    if (!made) return made.error();
+    *out = new lorica_body{std::move(*made)};
+    return {};
+  });
+}
+
+lorica_status lorica_body_load(const lorica_character* character, const char* file, lorica_body** out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(character, "character"); !fine) return fine;
+    if (Result<void> fine = given(file, "file"); !fine) return fine;
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    auto read = readCharacterBody(character->owner, file);
+    if (!read) return read.error();
+    *out = new lorica_body{std::move(*read)};
+    return {};
+  });
+}
+
+lorica_status lorica_body_save(const lorica_body* body, const char* file) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(body, "body"); !fine) return fine;
+    if (Result<void> fine = given(file, "file"); !fine) return fine;
+    return writeDecomposition(file, body->body->content);
+  });
+}
+
+void lorica_body_free(lorica_body* body) {
+  delete body;
+}
+
+size_t lorica_body_part_count(const lorica_body* body) {
+  return body == nullptr ? 0 : body->body->content.decomposition.parts.size();
+}
+
+lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
+                                 const lorica_motion_options* options, lorica_motion** out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(character, "character"); !fine) return fine;
+    if (Result<void> fine = given(name_or_file, "name_or_file"); !fine) return fine;
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    const Result<lorica_motion_options> wanted = taken(options, "options");
+    if (!wanted) return wanted.error();
+    const PerformanceSettings settings{wanted->clip == nullptr ? "" : wanted->clip, wanted->mirror != 0};
+    Result<SkeletalMotion> performed = performanceOf(character->owner->character, name_or_file, settings);
+    if (!performed) return performed.error();
+    *out = new lorica_motion{std::move(*performed)};
+    return {};
+  });
+}
+
+void lorica_motion_free(lorica_motion* motion) {
+  delete motion;
+}
+
+size_t lorica_motion_frame_count(const lorica_motion* motion) {
+  return motion == nullptr ? 0 : motion->motion.times.size();
+}
+
+double lorica_motion_time(const lorica_motion* motion, size_t frame) {
+  if (motion == nullptr) return 0.0;
+  const std::vector<double>& times = motion->motion.times;
+  return frame < times.size() ? times[frame] : times.back();
+}

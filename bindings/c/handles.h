@@ -1,0 +1,40 @@
+#pragma once
+
+#include "bindings/live_character.h"
+#include "bindings/mesh_parts.h"
+#include "capture/sensor/depth_frame.h"
+#include "capture/tracking/tracker.h"
+
+#include <memory>
+#include <vector>
+
+// What the opaque types of lorica.h are.
+
+struct lorica_parts {
+  lorica::MeshParts parts;
+};
+
+struct lorica_character {
+  std::shared_ptr<const lorica::PlayableCharacter> owner;
+};
+
+struct lorica_body {
+  std::shared_ptr<const lorica::CharacterBody> body;
+};
+
+struct lorica_motion {
+  lorica::SkeletalMotion motion;
+};
+
+struct lorica_live {
+  lorica::LiveCharacter live;
+  lorica::Pose pose;                   ///< scratch
+  std::vector<lorica::Affine3> given;  ///< scratch
+  std::vector<lorica::SelfContact> contacts;
+};
+
+struct lorica_tracker {
+  lorica::Tracker tracker;
+  lorica::DepthFrame frame;
+  std::vector<lorica::TrackedPerson> people;
+};

@@ -1,0 +1,157 @@
+#include "bindings/c/guard.h"
+#include "bindings/c/handles.h"
+#include "bindings/c/hull.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// Whether a motion is of the same skeleton as the body.
+Result<void> checkMotion(const lorica_live* live, const lorica_motion* motion) {
+  if (Result<void> fine = given(live, "live"); !fine) return fine;
+  if (Result<void> fine = given(motion, "motion"); !fine) return fine;
+  const Skeleton& own = live->live.body().character().skeleton;
+  const Skeleton& other = motion->motion.skeleton;
+  bool same = own.jointCount() == other.jointCount();
+  for (JointIndex j = 0; same && j < own.jointCount(); ++j) same = own.joint(j).name == other.joint(j).name;
+  if (same) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("the motion is one of another character, with {} joints; expected the {} joints of {}",
+                           other.jointCount(), own.jointCount(), live->live.body().character().name)};
+}
+
+Result<void> checkJoints(const lorica_live* live, const double* numbers, std::size_t count) {
+  if (Result<void> fine = given(live, "live"); !fine) return fine;
+  if (Result<void> fine = given(numbers, "world_from_joint"); !fine) return fine;
+  const std::size_t expected = live->live.worldFromJoint().size();
+  if (count == expected) return {};
+  return Error{ErrorCode::kInvalidArgument, fmt::format("joint_count: found {}, expected {}", count, expected)};
+}
+
+}  // namespace
+}  // namespace lorica
+
+using namespace lorica;
+
+lorica_status lorica_live_make(const lorica_body* body, lorica_live** out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(body, "body"); !fine) return fine;
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    const Skeleton& skeleton = body->body->character().skeleton;
+    *out = new lorica_live{
+        LiveCharacter(body->body), restPose(skeleton), std::vector<Affine3>(skeleton.joints().size()), {}};
+    return {};
+  });
+}
+
+void lorica_live_free(lorica_live* live) {
+  delete live;
+}
+
+lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, size_t frame) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = checkMotion(live, motion); !fine) return fine;
+    if (Result<void> fine = inRange(frame, motion->motion.times.size(), "frame"); !fine) return fine;
+    live->live.pose(motion->motion.pose(static_cast<int>(frame)));
+    live->contacts.clear();
+    return {};
+  });
+}
+
+lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion, double seconds) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = checkMotion(live, motion); !fine) return fine;
+    if (!std::isfinite(seconds)) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("seconds: found {}, expected a finite number", seconds)};
+    }
+    poseAt(motion->motion, seconds, live->pose);
+    live->live.pose(live->pose);
+    live->contacts.clear();
+    return {};
+  });
+}
+
+lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint, size_t joint_count) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = checkJoints(live, world_from_joint, joint_count); !fine) return fine;
+    for (std::size_t joint = 0; joint < joint_count; ++joint) {
+      const Eigen::Map<const Mat4> matrix(world_from_joint + 16 * joint);
+      live->given[joint].matrix() = matrix;
+      if (matrix.allFinite() && matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))) continue;
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("the matrix of joint {} has a number that is not finite, or a last row that is not 0 0 0 "
+                      "1; matrices are stored by columns",
+                      joint)};
+    }
+    live->live.place(live->given);
+    live->contacts.clear();
+    return {};
+  });
+}
+
+lorica_status lorica_live_transforms(const lorica_live* live, double* world_from_joint, size_t joint_count) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = checkJoints(live, world_from_joint, joint_count); !fine) return fine;
+    for (const Affine3& transform : live->live.worldFromJoint()) {
+      world_from_joint = std::copy_n(transform.data(), 16, world_from_joint);
+    }
+    return {};
+  });
+}
+
+lorica_status lorica_live_hull(const lorica_live* live, size_t part, lorica_hull* out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(live, "live"); !fine) return fine;
+    if (Result<void> fine = inRange(part, live->live.hulls().size(), "part"); !fine) return fine;
+    return handOut(live->live.hulls()[part], out);
+  });
+}
+
+lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction, double* point) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(live, "live"); !fine) return fine;
+    if (Result<void> fine = given(direction, "direction"); !fine) return fine;
+    if (Result<void> fine = given(point, "point"); !fine) return fine;
+    if (Result<void> fine = inRange(part, live->live.hulls().size(), "part"); !fine) return fine;
+    if (!live->live.posed()) return Error{ErrorCode::kInvalidArgument, "the body has no pose yet"};
+    const Eigen::Map<const Vec3> along(direction);
+    if (!along.allFinite() || along.isZero(0.0)) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("direction: found {} {} {}, expected finite numbers that are not all 0", along.x(),
+                               along.y(), along.z())};
+    }
+    const Vec3 farthest = live->live.support(static_cast<PartIndex>(part), along);
+    std::copy_n(farthest.data(), 3, point);
+    return {};
+  });
+}
+
+lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(live, "live"); !fine) return fine;
+    if (Result<void> fine = given(count, "count"); !fine) return fine;
+    const std::span<const SelfContact> found = live->live.selfContacts();
+    live->contacts.assign(found.begin(), found.end());
+    *count = live->contacts.size();
+    return {};
+  });
+}
+
+lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_contact* out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(live, "live"); !fine) return fine;
+    if (Result<void> fine = inRange(index, live->contacts.size(), "contact"); !fine) return fine;
+    const SelfContact& found = live->contacts[index];
+    lorica_contact contact = {};
+    contact.first = static_cast<std::size_t>(found.first);
+    contact.second = static_cast<std::size_t>(found.second);
+    Eigen::Map<Vec3>(contact.position) = found.position;
+    Eigen::Map<Vec3>(contact.direction) = found.direction;
+    contact.depth = found.depth;
+    return handOut(contact, out);
+  });
+}

@@ -1,0 +1,289 @@
+/* Lorica in C: convex parts of meshes, live hulls of moving characters, joints from depth images.
+ *
+ *     lorica_mesh mesh = {.size = sizeof mesh, .vertices = xyz, .vertex_count = 8, .triangles = abc, .triangle_count =
+ * 12}; lorica_decompose_options options = {.size = sizeof options, .parts = 16}; lorica_parts *parts; if
+ * (lorica_decompose(&mesh, &options, &parts) != LORICA_OK) return complain(lorica_last_error()); for (size_t p = 0; p <
+ * lorica_parts_count(parts); ++p) { lorica_hull hull = {.size = sizeof hull}; lorica_parts_hull(parts, p, &hull);
+ *       use(hull.vertices, hull.vertex_count);
+ *     }
+ *     lorica_parts_free(parts);
+ *
+ * Units and axes. Characters: metres, seconds, radians, right-handed, Y up, facing +Z in the bind pose. Meshes keep
+ * their own unit. Triangles run counter-clockwise seen from outside. Strings are UTF-8.
+ *
+ * Versions. Every struct starts with its size. Fill structs with zeros, set `size` to sizeof of the struct, then what
+ * you need: zero always means the default. A library that is newer than the program reads, and fills, only what the
+ * program knows. A size that the library does not know is LORICA_INVALID_ARGUMENT.
+ *
+ * Errors. What can fail returns a lorica_status; other than LORICA_OK, lorica_last_error() has a sentence, and nothing
+ * that was pointed to has changed. No C++ exception leaves the library. A null pointer is LORICA_INVALID_ARGUMENT,
+ * unless it is allowed here. A handle that was freed, or one of another kind, is undefined behaviour.
+ *
+ * Ownership. What a function returns by `**out` is freed by the function of its type whose name ends in _free; null may
+ * be freed. Handles keep alive what they were made from, so the order does not matter. Pointers to numbers and strings
+ * belong to the handle that they were asked from and are valid as long as it is, for a live body until it is moved.
+ *
+ * Threads. Any number of threads may use different handles. lorica_parts, lorica_character, lorica_body and
+ * lorica_motion never change: threads may share them. lorica_live and lorica_tracker may be used by one thread at a
+ * time. */
+#ifndef LORICA_H
+#define LORICA_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define LORICA_API __attribute__((visibility("default")))
+#else
+#define LORICA_API
+#endif
+
+typedef enum lorica_status {
+  LORICA_OK = 0,
+  LORICA_NOT_FOUND = 1,        /* a file, clip or recording that is not there */
+  LORICA_UNREADABLE = 2,       /* there, but cannot be read */
+  LORICA_UNWRITABLE = 3,       /* the output cannot be written; nothing is left half written */
+  LORICA_BAD_FORMAT = 4,       /* malformed text or bytes */
+  LORICA_BAD_MESH = 5,         /* a mesh that cannot be decomposed */
+  LORICA_INVALID_ARGUMENT = 6, /* out of range, null, or things that do not belong together */
+  LORICA_UNSUPPORTED = 7,      /* understood, but not handled */
+  LORICA_CANCELLED = 8,        /* the progress function returned 0 */
+  LORICA_FAILURE = 9           /* out of memory, or a fault of the library */
+} lorica_status;
+
+/* "0.1.0" */
+LORICA_API const char* lorica_version(void);
+
+/* What the last failure in this thread was, with the numbers in it; "" if none was. Valid until the next failure in
+ * this thread. */
+LORICA_API const char* lorica_last_error(void);
+
+/* Called for long work, in any thread, one call at a time. Return 0 to cancel. @param user  as given in the options */
+typedef int (*lorica_progress)(void* user, int32_t done, int32_t wanted);
+
+/* ---- Meshes ---- */
+
+/* Triangles that the caller owns. They need be valid during the call only. */
+typedef struct lorica_mesh {
+  size_t size;
+  const double* vertices; /* x y z for each */
+  size_t vertex_count;
+  const int32_t* triangles; /* three indices for each */
+  size_t triangle_count;
+} lorica_mesh;
+
+typedef enum lorica_preset { LORICA_FAST = 0, LORICA_PAPER = 1, LORICA_QUALITY = 2 } lorica_preset;
+
+/* When a closed surface is built around a mesh, and takes its place. */
+typedef enum lorica_closed_body {
+  LORICA_CLOSED_IF_NEEDED = 0, /* if it is open and cannot be repaired */
+  LORICA_CLOSED_NEVER = 1,     /* such a mesh is refused */
+  LORICA_CLOSED_ALWAYS = 2
+} lorica_closed_body;
+
+typedef struct lorica_decompose_options {
+  size_t size;
+  int32_t parts;    /* at most; 0 = 16, or with a limit below as many as it takes; -1 = until no concave edge remains */
+  int32_t preset;   /* lorica_preset */
+  double max_error; /* stop when the parts' hulls have this much more volume, relative to the mesh; 0 = no limit */
+  double max_distance;      /* fewest parts with no point of a hull farther than this from the surface; 0 = no limit */
+  int32_t hull_vertices;    /* hulls with more are enclosed in larger ones, at least 4; 0 = no limit */
+  int32_t closed_body;      /* lorica_closed_body */
+  int32_t threads;          /* 0 = all of the machine's; the result does not depend on it */
+  lorica_progress progress; /* parts done and wanted; may be null */
+  void* user;
+} lorica_decompose_options;
+
+/* A convex polyhedron. Filled by the library; see Ownership. */
+typedef struct lorica_hull {
+  size_t size;
+  const double* vertices; /* x y z for each */
+  size_t vertex_count;
+  const int32_t* triangles; /* three indices for each; none while the hull is flat */
+  size_t triangle_count;
+  double volume; /* in the cubed unit of the vertices */
+} lorica_hull;
+
+typedef struct lorica_parts lorica_parts;
+
+/* Decomposes a mesh into nearly convex parts. Their hulls together contain every vertex of its surface. There is no
+ * seed: the same input gives the same hulls. @param options  null = defaults */
+LORICA_API lorica_status lorica_decompose(const lorica_mesh* mesh, const lorica_decompose_options* options,
+                                          lorica_parts** out);
+/* The parts in a .lorica file that was made from this mesh. @param options  only hull_vertices, closed_body, threads */
+LORICA_API lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh,
+                                           const lorica_decompose_options* options, lorica_parts** out);
+/* Writes a .lorica file, completely or not at all. It holds no positions. */
+LORICA_API lorica_status lorica_parts_save(const lorica_parts* parts, const char* file);
+LORICA_API void lorica_parts_free(lorica_parts* parts);
+LORICA_API size_t lorica_parts_count(const lorica_parts* parts);
+LORICA_API lorica_status lorica_parts_hull(const lorica_parts* parts, size_t part, lorica_hull* out);
+/* Of the mesh, or of the closed surface in its place. */
+LORICA_API double lorica_parts_mesh_volume(const lorica_parts* parts);
+LORICA_API double lorica_parts_hull_volume(const lorica_parts* parts);
+/* (hull volume - mesh volume) / mesh volume */
+LORICA_API double lorica_parts_error(const lorica_parts* parts);
+/* What was done to the mesh first, in words; "" if nothing. */
+LORICA_API const char* lorica_parts_repaired(const lorica_parts* parts);
+
+/* ---- Characters ---- */
+
+typedef struct lorica_character lorica_character;
+
+/* @param name_or_file  "mannequin", or a .glb, .gltf, .vrm, .fbx or .dae file with a skin or clips. FBX and COLLADA are
+ * read in this process, without limits: see docs/SECURITY.md */
+LORICA_API lorica_status lorica_character_read(const char* name_or_file, lorica_character** out);
+LORICA_API void lorica_character_free(lorica_character* character);
+LORICA_API const char* lorica_character_name(const lorica_character* character);
+/* In the bind pose [m]. */
+LORICA_API double lorica_character_height(const lorica_character* character);
+/* Parents come before children. */
+LORICA_API size_t lorica_character_joint_count(const lorica_character* character);
+/* Null if there is no such joint. */
+LORICA_API const char* lorica_character_joint_name(const lorica_character* character, size_t joint);
+/* -1 = none, or no such joint. */
+LORICA_API int32_t lorica_character_joint_parent(const lorica_character* character, size_t joint);
+LORICA_API size_t lorica_character_clip_count(const lorica_character* character);
+/* Null if there is no such clip. */
+LORICA_API const char* lorica_character_clip_name(const lorica_character* character, size_t clip);
+
+typedef struct lorica_body_options {
+  size_t size;
+  int32_t parts;         /* at most; 0 = the body of `lorica play`, 16 parts, kept in the user's cache */
+  int32_t hull_vertices; /* at most this many in each hull and frame, at least 4; 0 = no limit */
+  double cover;    /* use fewer points, so that the surface sticks out by at most this before the hulls are enlarged
+                      to hold it [m]; 0 = all points */
+  int32_t threads; /* 0 = all of the machine's */
+  lorica_progress progress; /* parts done and wanted; may be null */
+  void* user;
+} lorica_body_options;
+
+/* A decomposed character. */
+typedef struct lorica_body lorica_body;
+
+/* Trained on the character's own clips and on recordings of people. @param options  null = defaults */
+LORICA_API lorica_status lorica_body_make(const lorica_character* character, const lorica_body_options* options,
+                                          lorica_body** out);
+/* The body in a .lorica file that was made from this character. */
+LORICA_API lorica_status lorica_body_load(const lorica_character* character, const char* file, lorica_body** out);
+LORICA_API lorica_status lorica_body_save(const lorica_body* body, const char* file);
+LORICA_API void lorica_body_free(lorica_body* body);
+LORICA_API size_t lorica_body_part_count(const lorica_body* body);
+
+typedef struct lorica_motion_options {
+  size_t size;
+  const char* clip; /* of a character file with several; null or "" = the first */
+  int32_t mirror;   /* not 0: left and right are swapped */
+} lorica_motion_options;
+
+/* A motion as a character performs it. */
+typedef struct lorica_motion lorica_motion;
+
+/* @param name_or_file  recorded joints (.csv, .txt), .bvh, a character file with clips, or a shipped recording: "walk"
+ * @param options       null = defaults */
+LORICA_API lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
+                                            const lorica_motion_options* options, lorica_motion** out);
+LORICA_API void lorica_motion_free(lorica_motion* motion);
+LORICA_API size_t lorica_motion_frame_count(const lorica_motion* motion);
+/* [s]; of the last frame if there is no such frame */
+LORICA_API double lorica_motion_time(const lorica_motion* motion, size_t frame);
+
+/* ---- Every frame ---- */
+
+/* A body that is moved. After the first frames nothing is allocated. */
+typedef struct lorica_live lorica_live;
+
+LORICA_API lorica_status lorica_live_make(const lorica_body* body, lorica_live** out);
+LORICA_API void lorica_live_free(lorica_live* live);
+
+/* Moves it to a frame of a motion of the same character, ... */
+LORICA_API lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, size_t frame);
+/* ... to any time of it, between frames interpolated [s], ... */
+LORICA_API lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion, double seconds);
+/* ... or to a pose of your own skeleton.
+ * @param world_from_joint  16 numbers for each joint: the matrix by columns, as glTF and OpenGL have it, [m] */
+LORICA_API lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint, size_t joint_count);
+
+/* The joints' transforms in this pose. @param world_from_joint  written, as above */
+LORICA_API lorica_status lorica_live_transforms(const lorica_live* live, double* world_from_joint, size_t joint_count);
+/* A part's hull in world space [m]. Empty before the first pose. Valid until the body is moved. */
+LORICA_API lorica_status lorica_live_hull(const lorica_live* live, size_t part, lorica_hull* out);
+/* The point of a part's hull that is farthest along a direction, for your own collision tests.
+ * @param direction  x y z, world, of any length above 0   @param point  x y z, written, world [m] */
+LORICA_API lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction,
+                                             double* point);
+
+/* Two overlapping parts of one body that are no neighbours. */
+typedef struct lorica_contact {
+  size_t size;
+  size_t first, second; /* parts, first < second */
+  double position[3];   /* where the overlap is deepest, world [m] */
+  double direction[3];  /* unit, from the first to the second */
+  double depth;         /* how far the second has to move along it [m] */
+} lorica_contact;
+
+/* Finds the overlaps in this pose. The first call prepares the search. @param count  written */
+LORICA_API lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count);
+/* One of those that were found last. */
+LORICA_API lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_contact* out);
+
+/* ---- Joints from depth images ---- */
+
+typedef struct lorica_tracker_options {
+  size_t size;
+  int32_t width, height;               /* of the images [pixels]; 0 = 640, 480 */
+  double horizontal_fov, vertical_fov; /* [rad]; 0 = those of Kinect v1 and Xtion */
+  int32_t max_people;                  /* at once, 1 to 6; 0 = 2 */
+} lorica_tracker_options;
+
+/* In the order of NiTE 2. Left and right are the person's own. */
+typedef enum lorica_joint {
+  LORICA_HEAD,
+  LORICA_NECK,
+  LORICA_LEFT_SHOULDER,
+  LORICA_RIGHT_SHOULDER,
+  LORICA_LEFT_ELBOW,
+  LORICA_RIGHT_ELBOW,
+  LORICA_LEFT_HAND,
+  LORICA_RIGHT_HAND,
+  LORICA_TORSO,
+  LORICA_LEFT_HIP,
+  LORICA_RIGHT_HIP,
+  LORICA_LEFT_KNEE,
+  LORICA_RIGHT_KNEE,
+  LORICA_LEFT_FOOT,
+  LORICA_RIGHT_FOOT,
+  LORICA_JOINT_COUNT
+} lorica_joint;
+
+typedef struct lorica_person {
+  size_t size;
+  int32_t user;            /* stays while the person is tracked */
+  double height;           /* standing [m]; 0 = not yet known */
+  double positions[15][3]; /* by lorica_joint: metres, Y up, the floor is y = 0, the camera looks along -Z */
+  double confidences[15];  /* 0 = unknown, 0.5 = inferred, 1 = seen */
+} lorica_person;
+
+/* Tracks people before one depth camera. After the first images nothing is allocated. */
+typedef struct lorica_tracker lorica_tracker;
+
+/* @param options  null = defaults */
+LORICA_API lorica_status lorica_tracker_make(const lorica_tracker_options* options, lorica_tracker** out);
+LORICA_API void lorica_tracker_free(lorica_tracker* tracker);
+/* @param seconds   in the camera's clock, more than that of the last image
+ * @param depth_mm  width x height, rows from the top, not mirrored; 0 = not measured
+ * @param people    written: how many are tracked */
+LORICA_API lorica_status lorica_tracker_track(lorica_tracker* tracker, double seconds, const uint16_t* depth_mm,
+                                              size_t pixel_count, size_t* people);
+/* One of those who were tracked last. */
+LORICA_API lorica_status lorica_tracker_person(const lorica_tracker* tracker, size_t index, lorica_person* out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,187 @@
+#include "bindings/c/guard.h"
+#include "bindings/c/handles.h"
+#include "bindings/c/hull.h"
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr int kUsualParts = 16;
+
+thread_local std::string gLastError;
+
+lorica_status statusOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kNotFound:
+      return LORICA_NOT_FOUND;
+    case ErrorCode::kUnreadable:
+      return LORICA_UNREADABLE;
+    case ErrorCode::kUnwritable:
+      return LORICA_UNWRITABLE;
+    case ErrorCode::kBadFormat:
+      return LORICA_BAD_FORMAT;
+    case ErrorCode::kBadMesh:
+      return LORICA_BAD_MESH;
+    case ErrorCode::kInvalidArgument:
+      return LORICA_INVALID_ARGUMENT;
+    case ErrorCode::kUnsupported:
+    case ErrorCode::kNoDisplay:
+      return LORICA_UNSUPPORTED;
+    case ErrorCode::kCancelled:
+      return LORICA_CANCELLED;
+  }
+  return LORICA_FAILURE;
+}
+
+/// Numbers of an enum from outside.
+Result<void> checkChoice(int chosen, int last, const char* name) {
+  if (chosen >= 0 && chosen <= last) return {};
+  return Error{ErrorCode::kInvalidArgument, fmt::format("{}: found {}, expected 0 to {}", name, chosen, last)};
+}
+
+Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
+  const Result<lorica_decompose_options> options = taken(given, "options");
+  if (!options) return options.error();
+  if (Result<void> fine = checkChoice(options->preset, LORICA_QUALITY, "preset"); !fine) return fine.error();
+  if (Result<void> fine = checkChoice(options->closed_body, LORICA_CLOSED_ALWAYS, "closed_body"); !fine) {
+    return fine.error();
+  }
+  if (options->parts < -1) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("parts: found {}, expected -1 or more", options->parts)};
+  }
+  constexpr DecomposePreset kPresets[] = {DecomposePreset::kFast, DecomposePreset::kPaper, DecomposePreset::kQuality};
+  constexpr ClosedSurface kChoices[] = {ClosedSurface::kIfNeeded, ClosedSurface::kNever, ClosedSurface::kAlways};
+  const bool limited = options->max_error > 0.0 || options->max_distance > 0.0;
+  MeshPartsSettings settings;
+  settings.decompose.maxParts = options->parts > 0 ? options->parts : options->parts == 0 && !limited ? kUsualParts : 0;
+  settings.decompose.preset = kPresets[options->preset];
+  settings.decompose.maxError = options->max_error;
+  settings.decompose.maxDistance = options->max_distance;
+  settings.decompose.threads = options->threads;
+  settings.decompose.progress = progressFrom(options->progress, options->user);
+  settings.hullVertices = options->hull_vertices;
+  settings.closed = kChoices[options->closed_body];
+  return settings;
+}
+
+Result<TriMesh> meshFrom(const lorica_mesh* given) {
+  if (Result<void> fine = lorica::given(given, "mesh"); !fine) return fine.error();
+  const Result<lorica_mesh> mesh = taken(given, "mesh");
+  if (!mesh) return mesh.error();
+  if ((mesh->vertices == nullptr && mesh->vertex_count > 0) ||
+      (mesh->triangles == nullptr && mesh->triangle_count > 0)) {
+    return Error{ErrorCode::kInvalidArgument, "mesh: vertices or triangles are null, and their count is not 0"};
+  }
+  const std::vector<std::int64_t> corners(mesh->triangles, mesh->triangles + 3 * mesh->triangle_count);
+  return checkedMesh({mesh->vertices, 3 * mesh->vertex_count}, corners);
+}
+
+/// The common part of decomposing and loading. @param make  from a mesh and settings
+template <typename Make>
+lorica_status makeParts(const lorica_mesh* mesh, const lorica_decompose_options* options, lorica_parts** out,
+                        const Make& make) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    const Result<MeshPartsSettings> settings = settingsFrom(options);
+    if (!settings) return settings.error();
+    Result<TriMesh> checked = meshFrom(mesh);
+    if (!checked) return checked.error();
+    Result<MeshParts> made = make(std::move(*checked), *settings);
+    if (!made) return made.error();
+    *out = new lorica_parts{std::move(*made)};
+    return {};
+  });
+}
+
+}  // namespace
+
+lorica_status fail(const Error& error) noexcept {
+  try {
+    gLastError = error.message;
+  } catch (...) {
+    gLastError.clear();
+  }
+  return statusOf(error.code);
+}
+
+DecomposeProgress progressFrom(lorica_progress progress, void* user) {
+  if (progress == nullptr) return {};
+  return [=](int done, int wanted) { return progress(user, done, wanted) != 0; };
+}
+
+Result<void> handOut(const ConvexHull& hull, lorica_hull* out) {
+  lorica_hull whole = {};
+  whole.vertices = hull.vertices.empty() ? nullptr : hull.vertices.front().data();
+  whole.vertex_count = hull.vertices.size();
+  whole.triangles = hull.triangles.empty() ? nullptr : hull.triangles.front().data();
+  whole.triangle_count = hull.triangles.size();
+  whole.volume = hull.volume;
+  return handOut(whole, out);
+}
+
+}  // namespace lorica
+
+using namespace lorica;
+
+const char* lorica_version(void) {
+  return LORICA_VERSION;
+}
+
+const char* lorica_last_error(void) {
+  return gLastError.c_str();
+}
+
+lorica_status lorica_decompose(const lorica_mesh* mesh, const lorica_decompose_options* options, lorica_parts** out) {
+  return makeParts(mesh, options, out, [](TriMesh checked, const MeshPartsSettings& settings) {
+    return partsOfMesh(std::move(checked), settings);
+  });
+}
+
+lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh, const lorica_decompose_options* options,
+                                lorica_parts** out) {
+  return makeParts(mesh, options, out, [&](TriMesh checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
+    if (Result<void> fine = given(file, "file"); !fine) return fine.error();
+    return partsFromFile(file, std::move(checked), settings);
+  });
+}
+
+lorica_status lorica_parts_save(const lorica_parts* parts, const char* file) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(parts, "parts"); !fine) return fine;
+    if (Result<void> fine = given(file, "file"); !fine) return fine;
+    return writeDecomposition(file, parts->parts.content);
+  });
+}
+
+void lorica_parts_free(lorica_parts* parts) {
+  delete parts;
+}
+
+size_t lorica_parts_count(const lorica_parts* parts) {
+  return parts == nullptr ? 0 : parts->parts.hulls.size();
+}
+
+lorica_status lorica_parts_hull(const lorica_parts* parts, size_t part, lorica_hull* out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(parts, "parts"); !fine) return fine;
+    if (Result<void> fine = inRange(part, parts->parts.hulls.size(), "part"); !fine) return fine;
+    return handOut(parts->parts.hulls[part], out);
+  });
+}
+
+double lorica_parts_mesh_volume(const lorica_parts* parts) {
+  return parts == nullptr ? 0.0 : parts->parts.meshVolume;
+}
+
+double lorica_parts_hull_volume(const lorica_parts* parts) {
+  return parts == nullptr ? 0.0 : parts->parts.hullVolume;
+}
+
+double lorica_parts_error(const lorica_parts* parts) {
+  return parts == nullptr ? 0.0 : (parts->parts.hullVolume - parts->parts.meshVolume) / parts->parts.meshVolume;
+}
+
+const char* lorica_parts_repaired(const lorica_parts* parts) {
+  return parts == nullptr ? "" : parts->parts.repaired.c_str();
+}

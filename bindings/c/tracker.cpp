@@ -1,0 +1,75 @@
+#include "bindings/c/guard.h"
+#include "bindings/c/handles.h"
+
+#include <cmath>
+#include <utility>
+
+using namespace lorica;
+
+lorica_status lorica_tracker_make(const lorica_tracker_options* options, lorica_tracker** out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    const Result<lorica_tracker_options> wanted = taken(options, "options");
+    if (!wanted) return wanted.error();
+    DepthCamera camera;
+    if (wanted->width != 0) camera.width = wanted->width;
+    if (wanted->height != 0) camera.height = wanted->height;
+    if (wanted->horizontal_fov != 0.0) camera.horizontalFov = wanted->horizontal_fov;
+    if (wanted->vertical_fov != 0.0) camera.verticalFov = wanted->vertical_fov;
+    TrackerSettings settings;
+    if (wanted->max_people != 0) settings.maxPeople = wanted->max_people;
+    Result<Tracker> made = Tracker::create(camera, settings);
+    if (!made) return made.error();
+    DepthFrame frame;
+    frame.time = -kInfinity;
+    frame.depthMm.resize(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+    *out = new lorica_tracker{std::move(*made), std::move(frame), {}};
+    return {};
+  });
+}
+
+void lorica_tracker_free(lorica_tracker* tracker) {
+  delete tracker;
+}
+
+lorica_status lorica_tracker_track(lorica_tracker* tracker, double seconds, const uint16_t* depth_mm,
+                                   size_t pixel_count, size_t* people) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(tracker, "tracker"); !fine) return fine;
+    if (Result<void> fine = given(depth_mm, "depth_mm"); !fine) return fine;
+    if (Result<void> fine = given(people, "people"); !fine) return fine;
+    DepthFrame& frame = tracker->frame;
+    if (pixel_count != frame.depthMm.size()) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("pixel_count: found {}, expected {}", pixel_count, frame.depthMm.size())};
+    }
+    if (!std::isfinite(seconds) || !(seconds > frame.time)) {
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("seconds: found {}, expected more than {}, that of the last image", seconds, frame.time)};
+    }
+    frame.time = seconds;
+    frame.depthMm.assign(depth_mm, depth_mm + pixel_count);
+    const std::span<const TrackedPerson> found = tracker->tracker.track(frame);
+    tracker->people.assign(found.begin(), found.end());
+    *people = found.size();
+    return {};
+  });
+}
+
+lorica_status lorica_tracker_person(const lorica_tracker* tracker, size_t index, lorica_person* out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(tracker, "tracker"); !fine) return fine;
+    if (Result<void> fine = inRange(index, tracker->people.size(), "person"); !fine) return fine;
+    static_assert(LORICA_JOINT_COUNT == kBodyJointCount);
+    const TrackedPerson& found = tracker->people[index];
+    lorica_person person = {};
+    person.user = found.skeleton.user;
+    person.height = found.height;
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      Eigen::Map<Vec3>(person.positions[j]) = found.skeleton.joints[j].position;
+      person.confidences[j] = found.skeleton.joints[j].confidence;
+    }
+    return handOut(person, out);
+  });
+}

@@ -1,0 +1,369 @@
+/* A program in C11 that uses all of lorica.h: consumer FILES, the folder that files.cmake made. Exit status 1 and a line for
+ * each check that fails. */
+#include "lorica.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <threads.h>
+
+static int failures = 0;
+static char folder[512];
+
+#define CHECK(condition)                                                                             \
+  do {                                                                                               \
+    if (!(condition)) {                                                                              \
+      ++failures;                                                                                    \
+      printf("line %d: %s\n  last error: %s\n", __LINE__, #condition, lorica_last_error());          \
+    }                                                                                                \
+  } while (0)
+#define FAILS(status, sentence, call)                  \
+  do {                                                 \
+    CHECK((call) == (status));                         \
+    CHECK(strstr(lorica_last_error(), (sentence)) != NULL); \
+  } while (0)
+
+/* Every allocation of the program goes through these. */
+static long allocations = 0;
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *block, size_t size);
+void *malloc(size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+void *calloc(size_t count, size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void *realloc(void *block, size_t size) {
+  ++allocations;
+  return __libc_realloc(block, size);
+}
+
+static const char *path(const char *name) {
+  static char whole[600];
+  snprintf(whole, sizeof whole, "%s/%s", folder, name);
+  return whole;
+}
+
+/* An L of three unit cubes. */
+static const double kVertices[] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0, 1, 2, 0, 0, 2, 0,
+                                   0, 0, 1, 2, 0, 1, 2, 1, 1, 1, 1, 1, 1, 2, 1, 0, 2, 1};
+static const int32_t kTriangles[] = {2, 1, 0, 3, 2, 0, 4, 3, 0, 5, 4, 0, 6, 7, 8, 6, 8, 9, 6, 9, 10, 6, 10, 11,
+                                     0, 1, 7, 0, 7, 6, 1, 2, 8, 1, 8, 7, 2, 3, 9, 2, 9, 8, 3, 4, 10, 3, 10, 9,
+                                     4, 5, 11, 4, 11, 10, 5, 0, 6, 5, 6, 11};
+static lorica_mesh l_shape(void) {
+  lorica_mesh mesh = {sizeof mesh, kVertices, 12, kTriangles, 20};
+  return mesh;
+}
+
+static int cancel(void *user, int32_t done, int32_t wanted) {
+  (void)wanted;
+  *(int *)user += 1;
+  return done < 1;
+}
+
+static void test_parts(void) {
+  const lorica_mesh mesh = l_shape();
+  lorica_decompose_options options = {.size = sizeof options, .parts = 2};
+  lorica_parts *parts = NULL;
+  CHECK(lorica_decompose(&mesh, &options, &parts) == LORICA_OK);
+  CHECK(lorica_parts_count(parts) == 2);
+  CHECK(fabs(lorica_parts_mesh_volume(parts) - 3) < 1e-9 && fabs(lorica_parts_hull_volume(parts) - 3) < 1e-9);
+  CHECK(fabs(lorica_parts_error(parts)) < 1e-9 && strlen(lorica_parts_repaired(parts)) == 0);
+  double volume = 0;
+  for (size_t p = 0; p < 2; ++p) {
+    lorica_hull hull = {.size = sizeof hull};
+    CHECK(lorica_parts_hull(parts, p, &hull) == LORICA_OK);
+    CHECK(hull.vertex_count >= 4 && hull.triangle_count == 2 * hull.vertex_count - 4);
+    for (size_t i = 0; i < 3 * hull.triangle_count; ++i) CHECK((size_t)hull.triangles[i] < hull.vertex_count);
+    volume += hull.volume;
+  }
+  CHECK(fabs(volume - 3) < 1e-9);
+
+  CHECK(lorica_parts_save(parts, path("c.lorica")) == LORICA_OK);
+  lorica_parts *again = NULL;
+  CHECK(lorica_parts_load(path("c.lorica"), &mesh, NULL, &again) == LORICA_OK);
+  lorica_hull first = {.size = sizeof first}, second = {.size = sizeof second};
+  lorica_parts_hull(parts, 1, &first);
+  lorica_parts_hull(again, 1, &second);
+  CHECK(first.vertex_count == second.vertex_count &&
+        memcmp(first.vertices, second.vertices, 24 * first.vertex_count) == 0);
+  lorica_parts_free(again);
+  FAILS(LORICA_UNWRITABLE, "nowhere", lorica_parts_save(parts, path("nowhere/c.lorica")));
+  FAILS(LORICA_INVALID_ARGUMENT, "part 2: found 2", lorica_parts_hull(parts, 2, &first));
+  FAILS(LORICA_INVALID_ARGUMENT, "out is null", lorica_parts_hull(parts, 0, NULL));
+  lorica_parts_free(parts);
+  lorica_parts_free(NULL);
+}
+
+static void test_bad_meshes(void) {
+  lorica_parts *parts = NULL;
+  lorica_mesh mesh = l_shape();
+  FAILS(LORICA_INVALID_ARGUMENT, "mesh is null", lorica_decompose(NULL, NULL, &parts));
+  FAILS(LORICA_INVALID_ARGUMENT, "out is null", lorica_decompose(&mesh, NULL, NULL));
+  mesh.size = 8;
+  FAILS(LORICA_INVALID_ARGUMENT, "mesh.size: found 8", lorica_decompose(&mesh, NULL, &parts));
+  mesh = l_shape();
+  mesh.vertices = NULL;
+  FAILS(LORICA_INVALID_ARGUMENT, "null", lorica_decompose(&mesh, NULL, &parts));
+  mesh = l_shape();
+  mesh.vertex_count = 11;
+  FAILS(LORICA_BAD_MESH, "found vertex 11, expected 0 to 10", lorica_decompose(&mesh, NULL, &parts));
+  double broken[36];
+  memcpy(broken, kVertices, sizeof broken);
+  broken[4] = NAN;
+  mesh = l_shape();
+  mesh.vertices = broken;
+  FAILS(LORICA_BAD_MESH, "vertex 1: y is nan", lorica_decompose(&mesh, NULL, &parts));
+  mesh = l_shape();
+  mesh.triangle_count = 18; /* one missing triangle would be closed */
+  lorica_decompose_options options = {.size = sizeof options, .closed_body = LORICA_CLOSED_NEVER};
+  FAILS(LORICA_BAD_MESH, "open", lorica_decompose(&mesh, &options, &parts));
+  mesh = l_shape();
+  options.preset = 7;
+  FAILS(LORICA_INVALID_ARGUMENT, "preset: found 7", lorica_decompose(&mesh, &options, &parts));
+  options.preset = LORICA_FAST;
+  options.hull_vertices = 2;
+  FAILS(LORICA_INVALID_ARGUMENT, "found 2, expected at least 4", lorica_decompose(&mesh, &options, &parts));
+  int calls = 0;
+  options = (lorica_decompose_options){.size = sizeof options, .progress = cancel, .user = &calls};
+  FAILS(LORICA_CANCELLED, "cancel", lorica_decompose(&mesh, &options, &parts));
+  CHECK(calls > 0 && parts == NULL);
+}
+
+static lorica_character *mannequin = NULL;
+static lorica_body *body = NULL;
+
+static void test_characters(void) {
+  CHECK(lorica_character_read("mannequin", &mannequin) == LORICA_OK);
+  CHECK(lorica_character_joint_count(mannequin) == 52 && lorica_character_height(mannequin) > 1.5);
+  CHECK(lorica_character_joint_parent(mannequin, 0) == -1 && lorica_character_joint_name(mannequin, 52) == NULL);
+  for (size_t j = 1; j < 52; ++j) CHECK(lorica_character_joint_parent(mannequin, j) < (int32_t)j);
+  lorica_character *hero = NULL;
+  CHECK(lorica_character_read(path("hero.glb"), &hero) == LORICA_OK);
+  CHECK(lorica_character_clip_count(hero) == 2 && strcmp(lorica_character_clip_name(hero, 1), "Nod") == 0);
+  FAILS(LORICA_NOT_FOUND, "nobody", lorica_character_read("nobody", &hero));
+
+  CHECK(lorica_body_load(mannequin, path("body.lorica"), &body) == LORICA_OK);
+  CHECK(lorica_body_part_count(body) == 4);
+  lorica_body *other = NULL;
+  FAILS(LORICA_INVALID_ARGUMENT, "made from mannequin", lorica_body_load(hero, path("body.lorica"), &other));
+  lorica_body_options options = {.size = sizeof options, .parts = 2, .hull_vertices = 3};
+  FAILS(LORICA_INVALID_ARGUMENT, "hull_vertices 3", lorica_body_make(hero, &options, &other));
+  int calls = 0;
+  options = (lorica_body_options){.size = sizeof options, .parts = 3, .progress = cancel, .user = &calls};
+  FAILS(LORICA_CANCELLED, "cancel", lorica_body_make(hero, &options, &other));
+  lorica_motion *motion = NULL;
+  FAILS(LORICA_NOT_FOUND, "no shipped recording", lorica_motion_read(hero, "stroll", NULL, &motion));
+  const lorica_motion_options clip = {.size = sizeof clip, .clip = "Run"};
+  FAILS(LORICA_NOT_FOUND, "expected one of Bow, Nod", lorica_motion_read(hero, path("hero.glb"), &clip, &motion));
+  CHECK(lorica_motion_read(hero, path("hero.glb"), NULL, &motion) == LORICA_OK);
+  lorica_live *live = NULL;
+  CHECK(lorica_live_make(body, &live) == LORICA_OK);
+  FAILS(LORICA_INVALID_ARGUMENT, "another character", lorica_live_play(live, motion, 0));
+  lorica_live_free(live);
+  lorica_motion_free(motion);
+  lorica_character_free(hero);
+}
+
+/* The hulls of 40 frames, as tests/bindings/truth.cpp writes those of a session. */
+static void compare(const char *motion_name, const char *truth) {
+  lorica_motion *motion = NULL;
+  lorica_live *live = NULL;
+  CHECK(lorica_motion_read(mannequin, motion_name, NULL, &motion) == LORICA_OK);
+  CHECK(lorica_live_make(body, &live) == LORICA_OK);
+  FILE *file = fopen(path(truth), "rb");
+  CHECK(file != NULL);
+  static char expected[1 << 20];
+  for (size_t frame = 0; file != NULL && frame < 40; ++frame) {
+    CHECK(lorica_live_play(live, motion, frame) == LORICA_OK);
+    for (size_t p = 0; p < 4; ++p) {
+      lorica_hull hull = {.size = sizeof hull};
+      CHECK(lorica_live_hull(live, p, &hull) == LORICA_OK);
+      int32_t counts[2] = {-1, -1};
+      CHECK(fread(counts, sizeof counts, 1, file) == 1);
+      CHECK((size_t)counts[0] == hull.vertex_count && (size_t)counts[1] == hull.triangle_count);
+      CHECK(fread(expected, 24, hull.vertex_count, file) == hull.vertex_count);
+      CHECK(memcmp(expected, hull.vertices, 24 * hull.vertex_count) == 0);
+      CHECK(fread(expected, 12, hull.triangle_count, file) == hull.triangle_count);
+      CHECK(memcmp(expected, hull.triangles, 12 * hull.triangle_count) == 0);
+    }
+  }
+  if (file != NULL) fclose(file);
+  lorica_live_free(live);
+  lorica_motion_free(motion);
+}
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void test_live(void) {
+  lorica_motion *motion = NULL;
+  lorica_live *live = NULL, *twin = NULL;
+  CHECK(lorica_motion_read(mannequin, "punch_and_kick", NULL, &motion) == LORICA_OK);
+  CHECK(lorica_live_make(body, &live) == LORICA_OK && lorica_live_make(body, &twin) == LORICA_OK);
+  lorica_hull hull = {.size = sizeof hull};
+  double point[3] = {0}, down[3] = {0, -1, 0}, zero[3] = {0};
+  CHECK(lorica_live_hull(live, 0, &hull) == LORICA_OK && hull.vertex_count == 0);
+  FAILS(LORICA_INVALID_ARGUMENT, "no pose yet", lorica_live_support(live, 0, down, point));
+
+  const size_t frames = lorica_motion_frame_count(motion);
+  size_t contacts = 0;
+  for (int round = 0; round < 2; ++round) {
+    const long before = allocations;
+    for (size_t frame = 0; frame < frames; ++frame) {
+      size_t found = 0;
+      lorica_live_play(live, motion, frame);
+      for (size_t p = 0; p < 4; ++p) lorica_live_hull(live, p, &hull);
+      lorica_live_find_contacts(live, &found);
+      contacts += found;
+      for (size_t c = 0; c < found; ++c) {
+        lorica_contact contact = {.size = sizeof contact};
+        CHECK(lorica_live_contact(live, c, &contact) == LORICA_OK);
+        CHECK(contact.first < contact.second && contact.depth > 0);
+        CHECK(fabs(dot(contact.direction, contact.direction) - 1) < 1e-6);
+      }
+    }
+    if (round == 1) CHECK(allocations == before);
+  }
+  CHECK(contacts > 0);
+
+  static double transforms[52 * 16];
+  CHECK(lorica_live_transforms(live, transforms, 52) == LORICA_OK);
+  /* Also where the numbers are not aligned for vectors. */
+  static double shifted[52 * 16 + 1];
+  memcpy(shifted + 1, transforms, sizeof transforms);
+  CHECK(lorica_live_pose(twin, shifted + 1, 52) == LORICA_OK);
+  lorica_hull other = {.size = sizeof other};
+  for (size_t p = 0; p < 4; ++p) {
+    lorica_live_hull(live, p, &hull);
+    lorica_live_hull(twin, p, &other);
+    CHECK(fabs(hull.volume - other.volume) < 1e-9);
+    CHECK(lorica_live_support(live, p, down, point) == LORICA_OK);
+    for (size_t v = 0; v < hull.vertex_count; ++v) CHECK(dot(hull.vertices + 3 * v, down) <= dot(point, down) + 1e-9);
+  }
+  CHECK(lorica_live_play_at(live, motion, lorica_motion_time(motion, 3)) == LORICA_OK);
+  lorica_live_play(twin, motion, 3);
+  static double asked[52 * 16], played[52 * 16];
+  lorica_live_transforms(live, asked, 52);
+  lorica_live_transforms(twin, played, 52);
+  for (size_t i = 0; i < 52 * 16; ++i) CHECK(fabs(asked[i] - played[i]) < 1e-9);
+
+  FAILS(LORICA_INVALID_ARGUMENT, "frame", lorica_live_play(live, motion, frames));
+  FAILS(LORICA_INVALID_ARGUMENT, "finite", lorica_live_play_at(live, motion, NAN));
+  FAILS(LORICA_INVALID_ARGUMENT, "joint_count: found 51, expected 52", lorica_live_pose(live, transforms, 51));
+  FAILS(LORICA_INVALID_ARGUMENT, "direction", lorica_live_support(live, 0, zero, point));
+  transforms[17] = INFINITY;
+  FAILS(LORICA_INVALID_ARGUMENT, "joint 1", lorica_live_pose(live, transforms, 52));
+  lorica_live_free(twin);
+  lorica_live_free(live);
+  lorica_motion_free(motion);
+}
+
+static void test_tracker(void) {
+  FILE *file = fopen(path("depth"), "rb");
+  CHECK(file != NULL);
+  if (file == NULL) return;
+  int32_t size[2];
+  double fov[2];
+  CHECK(fread(size, sizeof size, 1, file) == 1 && fread(fov, sizeof fov, 1, file) == 1);
+  const lorica_tracker_options options = {
+      .size = sizeof options, .width = size[0], .height = size[1], .horizontal_fov = fov[0], .vertical_fov = fov[1]};
+  lorica_tracker *tracker = NULL;
+  CHECK(lorica_tracker_make(&options, &tracker) == LORICA_OK);
+  const size_t pixels = (size_t)size[0] * (size_t)size[1];
+  uint16_t *depth = calloc(pixels, sizeof *depth);
+  size_t seen = 0, people = 0;
+  double time = 0;
+  while (fread(&time, sizeof time, 1, file) == 1) {
+    CHECK(fread(depth, sizeof *depth, pixels, file) == pixels);
+    CHECK(lorica_tracker_track(tracker, time, depth, pixels, &people) == LORICA_OK);
+    int32_t expected = -1;
+    CHECK(fread(&expected, sizeof expected, 1, file) == 1 && (size_t)expected == people);
+    for (size_t i = 0; i < people; ++i, ++seen) {
+      lorica_person person = {.size = sizeof person};
+      CHECK(lorica_tracker_person(tracker, i, &person) == LORICA_OK);
+      double joints[15][4];
+      CHECK(fread(joints, sizeof joints, 1, file) == 1);
+      for (int j = 0; j < LORICA_JOINT_COUNT; ++j) {
+        CHECK(memcmp(joints[j], person.positions[j], sizeof person.positions[j]) == 0);
+        CHECK(joints[j][3] == person.confidences[j]);
+      }
+    }
+  }
+  CHECK(seen > 0);
+  FAILS(LORICA_INVALID_ARGUMENT, "that of the last image",
+        lorica_tracker_track(tracker, time - 1, depth, pixels, &people));
+  FAILS(LORICA_INVALID_ARGUMENT, "pixel_count: found 3", lorica_tracker_track(tracker, time + 1, depth, 3, &people));
+  const lorica_tracker_options crowd = {.size = sizeof crowd, .max_people = 99};
+  lorica_tracker *none = NULL;
+  FAILS(LORICA_INVALID_ARGUMENT, "99", lorica_tracker_make(&crowd, &none));
+  free(depth);
+  fclose(file);
+  lorica_tracker_free(tracker);
+}
+
+/* Each thread has its own last error. */
+static int fail_elsewhere(void *unused) {
+  (void)unused;
+  lorica_character *nobody = NULL;
+  const bool own = strlen(lorica_last_error()) == 0;
+  lorica_character_read("elsewhere", &nobody);
+  return own && strstr(lorica_last_error(), "elsewhere") != NULL;
+}
+
+static void test_threads(void) {
+  lorica_character *nobody = NULL;
+  FAILS(LORICA_NOT_FOUND, "here", lorica_character_read("here", &nobody));
+  thrd_t thread;
+  int own = 0;
+  CHECK(thrd_create(&thread, fail_elsewhere, NULL) == thrd_success && thrd_join(thread, &own) == thrd_success && own);
+  CHECK(strncmp(lorica_last_error(), "here", 4) == 0);
+}
+
+static void test_leaks(void) {
+  const lorica_mesh mesh = l_shape();
+  const lorica_decompose_options options = {.size = sizeof options, .parts = 1, .threads = 1};
+  long kilobytes[2];
+  for (int round = 0; round < 2; ++round) {
+    for (int call = 0; call < 5000; ++call) {
+      lorica_parts *parts = NULL;
+      lorica_decompose(&mesh, &options, &parts);
+      lorica_parts_free(parts);
+    }
+    FILE *status = fopen("/proc/self/status", "r");
+    char line[200];
+    while (status != NULL && fgets(line, sizeof line, status) != NULL) {
+      if (strncmp(line, "VmHWM:", 6) == 0) kilobytes[round] = atol(line + 6);
+    }
+    if (status != NULL) fclose(status);
+  }
+  CHECK(kilobytes[1] - kilobytes[0] < 250);
+}
+
+int main(int argc, char **argv) {
+  if (argc != 2) return 2;
+  snprintf(folder, sizeof folder, "%s", argv[1]);
+  CHECK(strlen(lorica_version()) >= 5 && strlen(lorica_last_error()) == 0);
+  test_parts();
+  test_bad_meshes();
+  test_characters();
+  compare("walk", "walk_csv.hulls");
+  compare(path("walk.bvh"), "walk_bvh.hulls");
+  test_live();
+  test_tracker();
+  test_threads();
+  lorica_character_free(mannequin); /* the body keeps what it needs */
+  lorica_live *live = NULL;
+  CHECK(lorica_live_make(body, &live) == LORICA_OK);
+  lorica_body_free(body);
+  lorica_hull hull = {.size = sizeof hull};
+  CHECK(lorica_live_hull(live, 3, &hull) == LORICA_OK);
+  lorica_live_free(live);
+  test_leaks();
+  return failures == 0 ? 0 : 1;
+}

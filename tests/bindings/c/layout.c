@@ -1,0 +1,88 @@
+/* Prints what a compiled program knows of lorica.h: sizes and offsets of structs, values of enums. */
+#include "lorica.h"
+
+#include <stddef.h>
+#include <stdio.h>
+
+#define STRUCT(name) printf("struct %s: %zu bytes\n", #name, sizeof(name))
+#define FIELD(name, field) printf("  %3zu +%-4zu %s\n", offsetof(name, field), sizeof(((name *)0)->field), #field)
+#define VALUE(name) printf("%s = %d\n", #name, (int)name)
+
+int main(void) {
+  STRUCT(lorica_mesh);
+  FIELD(lorica_mesh, size);
+  FIELD(lorica_mesh, vertices);
+  FIELD(lorica_mesh, vertex_count);
+  FIELD(lorica_mesh, triangles);
+  FIELD(lorica_mesh, triangle_count);
+  STRUCT(lorica_decompose_options);
+  FIELD(lorica_decompose_options, size);
+  FIELD(lorica_decompose_options, parts);
+  FIELD(lorica_decompose_options, preset);
+  FIELD(lorica_decompose_options, max_error);
+  FIELD(lorica_decompose_options, max_distance);
+  FIELD(lorica_decompose_options, hull_vertices);
+  FIELD(lorica_decompose_options, closed_body);
+  FIELD(lorica_decompose_options, threads);
+  FIELD(lorica_decompose_options, progress);
+  FIELD(lorica_decompose_options, user);
+  STRUCT(lorica_hull);
+  FIELD(lorica_hull, size);
+  FIELD(lorica_hull, vertices);
+  FIELD(lorica_hull, vertex_count);
+  FIELD(lorica_hull, triangles);
+  FIELD(lorica_hull, triangle_count);
+  FIELD(lorica_hull, volume);
+  STRUCT(lorica_body_options);
+  FIELD(lorica_body_options, size);
+  FIELD(lorica_body_options, parts);
+  FIELD(lorica_body_options, hull_vertices);
+  FIELD(lorica_body_options, cover);
+  FIELD(lorica_body_options, threads);
+  FIELD(lorica_body_options, progress);
+  FIELD(lorica_body_options, user);
+  STRUCT(lorica_motion_options);
+  FIELD(lorica_motion_options, size);
+  FIELD(lorica_motion_options, clip);
+  FIELD(lorica_motion_options, mirror);
+  STRUCT(lorica_contact);
+  FIELD(lorica_contact, size);
+  FIELD(lorica_contact, first);
+  FIELD(lorica_contact, second);
+  FIELD(lorica_contact, position);
+  FIELD(lorica_contact, direction);
+  FIELD(lorica_contact, depth);
+  STRUCT(lorica_tracker_options);
+  FIELD(lorica_tracker_options, size);
+  FIELD(lorica_tracker_options, width);
+  FIELD(lorica_tracker_options, height);
+  FIELD(lorica_tracker_options, horizontal_fov);
+  FIELD(lorica_tracker_options, vertical_fov);
+  FIELD(lorica_tracker_options, max_people);
+  STRUCT(lorica_person);
+  FIELD(lorica_person, size);
+  FIELD(lorica_person, user);
+  FIELD(lorica_person, height);
+  FIELD(lorica_person, positions);
+  FIELD(lorica_person, confidences);
+  VALUE(LORICA_OK);
+  VALUE(LORICA_NOT_FOUND);
+  VALUE(LORICA_UNREADABLE);
+  VALUE(LORICA_UNWRITABLE);
+  VALUE(LORICA_BAD_FORMAT);
+  VALUE(LORICA_BAD_MESH);
+  VALUE(LORICA_INVALID_ARGUMENT);
+  VALUE(LORICA_UNSUPPORTED);
+  VALUE(LORICA_CANCELLED);
+  VALUE(LORICA_FAILURE);
+  VALUE(LORICA_FAST);
+  VALUE(LORICA_PAPER);
+  VALUE(LORICA_QUALITY);
+  VALUE(LORICA_CLOSED_IF_NEEDED);
+  VALUE(LORICA_CLOSED_NEVER);
+  VALUE(LORICA_CLOSED_ALWAYS);
+  VALUE(LORICA_HEAD);
+  VALUE(LORICA_RIGHT_FOOT);
+  VALUE(LORICA_JOINT_COUNT);
+  return 0;
+}
