@@ -16,6 +16,7 @@ namespace {
 constexpr double kFollowSeconds = 0.6;  // time constant of the camera
 constexpr double kDistance = 2.29;      // in heights of the character
 constexpr double kTargetHeight = 0.54;  // of the character's height: the middle of a standing body
+constexpr double kSpread = 0.5;         // how much farther the camera goes for avatars apart
 constexpr double kWideEnough = 1.0;     // width / height of a picture below which the camera steps back
 constexpr double kFarthest = 1e4;       // maximum distance of a position from the origin [m]
 
@@ -47,6 +48,12 @@ Vec3 directionOf(const std::string& preset) {
   if (preset == "side") return Vec3(-1.0, 0.10, 0.0).normalized();
   if (preset == "top") return Vec3::UnitY();
   return kViewDirection;
+}
+
+Vec3 centerOf(std::span<const LivePart> parts) {
+  Vec3 center = Vec3::Zero();
+  for (const LivePart& part : parts) center += part.worldFromPart.translation();
+  return center / static_cast<double>(parts.size());
 }
 
 }  // namespace
@@ -89,11 +96,17 @@ Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int widt
 
 void FollowCamera::update(const Session& session, double seconds) {
   if (fixed_) return;
-  Vec3 wanted = Vec3::Zero();
-  for (const LivePart& part : session.body().parts()) wanted += part.worldFromPart.translation();
-  wanted /= static_cast<double>(session.body().parts().size());
-  height_ = session.character().height;
-  wanted.y() = kTargetHeight * height_;
+  Aabb box;  // of the centres of those who are there
+  double height = 0.0;
+  for (const SessionAvatar& avatar : session.avatars()) {
+    if (!avatar.present()) continue;
+    box.extend(centerOf(avatar.body().parts()));
+    height = std::max(height, avatar.character().height);
+  }
+  if (box.empty()) return;
+  Vec3 wanted = box.center();
+  wanted.y() = kTargetHeight * height;
+  height_ = height + kSpread * Vec3(box.max.x() - box.min.x(), 0.0, box.max.z() - box.min.z()).norm();
   const double step = started_ ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;
   target_ += step * (wanted - target_);
   started_ = true;

@@ -46,7 +46,13 @@ Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   if (!session) return session.error();
   WindowSubject subject{*session, show.performance.name};
   subject.duration = show.performance.seconds();
-  subject.sourceAgain = [&] { return poseSourceOf(show.character, show.performance, SourceTreatment{}); };
+  subject.sourcesAgain = [&]() -> Result<std::vector<std::unique_ptr<PoseSource>>> {
+    Result<std::unique_ptr<PoseSource>> source = poseSourceOf(show.character, show.performance, SourceTreatment{});
+    if (!source) return source.error();
+    std::vector<std::unique_ptr<PoseSource>> sources;
+    sources.push_back(std::move(*source));
+    return sources;
+  };
   subject.atEnd = WindowSubject::AtEnd::kRepeat;
   double before = 0.0, seconds = 0.0;  // of earlier repetitions, and of the current one
   subject.stepped = [&] {

@@ -38,31 +38,37 @@ std::vector<std::string> quotedNames(const Skeleton& skeleton) {
   return names;
 }
 
-/// The contacts of one body, as lines of JSON.
+/// The contacts of all avatars, as lines of JSON.
 class EventLines {
  public:
-  explicit EventLines(const Session& session) : events_(session), bones_(quotedNames(session.character().skeleton)) {}
+  explicit EventLines(const Session& session) : events_(session) {
+    for (const SessionAvatar& avatar : session.avatars()) bones_.push_back(quotedNames(avatar.character().skeleton));
+  }
 
   void add(const Session& session, Text& text) { put(events_.update(session), text); }
   void endAll(Text& text) { put(events_.endAll(), text); }
 
  private:
-  [[nodiscard]] const char* bone(JointIndex joint) const {
-    return joint == kNoJoint ? "null" : bones_[static_cast<std::size_t>(joint)].c_str();
+  [[nodiscard]] const char* bone(int avatar, JointIndex joint) const {
+    return joint == kNoJoint ? "null"
+                             : bones_[static_cast<std::size_t>(avatar)][static_cast<std::size_t>(joint)].c_str();
   }
 
   void put(std::span<const ContactEvent> events, Text& text) const {
     constexpr const char* kPhases[] = {"begin", "stay", "end"};
+    constexpr const char* kKinds[] = {"prop", "self", "avatars"};
     for (const ContactEvent& event : events) {
       const Touch& touch = event.touch;
-      const bool prop = touch.pair.kind == TouchKind::kProp;
+      const TouchPair& pair = touch.pair;
       const auto out = std::back_inserter(text);
-      fmt::format_to(out, R"({{"time":{},"event":"{}","kind":"{}","part":{},"bone":{})", event.time,
-                     kPhases[static_cast<int>(event.phase)], prop ? "prop" : "self", touch.pair.part, bone(touch.bone));
-      if (prop) {
-        fmt::format_to(out, R"(,"prop":{})", touch.pair.other);
+      fmt::format_to(out, R"({{"time":{},"event":"{}","kind":"{}","avatar":{},"part":{},"bone":{})", event.time,
+                     kPhases[static_cast<int>(event.phase)], kKinds[static_cast<int>(pair.kind)], pair.avatar,
+                     pair.part, bone(pair.avatar, touch.bone));
+      if (pair.kind == TouchKind::kProp) {
+        fmt::format_to(out, R"(,"prop":{})", pair.other);
       } else {
-        fmt::format_to(out, R"(,"otherPart":{},"otherBone":{})", touch.pair.other, bone(touch.otherBone));
+        if (pair.kind == TouchKind::kAvatars) fmt::format_to(out, R"(,"otherAvatar":{})", pair.otherAvatar);
+        fmt::format_to(out, R"(,"otherPart":{},"otherBone":{})", pair.other, bone(pair.otherAvatar, touch.otherBone));
       }
       lorica::put("point", touch.point, text);
       lorica::put("normal", touch.normal, text);
@@ -72,7 +78,7 @@ class EventLines {
   }
 
   ContactEvents events_;
-  std::vector<std::string> bones_;
+  std::vector<std::vector<std::string>> bones_;  // names of each avatar's joints
 };
 
 class EventsWriter final : public EventsOutput {

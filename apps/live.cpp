@@ -239,11 +239,11 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!performer) return performer.error();
   const bool sent = performer->vmc.has_value();
   const std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
-  RecordedAs as{performer->name,    sent,         options.character, options.reading,
-                options.performing, options.body, options.scene,     springs};
+  RecordedAs as{performer->name, sent, options.character, options.reading, options.performing, options.body, springs};
   as.stream = sent;
+  const RecordedAvatar recorded{std::move(as), *subject->character, *body};
   const Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.record, as, *subject->character, *body, *world);
+      startRecorder(options.record, std::span(&recorded, 1), options.scene, *world);
   if (!recorder) return recorder.error();
   const SourceTreatment treatment{*recorder ? (*recorder)->log() : nullptr, options.performing.faults(),
                                   options.performing.joints()};

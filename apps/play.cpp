@@ -1,5 +1,5 @@
-#include "acd/decomposition_file.h"
 #include "apps/body_choice.h"
+#include "apps/cast.h"
 #include "apps/events_output.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
@@ -16,8 +16,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -35,29 +39,33 @@ struct Options {
   bool selfContacts = false;
 };
 
-Result<void> playWithWindow(const Options& options, const PlaybackInput& input, Session& session,
-                            RunStatistics& statistics) {
-  const Motion& motion = input.motion;
-  WindowSubject subject{session, motion.name};
-  subject.duration = motion.seconds();
-  subject.sourceAgain = [&] { return poseSourceOf(*input.subject.character, motion, options.input.performing); };
+using Cast = std::vector<CastMember>;
+
+Result<void> playWithWindow(const Options& options, const Cast& cast, Session& session, RunStatistics& statistics) {
+  WindowSubject subject{session, motionsOf(cast)};
+  subject.duration = secondsOf(cast);
+  subject.sourcesAgain = [&] { return sourcesOf(cast); };
   subject.scene = options.scene;
   subject.stepped = [&] { statistics.add(session, options.selfContacts); };
   subject.restarted = [&] { statistics = RunStatistics(); };  // the report covers the last run only
   return runInOwnWindow(subject, options.playing);
 }
 
-Result<DrawnFiles> playHeadless(const Options& options, const Motion& motion, Session& session,
-                                RunStatistics& statistics) {
-  HeadlessRun all{"Playing", motion.name};
-  all.frames = motion.frameCount();
-  if (options.playing.frames > 0) all.frames = std::min(all.frames, options.playing.frames);
+Result<DrawnFiles> playHeadless(const Options& options, const Cast& cast, Session& session, RunStatistics& statistics) {
+  HeadlessRun all{"Playing", motionsOf(cast)};
+  for (const CastMember& member : cast) {
+    all.frames += member.motion().frameCount();
+    all.expected = std::max(all.expected, member.motion().frameCount());
+  }
+  if (options.playing.frames > 0) all.frames = all.expected = std::min(all.frames, options.playing.frames);
   all.stepped = [&] { statistics.add(session, options.selfContacts); };
   return runHeadless(all, options.pictures, session);
 }
 
-nlohmann::ordered_json toJson(const Options& options, const Motion& motion, const Session& session,
-                              const DecompositionFile& file, const RunStatistics& statistics, const DrawnFiles& drawn) {
+nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Session& session,
+                              const RunStatistics& statistics, const DrawnFiles& drawn) {
+  const Motion& motion = cast.front().motion();
+  const DecompositionFile& file = cast.front().body;
   nlohmann::ordered_json json;
   json["recording"] = motion.name;
   json["format"] = motion.format;
@@ -66,6 +74,19 @@ nlohmann::ordered_json toJson(const Options& options, const Motion& motion, cons
   json["parts"] = file.decomposition.parts.size();
   json["error"] = file.errorPerKeyframe.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(file.meanError);
   addCoverTo(json, file.cover);
+  json["avatars"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < cast.size(); ++i) {
+    const SessionAvatar& avatar = session.avatars()[i];
+    nlohmann::ordered_json one;
+    one["character"] = avatar.character().name;
+    one["recording"] = cast[i].motion().name;
+    one["notes"] = cast[i].motion().notes;
+    one["parts"] = avatar.body().parts().size();
+    one["frames"] = avatar.frameCount();
+    one["contacts"] = statistics.contactsOf(i);
+    one["hash"] = hexDigits(avatar.hash());
+    json["avatars"].push_back(std::move(one));
+  }
   statistics.addTo(json);
   const std::optional<double> delay = session.source().smoothingDelay();
   json["refusedLegs"] = session.source().refusedLegs();
@@ -75,17 +96,29 @@ nlohmann::ordered_json toJson(const Options& options, const Motion& motion, cons
   return json;
 }
 
-Report toReport(const Options& options, const Motion& motion, const Session& session, const DecompositionFile& file,
-                const RunStatistics& statistics, const DrawnFiles& drawn) {
-  Report report(
-      fmt::format("{} performed {}: {}", session.character().name, motion.name, counted(statistics.frames(), "frame")));
+std::string partsLine(const DecompositionFile& file) {
   std::string parts = std::to_string(file.decomposition.parts.size());
-  if (!file.errorPerKeyframe.empty()) {
-    parts += fmt::format("; hulls have {} more volume than the body (mean over {})", percent(file.meanError),
-                         counted(std::ssize(file.errorPerKeyframe), "training keyframe"));
+  if (file.errorPerKeyframe.empty()) return parts;
+  return parts + fmt::format("; hulls have {} more volume than the body (mean over {})", percent(file.meanError),
+                             counted(std::ssize(file.errorPerKeyframe), "training keyframe"));
+}
+
+Report toReport(const Options& options, const Cast& cast, const Session& session, const RunStatistics& statistics,
+                const DrawnFiles& drawn) {
+  const bool one = cast.size() == 1;
+  Report report(fmt::format("{} performed {}: {}", one ? session.character().name : counted(std::ssize(cast), "avatar"),
+                            motionsOf(cast), counted(statistics.frames(), "frame")));
+  if (one) {
+    report.line("parts", partsLine(cast.front().body));
+    addCoverTo(report, cast.front().body.cover);
   }
-  report.line("parts", parts);
-  addCoverTo(report, file.cover);
+  for (std::size_t i = 0; !one && i < cast.size(); ++i) {
+    const SessionAvatar& avatar = session.avatars()[i];
+    report.line(fmt::format("avatar {}", i + 1),
+                fmt::format("{} performs {}: {}, {}, hash {}", avatar.character().name, cast[i].motion().name,
+                            counted(std::ssize(avatar.body().parts()), "part"),
+                            counted(statistics.contactsOf(i), "contact point"), hexDigits(avatar.hash())));
+  }
   statistics.addTrainingTo(report);
   if (const std::optional<double> delay = session.source().smoothingDelay()) {
     report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * *delay));
@@ -93,78 +126,59 @@ Report toReport(const Options& options, const Motion& motion, const Session& ses
   report.line("contacts",
               fmt::format("{} with {}; {} over all frames", counted(statistics.touches(), "touch", "touches"),
                           counted(statistics.propsTouched(), "prop"), counted(statistics.contacts(), "contact point")));
+  if (!one) {
+    report.line("among avatars",
+                fmt::format("{} of two parts", counted(statistics.avatarTouches(), "touch", "touches")));
+  }
   statistics.addSelfContactsTo(report);
   report.line("hash", hexDigits(session.hash()));
   drawn.addTo(options.pictures, report);
   report.gap();
   report.line("frame time", "median");
   statistics.addTo(report);
-  for (const std::string& note : motion.notes) report.note(note);
-  if (session.source().refusedLegs()) report.note(kRefusedLegs);
+  for (const CastMember& member : cast) {
+    for (const std::string& note : member.motion().notes) report.note(note);
+  }
+  const auto refused = [](const SessionAvatar& avatar) { return avatar.source().refusedLegs(); };
+  if (std::any_of(session.avatars().begin(), session.avatars().end(), refused)) report.note(kRefusedLegs);
   return report;
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine =
-          checkJsonOutput(common, {options.input.motion, options.input.character, options.body.decomposition});
-      !fine) {
-    return fine;
-  }
+  std::vector<std::filesystem::path> inputs{options.body.decomposition};
+  for (const std::string& name : namesIn(options.input.motion)) inputs.emplace_back(name);
+  for (const std::string& name : namesIn(options.input.character)) inputs.emplace_back(name);
+  if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
   if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"); !fine)
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
-  if (Result<void> fine =
-          checkEvents(options.events, common,
-                      {options.input.motion, options.input.character, options.body.decomposition, options.record});
-      !fine)
-    return fine;
+  inputs.emplace_back(options.record);
+  if (Result<void> fine = checkEvents(options.events, common, inputs); !fine) return fine;
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = options.window || options.pictures.any();
-  const Result<PlaybackInput> input = readPlaybackInput(asked);
-  if (!input) return input.error();
-  const Subject& subject = input->subject;
-  const Motion& motion = input->motion;
-  if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
-  if (!file) return file.error();
-  const std::string& character =
-      !options.input.character.empty() || !subject.file ? options.input.character : options.input.motion;
-  const std::optional<SpringChoice> springs = chooseSprings(subject, options.input.springs);
-  const RecordedAs as{motion.name,
-                      motion.bones.has_value(),
-                      character,
-                      options.input.reading,
-                      options.input.performing,
-                      options.body,
-                      options.scene,
-                      springs,
-                      input->ownClip,
-                      motion.packets.has_value()};
+  const Result<Cast> cast = readCast(asked, options.body, common.threadCount());
+  if (!cast) return cast.error();
   const Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.record, as, *subject.character, *file, *world);
+      startRecorder(options.record, *cast, options.body, options.scene, *world);
   if (!recorder) return recorder.error();
-  Result<std::unique_ptr<PoseSource>> source =
-      poseSourceOf(*subject.character, motion, options.input.performing, *recorder ? (*recorder)->log() : nullptr);
-  if (!source) return source.error();
-  Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
+  Result<Session> session = startSession(*cast, *recorder, std::move(*world));
   if (!session) return session.error();
-  if (Result<void> added = addSprings(springs, *session); !added) return added;
 
   RunStatistics statistics;
   Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, subject, options.input.reading.expressions, *recorder);
+      makePoseOutput(options.out, cast->front().input.subject, options.input.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
   const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
   if (!events) return events.error();
   session->watch(*events ? *events : *watcher);
   DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
-    if (options.window) return playWithWindow(options, *input, *session, statistics);
-    const Result<DrawnFiles> played = playHeadless(options, motion, *session, statistics);
+    if (options.window) return playWithWindow(options, *cast, *session, statistics);
+    const Result<DrawnFiles> played = playHeadless(options, *cast, *session, statistics);
     if (!played) return played.error();
     drawn = *played;
     return {};
@@ -173,8 +187,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
     return played;
   }
-  Report report = toReport(options, motion, *session, *file, statistics, drawn);
-  nlohmann::ordered_json json = toJson(options, motion, *session, *file, statistics, drawn);
+  Report report = toReport(options, *cast, *session, statistics, drawn);
+  nlohmann::ordered_json json = toJson(options, *cast, *session, statistics, drawn);
   if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json, options.events == "-");
@@ -203,6 +217,8 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "      in another scene: boxes, bowling, curtain, sand, or your own scene file\n"
       "  lorica play walk --inject dropout=0.1,swap,seed=7\n"
       "      with simulated tracking faults: lost and swapped joints\n"
+      "  lorica play walk,wave --character hero.glb,mannequin\n"
+      "      two avatars side by side, each with its own motion\n"
       "  lorica play body.oni\n"
       "      track the person in a depth recording\n"
       "  lorica decompose mannequin --parts 24 -o body.lorica\n"

@@ -13,6 +13,7 @@ namespace {
 
 // In heights of the character.
 constexpr double kWindowDistance = 2.97;
+constexpr double kWiderForEach = 0.25;  // further avatar
 const Vec3 kWindowTarget(0.171, 0.486, 0.229);
 
 }  // namespace
@@ -31,16 +32,19 @@ Result<Session> startDemoSession(const Character& character, const Decomposition
 std::string captionOf(const std::string& name, const Session& session, double seconds) {
   std::set<int> touched;
   for (const Contact& contact : session.world().contacts()) touched.insert(contact.prop);
-  std::string caption =
-      fmt::format("{}   {:.1f} s   {}", name, seconds, counted(std::ssize(session.body().parts()), "convex part"));
+  std::ptrdiff_t parts = 0;
+  for (const SessionAvatar& avatar : session.avatars())
+    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
+  std::string caption = fmt::format("{}   {:.1f} s   {}", name, seconds, counted(parts, "convex part"));
   if (!touched.empty()) caption += fmt::format("   touching {}", counted(std::ssize(touched), "prop"));
   return caption;
 }
 
-Camera windowCamera(double height) {
+Camera windowCamera(double height, std::size_t avatars) {
   Camera camera;
   camera.target = height * kWindowTarget;
-  camera.eye = camera.target + height * kWindowDistance * kViewDirection;
+  const double wider = 1.0 + kWiderForEach * static_cast<double>(avatars - 1);
+  camera.eye = camera.target + height * kWindowDistance * wider * kViewDirection;
   return camera;
 }
 

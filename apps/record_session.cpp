@@ -127,9 +127,12 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   const bool stream = performer->vmc || (performer->motion && performer->motion->packets);
   const bool poses = stream || (performer->motion && performer->motion->bones);
   const std::optional<SpringChoice> springs = chooseSprings(performer->subject, options.input.springs);
-  const RecordedAs as{performer->source, poses,         performer->name, options.input.reading, performing,
-                      options.body,      options.scene, springs,         performer->clip,       stream};
-  const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options.out, as, character, *body, *world);
+  const RecordedAvatar as{{performer->source, poses, performer->name, options.input.reading, performing, options.body,
+                           springs, performer->clip, stream},
+                          character,
+                          *body};
+  const Result<std::shared_ptr<SessionRecorder>> recorder =
+      startRecorder(options.out, std::span(&as, 1), options.scene, *world);
   if (!recorder) return recorder.error();
   Result<std::unique_ptr<PoseSource>> source = sourceOf(*performer, performing, (*recorder)->log());
   if (!source) {

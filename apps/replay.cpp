@@ -15,6 +15,10 @@
 
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -33,7 +37,7 @@ struct Options {
 };
 
 /// The recorded character, or the one given by --character.
-Result<Subject> findCharacter(const Options& options, const SessionHeader& header, const SessionInputs& inputs) {
+Result<Subject> findCharacter(const Options& options, const AvatarHeader& header, const SessionInputs& inputs) {
   CharacterOptions reading{inputs.boneMap, header.bodyResolution};
   reading.drawn = options.window || options.pictures.any();
   reading.textureSize = options.textureSize;
@@ -48,7 +52,7 @@ Result<Subject> findCharacter(const Options& options, const SessionHeader& heade
 }
 
 /// The recorded decomposition and cover: the file given by --decomposition, the recorded file, or the default one.
-Result<DecompositionFile> findBody(const Options& options, const SessionHeader& header, const SessionInputs& inputs,
+Result<DecompositionFile> findBody(const Options& options, const AvatarHeader& header, const SessionInputs& inputs,
                                    const Subject& subject, int threads) {
   BodyOptions body;
   body.decomposition = inputs.decomposition;
@@ -67,6 +71,73 @@ Result<DecompositionFile> findBody(const Options& options, const SessionHeader& 
   return file;
 }
 
+/// An avatar of a recorded session.
+struct RecordedPerformer {
+  SessionInputs inputs;
+  Subject subject;
+  DecompositionFile body;
+};
+
+/// @param index  of the avatar; --character and --decomposition give those of the first
+Result<RecordedPerformer> findPerformer(const Options& options, const SessionFile& recorded, std::size_t index,
+                                        int threads) {
+  const AvatarHeader& header = recorded.header.avatar(index);
+  Options own = options;
+  if (index > 0) own.character = own.decomposition = "";
+  Result<SessionInputs> inputs = inputsOf(recorded, options.file, index, own.character, own.decomposition);
+  if (!inputs) return inputs.error();
+  Result<Subject> subject = findCharacter(own, header, *inputs);
+  if (!subject) return subject.error();
+  if (hashOf(*subject->character) != header.characterHash) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: recorded with the character {}, but {} has a different mesh, skeleton or weights: give "
+                    "the recorded character with --character",
+                    options.file, header.character, subject->name)};
+  }
+  Result<DecompositionFile> body = findBody(own, header, *inputs, *subject, threads);
+  if (!body) return body.error();
+  return RecordedPerformer{std::move(*inputs), std::move(*subject), std::move(*body)};
+}
+
+using Sources = std::vector<std::unique_ptr<PoseSource>>;
+
+Result<Sources> sourcesOf(const Options& options, const SessionFile& recorded,
+                          std::span<const RecordedPerformer> performers) {
+  Sources sources;
+  for (std::size_t i = 0; i < performers.size(); ++i) {
+    Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(recorded, *performers[i].subject.character, i);
+    if (!source) return Error{source.error().code, options.file + ": " + source.error().message};
+    sources.push_back(std::move(*source));
+  }
+  return sources;
+}
+
+/// The session as it was at the start of the recording.
+Result<Session> startAgain(const Options& options, const SessionFile& recorded,
+                           std::span<const RecordedPerformer> performers, World world) {
+  Result<Sources> sources = sourcesOf(options, recorded, performers);
+  if (!sources) return sources.error();
+  Session session(std::move(world));
+  for (std::size_t i = 0; i < performers.size(); ++i) {
+    const RecordedPerformer& performer = performers[i];
+    const AvatarHeader& header = recorded.header.avatar(i);
+    Result<SessionAvatar> avatar =
+        SessionAvatar::create(*performer.subject.character, performer.body.decomposition, std::move((*sources)[i]),
+                              performer.body.cover, performer.body.training);
+    if (!avatar) return avatar.error();
+    if (const std::optional<Isometry3> place = placeOf(header)) avatar->setPlace(*place);
+    session.addAvatar(std::move(*avatar));
+    if (!header.springs) continue;
+    const SpringBones springs = performer.subject.file ? performer.subject.file->springs : SpringBones();
+    if (Result<void> added = session.setSprings(springs, *header.springs, static_cast<int>(i)); !added) {
+      return added.error();
+    }
+  }
+  if (Result<void> same = checkReplay(recorded.header, options.file, session); !same) return same.error();
+  return session;
+}
+
 /// @param differs  set to whether a step differs
 Result<void> run(const Options& options, const CommonOptions& common, bool& differs) {
   if (Result<void> fine = checkJsonOutput(common, {options.file, options.character, options.decomposition}); !fine) {
@@ -82,39 +153,21 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   Result<SessionFile> read = readSession(options.file);
   if (!read) return read.error();
   const auto recorded = std::make_shared<const SessionFile>(std::move(*read));
-  const SessionHeader& header = recorded->header;
+  const AvatarHeader& header = recorded->header.avatar();
 
-  const Result<SessionInputs> inputs = inputsOf(*recorded, options.file, options.character, options.decomposition);
-  if (!inputs) return inputs.error();
-  const Result<Subject> subject = findCharacter(options, header, *inputs);
-  if (!subject) return subject.error();
-  const Character& character = *subject->character;
-  if (hashOf(character) != header.characterHash) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: recorded with the character {}, but {} has a different mesh, skeleton or weights: give "
-                    "the recorded character with --character",
-                    options.file, header.character, subject->name)};
+  std::vector<RecordedPerformer> performers;
+  for (std::size_t i = 0; i < recorded->header.avatars.size(); ++i) {
+    Result<RecordedPerformer> performer = findPerformer(options, *recorded, i, common.threadCount());
+    if (!performer) return performer.error();
+    performers.push_back(std::move(*performer));
   }
-  const Result<DecompositionFile> body = findBody(options, header, *inputs, *subject, common.threadCount());
-  if (!body) return body.error();
-  const auto worldAgain = [&] { return worldOf(inputs->scene, header.scene); };
-  const auto sourceAgain = [&]() -> Result<std::unique_ptr<PoseSource>> {
-    Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(*recorded, character);
-    if (!source) return Error{source.error().code, options.file + ": " + source.error().message};
-    return source;
-  };
+  const Subject& subject = performers.front().subject;
+  const Character& character = *subject.character;
+  const auto worldAgain = [&] { return worldOf(performers.front().inputs.scene, recorded->header.scene); };
   Result<World> world = worldAgain();
   if (!world) return world.error();
-  Result<std::unique_ptr<PoseSource>> source = sourceAgain();
-  if (!source) return source.error();
-  Result<Session> session = startSession(character, *body, std::move(*source), std::move(*world));
+  Result<Session> session = startAgain(options, *recorded, performers, std::move(*world));
   if (!session) return session.error();
-  if (header.springs) {
-    const SpringBones springs = subject->file ? subject->file->springs : SpringBones();
-    if (Result<void> added = session->setSprings(springs, *header.springs); !added) return added;
-  }
-  if (Result<void> same = checkReplay(header, options.file, *session); !same) return same;
 
   std::shared_ptr<SessionReplay> replay;
   std::shared_ptr<EventsOutput> events;
@@ -122,7 +175,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   const auto begin = [&]() -> Result<void> {
     replay = std::make_shared<SessionReplay>(recorded);
     statistics = RunStatistics();
-    Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, *subject, header.expressions, replay);
+    Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, subject, header.expressions, replay);
     if (!watcher) return watcher.error();
     if (Result<void> kept = finishEvents(events); !kept) return kept;
     Result<std::shared_ptr<EventsOutput>> written = makeEventsOutput(options.events, *watcher);
@@ -138,7 +191,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   if (options.window) {
     WindowSubject watched{*session, name};
     watched.duration = recorded->steps.back().time - recorded->steps.front().time;
-    watched.sourceAgain = sourceAgain;
+    watched.sourcesAgain = [&] { return sourcesOf(options, *recorded, performers); };
     watched.worldAgain = worldAgain;
     watched.restarted = [&] { (void)begin(); };  // it could be opened before
     watched.stepped = [&] { statistics.add(*session); };
@@ -160,6 +213,11 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   json["session"] = options.file;
   json["source"] = header.source;
   json["character"] = character.name;
+  json["avatars"] = nlohmann::ordered_json::array();
+  for (const SessionAvatar& avatar : session->avatars()) {
+    json["avatars"].push_back(
+        {{"character", avatar.character().name}, {"frames", avatar.frameCount()}, {"hash", hexDigits(avatar.hash())}});
+  }
   json["steps"] = steps;
   json["replayed"] = replay->steps();
   json["finished"] = recorded->finished;
@@ -173,7 +231,8 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(session->hash());
 
-  Report report(fmt::format("{} replayed {}: {}", character.name, name, counted(replay->steps(), "step")));
+  const std::string who = performers.size() == 1 ? character.name : counted(std::ssize(performers), "avatar");
+  Report report(fmt::format("{} replayed {}: {}", who, name, counted(replay->steps(), "step")));
   report.line("result", difference ? fmt::format("first difference in step {} at {:.3f} s: {}", difference->step,
                                                  difference->time, difference->what)
                         : whole    ? "all steps are bit-identical"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace lorica {
@@ -21,17 +22,17 @@ Result<void> checkWindow(bool wanted, const std::string& instead) {
                fmt::format("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead)};
 }
 
-Result<Window> openWindow(const std::string& name, const Character& character) {
+Result<Window> openWindow(const std::string& name, const Character& character, std::size_t avatars) {
   Result<Window> window = Window::create(name.empty() ? "Lorica" : "Lorica: " + name, kWindowWidth, kWindowHeight);
   if (window) {
-    window->setCamera(windowCamera(character.height));
+    window->setCamera(windowCamera(character.height, avatars));
     window->setShown(usualView(character));
   }
   return window;
 }
 
 Result<void> runInOwnWindow(WindowSubject& subject, const PlaybackOptions& options) {
-  Result<Window> window = openWindow(subject.name, subject.session.character());
+  Result<Window> window = openWindow(subject.name, subject.session.character(), subject.session.avatars().size());
   if (!window) return window.error();
   const Result<WindowEnd> end = runInWindow(*window, subject, options);
   if (!end) return end.error();
@@ -49,7 +50,7 @@ Result<DrawnFiles> runHeadless(const HeadlessRun& run, const SnapshotOptions& pi
     if (!more) return more.error();
     if (!*more) break;
     if (run.stepped) run.stepped();
-    bar.update(frame + 1, run.frames);
+    bar.update(frame + 1, run.expected > 0 ? std::max(run.expected, frame + 1) : run.frames);
     if (!*series) continue;
     if (Result<void> drawn = (*series)->add(session, run.name); !drawn) return drawn.error();
   }

@@ -15,7 +15,8 @@ namespace lorica {
 
 /// Opens the window for a session.
 /// @param name  of the motion; empty = none
-[[nodiscard]] Result<Window> openWindow(const std::string& name, const Character& character);
+/// @param avatars  how many of them the first picture should hold
+[[nodiscard]] Result<Window> openWindow(const std::string& name, const Character& character, std::size_t avatars = 1);
 
 /// Runs a session in its own window until the window is closed or the session ends.
 /// @return success, kCancelled, or another error
@@ -27,6 +28,7 @@ struct HeadlessRun {
   std::string name;   ///< of the motion
   std::string unit = "frames";
   int frames = 0;                      ///< maximum
+  int expected = 0;                    ///< for the progress bar; 0 = the maximum
   std::function<void()> stepped = {};  ///< called after each frame
 };
 

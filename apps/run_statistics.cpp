@@ -38,49 +38,73 @@ Percentiles spreadOfStage(const std::vector<StageTimes>& frames, const Stage& st
 
 }  // namespace
 
+long long RunStatistics::countNew(std::vector<Pair>& now, std::vector<Pair>& last) {
+  // A pair has up to four contact points but is counted once.
+  std::sort(now.begin(), now.end());
+  now.erase(std::unique(now.begin(), now.end()), now.end());
+  const auto isNew = [&](const Pair& pair) { return !std::binary_search(last.begin(), last.end(), pair); };
+  const auto count = std::count_if(now.begin(), now.end(), isNew);
+  std::swap(last, now);
+  return count;
+}
+
 void RunStatistics::add(const Session& session, bool selfContacts) {
   stages_.push_back(session.times());
   if (!start_) start_ = session.time();
   touched_.resize(session.world().props().size(), 0);
+  contactsOf_.resize(session.avatars().size(), 0);
   now_.clear();
   for (const Contact& contact : session.world().contacts()) {
     ++contacts_;
-    now_.emplace_back(contact.part, contact.prop);
+    ++contactsOf_[static_cast<std::size_t>(contact.avatar)];
+    now_.push_back({contact.avatar, contact.part, contact.prop, 0});
     touched_[contact.prop] = 1;
   }
-  // A pair has up to four contact points but is counted once.
-  std::sort(now_.begin(), now_.end());
-  now_.erase(std::unique(now_.begin(), now_.end()), now_.end());
-  for (const auto& pair : now_) {
-    if (!std::binary_search(touching_.begin(), touching_.end(), pair)) ++touches_;
+  touches_ += countNew(now_, touching_);
+  now_.clear();
+  for (const BodyContact& contact : session.avatarContacts()) {
+    now_.push_back({contact.firstBody, contact.firstPart, contact.secondBody, contact.secondPart});
   }
-  std::swap(touching_, now_);
+  avatarTouches_ += countNew(now_, meeting_);
 
   if (selfContacts) addSelfContacts(session);
-
-  const std::optional<double> distance = session.trainingDistance();
-  if (!distance) return;
-  if (!training_) training_ = Training{session.training()->knownDistance};
-  training_->largest = std::max(training_->largest, *distance);
-  if (*distance <= training_->knownDistance) return;
+  bool outside = false;
+  for (const SessionAvatar& avatar : session.avatars()) outside = addTraining(avatar) || outside;
+  if (!outside) return;
   if (training_->framesOutside++ > 0) return;
   training_->firstOutside = frames() - 1;
   training_->firstTime = session.time() - *start_;
 }
 
+/// @return whether its pose is outside the training range
+bool RunStatistics::addTraining(const SessionAvatar& avatar) {
+  const std::optional<double> distance = avatar.trainingDistance();
+  if (!distance) return false;
+  const double known = avatar.training()->knownDistance;
+  if (!training_) training_ = Training{known};
+  if (*distance * training_->knownDistance > training_->largest * known) {
+    training_->largest = *distance;
+    training_->knownDistance = known;
+  }
+  return *distance > known;
+}
+
 void RunStatistics::addSelfContacts(const Session& session) {
   if (!selfContacts_) selfContacts_ = SelfContacts{{}, 0, {}, 0.0};
-  const std::span<const SelfContact> found = session.selfContacts();
-  selfContacts_->frames += found.empty() ? 0 : 1;
-  for (const SelfContact& contact : found) {
-    const std::pair pair(contact.first, contact.second);
-    auto& pairs = selfContacts_->pairs;
-    const auto at = std::lower_bound(pairs.begin(), pairs.end(), pair);
-    if (at == pairs.end() || *at != pair) pairs.insert(at, pair);
-    if (contact.depth <= selfContacts_->deepest.depth) continue;
-    selfContacts_->deepest = contact;
-    selfContacts_->deepestTime = session.time() - *start_;
+  bool any = false;
+  for (const SessionAvatar& avatar : session.avatars()) {
+    for (const SelfContact& contact : avatar.selfContacts()) {
+      any = true;
+      const std::pair pair(contact.first, contact.second);
+      auto& pairs = selfContacts_->pairs;
+      const auto at = std::lower_bound(pairs.begin(), pairs.end(), pair);
+      if (at == pairs.end() || *at != pair) pairs.insert(at, pair);
+      if (contact.depth <= selfContacts_->deepest.depth) continue;
+      selfContacts_->deepest = contact;
+      selfContacts_->deepestTime = session.time() - *start_;
+    }
   }
+  selfContacts_->frames += any ? 1 : 0;
 }
 
 int RunStatistics::propsTouched() const {
@@ -92,6 +116,7 @@ void RunStatistics::addTo(nlohmann::ordered_json& json) const {
   json["contacts"] = contacts_;
   json["touches"] = touches_;
   json["propsTouched"] = propsTouched();
+  json["avatarTouches"] = avatarTouches_;
   json["selfContacts"] = nullptr;
   if (selfContacts_) {
     const SelfContacts& s = *selfContacts_;

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -22,12 +24,19 @@ class RunStatistics {
   /// Call before the recording restarts: contacts are counted from scratch.
   void restart() {
     touching_.clear();
+    meeting_.clear();
     start_.reset();
   }
 
   [[nodiscard]] int frames() const { return static_cast<int>(stages_.size()); }
-  /// Contact points between body and props, summed over the frames.
+  /// Contact points between avatars and props, summed over the frames.
   [[nodiscard]] long long contacts() const { return contacts_; }
+  /// The same of one avatar.
+  [[nodiscard]] long long contactsOf(std::size_t avatar) const {
+    return avatar < contactsOf_.size() ? contactsOf_[avatar] : 0;
+  }
+  /// Number of contacts between parts of two avatars that started.
+  [[nodiscard]] long long avatarTouches() const { return avatarTouches_; }
   /// Number of contacts between a part and a prop that started, i.e. were not present in the previous frame.
   [[nodiscard]] long long touches() const { return touches_; }
   [[nodiscard]] int propCount() const { return static_cast<int>(touched_.size()); }
@@ -42,7 +51,7 @@ class RunStatistics {
     int firstOutside = -1;   ///< frame, from 0; -1 = none
     double firstTime = 0.0;  ///< of that frame, relative to the first [s]
   };
-  /// None if the training range is unknown, or nothing was played.
+  /// Of all avatars: the farthest in each frame. None if no training range is known, or nothing was played.
   [[nodiscard]] const std::optional<Training>& training() const { return training_; }
 
   /// Overlapping parts of the body that are not neighbours.
@@ -55,8 +64,8 @@ class RunStatistics {
   /// None if not requested.
   [[nodiscard]] const std::optional<SelfContacts>& selfContacts() const { return selfContacts_; }
 
-  /// Adds "frames", "contacts", "touches", "propsTouched", "selfContacts", "training" and "stages": the median and p95
-  /// of each stage [us].
+  /// Adds "frames", "contacts", "touches", "propsTouched", "avatarTouches", "selfContacts", "training" and "stages":
+  /// the median and p95 of each stage [us].
   void addTo(nlohmann::ordered_json& json) const;
   /// Adds one line per stage.
   void addTo(Report& report) const;
@@ -66,11 +75,18 @@ class RunStatistics {
   void addTrainingTo(Report& report) const;
 
  private:
+  /// An avatar, its part, and a prop; or an avatar, its part, another avatar, and its part.
+  using Pair = std::array<int, 4>;
+  /// Counts the pairs that were not there in the last frame. @param now  pairs of this frame, in any order
+  static long long countNew(std::vector<Pair>& now, std::vector<Pair>& last);
   void addSelfContacts(const Session& session);
+  bool addTraining(const SessionAvatar& avatar);
 
   std::vector<StageTimes> stages_;
-  std::vector<std::pair<PartIndex, int>> touching_;  // sorted pairs of the last frame
-  std::vector<std::pair<PartIndex, int>> now_;
+  std::vector<Pair> touching_, meeting_;  // sorted pairs of the last frame: with props, of avatars
+  std::vector<Pair> now_;
+  std::vector<long long> contactsOf_;  // of each avatar
+  long long avatarTouches_ = 0;
   std::vector<std::uint8_t> touched_;  // one flag per prop
   long long contacts_ = 0;
   long long touches_ = 0;

@@ -36,33 +36,34 @@ void SessionFace::choose(int expression) {
   if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
 }
 
-void SessionFace::update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene) {
+void SessionFace::update(const SessionAvatar& performer, double time, const Vec3& watcher,
+                         std::span<Affine3> worldFromModel, SceneFigure& figure) {
   const AvatarFace& own = avatar_->face;
-  follower_.apply(session.source().expressions(), own.expressions, own.chosen, face_);
+  follower_.apply(performer.source().expressions(), own.expressions, own.chosen, face_);
   if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
   FaceInput input;
-  input.time = session.time();
+  input.time = time;
   if (own.lookAt.head != kNoJoint) {
-    input.gaze = followed(gazeTowards(own.lookAt, session.worldFromJoint()[own.lookAt.head], watcher));
+    input.gaze = followed(gazeTowards(own.lookAt, performer.worldFromJoint()[own.lookAt.head], watcher));
   }
   if (own.clip >= 0 && static_cast<std::size_t>(own.clip) < own.morphs.clips.size()) {
     input.clip = own.morphs.clips[own.clip];
-    input.clipTime = session.time();
+    input.clipTime = time;
   }
   face_.update(input);
   turnEyes(avatar_->character, own.lookAt, input.gaze, worldFromModel);
 
   if (!materials_.empty()) {
     expressMaterials(own.expressions, face_.expressionWeights(), avatar_->look.materials, materials_);
-    scene.avatarMaterials = materials_;
+    figure.avatarMaterials = materials_;
   }
   const std::span<const float> weights = face_.targetWeights();
   const bool still = std::equal(weights.begin(), weights.end(), own.morphs.targets.begin(),
                                 [](float w, const MorphTarget& target) { return w == target.defaultWeight; });
   if (still) return;
   applyMorphs(own.morphs, weights, avatar_->character.mesh.vertices, bindNormals_, positions_, normals_);
-  scene.avatarPositions = positions_;
-  scene.avatarNormals = normals_;
+  figure.avatarPositions = positions_;
+  figure.avatarNormals = normals_;
 }
 
 }  // namespace lorica

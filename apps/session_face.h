@@ -26,10 +26,12 @@ class SessionFace {
   void choose(int expression);
 
   /// Computes the face of the session's frame. Does not allocate memory after the first frame.
+  /// @param time            of the frame [s]
   /// @param watcher         [m], world: what the eyes follow while it is in front of the head
   /// @param worldFromModel  of the avatar's joints; those of the eyes are turned
-  /// @param scene           gets the changed positions, normals and materials, borrowed from this object
-  void update(const Session& session, const Vec3& watcher, std::span<Affine3> worldFromModel, Scene& scene);
+  /// @param figure          gets the changed positions, normals and materials, borrowed from this object
+  void update(const SessionAvatar& performer, double time, const Vec3& watcher, std::span<Affine3> worldFromModel,
+              SceneFigure& figure);
 
  private:
   explicit SessionFace(std::shared_ptr<const Avatar> avatar);

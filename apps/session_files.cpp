@@ -44,9 +44,10 @@ Result<void> checkRecord(const std::string& option, const std::string& file) {
   return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
 }
 
-Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& session, const std::string& character,
-                               const std::string& decomposition) {
-  const SessionHeader& header = recorded.header;
+Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& session, std::size_t avatar,
+                               const std::string& character, const std::string& decomposition) {
+  const AvatarHeader& header = recorded.header.avatar(avatar);
+  const SessionHeader& whole = recorded.header;
   const NamedFiles beside{fs::path(session).parent_path(), pathTrust()};
   Result<void> done;
   const auto find = [&](const std::string& name, const char* what, const char* instead) -> std::string {
@@ -70,26 +71,24 @@ Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& s
                              ? find(header.decomposition, "decomposition", "; --decomposition gives its file")
                              : decomposition;
   inputs.scene = {recorded.sceneText, {}, pathTrust()};
-  if (isShippedName(header.scene) && !header.scene.empty()) {
+  if (isShippedName(whole.scene) && !whole.scene.empty()) {
     const Result<fs::path> shipped = scenesFolder();
     if (!shipped) return shipped.error();
     inputs.scene.folder = *shipped;
-  } else if (!header.scene.empty()) {
-    inputs.scene.folder = find(header.sceneFolder.empty() ? "." : header.sceneFolder, "folder of the scene", "");
+  } else if (!whole.scene.empty()) {
+    inputs.scene.folder = find(whole.sceneFolder.empty() ? "." : whole.sceneFolder, "folder of the scene", "");
   }
   if (!done) return done.error();
   return inputs;
 }
 
-Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const RecordedAs& as,
-                                                       const Character& character, const DecompositionFile& body,
-                                                       const World& world) {
-  if (file.empty()) return std::shared_ptr<SessionRecorder>();
-  const Result<SceneText> scene = readSceneText(as.scene);
-  if (!scene) return scene.error();
-  SessionHeader header;
+namespace {
+
+AvatarHeader headerOf(const std::string& file, const RecordedAvatar& avatar) {
+  const RecordedAs& as = avatar.as;
+  AvatarHeader header;
   header.source = as.source;
-  header.poseJoints = as.poses ? character.skeleton.jointCount() : 0;
+  header.poseJoints = as.poses ? avatar.performer.skeleton.jointCount() : 0;
   header.poseTrust = as.stream;
   header.poseExpressions = as.stream;
   header.character = as.character.empty() ? "mannequin" : as.character;
@@ -99,25 +98,39 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
   header.expressions = as.reading.expressions;
   header.hidden = as.reading.hidden;
   header.clip = as.clip;
-  header.characterHash = hashOf(character);
+  header.characterHash = hashOf(avatar.performer);
   header.decomposition = nameFor(file, as.body.decomposition);
-  header.decompositionHash = hashOf(body.decomposition);
+  header.decompositionHash = hashOf(avatar.body.decomposition);
   header.coverTolerance = as.body.cover.tolerance;
   header.hullVertices = as.body.cover.hullVertices;
-  header.coverHash = hashOf(body.cover);
-  header.trainingHash = hashOf(body.training);
+  header.coverHash = hashOf(avatar.body.cover);
+  header.trainingHash = hashOf(avatar.body.training);
   // A motion of bones is recorded after retargeting: it is already mirrored, and never smoothed.
   if (!as.poses) header.joints = as.performing.joints();
   header.faults = as.performing.faults();
+  header.place = as.place;
   if (as.springs) {
     header.springs = as.springs->mode;
     header.springsHash = hashOf(as.springs->springs);
   }
-  header.scene = as.scene;
-  if (!isBareName(as.scene)) header.sceneFolder = nameFor(file, scene->folder.empty() ? "." : scene->folder.string());
-  header.sceneSeed = as.scene.empty() ? kDemoSeed : 0;
+  return header;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const RecordedAvatar> avatars,
+                                                       const std::string& scene, const World& world) {
+  if (file.empty()) return std::shared_ptr<SessionRecorder>();
+  const Result<SceneText> text = readSceneText(scene);
+  if (!text) return text.error();
+  SessionHeader header;
+  header.avatars.clear();
+  for (const RecordedAvatar& avatar : avatars) header.avatars.push_back(headerOf(file, avatar));
+  header.scene = scene;
+  if (!isBareName(scene)) header.sceneFolder = nameFor(file, text->folder.empty() ? "." : text->folder.string());
+  header.sceneSeed = scene.empty() ? kDemoSeed : 0;
   header.worldHash = hashOf(world);
-  Result<std::shared_ptr<SessionRecorder>> recorder = SessionRecorder::start(file, header, scene->text);
+  Result<std::shared_ptr<SessionRecorder>> recorder = SessionRecorder::start(file, header, text->text);
   if (recorder) sayFound((*recorder)->found());
   return recorder;
 }

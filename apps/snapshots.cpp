@@ -32,46 +32,75 @@ SceneOptions usualView(const Character& character) {
 }
 
 SessionScene::SessionScene(const Session& session) {
-  if (session.character().avatar != nullptr) face_ = SessionFace::of(session.character().avatar);
-  const Decomposition& decomposition = session.body().decomposition();
-  if (const Character& character = session.character(); !character.shown.empty()) {
-    triangles_ = character.shown;
+  for (const SessionAvatar& avatar : session.avatars()) drawn_.push_back(drawnOf(avatar));
+}
+
+SessionScene::Drawn SessionScene::drawnOf(const SessionAvatar& avatar) {
+  Drawn drawn;
+  const Character& character = avatar.character();
+  if (character.avatar != nullptr) drawn.face = SessionFace::of(character.avatar);
+  const Decomposition& decomposition = avatar.body().decomposition();
+  if (!character.shown.empty()) {
+    drawn.triangles = character.shown;
     std::vector<PartIndex> partOfVertex(character.mesh.vertices.size(), 0);
     const std::vector<std::vector<PointIndex>> attached =
         attachedVerticesOf(decomposition, liftPoints(character, decomposition));
     for (std::size_t p = 0; p < attached.size(); ++p) {
       for (const PointIndex v : attached[p]) partOfVertex[v] = static_cast<PartIndex>(p);
     }
-    partOfTriangle_.reserve(triangles_.size());
-    for (const Triangle& t : triangles_) partOfTriangle_.push_back(partOfVertex[t[0]]);
-    return;
+    drawn.partOfTriangle.reserve(drawn.triangles.size());
+    for (const Triangle& t : drawn.triangles) drawn.partOfTriangle.push_back(partOfVertex[t[0]]);
+    return drawn;
   }
   for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
     const Part& part = decomposition.parts[p];
     for (std::size_t t = 0; t < part.triangles.size(); ++t) {
       if (part.sourceTriangle[t] < 0) continue;  // a cap is inside the body
-      triangles_.push_back(part.triangles[t]);
-      partOfTriangle_.push_back(static_cast<PartIndex>(p));
+      drawn.triangles.push_back(part.triangles[t]);
+      drawn.partOfTriangle.push_back(static_cast<PartIndex>(p));
     }
   }
+  return drawn;
+}
+
+SceneFigure SessionScene::figureOf(Drawn& drawn, const SessionAvatar& avatar, double time, const SceneOptions& show,
+                                   const Vec3& watcher) {
+  SceneFigure figure;
+  figure.avatar = avatar.character().avatar;
+  if (figure.avatar == nullptr || (show.skin && show.colorSkinByPart)) {
+    figure.vertices = avatar.points();
+    figure.triangles = drawn.triangles;
+    figure.partOfTriangle = drawn.partOfTriangle;
+  }
+  if (figure.avatar != nullptr) {
+    drawn.worldFromModel.resize(figure.avatar->character.jointFromModel.size());
+    computeWorldFromModel(figure.avatar->character, avatar.worldFromJoint(), drawn.worldFromModel);
+    if (drawn.face) drawn.face->update(avatar, time, watcher, drawn.worldFromModel, figure);
+    figure.worldFromModel = drawn.worldFromModel;
+  }
+  figure.parts = avatar.body().parts();
+  figure.skeleton = &avatar.character().skeleton;
+  figure.worldFromJoint = avatar.worldFromJoint();
+  return figure;
 }
 
 Scene SessionScene::of(const Session& session, const SceneOptions& show, const Vec3& watcher) const {
   Scene scene;
-  scene.avatar = session.character().avatar;
-  if (scene.avatar == nullptr || (show.skin && show.colorSkinByPart)) {
-    scene.vertices = session.points();
-    scene.triangles = triangles_;
-    scene.partOfTriangle = partOfTriangle_;
+  others_.clear();
+  bool first = true;
+  for (std::size_t a = 0; a < drawn_.size(); ++a) {
+    const SessionAvatar& avatar = session.avatars()[a];
+    if (!avatar.present()) continue;
+    const SceneFigure figure = figureOf(drawn_[a], avatar, session.time(), show, watcher);
+    if (first) {
+      static_cast<SceneFigure&>(scene) = figure;
+    } else {
+      others_.push_back(figure);
+    }
+    first = false;
   }
-  if (scene.avatar != nullptr) {
-    worldFromModel_.resize(scene.avatar->character.jointFromModel.size());
-    computeWorldFromModel(scene.avatar->character, session.worldFromJoint(), worldFromModel_);
-    if (face_) face_->update(session, watcher, worldFromModel_, scene);
-    scene.worldFromModel = worldFromModel_;
-    scene.time = session.time();
-  }
-  scene.parts = session.body().parts();
+  scene.others = others_;
+  scene.time = session.time();
   scene.props = session.world().props();
   scene.contacts = session.world().contacts();
   if (const Particles* particles = session.world().particles()) {
@@ -79,8 +108,6 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show, const V
     scene.particleRadius = static_cast<float>(particles->settings().radius);
     scene.particleColor = particles->settings().color;
   }
-  scene.skeleton = &session.character().skeleton;
-  scene.worldFromJoint = session.worldFromJoint();
   return scene;
 }
 

@@ -18,8 +18,9 @@
 
 namespace lorica {
 
-/// The drawable content of a session: the skin, coloured by part, and the scene. A body is cut at the part boundaries.
-/// A surface shown instead of the body keeps whole triangles, each coloured by the part that covers its first vertex.
+/// The drawable content of a session: the skin of each avatar that is there, coloured by part, and the scene. A body is
+/// cut at the part boundaries. A surface shown instead of the body keeps whole triangles, each coloured by the part
+/// that covers its first vertex.
 class SessionScene {
  public:
   explicit SessionScene(const Session& session);
@@ -29,16 +30,25 @@ class SessionScene {
   /// @param watcher  [m], where the picture is taken from: an avatar's eyes follow it
   [[nodiscard]] Scene of(const Session& session, const SceneOptions& show, const Vec3& watcher) const;
 
-  /// See SessionFace::choose(); does nothing if the avatar has no face.
+  /// See SessionFace::choose(); does nothing if the first avatar has no face.
   void chooseExpression(int expression) {
-    if (face_) face_->choose(expression);
+    if (!drawn_.empty() && drawn_.front().face) drawn_.front().face->choose(expression);
   }
 
  private:
-  std::vector<Triangle> triangles_;  // the shown surface, or the surface of all parts without caps, over their points
-  std::vector<PartIndex> partOfTriangle_;
-  mutable std::vector<Affine3> worldFromModel_;  // of the avatar's joints, of the last scene
-  mutable std::optional<SessionFace> face_;
+  /// An avatar of the session.
+  struct Drawn {
+    std::vector<Triangle> triangles;  ///< the shown surface, or that of all parts without caps, over their points
+    std::vector<PartIndex> partOfTriangle;
+    std::vector<Affine3> worldFromModel;  ///< of the avatar's joints, of the last scene
+    std::optional<SessionFace> face;
+  };
+  static Drawn drawnOf(const SessionAvatar& avatar);
+  static SceneFigure figureOf(Drawn& drawn, const SessionAvatar& avatar, double time, const SceneOptions& show,
+                              const Vec3& watcher);
+
+  mutable std::vector<Drawn> drawn_;         // one for each avatar
+  mutable std::vector<SceneFigure> others_;  // figures of the last scene but the first
 };
 
 /// What is shown of a session unless the user says otherwise: an avatar as its maker drew it; of other characters the

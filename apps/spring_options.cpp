@@ -24,8 +24,8 @@ std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::str
   return choice;
 }
 
-Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session) {
-  return choice ? session.setSprings(choice->springs, choice->mode) : Result<void>();
+Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session, int avatar) {
+  return choice ? session.setSprings(choice->springs, choice->mode, avatar) : Result<void>();
 }
 
 void describeSprings(const SpringBones& springs, Report& report, nlohmann::ordered_json& json) {

@@ -26,7 +26,7 @@ struct SpringChoice {
 [[nodiscard]] std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::string& mode);
 
 /// Session::setSprings() with the choice; without one nothing happens.
-[[nodiscard]] Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session);
+[[nodiscard]] Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session, int avatar = 0);
 
 /// The numbers of springs, joints, colliders and constraints for `lorica info`.
 void describeSprings(const SpringBones& springs, Report& report, nlohmann::ordered_json& json);

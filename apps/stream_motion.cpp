@@ -145,11 +145,12 @@ Result<Motion> readSessionMotion(const fs::path& file) {
   motion.name = file.stem().string();
   motion.notes = recorded->notes;
   motion.format = "recorded session";
-  const SessionHeader& header = recorded->header;
+  const AvatarHeader& header = recorded->header.avatar();
+  RecordedMotion& first = recorded->motions.front();
   if (header.poseJoints == 0) {
-    motion.joints = std::move(recorded->joints);
+    motion.joints = std::move(first.joints);
   } else {
-    const Result<SessionInputs> inputs = inputsOf(*recorded, file.string(), "", "");
+    const Result<SessionInputs> inputs = inputsOf(*recorded, file.string(), 0, "", "");
     if (!inputs) return inputs.error();
     CharacterOptions reading{inputs->boneMap, header.bodyResolution};
     reading.hidden = header.hidden;
@@ -161,7 +162,7 @@ Result<Motion> readSessionMotion(const fs::path& file) {
                    fmt::format("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
                                inputs->character, skeleton.jointCount())};
     }
-    motion.bones = SkeletalMotion{motion.name, skeleton, std::move(recorded->poseTimes), std::move(recorded->poses)};
+    motion.bones = SkeletalMotion{motion.name, skeleton, std::move(first.poseTimes), std::move(first.poses)};
   }
   if (motion.bones ? motion.bones->times.empty() : motion.joints.empty()) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: found no motion, expected at least one frame", file.string())};

@@ -67,7 +67,7 @@ class WindowLoop {
         scenes_(subject.worldAgain ? SceneList{{}, {}} : scenesBeside(subject.scene)),
         scene_(session_),
         levels_(session_.body().plan(), session_.character()),
-        hands_(subject.sourceAgain != nullptr),
+        hands_(subject.sourcesAgain != nullptr),
         due_(now()) {
     const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
     if (avatar == nullptr) return;
@@ -175,7 +175,7 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
     expression_ = *requests.expression < static_cast<int>(expressions_.size()) ? *requests.expression : -1;
     scene_.chooseExpression(expression_);
   }
-  if (requests.seekTo && subject_.sourceAgain) return beginSeek(*requests.seekTo);
+  if (requests.seekTo && subject_.sourcesAgain) return beginSeek(*requests.seekTo);
   return {};
 }
 
@@ -187,7 +187,7 @@ Result<void> WindowLoop::changeScene(int scene) {
   }
   scenes_.present = scene;
   hands_.forget();
-  if (subject_.sourceAgain) return restart();
+  if (subject_.sourcesAgain) return restart();
   session_.setWorld(std::move(*world));
   saySettling();
   return {};
@@ -202,10 +202,10 @@ Result<World> WindowLoop::worldAgain() const {
 Result<void> WindowLoop::restart() {
   Result<World> world = worldAgain();
   if (!world) return world.error();
-  Result<std::unique_ptr<PoseSource>> source = subject_.sourceAgain();
-  if (!source) return source.error();
+  Result<std::vector<std::unique_ptr<PoseSource>>> sources = subject_.sourcesAgain();
+  if (!sources) return sources.error();
   hands_.rewind(session_);
-  session_.restart(std::move(*source), std::move(*world));
+  session_.restart(std::move(*sources), std::move(*world));
   if (subject_.restarted) subject_.restarted();
   warnings_.clear();
   started_ = ended_ = false;
@@ -313,7 +313,10 @@ void WindowLoop::noteTimes() {
 }
 
 void WindowLoop::describe() {
-  status_ = counted(std::ssize(session_.body().parts()), "part");
+  std::ptrdiff_t parts = 0;
+  for (const SessionAvatar& avatar : session_.avatars())
+    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
+  status_ = counted(parts, "part");
   touched_.clear();
   for (const Contact& contact : session_.world().contacts()) touched_.push_back(contact.prop);
   std::sort(touched_.begin(), touched_.end());
@@ -341,7 +344,8 @@ void WindowLoop::show() {
   values.expressions = expressions_;
   values.expression = expression_;
   values.warnings = warnings_.sentences();
-  values.outsideTraining = started_ && session_.outsideKnownRange();
+  const auto outside = [](const SessionAvatar& avatar) { return avatar.present() && avatar.outsideKnownRange(); };
+  values.outsideTraining = started_ && std::any_of(session_.avatars().begin(), session_.avatars().end(), outside);
   values.holdsProp = hands_.holds();
   Scene scene;
   if (started_) {

@@ -17,8 +17,8 @@ struct WindowSubject {
   Session& session;
   std::string name = {};
   double duration = 0.0;  ///< of a recording, from its first to its last frame [s]; 0 = live
-  /// Reopens the recording at its start; null for a live source.
-  std::function<Result<std::unique_ptr<PoseSource>>()> sourceAgain = {};
+  /// Reopens the recordings of all avatars at their start; null for live sources.
+  std::function<Result<std::vector<std::unique_ptr<PoseSource>>>()> sourcesAgain = {};
   std::string scene = {};  ///< of the session's world, as passed to openScene()
   /// Recreates the world of a recorded session at its start. If set, the session is view-only: the user cannot throw or
   /// move anything, nor change the scene or the number of parts.

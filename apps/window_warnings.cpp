@@ -43,9 +43,15 @@ std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust) {
 void raiseWarnings(const Session& session, std::string_view trouble, double now, WarningBoard& board) {
   if (!trouble.empty()) {
     board.raise("source", trouble, now);
-  } else if (const std::string lost = lostLimbs(session.character().skeleton, session.source().trust());
-             !lost.empty()) {
-    board.raise("limbs", lost, now);
+    return;
+  }
+  const std::span<const SessionAvatar> avatars = session.avatars();
+  for (std::size_t a = 0; a < avatars.size(); ++a) {
+    if (!avatars[a].present()) continue;
+    const std::string lost = lostLimbs(avatars[a].character().skeleton, avatars[a].source().trust());
+    if (lost.empty()) continue;
+    const std::string number = std::to_string(a + 1);
+    board.raise("limbs" + number, avatars.size() == 1 ? lost : fmt::format("avatar {}: {}", number, lost), now);
   }
 }
 

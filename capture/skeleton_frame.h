@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -42,10 +43,13 @@ struct TrackedJoint {
   double confidence = 0.0;  ///< 0 unknown (position is meaningless), 0.5 inferred, 1 seen
 };
 
+/// SkeletonFrame::user of a place that is empty: the avatar of that place is not there.
+inline constexpr int kNobody = std::numeric_limits<int>::min();
+
 /// One person at one point in time.
 struct SkeletonFrame {
   double time = 0.0;  ///< [s], increases from frame to frame
-  int user = 1;
+  int user = 1;       ///< number of the person, from 0; kNobody while there is none
   std::array<TrackedJoint, kBodyJointCount> joints;
 
   [[nodiscard]] TrackedJoint& operator[](BodyJoint j) { return joints[static_cast<std::size_t>(j)]; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -36,13 +37,15 @@ ContactBones::ContactBones(const Decomposition& decomposition, const Character& 
   const std::vector<LiftedPoint> points = liftPoints(character, decomposition);
   std::size_t count = 0;
   for (const LiftedPoint& point : points) count += point.size();
-  shares_.reserve(count);
-  sharesBegin_.reserve(points.size() + 1);
+  Points all;
+  all.shares.reserve(count);
+  all.begin.reserve(points.size() + 1);
   for (const LiftedPoint& point : points) {
-    sharesBegin_.push_back(shares_.size());
-    for (const LiftedTerm& term : point) shares_.push_back({term.joint, term.weight});
+    all.begin.push_back(all.shares.size());
+    for (const LiftedTerm& term : point) all.shares.push_back({term.joint, term.weight});
   }
-  sharesBegin_.push_back(shares_.size());
+  all.begin.push_back(all.shares.size());
+  points_ = std::make_shared<const Points>(std::move(all));
 }
 
 JointIndex ContactBones::at(const LivePart& part, const Vec3& position) {
@@ -67,8 +70,8 @@ JointIndex ContactBones::at(const LivePart& part, const Vec3& position) {
   std::fill(weights_.begin(), weights_.end(), 0.0);
   for (int i = 0; i < 3; ++i) {
     const auto point = static_cast<std::size_t>(hull.pointOfVertex[(*face)[i]]);
-    for (std::size_t s = sharesBegin_[point]; s < sharesBegin_[point + 1]; ++s) {
-      weights_[shares_[s].joint] += corners[i] * shares_[s].weight;
+    for (std::size_t s = points_->begin[point]; s < points_->begin[point + 1]; ++s) {
+      weights_[points_->shares[s].joint] += corners[i] * points_->shares[s].weight;
     }
   }
   return static_cast<JointIndex>(std::max_element(weights_.begin(), weights_.end()) - weights_.begin());

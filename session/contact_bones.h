@@ -4,6 +4,7 @@
 #include "collision/live/live_part.h"
 #include "skinning/character.h"
 
+#include <memory>
 #include <vector>
 
 namespace lorica {
@@ -13,6 +14,8 @@ namespace lorica {
 /// The position is projected to the nearest point of its part's hull. Each vertex of the hull is a point of the body
 /// with known joint weights; inside a face, the weights are interpolated barycentrically. The joint with the largest
 /// weight is returned, the first one if several are equal.
+///
+/// Copies share the weights.
 class ContactBones {
  public:
   /// @param decomposition  made from the character's mesh
@@ -29,9 +32,12 @@ class ContactBones {
     JointIndex joint = 0;
     double weight = 0.0;
   };
-  std::vector<Share> shares_;             // of all points
-  std::vector<std::size_t> sharesBegin_;  // of each point, and the end
-  std::vector<double> weights_;           // scratch, of each joint
+  struct Points {
+    std::vector<Share> shares;       // of all points
+    std::vector<std::size_t> begin;  // of each point, and the end
+  };
+  std::shared_ptr<const Points> points_;
+  std::vector<double> weights_;  // scratch, of each joint
 };
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "collision/world/touch_tracker.h"
-#include "session/contact_bones.h"
 
 #include <span>
 #include <vector>
@@ -10,8 +9,9 @@ namespace lorica {
 
 class Session;
 
-/// Begin, stay and end of all contacts of a session's avatar: with props, and of its own parts that are not neighbours.
-/// For games and haptics; deterministic, so that a replayed session has the same events. See docs/CONTACTS.md.
+/// Begin, stay and end of all contacts of a session's avatars: with props, of their own parts that are not neighbours,
+/// and with each other. For games and haptics; deterministic, so that a replayed session has the same events. See
+/// docs/CONTACTS.md.
 ///
 /// Strength is an impulse [N s] for all kinds. Of a contact with a prop: the impulse along the normal that the part
 /// gave the prop in this frame, from the physics. Of two parts: how fast they approach each other at the point [m/s],
@@ -19,29 +19,28 @@ class Session;
 /// limited by the trust of the less trusted one as strikes are (see World::step), and 0 if one jumped.
 class ContactEvents {
  public:
-  /// Density of a body, for the mass of its parts [kg/m^3].
-  static constexpr double kBodyDensity = 1000.0;
-
-  /// @param session  whose events are wanted; its body must stay the same, see Session::setBody()
+  /// @param session  whose events are wanted; its avatars and their bodies must stay the same
   explicit ContactEvents(const Session& session);
 
   /// Finds the events of the session's last frame; call it once after each step. Takes about 50 us, for the
-  /// self-contacts. Allocates nothing once the most contacts of a frame have been seen.
-  /// @return the events, sorted by kind, then part, then prop or other part; valid until the next call
+  /// self-contacts of each avatar. Allocates nothing once the most contacts of a frame have been seen.
+  /// @return the events, sorted by their pairs, see TouchPair; valid until the next call
   std::span<const ContactEvent> update(const Session& session);
 
   /// Ends all contacts: the session is over, restarts or continues in another world.
   std::span<const ContactEvent> endAll() { return tracker_.endAll(); }
 
   /// Mass of a part: its own volume without those of its neighbours, as if it were of water [kg].
-  [[nodiscard]] double massOf(PartIndex part) const { return masses_[part]; }
+  [[nodiscard]] double massOf(PartIndex part, int avatar = 0) const {
+    return masses_[static_cast<std::size_t>(avatar)][part];
+  }
 
  private:
   void addPropTouches(const Session& session);
   void addSelfTouches(const Session& session, double seconds);
+  void addAvatarTouches(const Session& session);
 
-  std::vector<double> masses_;
-  ContactBones bones_;
+  std::vector<std::vector<double>> masses_;  // of each avatar's parts
   TouchTracker tracker_;
   std::vector<Touch> touches_;
   double time_;  // of the previous frame

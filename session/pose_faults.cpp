@@ -27,6 +27,7 @@ class FaultyPoses final : public PoseSource {
   [[nodiscard]] std::span<const double> trust() const override { return shown_.trust; }
   [[nodiscard]] std::span<const NamedWeight> expressions() const override { return shown_.expressions; }
   [[nodiscard]] double waited() const override { return source_->waited(); }
+  [[nodiscard]] bool present() const override { return source_->present(); }
 
  private:
   /// What a source gave at once.

@@ -32,6 +32,7 @@ class JointPoseSource final : public PoseSource {
     waited_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (!frame) return frame.error();
     if (!frame->has_value()) return std::optional<double>();
+    present_ = (*frame)->user != kNobody;
     if (mirror_) mirror(**frame);
     judge_.apply(**frame);
     trust_.take(**frame);
@@ -47,6 +48,7 @@ class JointPoseSource final : public PoseSource {
   }
   [[nodiscard]] std::span<const double> trust() const override { return trust_.joints(); }
   [[nodiscard]] double waited() const override { return waited_; }
+  [[nodiscard]] bool present() const override { return present_; }
   [[nodiscard]] bool refusedLegs() const override { return judge_.everImplausible(); }
 
  private:
@@ -57,6 +59,7 @@ class JointPoseSource final : public PoseSource {
   StandingLegs legs_;
   std::optional<OneEuroFilter> filter_;
   bool mirror_;
+  bool present_ = true;
   double waited_ = 0.0;
 };
 

@@ -36,6 +36,9 @@ class PoseSource {
   /// Time that the last next() waited for joints, including tracking [s]; 0 if they were available.
   [[nodiscard]] virtual double waited() const { return 0.0; }
 
+  /// Whether anybody is there to be followed, as of the last next(): false for a place of several that is empty.
+  [[nodiscard]] virtual bool present() const { return true; }
+
   /// Whether a leg was refused so far because it cannot be, see LegJudge.
   [[nodiscard]] virtual bool refusedLegs() const { return false; }
 };

@@ -26,6 +26,7 @@ class ProxyPoseSource final : public PoseSource {
   [[nodiscard]] std::span<const double> trust() const override { return trust_; }
   [[nodiscard]] std::span<const NamedWeight> expressions() const override { return source_->expressions(); }
   [[nodiscard]] double waited() const override { return source_->waited(); }
+  [[nodiscard]] bool present() const override { return source_->present(); }
   [[nodiscard]] bool refusedLegs() const override { return source_->refusedLegs(); }
 
  private:

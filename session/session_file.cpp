@@ -30,19 +30,11 @@ class StepReader {
     step.hashes.hulls = reader_.take<std::uint64_t>();
     step.hashes.props = reader_.take<std::uint64_t>();
     step.hashes.particles = reader_.take<std::uint64_t>();
-    step.joints = reader_.take<std::uint32_t>();
-    step.poses = reader_.take<std::uint32_t>();
     step.actions = reader_.take<std::uint32_t>();
-    const std::size_t min = step.joints + step.poses + step.actions;  // each takes more than one byte
-    if (reader_.left() < min) return fmt::format("holds {} bytes, expected {} records", reader_.left(), min);
-    if (header_.poseJoints == 0 ? step.poses > 0 : step.joints > 0) {
-      return std::string(header_.poseJoints == 0 ? "holds poses, expected joints" : "holds joints, expected poses");
+    for (std::size_t a = 0; a < header_.avatars.size() && !wrong_ && reader_.ok(); ++a) {
+      step.frames += readMotion(header_.avatars[a], file_.motions[a]);
     }
-    for (std::size_t i = 0; i < step.joints && !wrong_ && reader_.ok(); ++i) readJoints();
-    for (std::size_t i = 0; i < step.poses && !wrong_ && reader_.ok(); ++i) readPose();
-    for (std::size_t i = 0; header_.poseExpressions && i < step.poses && !wrong_ && reader_.ok(); ++i) {
-      readExpressions();
-    }
+    if (!wrong_) checkRecords(step.actions);
     for (std::size_t i = 0; i < step.actions && !wrong_ && reader_.ok(); ++i) readAction();
     if (!reader_.ok()) return "is truncated";
     if (wrong_) return wrong_;
@@ -54,6 +46,29 @@ class StepReader {
  private:
   void fail(std::string what) {
     if (!wrong_) wrong_ = std::move(what);
+  }
+
+  /// Rejects a number of records that cannot be there: each takes more than one byte.
+  void checkRecords(std::size_t count) {
+    if (reader_.left() < count) fail(fmt::format("holds {} bytes, expected {} records", reader_.left(), count));
+  }
+
+  /// @return the number of frames
+  std::size_t readMotion(const AvatarHeader& avatar, RecordedMotion& motion) {
+    const auto count = reader_.take<std::uint32_t>();
+    checkRecords(count);
+    const bool poses = avatar.poseJoints > 0;
+    for (std::size_t i = 0; i < count && !wrong_ && reader_.ok(); ++i) {
+      if (poses) {
+        readPose(avatar, motion);
+      } else {
+        readJoints(motion);
+      }
+    }
+    for (std::size_t i = 0; avatar.poseExpressions && i < count && !wrong_ && reader_.ok(); ++i) {
+      readExpressions(motion);
+    }
+    return count;
   }
 
   double time() {
@@ -85,7 +100,7 @@ class StepReader {
     return q;
   }
 
-  void readJoints() {
+  void readJoints(RecordedMotion& motion) {
     SkeletonFrame frame;
     frame.time = time();
     frame.user = reader_.take<std::int32_t>();
@@ -99,28 +114,28 @@ class StepReader {
       joint.position = position("a joint");
       if (oriented == 1) joint.orientation = rotation();
     }
-    file_.joints.push_back(frame);
+    motion.joints.push_back(frame);
   }
 
-  void readPose() {
-    file_.poseTimes.push_back(time());
-    for (int j = 0; j < header_.poseJoints && !wrong_ && reader_.ok(); ++j) {
+  void readPose(const AvatarHeader& avatar, RecordedMotion& motion) {
+    motion.poseTimes.push_back(time());
+    for (int j = 0; j < avatar.poseJoints && !wrong_ && reader_.ok(); ++j) {
       JointTransform joint;
       joint.translation = position("a joint");
       joint.rotation = rotation();
       joint.scale = position("a scale");
-      file_.poses.push_back(joint);
+      motion.poses.push_back(joint);
     }
-    if (!header_.poseTrust) return;
-    for (int j = 0; j < header_.poseJoints && !wrong_ && reader_.ok(); ++j) {
+    if (!avatar.poseTrust) return;
+    for (int j = 0; j < avatar.poseJoints && !wrong_ && reader_.ok(); ++j) {
       const auto trust = reader_.take<double>();
       if (!(trust >= 0.0 && trust <= 1.0)) fail(fmt::format("found a trust of {}, expected 0 to 1", trust));
-      file_.poseTrust.push_back(trust);
+      motion.poseTrust.push_back(trust);
     }
   }
 
-  void readExpressions() {
-    std::vector<NamedWeight>& all = file_.poseExpressions.emplace_back();
+  void readExpressions(RecordedMotion& motion) {
+    std::vector<NamedWeight>& all = motion.poseExpressions.emplace_back();
     const auto count = reader_.take<std::uint16_t>();
     if (count > kMostExpressions) {
       return fail(fmt::format("found {} expressions, expected at most {}", count, kMostExpressions));
@@ -179,6 +194,7 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
   file.header = std::move(*header);
   file.sceneText = std::string(all[1].payload);
   file.steps.reserve(all.size());
+  file.motions.resize(file.header.avatars.size());
   for (std::size_t b = 2; b < all.size(); ++b) {
     if (file.finished) return bad(fmt::format("byte {}: a block after the end", all[b].offset));
     if (all[b].kind == BlockKind::kStep) {

@@ -14,9 +14,8 @@
 
 namespace lorica {
 
-/// The inputs of a recorded session. File names are those at the time of the recording, as hints for finding the files;
-/// hashes verify that the files found are the same.
-struct SessionHeader {
+/// The inputs of one avatar of a recorded session.
+struct AvatarHeader {
   std::string source;            ///< name of the motion: "walk"
   int poseJoints = 0;            ///< joints per recorded pose; 0 = tracked joints were recorded
   bool poseTrust = false;        ///< whether the trust of each joint was recorded with each pose
@@ -39,21 +38,44 @@ struct SessionHeader {
 
   JointSettings joints;
   FaultSettings faults;
+  Vec3 place = Vec3::Zero();  ///< of the motion's origin [m]
+  double heading = 0.0;       ///< by which the motion is turned around the vertical [degrees]
 
-  std::optional<SpringMode> springs;  ///< none = the session had neither springs nor constraints
+  std::optional<SpringMode> springs;  ///< none = the avatar had neither springs nor constraints
   std::uint64_t springsHash = 0;      ///< hashOf(SpringBones); 0 = none
+};
+
+/// The inputs of a recorded session. File names are those at the time of the recording, as hints for finding the files;
+/// hashes verify that the files found are the same.
+struct SessionHeader {
+  std::vector<AvatarHeader> avatars = std::vector<AvatarHeader>(1);  ///< at least one
 
   std::string scene;            ///< name or file, as given; empty = the demo scene
   std::string sceneFolder;      ///< base folder of relative mesh paths
   std::uint64_t sceneSeed = 0;  ///< of the demo scene
   std::uint64_t worldHash = 0;  ///< hashOf(World) at the start
+
+  [[nodiscard]] AvatarHeader& avatar(std::size_t index = 0) { return avatars[index]; }
+  [[nodiscard]] const AvatarHeader& avatar(std::size_t index = 0) const { return avatars[index]; }
+};
+
+/// Maximum number of avatars of a recorded session.
+inline constexpr std::size_t kMaxRecordedAvatars = 1000;
+
+/// What the source of one avatar gave in all steps.
+struct RecordedMotion {
+  std::vector<SkeletonFrame> joints;
+  std::vector<double> poseTimes;      ///< [s]
+  std::vector<JointTransform> poses;  ///< AvatarHeader::poseJoints for each time
+  std::vector<double> poseTrust;      ///< the same number for each time; empty without AvatarHeader::poseTrust
+  /// For each time; empty without AvatarHeader::poseExpressions.
+  std::vector<std::vector<NamedWeight>> poseExpressions;
 };
 
 /// One step of a session: its inputs and results.
 struct SessionStep {
   double time = 0.0;        ///< Session::time() after it [s]
-  std::size_t joints = 0;   ///< number of joint frames that it consumed
-  std::size_t poses = 0;    ///< number of poses that it consumed
+  std::size_t frames = 0;   ///< number of joint frames or poses that it consumed, of all avatars
   std::size_t actions = 0;  ///< number of actions applied to the world
   SessionHashes hashes;     ///< Session::hashes() after it
 };
@@ -61,18 +83,16 @@ struct SessionStep {
 /// The contents of a session file.
 struct SessionFile {
   SessionHeader header;
-  std::string sceneText;              ///< of the scene file; empty = the demo scene
-  std::vector<SessionStep> steps;     ///< at least one
-  std::vector<SkeletonFrame> joints;  ///< of all steps, concatenated
-  std::vector<double> poseTimes;      ///< [s]
-  std::vector<JointTransform> poses;  ///< header.poseJoints for each time
-  std::vector<double> poseTrust;      ///< header.poseJoints for each time; empty without header.poseTrust
-  /// For each time; empty without header.poseExpressions.
-  std::vector<std::vector<NamedWeight>> poseExpressions;
-  std::vector<WorldAction> actions;  ///< of all steps, concatenated
-  bool finished = false;             ///< whether the file was closed; otherwise the program ended before
-  std::vector<std::string> notes;    ///< on dropped data
+  std::string sceneText;                ///< of the scene file; empty = the demo scene
+  std::vector<SessionStep> steps;       ///< at least one
+  std::vector<RecordedMotion> motions;  ///< of each avatar
+  std::vector<WorldAction> actions;     ///< of all steps, concatenated
+  bool finished = false;                ///< whether the file was closed; otherwise the program ended before
+  std::vector<std::string> notes;       ///< on dropped data
 };
+
+/// Where the avatar performs, see SessionAvatar::setPlace(); nothing = where its source says.
+[[nodiscard]] std::optional<Isometry3> placeOf(const AvatarHeader& header);
 
 /// Reads and validates a .lsession file. An incomplete block at the end is dropped, with a note; all other damage is an
 /// error.

@@ -6,12 +6,14 @@
 
 #include <charconv>
 #include <limits>
+#include <numbers>
 
 namespace lorica {
 namespace {
 
-constexpr const char* kFormat = "lorica-session-1";
+constexpr const char* kFormat = "lorica-session-2";
 constexpr int kMaxPoseJoints = 100000;
+constexpr double kFarthestPlace = 1e6;  // [m]
 
 /// Reads a hash of sixteen hexadecimal digits.
 void readHash(SceneElement& element, const char* key, std::uint64_t& hash) {
@@ -35,7 +37,7 @@ void readSmoothing(SceneElement element, JointSettings& joints) {
   joints.smoothing = settings;
 }
 
-void readFaults(SceneElement& root, SessionHeader& header) {
+void readFaults(SceneElement& root, AvatarHeader& header) {
   std::string text;
   root.text("faults", text);
   if (text.empty() || root.failed()) return;
@@ -58,7 +60,7 @@ void readTexts(SceneElement& element, const char* key, const char* example, std:
   }
 }
 
-void readCharacter(SceneElement element, SessionHeader& header) {
+void readCharacter(SceneElement element, AvatarHeader& header) {
   element.allow({"name", "map", "body-resolution", "expressions", "hide", "clip", "hash"});
   element.text("name", header.character);
   element.text("map", header.boneMap);
@@ -69,7 +71,7 @@ void readCharacter(SceneElement element, SessionHeader& header) {
   readHash(element, "hash", header.characterHash);
 }
 
-void readBody(SceneElement element, SessionHeader& header) {
+void readBody(SceneElement element, AvatarHeader& header) {
   element.allow({"file", "hash", "cover", "hull-vertices", "cover-hash", "training-hash"});
   element.text("file", header.decomposition);
   readHash(element, "hash", header.decompositionHash);
@@ -83,7 +85,7 @@ void readBody(SceneElement element, SessionHeader& header) {
   readHash(element, "training-hash", header.trainingHash);
 }
 
-void readSprings(SceneElement element, SessionHeader& header) {
+void readSprings(SceneElement element, AvatarHeader& header) {
   element.allow({"mode", "hash"});
   std::string mode;
   element.need("mode", "none, file or body");
@@ -102,11 +104,37 @@ void readScene(SceneElement element, SessionHeader& header) {
   readHash(element, "hash", header.worldHash);
 }
 
-}  // namespace
+void readAvatar(SceneElement element, AvatarHeader& header) {
+  element.allow({"source", "pose-joints", "pose-trust", "pose-expressions", "character", "decomposition", "mirror",
+                 "upper-body", "smoothing", "faults", "place", "heading", "springs"});
+  element.text("source", header.source);
+  element.integer("pose-joints", 0, kMaxPoseJoints, header.poseJoints);
+  if (element.has("pose-trust")) element.flag("pose-trust", header.poseTrust);
+  if (element.has("pose-expressions")) element.flag("pose-expressions", header.poseExpressions);
+  for (const char* key : {"character", "decomposition"}) element.need(key, "an object");
+  if (!element.failed()) readCharacter(element.child("character"), header);
+  if (!element.failed()) readBody(element.child("decomposition"), header);
+  element.flag("mirror", header.joints.mirror);
+  element.flag("upper-body", header.joints.upperBody);
+  if (element.has("smoothing") && !element.failed()) readSmoothing(element.child("smoothing"), header.joints);
+  readFaults(element, header);
+  element.vector("place", -kFarthestPlace, kFarthestPlace, header.place);
+  element.number("heading", -360.0, 360.0, header.heading);
+  if (element.has("springs") && !element.failed()) readSprings(element.child("springs"), header);
+}
 
-std::string textOf(const SessionHeader& header) {
+void readAvatars(SceneElement& root, SessionHeader& header) {
+  header.avatars.clear();
+  root.each("avatars", [&](SceneElement& element) {
+    if (header.avatars.size() < kMaxRecordedAvatars) return readAvatar(element, header.avatars.emplace_back());
+    root.fail("avatars", fmt::format("{} avatars", root.at("avatars").size()),
+              fmt::format("at most {}", kMaxRecordedAvatars));
+  });
+  if (!root.failed() && header.avatars.empty()) root.fail("avatars", "an empty list", "at least one avatar");
+}
+
+SceneJson jsonOf(const AvatarHeader& header) {
   SceneJson json;
-  json["format"] = kFormat;
   json["source"] = header.source;
   json["pose-joints"] = header.poseJoints;
   if (header.poseTrust) json["pose-trust"] = true;
@@ -133,10 +161,30 @@ std::string textOf(const SessionHeader& header) {
     json["smoothing"]["beta"] = header.joints.smoothing->beta;
   }
   json["faults"] = textOf(header.faults);
+  if (!header.place.isZero()) json["place"] = {header.place.x(), header.place.y(), header.place.z()};
+  if (header.heading != 0.0) json["heading"] = header.heading;
   if (header.springs) {
     json["springs"]["mode"] = nameOf(*header.springs);
     json["springs"]["hash"] = hexDigits(header.springsHash);
   }
+  return json;
+}
+
+}  // namespace
+
+std::optional<Isometry3> placeOf(const AvatarHeader& header) {
+  if (header.place.isZero() && header.heading == 0.0) return std::nullopt;
+  Isometry3 place = Isometry3::Identity();
+  place.linear() = Eigen::AngleAxisd(header.heading * std::numbers::pi / 180.0, Vec3::UnitY()).toRotationMatrix();
+  place.translation() = header.place;
+  return place;
+}
+
+std::string textOf(const SessionHeader& header) {
+  SceneJson json;
+  json["format"] = kFormat;
+  json["avatars"] = SceneJson::array();
+  for (const AvatarHeader& avatar : header.avatars) json["avatars"].push_back(jsonOf(avatar));
   SceneJson& scene = json["scene"];
   scene["name"] = header.scene;
   if (!header.sceneFolder.empty()) scene["folder"] = header.sceneFolder;
@@ -152,26 +200,16 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   std::optional<std::string> error;
   SessionHeader header;
   SceneElement root(*json, "", error);
-  root.allow({"format", "source", "pose-joints", "pose-trust", "pose-expressions", "character", "decomposition",
-              "mirror", "upper-body", "smoothing", "faults", "springs", "scene"});
   std::string format;
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
   if (!root.failed() && format != kFormat) {
     root.fail("format", fmt::format("\"{}\"", format.substr(0, 40)), fmt::format("\"{}\"", kFormat));
   }
-  root.text("source", header.source);
-  root.integer("pose-joints", 0, kMaxPoseJoints, header.poseJoints);
-  if (root.has("pose-trust")) root.flag("pose-trust", header.poseTrust);
-  if (root.has("pose-expressions")) root.flag("pose-expressions", header.poseExpressions);
-  for (const char* key : {"character", "decomposition", "scene"}) root.need(key, "an object");
-  if (!root.failed()) readCharacter(root.child("character"), header);
-  if (!root.failed()) readBody(root.child("decomposition"), header);
-  root.flag("mirror", header.joints.mirror);
-  root.flag("upper-body", header.joints.upperBody);
-  if (root.has("smoothing") && !root.failed()) readSmoothing(root.child("smoothing"), header.joints);
-  readFaults(root, header);
-  if (root.has("springs") && !root.failed()) readSprings(root.child("springs"), header);
+  if (!root.failed()) root.allow({"format", "avatars", "scene"});
+  root.need("avatars", "a list");
+  root.need("scene", "an object");
+  readAvatars(root, header);
   if (!root.failed()) readScene(root.child("scene"), header);
   if (error) return Error{ErrorCode::kBadFormat, fmt::format("{}: header: {}", name, *error)};
   return header;

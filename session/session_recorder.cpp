@@ -68,11 +68,10 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
 }
 
 SessionRecorder::SessionRecorder(fs::path file, fs::path part, int descriptor, const SessionHeader& header)
-    : file_(std::move(file)),
-      part_(std::move(part)),
-      descriptor_(descriptor),
-      poses_(header.poseJoints > 0),
-      expressions_(header.poseExpressions) {}
+    : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor) {
+  tracks_.reserve(header.avatars.size());
+  for (const AvatarHeader& avatar : header.avatars) tracks_.push_back({avatar.poseJoints > 0, avatar.poseExpressions});
+}
 
 SessionRecorder::~SessionRecorder() {
   if (descriptor_ >= 0) close(descriptor_);
@@ -89,10 +88,14 @@ Result<void> SessionRecorder::write() {
   return {};
 }
 
+void SessionRecorder::clearLogs() {
+  for (const Track& track : tracks_) track.log->clear();
+}
+
 Result<void> SessionRecorder::afterStep(const Session& session, std::span<const WorldAction> done) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (over_ || descriptor_ < 0) {
-    log_->clear();
+    clearLogs();
     return {};
   }
   const SessionHashes& hashes = session.hashes();
@@ -101,30 +104,35 @@ Result<void> SessionRecorder::afterStep(const Session& session, std::span<const 
   step_.put(hashes.hulls);
   step_.put(hashes.props);
   step_.put(hashes.particles);
-  step_.put(static_cast<std::uint32_t>(poses_ ? 0 : log_->joints.size()));
-  step_.put(static_cast<std::uint32_t>(poses_ ? log_->poseTimes.size() : 0));
   step_.put(static_cast<std::uint32_t>(done.size()));
-  if (poses_) {
-    const std::size_t joints = log_->poseTimes.empty() ? 0 : log_->poses.size() / log_->poseTimes.size();
-    for (std::size_t i = 0; i < log_->poseTimes.size(); ++i) {
-      step_.put(log_->poseTimes[i]);
-      for (const JointTransform& joint : std::span(log_->poses).subspan(i * joints, joints)) {
-        put(joint.translation, step_);
-        put(joint.rotation, step_);
-        put(joint.scale, step_);
-      }
-      if (log_->trust.empty()) continue;
-      for (const double trust : std::span(log_->trust).subspan(i * joints, joints)) step_.put(trust);
-    }
-    if (expressions_) step_.put(log_->expressions.bytes());
-  } else {
-    for (const SkeletonFrame& frame : log_->joints) put(frame, step_);
-  }
+  for (const Track& track : tracks_) putMotion(track);
   for (const WorldAction& action : done) put(action, step_);
-  log_->clear();
+  clearLogs();
   appendBlock(BlockKind::kStep, step_.bytes(), chain_, block_);
   ++steps_;
   return write();
+}
+
+/// Adds what the source of an avatar gave in a step.
+void SessionRecorder::putMotion(const Track& track) {
+  const SourceLog& log = *track.log;
+  step_.put(static_cast<std::uint32_t>(track.poses ? log.poseTimes.size() : log.joints.size()));
+  if (!track.poses) {
+    for (const SkeletonFrame& frame : log.joints) put(frame, step_);
+    return;
+  }
+  const std::size_t joints = log.poseTimes.empty() ? 0 : log.poses.size() / log.poseTimes.size();
+  for (std::size_t i = 0; i < log.poseTimes.size(); ++i) {
+    step_.put(log.poseTimes[i]);
+    for (const JointTransform& joint : std::span(log.poses).subspan(i * joints, joints)) {
+      put(joint.translation, step_);
+      put(joint.rotation, step_);
+      put(joint.scale, step_);
+    }
+    if (log.trust.empty()) continue;
+    for (const double trust : std::span(log.trust).subspan(i * joints, joints)) step_.put(trust);
+  }
+  if (track.expressions) step_.put(log.expressions.bytes());
 }
 
 Result<int> SessionRecorder::finish() {

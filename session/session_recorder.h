@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace lorica {
 
@@ -34,8 +35,8 @@ class SessionRecorder final : public StepWatcher {
 
   /// The recording that a killed program left behind, under its new name; nothing if there was none.
   [[nodiscard]] const std::optional<std::filesystem::path>& found() const { return found_; }
-  /// The log that the session's source must write to.
-  [[nodiscard]] const std::shared_ptr<SourceLog>& log() const { return log_; }
+  /// The log that the source of an avatar must write to.
+  [[nodiscard]] const std::shared_ptr<SourceLog>& log(std::size_t avatar = 0) const { return tracks_[avatar].log; }
 
   void beforeStep(Session& /*session*/) override {}
   [[nodiscard]] Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override;
@@ -51,15 +52,21 @@ class SessionRecorder final : public StepWatcher {
 
  private:
   SessionRecorder(std::filesystem::path file, std::filesystem::path part, int descriptor, const SessionHeader& header);
+  /// What is recorded of an avatar.
+  struct Track {
+    bool poses = false;        ///< poses are recorded; otherwise joints
+    bool expressions = false;  ///< expressions are recorded with them
+    std::shared_ptr<SourceLog> log = std::make_shared<SourceLog>();
+  };
   [[nodiscard]] Result<void> write();
+  void putMotion(const Track& track);
+  void clearLogs();
 
   std::filesystem::path file_, part_;
   std::optional<std::filesystem::path> found_;
   std::mutex mutex_;  ///< of the file
   int descriptor_;
-  bool poses_;        ///< whether poses are recorded; otherwise joints
-  bool expressions_;  ///< whether expressions are recorded with them
-  std::shared_ptr<SourceLog> log_ = std::make_shared<SourceLog>();
+  std::vector<Track> tracks_;
   ByteWriter step_;
   std::string block_;  ///< bytes to be written
   std::uint64_t chain_ = 0;

@@ -48,19 +48,20 @@ class RecordedPoses final : public PoseSource {
 
 }  // namespace
 
-Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& recorded, const Character& character) {
-  const SourceTreatment treatment{nullptr, recorded.header.faults, recorded.header.joints};
-  if (recorded.header.poseJoints == 0) {
-    return makeTreatedSource(character, makeRecordedSource(recorded.joints), treatment);
-  }
-  if (recorded.header.poseJoints != character.skeleton.jointCount()) {
+Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& recorded, const Character& character,
+                                                          std::size_t avatar) {
+  const AvatarHeader& header = recorded.header.avatar(avatar);
+  const RecordedMotion& motion = recorded.motions[avatar];
+  const SourceTreatment treatment{nullptr, header.faults, header.joints};
+  if (header.poseJoints == 0) return makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
+  if (header.poseJoints != character.skeleton.jointCount()) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("poses of {} joints were recorded, {} has {}", recorded.header.poseJoints, character.name,
+                 fmt::format("poses of {} joints were recorded, {} has {}", header.poseJoints, character.name,
                              character.skeleton.jointCount())};
   }
-  SkeletalMotion motion{recorded.header.source, character.skeleton, recorded.poseTimes, recorded.poses};
-  return makeTreatedSource(
-      std::make_unique<RecordedPoses>(std::move(motion), recorded.poseTrust, recorded.poseExpressions), treatment);
+  SkeletalMotion poses{header.source, character.skeleton, motion.poseTimes, motion.poses};
+  return makeTreatedSource(std::make_unique<RecordedPoses>(std::move(poses), motion.poseTrust, motion.poseExpressions),
+                           treatment);
 }
 
 void SessionReplay::beforeStep(Session& session) {
@@ -83,30 +84,44 @@ Result<void> SessionReplay::afterStep(const Session& session, std::span<const Wo
   return {};
 }
 
-Result<void> checkReplay(const SessionHeader& header, const std::string& name, const Session& session) {
-  const auto differs = [&](const std::string& what) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, what)};
-  };
-  if (hashOf(session.character()) != header.characterHash) {
+namespace {
+
+/// @param differs  makes the error
+template <typename Differs>
+Result<void> checkAvatar(const AvatarHeader& header, const SessionAvatar& avatar, const Differs& differs) {
+  if (hashOf(avatar.character()) != header.characterHash) {
     return differs(
         fmt::format("recorded with a character {} that differs from the one found, expected the same mesh, "
                     "skeleton and weights: specify it with --character",
                     header.character));
   }
-  if (hashOf(session.body().decomposition()) != header.decompositionHash) {
+  if (hashOf(avatar.body().decomposition()) != header.decompositionHash) {
     return differs(
         fmt::format("recorded with another decomposition of {}{}: specify the one that was used with --decomposition",
                     header.character,
                     header.decomposition.empty() ? ", the default one at that time" : ", " + header.decomposition));
   }
-  const SessionSprings* springs = session.springs();
+  const SessionSprings* springs = avatar.springs();
   if ((springs != nullptr ? std::optional(springs->mode()) : std::nullopt) != header.springs ||
       (springs != nullptr ? springs->hash() : 0) != header.springsHash) {
     return differs(fmt::format("recorded with other springs than those of {}: specify the character with --character",
                                header.character));
   }
-  if (hashOf(session.training()) != header.trainingHash) {
+  if (hashOf(avatar.training()) != header.trainingHash) {
     return differs("recorded with a decomposition that was trained on other poses: specify it with --decomposition");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> checkReplay(const SessionHeader& header, const std::string& name, const Session& session) {
+  const auto differs = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, what)};
+  };
+  LORICA_CHECK(session.avatars().size() == header.avatars.size(), "as many avatars as were recorded");
+  for (std::size_t a = 0; a < header.avatars.size(); ++a) {
+    if (Result<void> same = checkAvatar(header.avatar(a), session.avatars()[a], differs); !same) return same;
   }
   if (hashOf(session.world()) != header.worldHash) {
     return differs(fmt::format(

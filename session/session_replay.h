@@ -15,10 +15,10 @@ class SessionReplay final : public StepWatcher {
   explicit SessionReplay(std::shared_ptr<const SessionFile> recorded) : recorded_(std::move(recorded)) {}
 
   /// Source of the recorded joints or poses, with the same processing as in the recording.
-  /// @param character  of the recording
+  /// @param character  of the recorded avatar
   /// @return the source, or an error if they do not fit the character
   [[nodiscard]] static Result<std::unique_ptr<PoseSource>> source(const SessionFile& recorded,
-                                                                  const Character& character);
+                                                                  const Character& character, std::size_t avatar = 0);
 
   /// The first step whose results differ from the recording.
   struct Difference {
@@ -41,7 +41,7 @@ class SessionReplay final : public StepWatcher {
   std::optional<Difference> difference_;
 };
 
-/// Checks that character, decomposition, training range and scene are those of the recorded session.
+/// Checks that characters, decompositions, training ranges and scene are those of the recorded session.
 /// @param name  of the session, for the error message
 /// @return success, or an error with the difference
 [[nodiscard]] Result<void> checkReplay(const SessionHeader& header, const std::string& name, const Session& session);

@@ -42,6 +42,7 @@ class LoggedPoses final : public PoseSource {
   [[nodiscard]] std::span<const double> trust() const override { return source_->trust(); }
   [[nodiscard]] std::span<const NamedWeight> expressions() const override { return source_->expressions(); }
   [[nodiscard]] double waited() const override { return source_->waited(); }
+  [[nodiscard]] bool present() const override { return source_->present(); }
 
  private:
   std::unique_ptr<PoseSource> source_;

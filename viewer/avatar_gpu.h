@@ -63,6 +63,7 @@ struct AvatarGpu {
   bool posedOnCpu = false;  ///< the vertex buffers hold the pose: shaders do not skin
   bool reshaped = false;    ///< `shapes` differ from bindShapes
   bool inUse = false;       ///< filled for an avatar, which may no longer exist
+  bool shown = false;       ///< in this picture
 };
 
 }  // namespace lorica

@@ -37,14 +37,19 @@ void extendToParticles(Aabb& box, const Scene& scene, const SceneOptions& option
 Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& target) {
   Aabb box;
   if (options.skin) {
-    for (const Vec3& p : scene.vertices) extendFinite(box, p);
+    scene.eachFigure([&](const SceneFigure& figure) {
+      for (const Vec3& p : figure.vertices) extendFinite(box, p);
+    });
   }
   // With a skin, hulls must not change its light; an avatar is skinned on the GPU, and its hulls hold it.
-  if ((options.hulls || (options.skin && scene.avatar != nullptr)) && box.empty()) {
-    for (const LivePart& part : scene.parts) {
+  const bool hasSkin = !box.empty();
+  scene.eachFigure([&](const SceneFigure& figure) {
+    const bool drawn = options.skin && figure.avatar != nullptr;
+    if (drawn ? !figure.vertices.empty() : (hasSkin || !options.hulls)) return;
+    for (const LivePart& part : figure.parts) {
       for (const Vec3& p : part.shape.vertices) extendFinite(box, part.worldFromPart * p);
     }
-  }
+  });
   extendToParticles(box, scene, options);
   if (box.empty()) extendFinite(box, target);
   if (box.empty()) box.extend(Vec3::Zero());

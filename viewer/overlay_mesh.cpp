@@ -31,21 +31,23 @@ const Vec3& at(std::span<const Vec3> vertices, VertexIndex i) {
 
 }  // namespace
 
-const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const LivePart> parts, const Vec3& eye) {
+const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const std::span<const LivePart>> figures,
+                                                     const Vec3& eye) {
   hullVertices_.clear();
   order_.clear();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const ConvexHull& hull = parts[i].shape;
-    if (hull.degenerate() || !parts[i].worldFromPart.matrix().allFinite()) continue;
-    const bool finite =
-        std::all_of(hull.vertices.begin(), hull.vertices.end(), [](const Vec3& v) { return v.allFinite(); });
-    if (!finite) continue;
-    const Vec3 center = parts[i].worldFromPart * boundsOf(hull.vertices).center();
-    order_.emplace_back(-(center - eye).squaredNorm(), static_cast<PartIndex>(i));
+  for (std::size_t f = 0; f < figures.size(); ++f) {
+    for (std::size_t i = 0; i < figures[f].size(); ++i) {
+      const LivePart& part = figures[f][i];
+      const std::vector<Vec3>& vertices = part.shape.vertices;
+      if (part.shape.degenerate() || !part.worldFromPart.matrix().allFinite()) continue;
+      if (!std::all_of(vertices.begin(), vertices.end(), [](const Vec3& v) { return v.allFinite(); })) continue;
+      const Vec3 center = part.worldFromPart * boundsOf(vertices).center();
+      order_.push_back({-(center - eye).squaredNorm(), f, static_cast<PartIndex>(i)});
+    }
   }
   std::sort(order_.begin(), order_.end());
-  for (const auto& [distance, part] : order_) {
-    const ConvexHull hull = worldHull(parts[part]);
+  for (const auto& [nearness, figure, part] : order_) {
+    const ConvexHull hull = worldHull(figures[figure][part]);
     const Vec3f color = partColor(part);
     append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28}, eye);
   }
@@ -124,6 +126,12 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
 
 const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
                                                      const Vec3& eye) {
+  boneVertices_.clear();
+  return moreBones(skeleton, worldFromJoint, eye);
+}
+
+const std::vector<OverlayVertex>& OverlayMesh::moreBones(const Skeleton& skeleton,
+                                                         std::span<const Affine3> worldFromJoint, const Vec3& eye) {
   LORICA_CHECK(worldFromJoint.size() == static_cast<std::size_t>(skeleton.jointCount()),
                "scene.worldFromJoint does not match the skeleton");
   //      waist at 0.15 of the length, four corners around it
@@ -131,7 +139,6 @@ const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, s
   constexpr std::array<Triangle, 8> kOctahedron = {
       {{2, 3, 1}, {3, 4, 1}, {4, 5, 1}, {5, 2, 1}, {3, 2, 0}, {4, 3, 0}, {5, 4, 0}, {2, 5, 0}}};
   const Look look = {Vec3f(0.055f, 0.085f, 0.15f), Vec3f(0.45f, 0.62f, 0.85f), 1.0, 1.0, 0.9, 0.0};
-  boneVertices_.clear();
   for (JointIndex i = 0; i < skeleton.jointCount(); ++i) {
     const JointIndex parent = skeleton.joint(i).parent;
     if (parent == kNoJoint) continue;

@@ -25,11 +25,19 @@ class OverlayMesh {
  public:
   /// Hulls sorted from far to near as seen from the eye, back faces first in each hull. Blending in this order is
   /// correct as long as hulls overlap little. Includes outlines, and edges whose faces are not nearly coplanar.
-  const std::vector<OverlayVertex>& hulls(std::span<const LivePart> parts, const Vec3& eye);
+  /// @param figures  the parts of each
+  const std::vector<OverlayVertex>& hulls(std::span<const std::span<const LivePart>> figures, const Vec3& eye);
+  /// The same of one figure.
+  const std::vector<OverlayVertex>& hulls(std::span<const LivePart> parts, const Vec3& eye) {
+    return hulls(std::span(&parts, 1), eye);
+  }
 
   /// Opaque octahedra from each parent joint to its child.
   const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
                                           const Vec3& eye);
+  /// The same of a further figure, added to what bones() gave last.
+  const std::vector<OverlayVertex>& moreBones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
+                                              const Vec3& eye);
 
  private:
   struct HalfEdge {
@@ -51,7 +59,14 @@ class OverlayMesh {
 
   std::vector<OverlayVertex> hullVertices_;
   std::vector<OverlayVertex> boneVertices_;
-  std::vector<std::pair<double, PartIndex>> order_;
+  /// A part of a figure.
+  struct Placed {
+    double nearness;  ///< greater = nearer
+    std::size_t figure;
+    PartIndex part;
+    [[nodiscard]] auto operator<=>(const Placed&) const = default;
+  };
+  std::vector<Placed> order_;
   std::vector<Vec3> faceNormals_;
   std::vector<double> facing_;  ///< of each face, cosine between its normal and the direction to the eye
   std::vector<HalfEdge> halfEdges_;

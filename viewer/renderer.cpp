@@ -10,9 +10,6 @@ namespace {
 
 using shaders::Pass;
 
-/// Skins with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
-constexpr std::size_t kFineTriangles = 8000;
-
 }  // namespace
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -49,19 +46,10 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.BindBuffer(GL_UNIFORM_BUFFER, i.frameBlock);
   gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof(FrameUniforms), &setup.uniforms);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, i.frameBlock);
-  i.uploadAvatar(scene, options);
-  const GLsizei skinIndexCount = i.avatar != nullptr ? 0 : i.uploadSkin(scene, options);
-  GLsizei hullCount = 0, boneCount = 0, markerCount = 0;
-  if (options.hulls && !scene.parts.empty()) {
-    const std::vector<OverlayVertex>& vertices = i.overlay.hulls(scene.parts, camera.eye);
-    i.gpu.upload(i.hullBuffer, vertices);
-    hullCount = glCount(vertices.size());
-  }
-  if (options.bones && scene.skeleton != nullptr) {
-    const std::vector<OverlayVertex>& vertices = i.overlay.bones(*scene.skeleton, scene.worldFromJoint, camera.eye);
-    i.gpu.upload(i.boneBuffer, vertices);
-    boneCount = glCount(vertices.size());
-  }
+  i.uploadFigures(scene, options);
+  const GLsizei hullCount = options.hulls ? i.uploadHulls(scene, camera.eye) : 0;
+  const GLsizei boneCount = options.bones ? i.uploadBones(scene, camera.eye) : 0;
+  GLsizei markerCount = 0;
   if (options.contacts) markerCount = i.uploadMarkers(scene.contacts);
   for (std::size_t shape = 0; shape < i.propShapes.size(); ++shape) {
     PropShapeGpu& target = i.propShapes[shape];
@@ -86,10 +74,10 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   // themselves.
   gl.Enable(GL_CULL_FACE);
   gl.CullFace(GL_FRONT);
-  i.drawCasters(Pass::kShadow, skinIndexCount, hullCount);
+  i.drawCasters(Pass::kShadow, hullCount);
   gl.Disable(GL_CULL_FACE);
   if (options.particles) i.drawGrainShadows(scene, setup);
-  if (options.ground) i.drawContactShadow(skinIndexCount, hullCount, setup.uniforms.contactArea.z());
+  if (options.ground) i.drawContactShadow(hullCount, setup.uniforms.contactArea.z());
 
   // Opaque objects from near to far, so that covered pixels are not shaded.
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
@@ -103,12 +91,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.ActiveTexture(GL_TEXTURE2);
   gl.BindTexture(GL_TEXTURE_2D, i.targets.shadowMap);
   gl.CullFace(GL_BACK);
-  if (skinIndexCount > 0) {
-    if (i.skin.closed()) gl.Enable(GL_CULL_FACE);
-    gl.UseProgram(i.skin.triangleCount() < kFineTriangles ? i.coarseSkinProgram : i.skinProgram[passIndex(Pass::kLit)]);
-    gl.BindVertexArray(i.skinVertexArray);
-    gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);
-  }
+  i.drawSkins(options);
   i.drawAvatarOpaque();
   gl.Enable(GL_CULL_FACE);
   i.drawProps(Pass::kLit);

@@ -100,10 +100,11 @@ void Renderer::Impl::releaseAvatar(AvatarGpu& made) {
   made.inUse = false;
 }
 
-/// The GPU data of an avatar, uploaded if it is new. Data of avatars that no longer exist is reused.
+/// The GPU data of an avatar that is not shown yet in this picture, uploaded if it is new: several figures may show one
+/// avatar in different poses. Data of avatars that no longer exist is reused.
 AvatarGpu& Renderer::Impl::avatarGpuOf(const std::shared_ptr<const Avatar>& drawn) {
   for (AvatarGpu& known : avatars) {
-    if (known.avatar.lock() == drawn) return known;
+    if (!known.shown && known.avatar.lock() == drawn) return known;
   }
   auto position = std::find_if(avatars.begin(), avatars.end(), [](const AvatarGpu& a) { return !a.inUse; });
   if (position == avatars.end()) {
@@ -232,36 +233,42 @@ GLuint Renderer::Impl::avatarProgram(AvatarVariant variant) {
   return program;
 }
 
-void Renderer::Impl::uploadAvatar(const Scene& scene, const SceneOptions& options) {
-  avatar = nullptr;
-  for (AvatarGpu& known : avatars) {
-    if (known.inUse && known.avatar.expired()) releaseAvatar(known);
-  }
-  if (!options.skin || options.colorSkinByPart || scene.avatar == nullptr || !scene.avatar->look.given()) return;
-  if (scene.worldFromModel.size() != scene.avatar->character.jointFromModel.size()) return;  // not posed yet
-  avatar = &avatarGpuOf(scene.avatar);
-  fillJointRows(scene.worldFromModel, avatar->jointRows);
+bool Renderer::Impl::uploadAvatar(const SceneFigure& figure, const SceneOptions& options) {
+  if (options.colorSkinByPart || figure.avatar == nullptr || !figure.avatar->look.given()) return false;
+  if (figure.worldFromModel.size() != figure.avatar->character.jointFromModel.size()) return false;  // not posed yet
+  avatar = &avatarGpuOf(figure.avatar);
+  avatar->shown = true;
+  shownAvatars.push_back(avatar);
+  fillJointRows(figure.worldFromModel, avatar->jointRows);
   gpu.upload(avatar->jointBuffer, avatar->jointRows);
   gl.ActiveTexture(GL_TEXTURE0 + shaders::kJointUnit);
   gl.BindTexture(GL_TEXTURE_BUFFER, avatar->jointTexture);
   gl.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, avatar->jointBuffer.id);
 
-  recolorAvatar(scene);
-  reshapeAvatar(scene);
-  if (!avatar->posedOnCpu) return;
+  recolorAvatar(figure);
+  reshapeAvatar(figure);
+  if (!avatar->posedOnCpu) return true;
   poseAvatar(avatar->shapes, avatar->vertices, avatar->jointRows, avatar->posed);
   gpu.upload(avatar->posedBuffer, avatar->posed);
+  return true;
+}
+
+void Renderer::Impl::bindAvatar(AvatarGpu& next) {
+  avatar = &next;
+  gl.BindVertexArray(avatar->vertexArray);
+  gl.ActiveTexture(GL_TEXTURE0 + shaders::kJointUnit);
+  gl.BindTexture(GL_TEXTURE_BUFFER, avatar->jointTexture);
 }
 
 /// Uploads the shape that an expression gives, or the bind pose's again.
-void Renderer::Impl::reshapeAvatar(const Scene& scene) {
+void Renderer::Impl::reshapeAvatar(const SceneFigure& figure) {
   const std::size_t count = avatar->bindShapes.size();
-  const bool reshaped = scene.avatarPositions.size() == count && scene.avatarNormals.size() == count;
+  const bool reshaped = figure.avatarPositions.size() == count && figure.avatarNormals.size() == count;
   if (!reshaped && !avatar->reshaped) return;
   bool changed = false;
   for (std::size_t v = 0; v < count; ++v) {
-    const AvatarShape now =
-        reshaped ? AvatarShape{scene.avatarPositions[v].cast<float>(), scene.avatarNormals[v]} : avatar->bindShapes[v];
+    const AvatarShape now = reshaped ? AvatarShape{figure.avatarPositions[v].cast<float>(), figure.avatarNormals[v]}
+                                     : avatar->bindShapes[v];
     AvatarShape& last = avatar->shapes[v];
     changed = changed || now.position != last.position || now.normal != last.normal;
     last = now;
@@ -273,9 +280,9 @@ void Renderer::Impl::reshapeAvatar(const Scene& scene) {
 }
 
 /// Uploads the materials that an expression changes, or changed in the picture before.
-void Renderer::Impl::recolorAvatar(const Scene& scene) {
-  const std::vector<Material>& own = scene.avatar->look.materials;
-  const std::span<const Material> shown = scene.avatarMaterials.size() == own.size() ? scene.avatarMaterials : own;
+void Renderer::Impl::recolorAvatar(const SceneFigure& figure) {
+  const std::vector<Material>& own = figure.avatar->look.materials;
+  const std::span<const Material> shown = figure.avatarMaterials.size() == own.size() ? figure.avatarMaterials : own;
   for (std::size_t m = 0; m < shown.size(); ++m) {
     const shaders::SurfaceUniforms now = shaders::surfaceUniforms(shown[m]);
     if (now == avatar->uniforms[m]) continue;
@@ -317,14 +324,16 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsize
 }
 
 void Renderer::Impl::drawAvatarCasters(shaders::Pass pass) {
-  if (avatar == nullptr) return;
-  gl.BindVertexArray(avatar->vertexArray);
+  if (shownAvatars.empty()) return;
   // Hair and clothes are open, so lit faces cast shadows: moved away from the light, they do not shadow themselves.
   gl.Enable(GL_POLYGON_OFFSET_FILL);
   gl.PolygonOffset(2.0f, 8.0f);
-  for (const AvatarCasters& casters : avatar->casters) {
-    drawAvatarGroup(avatar->groups[casters.group], pass == shaders::Pass::kShadow ? Draw::kShadow : Draw::kContact,
-                    casters.indexCount);
+  const Draw draw = pass == shaders::Pass::kShadow ? Draw::kShadow : Draw::kContact;
+  for (AvatarGpu* next : shownAvatars) {
+    bindAvatar(*next);
+    for (const AvatarCasters& casters : avatar->casters) {
+      drawAvatarGroup(avatar->groups[casters.group], draw, casters.indexCount);
+    }
   }
   gl.Disable(GL_POLYGON_OFFSET_FILL);
   gl.CullFace(GL_FRONT);
@@ -336,12 +345,13 @@ void Renderer::Impl::drawAvatarCasters(shaders::Pass pass) {
 }
 
 void Renderer::Impl::drawAvatarOpaque() {
-  if (avatar == nullptr) return;
-  gl.BindVertexArray(avatar->vertexArray);
-  for (const AvatarGroup& group : avatar->groups) {
-    if (group.material->alpha == AlphaMode::kBlend) continue;
-    drawAvatarGroup(group, Draw::kSurface);
-    if (isOutlined(*group.material)) drawAvatarGroup(group, Draw::kOutline);
+  for (AvatarGpu* next : shownAvatars) {
+    bindAvatar(*next);
+    for (const AvatarGroup& group : avatar->groups) {
+      if (group.material->alpha == AlphaMode::kBlend) continue;
+      drawAvatarGroup(group, Draw::kSurface);
+      if (isOutlined(*group.material)) drawAvatarGroup(group, Draw::kOutline);
+    }
   }
   gl.CullFace(GL_BACK);
 }
@@ -349,7 +359,13 @@ void Renderer::Impl::drawAvatarOpaque() {
 /// Blended groups in the order that their materials ask for, then from far to near. The depth of what is more opaque
 /// than not is drawn first, so that a strand of hair hides those behind it whatever their order in the mesh.
 void Renderer::Impl::drawAvatarBlended(const Vec3& eye) {
-  if (avatar == nullptr) return;
+  for (AvatarGpu* next : shownAvatars) {
+    bindAvatar(*next);
+    drawBlendedGroups(eye);
+  }
+}
+
+void Renderer::Impl::drawBlendedGroups(const Vec3& eye) {
   std::vector<std::size_t>& order = avatar->blended;
   std::vector<double>& distances = avatar->distances;
   order.clear();
@@ -374,7 +390,6 @@ void Renderer::Impl::drawAvatarBlended(const Vec3& eye) {
     if (orderA != orderB) return orderA < orderB;
     return distances[a] != distances[b] ? distances[a] > distances[b] : a < b;
   });
-  gl.BindVertexArray(avatar->vertexArray);
   gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   for (const std::size_t g : order) {
     const AvatarGroup& group = avatar->groups[g];

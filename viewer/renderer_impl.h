@@ -11,6 +11,7 @@
 #include "viewer/targets.h"
 
 #include <array>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -56,6 +57,15 @@ inline GLsizei glCount(std::size_t n) {
   return static_cast<GLsizei>(n);
 }
 
+/// The skin of a figure on the GPU.
+struct SkinGpu {
+  SkinMesh mesh;
+  GLuint vertexArray = 0;
+  StreamBuffer vertices, colors;
+  GLuint indices = 0;
+  GLsizei indexCount = 0;
+};
+
 /// The state of a Renderer: created by renderer_setup.cpp; filled and drawn by renderer_passes.cpp in the order given
 /// by renderer.cpp.
 struct Renderer::Impl {
@@ -72,14 +82,14 @@ struct Renderer::Impl {
   GLint blurStride = -1, markerTint = -1, panelRectangle = -1;
   GLuint frameBlock = 0, emptyVertexArray = 0;
 
-  SkinMesh skin;
-  GLuint skinVertexArray = 0;
-  StreamBuffer skinVertices, skinColors;
-  GLuint skinIndices = 0;
+  std::vector<SkinGpu> skins;
+  std::size_t skinCount = 0;  ///< of `skins`: drawn in this picture
 
-  std::vector<AvatarGpu> avatars;
+  std::deque<AvatarGpu> avatars;
   std::vector<AvatarProgram> avatarPrograms;
-  AvatarGpu* avatar = nullptr;  ///< drawn in this picture; null = none
+  std::vector<AvatarGpu*> shownAvatars;  ///< avatars in this picture
+  AvatarGpu* avatar = nullptr;    ///< that is being filled or drawn
+  std::vector<std::span<const LivePart>> figureParts;
 
   OverlayMesh overlay;
   GLuint hullVertexArray = 0, boneVertexArray = 0;
@@ -113,14 +123,20 @@ struct Renderer::Impl {
   void uploadMeshProps(std::span<const Prop> props, bool shown);
   void drawPropShape(const PropShapeGpu& shape);
 
-  GLsizei uploadSkin(const Scene& scene, const SceneOptions& options);
-  /// Chooses and fills `avatar`.
-  void uploadAvatar(const Scene& scene, const SceneOptions& options);
+  /// Uploads all figures: avatars to `shownAvatars`, the rest to `skins`.
+  void uploadFigures(const Scene& scene, const SceneOptions& options);
+  void createSkin(SkinGpu& skin);
+  void uploadSkin(const SceneFigure& figure, const SceneOptions& options);
+  /// @return false if the figure is not drawn as an avatar
+  bool uploadAvatar(const SceneFigure& figure, const SceneOptions& options);
+  /// Makes an avatar the one that is drawn next.
+  void bindAvatar(AvatarGpu& next);
+  void drawSkins(const SceneOptions& options);
   AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
   void fillAvatar(AvatarGpu& made, const Avatar& drawn);
   void releaseAvatar(AvatarGpu& made);
-  void reshapeAvatar(const Scene& scene);
-  void recolorAvatar(const Scene& scene);
+  void reshapeAvatar(const SceneFigure& figure);
+  void recolorAvatar(const SceneFigure& figure);
   [[nodiscard]] GLuint avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb);
   [[nodiscard]] GLuint avatarProgram(shaders::AvatarVariant variant);
   /// @param indexCount  0 = the group's; more = with the groups after it
@@ -128,12 +144,15 @@ struct Renderer::Impl {
   void drawAvatarCasters(shaders::Pass pass);
   void drawAvatarOpaque();
   void drawAvatarBlended(const Vec3& eye);
-  void drawCasters(shaders::Pass pass, GLsizei skinIndexCount, GLsizei hullCount);
-  void drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide);
+  void drawBlendedGroups(const Vec3& eye);
+  void drawCasters(shaders::Pass pass, GLsizei hullCount);
+  void drawContactShadow(GLsizei hullCount, float contactHalfSide);
   void drawProps(shaders::Pass pass);
   void drawGrainShadows(const Scene& scene, const FrameSetup& setup);
   void drawGrains(const Scene& scene, const FrameSetup& setup);
   void drawFloor(const FrameSetup& setup);
+  GLsizei uploadHulls(const Scene& scene, const Vec3& eye);
+  GLsizei uploadBones(const Scene& scene, const Vec3& eye);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
   /// Draws a text panel: at the top unchanged, at the bottom wrapped to fit.
   void drawPanel(PanelGpu& target, const std::string& whole, bool top);

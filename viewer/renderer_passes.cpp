@@ -4,34 +4,88 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace lorica {
 namespace {
 
 using shaders::Pass;
+/// Skins with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
+constexpr std::size_t kFineTriangles = 8000;
 constexpr float kContactSoftness = 0.05f;  // standard deviation of the contact shadow's blur [m]
 
 }  // namespace
 
-GLsizei Renderer::Impl::uploadSkin(const Scene& scene, const SceneOptions& options) {
-  if (!options.skin || scene.triangles.empty()) return 0;
-  const bool changed = skin.update(scene.vertices, scene.triangles, scene.partOfTriangle);
-  gl.BindVertexArray(skinVertexArray);
-  gpu.upload(skinVertices, skin.vertices());
+void Renderer::Impl::uploadFigures(const Scene& scene, const SceneOptions& options) {
+  shownAvatars.clear();
+  skinCount = 0;
+  for (AvatarGpu& known : avatars) {
+    if (known.inUse && known.avatar.expired()) releaseAvatar(known);
+    known.shown = false;
+  }
+  scene.eachFigure([&](const SceneFigure& figure) {
+    if (options.skin && !uploadAvatar(figure, options) && !figure.triangles.empty()) uploadSkin(figure, options);
+  });
+}
+
+void Renderer::Impl::uploadSkin(const SceneFigure& figure, const SceneOptions& options) {
+  if (skinCount == skins.size()) createSkin(skins.emplace_back());
+  SkinGpu& skin = skins[skinCount++];
+  const bool changed = skin.mesh.update(figure.vertices, figure.triangles, figure.partOfTriangle);
+  gl.BindVertexArray(skin.vertexArray);
+  gpu.upload(skin.vertices, skin.mesh.vertices());
   if (changed) {
-    gpu.upload(skinColors, skin.colors());
-    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(skin.indices().size() * sizeof(std::uint32_t)),
-                  skin.indices().data(), GL_STATIC_DRAW);
+    const std::vector<std::uint32_t>& indices = skin.mesh.indices();
+    gpu.upload(skin.colors, skin.mesh.colors());
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
+                  indices.data(), GL_STATIC_DRAW);
   }
   if (options.colorSkinByPart) {
     gl.EnableVertexAttribArray(2);
   } else {
-    const Vec3f clay = SkinMesh::clay();
     gl.DisableVertexAttribArray(2);
+  }
+  skin.indexCount = glCount(skin.mesh.indices().size());
+}
+
+/// Draws the skins in the colours of the parts or of clay.
+void Renderer::Impl::drawSkins(const SceneOptions& options) {
+  if (!options.colorSkinByPart) {
+    const Vec3f clay = SkinMesh::clay();
     gl.VertexAttrib3f(2, clay.x(), clay.y(), clay.z());
   }
-  return glCount(skin.indices().size());
+  for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
+    if (skin.mesh.closed()) {
+      gl.Enable(GL_CULL_FACE);
+    } else {
+      gl.Disable(GL_CULL_FACE);
+    }
+    const bool coarse = skin.mesh.triangleCount() < kFineTriangles;
+    gl.UseProgram(coarse ? coarseSkinProgram : skinProgram[passIndex(Pass::kLit)]);
+    gl.BindVertexArray(skin.vertexArray);
+    gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
+  figureParts.clear();
+  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back(figure.parts); });
+  const std::vector<OverlayVertex>& vertices = overlay.hulls(figureParts, eye);
+  if (!vertices.empty()) gpu.upload(hullBuffer, vertices);
+  return glCount(vertices.size());
+}
+
+GLsizei Renderer::Impl::uploadBones(const Scene& scene, const Vec3& eye) {
+  const std::vector<OverlayVertex>* vertices = nullptr;
+  scene.eachFigure([&](const SceneFigure& figure) {
+    if (figure.skeleton == nullptr) return;
+    vertices = vertices == nullptr ? &overlay.bones(*figure.skeleton, figure.worldFromJoint, eye)
+                                   : &overlay.moreBones(*figure.skeleton, figure.worldFromJoint, eye);
+  });
+  if (vertices == nullptr || vertices->empty()) return 0;
+  gpu.upload(boneBuffer, *vertices);
+  return glCount(vertices->size());
 }
 
 GLsizei Renderer::Impl::uploadMarkers(std::span<const Contact> contacts) {
@@ -59,16 +113,16 @@ void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
 }
 
 /// Draws the shadow casters: the skin, or the hulls if no skin is shown, and the props.
-void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hullCount) {
+void Renderer::Impl::drawCasters(Pass pass, GLsizei hullCount) {
   drawAvatarCasters(pass);
   gl.UseProgram(skinProgram[passIndex(pass)]);
-  if (avatar != nullptr) {
-    // Drawn above.
-  } else if (skinIndexCount > 0) {
-    if (!skin.closed()) gl.Disable(GL_CULL_FACE);
-    gl.BindVertexArray(skinVertexArray);
-    gl.DrawElements(GL_TRIANGLES, skinIndexCount, GL_UNSIGNED_INT, nullptr);
-  } else if (hullCount > 0) {
+  for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
+    if (!skin.mesh.closed()) gl.Disable(GL_CULL_FACE);
+    gl.BindVertexArray(skin.vertexArray);
+    gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
+    if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
+  }
+  if (skinCount == 0 && shownAvatars.empty() && hullCount > 0) {
     gl.BindVertexArray(hullVertexArray);
     gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
   }
@@ -77,7 +131,7 @@ void Renderer::Impl::drawCasters(Pass pass, GLsizei skinIndexCount, GLsizei hull
 }
 
 /// Draws the proximity to the floor of the lowest surface over each point, blurred in both directions.
-void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount, float contactHalfSide) {
+void Renderer::Impl::drawContactShadow(GLsizei hullCount, float contactHalfSide) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[0]);
   gl.Viewport(0, 0, Targets::kContactSize, Targets::kContactSize);
   gl.ClearColor(0, 0, 0, 0);
@@ -86,7 +140,7 @@ void Renderer::Impl::drawContactShadow(GLsizei skinIndexCount, GLsizei hullCount
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE);
   gl.BlendEquation(GL_MAX);
-  drawCasters(Pass::kContact, skinIndexCount, hullCount);
+  drawCasters(Pass::kContact, hullCount);
   gl.BlendEquation(GL_FUNC_ADD);
   gl.Disable(GL_BLEND);
   gl.UseProgram(blurProgram);

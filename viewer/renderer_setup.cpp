@@ -146,23 +146,25 @@ void Renderer::Impl::createSky() {
                 indices.data(), GL_STATIC_DRAW);
 }
 
+void Renderer::Impl::createSkin(SkinGpu& skin) {
+  skin.vertexArray = gpu.makeVertexArray();
+  skin.vertices.id = gpu.makeBuffer();
+  skin.colors.id = gpu.makeBuffer();
+  skin.indices = gpu.makeBuffer();
+  gl.BindVertexArray(skin.vertexArray);
+  gl.BindBuffer(GL_ARRAY_BUFFER, skin.vertices.id);
+  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(SkinMesh::Vertex), offsetof(SkinMesh::Vertex, position));
+  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(SkinMesh::Vertex), offsetof(SkinMesh::Vertex, normal));
+  gl.BindBuffer(GL_ARRAY_BUFFER, skin.colors.id);
+  attribute(2, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), 0);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, skin.indices);
+}
+
 void Renderer::Impl::createMeshes() {
   emptyVertexArray = gpu.makeVertexArray();
   frameBlock = gpu.makeBuffer();
   gl.BindBuffer(GL_UNIFORM_BUFFER, frameBlock);
   gl.BufferData(GL_UNIFORM_BUFFER, sizeof(FrameUniforms), nullptr, GL_STREAM_DRAW);
-
-  skinVertexArray = gpu.makeVertexArray();
-  skinVertices.id = gpu.makeBuffer();
-  skinColors.id = gpu.makeBuffer();
-  skinIndices = gpu.makeBuffer();
-  gl.BindVertexArray(skinVertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, skinVertices.id);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(SkinMesh::Vertex), offsetof(SkinMesh::Vertex, position));
-  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(SkinMesh::Vertex), offsetof(SkinMesh::Vertex, normal));
-  gl.BindBuffer(GL_ARRAY_BUFFER, skinColors.id);
-  attribute(2, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), 0);
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, skinIndices);
 
   hullVertexArray = gpu.makeVertexArray();
   hullBuffer.id = gpu.makeBuffer();

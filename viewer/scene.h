@@ -25,27 +25,40 @@ struct AvatarLight {
   Vec3f ground{0.27f, 0.26f, 0.25f};
 };
 
-/// The contents of one picture, borrowed from the caller. Independent of sessions and files.
-struct Scene {
+/// A figure in a picture, borrowed from the caller.
+struct SceneFigure {
   std::span<const Vec3> vertices;  ///< posed mesh [m]
   std::span<const Triangle> triangles;
   std::span<const PartIndex> partOfTriangle;  ///< for colouring the skin; empty = one colour
   std::span<const LivePart> parts;            ///< hull overlay
-  std::span<const Prop> props;
-  std::span<const Contact> contacts;
-  std::span<const Vec3f> particles;          ///< centres of grains or drops [m]
-  float particleRadius = 0.0f;               ///< of all particles [m]
-  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all particles, linear RGB: dry sand
-  std::span<const Vec3f> particleColors;     ///< of each particle, linear RGB; empty = `particleColor`
-  const Image* inset = nullptr;        ///< opaque, at the lower right, a quarter of the picture's width; null = none
-  const Skeleton* skeleton = nullptr;  ///< drawn as bones with worldFromJoint
+  const Skeleton* skeleton = nullptr;         ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
   std::shared_ptr<const Avatar> avatar;       ///< drawn instead of the mesh; null = none
   std::span<const Affine3> worldFromModel;    ///< of the avatar's joints, see computeWorldFromModel()
   std::span<const Vec3> avatarPositions;      ///< of the avatar's vertices in the bind pose, changed by an expression
   std::span<const Vec3f> avatarNormals;       ///< with them; both empty = as in the avatar
   std::span<const Material> avatarMaterials;  ///< changed by an expression; empty = as in the avatar
-  double time = 0.0;                          ///< of moving textures [s]
+};
+
+/// The contents of one picture, borrowed from the caller: a figure, if there is one, and what is around it.
+/// Independent of sessions and files.
+struct Scene : SceneFigure {
+  std::span<const SceneFigure> others;  ///< further figures
+  std::span<const Prop> props;
+  std::span<const Contact> contacts;
+  std::span<const Vec3f> particles;          ///< centres of grains or drops [m]
+  float particleRadius = 0.0f;               ///< of all particles [m]
+  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all particles, linear RGB: dry sand
+  std::span<const Vec3f> particleColors;     ///< of each particle, linear RGB; empty = `particleColor`
+  const Image* inset = nullptr;  ///< opaque, at the lower right, a quarter of the picture's width; null = none
+  double time = 0.0;             ///< of moving textures [s]
+
+  /// Calls visit(const SceneFigure&) for each figure.
+  template <typename Visit>
+  void eachFigure(const Visit& visit) const {
+    visit(static_cast<const SceneFigure&>(*this));
+    for (const SceneFigure& figure : others) visit(figure);
+  }
 };
 
 /// The layers of a scene that are drawn.

@@ -10,13 +10,15 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace lorica {
 
 inline constexpr int kWorldItself = -1;
 
-/// A point where a part of the avatar touched a prop during the last step, including contacts shorter than the step.
+/// A point where a part of an avatar touched a prop during the last step, including contacts shorter than the step.
 struct Contact {
+  int avatar = 0;
   PartIndex part = 0;
   int prop = 0;
   JointIndex bone = kNoJoint;  ///< of the character, with the most influence on the point; filled in by Session
@@ -45,7 +47,7 @@ struct PropGrab {
   Vec3 target = Vec3::Zero();    ///< position that it is pulled to, world [m]
 };
 
-/// Rigid-body world with a floor, props, and the avatar's parts as kinematic bodies: they push props, and nothing
+/// Rigid-body world with a floor, props, and the parts of avatars as kinematic bodies: they push props, and nothing
 /// pushes them. Parts collide with props only, neither with each other nor with the floor. Uses Bullet in single
 /// precision, with a number of substeps that depends on the speeds. Deterministic: the same inputs give the same
 /// motion, bit for bit.
@@ -55,7 +57,7 @@ class World {
     Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
     bool floor = true;                    ///< at y = 0
     double substepSeconds = 1.0 / 240.0;  ///< longest substep; a frame without fast parts has equal substeps
-    /// Before the first step that has parts, props inside the avatar are moved out of it, see resolveOverlaps().
+    /// Before the first step that has parts, props inside the avatars are moved out of them, see resolveOverlaps().
     bool resolvesOverlaps = false;
   };
   World();
@@ -64,7 +66,8 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// @param prop  extents above zero; a capsule must be at least as high as wide
+  static constexpr int kMaxProps = 4096;
+  /// @param prop  extents above zero; a capsule must be at least as high as wide; at most kMaxProps
   /// @return its index in props() and in Contact::prop; indices count up from 0
   int addProp(const Prop& prop);
   /// Links two props with a ball joint; they no longer collide with each other.
@@ -114,23 +117,31 @@ class World {
   ///
   /// A part faster than 25 m/s (a tracker's jump) is set to its new pose without sweeping; a part with a degenerate
   /// hull touches nothing in this frame.
-  /// @param parts    the avatar; the same parts in every call, or none
+  /// @param avatars  the parts of each; the same parts in every call, or none while the avatar is not there: it comes
+  ///                 back without sweeping. Parts beyond kMaxParts in total touch nothing.
   /// @param seconds  length of the frame [s]; 0 moves the parts only
-  void step(std::span<const LivePart> parts, double seconds);
+  void stepAvatars(std::span<const std::span<const LivePart>> avatars, double seconds);
+  /// The same with one avatar.
+  void step(std::span<const LivePart> avatar, double seconds) { stepAvatars(std::span(&avatar, 1), seconds); }
+
+  static constexpr int kMaxParts = 28'000;
 
   /// Props with their current pose and velocity.
   [[nodiscard]] std::span<const Prop> props() const;
-  /// Contacts between the avatar and props in the last step, sorted by part, then prop. A pair has one contact for each
-  /// point where it touched; points within 2 cm of each other are merged.
+  /// Contacts between avatars and props in the last step, sorted by avatar, part, then prop. A pair has one contact for
+  /// each point where it touched; points within 2 cm of each other are merged.
   [[nodiscard]] std::span<const Contact> contacts() const;
   /// Mutable access, so that Session can fill in the bones.
   [[nodiscard]] std::span<Contact> contacts();
 
  private:
+  [[nodiscard]] std::span<const LivePart> partsForParticles(std::span<const std::span<const LivePart>> avatars);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
   std::unique_ptr<Particles> particles_;
   double particleSeconds_ = 0.0;
+  std::vector<LivePart> allParts_;  // of several avatars, for the particles
 };
 
 }  // namespace lorica

@@ -61,7 +61,7 @@ class PairLimit : public btOverlapFilterCallback {
 struct World::Impl {
   // The sweep-and-prune grid. Bodies outside are still handled, but less efficiently.
   static constexpr btScalar kGridHalfSize = 64.0f;
-  static constexpr unsigned short kMaxBodies = 8192;
+  static constexpr unsigned short kMaxBodies = 32'500;
 
   Settings settings;
   btDefaultCollisionConfiguration configuration;
@@ -75,7 +75,7 @@ struct World::Impl {
   DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
   std::unique_ptr<btRigidBody> floor;
-  std::vector<std::unique_ptr<PartCollider>> parts;
+  std::vector<std::vector<std::unique_ptr<PartCollider>>> avatars;  ///< the parts of each
   std::vector<PropBody> propBodies;
   std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
@@ -93,11 +93,13 @@ struct World::Impl {
   [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < static_cast<int>(props.size()); }
   void release();
   void drawGrabbed(double seconds);
-  void resolveInitialOverlaps(std::span<const LivePart> parts);
-  void setPartCount(std::size_t count);
+  void resolveInitialOverlaps(std::span<const std::span<const LivePart>> avatars);
+  void setPartCounts(std::span<const std::span<const LivePart>> present);
+  void setPartCount(std::size_t avatar, std::size_t count);
   void takePart(PartCollider& body, const LivePart& part, double seconds);
   void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
+  void moveParts(double fraction, double seconds);
   void collectContacts();
   void keepAboveFloor();
   void noteContact(const Contact& contact);

@@ -42,16 +42,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     LORICA_CHECK(session.error().message.rfind("fuzz", 0) == 0, "an error that does not name the file");
     return 0;
   }
-  std::size_t joints = 0, poses = 0, actions = 0;
+  std::size_t taken = 0, actions = 0, held = 0;
   for (const SessionStep& step : session->steps) {
-    joints += step.joints;
-    poses += step.poses;
+    taken += step.frames;
     actions += step.actions;
   }
   LORICA_CHECK(!session->steps.empty(), "accepted without a step");
-  LORICA_CHECK(joints == session->joints.size() && actions == session->actions.size(), "frames got lost");
-  LORICA_CHECK(poses == session->poseTimes.size(), "poses got lost");
-  LORICA_CHECK(session->poses.size() == poses * static_cast<std::size_t>(session->header.poseJoints), "half a pose");
-  for (const JointTransform& t : session->poses) LORICA_CHECK(t.translation.allFinite(), "a joint nowhere");
+  LORICA_CHECK(session->motions.size() == session->header.avatars.size(), "an avatar got lost");
+  for (std::size_t a = 0; a < session->motions.size(); ++a) {
+    const RecordedMotion& motion = session->motions[a];
+    held += motion.joints.size() + motion.poseTimes.size();
+    LORICA_CHECK(
+        motion.poses.size() == motion.poseTimes.size() * static_cast<std::size_t>(session->header.avatar(a).poseJoints),
+        "half a pose");
+    for (const JointTransform& t : motion.poses) LORICA_CHECK(t.translation.allFinite(), "a joint nowhere");
+  }
+  LORICA_CHECK(taken == held && actions == session->actions.size(), "frames got lost");
   return 0;
 }

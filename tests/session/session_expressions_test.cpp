@@ -57,8 +57,8 @@ TEST(SessionExpressions, AreReplayedBitForBit) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "face.lsession";
   SessionHeader header = test::headerOf(test::demoSession(makeMotionPoseSource({})));
-  header.poseJoints = makeMannequin().skeleton.jointCount();
-  header.poseTrust = header.poseExpressions = true;
+  header.avatar().poseJoints = makeMannequin().skeleton.jointCount();
+  header.avatar().poseTrust = header.avatar().poseExpressions = true;
   {
     const auto recorder = SessionRecorder::start(file, header, "").value();
     Session session =
@@ -101,8 +101,8 @@ TEST(SessionExpressions, FaultsOfPosesKeepTrustAndExpressionsTogether) {
 TEST(SessionExpressions, WrongOnesAreASentence) {
   const auto sentence = [](const std::string& expressions) {
     SessionHeader header;
-    header.poseJoints = 1;
-    header.poseExpressions = true;
+    header.avatar().poseJoints = 1;
+    header.avatar().poseExpressions = true;
     std::string bytes(kSessionMagic);
     std::uint64_t chain = 0;
     appendBlock(BlockKind::kHeader, textOf(header), chain, bytes);
@@ -110,7 +110,7 @@ TEST(SessionExpressions, WrongOnesAreASentence) {
     ByteWriter step;
     step.put(0.0);
     for (int i = 0; i < 3; ++i) step.put(std::uint64_t{0});
-    for (const std::uint32_t count : {0u, 1u, 0u}) step.put(count);
+    for (const std::uint32_t count : {0u, 1u}) step.put(count);
     for (const double number : {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0}) step.put(number);
     step.put(std::string_view(expressions));
     appendBlock(BlockKind::kStep, step.bytes(), chain, bytes);

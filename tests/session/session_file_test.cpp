@@ -39,16 +39,16 @@ TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
   EXPECT_TRUE(read->finished);
   EXPECT_TRUE(read->notes.empty());
   // Frames that a late one overtook are recorded too; frames after the last step were never shown.
-  ASSERT_EQ(read->joints.size(), frames.size());
+  ASSERT_EQ(read->motions[0].joints.size(), frames.size());
   EXPECT_LT(read->steps.size(), frames.size());
   std::size_t taken = 0;
-  for (const SessionStep& step : read->steps) taken += step.joints;
+  for (const SessionStep& step : read->steps) taken += step.frames;
   EXPECT_EQ(taken, frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    EXPECT_EQ(read->joints[f].time, frames[f].time);
-    EXPECT_EQ(read->joints[f].user, frames[f].user);
+    EXPECT_EQ(read->motions[0].joints[f].time, frames[f].time);
+    EXPECT_EQ(read->motions[0].joints[f].user, frames[f].user);
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      const TrackedJoint &a = read->joints[f].joints[j], &b = frames[f].joints[j];
+      const TrackedJoint &a = read->motions[0].joints[f].joints[j], &b = frames[f].joints[j];
       EXPECT_EQ(a.position, b.position);
       EXPECT_EQ(a.confidence, b.confidence);
       ASSERT_EQ(a.orientation.has_value(), b.orientation.has_value());
@@ -66,24 +66,24 @@ TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
 
 TEST(SessionFile, HeaderSaysEverythingAgain) {
   SessionHeader header;
-  header.source = "a \"walk\"";
-  header.poseJoints = 57;
-  header.character = "my hero.glb";
-  header.boneMap = "map.json";
-  header.bodyResolution = 0.1 / 3.0;
-  header.expressions = {"Joy=1", "A \"b\"=0.5"};
-  header.hidden = {"1H_Axe", "A \"b\""};
-  header.clip = "";
-  header.characterHash = 0xffffffffffffffffu;
-  header.decomposition = "b.lorica";
-  header.decompositionHash = 1;
-  header.coverTolerance = 0.002;
-  header.hullVertices = 64;
-  header.coverHash = 0x0123456789abcdefu;
-  header.trainingHash = 3;
-  header.joints.mirror = true;
-  header.joints.smoothing = OneEuroSettings{1.0 / 7.0, 0.3};
-  header.faults = parseFaults("dropout=0.1,swap,seed=9").value();
+  header.avatar().source = "a \"walk\"";
+  header.avatar().poseJoints = 57;
+  header.avatar().character = "my hero.glb";
+  header.avatar().boneMap = "map.json";
+  header.avatar().bodyResolution = 0.1 / 3.0;
+  header.avatar().expressions = {"Joy=1", "A \"b\"=0.5"};
+  header.avatar().hidden = {"1H_Axe", "A \"b\""};
+  header.avatar().clip = "";
+  header.avatar().characterHash = 0xffffffffffffffffu;
+  header.avatar().decomposition = "b.lorica";
+  header.avatar().decompositionHash = 1;
+  header.avatar().coverTolerance = 0.002;
+  header.avatar().hullVertices = 64;
+  header.avatar().coverHash = 0x0123456789abcdefu;
+  header.avatar().trainingHash = 3;
+  header.avatar().joints.mirror = true;
+  header.avatar().joints.smoothing = OneEuroSettings{1.0 / 7.0, 0.3};
+  header.avatar().faults = parseFaults("dropout=0.1,swap,seed=9").value();
   header.scene = "bowling";
   header.sceneFolder = "scenes";
   header.sceneSeed = 5;
@@ -91,14 +91,14 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   const Result<SessionHeader> again = parseSessionHeader(textOf(header), "s");
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(textOf(*again), textOf(header));
-  EXPECT_EQ(again->bodyResolution, header.bodyResolution);
-  EXPECT_EQ(again->expressions, header.expressions);
-  EXPECT_EQ(again->hidden, header.hidden);
-  EXPECT_EQ(again->clip, header.clip);
-  EXPECT_EQ(again->characterHash, header.characterHash);
-  EXPECT_EQ(again->joints.smoothing->minCutoff, 1.0 / 7.0);
-  EXPECT_EQ(again->faults.dropout, 0.1);
-  EXPECT_EQ(again->faults.seed, 9u);
+  EXPECT_EQ(again->avatar().bodyResolution, header.avatar().bodyResolution);
+  EXPECT_EQ(again->avatar().expressions, header.avatar().expressions);
+  EXPECT_EQ(again->avatar().hidden, header.avatar().hidden);
+  EXPECT_EQ(again->avatar().clip, header.avatar().clip);
+  EXPECT_EQ(again->avatar().characterHash, header.avatar().characterHash);
+  EXPECT_EQ(again->avatar().joints.smoothing->minCutoff, 1.0 / 7.0);
+  EXPECT_EQ(again->avatar().faults.dropout, 0.1);
+  EXPECT_EQ(again->avatar().faults.seed, 9u);
 }
 
 TEST(SessionFile, WrongHeadersGetASentence) {
@@ -112,13 +112,14 @@ TEST(SessionFile, WrongHeadersGetASentence) {
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
   };
-  EXPECT_EQ(sentence(with("lorica-session-1", "lorica-session-2")),
-            "s: header: format: found \"lorica-session-2\", expected \"lorica-session-1\"");
+  EXPECT_EQ(sentence(with("lorica-session-2", "lorica-session-1")),
+            "s: header: format: found \"lorica-session-1\", expected \"lorica-session-2\"");
   EXPECT_EQ(sentence(with("0000000000000000", "123")),
-            "s: header: character.hash: found \"123\", expected 16 hexadecimal digits");
-  EXPECT_EQ(sentence(with("\"faults\": \"\"", "\"faults\": \"swop\"")),
-            "s: header: faults: found `swop`, expected dropout, jitter, swap, late, freeze or seed, for example "
-            "dropout=0.1,swap,seed=7");
+            "s: header: avatars[0].character.hash: found \"123\", expected 16 hexadecimal digits");
+  EXPECT_EQ(
+      sentence(with("\"faults\": \"\"", "\"faults\": \"swop\"")),
+      "s: header: avatars[0].faults: found `swop`, expected dropout, jitter, swap, late, freeze or seed, for example "
+      "dropout=0.1,swap,seed=7");
   for (const char* text : {"", "{", "[]", "{}", "null", R"({"format": 3})"}) EXPECT_NE(sentence(text), "none") << text;
 }
 
@@ -187,7 +188,7 @@ TEST(SessionFile, WrongDataWithValidChecksumsIsReportedOrHarmless) {
     const Result<SessionFile> read = parseSession(fileOf(changed), "s");
     refused += read ? 0 : 1;
     if (!read) continue;
-    for (const SkeletonFrame& frame : read->joints) {
+    for (const SkeletonFrame& frame : read->motions[0].joints) {
       for (const TrackedJoint& joint : frame.joints) ASSERT_TRUE(joint.position.allFinite());
     }
   }

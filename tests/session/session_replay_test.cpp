@@ -68,7 +68,7 @@ TEST(SessionReplay, GivesTheSameAgainWithBallsGrabsFaultsAndSmoothing) {
 TEST(SessionReplay, SaysTheFirstStepThatDiffersAndWhatOfIt) {
   const SessionFile plain = recorded({});
   SessionFile bent = plain;
-  TrackedJoint& hand = bent.joints[31][BodyJoint::kRightHand];
+  TrackedJoint& hand = bent.motions[0].joints[31][BodyJoint::kRightHand];
   hand.orientation.reset();
   hand.position.x() += 0.05;
   const auto moved = replayed(bent);
@@ -88,7 +88,7 @@ TEST(SessionReplay, SaysTheFirstStepThatDiffersAndWhatOfIt) {
 
 TEST(SessionReplay, OtherFaultsDiffer) {
   SessionFile file = recorded(parseFaults("dropout=0.2,seed=7").value());
-  file.header.faults.seed = 8;
+  file.header.avatar().faults.seed = 8;
   const auto difference = replayed(file);
   ASSERT_TRUE(difference.has_value());
   EXPECT_LT(difference->step, 10);
@@ -98,16 +98,20 @@ TEST(SessionReplay, OtherCharactersBodiesAndScenesAreRefusedInASentence) {
   const Session session = test::demoSession(makeMotionPoseSource({}));
   const SessionHeader header = test::headerOf(session);
   EXPECT_TRUE(checkReplay(header, "s", session).ok());
-  const auto sentence = [&](std::uint64_t SessionHeader::*hash) {
+  const auto sentence = [&](auto change) {
     SessionHeader other = header;
-    other.*hash += 1;
+    change(other);
     const Result<void> checked = checkReplay(other, "s.lsession", session);
     return checked ? std::string("none") : checked.error().message;
   };
-  EXPECT_NE(sentence(&SessionHeader::characterHash).find("specify it with --character"), std::string::npos);
-  EXPECT_NE(sentence(&SessionHeader::decompositionHash).find("another decomposition"), std::string::npos);
-  EXPECT_NE(sentence(&SessionHeader::trainingHash).find("trained on other poses"), std::string::npos);
-  EXPECT_NE(sentence(&SessionHeader::worldHash).find("the scene differs from the recording"), std::string::npos);
+  EXPECT_NE(sentence([](SessionHeader& h) { ++h.avatar().characterHash; }).find("specify it with --character"),
+            std::string::npos);
+  EXPECT_NE(sentence([](SessionHeader& h) { ++h.avatar().decompositionHash; }).find("another decomposition"),
+            std::string::npos);
+  EXPECT_NE(sentence([](SessionHeader& h) { ++h.avatar().trainingHash; }).find("trained on other poses"),
+            std::string::npos);
+  EXPECT_NE(sentence([](SessionHeader& h) { ++h.worldHash; }).find("the scene differs from the recording"),
+            std::string::npos);
 }
 
 /// Poses of the mannequin, as in an animation clip.
@@ -120,8 +124,8 @@ TEST(SessionReplay, PosesAreRecordedWhereThereAreNoJoints) {
   const fs::path file = folder.path() / "s.lsession";
   const FaultSettings faults = parseFaults("late=0.2,freeze=0.3,seed=3").value();
   SessionHeader header = test::headerOf(test::demoSession(makeMotionPoseSource({})));
-  header.poseJoints = makeMannequin().skeleton.jointCount();
-  header.faults = faults;
+  header.avatar().poseJoints = makeMannequin().skeleton.jointCount();
+  header.avatar().faults = faults;
   const auto recorder = SessionRecorder::start(file, header, "").value();
   Session session =
       test::demoSession(makeTreatedSource(makeMotionPoseSource(poses()), {recorder->log(), faults, {}}).value());
@@ -130,8 +134,8 @@ TEST(SessionReplay, PosesAreRecordedWhereThereAreNoJoints) {
   EXPECT_LT(session.frameCount(), 40);
   ASSERT_EQ(recorder->finish().value(), session.frameCount());
   const SessionFile read = readSession(file).value();
-  EXPECT_EQ(read.poseTimes.size(), 40u);
-  EXPECT_TRUE(read.joints.empty());
+  EXPECT_EQ(read.motions[0].poseTimes.size(), 40u);
+  EXPECT_TRUE(read.motions[0].joints.empty());
   EXPECT_FALSE(replayed(read).has_value());
 }
 

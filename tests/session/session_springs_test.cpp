@@ -273,9 +273,9 @@ SessionHeader recordTo(const std::filesystem::path& file, SpringMode mode) {
   const SpringBones springs = test::hairedBoxSprings(kLoose);
   const SkeletalMotion motion = test::hairedBoxMotion(90, swaying);
   SessionHeader header = test::headerOf(sessionOf(motion));
-  header.poseJoints = motion.skeleton.jointCount();
-  header.springs = mode;
-  header.springsHash = hashOf(springs);
+  header.avatar().poseJoints = motion.skeleton.jointCount();
+  header.avatar().springs = mode;
+  header.avatar().springsHash = hashOf(springs);
   const auto recorder = SessionRecorder::start(file, header, "").value();
   Session session =
       Session::create(test::hairedBox(), test::hairedBoxParts(),
@@ -295,8 +295,8 @@ TEST(SessionSprings, AReplayGivesTheSameHashes) {
     const SessionHeader header = recordTo(file, mode);
     Result<SessionFile> read = readSession(file);
     ASSERT_TRUE(read.ok()) << read.error().message;
-    EXPECT_EQ(read->header.springs, mode);
-    EXPECT_EQ(read->header.springsHash, header.springsHash);
+    EXPECT_EQ(read->header.avatar().springs, mode);
+    EXPECT_EQ(read->header.avatar().springsHash, header.avatar().springsHash);
     const auto recorded = std::make_shared<const SessionFile>(std::move(*read));
     Session session = Session::create(test::hairedBox(), test::hairedBoxParts(),
                                       SessionReplay::source(*recorded, test::hairedBox()).value(), World())
@@ -318,7 +318,7 @@ TEST(SessionSprings, AReplayGivesTheSameHashes) {
 
 TEST(SessionSprings, AHeaderWithAnUnknownModeIsRefused) {
   SessionHeader header;
-  header.springs = SpringMode::kBody;
+  header.avatar().springs = SpringMode::kBody;
   std::string text = textOf(header);
   ASSERT_TRUE(parseSessionHeader(text, "s").ok());
   text.replace(text.find("\"body\""), 6, "\"both\"");

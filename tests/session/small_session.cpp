@@ -41,10 +41,10 @@ Session demoSession(std::unique_ptr<PoseSource> source) {
 
 SessionHeader headerOf(const Session& session) {
   SessionHeader header;
-  header.source = "a test";
-  header.character = "mannequin";
-  header.characterHash = hashOf(session.character());
-  header.decompositionHash = hashOf(session.body().decomposition());
+  header.avatar().source = "a test";
+  header.avatar().character = "mannequin";
+  header.avatar().characterHash = hashOf(session.character());
+  header.avatar().decompositionHash = hashOf(session.body().decomposition());
   header.sceneSeed = kDemoSeed;
   header.worldHash = hashOf(session.world());
   return header;
@@ -54,8 +54,8 @@ int recordJoints(const std::filesystem::path& file, std::vector<SkeletonFrame> f
                  const JointSettings& joints) {
   // As in playback, the world and the character are known before there is a source.
   SessionHeader header = headerOf(demoSession(makeMotionPoseSource({})));
-  header.faults = faults;
-  header.joints = joints;
+  header.avatar().faults = faults;
+  header.avatar().joints = joints;
   const auto recorder = SessionRecorder::start(file, header, "").value();
   Session session = demoSession(
       makeTreatedSource(makeMannequin(), makeRecordedSource(std::move(frames)), {recorder->log(), faults, joints})

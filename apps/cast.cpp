@@ -1,0 +1,148 @@
+#include "apps/cast.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kSpacing = 1.2;  ///< between avatars that stand side by side [m]
+
+Result<CastMember> readMember(PlaybackInputOptions options, const BodyOptions& body, int threads) {
+  Result<PlaybackInput> input = readPlaybackInput(options);
+  if (!input) return input.error();
+  if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
+  Result<DecompositionFile> file = chooseBody(body, input->subject, threads);
+  if (!file) return file.error();
+  std::optional<SpringChoice> springs = chooseSprings(input->subject, options.springs);
+  return CastMember{std::move(options), std::move(*input), std::move(*file), std::move(springs)};
+}
+
+Result<std::unique_ptr<PoseSource>> sourceOf(const CastMember& member, std::shared_ptr<SourceLog> log) {
+  return poseSourceOf(member.character(), member.motion(), member.options.performing, std::move(log));
+}
+
+}  // namespace
+
+std::vector<std::string> namesIn(const std::string& text) {
+  std::error_code ignored;
+  std::vector<std::string> names;
+  if (std::filesystem::exists(text, ignored)) return {text};
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t end = text.find(',', begin);
+    names.push_back(text.substr(begin, end == std::string::npos ? end : end - begin));
+    if (end == std::string::npos) return names;
+    begin = end + 1;
+  }
+}
+
+Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptions& options) {
+  const std::vector<std::string> motions = namesIn(options.motion);
+  const std::vector<std::string> characters = namesIn(options.character);
+  if (characters.size() > 1 && characters.size() != motions.size()) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("found {} characters and {}, expected one character for all of them or one for each",
+                    characters.size(), motions.size() == 1 ? "1 motion" : fmt::format("{} motions", motions.size()))};
+  }
+  if (motions.size() > kMaxCast) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("found {} motions, expected at most {}", motions.size(), kMaxCast)};
+  }
+  std::vector<PlaybackInputOptions> all;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    PlaybackInputOptions& one = all.emplace_back(options);
+    one.motion = motions[i];
+    one.character = characters.size() > 1 ? characters[i] : options.character;
+    if (motions.size() > 1 && one.motion.empty()) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("found an empty name in `{}`, expected motions such as `walk,wave`", options.motion)};
+    }
+  }
+  return all;
+}
+
+Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
+  Result<std::vector<PlaybackInputOptions>> each = optionsOfCast(options);
+  if (!each) return each.error();
+  std::vector<CastMember> cast;
+  for (PlaybackInputOptions& one : *each) {
+    Result<CastMember> member = readMember(std::move(one), body, threads);
+    if (!member) return member.error();
+    const double left = static_cast<double>(cast.size()) - 0.5 * static_cast<double>(each->size() - 1);
+    member->place.x() = kSpacing * left;
+    cast.push_back(std::move(*member));
+  }
+  return cast;
+}
+
+Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const CastMember> cast,
+                                                       const BodyOptions& body, const std::string& scene,
+                                                       const World& world) {
+  std::vector<RecordedAvatar> avatars;
+  for (const CastMember& member : cast) {
+    const Motion& motion = member.motion();
+    const bool named = !member.options.character.empty() || !member.input.subject.file;
+    RecordedAs as{motion.name,
+                  motion.bones.has_value(),
+                  named ? member.options.character : member.options.motion,
+                  member.options.reading,
+                  member.options.performing,
+                  body,
+                  member.springs,
+                  member.input.ownClip,
+                  motion.packets.has_value(),
+                  member.place};
+    avatars.push_back({std::move(as), member.character(), member.body});
+  }
+  return startRecorder(file, avatars, scene, world);
+}
+
+Result<Session> startSession(std::span<const CastMember> cast, const std::shared_ptr<SessionRecorder>& recorder,
+                             World world) {
+  Session session(std::move(world));
+  for (std::size_t i = 0; i < cast.size(); ++i) {
+    const CastMember& member = cast[i];
+    Result<std::unique_ptr<PoseSource>> source = sourceOf(member, recorder ? recorder->log(i) : nullptr);
+    if (!source) return source.error();
+    Result<SessionAvatar> avatar = SessionAvatar::create(member.character(), member.body.decomposition,
+                                                         std::move(*source), member.body.cover, member.body.training);
+    if (!avatar) return avatar.error();
+    if (!member.place.isZero()) avatar->setPlace(Isometry3(Eigen::Translation3d(member.place)));
+    session.addAvatar(std::move(*avatar));
+    if (Result<void> added = addSprings(member.springs, session, static_cast<int>(i)); !added) return added.error();
+  }
+  return session;
+}
+
+Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast) {
+  std::vector<std::unique_ptr<PoseSource>> sources;
+  for (const CastMember& member : cast) {
+    Result<std::unique_ptr<PoseSource>> source = sourceOf(member, nullptr);
+    if (!source) return source.error();
+    sources.push_back(std::move(*source));
+  }
+  return sources;
+}
+
+std::string motionsOf(std::span<const CastMember> cast) {
+  std::string all;
+  for (std::size_t i = 0; i < cast.size(); ++i) {
+    all += i == 0 ? "" : i + 1 < cast.size() ? ", " : " and ";
+    all += cast[i].motion().name;
+  }
+  return all;
+}
+
+double secondsOf(std::span<const CastMember> cast) {
+  double seconds = 0.0;
+  for (const CastMember& member : cast) seconds = std::max(seconds, member.motion().seconds());
+  return seconds;
+}
+
+}  // namespace lorica

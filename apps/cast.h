@@ -1,0 +1,63 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "apps/body_choice.h"
+#include "apps/playback_input.h"
+#include "apps/session_files.h"
+#include "apps/spring_options.h"
+#include "session/session.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// An avatar of a run, set up by the options of the command line: what it is and what it performs.
+struct CastMember {
+  PlaybackInputOptions options;
+  PlaybackInput input;
+  DecompositionFile body;
+  std::optional<SpringChoice> springs;
+  Vec3 place = Vec3::Zero();  ///< of the motion's origin [m]
+
+  [[nodiscard]] const Character& character() const { return *input.subject.character; }
+  [[nodiscard]] const Motion& motion() const { return input.motion; }
+};
+
+/// Maximum number of avatars that the command line sets up.
+inline constexpr std::size_t kMaxCast = 64;
+
+/// The parts of a text between commas; a file whose name has commas is one.
+[[nodiscard]] std::vector<std::string> namesIn(const std::string& text);
+
+/// Divides options with several motions, "walk,wave", into those of each avatar. One character performs all of them;
+/// else there are as many as motions.
+/// @return at least one; or an error with both numbers
+[[nodiscard]] Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptions& options);
+
+/// Reads the avatars of a run. Several stand side by side, 1.2 m apart.
+[[nodiscard]] Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body,
+                                                       int threads);
+
+/// startRecorder() for a cast.
+[[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file,
+                                                                     std::span<const CastMember> cast,
+                                                                     const BodyOptions& body, const std::string& scene,
+                                                                     const World& world);
+
+/// @param recorder  gets what the sources give; null = none
+[[nodiscard]] Result<Session> startSession(std::span<const CastMember> cast,
+                                           const std::shared_ptr<SessionRecorder>& recorder, World world);
+
+/// New sources for a session of the cast, from their start.
+[[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast);
+
+/// "walk" or "walk and wave".
+[[nodiscard]] std::string motionsOf(std::span<const CastMember> cast);
+/// The duration of the longest motion [s].
+[[nodiscard]] double secondsOf(std::span<const CastMember> cast);
+
+}  // namespace lorica

@@ -1,0 +1,156 @@
+#include "collision/world/bullet_math.h"
+#include "collision/world/strike_limit.h"
+#include "collision/world/world_impl.h"
+
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+// Hulls are inflated by this so that GJK sees touching shapes as separate. Boxes and balls have their margin inside.
+constexpr btScalar kPartMargin = 0.001f;
+// Maximum distance over which a contact follows the hull's surface from frame to frame, and the height above the
+// surface from which the new position is searched.
+constexpr btScalar kFollowed = 0.002f;
+constexpr btScalar kLookFrom = 0.004f;
+constexpr btScalar kSameNormal = 0.99f;  // cosine
+
+Sweep sweepOf(const LivePart& part, double seconds) {
+  const Isometry3& begin = part.previousWorldFromPart;
+  const Isometry3& end = part.worldFromPart;
+  const Eigen::AngleAxisd turn(Quat(Mat3(end.linear() * begin.linear().transpose())).normalized());
+
+  Sweep sweep;
+  sweep.origin = begin.translation();
+  sweep.rotation = Quat(begin.linear());
+  sweep.travel = end.translation() - begin.translation();
+  sweep.axis = turn.axis();
+  sweep.angle = turn.angle();
+
+  double radiusSq = 0.0;
+  for (const Vec3& p : part.shape.vertices) radiusSq = std::max(radiusSq, p.squaredNorm());
+  sweep.radius = std::sqrt(radiusSq);
+  const double path = sweep.travel.norm() + std::abs(sweep.angle) * sweep.radius;
+  if (path > kTeleportSpeed * seconds) {
+    sweep.origin = end.translation();
+    sweep.rotation = Quat(end.linear());
+    sweep.travel = Vec3::Zero();
+    sweep.angle = 0.0;
+  }
+  if (part.trust < 1.0) {
+    sweep.strength = std::min(1.0, strikeLimit(part.trust) * seconds / std::max(path, 1e-9));
+  }
+  return sweep;
+}
+
+/// Moves a contact's position to the part's new hull.
+/// @param normal    in the part's frame, outwards, unit
+/// @param position  in the part's frame, on the inflated hull of the previous frame
+/// @return false if the hull is no longer near
+bool follow(const PartShape& shape, const btVector3& normal, btVector3& position) {
+  const btSphereShape point(0.0f);
+  const btVector3 above = position + kLookFrom * normal;
+  btGjkEpaSolver2::sResults results;
+  if (!btGjkEpaSolver2::Distance(&shape, btTransform::getIdentity(), &point,
+                                 btTransform(btMatrix3x3::getIdentity(), above), -normal, results)) {
+    return false;
+  }
+  const btVector3 up = (above - results.witnesses[0]) / results.distance;
+  const btScalar moved = results.distance - shape.getMargin() - kLookFrom;
+  if (std::abs(moved) > kFollowed || up.dot(normal) < kSameNormal) return false;
+  position = results.witnesses[0] + shape.getMargin() * up;
+  return true;
+}
+
+}  // namespace
+
+btTransform Sweep::at(double fraction) const {
+  return toBullet(Quat(Eigen::AngleAxisd(fraction * angle, axis)) * rotation, origin + fraction * travel);
+}
+
+void World::Impl::setPartCounts(std::span<const std::span<const LivePart>> present) {
+  if (avatars.size() < present.size()) avatars.resize(present.size());
+  std::size_t room = kMaxParts;
+  for (std::size_t avatar = 0; avatar < avatars.size(); ++avatar) {
+    const std::size_t count = avatar < present.size() ? std::min(present[avatar].size(), room) : 0;
+    setPartCount(avatar, count);
+    room -= count;
+  }
+}
+
+void World::Impl::setPartCount(std::size_t avatar, std::size_t count) {
+  std::vector<std::unique_ptr<PartCollider>>& parts = avatars[avatar];
+  while (parts.size() > count) {
+    if (parts.back()->inWorld) world.removeRigidBody(parts.back()->body.get());
+    parts.pop_back();
+  }
+  while (parts.size() < count) {
+    auto part = std::make_unique<PartCollider>(kPartMargin);
+    btRigidBody::btRigidBodyConstructionInfo construction(0.0f, nullptr, &part->shape);
+    construction.m_friction = 1.0f;
+    construction.m_restitution = 1.0f;
+    part->body = std::make_unique<btRigidBody>(construction);
+    part->body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    part->body->setActivationState(DISABLE_DEACTIVATION);
+    part->body->setUserIndex(static_cast<int>(parts.size()));
+    part->body->setUserIndex3(static_cast<int>(avatar));
+    parts.push_back(std::move(part));
+  }
+}
+
+void World::Impl::takePart(PartCollider& part, const LivePart& live, double seconds) {
+  if (live.shape.degenerate()) {
+    if (part.inWorld) world.removeRigidBody(part.body.get());
+    part.inWorld = false;
+    return;
+  }
+  part.sweep = sweepOf(live, seconds);
+  part.body->setWorldTransform(part.sweep.at(0.0));
+
+  part.reshaped = live.reshaped || !part.inWorld;
+  if (part.reshaped) part.shape.setPoints(live.shape.vertices);
+  if (!part.inWorld) {
+    world.addRigidBody(part.body.get(), kPartGroup, kPropGroup);
+    part.inWorld = true;
+  }
+}
+
+/// Moves the contacts of changed hulls to the new surface, or removes them. Bullet tracks a contact by its positions on
+/// both bodies, so a prop would rest forever on a surface that is no longer there. If all contacts of a changed hull
+/// were removed instead, resting props would creep, because new contacts have no accumulated impulses.
+void World::Impl::followSurfaces() {
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
+    const bool partIsA = manifold->getBody0()->isKinematicObject();
+    const btCollisionObject* object = partIsA ? manifold->getBody0() : manifold->getBody1();
+    if (!object->isKinematicObject()) continue;
+    const PartCollider& part = *avatars[object->getUserIndex3()][object->getUserIndex()];
+    if (!part.reshaped) continue;
+    for (int i = manifold->getNumContacts() - 1; i >= 0; --i) {
+      btManifoldPoint& contact = manifold->getContactPoint(i);
+      const btVector3 outwards = partIsA ? -contact.m_normalWorldOnB : contact.m_normalWorldOnB;
+      btVector3& position = partIsA ? contact.m_localPointA : contact.m_localPointB;
+      if (!follow(part.shape, outwards * object->getWorldTransform().getBasis(), position)) {
+        manifold->removeContactPoint(i);
+      }
+    }
+  }
+}
+
+/// Like props, parts have their pose at the start of the substep and a velocity.
+/// @param fraction  of the frame that is done
+void World::Impl::moveParts(double fraction, double seconds) {
+  for (const auto& parts : avatars) {
+    for (const std::unique_ptr<PartCollider>& part : parts) {
+      part->body->setWorldTransform(part->sweep.at(fraction));
+      const double rate = part->sweep.strength / seconds;
+      part->body->setLinearVelocity(toBullet(Vec3(rate * part->sweep.travel)));
+      part->body->setAngularVelocity(toBullet(Vec3(rate * part->sweep.angle * part->sweep.axis)));
+    }
+  }
+}
+
+}  // namespace lorica
