@@ -1,0 +1,45 @@
+#pragma once
+
+#include "bake/bake_list.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A file that a result depends on.
+struct BakeInput {
+  std::string file;
+  std::string hash;  ///< of its content, in hexadecimal digits; empty = cannot be read, or ships with Lorica
+};
+
+/// An item with what its inputs say before any work.
+struct BakeJob {
+  BakeItem item;
+  std::uint64_t key = 0;  ///< of the inputs' contents and names, the settings and kAlgorithmVersion
+  std::string name;       ///< of its result: the input's stem and the key, "bunny-0123456789abcdef"
+  std::string stem;       ///< of the files in it: "bunny"
+  std::vector<BakeInput> inputs;
+  std::uint64_t triangles = 0;  ///< of the input, see trianglesIn()
+};
+
+/// Reads every file once, however many items use it, and finds each item's key. Items with the same key are one job.
+[[nodiscard]] std::vector<BakeJob> bakeJobs(std::span<const BakeItem> items);
+
+/// One part of a list: `index` of `count`, from 1.
+struct Shard {
+  int index = 1;
+  int count = 1;
+};
+
+/// The jobs of one shard: chosen by their keys, so that they do not depend on the order or on the rest of the list.
+[[nodiscard]] std::vector<BakeJob> jobsOf(const Shard& shard, std::span<const BakeJob> jobs);
+
+/// Memory that an item takes at most [bytes], as a function of its triangles: docs/BAKE.md says how it was measured.
+[[nodiscard]] std::uint64_t memoryBound(std::uint64_t triangles);
+
+}  // namespace lorica

@@ -1,0 +1,202 @@
+#include "bake/bake_list.h"
+
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+#include <glob.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 9> kModelEndings = {".off",  ".obj", ".ply", ".stl", ".glb",
+                                                           ".gltf", ".vrm", ".fbx", ".dae"};
+
+std::string endingOf(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return ending;
+}
+
+bool isModel(const fs::path& file) {
+  return std::ranges::find(kModelEndings, endingOf(file)) != kModelEndings.end();
+}
+
+Error inLine(const std::string& list, std::size_t line, const std::string& message) {
+  return {ErrorCode::kBadFormat, fmt::format("{}: line {}: {}", list, line, message)};
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    if (lines.back().ends_with('\r')) lines.back().pop_back();
+    begin = end + 1;
+  }
+  return lines;
+}
+
+/// The cells of a line of CSV: "a ""b"", c" in quotes is one cell. @return nothing if a quote stays open
+std::optional<std::vector<std::string>> cellsOf(const std::string& line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[++i];
+    } else if (line[i] == '"') {
+      quoted = !quoted;
+    } else if (line[i] == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += line[i];
+    }
+  }
+  if (quoted) return std::nullopt;
+  return cells;
+}
+
+/// Appends the meshes and characters of a folder, the files of a pattern, or the input itself.
+Result<void> addInputs(const std::string& input, const BakeSettings& settings, std::vector<BakeItem>& items) {
+  std::error_code error;
+  std::vector<std::string> found;
+  if (fs::is_directory(input, error)) {
+    for (fs::recursive_directory_iterator entry(input, error), end; entry != end; entry.increment(error)) {
+      if (isModel(entry->path()) && !entry->is_directory()) found.push_back(entry->path().string());
+    }
+    if (error) return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot be read: {}", input, error.message())};
+    if (found.empty()) {
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{}: found no file that ends in {}", input, fmt::join(kModelEndings, ", "))};
+    }
+  } else if (input.find_first_of("*?[") != std::string::npos && !fs::exists(input, error)) {
+    glob_t matches = {};
+    if (::glob(input.c_str(), 0, nullptr, &matches) == 0)
+      found.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+    ::globfree(&matches);
+    if (found.empty()) return Error{ErrorCode::kNotFound, fmt::format("{}: no file fits this pattern", input)};
+  } else {
+    found.push_back(input);
+  }
+  std::ranges::sort(found);
+  for (std::string& file : found) items.push_back({std::move(file), settings});
+  return {};
+}
+
+Result<void> addPaths(const std::string& list, const std::string& text, const BakeSettings& defaults,
+                      std::vector<BakeItem>& items) {
+  const std::string folder = fs::path(list).parent_path().string();
+  const std::vector<std::string> lines = linesOf(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].empty() || lines[i].starts_with('#')) continue;
+    if (lines[i].find('\0') != std::string::npos) {
+      return inLine(list, i + 1, "found a zero byte, expected the path of a mesh or character");
+    }
+    if (Result<void> added = addInputs(relativeTo(folder, lines[i]), defaults, items); !added) {
+      return inLine(list, i + 1, added.error().message);
+    }
+  }
+  return {};
+}
+
+/// Appends the item of one line: its input and its own settings, by name.
+Result<void> addRow(const std::vector<std::pair<std::string, std::string>>& row, const std::string& folder,
+                    const BakeSettings& defaults, std::vector<BakeItem>& items) {
+  std::string input;
+  BakeSettings settings = defaults;
+  for (const auto& [name, value] : row) {
+    if (value.empty()) continue;
+    if (name == "input") {
+      input = relativeTo(folder, value);
+    } else if (Result<void> set = setBakeSetting(settings, name, value, folder); !set) {
+      return set;
+    }
+  }
+  if (input.empty()) return Error{ErrorCode::kBadFormat, "found no input, expected the path of a mesh or character"};
+  return addInputs(input, settings, items);
+}
+
+Result<void> addCsv(const std::string& list, const std::string& text, const BakeSettings& defaults,
+                    std::vector<BakeItem>& items) {
+  std::vector<std::string> names;
+  const std::vector<std::string> lines = linesOf(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].empty()) continue;
+    const std::optional<std::vector<std::string>> cells = cellsOf(lines[i]);
+    if (!cells) return inLine(list, i + 1, "found a quote that is not closed on this line, expected another \"");
+    if (names.empty()) {
+      names = *cells;
+      if (std::ranges::find(names, "input") == names.end()) {
+        return inLine(list, i + 1, fmt::format("found the columns {}, expected `input` among them", lines[i]));
+      }
+      continue;
+    }
+    if (cells->size() != names.size()) {
+      return inLine(list, i + 1, fmt::format("found {} cells, expected {}", cells->size(), names.size()));
+    }
+    std::vector<std::pair<std::string, std::string>> row;
+    for (std::size_t c = 0; c < names.size(); ++c) row.emplace_back(names[c], (*cells)[c]);
+    if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
+      return inLine(list, i + 1, added.error().message);
+    }
+  }
+  return {};
+}
+
+/// A value of JSON as in CSV: lists separated by semicolons.
+std::string textOf(const nlohmann::json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.is_null() ? std::string() : value.dump();
+  std::vector<std::string> words;
+  for (const nlohmann::json& one : value) words.push_back(textOf(one));
+  return fmt::format("{}", fmt::join(words, ";"));
+}
+
+Result<void> addJsonLines(const std::string& list, const std::string& text, const BakeSettings& defaults,
+                          std::vector<BakeItem>& items) {
+  const std::vector<std::string> lines = linesOf(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].find_first_not_of(" \t") == std::string::npos) continue;
+    const nlohmann::json json = nlohmann::json::parse(lines[i], nullptr, false);
+    if (!json.is_object()) return inLine(list, i + 1, "found no JSON object, expected {\"input\": \"FILE\", ...}");
+    std::vector<std::pair<std::string, std::string>> row;
+    for (const auto& [name, value] : json.items()) row.emplace_back(name, textOf(value));
+    if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
+      return inLine(list, i + 1, added.error().message);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<BakeItem>> readBakeLists(std::span<const std::string> lists, const BakeSettings& defaults) {
+  std::vector<BakeItem> items;
+  for (const std::string& list : lists) {
+    std::error_code ignored;
+    const bool listed = !isModel(list) && !fs::is_directory(list, ignored) && fs::exists(list, ignored);
+    Result<void> added;
+    if (!listed) {
+      added = addInputs(list, defaults, items);
+    } else {
+      const Result<std::string> text = readFile(list);
+      if (!text) return text.error();
+      const std::string ending = endingOf(list);
+      added = ending == ".csv"     ? addCsv(list, *text, defaults, items)
+              : ending == ".jsonl" ? addJsonLines(list, *text, defaults, items)
+                                   : addPaths(list, *text, defaults, items);
+    }
+    if (!added) return added.error();
+  }
+  if (items.empty()) return Error{ErrorCode::kBadFormat, fmt::format("{}: names no input", fmt::join(lists, ", "))};
+  return items;
+}
+
+}  // namespace lorica

@@ -1,0 +1,184 @@
+// The report of a bake as an HTML file that needs no other file.
+
+#include "bake/bake_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kPictures = 20;
+constexpr std::size_t kBins = 20;
+
+constexpr const char* kStyle =
+    "body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:72em;padding:0 1em;color:#222}"
+    "h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}table{border-collapse:collapse}"
+    "td,th{padding:.15em .8em .15em 0;text-align:left;vertical-align:top;border-bottom:1px solid #ddd}"
+    "td.n,th.n{text-align:right}.row{display:flex;flex-wrap:wrap;gap:1.2em}figure{margin:0;width:16em}"
+    "figure img{width:100%}figcaption{font-size:.85em;overflow-wrap:anywhere}svg text{font-size:11px;fill:#444}"
+    "svg rect{fill:#4a7ab5}.bad{color:#a00}";
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr const char* kSigns = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      three = (three << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kSigns[(three >> (18 - 6 * k)) & 63] : '=';
+  }
+  return text;
+}
+
+struct Axis {
+  std::string title;
+  double factor = 1.0;  ///< from the figure to what is written
+  std::string unit;
+};
+
+/// Bars from the smallest to the largest figure, with their counts on hover.
+std::string histogram(const std::vector<double>& figures, const Axis& axis) {
+  if (figures.empty()) return "";
+  const auto [min, max] = std::ranges::minmax(figures);
+  std::vector<std::size_t> counts(kBins, 0);
+  for (const double figure : figures) {
+    const double place = max > min ? (figure - min) / (max - min) : 0.0;
+    ++counts[std::min(kBins - 1, static_cast<std::size_t>(place * static_cast<double>(kBins)))];
+  }
+  const double most = static_cast<double>(*std::ranges::max_element(counts));
+  std::string svg = fmt::format("<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 260 120\" width=\"260\">",
+                                escaped(axis.title));
+  for (std::size_t b = 0; b < kBins; ++b) {
+    const double height = 100.0 * static_cast<double>(counts[b]) / most;
+    const double from = min + (max - min) * static_cast<double>(b) / static_cast<double>(kBins);
+    svg += fmt::format(
+        "<rect x=\"{}\" y=\"{:.1f}\" width=\"12\" height=\"{:.1f}\"><title>{} from {:.4g} {}</title></rect>", 13 * b,
+        100.0 - height, height, counts[b], axis.factor * from, axis.unit);
+  }
+  svg +=
+      fmt::format("<text x=\"0\" y=\"115\">{:.4g}</text><text x=\"260\" y=\"115\" text-anchor=\"end\">{:.4g} {}</text>",
+                  axis.factor * min, axis.factor * max, axis.unit);
+  return svg + "</svg></figure>";
+}
+
+std::string histograms(const std::vector<const ordered_json*>& results) {
+  std::vector<double> errors, seconds, parts;
+  for (const ordered_json* result : results) {
+    errors.push_back(errorOf(*result));
+    seconds.push_back(result->value("seconds", 0.0));
+    parts.push_back(result->value("parts", 0.0));
+  }
+  return "<h2>How they spread</h2><div class=\"row\">" +
+         histogram(errors, {"Extra volume of the hulls, in held-out poses for characters", 100.0, "%"}) +
+         histogram(seconds, {"Time", 1.0, "s"}) + histogram(parts, {"Parts", 1.0, "parts"}) + "</div>";
+}
+
+std::string failures(const BakeCollection& collection) {
+  std::string html;
+  const auto list = [&html](const std::string& title, const std::vector<std::string>& sentences) {
+    if (sentences.empty()) return;
+    html += fmt::format("<h2>{}</h2><ul class=\"bad\">", title);
+    for (const std::string& sentence : sentences) html += fmt::format("<li>{}</li>", escaped(sentence));
+    html += "</ul>";
+  };
+  std::vector<std::string> sentences;
+  for (const ordered_json* result : collection.failed()) sentences.push_back(result->value("failure", ""));
+  list("Failed", sentences);
+  list("Damaged", collection.damaged);
+  list("Not done yet", collection.missing);
+  return html;
+}
+
+std::string contactSheet(const std::vector<const ordered_json*>& worst, const BakePicture& picture) {
+  std::string html = "<h2>The largest errors</h2><div class=\"row\">";
+  for (std::size_t i = 0; i < std::min(kPictures, worst.size()); ++i) {
+    const ordered_json& result = *worst[i];
+    const std::string png = picture(result);
+    html += "<figure>";
+    if (!png.empty()) html += fmt::format("<img alt=\"\" src=\"data:image/png;base64,{}\">", base64(png));
+    html += fmt::format("<figcaption>{}<br>{} parts, {:.1f} %<br>{}</figcaption></figure>",
+                        escaped(result.value("input", "")), result.value("parts", 0), 100.0 * errorOf(result),
+                        escaped(result.value("settings", "")));
+  }
+  return html + "</div>";
+}
+
+std::string scheduleTable(std::span<const Schedule> schedules) {
+  if (schedules.empty()) return "";
+  std::string html = fmt::format(
+      "<h2>{} such items on more cores</h2><p>Simulated from the times of these items: large ones first, on one shared "
+      "list.</p><table><tr><th class=\"n\">cores</th><th class=\"n\">minutes</th><th class=\"n\">idle</th>"
+      "<th class=\"n\">tail</th><th class=\"n\">longest item</th></tr>",
+      schedules.front().items);
+  for (const Schedule& s : schedules) {
+    html += fmt::format(
+        "<tr><td class=\"n\">{}</td><td class=\"n\">{:.1f}</td><td class=\"n\">{:.1f} %</td><td class=\"n\">{:.1f} "
+        "s</td>"
+        "<td class=\"n\">{:.1f} s</td></tr>",
+        s.cores, s.seconds / 60.0, 100.0 * s.idleShare, s.tail, s.longest);
+  }
+  return html + "</table>";
+}
+
+std::string resultTable(const std::vector<const ordered_json*>& results) {
+  std::string html =
+      "<h2>All results</h2><table><tr><th>input</th><th>settings</th><th class=\"n\">parts</th><th "
+      "class=\"n\">score</th>"
+      "<th class=\"n\">error</th><th class=\"n\">s</th><th class=\"n\">MB</th><th>files</th></tr>";
+  for (const ordered_json* result : results) {
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.4f}</td><td class=\"n\">{:.1f} %</td><td "
+        "class=\"n\">{:.1f}</td><td class=\"n\">{:.0f}</td><td>items/{}</td></tr>",
+        escaped(result->value("input", "")), escaped(result->value("settings", "")), result->value("parts", 0),
+        result->value("score", 0.0), 100.0 * errorOf(*result), result->value("seconds", 0.0),
+        result->value("peakMemory", 0.0) / 1e6, escaped(result->value("item", "")));
+  }
+  return html + "</table>";
+}
+
+}  // namespace
+
+std::string htmlReport(const BakeCollection& collection, std::span<const Schedule> schedules,
+                       const BakePicture& picture) {
+  const std::vector<const ordered_json*> done = collection.worstFirst();
+  const std::string title = fmt::format("{} baked, {} failed, {} not done yet", done.size(), collection.failed().size(),
+                                        collection.missing.size());
+  return fmt::format(
+             "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Lorica: {0}</title><style>{1}</style>"
+             "<h1>{0}</h1><p>Hash of all results: <code>{2}</code></p>",
+             title, kStyle, collection.hash()) +
+         failures(collection) + histograms(done) + contactSheet(done, picture) + scheduleTable(schedules) +
+         resultTable(done) + "</html>\n";
+}
+
+}  // namespace lorica

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "bake/bake_job.h"
+#include "bake/bake_store.h"
+#include "bake/schedule.h"
+
+#include <functional>
+
+namespace lorica {
+
+/// The results of a list, merged.
+struct BakeCollection {
+  std::vector<nlohmann::ordered_json> results;  ///< descriptions, see BakeStore, in the order of the list
+  std::vector<std::string> missing;             ///< inputs without a result
+  std::vector<std::string> damaged;             ///< a sentence for each file that is not what its description says
+
+  [[nodiscard]] std::vector<const nlohmann::ordered_json*> failed() const;
+  /// Results that are not failures, those with the largest error of their hulls first.
+  [[nodiscard]] std::vector<const nlohmann::ordered_json*> worstFirst() const;
+  /// One hash of all results, which does not depend on who made them and when.
+  [[nodiscard]] std::string hash() const;
+};
+
+/// Reads the result of every job. Goes by the list, not by what a file server lists in a folder.
+/// @param checkFiles  also read every file and compare it with its hash
+[[nodiscard]] BakeCollection collect(std::span<const BakeJob> jobs, BakeStore& store, bool checkFiles);
+
+/// A line of JSON for each result.
+[[nodiscard]] std::string jsonLines(const BakeCollection& collection);
+
+/// The error that counts: in held-out poses for characters, else that of the hulls.
+[[nodiscard]] double errorOf(const nlohmann::ordered_json& result);
+
+/// A picture of an item as the bytes of a PNG; empty if there is none.
+using BakePicture = std::function<std::string(const nlohmann::ordered_json& result)>;
+
+/// The report as one HTML file: figures, histograms of error, time and parts, failures with their sentences, pictures
+/// of the worst twenty, a simulation of the schedule on more cores, and a table of all results.
+[[nodiscard]] std::string htmlReport(const BakeCollection& collection, std::span<const Schedule> schedules,
+                                     const BakePicture& picture);
+
+}  // namespace lorica

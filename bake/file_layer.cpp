@@ -1,0 +1,77 @@
+#include "bake/file_layer.h"
+
+#include "geometry/files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+namespace lorica {
+namespace {
+
+/// Writes everything and closes the file: some file systems report a full disk only then. @return 0, or errno
+int writeAndClose(int fd, std::string_view content) {
+  int error = 0;
+  while (error == 0 && !content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), content.size());
+    if (written >= 0) {
+      content.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      error = errno;
+    }
+  }
+  if (error == 0 && ::fsync(fd) != 0) error = errno;
+  if (::close(fd) != 0 && error == 0) error = errno;
+  return error;
+}
+
+}  // namespace
+
+Result<std::string> FileLayer::read(const std::filesystem::path& file) {
+  return readFile(file, NamedBy::kFile);
+}
+
+bool FileLayer::exists(const std::filesystem::path& file) {
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored);
+}
+
+int FileLayer::create(const std::filesystem::path& file, std::string_view content) {
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd < 0) return errno;
+  const int error = writeAndClose(fd, content);
+  if (error != 0) ::unlink(file.c_str());
+  return error;
+}
+
+int FileLayer::overwrite(const std::filesystem::path& file, std::string_view content) {
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  return fd < 0 ? errno : writeAndClose(fd, content);
+}
+
+int FileLayer::rename(const std::filesystem::path& from, const std::filesystem::path& to) {
+  return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+int FileLayer::createFolders(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  return error.value();
+}
+
+int FileLayer::remove(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::remove_all(path, error);
+  return error.value();
+}
+
+Error unwritable(const std::filesystem::path& file, int error) {
+  return {ErrorCode::kUnwritable,
+          fmt::format("{}: cannot be written: {}", file.string(), std::generic_category().message(error))};
+}
+
+}  // namespace lorica

@@ -1,0 +1,216 @@
+#include "bake/item_run.h"
+
+#include "acd/decompose.h"
+#include "geometry/files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// Beside the result while it is made; removed before it is published.
+constexpr const char* kLog = "log.txt";
+constexpr const char* kReport = "report.json";
+constexpr const char* kCache = "cache";
+
+void addSetting(const BakeItem& item, const std::string& name, std::vector<std::string>& arguments) {
+  const auto found = item.settings.find(name);
+  if (found == item.settings.end()) return;
+  for (const std::string& value : found->second) arguments.insert(arguments.end(), {"--" + name, value});
+}
+
+void addCommon(const ItemRunSettings& settings, std::vector<std::string>& arguments) {
+  arguments.insert(arguments.end(), {"--threads", std::to_string(settings.threads)});
+  if (settings.trustPaths) arguments.emplace_back("--trust-paths");
+}
+
+/// `decompose INPUT -o FOLDER/bunny.lorica --parts 16 ...`, then `export INPUT FOLDER/bunny.glb ...`
+std::vector<std::vector<std::string>> stepsFor(const BakeJob& job, const fs::path& folder,
+                                               const ItemRunSettings& settings) {
+  const std::string lorica = folder / (job.stem + ".lorica");
+  const std::string report = folder / kReport;
+  std::vector<std::string> decompose = {"decompose", job.item.input, "-o", lorica, "--json", report, "--held-out"};
+  addCommon(settings, decompose);
+  for (const auto& [name, values] : job.item.settings) {
+    if (name != "export" && name != "engine") addSetting(job.item, name, decompose);
+  }
+  std::vector<std::vector<std::string>> steps = {decompose};
+  const auto exports = job.item.settings.find("export");
+  if (exports == job.item.settings.end()) return steps;
+  for (const std::string& ending : exports->second) {
+    steps.push_back(exportArguments(job.item, lorica, folder / (job.stem + "." + ending), settings));
+  }
+  return steps;
+}
+
+std::string megabytes(std::uint64_t bytes) {
+  return fmt::format("{} MB", (bytes + 999'999) / 1'000'000);
+}
+
+/// Copies figures of decompose's report.
+void addFigures(const fs::path& report, ordered_json& description) {
+  const Result<std::string> text = readFile(report, NamedBy::kFile);
+  if (!text) return;
+  const ordered_json json = ordered_json::parse(*text, nullptr, false);
+  if (!json.is_object()) return;
+  for (const char* name :
+       {"parts", "score", "error", "heldOutError", "heldOutPoses", "distance", "endedBy", "repaired", "body", "hash"}) {
+    if (json.contains(name)) description[name] = json[name];
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> exportArguments(const BakeItem& item, const fs::path& lorica, const fs::path& out,
+                                         const ItemRunSettings& settings) {
+  std::vector<std::string> arguments = {"export", item.input, out, "--decomposition", lorica};
+  addCommon(settings, arguments);
+  for (const char* name : {"body", "body-resolution", "map", "hide", "hull-vertices", "engine"}) {
+    addSetting(item, name, arguments);
+  }
+  return arguments;
+}
+
+ItemRun::ItemRun(BakeJob job, fs::path folder, ItemRunSettings settings)
+    : job_(std::move(job)),
+      folder_(std::move(folder)),
+      settings_(std::move(settings)),
+      steps_(stepsFor(job_, folder_, settings_)),
+      begin_(Clock::now()) {}
+
+Result<ItemRun> ItemRun::start(const BakeJob& job, const fs::path& folder, const ItemRunSettings& settings) {
+  ItemRun run(job, folder, settings);
+  if (Result<void> started = run.startStep(); !started) return started.error();
+  return run;
+}
+
+Result<void> ItemRun::startStep() {
+  // A cache of its own: `export` finds the body that `decompose` made, and nothing is shared over the network.
+  ProcessOrder order{settings_.program,
+                     steps_[step_],
+                     {{"XDG_CACHE_HOME", fs::absolute(folder_ / kCache)}},
+                     folder_ / kLog,
+                     memoryBound(job_.triangles)};
+  Result<ChildProcess> process = ChildProcess::start(order);
+  if (!process) return process.error();
+  process_ = std::move(*process);
+  return {};
+}
+
+Result<std::optional<ordered_json>> ItemRun::poll() {
+  const auto done = [this](const std::string& failure) -> Result<std::optional<ordered_json>> {
+    Result<ordered_json> description = finish(failure);
+    if (!description) return description.error();
+    return std::optional(std::move(*description));
+  };
+  const std::optional<ProcessEnd> end = process_->ended();
+  if (!end) {
+    if (std::chrono::duration<double>(Clock::now() - begin_).count() < settings_.timeout) {
+      return std::optional<ordered_json>();
+    }
+    process_->kill();
+    return done(fmt::format("{}: took longer than the {:g} s of --timeout", job_.item.input, settings_.timeout));
+  }
+  cpuSeconds_ += end->cpuSeconds;
+  peakMemory_ = std::max(peakMemory_, end->peakMemory);
+  if (Result<void> fine = checkMachine(*end); !fine) return fine.error();
+  if (const std::string failure = failureOf(*end); !failure.empty()) return done(failure);
+  if (++step_ == steps_.size()) return done("");
+  if (Result<void> started = startStep(); !started) return started.error();
+  return std::optional<ordered_json>();
+}
+
+/// What the command said last: "lorica: x.off: line 3: ..." without its name; or nothing.
+std::string ItemRun::lastSentence() const {
+  const Result<std::string> text = readFile(folder_ / kLog, NamedBy::kFile);
+  if (!text) return "";
+  constexpr std::string_view kName = "lorica: ";
+  const std::size_t at = text->rfind(kName);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + kName.size();
+  std::string sentence = text->substr(begin, text->find('\n', begin) - begin);
+  // The folder is gone when somebody reads this.
+  const std::string folder = folder_.string() + "/";
+  for (std::size_t found = 0; (found = sentence.find(folder)) != std::string::npos;)
+    sentence.erase(found, folder.size());
+  return sentence;
+}
+
+Result<void> ItemRun::checkMachine(const ProcessEnd& end) const {
+  const std::string said = lastSentence();
+  if (end.exitStatus != 0 && said.find("cannot be written") != std::string::npos) {
+    return Error{ErrorCode::kUnwritable, said};
+  }
+  // Lorica reports signals as shells do.
+  const int signal = end.signal != 0 ? end.signal : end.exitStatus - 128;
+  if (signal != SIGKILL && signal != SIGTERM && signal != SIGINT && signal != SIGHUP) return {};
+  return Error{ErrorCode::kCancelled, fmt::format("{}: somebody ended the process that made it by signal {} ({})",
+                                                  job_.item.input, signal, ::strsignal(signal))};
+}
+
+std::string ItemRun::failureOf(const ProcessEnd& end) const {
+  if (end.signal == 0 && end.exitStatus == 0) return "";
+  constexpr int kBadInput = 2;
+  const std::string said = lastSentence();
+  if (end.signal == 0 && end.exitStatus == kBadInput && !said.empty()) return said;
+  const bool memory =
+      said.find("bad_alloc") != std::string::npos || end.peakMemory > memoryBound(job_.triangles) / 10 * 9;
+  if (memory) {
+    return fmt::format("{}: needs more than the {} that {} triangles may take", job_.item.input,
+                       megabytes(memoryBound(job_.triangles)), job_.triangles);
+  }
+  if (end.signal != 0) {
+    return fmt::format("{}: the process that made it was ended by signal {} ({})", job_.item.input, end.signal,
+                       ::strsignal(end.signal));
+  }
+  return fmt::format("{}: {}", job_.item.input,
+                     said.empty() ? fmt::format("exit status {} without a word", end.exitStatus) : said);
+}
+
+Result<ordered_json> ItemRun::finish(const std::string& failure) {
+  ordered_json description;
+  description["item"] = job_.name;
+  description["input"] = job_.item.input;
+  for (const BakeInput& input : job_.inputs) {
+    description["inputs"].push_back({{"file", input.file}, {"hash", input.hash}});
+  }
+  description["settings"] = textOf(job_.item.settings);
+  description["version"] = kAlgorithmVersion;
+  description["triangles"] = job_.triangles;
+  if (failure.empty()) {
+    addFigures(folder_ / kReport, description);
+  } else {
+    description["failure"] = failure;
+  }
+  description["seconds"] = std::chrono::duration<double>(Clock::now() - begin_).count();
+  description["cpuSeconds"] = cpuSeconds_;
+  description["peakMemory"] = peakMemory_;
+  description["memoryBound"] = memoryBound(job_.triangles);
+
+  // A failure leaves its sentence alone.
+  std::error_code error;
+  if (failure.empty()) {
+    for (const char* name : {kLog, kReport, kCache}) fs::remove_all(folder_ / name, error);
+  } else {
+    fs::remove_all(folder_, error);
+    fs::create_directory(folder_, error);
+  }
+  if (error) return unwritable(folder_, error.value());
+  const Result<std::vector<BakedFile>> files = bakedFiles(folder_);
+  if (!files) return files.error();
+  description["files"] = ordered_json::array();
+  for (const BakedFile& file : *files) {
+    description["files"].push_back({{"file", file.name}, {"hash", file.hash}, {"bytes", file.bytes}});
+  }
+  description["result"] = resultHash(*files);
+  return description;
+}
+
+}  // namespace lorica

@@ -1,0 +1,247 @@
+// The order of work, with a script in place of the program that makes items.
+
+#include "bake/baker.h"
+
+#include "geometry/files.h"
+#include "tests/bake/faulty_files.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+namespace lorica::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Stands for `lorica decompose INPUT -o OUT --json REPORT ...` and `lorica export INPUT OUT ...`; the first word of
+/// the input says what happens. Notes each run in the folder `runs`.
+constexpr const char* kProgram = R"sh(#!/bin/sh
+runs=$(dirname "$0")/runs
+if [ "$1" = export ]; then cp "$2" "$3"; exit 0; fi
+echo run >>"$runs/$(basename "$2")"
+case $(cat "$2" 2>/dev/null) in
+  good*) ;;
+  slow*) sleep 0.3 ;;
+  crash*) kill -SEGV $$ ;;
+  killed*) kill -KILL $$ ;;
+  hang*) sleep 100 ;;
+  mute*) exit 1 ;;
+  hungry*) echo "lorica: stopped: std::bad_alloc" >&2; exit 1 ;;
+  full*) echo "lorica: $4: cannot be written: No space left on device" >&2; exit 2 ;;
+  *) echo "lorica: $2: line 1: found no mesh, expected OFF" >&2; exit 2 ;;
+esac
+cp "$2" "$4"
+echo '{"parts": 2, "score": 0.5, "error": 1.0, "threads": 1}' >"$6"
+)sh";
+
+struct Studio {
+  TemporaryFolder folder;
+  FileLayer files;
+  BakerSettings settings;
+  std::vector<BakeItem> items;
+
+  Studio() {
+    settings.item.program = folder.write("program", kProgram);
+    settings.memory = std::uint64_t{100} << 30;
+    fs::permissions(settings.item.program, fs::perms::owner_all);
+    fs::create_directories(folder.path() / "runs");
+  }
+  void add(const std::string& name, const std::string& content, const BakeSettings& how = {}) {
+    items.push_back({folder.write(name, content), how});
+  }
+  [[nodiscard]] fs::path out() const { return folder.path() / "out"; }
+  BakeStore store() {
+    return {files, out(), [](std::chrono::milliseconds) {}};
+  }
+  Result<BakeOutcome> bake(double lostAfter = 60.0) {
+    Result<Claims> claims = Claims::open(files, out(), lostAfter);
+    if (!claims) return claims.error();
+    BakeStore results = store();
+    return bakeAll(bakeJobs(items), results, *claims, settings);
+  }
+  [[nodiscard]] std::ptrdiff_t runsOf(const std::string& name) const {
+    const Result<std::string> runs = readFile(folder.path() / "runs" / name);
+    return runs ? std::count(runs->begin(), runs->end(), '\n') : 0;
+  }
+  /// A member of an item's description, as text; "none" without a result.
+  std::string told(std::size_t item, const char* member) {
+    const Result<nlohmann::ordered_json> description = store().describe(bakeJobs(items)[item].name);
+    if (!description || !description->contains(member)) return "none";
+    const nlohmann::ordered_json& value = (*description)[member];
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  }
+};
+
+TEST(Baker, MakesEachItemOnce) {
+  Studio studio;
+  studio.add("a.off", "good a", {{"export", {"glb", "urdf"}}});
+  studio.add("b.off", "good b");
+  const Result<BakeOutcome> first = studio.bake();
+  ASSERT_TRUE(first.ok()) << first.error().message;
+  EXPECT_EQ(first->made, 2);
+  EXPECT_GT(first->peakMemory, 0u);
+  EXPECT_EQ(studio.told(0, "score"), "0.5");
+  const fs::path result = studio.store().folderOf(bakeJobs(studio.items)[0].name);
+  std::vector<std::string> names;
+  const std::vector<BakedFile> made = *bakedFiles(result);
+  for (const BakedFile& file : made) names.push_back(file.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"a.glb", "a.lorica", "a.urdf"}));
+
+  const Result<BakeOutcome> second = studio.bake();
+  ASSERT_TRUE(second.ok());
+  EXPECT_EQ(second->there, 2);
+  EXPECT_EQ(studio.runsOf("a.off"), 1);
+  studio.folder.write("a.off", "good, changed");
+  EXPECT_EQ(studio.bake()->made, 1);
+  EXPECT_EQ(studio.runsOf("a.off"), 2);
+  EXPECT_EQ(studio.runsOf("b.off"), 1);
+}
+
+TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
+  Studio studio;
+  studio.settings.item.timeout = 0.4;
+  for (const char* kind : {"good", "bad", "crash", "mute", "hungry", "hang", "good too"}) {
+    studio.add(std::string(kind) + ".off", kind);
+  }
+  studio.items.push_back({"missing.off", {}});
+  const Result<BakeOutcome> outcome = studio.bake();
+  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+  EXPECT_EQ(outcome->made, 2);
+  EXPECT_EQ(outcome->failed, 6);
+  const std::string folder = studio.folder.path().string() + "/";
+  EXPECT_EQ(studio.told(1, "failure"), folder + "bad.off: line 1: found no mesh, expected OFF");
+  EXPECT_EQ(studio.told(2, "failure"),
+            folder + "crash.off: the process that made it was ended by signal 11 (Segmentation fault)");
+  EXPECT_EQ(studio.told(3, "failure"), folder + "mute.off: exit status 1 without a word");
+  EXPECT_NE(studio.told(4, "failure").find("hungry.off: needs more than the "), std::string::npos);
+  EXPECT_EQ(studio.told(5, "failure"), folder + "hang.off: took longer than the 0.4 s of --timeout");
+  EXPECT_EQ(studio.told(7, "failure"), "missing.off: line 1: found no mesh, expected OFF");
+  EXPECT_EQ(studio.told(1, "files"), "[]");
+
+  EXPECT_EQ(studio.bake()->there, 8) << "failures are results";
+  studio.settings.retryFailed = true;
+  EXPECT_EQ(studio.bake()->failed, 6);
+  EXPECT_EQ(studio.runsOf("bad.off"), 2);
+  EXPECT_EQ(studio.runsOf("good.off"), 1);
+}
+
+TEST(Baker, AFullDiskOrAKilledProcessIsNoFaultOfTheItem) {
+  for (const char* kind : {"full", "killed"}) {
+    Studio studio;
+    studio.add("a.off", kind);
+    const Result<BakeOutcome> outcome = studio.bake();
+    ASSERT_FALSE(outcome.ok());
+    EXPECT_EQ(studio.told(0, "item"), "none");
+    EXPECT_TRUE(fs::is_empty(studio.out() / "work"));
+    studio.folder.write("a.off", "good");
+    EXPECT_EQ(studio.bake()->made, 1);
+  }
+}
+
+TEST(Baker, ItemsThatDoNotFitTheMemoryAreLeftOut) {
+  Studio studio;
+  studio.add("a.off", "good");
+  studio.add("large.obj", "good" + std::string(20, ' '));
+  std::string large = "good";
+  for (int i = 0; i < 1000; ++i) large += "\nf 1 2 3";
+  studio.folder.write("large.obj", large);
+  studio.settings.memory = memoryBound(999);
+  const Result<BakeOutcome> outcome = studio.bake();
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome->made, 1);
+  ASSERT_EQ(outcome->tooLarge.size(), 1u);
+  EXPECT_NE(outcome->tooLarge.front().find("large.obj: 1000 triangles may take"), std::string::npos);
+  EXPECT_EQ(studio.runsOf("large.obj"), 0);
+}
+
+TEST(Baker, ItemsRunSideBySideAsFarAsMemoryGoes) {
+  Studio studio;
+  for (int i = 0; i < 4; ++i) studio.add("slow" + std::to_string(i) + ".off", "slow" + std::to_string(i));
+  studio.settings.jobs = 4;
+  const auto most = [&studio] {
+    // How many folders of unfinished items there are at once.
+    std::ptrdiff_t count = 0;
+    studio.settings.progress = [&](int, int) {
+      std::error_code ignored;
+      const fs::directory_iterator work(studio.out() / "work", ignored);
+      count = std::max(count, std::distance(begin(work), end(work)));
+    };
+    EXPECT_TRUE(studio.bake().ok());
+    return count;
+  };
+  studio.settings.memory = 2 * memoryBound(0) + 1000;
+  EXPECT_EQ(most(), 2);
+  fs::remove_all(studio.out());
+  studio.settings.memory = 4 * memoryBound(0) + 1000;
+  EXPECT_EQ(most(), 4);
+}
+
+TEST(Baker, StoppingFinishesWhatHasBegun) {
+  Studio studio;
+  for (int i = 0; i < 3; ++i) studio.add("slow" + std::to_string(i) + ".off", "slow" + std::to_string(i));
+  bool stop = false;
+  studio.settings.progress = [&](int, int) { stop = true; };
+  studio.settings.stopping = [&] { return stop; };
+  const Result<BakeOutcome> outcome = studio.bake();
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_TRUE(outcome->stopped);
+  EXPECT_EQ(outcome->made, 1);
+  EXPECT_TRUE(fs::is_empty(studio.out() / "work"));
+}
+
+/// Bakes in another process. @return its number
+pid_t bakeElsewhere(Studio& studio) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const Result<BakeOutcome> outcome = studio.bake();
+    _exit(outcome ? 0 : 1);
+  }
+  return child;
+}
+
+TEST(Baker, SeveralProcessesShareAListAndAllWaitForIt) {
+  Studio studio;
+  for (int i = 0; i < 12; ++i) studio.add("i" + std::to_string(i) + ".off", i % 4 == 0 ? "slow" : "good");
+  std::vector<pid_t> children;
+  for (int p = 0; p < 3; ++p) children.push_back(bakeElsewhere(studio));
+  for (const pid_t child : children) {
+    int status = -1;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  for (std::size_t i = 0; i < studio.items.size(); ++i) {
+    EXPECT_EQ(studio.runsOf("i" + std::to_string(i) + ".off"), 1) << i;
+    EXPECT_EQ(studio.told(i, "score"), "0.5");
+  }
+  EXPECT_TRUE(fs::is_empty(studio.out() / "work"));
+}
+
+TEST(Baker, WhatAKilledProcessHadIsDoneByTheOthers) {
+  Studio studio;
+  studio.add("hang.off", "hang");
+  const pid_t child = bakeElsewhere(studio);
+  for (int i = 0; i < 2000 && studio.runsOf("hang.off") == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_EQ(studio.runsOf("hang.off"), 1);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  // The file keeps its key, but the script no longer hangs.
+  const fs::path program = studio.settings.item.program;
+  std::string script = *readFile(program);
+  script.replace(script.find("hang*) sleep 100"), 16, "hang*)");
+  studio.folder.write("program", script);
+  const Result<BakeOutcome> outcome = studio.bake();
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome->made, 1);
+  EXPECT_EQ(studio.runsOf("hang.off"), 2);
+  EXPECT_TRUE(fs::is_empty(studio.out() / "work")) << "the killed process left files";
+}
+
+}  // namespace
+}  // namespace lorica::test

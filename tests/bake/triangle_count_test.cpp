@@ -1,0 +1,55 @@
+#include "bake/triangle_count.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace lorica::test {
+namespace {
+
+TEST(TriangleCount, OffIsExact) {
+  const std::string mesh =
+      "OFF\n# made by hand\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n3 0 2 1\n4 0 1 3 4\n3 0 3 2\n";
+  EXPECT_EQ(trianglesIn(mesh, ".off"), 4u);
+}
+
+TEST(TriangleCount, ObjIsExact) {
+  EXPECT_EQ(trianglesIn("v 0 0 0\nf 1 2 3\nf 1//1 2//2 3//3 4//4\nvn 0 0 1\nf 1/1 2/2 3/3 4/4 5/5", ".obj"), 6u);
+}
+
+TEST(TriangleCount, StlIsExactInBothForms) {
+  std::string binary(84 + 3 * 50, '\0');
+  const std::uint32_t count = 3;
+  std::memcpy(binary.data() + 80, &count, sizeof(count));
+  EXPECT_EQ(trianglesIn(binary, ".stl"), 3u);
+  std::string text = "solid x\n";
+  for (int i = 0; i < 4; ++i) text += "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\nendfacet\n";
+  EXPECT_EQ(trianglesIn(text + "endsolid x\n", ".stl"), 4u);
+}
+
+TEST(TriangleCount, PlyHasTwoForEachFace) {
+  EXPECT_EQ(trianglesIn("ply\nformat ascii 1.0\nelement vertex 8\nelement face 6\nend_header\n", ".ply"), 12u);
+}
+
+TEST(TriangleCount, GltfHasThoseOfItsMeshes) {
+  const std::string json =
+      R"({"accessors": [{"count": 30}, {"count": 9}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0},
+          "indices": 1}, {"attributes": {"POSITION": 0}}, 7]}]})";
+  EXPECT_EQ(trianglesIn(json, ".gltf"), 13u);
+  const std::uint32_t length = static_cast<std::uint32_t>(json.size());
+  std::string glb = "glTF" + std::string(16, '\0') + json + "BIN";
+  std::memcpy(glb.data() + 12, &length, sizeof(length));
+  EXPECT_EQ(trianglesIn(glb, ".glb"), 13u);
+}
+
+TEST(TriangleCount, AnyPrefixHasSomeNumber) {
+  const std::string json = R"({"accessors": [{"count": 30}], "meshes": [{"primitives": [{"indices": 0}]}]})";
+  for (const char* ending : {".off", ".obj", ".stl", ".ply", ".glb", ".gltf", ".fbx", ""}) {
+    for (std::size_t length = 0; length < json.size(); ++length) {
+      EXPECT_LE(trianglesIn("glTF" + json.substr(0, length), ending), 1000u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lorica::test
