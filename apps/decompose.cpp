@@ -3,6 +3,7 @@
 #include "acd/held_vertices.h"
 #include "acd/level_of_detail.h"
 #include "apps/cover_options.h"
+#include "apps/held_out.h"
 #include "apps/hull_fit.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
@@ -38,6 +39,7 @@ struct Options {
   int candidates = 0;    // 0 = the preset's
   int orientations = 0;  // 0 = the preset's
   CoverRequest cover;    // for a mesh, only the vertex limit is used
+  bool heldOut = false;  // measure a character's error in other poses too
   std::string output;
   std::string obj;
 };
@@ -85,12 +87,13 @@ struct Outcome {
   DecomposeSettings limits;
   double coverVolume = 0.0;  // of a character's cover, relative to exact hulls: volumeGrowth()
   int threads = 0;
+  std::optional<HeldOutError> heldOut = std::nullopt;  // if it was asked for
 };
 
 /// What the decomposition stopped at: "error", "distance", "limits" if both were given, "parts", "convex", or
 /// "vertices": hulls of so few vertices do not get better with more parts.
 std::string endedBy(const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
   const bool both = limits.maxError > 0.0 && limits.maxDistance > 0.0;
   if ((limits.maxError > 0.0 || limits.maxDistance > 0.0) && fit.errorMet(limits) && fit.distanceMet(limits)) {
     return both ? "limits" : limits.maxError > 0.0 ? "error" : "distance";
@@ -101,7 +104,7 @@ std::string endedBy(const Outcome& outcome) {
 
 /// "the limit of 8 parts was reached; an error of 5.0 % was not"
 std::string endingSentence(const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
   const std::string by = endedBy(outcome);
   const bool reached = by == "error" || by == "distance" || by == "limits";
   std::vector<std::string> named;
@@ -163,7 +166,7 @@ std::vector<VertexIndex> verticesToHold(const Subject& subject) {
 }
 
 nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
   const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
   nlohmann::ordered_json json;
   json["input"] = subject.name;
@@ -189,6 +192,8 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
       json["chosenKeyframes"].push_back({{"motion", chosen.motion}, {"frame", chosen.frame}, {"time", chosen.time}});
     }
   }
+  if (heldOut) json["heldOutError"] = heldOut->error;
+  if (heldOut) json["heldOutPoses"] = heldOut->poses;
   if (subject.character) addCoverTo(json, cover);
   if (cover) json["cover"]["volumeGrowth"] = coverVolume;
   if (options.cover.hullVertices > 0) json["hullVertices"] = options.cover.hullVertices;
@@ -202,7 +207,7 @@ nlohmann::ordered_json toJson(const Options& options, const Subject& subject, co
 }
 
 Report toReport(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads] = outcome;
+  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
   const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
   Report report(fmt::format("{}: {}", subject.name,
                             counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
@@ -220,6 +225,10 @@ Report toReport(const Options& options, const Subject& subject, const Outcome& o
     const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
     report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
                                          percent(*worst)));
+  }
+  if (heldOut) {
+    report.line("held-out error", fmt::format("{} in {} that the parts were not trained on", percent(heldOut->error),
+                                              counted(heldOut->poses, "pose")));
   }
   if (distance) {
     report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
@@ -289,7 +298,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     Result<Keyframes> sampled = trainingKeyframes(*subject->character, *training, count);
     if (!sampled) return Error{sampled.error().code, "--keyframes: " + sampled.error().message};
     outcome.keyframes = std::move(*sampled);
-    if (!options.cover.exact()) {
+    if (!options.cover.exact() || options.heldOut) {
       Result<CoverPoses> poses = coverPoses(*subject->character, training->motions);
       if (!poses) return poses.error();
       posesToCover = std::move(*poses);
@@ -310,13 +319,16 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   settings.planesPerEdge = options.orientations;
   settings.threads = outcome.threads;
   sayWhatGives(options, settings);
-  Result<Fit> found = fitHulls({*subject, outcome.keyframes, posesToCover ? &*posesToCover : nullptr, options.cover,
-                                !options.obj.empty(), settings});
+  Result<Fit> found = fitHulls({*subject, outcome.keyframes, options.cover.exact() ? nullptr : &*posesToCover,
+                                options.cover, !options.obj.empty(), settings});
   if (!found) return found.error();
   const Fit& fit = outcome.fit = std::move(*found);
   const Decomposition& decomposition = fit.made.decomposition;
   if (fit.cover) {
     outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *fit.cover);
+  }
+  if (options.heldOut && subject->character) {
+    outcome.heldOut = heldOutError(*subject->character, decomposition, fit.cover, *posesToCover);
   }
   if (!subject->character || !options.obj.empty()) {
     if (Result<void> all = checkHullsHold(fit.exported, subject->mesh.vertices, verticesToHold(*subject)); !all) {
@@ -425,6 +437,8 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
            "Replace each hull by a larger one of at most N vertices, and report the growth; for a character, in every "
            "frame");
+  app->addFlag("--held-out", options->heldOut,
+               "Also measure the error of a character's hulls in 32 poses that the parts were not trained on");
   app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
       ->typeName("FILE.lorica");
   app->addOption("--export-obj", options->obj, "Write the parts' hulls")->typeName("FILE.obj");

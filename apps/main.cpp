@@ -39,7 +39,7 @@ int run(int argc, char** argv) {
       lorica::addDemo(app, common),   lorica::addDecompose(app, common), lorica::addScore(app, common),
       lorica::addPlay(app, common),   lorica::addLive(app, common),      lorica::addRecord(app, common),
       lorica::addReplay(app, common), lorica::addInfo(app, common),      lorica::addConvert(app, common),
-      lorica::addExport(app, common), lorica::addSnapshot(app, common),
+      lorica::addExport(app, common), lorica::addSnapshot(app, common),  lorica::addBake(app, common),
   };
 
   if (const std::optional<int> status = app.parse(argc, argv)) return *status;

@@ -24,6 +24,12 @@ std::string countText(int done, int total, const std::string& unit) {
   return total > 0 ? fmt::format("{} of {} {}", done, total, unit) : fmt::format("{} {}", done, unit);
 }
 
+/// ", 12 s left", as far as that can be told.
+std::string leftText(int done, int total, double seconds) {
+  if (total <= 0 || done <= 0 || done >= total || seconds <= 2.0) return "";
+  return fmt::format(", {:.0f} s left", seconds * (total - done) / done);
+}
+
 }  // namespace
 
 ProgressBar::ProgressBar(const std::string& label, std::string unit)
@@ -49,17 +55,16 @@ void ProgressBar::update(int done, int total) {
     draw(done, total, seconds);
   } else {
     if (sinceShown < kLineSeconds) return;
-    say(fmt::format("{}: {} after {:.0f} s\n", label_, countText(done, total, unit_), seconds));
+    say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds,
+                    leftText(done, total, seconds)));
   }
   lastShown_ = now;
   shown_ = true;
 }
 
 void ProgressBar::draw(int done, int total, double seconds) const {
-  std::string tail = fmt::format("  {}  {:.0f} s", countText(done, total, unit_), seconds);
-  if (total > 0 && done > 0 && done < total && seconds > 2.0) {
-    tail += fmt::format(", {:.0f} s left", seconds * (total - done) / done);
-  }
+  const std::string tail =
+      fmt::format("  {}  {:.0f} s{}", countText(done, total, unit_), seconds, leftText(done, total, seconds));
   std::string line = label_ + "  ";
   const int room = terminalWidth(stderr) - 1 - static_cast<int>(line.size() + tail.size());
   const int width = std::min(kWidestBar, room - 2);

@@ -1,0 +1,285 @@
+#include "bake/baker.h"
+
+#include "apps/bake_options.h"
+#include "apps/bake_pictures.h"
+#include "apps/interrupt.h"
+#include "apps/options.h"
+#include "apps/progress_bar.h"
+#include "apps/standard_streams.h"
+#include "bake/bake_report.h"
+#include "geometry/files.h"
+#include "geometry/hard_stop.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <thread>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr std::size_t kSimulatedItems = 10'000;
+constexpr std::array<int, 4> kSimulatedCores = {1, 10, 100, 1000};
+
+std::string megabytes(std::uint64_t bytes) {
+  return grouped(static_cast<long long>((bytes + 999'999) / 1'000'000)) + " MB";
+}
+
+void pause(std::chrono::milliseconds time) {
+  std::this_thread::sleep_for(time);
+}
+
+ItemRunSettings howToRun(const BakeOptions& options, const CommonOptions& common, int jobs) {
+  std::error_code ignored;
+  return {fs::read_symlink("/proc/self/exe", ignored), std::max(1, common.threadCount() / jobs), options.timeout,
+          common.trustPaths};
+}
+
+/// The jobs of the shard; or why a list or a setting is refused.
+Result<std::vector<BakeJob>> readJobs(const BakeOptions& options) {
+  const Result<BakeSettings> defaults = options.defaults();
+  if (!defaults) return defaults.error();
+  const Result<std::vector<BakeItem>> items = readBakeLists(options.lists, *defaults);
+  if (!items) return items.error();
+  return jobsOf(options.chosenShard(), bakeJobs(*items));
+}
+
+/// How the same items, drawn many times, would keep many cores busy.
+std::vector<Schedule> simulated(const BakeCollection& collection) {
+  std::vector<double> seconds;
+  std::vector<double> sizes;
+  for (const ordered_json* result : collection.worstFirst()) {
+    seconds.push_back(result->value("cpuSeconds", 0.0));
+    sizes.push_back(result->value("triangles", 0.0));
+  }
+  if (seconds.empty()) return {};
+  const std::vector<std::size_t> drawn = drawItems(seconds.size(), kSimulatedItems);
+  std::vector<double> drawnSeconds;
+  for (const std::size_t item : drawn) drawnSeconds.push_back(seconds[item]);
+  std::vector<std::size_t> order(drawn.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return sizes[drawn[a]] > sizes[drawn[b]]; });
+  std::vector<Schedule> schedules;
+  for (const int cores : kSimulatedCores) schedules.push_back(simulateSchedule(drawnSeconds, order, cores));
+  return schedules;
+}
+
+Error notWhole(const BakeCollection& collection, std::size_t jobs) {
+  if (!collection.damaged.empty()) {
+    return {ErrorCode::kBadFormat, fmt::format("{}; remove the folder to have it made again", collection.damaged[0])};
+  }
+  return {ErrorCode::kNotFound, fmt::format("{} of {} are not done yet; `lorica bake` without --collect does them",
+                                            collection.missing.size(), counted(static_cast<long long>(jobs), "item"))};
+}
+
+Report collectionReport(const BakeCollection& collection, std::span<const Schedule> schedules, std::size_t jobs,
+                        const fs::path& out) {
+  Report report(fmt::format("{} in {}", counted(static_cast<long long>(jobs), "item"), out.string()));
+  report.line("baked", grouped(std::ssize(collection.worstFirst())));
+  report.line("failed", grouped(std::ssize(collection.failed())));
+  if (!collection.missing.empty()) report.line("not done yet", grouped(std::ssize(collection.missing)));
+  if (!collection.damaged.empty()) report.line("damaged", grouped(std::ssize(collection.damaged)));
+  report.line("hash", collection.hash());
+  report.line("written", fmt::format("{}, {}", (out / "bake.jsonl").string(), (out / "report.html").string()));
+  if (const auto failed = collection.failed(); !failed.empty()) {
+    Table table{{"failed because"}, {}, 0};
+    for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
+    report.table(std::move(table));
+  }
+  if (!schedules.empty()) {
+    Table table{{"cores", "minutes for 10,000 such items", "idle", "tail [s]"}, {}};
+    for (const Schedule& s : schedules) {
+      table.rows.push_back({grouped(s.cores), fmt::format("{:.1f}", s.seconds / 60.0), percent(s.idleShare),
+                            fmt::format("{:.1f}", s.tail)});
+    }
+    report.table(std::move(table));
+  }
+  return report;
+}
+
+ordered_json toJson(const BakeCollection& collection, std::span<const Schedule> schedules, std::size_t jobs) {
+  ordered_json json;
+  json["items"] = jobs;
+  json["baked"] = collection.worstFirst().size();
+  json["failures"] = ordered_json::array();
+  for (const ordered_json* result : collection.failed()) json["failures"].push_back(result->value("failure", ""));
+  json["missing"] = collection.missing;
+  json["damaged"] = collection.damaged;
+  json["hash"] = collection.hash();
+  for (const Schedule& s : schedules) {
+    json["simulated"].push_back({{"cores", s.cores},
+                                 {"items", s.items},
+                                 {"seconds", s.seconds},
+                                 {"idleShare", s.idleShare},
+                                 {"tail", s.tail},
+                                 {"longest", s.longest}});
+  }
+  return json;
+}
+
+/// A folder for temporary files that goes with this object, or when the program is ended.
+class Scratch {
+ public:
+  explicit Scratch(const fs::path& beside)
+      : folder_(beside / fmt::format("pictures.{}", ::getpid())), cleaning_([this] { remove(); }) {
+    std::error_code ignored;
+    fs::create_directories(folder_, ignored);
+  }
+  ~Scratch() { remove(); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+
+ private:
+  void remove() const {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  fs::path folder_;
+  AtHardStop cleaning_;
+};
+
+/// --collect: merges, checks and reports.
+Result<void> collectAll(const BakeOptions& options, const CommonOptions& common, const std::vector<BakeJob>& jobs,
+                        BakeStore& store) {
+  const fs::path out = options.out;
+  const BakeCollection collection = collect(jobs, store, true);
+  const std::vector<Schedule> schedules = simulated(collection);
+  std::map<std::string, const BakeJob*> byName;
+  for (const BakeJob& job : jobs) byName[job.name] = &job;
+  Result<BakePictures> pictures = BakePictures::create(howToRun(options, common, 1));
+  if (!pictures) warn("the report has no pictures: " + pictures.error().message);
+  const Scratch scratch(out);
+  const auto draw = [&](const ordered_json& result) -> std::string {
+    if (!pictures || interrupted()) return "";
+    const BakeJob& job = *byName.at(result.value("item", ""));
+    return pictures->draw(job.item, store.folderOf(job.name) / (job.stem + ".lorica"), scratch.folder());
+  };
+  const std::string page = htmlReport(collection, schedules, draw);
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (Result<void> written = writeFileAtomically(out / "bake.jsonl", jsonLines(collection)); !written) return written;
+  if (Result<void> written = writeFileAtomically(out / "report.html", page); !written) return written;
+  const Result<void> published = publish(common, collectionReport(collection, schedules, jobs.size(), out),
+                                         toJson(collection, schedules, jobs.size()));
+  if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
+  return notWhole(collection, jobs.size());
+}
+
+Report toReport(const BakeOutcome& outcome, const BakeOptions& options) {
+  Report report(
+      fmt::format("{} of {} baked into {}", grouped(outcome.made), counted(outcome.items, "item"), options.out));
+  if (outcome.there > 0) report.line("there already", grouped(outcome.there));
+  if (outcome.byOthers > 0) report.line("by other processes", grouped(outcome.byOthers));
+  if (outcome.failed > 0) {
+    report.line("failed", grouped(outcome.failed) + "; `lorica bake ... --collect` lists their sentences");
+  }
+  if (outcome.made + outcome.failed > 0) {
+    report.line("time", fmt::format("{:.1f} s, of processors {:.1f} s; longest item {:.1f} s", outcome.seconds,
+                                    outcome.cpuSeconds, outcome.longest));
+    report.line("memory", fmt::format("at most {} an item, of {} that it may take", megabytes(outcome.peakMemory),
+                                      megabytes(outcome.memoryBound)));
+  }
+  return report;
+}
+
+ordered_json toJson(const BakeOutcome& outcome) {
+  ordered_json json;
+  json["items"] = outcome.items;
+  json["made"] = outcome.made;
+  json["failed"] = outcome.failed;
+  json["there"] = outcome.there;
+  json["byOthers"] = outcome.byOthers;
+  json["tooLarge"] = outcome.tooLarge;
+  json["seconds"] = outcome.seconds;
+  json["cpuSeconds"] = outcome.cpuSeconds;
+  json["longestItem"] = outcome.longest;
+  json["peakMemory"] = outcome.peakMemory;
+  json["memoryBound"] = outcome.memoryBound;
+  return json;
+}
+
+BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& common, ProgressBar& bar) {
+  BakerSettings settings;
+  settings.jobs = options.jobs > 0 ? options.jobs : common.threadCount();
+  settings.item = howToRun(options, common, settings.jobs);
+  settings.memory = options.memoryBytes();
+  settings.retryFailed = options.retryFailed;
+  settings.stopping = [said = false]() mutable {
+    if (interrupted() && !said) {
+      said = true;
+      answerInterrupt();
+      say("\nlorica: finishing the items in progress; Ctrl-C again drops them\n");
+    }
+    return interrupted();
+  };
+  settings.progress = [&bar](int done, int total) { bar.update(done, total); };
+  return settings;
+}
+
+Result<void> run(const BakeOptions& options, const CommonOptions& common) {
+  if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
+  if (Result<void> fine = checkJsonOutput(common, {fs::path(options.out) / "bake.jsonl"}); !fine) return fine;
+  const Result<std::vector<BakeJob>> jobs = readJobs(options);
+  if (!jobs) return jobs.error();
+  FileLayer files;
+  BakeStore store(files, options.out, pause);
+  if (options.collect) return collectAll(options, common, *jobs, store);
+
+  Result<Claims> claims = Claims::open(files, options.out, options.lostAfter);
+  if (!claims) return claims.error();
+  Result<BakeOutcome> outcome = Error{ErrorCode::kCancelled, ""};
+  {
+    ProgressBar bar("Baking", "items");
+    outcome = bakeAll(*jobs, store, *claims, bakerSettings(options, common, bar));
+  }
+  if (!outcome) return outcome.error();
+  if (outcome->stopped) return Error{ErrorCode::kCancelled, "cancelled"};
+
+  // One process of several that share the work cannot merge it.
+  if (options.chosenShard().count == 1) {
+    const std::string lines = jsonLines(collect(*jobs, store, false));
+    const fs::path merged = fs::path(options.out) / "bake.jsonl";
+    if (Result<void> written = writeFileAtomically(merged, lines); !written) return written;
+  }
+  if (Result<void> published = publish(common, toReport(*outcome, options), toJson(*outcome)); !published) {
+    return published;
+  }
+  if (outcome->tooLarge.empty()) return {};
+  return Error{ErrorCode::kInvalidArgument, fmt::format("{}; {} left out", outcome->tooLarge.front(),
+                                                        counted(std::ssize(outcome->tooLarge), "item"))};
+}
+
+}  // namespace
+
+Command addBake(CommandLine& parent, CommonOptions& common) {
+  const auto options = std::make_shared<BakeOptions>();
+  CommandLine* app = addSubcommand(
+      parent, common, "bake", "Decompose and export a whole library, on one machine or many.",
+      "  lorica bake meshes/ --out baked --parts 16\n"
+      "      every mesh and character of a folder; run it again to do only what is new or changed\n"
+      "  lorica bake list.csv --out baked --export glb,urdf\n"
+      "      a list with settings for each item: input,parts,motion,...\n"
+      "  lorica bake list.csv --out baked --memory 8G --jobs 4\n"
+      "      four items at a time, as far as 8 GB go\n"
+      "  lorica bake list.csv --out baked --shard 3/50\n"
+      "      a fiftieth of the list, for engines that run one command for each number\n"
+      "  lorica bake list.csv --out baked --collect\n"
+      "      check every file and write baked/bake.jsonl and baked/report.html\n"
+      "\nEach result is a folder baked/items/NAME-KEY/ that appears whole or not at all; KEY is a hash of the input's\n"
+      "content, the settings and the algorithm. An input that cannot be baked, crashes or takes too much costs only\n"
+      "its own item: its result is a sentence, and the exit status is 0. Ctrl-C finishes the items in progress, a\n"
+      "second one drops them. Slurm and other engines: docs/BAKE.md.");
+  addBakeOptions(*app, *options);
+  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+}
+
+}  // namespace lorica
