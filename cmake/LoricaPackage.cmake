@@ -1,15 +1,19 @@
-# What scripts/package makes of the installed files: `lorica`, the command with all that it needs at run time, and
-# `liblorica-dev`, the static libraries, their headers and what find_package(lorica) reads.
+# What scripts/package makes of the installed files: `lorica`, the command with all that it needs at run time,
+# `liblorica-c0`, the C interface, `python3-lorica`, the Python module, and `liblorica-dev`, the static libraries, all
+# headers and what find_package(lorica) reads.
 
 set(LORICA_PACKAGE_DEPENDS "" CACHE STRING "Packages that the command's needs, as dpkg-shlibdeps says")
+set(LORICA_PACKAGE_C_DEPENDS "" CACHE STRING "The same for the C interface")
+set(LORICA_PACKAGE_PYTHON_DEPENDS "" CACHE STRING "The same for the Python module")
 set(LORICA_PACKAGE_RECOMMENDS "" CACHE STRING "Packages that only the writing of videos needs")
 set(LORICA_PACKAGE_DOCS "" CACHE PATH "Folder of manual pages, changelog and copyright that scripts/package makes")
-mark_as_advanced(LORICA_PACKAGE_DEPENDS LORICA_PACKAGE_RECOMMENDS LORICA_PACKAGE_DOCS)
+mark_as_advanced(LORICA_PACKAGE_DEPENDS LORICA_PACKAGE_C_DEPENDS LORICA_PACKAGE_PYTHON_DEPENDS LORICA_PACKAGE_RECOMMENDS
+                 LORICA_PACKAGE_DOCS)
 if(NOT LORICA_PACKAGE_DOCS)
   return()
 endif()
 
-foreach(package lorica:command liblorica-dev:development)
+foreach(package lorica:command liblorica-dev:development liblorica-c0:c python3-lorica:python)
   string(REPLACE ":" ";" package ${package})
   list(POP_FRONT package name)
   install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz
@@ -26,11 +30,13 @@ set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL command development)
+set(CPACK_COMPONENTS_ALL command development c python)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(version ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})
 
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME lorica)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION graphics)
@@ -49,8 +55,27 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries and headers of Lor
 meshes, live convex hulls, character import, retargeting and body tracking.")
 # What lorica-config.cmake looks for; the modules that the libraries load come with the command.
 string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "lorica (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libeigen3-dev, libfmt-dev, "
+  "lorica (= ${version}), liblorica-c0 (= ${version}), libeigen3-dev, libfmt-dev, "
   "libtbb-dev, libbullet-dev, libxxhash-dev, libhwy-dev, libglfw3-dev, libimgui-dev, libassimp-dev, libtinygltf-dev, "
   "libpng-dev, libturbojpeg0-dev, libgif-dev, zlib1g-dev, pkgconf | pkg-config")
+
+# Both load a module of the command's package for meshes and characters that are open.
+set(CPACK_DEBIAN_C_PACKAGE_NAME liblorica-c0)
+set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
+set(CPACK_COMPONENT_C_DESCRIPTION "Lorica for programs in C and languages that call C: convex decomposition of
+meshes, live convex hulls of moving characters, body tracking.")
+set(CPACK_DEBIAN_C_PACKAGE_DEPENDS "lorica (= ${version}), ${LORICA_PACKAGE_C_DEPENDS}")
+set(CPACK_DEBIAN_C_PACKAGE_GENERATE_SHLIBS ON)
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lorica)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Lorica for Python: convex decomposition of meshes, live convex hulls of moving
+characters, as numpy arrays.")
+# The module is made for one version of Python.
+find_package(Python REQUIRED COMPONENTS Interpreter)
+math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+string(CONCAT CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+  "lorica (= ${version}), python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy, "
+  "${LORICA_PACKAGE_PYTHON_DEPENDS}")
 
 include(CPack)
