@@ -1,9 +1,11 @@
 #include "apps/body_choice.h"
+#include "apps/cast.h"
 #include "apps/depth_inputs.h"
 #include "apps/depth_picture.h"
 #include "apps/events_output.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
+#include "apps/live_cast.h"
 #include "apps/live_log.h"
 #include "apps/options.h"
 #include "apps/playback.h"
@@ -21,31 +23,19 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
 
-struct Options {
-  DepthOptions depth;
-  std::string nite;     // library; empty = Lorica's own tracker
-  VmcInputOptions vmc;  // instead of a camera
-  PoseOutputOptions out;
-  std::string events;  // file or -; empty = none
-  int person = 0;
-  std::string character = "mannequin";
-  CharacterOptions reading;
-  std::string springs;  // see chooseSprings()
-  MotionOptions performing;
-  BodyOptions body;
-  std::string scene;
-  SnapshotOptions pictures;
-  PlaybackOptions limit;
-  std::string record;  // file; empty = none
-  bool window = false;
-  bool headless = false;
-};
+using Options = LiveOptions;
 
 /// The running session and its results.
 struct Live {
@@ -103,7 +93,7 @@ Result<void> runHeadless(const Options& options, Live& live) {
 }
 
 Result<void> runInWindow(const Options& options, Live& live) {
-  Result<Window> window = openWindow(live.name, live.session.character());
+  Result<Window> window = openWindow(live.name, live.session.character(), live.session.avatars().size());
   if (!window) return window.error();
   WindowSubject subject{live.session, live.name};
   subject.scene = options.scene;
@@ -133,6 +123,15 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
   json["source"] = live.name;
   json["character"] = live.session.character().name;
   json["parts"] = body.decomposition.parts.size();
+  json["avatars"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < live.session.avatars().size(); ++i) {
+    const SessionAvatar& avatar = live.session.avatars()[i];
+    json["avatars"].push_back({{"character", avatar.character().name},
+                               {"person", i + 1},
+                               {"frames", avatar.frameCount()},
+                               {"contacts", live.statistics.contactsOf(i)},
+                               {"hash", hexDigits(avatar.hash())}});
+  }
   if (live.joints != nullptr) live.log.addTo(json);
   if (live.vmc) live.vmc->addTo(json);
   live.statistics.addTo(json);
@@ -151,6 +150,12 @@ Report toReport(const Options& options, const Live& live) {
   if (live.vmc) live.vmc->addTo(report);
   if (const std::optional<double> delay = live.session.source().smoothingDelay()) {
     report.line("smoothing", fmt::format("joints lag by another {:.0f} ms", 1e3 * *delay));
+  }
+  for (std::size_t i = 0; live.session.avatars().size() > 1 && i < live.session.avatars().size(); ++i) {
+    const SessionAvatar& avatar = live.session.avatars()[i];
+    report.line(fmt::format("avatar {}", i + 1),
+                fmt::format("{} was there in {}: {}", avatar.character().name, counted(avatar.frameCount(), "frame"),
+                            counted(live.statistics.contactsOf(i), "contact point")));
   }
   live.statistics.addTrainingTo(report);
   report.line("contacts", fmt::format("{} with {}", counted(live.statistics.touches(), "touch", "touches"),
@@ -173,87 +178,42 @@ Result<bool> chooseWindow(const Options& options) {
   return displayAvailable();
 }
 
-/// Whom the character follows.
-struct Performer {
-  std::unique_ptr<SkeletonSource> joints;  ///< null if a program sends
-  const LiveJoints* tracked;               ///< the joints; null if NiTE 2 tracks or a program sends
-  std::optional<VmcInput> vmc;
-  std::string name;
-};
-
-Result<Performer> openPerformer(const Options& options) {
-  if (!options.vmc.listenAt.empty()) {
-    Result<VmcInput> vmc = VmcInput::open(options.vmc);
-    if (!vmc) return vmc.error();
-    std::string name = vmc->name();
-    return Performer{nullptr, nullptr, std::move(*vmc), std::move(name)};
-  }
-  if (!options.nite.empty()) {
-    Result<std::unique_ptr<SkeletonSource>> source = openNite(options.depth, options.nite);
-    if (!source) return source.error();
-    return Performer{std::move(*source), nullptr, std::nullopt, "NiTE 2"};
-  }
-  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
-  if (!depth) return depth.error();
-  Result<Tracker> tracker = Tracker::create((*depth)->camera());
-  if (!tracker) return tracker.error();
-  auto joints = std::make_unique<LiveJoints>(DepthJoints(std::move(*depth), std::move(*tracker), options.person));
-  const LiveJoints* tracked = joints.get();
-  return Performer{std::move(joints), tracked, std::nullopt, tracked->source().name()};
-}
-
-/// The poses of a character that follows the performer.
-Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Performer& performer,
-                                             const SourceTreatment& treatment) {
-  if (!performer.vmc) return makeTreatedSource(character, std::move(performer.joints), treatment);
-  Result<std::unique_ptr<PoseSource>> sent = performer.vmc->makeSource(character, treatment.joints.mirror);
-  if (!sent) return sent.error();
-  return makeTreatedSource(std::move(*sent), treatment);
-}
-
-Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.character, options.body.decomposition}); !fine) return fine;
+Result<void> checkOptions(const Options& options, const CommonOptions& common) {
+  std::vector<std::filesystem::path> inputs{options.body.decomposition};
+  for (const std::string& name : namesIn(options.character)) inputs.emplace_back(name);
+  if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
   if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
   if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
-  if (Result<void> fine =
-          checkEvents(options.events, common, {options.character, options.body.decomposition, options.record});
-      !fine)
-    return fine;
+  inputs.emplace_back(options.record);
+  if (options.people > kMaxPeople) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--people: found {}, expected at most {}", options.people, kMaxPeople)};
+  }
+  return checkEvents(options.events, common, inputs);
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkOptions(options, common); !fine) return fine;
   const Result<bool> inWindow = chooseWindow(options);
   if (!inWindow) return inWindow.error();
-  CharacterOptions reading = options.reading;
-  reading.drawn = *inWindow || options.pictures.any();
-  if (options.vmc.listenAt.empty()) reading.suits = followsPerson;
-  const Result<Subject> subject = readCharacter(options.character, reading);
-  if (!subject) return subject.error();
-  if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine;
   Result<World> world = openScene(options.scene);
   if (!world) return world.error();
-  const Result<DecompositionFile> body = chooseBody(options.body, *subject, common.threadCount());
-  if (!body) return body.error();
+  const bool drawn = *inWindow || options.pictures.any();
+  const Result<std::vector<Follower>> followers = readFollowers(options, drawn, common.threadCount());
+  if (!followers) return followers.error();
 
   // The source is opened last, because it runs while the rest is prepared.
   Result<Performer> performer = openPerformer(options);
   if (!performer) return performer.error();
   const bool sent = performer->vmc.has_value();
-  const std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
-  RecordedAs as{performer->name, sent, options.character, options.reading, options.performing, options.body, springs};
-  as.stream = sent;
-  const RecordedAvatar recorded{std::move(as), *subject->character, *body};
-  const Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.record, std::span(&recorded, 1), options.scene, *world);
+  const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options, *performer, *followers, *world);
   if (!recorder) return recorder.error();
-  const SourceTreatment treatment{*recorder ? (*recorder)->log() : nullptr, options.performing.faults(),
-                                  options.performing.joints()};
-  Result<std::unique_ptr<PoseSource>> source = sourceOf(*subject->character, *performer, treatment);
-  if (!source) return source.error();
-  Result<Session> session = startSession(*subject->character, *body, std::move(*source), std::move(*world));
+  Result<Session> session = startSession(options, *performer, *followers, *recorder, std::move(*world));
   if (!session) return session.error();
-  if (Result<void> added = addSprings(springs, *session); !added) return added;
   Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, *subject, options.reading.expressions, *recorder);
+      makePoseOutput(options.out, followers->front().subject, options.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
   const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
   if (!events) return events.error();
@@ -269,7 +229,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     return ran;
   }
   Report report = toReport(options, live);
-  nlohmann::ordered_json json = toJson(options, live, *body);
+  nlohmann::ordered_json json = toJson(options, live, followers->front().body);
   if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json, options.events == "-");
@@ -290,6 +250,8 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
                     "      pictures/frame_0000.png, ...; needs no display\n"
                     "  lorica live --driver libfreenect-openni2/libFreenectDriver.so.0\n"
                     "      a Kinect with an additional driver\n"
+                    "  lorica live --people 2 --character hero.vrm,robot.glb\n"
+                    "      two people, in the order of coming, with an avatar each; they touch each other\n"
                     "  lorica live --vmc 39539 --character hero.vrm\n"
                     "      no camera: follow a program that sends the VMC protocol to this machine\n"
                     "  lorica live --vmc-out 192.168.0.7:39539\n"
@@ -298,15 +260,20 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   addDepthOptions(*app, options->depth);
   Option* person = addCount(*app, "--person", options->person, 1,
                             "Person to follow, numbered by order of appearance [default: the nearest]");
+  Option* people = addCount(*app, "--people", options->people, 1,
+                            "People to follow at once, each with an avatar, at most 6 [default: 1]")
+                       ->excludes(person);
   Option* nite = app->addOption("--nite", options->nite, "Track with NiTE 2, if you have it: libNiTE2.so")
                      ->typeName("FILE")
-                     ->excludes(person);
-  addVmcInputOptions(*app, options->vmc)->excludes(person)->excludes(nite);
+                     ->excludes(person)
+                     ->excludes(people);
+  addVmcInputOptions(*app, options->vmc)->excludes(person)->excludes(people)->excludes(nite);
   addSenderOption(*app, options->vmc.sender);
   addPoseOutputOptions(*app, options->out);
   addEventsOption(*app, options->events);
   app->addOption("--character", options->character,
-                 "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+                 "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin; with --people one for all or one for each, "
+                 "separated by commas [default: mannequin]")
       ->typeName("FILE");
   addPlayingOptions(*app, options->performing);
   addCharacterOptions(*app, options->reading);

@@ -67,7 +67,10 @@ Result<std::optional<double>> AlignedSource::lead() {
 Result<void> AlignedSource::follow(double time) {
   if (!started_ && !joined_) joined_ = time;
   while (!ended_ && (!started_ || nextTime_ < time)) {
+    const bool advanced = started_;
+    const double before = nextTime_;
     if (Result<void> done = read(); !done) return done;
+    if (advanced && nextTime_ <= before) break;  // a live source has nothing newer
   }
   pending_ = !ended_ && nextTime_ > time;
   if (!started_) return {};

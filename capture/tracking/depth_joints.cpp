@@ -19,6 +19,9 @@ Vec3 positionOf(const TrackedPerson& person) {
 DepthJoints::DepthJoints(std::unique_ptr<DepthSource> depth, Tracker tracker, int person)
     : depth_(std::move(depth)), tracker_(std::move(tracker)), wanted_(person) {}
 
+DepthJoints::DepthJoints(std::unique_ptr<DepthSource> depth, Tracker tracker, PeoplePlaces places)
+    : depth_(std::move(depth)), tracker_(std::move(tracker)), wanted_(0), places_(std::move(places)) {}
+
 const TrackedPerson* DepthJoints::choose(std::span<const TrackedPerson> people) const {
   const int kept = wanted_ > 0 ? wanted_ : following_;
   const TrackedPerson* nearest = nullptr;
@@ -51,6 +54,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   if (*read != DepthRead::kFrame) {
     time_ = time_ ? *time_ + kSilence : 0.0;
     joints.time = *time_;
+    if (places_) fillPlaces({});
     return std::optional(joints);
   }
 
@@ -59,7 +63,16 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   sight_.people = static_cast<int>(people.size());
   sight_.roomUncertain = tracker_.roomUncertain();
   time_ = riseTo(sight_.image.time);
-  if (const TrackedPerson* person = choose(people)) {
+  follow(people);
+  sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
+  return std::optional(joints);
+}
+
+/// Sets the joints of this frame.
+void DepthJoints::follow(std::span<const TrackedPerson> people) {
+  SkeletonFrame& joints = sight_.joints;
+  const TrackedPerson* person = choose(people);
+  if (person != nullptr) {
     sight_.followed = true;
     following_ = person->skeleton.user;
     if (!stage_) stage_ = Vec3(positionOf(*person).x(), 0.0, positionOf(*person).z());
@@ -67,8 +80,19 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
     for (TrackedJoint& joint : joints.joints) joint.position -= *stage_;
   }
   joints.time = *time_;
-  sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
-  return std::optional(joints);
+  if (places_) fillPlaces(people);
+}
+
+/// Sets the joints of all places, and those of the first as this frame's.
+void DepthJoints::fillPlaces(std::span<const TrackedPerson> people) {
+  places_->update(people, *time_);
+  sight_.places.assign(places_->frames().begin(), places_->frames().end());
+  for (SkeletonFrame& frame : sight_.places) {
+    for (TrackedJoint& joint : frame.joints) {
+      if (joint.confidence > 0.0) joint.position -= stage_.value_or(Vec3::Zero());
+    }
+  }
+  sight_.joints = sight_.places.front();
 }
 
 }  // namespace lorica

@@ -2,11 +2,14 @@
 
 #include "capture/sensor/depth_source.h"
 #include "capture/skeleton_frame.h"
+#include "capture/tracking/people_places.h"
 #include "capture/tracking/tracker.h"
 
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace lorica {
 
@@ -20,10 +23,11 @@ struct DepthSight {
   std::chrono::steady_clock::time_point arrived;  ///< when the frame was received, before tracking
   DepthFrame image;                               ///< the last one received; empty before the first
   SkeletonFrame joints;                           ///< as returned, world frame
+  std::vector<SkeletonFrame> places;              ///< of several people, world frame; empty if one is followed
   Isometry3 cameraFromWorld = Isometry3::Identity();
 };
 
-/// The joints of one person in front of a depth camera.
+/// The joints of one person in front of a depth camera, or of several at places, see PeoplePlaces.
 ///
 /// World frame: the tracker's floor frame, moved along the floor such that the person's first position is its origin.
 /// If nobody is seen, and about ten times a second while a live source is silent or unplugged, a frame of unknown
@@ -34,6 +38,8 @@ class DepthJoints final : public SkeletonSource {
   /// @param person  the user number to follow, see TrackedPerson; 0 = the nearest person, for as long as they are
   /// tracked
   DepthJoints(std::unique_ptr<DepthSource> depth, Tracker tracker, int person = 0);
+  /// Follows several people: next() gives those of the first place, DepthSight::places those of all.
+  DepthJoints(std::unique_ptr<DepthSource> depth, Tracker tracker, PeoplePlaces places);
 
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
 
@@ -44,10 +50,13 @@ class DepthJoints final : public SkeletonSource {
  private:
   [[nodiscard]] const TrackedPerson* choose(std::span<const TrackedPerson> people) const;
   [[nodiscard]] double riseTo(double sensorTime);
+  void follow(std::span<const TrackedPerson> people);
+  void fillPlaces(std::span<const TrackedPerson> people);
 
   std::unique_ptr<DepthSource> depth_;
   Tracker tracker_;
   int wanted_;
+  std::optional<PeoplePlaces> places_;
   int following_ = 0;  ///< user number; 0 = nobody
   DepthSight sight_;
   std::optional<double> time_;        ///< of the last returned frame [s]

@@ -40,9 +40,33 @@ Result<std::optional<SkeletonFrame>> LiveJoints::next() {
     latest_.reset();
     std::swap(sight_, latestSight_);  // the other's storage is reused for the next image
   }
+  ended_ = !given || !given->has_value();
   frameCount_ = latestFrameCount_;
   followedCount_ = latestFollowedCount_;
   return given;
+}
+
+namespace {
+
+class PlaceJoints final : public SkeletonSource {
+ public:
+  PlaceJoints(const LiveJoints& joints, std::size_t place) : joints_(joints), place_(place) {}
+
+  Result<std::optional<SkeletonFrame>> next() override {
+    const std::vector<SkeletonFrame>& places = joints_.sight().places;
+    if (joints_.ended() || place_ >= places.size()) return std::optional<SkeletonFrame>();
+    return std::optional(places[place_]);
+  }
+
+ private:
+  const LiveJoints& joints_;
+  std::size_t place_;
+};
+
+}  // namespace
+
+std::unique_ptr<SkeletonSource> makePlaceSource(const LiveJoints& joints, std::size_t place) {
+  return std::make_unique<PlaceJoints>(joints, place);
 }
 
 bool LiveJoints::ready() const {

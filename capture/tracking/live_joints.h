@@ -3,6 +3,8 @@
 #include "capture/tracking/depth_joints.h"
 
 #include <condition_variable>
+#include <cstddef>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -22,6 +24,8 @@ class LiveJoints final : public SkeletonSource {
   /// Waits for joints newer than those of the last call.
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
 
+  /// Whether the last next() was the end.
+  [[nodiscard]] bool ended() const { return ended_; }
   /// Whether next() would return without waiting.
   [[nodiscard]] bool ready() const;
 
@@ -46,7 +50,13 @@ class LiveJoints final : public SkeletonSource {
 
   DepthSight sight_;  ///< used by the caller only
   int frameCount_ = 0, followedCount_ = 0;
+  bool ended_ = false;
   std::thread thread_;
 };
+
+/// The joints of a further place, see DepthSight::places: those of the last next() of the first place's source.
+/// @param joints  of several people; outlives the source
+/// @param place   from 1
+[[nodiscard]] std::unique_ptr<SkeletonSource> makePlaceSource(const LiveJoints& joints, std::size_t place);
 
 }  // namespace lorica

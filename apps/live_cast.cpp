@@ -1,0 +1,116 @@
+#include "apps/live_cast.h"
+
+#include "apps/cast.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// The poses of a character that follows the performer.
+Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Performer& performer, std::size_t index,
+                                             const SourceTreatment& treatment) {
+  if (!performer.vmc) return makeTreatedSource(character, std::move(performer.joints[index]), treatment);
+  Result<std::unique_ptr<PoseSource>> sent = performer.vmc->makeSource(character, treatment.joints.mirror);
+  if (!sent) return sent.error();
+  return makeTreatedSource(std::move(*sent), treatment);
+}
+
+}  // namespace
+
+Result<Performer> openPerformer(const LiveOptions& options) {
+  Performer performer{{}, nullptr, std::nullopt, ""};
+  if (!options.vmc.listenAt.empty()) {
+    Result<VmcInput> vmc = VmcInput::open(options.vmc);
+    if (!vmc) return vmc.error();
+    performer.name = vmc->name();
+    performer.vmc = std::move(*vmc);
+    return performer;
+  }
+  if (!options.nite.empty()) {
+    Result<std::unique_ptr<SkeletonSource>> source = openNite(options.depth, options.nite);
+    if (!source) return source.error();
+    performer.joints.push_back(std::move(*source));
+    performer.name = "NiTE 2";
+    return performer;
+  }
+  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
+  if (!depth) return depth.error();
+  TrackerSettings settings;
+  settings.maxPeople = std::max(settings.maxPeople, options.people);
+  Result<Tracker> tracker = Tracker::create((*depth)->camera(), settings);
+  if (!tracker) return tracker.error();
+  auto joints = std::make_unique<LiveJoints>(
+      options.people > 1 ? DepthJoints(std::move(*depth), std::move(*tracker), PeoplePlaces(options.people))
+                         : DepthJoints(std::move(*depth), std::move(*tracker), options.person));
+  performer.tracked = joints.get();
+  performer.name = joints->source().name();
+  performer.joints.push_back(std::move(joints));
+  for (int place = 1; place < options.people; ++place) {
+    performer.joints.push_back(makePlaceSource(*performer.tracked, static_cast<std::size_t>(place)));
+  }
+  return performer;
+}
+
+Result<std::vector<Follower>> readFollowers(const LiveOptions& options, bool drawn, int threads) {
+  const std::vector<std::string> names = namesIn(options.character);
+  const auto people = static_cast<std::size_t>(options.people);
+  if (names.size() > 1 && names.size() != people) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--character: found {} characters for {}, expected one for all or one for each; --people "
+                             "says how many there are",
+                             names.size(), people == 1 ? "1 person" : fmt::format("{} people", people))};
+  }
+  CharacterOptions reading = options.reading;
+  reading.drawn = drawn;
+  if (options.vmc.listenAt.empty()) reading.suits = followsPerson;
+  std::vector<Follower> followers;
+  for (std::size_t i = 0; i < people; ++i) {
+    const std::string& name = names[names.size() == 1 ? 0 : i];
+    Result<Subject> subject = readCharacter(name, reading);
+    if (!subject) return subject.error();
+    if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine.error();
+    Result<DecompositionFile> body = chooseBody(options.body, *subject, threads);
+    if (!body) return body.error();
+    std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
+    followers.push_back({name, std::move(*subject), std::move(*body), std::move(springs)});
+  }
+  return followers;
+}
+
+Result<std::shared_ptr<SessionRecorder>> startRecorder(const LiveOptions& options, const Performer& performer,
+                                                       std::span<const Follower> followers, const World& world) {
+  std::vector<RecordedAvatar> avatars;
+  const bool sent = performer.vmc.has_value();
+  for (const Follower& follower : followers) {
+    RecordedAs as{performer.name,     sent,         follower.name,   options.reading,
+                  options.performing, options.body, follower.springs};
+    as.stream = sent;
+    avatars.push_back({std::move(as), follower.character(), follower.body});
+  }
+  return startRecorder(options.record, avatars, options.scene, world);
+}
+
+Result<Session> startSession(const LiveOptions& options, Performer& performer, std::span<const Follower> followers,
+                             const std::shared_ptr<SessionRecorder>& recorder, World world) {
+  Session session(std::move(world));
+  for (std::size_t i = 0; i < followers.size(); ++i) {
+    const Follower& follower = followers[i];
+    const SourceTreatment treatment{recorder ? recorder->log(i) : nullptr, options.performing.faults(),
+                                    options.performing.joints()};
+    Result<std::unique_ptr<PoseSource>> source = sourceOf(follower.character(), performer, i, treatment);
+    if (!source) return source.error();
+    Result<SessionAvatar> avatar =
+        SessionAvatar::create(follower.character(), follower.body.decomposition, std::move(*source),
+                              follower.body.cover, follower.body.training);
+    if (!avatar) return avatar.error();
+    session.addAvatar(std::move(*avatar));
+    if (Result<void> added = addSprings(follower.springs, session, static_cast<int>(i)); !added) return added.error();
+  }
+  return session;
+}
+
+}  // namespace lorica

@@ -1,0 +1,87 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "apps/body_choice.h"
+#include "apps/depth_inputs.h"
+#include "apps/inputs.h"
+#include "apps/motions.h"
+#include "apps/playback.h"
+#include "apps/pose_output.h"
+#include "apps/session_files.h"
+#include "apps/snapshots.h"
+#include "apps/spring_options.h"
+#include "apps/vmc_input.h"
+#include "capture/tracking/live_joints.h"
+#include "session/session.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// Maximum number of people that a camera's tracker follows.
+inline constexpr int kMaxPeople = 6;
+
+/// The options of `lorica live`.
+struct LiveOptions {
+  DepthOptions depth;
+  std::string nite;     // library; empty = Lorica's own tracker
+  VmcInputOptions vmc;  // instead of a camera
+  PoseOutputOptions out;
+  std::string events;  // file or -; empty = none
+  int person = 0;
+  int people = 1;                       // avatars
+  std::string character = "mannequin";  // or one for each, separated by commas
+  CharacterOptions reading;
+  std::string springs;  // see chooseSprings()
+  MotionOptions performing;
+  BodyOptions body;
+  std::string scene;
+  SnapshotOptions pictures;
+  PlaybackOptions limit;
+  std::string record;  // file; empty = none
+  bool window = false;
+  bool headless = false;
+};
+
+/// Whom the characters of a live session follow.
+struct Performer {
+  std::vector<std::unique_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if a program sends
+  const LiveJoints* tracked;                            ///< the first; null if NiTE 2 tracks or a program sends
+  std::optional<VmcInput> vmc;
+  std::string name;
+};
+
+/// Opens the camera or the stream.
+[[nodiscard]] Result<Performer> openPerformer(const LiveOptions& options);
+
+/// A character that follows somebody.
+struct Follower {
+  std::string name;  ///< as given
+  Subject subject;
+  DecompositionFile body;
+  std::optional<SpringChoice> springs;
+
+  [[nodiscard]] const Character& character() const { return *subject.character; }
+};
+
+/// Reads the characters, in the order of coming.
+/// @param drawn  whether pictures are drawn of them
+[[nodiscard]] Result<std::vector<Follower>> readFollowers(const LiveOptions& options, bool drawn, int threads);
+
+/// startRecorder() for a live session.
+[[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const LiveOptions& options,
+                                                                     const Performer& performer,
+                                                                     std::span<const Follower> followers,
+                                                                     const World& world);
+
+/// @param performer  its sources are taken
+/// @param recorder   gets what they give; null = none
+[[nodiscard]] Result<Session> startSession(const LiveOptions& options, Performer& performer,
+                                           std::span<const Follower> followers,
+                                           const std::shared_ptr<SessionRecorder>& recorder, World world);
+
+}  // namespace lorica
