@@ -22,7 +22,7 @@ constexpr const char* kStyle =
     "td,th{padding:.15em .8em .15em 0;text-align:left;vertical-align:top;border-bottom:1px solid #ddd}"
     "td.n,th.n{text-align:right}.row{display:flex;flex-wrap:wrap;gap:1.2em}figure{margin:0;width:16em}"
     "figure img{width:100%}figcaption{font-size:.85em;overflow-wrap:anywhere}svg text{font-size:11px;fill:#444}"
-    "svg rect{fill:#4a7ab5}.bad{color:#a00}";
+    "td.n{white-space:nowrap}svg rect{fill:#4a7ab5}.bad{color:#a00}";
 
 std::string escaped(const std::string& text) {
   std::string safe;
@@ -76,8 +76,8 @@ std::string histogram(const std::vector<double>& figures, const Axis& axis) {
     ++counts[std::min(kBins - 1, static_cast<std::size_t>(place * static_cast<double>(kBins)))];
   }
   const double most = static_cast<double>(*std::ranges::max_element(counts));
-  std::string svg = fmt::format("<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 260 120\" width=\"260\">",
-                                escaped(axis.title));
+  std::string svg =
+      fmt::format("<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 260 120\">", escaped(axis.title));
   for (std::size_t b = 0; b < kBins; ++b) {
     const double height = 100.0 * static_cast<double>(counts[b]) / most;
     const double from = min + (max - min) * static_cast<double>(b) / static_cast<double>(kBins);
@@ -86,7 +86,7 @@ std::string histogram(const std::vector<double>& figures, const Axis& axis) {
         100.0 - height, height, counts[b], axis.factor * from, axis.unit);
   }
   svg +=
-      fmt::format("<text x=\"0\" y=\"115\">{:.4g}</text><text x=\"260\" y=\"115\" text-anchor=\"end\">{:.4g} {}</text>",
+      fmt::format("<text x=\"0\" y=\"115\">{:.3g}</text><text x=\"260\" y=\"115\" text-anchor=\"end\">{:.3g} {}</text>",
                   axis.factor * min, axis.factor * max, axis.unit);
   return svg + "</svg></figure>";
 }
@@ -94,7 +94,7 @@ std::string histogram(const std::vector<double>& figures, const Axis& axis) {
 std::string histograms(const std::vector<const ordered_json*>& results) {
   std::vector<double> errors, seconds, parts;
   for (const ordered_json* result : results) {
-    errors.push_back(errorOf(*result));
+    errors.push_back(std::max(0.0, errorOf(*result)));
     seconds.push_back(result->value("seconds", 0.0));
     parts.push_back(result->value("parts", 0.0));
   }

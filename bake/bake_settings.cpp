@@ -136,6 +136,7 @@ Result<void> setBakeSetting(BakeSettings& settings, const std::string& name, con
 
 std::string bakeSettingNames() {
   std::vector<std::string_view> names;
+  names.reserve(kKnown.size());
   for (const Known& known : kKnown) names.push_back(known.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }

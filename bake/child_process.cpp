@@ -39,6 +39,7 @@ namespace {
 
 std::vector<char*> pointersTo(std::vector<std::string>& words) {
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return pointers;
@@ -50,10 +51,12 @@ std::vector<std::string> environmentWith(const std::vector<std::pair<std::string
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string text = *variable;
     bool replaced = false;
-    for (const auto& [name, value] : set) replaced = replaced || text.starts_with(name + "=");
+    for (const auto& [name, value] : set) {
+      replaced = replaced || (text.starts_with(name) && text.substr(name.size()).starts_with('='));
+    }
     if (!replaced) all.push_back(text);
   }
-  for (const auto& [name, value] : set) all.push_back(name + "=" + value);
+  for (const auto& [name, value] : set) all.push_back(fmt::format("{}={}", name, value));
   return all;
 }
 

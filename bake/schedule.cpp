@@ -19,7 +19,7 @@ Schedule summary(std::span<const double> seconds, std::span<const double> freeAt
   schedule.tail = schedule.seconds - allTaken;
   schedule.longest = seconds.empty() ? 0.0 : *std::ranges::max_element(seconds);
   const double work = std::accumulate(seconds.begin(), seconds.end(), 0.0);
-  if (schedule.seconds > 0.0) schedule.idleShare = 1.0 - work / (schedule.seconds * schedule.cores);
+  if (schedule.seconds > 0.0) schedule.idleShare = std::max(0.0, 1.0 - work / (schedule.seconds * schedule.cores));
   return schedule;
 }
 
