@@ -55,15 +55,19 @@ Result<std::vector<BakeJob>> readJobs(const BakeOptions& options) {
 
 /// How the same items, drawn many times, would keep many cores busy.
 std::vector<Schedule> simulated(const BakeCollection& collection) {
+  const std::vector<const ordered_json*> baked = collection.worstFirst();
   std::vector<double> seconds;
   std::vector<double> sizes;
-  for (const ordered_json* result : collection.worstFirst()) {
+  seconds.reserve(baked.size());
+  sizes.reserve(baked.size());
+  for (const ordered_json* result : baked) {
     seconds.push_back(result->value("cpuSeconds", 0.0));
     sizes.push_back(result->value("triangles", 0.0));
   }
   if (seconds.empty()) return {};
   const std::vector<std::size_t> drawn = drawItems(seconds.size(), kSimulatedItems);
   std::vector<double> drawnSeconds;
+  drawnSeconds.reserve(drawn.size());
   for (const std::size_t item : drawn) drawnSeconds.push_back(seconds[item]);
   std::vector<std::size_t> order(drawn.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

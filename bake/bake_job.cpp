@@ -77,6 +77,14 @@ std::vector<std::string> filesIn(const BakeSettings& settings) {
   return files;
 }
 
+/// What cannot be read is known by its path alone, from wherever it is named; what ships with Lorica by its name.
+std::string placeOf(const std::string& file) {
+  const fs::path path = file;
+  if (!path.has_parent_path() && !path.has_extension()) return file;
+  std::error_code ignored;
+  return fs::absolute(path, ignored).lexically_normal().string();
+}
+
 /// What tells items apart: names without folders, so that a list can move with its files, and contents.
 std::uint64_t keyOf(const BakeJob& job) {
   BakeSettings settings = job.item.settings;
@@ -85,8 +93,7 @@ std::uint64_t keyOf(const BakeJob& job) {
       fmt::format("bake {} {}\n", kAlgorithmVersion,
                   nlohmann::json(settings).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   for (const BakeInput& input : job.inputs) {
-    // What cannot be read is known by its path alone.
-    const std::string name = input.hash.empty() ? input.file : fs::path(input.file).filename().string();
+    const std::string name = input.hash.empty() ? placeOf(input.file) : fs::path(input.file).filename().string();
     text += fmt::format("{} {}\n", name, input.hash);
   }
   return contentHash(text);

@@ -55,6 +55,8 @@ TEST(BakeJob, AMissingFileHasAKeyOfItsOwnUntilItAppears) {
   const std::string missing = folder.path() / "a.off";
   const std::uint64_t key = keyOf({missing, {}});
   EXPECT_NE(keyOf({folder.path() / "other" / "a.off", {}}), key);
+  EXPECT_EQ(keyOf({folder.path() / "other" / ".." / "a.off", {}}), key) << "the same place";
+  EXPECT_EQ(keyOf({"nowhere.off", {}}), keyOf({fs::absolute("nowhere.off"), {}}));
   folder.write("a.off", kTetrahedron);
   EXPECT_NE(keyOf({missing, {}}), key);
 }
