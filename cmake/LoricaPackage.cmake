@@ -65,7 +65,12 @@ set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
 set(CPACK_COMPONENT_C_DESCRIPTION "Lorica for programs in C and languages that call C: convex decomposition of
 meshes, live convex hulls of moving characters, body tracking.")
 set(CPACK_DEBIAN_C_PACKAGE_DEPENDS "lorica (= ${version}), ${LORICA_PACKAGE_C_DEPENDS}")
-set(CPACK_DEBIAN_C_PACKAGE_GENERATE_SHLIBS ON)
+# Says to packages that link it what they depend on, and that the loader's list of libraries changes.
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/liblorica-c0/shlibs
+     CONTENT "liblorica_c 0 liblorica-c0 (>= ${PROJECT_VERSION})\n")
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/liblorica-c0/triggers CONTENT "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_C_PACKAGE_CONTROL_EXTRA
+  ${PROJECT_BINARY_DIR}/liblorica-c0/shlibs ${PROJECT_BINARY_DIR}/liblorica-c0/triggers)
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lorica)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

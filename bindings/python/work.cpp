@@ -92,7 +92,7 @@ void runAside(const py::object& progress, const std::function<void(const Decompo
     talk.changed.notify_all();
   });
 
-  std::optional<py::error_already_set> raised;
+  std::exception_ptr raised;
   while (!isDone(talk)) {
     const std::optional<std::pair<int, int>> question = waitFor(talk);
     bool goOn = !raised;
@@ -102,14 +102,14 @@ void runAside(const py::object& progress, const std::function<void(const Decompo
         const py::object said = progress(question->first, question->second);
         goOn = !said.is(py::bool_(false));
       }
-    } catch (py::error_already_set& error) {
-      raised.emplace(std::move(error));
+    } catch (...) {
+      raised = std::current_exception();
       goOn = false;
     }
     if (question || !goOn) answer(talk, goOn);
   }
   worker.join();
-  if (raised) throw py::error_already_set(std::move(*raised));
+  if (raised) std::rethrow_exception(raised);
   if (talk.failure) std::rethrow_exception(talk.failure);
 }
 
