@@ -73,6 +73,7 @@ std::vector<Schedule> simulated(const BakeCollection& collection) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return sizes[drawn[a]] > sizes[drawn[b]]; });
   std::vector<Schedule> schedules;
+  schedules.reserve(kSimulatedCores.size());
   for (const int cores : kSimulatedCores) schedules.push_back(simulateSchedule(drawnSeconds, order, cores));
   return schedules;
 }
