@@ -54,6 +54,7 @@ def about(info):
 Name: lorica
 Version: {version()}
 Summary: {SUMMARY}
+License: Apache-2.0
 License-File: LICENSE
 Requires-Python: >=3.9
 Requires-Dist: numpy
