@@ -26,6 +26,19 @@ Result<std::unique_ptr<PoseSource>> sourceOf(const CastMember& member, std::shar
   return poseSourceOf(member.character(), member.motion(), member.options.performing, std::move(log));
 }
 
+/// Leaves out what a motion has before a time. @param start  [s], since its first frame, at most its duration
+void startAt(double start, Motion& motion) {
+  const double first = motion.firstTime() + start;
+  if (!motion.bones) {
+    std::erase_if(motion.joints, [&](const SkeletonFrame& frame) { return frame.time < first; });
+    return;
+  }
+  SkeletalMotion& bones = *motion.bones;
+  const auto skipped = std::lower_bound(bones.times.begin(), bones.times.end(), first) - bones.times.begin();
+  bones.times.erase(bones.times.begin(), bones.times.begin() + skipped);
+  bones.poses.erase(bones.poses.begin(), bones.poses.begin() + skipped * bones.skeleton.jointCount());
+}
+
 }  // namespace
 
 std::vector<std::string> namesIn(const std::string& text) {
@@ -81,6 +94,30 @@ Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, co
   return cast;
 }
 
+Result<std::vector<CastMember>> readCast(std::span<const StageAvatar> stage, const PlaybackInputOptions& options,
+                                         const BodyOptions& body, const std::string& scene, int threads) {
+  std::vector<CastMember> cast;
+  for (const StageAvatar& avatar : stage) {
+    const auto wrong = [&](const std::string& what) {
+      return Error{ErrorCode::kInvalidArgument, fmt::format("{}: avatars[{}]: {}", scene, cast.size(), what)};
+    };
+    PlaybackInputOptions one = options;
+    one.motion = avatar.motion;
+    one.character = avatar.character;
+    Result<CastMember> member = readMember(std::move(one), body, threads);
+    if (!member) return Error{member.error().code, wrong(member.error().message).message};
+    if (avatar.start > member->motion().seconds()) {
+      return wrong(fmt::format("start: found {} s, expected at most {:.2f} s, the duration of {}", avatar.start,
+                               member->motion().seconds(), member->motion().name));
+    }
+    startAt(avatar.start, member->input.motion);
+    member->place = avatar.place;
+    member->heading = avatar.heading;
+    cast.push_back(std::move(*member));
+  }
+  return cast;
+}
+
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const CastMember> cast,
                                                        const BodyOptions& body, const std::string& scene,
                                                        const World& world) {
@@ -97,7 +134,8 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
                   member.springs,
                   member.input.ownClip,
                   motion.packets.has_value(),
-                  member.place};
+                  member.place,
+                  member.heading};
     avatars.push_back({std::move(as), member.character(), member.body});
   }
   return startRecorder(file, avatars, scene, world);
@@ -113,7 +151,7 @@ Result<Session> startSession(std::span<const CastMember> cast, const std::shared
     Result<SessionAvatar> avatar = SessionAvatar::create(member.character(), member.body.decomposition,
                                                          std::move(*source), member.body.cover, member.body.training);
     if (!avatar) return avatar.error();
-    if (!member.place.isZero()) avatar->setPlace(Isometry3(Eigen::Translation3d(member.place)));
+    if (const std::optional<Isometry3> place = placeOf(member.place, member.heading)) avatar->setPlace(*place);
     session.addAvatar(std::move(*avatar));
     if (Result<void> added = addSprings(member.springs, session, static_cast<int>(i)); !added) return added.error();
   }

@@ -5,6 +5,7 @@
 #include "apps/playback_input.h"
 #include "apps/session_files.h"
 #include "apps/spring_options.h"
+#include "session/scene_stage.h"
 #include "session/session.h"
 
 #include <memory>
@@ -22,6 +23,7 @@ struct CastMember {
   DecompositionFile body;
   std::optional<SpringChoice> springs;
   Vec3 place = Vec3::Zero();  ///< of the motion's origin [m]
+  double heading = 0.0;       ///< by which the motion is turned around the vertical [degrees]
 
   [[nodiscard]] const Character& character() const { return *input.subject.character; }
   [[nodiscard]] const Motion& motion() const { return input.motion; }
@@ -41,6 +43,11 @@ inline constexpr std::size_t kMaxCast = 64;
 /// Reads the avatars of a run. Several stand side by side, 1.2 m apart.
 [[nodiscard]] Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body,
                                                        int threads);
+
+/// Reads the avatars that a scene asks for. @param options  for reading and processing; its names are not used
+[[nodiscard]] Result<std::vector<CastMember>> readCast(std::span<const StageAvatar> stage,
+                                                       const PlaybackInputOptions& options, const BodyOptions& body,
+                                                       const std::string& scene, int threads);
 
 /// startRecorder() for a cast.
 [[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file,

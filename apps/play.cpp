@@ -158,9 +158,12 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkEvents(options.events, common, inputs); !fine) return fine;
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = options.window || options.pictures.any();
-  Result<World> world = openScene(options.scene);
-  if (!world) return world.error();
-  const Result<Cast> cast = readCast(asked, options.body, common.threadCount());
+  Result<OpenedScene> scene = openStage(options.scene);
+  if (!scene) return scene.error();
+  World* world = &scene->world;
+  const bool staged = !scene->stage.empty() && asked.motion.empty() && asked.character.empty();
+  const Result<Cast> cast = staged ? readCast(scene->stage, asked, options.body, options.scene, common.threadCount())
+                                   : readCast(asked, options.body, common.threadCount());
   if (!cast) return cast.error();
   const Result<std::shared_ptr<SessionRecorder>> recorder =
       startRecorder(options.record, *cast, options.body, options.scene, *world);
@@ -214,7 +217,9 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "  lorica play hero.glb --clip Run\n"
       "      a character's own clip\n"
       "  lorica play punch_and_kick --scene bowling\n"
-      "      in another scene: boxes, bowling, curtain, sand, or your own scene file\n"
+      "      in another scene: boxes, bowling, curtain, duel, sand, or your own scene file\n"
+      "  lorica play --scene duel\n"
+      "      a scene with avatars of its own, which perform unless a motion is given\n"
       "  lorica play walk --inject dropout=0.1,swap,seed=7\n"
       "      with simulated tracking faults: lost and swapped joints\n"
       "  lorica play walk,wave --character hero.glb,mannequin\n"

@@ -126,7 +126,7 @@ Result<Session> startAgain(const Options& options, const SessionFile& recorded,
         SessionAvatar::create(*performer.subject.character, performer.body.decomposition, std::move((*sources)[i]),
                               performer.body.cover, performer.body.training);
     if (!avatar) return avatar.error();
-    if (const std::optional<Isometry3> place = placeOf(header)) avatar->setPlace(*place);
+    if (const std::optional<Isometry3> place = placeOf(header.place, header.heading)) avatar->setPlace(*place);
     session.addAvatar(std::move(*avatar));
     if (!header.springs) continue;
     const SpringBones springs = performer.subject.file ? performer.subject.file->springs : SpringBones();

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -33,7 +34,7 @@ Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surf
 void addSceneOption(CommandLine& app, std::string& scene) {
   app.addOption(
          "--scene", scene,
-         "Scene: a scene file (.json), or boxes, bowling, curtain or sand [default: boxes and balls of the demo]")
+         "Scene: a scene file (.json), or boxes, bowling, curtain, duel or sand [default: boxes and balls of the demo]")
       ->typeName("SCENE");
 }
 
@@ -64,15 +65,50 @@ Result<SceneText> readSceneText(const std::string& scene) {
   return SceneText{std::move(*text), file.parent_path(), pathTrust()};
 }
 
-Result<World> worldOf(const SceneText& scene, const std::string& name) {
-  if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
+namespace {
+
+/// @param name  for error messages
+Result<SceneFile> sceneOf(const SceneText& scene, const std::string& name) {
   SceneReading reading;
   reading.folder = scene.folder;
   reading.decomposer = decomposeProp;
   reading.paths = scene.paths;
-  const Result<SceneFile> read = parseScene(scene.text, name, reading);
+  return parseScene(scene.text, name, reading);
+}
+
+/// The path of a file that a scene names; names without folder and extension are of what ships.
+Result<void> findNamed(const SceneText& scene, std::string& name) {
+  const std::filesystem::path path(name);
+  if (name.empty() || (!path.has_parent_path() && !path.has_extension())) return {};
+  const Result<std::filesystem::path> found = NamedFiles{scene.folder, scene.paths}.find(name);
+  if (!found) return found.error();
+  name = found->string();
+  return {};
+}
+
+}  // namespace
+
+Result<World> worldOf(const SceneText& scene, const std::string& name) {
+  if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
+  const Result<SceneFile> read = sceneOf(scene, name);
   if (!read) return read.error();
   return makeWorld(*read);
+}
+
+Result<OpenedScene> openStage(const std::string& scene) {
+  const Result<SceneText> text = readSceneText(scene);
+  if (!text) return text.error();
+  if (text->text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}};
+  Result<SceneFile> read = sceneOf(*text, scene);
+  if (!read) return read.error();
+  for (std::size_t i = 0; i < read->stage.size(); ++i) {
+    for (std::string* name : {&read->stage[i].character, &read->stage[i].motion}) {
+      if (Result<void> found = findNamed(*text, *name); !found) {
+        return Error{found.error().code, fmt::format("{}: avatars[{}]: {}", scene, i, found.error().message)};
+      }
+    }
+  }
+  return OpenedScene{makeWorld(*read), std::move(read->stage)};
 }
 
 Result<World> openScene(const std::string& scene) {

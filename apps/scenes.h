@@ -4,9 +4,11 @@
 #include "collision/world/world.h"
 #include "geometry/named_file.h"
 #include "geometry/result.h"
+#include "session/scene_stage.h"
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace lorica {
 
@@ -29,6 +31,15 @@ struct SceneText {
 
 /// The text that openScene() reads.
 [[nodiscard]] Result<SceneText> readSceneText(const std::string& scene);
+
+/// A scene that was opened.
+struct OpenedScene {
+  World world;
+  std::vector<StageAvatar> stage;  ///< character and motion as names of what ships, or as paths
+};
+
+/// openScene() with the avatars of the scene.
+[[nodiscard]] Result<OpenedScene> openStage(const std::string& scene);
 
 /// The world of a scene text. @param name  for error messages
 [[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name);

@@ -109,6 +109,7 @@ AvatarHeader headerOf(const std::string& file, const RecordedAvatar& avatar) {
   if (!as.poses) header.joints = as.performing.joints();
   header.faults = as.performing.faults();
   header.place = as.place;
+  header.heading = as.heading;
   if (as.springs) {
     header.springs = as.springs->mode;
     header.springsHash = hashOf(as.springs->springs);

@@ -41,6 +41,7 @@ struct RecordedAs {
   std::optional<std::string> clip = {};  ///< see PlaybackInput::ownClip
   bool stream = false;                   ///< whether the poses come with trust and expressions, see PoseSource
   Vec3 place = Vec3::Zero();             ///< see AvatarHeader
+  double heading = 0.0;                  ///< see AvatarHeader
 };
 
 /// An avatar of a session that is recorded.

@@ -1,4 +1,5 @@
-// Cost of a frame of a crowd: hulls of all avatars, and contacts between them. CSV on standard output.
+// Cost of a frame of a crowd: hulls of all avatars, and contacts between them; with --props a whole session of them
+// among props. CSV on standard output.
 
 #include "bench/measure.h"
 #include "bench/walker.h"
@@ -6,6 +7,7 @@
 #include "collision/live/live_body.h"
 #include "collision/world/body_contacts.h"
 #include "geometry/triangle_tree.h"
+#include "session/session.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 
@@ -28,6 +30,7 @@ struct Options {
   int frames = 60;
   double spacing = 1.0;  // [m]
   bool truth = false;
+  int props = 0;  // 0 = no session
 };
 
 using BonePoses = std::vector<std::vector<Affine3>>;  // worldFromModel of each frame
@@ -42,11 +45,15 @@ BonePoses posesOf(const Character& character, const SkeletalMotion& motion) {
   return poses;
 }
 
+double microsecondsOf(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
 /// CPU time of this thread: other load of the machine does not count [us].
 double threadMicroseconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+  return microsecondsOf(CLOCK_THREAD_CPUTIME_ID);
 }
 
 std::vector<Affine3> placed(const std::vector<Affine3>& matrices, const Isometry3& place) {
@@ -133,6 +140,78 @@ void measureCrowds(const std::shared_ptr<const BodyPlan>& plan, std::span<const 
   fmt::print("# scales with avatars to the power of {:.2f}\n", fittedExponent(counts, times));
 }
 
+/// A motion that repeats, from one of its frames on, at 30 Hz.
+class Repeated final : public PoseSource {
+ public:
+  Repeated(const SkeletalMotion& motion, int begin) : motion_(motion), frame_(begin) {}
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    const std::span<const JointTransform> now = motion_.pose(frame_++ % motion_.frameCount());
+    std::copy(now.begin(), now.end(), pose.begin());
+    return std::optional(static_cast<double>(shown_++) / 30.0);
+  }
+
+ private:
+  const SkeletalMotion& motion_;
+  int frame_, shown_ = 0;
+};
+
+/// Boxes and balls on the floor, scattered over a square.
+World worldOf(int props, double side) {
+  World world;
+  for (int i = 0; i < props; ++i) {
+    Prop prop;
+    prop.shape = i % 2 == 0 ? PropShape::kBox : PropShape::kSphere;
+    prop.halfExtents = Vec3::Constant(0.1);
+    // A sequence that fills the square evenly, after Roberts 2018: the plastic number's powers.
+    const double x = std::fmod(0.7548776662466927 * i, 1.0), z = std::fmod(0.5698402909980532 * i, 1.0);
+    prop.worldFromProp.translation() = Vec3(side * x - 0.5, 0.1, side * z - 0.5);
+    world.addProp(prop);
+  }
+  return world;
+}
+
+/// Avatars among props: all stages of a session.
+void measureSessions(const Character& character, const Decomposition& decomposition, const HullCover& cover,
+                     std::span<const SkeletalMotion> motions, const Options& options) {
+  fmt::print("avatars,frame_us,frame_cpu_us,physics_us,contacts_us,prop_contacts,avatar_contacts,kB_each,hash\n");
+  std::vector<double> counts, times;
+  for (const std::size_t count : {1, 10, 100, 1000}) {
+    const double before = residentBytes();
+    const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+    Session session(worldOf(options.props, std::max(10.0, options.spacing * static_cast<double>(side))));
+    const SessionAvatar kind = SessionAvatar::create(character, decomposition, makeMotionPoseSource({}), cover).value();
+    for (std::size_t a = 0; a < count; ++a) {
+      SessionAvatar avatar =
+          kind.another(std::make_unique<Repeated>(motions[a % motions.size()], static_cast<int>(37 * a)));
+      const double x = static_cast<double>(a % side), z = static_cast<double>(a / side);
+      avatar.setPlace(Isometry3(Eigen::Translation3d(options.spacing * Vec3(x, 0.0, z))));
+      session.addAvatar(std::move(avatar));
+    }
+    std::vector<double> frames, cpu, physics, contacts;
+    double touches = 0.0, meetings = 0.0;
+    for (int frame = 0; frame < options.frames; ++frame) {
+      const double cpuBegin = microsecondsOf(CLOCK_PROCESS_CPUTIME_ID), begin = microsecondsOf(CLOCK_MONOTONIC);
+      (void)session.step();
+      const double stepped = microsecondsOf(CLOCK_MONOTONIC);
+      meetings += static_cast<double>(session.avatarContacts().size()) / options.frames;
+      const double end = microsecondsOf(CLOCK_MONOTONIC);
+      touches += static_cast<double>(session.world().contacts().size()) / options.frames;
+      if (frame == 0) continue;  // builds the hulls
+      frames.push_back(end - begin);
+      cpu.push_back(microsecondsOf(CLOCK_PROCESS_CPUTIME_ID) - cpuBegin);
+      physics.push_back(session.times().physics);
+      contacts.push_back(end - stepped);
+    }
+    counts.push_back(static_cast<double>(count));
+    times.push_back(medianOf(cpu));
+    fmt::print("{},{:.0f},{:.0f},{:.0f},{:.0f},{:.1f},{:.1f},{:.0f},{:016x}\n", count, medianOf(frames), times.back(),
+               medianOf(physics), medianOf(contacts), touches, meetings,
+               1e-3 * (residentBytes() - before) / static_cast<double>(count), session.hash());
+    std::fflush(stdout);
+  }
+  fmt::print("# CPU time scales with avatars to the power of {:.2f}\n", fittedExponent(counts, times));
+}
+
 /// How near two meshes are to each other [m]: 0 if a vertex of one is inside the other; and how deep such a vertex is.
 struct Nearness {
   double apart = std::numeric_limits<double>::infinity(), inside = 0.0;
@@ -197,7 +276,8 @@ int run(const Options& options) {
   const Character character = makeMannequin();
   std::vector<BonePoses> motions;
   std::vector<Affine3> sampled;
-  for (const SkeletalMotion& motion : syntheticMotions(character)) {
+  const std::vector<SkeletalMotion> performed = syntheticMotions(character);
+  for (const SkeletalMotion& motion : performed) {
     motions.push_back(posesOf(character, motion));
     for (std::size_t f = 0; f < motions.back().size(); f += 20) {
       sampled.insert(sampled.end(), motions.back()[f].begin(), motions.back()[f].end());
@@ -209,6 +289,10 @@ int run(const Options& options) {
   const Result<HullCover> cover = chooseCover(*decomposition, liftPoints(character, *decomposition), poses, {},
                                               {.maxHullVertices = options.vertices});
   if (!cover) return fail(cover.error());
+  if (options.props > 0) {
+    measureSessions(character, *decomposition, *cover, performed, options);
+    return 0;
+  }
   const auto plan = BodyPlan::create(*decomposition, character, *cover).value();
   if (options.truth) {
     measureTruth(character, plan, motions, options);
@@ -228,6 +312,8 @@ int main(int argc, char** argv) {
   app.add_option("--vertices", options.vertices, "Points of each hull")->check(CLI::PositiveNumber);
   app.add_option("--frames", options.frames, "Frames at 30 Hz; the median counts")->check(CLI::PositiveNumber);
   app.add_option("--spacing", options.spacing, "Metres between neighbours")->check(CLI::PositiveNumber);
+  app.add_option("--props", options.props, "Measure a session with this many props instead")
+      ->check(CLI::Range(1, lorica::World::kMaxProps));
   app.add_flag("--truth", options.truth, "Compare contacts of two performers with their true meshes instead");
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);

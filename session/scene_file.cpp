@@ -255,7 +255,7 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   std::optional<std::string> error;
   SceneFile scene;
   SceneElement root(*json, "", error);
-  root.allow({"format", "name", "gravity", "floor", "props", "chains", "grains", "water"});
+  root.allow({"format", "name", "gravity", "floor", "props", "chains", "grains", "water", "avatars"});
   root.need("format", fmt::format("\"{}\"", kFormat));
   if (root.has("format") && root.at("format") != kFormat) {
     root.fail("format", shownInScene(root.at("format")), fmt::format("\"{}\"", kFormat));
@@ -263,6 +263,7 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   root.text("name", scene.name);
   root.vector("gravity", -100.0, 100.0, scene.world.gravity);
   root.flag("floor", scene.world.floor);
+  scene.stage = readStage(root);
   PropNames names;
   for (const char* list : {"props", "chains"}) {
     std::size_t index = 0;

@@ -4,6 +4,7 @@
 #include "geometry/named_file.h"
 #include "geometry/result.h"
 #include "session/prop_meshes.h"
+#include "session/scene_stage.h"
 
 #include <filesystem>
 #include <optional>
@@ -13,7 +14,7 @@
 
 namespace lorica {
 
-/// The contents of a scene file: props, links and particles around an avatar. Format: docs/SCENES.md.
+/// The contents of a scene file: props, links and particles around avatars, and avatars. Format: docs/SCENES.md.
 struct SceneFile {
   /// A ball joint between two props, or between a prop and the world; see World::addLink().
   struct Link {
@@ -26,6 +27,7 @@ struct SceneFile {
   std::vector<Prop> props;  ///< including the links of chains
   std::vector<Link> links;
   std::optional<ParticleSettings> particles;
+  std::vector<StageAvatar> stage;  ///< the avatars that perform in it; empty = whichever is played
 };
 
 /// What is needed to read a scene in addition to its text.

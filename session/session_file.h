@@ -91,8 +91,10 @@ struct SessionFile {
   std::vector<std::string> notes;       ///< on dropped data
 };
 
-/// Where the avatar performs, see SessionAvatar::setPlace(); nothing = where its source says.
-[[nodiscard]] std::optional<Isometry3> placeOf(const AvatarHeader& header);
+/// Where an avatar performs, see SessionAvatar::setPlace(); nothing = where its source says.
+/// @param place    of the motion's origin [m]
+/// @param heading  by which the motion is turned around the vertical [degrees]
+[[nodiscard]] std::optional<Isometry3> placeOf(const Vec3& place, double heading);
 
 /// Reads and validates a .lsession file. An incomplete block at the end is dropped, with a note; all other damage is an
 /// error.

@@ -172,12 +172,12 @@ SceneJson jsonOf(const AvatarHeader& header) {
 
 }  // namespace
 
-std::optional<Isometry3> placeOf(const AvatarHeader& header) {
-  if (header.place.isZero() && header.heading == 0.0) return std::nullopt;
-  Isometry3 place = Isometry3::Identity();
-  place.linear() = Eigen::AngleAxisd(header.heading * std::numbers::pi / 180.0, Vec3::UnitY()).toRotationMatrix();
-  place.translation() = header.place;
-  return place;
+std::optional<Isometry3> placeOf(const Vec3& place, double heading) {
+  if (place.isZero() && heading == 0.0) return std::nullopt;
+  Isometry3 worldFromMotion = Isometry3::Identity();
+  worldFromMotion.linear() = Eigen::AngleAxisd(heading * std::numbers::pi / 180.0, Vec3::UnitY()).toRotationMatrix();
+  worldFromMotion.translation() = place;
+  return worldFromMotion;
 }
 
 std::string textOf(const SessionHeader& header) {

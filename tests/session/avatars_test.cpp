@@ -10,6 +10,7 @@
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -259,7 +260,7 @@ TEST(Avatars, ARecordedSessionOfTwoReplaysBitForBit) {
     Session again(std::move(replayed.world()));
     for (std::size_t a = 0; a < 2; ++a) {
       SessionAvatar avatar = avatarOf(SessionReplay::source(*file, makeMannequin(), a).value());
-      if (const std::optional<Isometry3> place = placeOf(file->header.avatar(a))) avatar.setPlace(*place);
+      if (const std::optional<Isometry3> place = placeOf(file->header.avatar(a).place, 0.0)) avatar.setPlace(*place);
       again.addAvatar(std::move(avatar));
     }
     ASSERT_TRUE(checkReplay(file->header, "two", again).ok());
@@ -271,6 +272,37 @@ TEST(Avatars, ARecordedSessionOfTwoReplaysBitForBit) {
   }
   EXPECT_EQ(hashes[0], hashes[1]);
   EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+/// Bytes that the program holds.
+std::size_t heldBytes() {
+  return mallinfo2().uordblks;
+}
+
+TEST(Avatars, ThatComeAndGoForLongHoldNoMoreMemory) {
+  Frames once = comeAndGo(test::shippedFrames("wave", 40), 10, 20);
+  Frames twice = comeAndGo(test::shippedFrames("walk", 40), 25, 32);
+  const auto repeated = [](const Frames& frames) {
+    Frames all;
+    for (int turn = 0; turn < 30; ++turn) {
+      for (SkeletonFrame frame : frames) {
+        frame.time += turn * 40.0 / 30.0;
+        all.push_back(frame);
+      }
+    }
+    return all;
+  };
+  Session session(test::demoSession(makeMotionPoseSource({})));
+  Session two(std::move(session.world()));
+  two.addAvatar(avatarOf(sourceOf(repeated(once))));
+  two.addAvatar(avatarOf(sourceOf(repeated(twice)), Vec3(0.4, 0.0, 0.0)));
+  std::size_t early = 0;
+  while (two.step().value()) {
+    (void)two.avatarContacts();
+    if (two.frameCount() == 200) early = heldBytes();
+  }
+  EXPECT_EQ(two.frameCount(), 1200);
+  EXPECT_LT(heldBytes(), early + (1u << 20u));
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+std::string fewParts(const TemporaryFolder& folder) {
+  const std::string body = folder.path() / "body.lorica";
+  EXPECT_EQ(runLorica({"decompose", "mannequin", "--parts", "8", "--keyframes", "2", "-o", body}).exitCode, 0);
+  return body;
+}
+
+TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
+  const TemporaryFolder folder;
+  const std::string body = fewParts(folder);
+  const std::string session = folder.path() / "two.lsession";
+  std::set<std::string> hashes;
+  nlohmann::json json;
+  for (const char* threads : {"1", "2", "7"}) {
+    const CommandResult played = runLorica({"play", "walk,jumping_jacks", "--frames", "60", "--decomposition", body,
+                                            "--threads", threads, "--record", session, "--json", "-"});
+    ASSERT_EQ(played.exitCode, 0) << played.err;
+    json = played.json();
+    hashes.insert(json["hash"]);
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+  ASSERT_EQ(json["avatars"].size(), 2u);
+  EXPECT_EQ(json["avatars"][0]["recording"], "walk");
+  EXPECT_EQ(json["avatars"][1]["recording"], "jumping_jacks");
+  EXPECT_NE(json["avatars"][0]["hash"], json["avatars"][1]["hash"]);
+  EXPECT_EQ(json["contacts"], json["avatars"][0]["contacts"].get<int>() + json["avatars"][1]["contacts"].get<int>());
+  const CommandResult replayed = runLorica({"replay", session, "--json", "-"});
+  ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
+  EXPECT_EQ(replayed.json()["same"], true);
+  EXPECT_EQ(replayed.json()["hash"], json["hash"]);
+  for (int a = 0; a < 2; ++a) {
+    EXPECT_EQ(replayed.json()["avatars"][a]["hash"], json["avatars"][a]["hash"]);
+    EXPECT_EQ(replayed.json()["avatars"][a]["frames"], 60);
+  }
+}
+
+TEST(SeveralAvatars, TellWhatTheyTouchOfEachOther) {
+  const TemporaryFolder folder;
+  const CommandResult played = runLorica(
+      {"play", "walk,walk,jumping_jacks", "--decomposition", fewParts(folder), "--frames", "150", "--events", "-"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  std::istringstream lines(played.out);
+  int meetings = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line);
+    EXPECT_EQ(event.contains("otherAvatar"), event["kind"] == "avatars");
+    if (event["kind"] != "avatars") continue;
+    ++meetings;
+    EXPECT_LT(event["avatar"].get<int>(), event["otherAvatar"].get<int>());
+    EXPECT_TRUE(event["bone"].is_string());
+    EXPECT_TRUE(event["otherBone"].is_string());
+  }
+  EXPECT_GT(meetings, 0);
+}
+
+/// A scene with two avatars. @param second  the keys of the second one
+std::string stageIn(const TemporaryFolder& folder, const std::string& second) {
+  const std::string file = folder.path() / "stage.json";
+  std::ofstream(file) << R"({"format": "lorica scene 1", "avatars": [{"motion": "walk", "place": [-1, 0, 0]}, {)"
+                      << second << "}]}";
+  return file;
+}
+
+TEST(SeveralAvatars, OfAScenePerformWhereItPutsThemAndReplay) {
+  const TemporaryFolder folder;
+  const std::string body = fewParts(folder);
+  const std::string session = folder.path() / "stage.lsession";
+  const std::string stage = stageIn(folder, R"("motion": "walk", "start": 1, "place": [1, 0, 0.5], "heading": 180)");
+  const CommandResult played = runLorica(
+      {"play", "--scene", stage, "--decomposition", body, "--record", session, "--frames", "30", "--json", "-"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  EXPECT_EQ(played.json()["avatars"].size(), 2u);
+  EXPECT_NE(played.json()["avatars"][0]["hash"], played.json()["avatars"][1]["hash"]);
+  const CommandResult replayed = runLorica({"replay", session, "--json", "-"});
+  ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
+  EXPECT_EQ(replayed.json()["hash"], played.json()["hash"]);
+  // A motion that is given replaces them.
+  const CommandResult given = runLorica({"play", "wave", "--scene", stage, "--decomposition", body, "--json", "-"});
+  ASSERT_EQ(given.exitCode, 0) << given.err;
+  EXPECT_EQ(given.json()["avatars"].size(), 1u);
+}
+
+TEST(SeveralAvatars, BadStagesAreASentence) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& second, const std::string& found) {
+    const CommandResult result = runLorica({"play", "--scene", stageIn(folder, second)});
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_NE(result.err.find(found), std::string::npos) << result.err;
+  };
+  refused(R"("motion": "walk", "place": [-1, 0, 0.05])",
+          "avatars[1].place: found the place of avatars[0], expected places that are 0.1 m apart or more");
+  refused(R"("motion": "walk", "start": 1000)", "avatars[1]: start: found 1000 s, expected at most");
+  refused(R"("motion": "sing")", "avatars[1]: ");
+  refused(R"("motion": "../walk.csv")", "avatars[1]: ");
+  refused(R"("character": "/etc/passwd.glb", "motion": "walk")", "avatars[1]: ");
+  refused(R"("dance": "walk")", "dance");
+}
+
+TEST(SeveralAvatars, BadCastsAreASentence) {
+  const auto refused = [](const std::vector<std::string>& arguments, const std::string& found) {
+    const CommandResult result = runLorica(arguments);
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_NE(result.err.find(found), std::string::npos) << result.err;
+  };
+  refused({"play", "walk", "--character", "mannequin,mannequin"},
+          "found 2 characters and 1 motion, expected one character for all of them or one for each");
+  refused({"play", "walk,,wave"}, "found an empty name in `walk,,wave`");
+  refused({"play", "walk,nothing"}, "nothing");
+  std::string many = "walk";
+  for (int i = 0; i < 64; ++i) many += ",walk";
+  refused({"play", many}, "found 65 motions, expected at most 64");
+  refused({"live", "--virtual", "--people", "7"}, "--people: found 7, expected at most 6");
+  refused({"live", "--virtual", "--people", "3", "--character", "mannequin,mannequin"},
+          "--character: found 2 characters for 3 people, expected one for all or one for each");
+}
+
+TEST(Live, TwoVirtualPeopleAreTwoAvatars) {
+  const TemporaryFolder folder;
+  const std::string session = folder.path() / "two.lsession";
+  const CommandResult result =
+      runLorica({"live", "--virtual", "--motion", "wave,walk", "--people", "2", "--decomposition", fewParts(folder),
+                 "--seconds", "5", "--headless", "--record", session, "--json", "-"});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["maxPeople"], 2);
+  ASSERT_EQ(json["avatars"].size(), 2u);
+  for (const nlohmann::json& avatar : json["avatars"]) EXPECT_GT(avatar["frames"].get<int>(), 0);
+  const CommandResult replayed = runLorica({"replay", session, "--json", "-"});
+  EXPECT_EQ(replayed.exitCode, 0) << replayed.err;
+  EXPECT_EQ(replayed.json()["same"], true);
+}
+
+}  // namespace
+}  // namespace lorica::test
