@@ -73,6 +73,14 @@ def record(files, info):
     return "\n".join([*lines, f"{info}/RECORD,,", ""]).encode()
 
 
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    info = f"lorica-{version()}.dist-info"
+    (Path(metadata_directory) / info).mkdir()
+    for path, content in about(info).items():
+        (Path(metadata_directory) / path).write_bytes(content)
+    return info
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     info = f"lorica-{version()}.dist-info"
     with tempfile.TemporaryDirectory() as stage:

@@ -1,3 +1,4 @@
+import resource
 import tempfile
 import unittest
 from pathlib import Path
@@ -49,6 +50,19 @@ class Characters(unittest.TestCase):
         live = self.body.live()
         for _, frame in zip(range(5), lorica.play("walk", self.body)):
             self.assertEqual(bytes_of(live.pose(frame.world_from_joint)), bytes_of(frame))
+
+    def test_ten_thousand_poses_leak_nothing(self):
+        live = self.body.live()
+        poses = [frame.world_from_joint for _, frame in zip(range(40), lorica.play("walk", self.body))]
+
+        def often(count):
+            for call in range(count):
+                frame = live.pose(poses[call % 40])
+                frame.hulls[call % 4].vertices, frame.world_from_joint
+            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+        first = often(500)
+        self.assertLess(often(10000) - first, 500)  # [kB], or 50 bytes a call
 
     def test_any_time_can_be_asked_for(self):
         player = lorica.play("walk", self.body)
