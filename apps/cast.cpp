@@ -1,5 +1,7 @@
 #include "apps/cast.h"
 
+#include "apps/scenes.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -80,6 +82,8 @@ Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptio
   return all;
 }
 
+namespace {
+
 Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
   Result<std::vector<PlaybackInputOptions>> each = optionsOfCast(options);
   if (!each) return each.error();
@@ -116,6 +120,19 @@ Result<std::vector<CastMember>> readCast(std::span<const StageAvatar> stage, con
     cast.push_back(std::move(*member));
   }
   return cast;
+}
+
+}  // namespace
+
+Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptions& body, const std::string& scene,
+                            int threads) {
+  Result<OpenedScene> opened = openStage(scene);
+  if (!opened) return opened.error();
+  const bool staged = !opened->stage.empty() && options.motion.empty() && options.character.empty();
+  Result<std::vector<CastMember>> cast =
+      staged ? readCast(opened->stage, options, body, scene, threads) : readCast(options, body, threads);
+  if (!cast) return cast.error();
+  return OpenedCast{std::move(opened->world), std::move(*cast)};
 }
 
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const CastMember> cast,

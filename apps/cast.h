@@ -5,7 +5,6 @@
 #include "apps/playback_input.h"
 #include "apps/session_files.h"
 #include "apps/spring_options.h"
-#include "session/scene_stage.h"
 #include "session/session.h"
 
 #include <memory>
@@ -40,14 +39,17 @@ inline constexpr std::size_t kMaxCast = 64;
 /// @return at least one; or an error with both numbers
 [[nodiscard]] Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptions& options);
 
-/// Reads the avatars of a run. Several stand side by side, 1.2 m apart.
-[[nodiscard]] Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body,
-                                                       int threads);
+/// The avatars of a run and their world.
+struct OpenedCast {
+  World world;
+  std::vector<CastMember> avatars;
+};
 
-/// Reads the avatars that a scene asks for. @param options  for reading and processing; its names are not used
-[[nodiscard]] Result<std::vector<CastMember>> readCast(std::span<const StageAvatar> stage,
-                                                       const PlaybackInputOptions& options, const BodyOptions& body,
-                                                       const std::string& scene, int threads);
+/// Opens the scene and reads the avatars: those that the options name, side by side, 1.2 m apart; else those of the
+/// scene.
+/// @param scene  as given by the user, see openScene()
+[[nodiscard]] Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptions& body,
+                                          const std::string& scene, int threads);
 
 /// startRecorder() for a cast.
 [[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file,

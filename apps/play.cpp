@@ -158,30 +158,26 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkEvents(options.events, common, inputs); !fine) return fine;
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = options.window || options.pictures.any();
-  Result<OpenedScene> scene = openStage(options.scene);
-  if (!scene) return scene.error();
-  World* world = &scene->world;
-  const bool staged = !scene->stage.empty() && asked.motion.empty() && asked.character.empty();
-  const Result<Cast> cast = staged ? readCast(scene->stage, asked, options.body, options.scene, common.threadCount())
-                                   : readCast(asked, options.body, common.threadCount());
-  if (!cast) return cast.error();
+  Result<OpenedCast> opened = openCast(asked, options.body, options.scene, common.threadCount());
+  if (!opened) return opened.error();
+  const Cast& cast = opened->avatars;
   const Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.record, *cast, options.body, options.scene, *world);
+      startRecorder(options.record, cast, options.body, options.scene, opened->world);
   if (!recorder) return recorder.error();
-  Result<Session> session = startSession(*cast, *recorder, std::move(*world));
+  Result<Session> session = startSession(cast, *recorder, std::move(opened->world));
   if (!session) return session.error();
 
   RunStatistics statistics;
   Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, cast->front().input.subject, options.input.reading.expressions, *recorder);
+      makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
   const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
   if (!events) return events.error();
   session->watch(*events ? *events : *watcher);
   DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
-    if (options.window) return playWithWindow(options, *cast, *session, statistics);
-    const Result<DrawnFiles> played = playHeadless(options, *cast, *session, statistics);
+    if (options.window) return playWithWindow(options, cast, *session, statistics);
+    const Result<DrawnFiles> played = playHeadless(options, cast, *session, statistics);
     if (!played) return played.error();
     drawn = *played;
     return {};
@@ -190,8 +186,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
     return played;
   }
-  Report report = toReport(options, *cast, *session, statistics, drawn);
-  nlohmann::ordered_json json = toJson(options, *cast, *session, statistics, drawn);
+  Report report = toReport(options, cast, *session, statistics, drawn);
+  nlohmann::ordered_json json = toJson(options, cast, *session, statistics, drawn);
   if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json, options.events == "-");

@@ -1,4 +1,5 @@
 #include "apps/body_choice.h"
+#include "apps/cast.h"
 #include "apps/interrupt.h"
 #include "apps/movie.h"
 #include "apps/options.h"
@@ -129,7 +130,9 @@ struct Outcome {
 
 /// Runs the session as far as needed and draws the requested pictures.
 Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera,
-                      const Motion& motion, Session& session) {
+                      std::span<const CastMember> cast, Session& session) {
+  const Motion& motion = cast.front().motion();  // leads
+  const std::string name = motionsOf(cast);
   const Size size = *sizeOf(options.size);
   Result<SnapshotCamera> pictures = SnapshotCamera::create(size.width, size.height);
   if (!pictures) return pictures.error();
@@ -157,7 +160,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   int frames = 1 + static_cast<int>(std::ceil(share * (motion.frameCount() - 1)));  // estimate
   for (const Wanted& one : wanted) frames = std::max(frames, one.frame + 1);
   double firstTime = 0.0, previousTime = 0.0;
-  ProgressBar bar((movie ? "Rendering video of " : "Playing ") + motion.name, "frames");
+  ProgressBar bar((movie ? "Rendering video of " : "Playing ") + name, "frames");
   Outcome outcome;
   for (int frame = 0; frame < motion.frameCount(); ++frame) {
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
@@ -174,7 +177,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     std::optional<Image> image;
     const auto draw = [&]() -> const Image& {
       if (!image) {
-        if (caption) show.caption = captionOf(motion.name, session, seconds);
+        if (caption) show.caption = captionOf(name, session, seconds);
         image = pictures->draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
       }
       return *image;
@@ -243,31 +246,23 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = check(options, common); !fine) return fine;
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = true;
-  const Result<PlaybackInput> input = readPlaybackInput(asked);
-  if (!input) return input.error();
-  const Subject& subject = input->subject;
-  const Motion& motion = input->motion;
-  if (Result<void> fine = checkCover(options.body.cover, *subject.character); !fine) return fine;
+  Result<OpenedCast> opened = openCast(asked, options.body, options.scene, common.threadCount());
+  if (!opened) return opened.error();
+  const std::span<const CastMember> cast = opened->avatars;
+  const Motion& motion = cast.front().motion();
   const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
   if (!wanted) return wanted.error();
   const Size size = *sizeOf(options.size);
   const Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
   if (!camera) return camera.error();
-  Result<World> world = openScene(options.scene);
-  if (!world) return world.error();
-  const Result<DecompositionFile> file = chooseBody(options.body, subject, common.threadCount());
-  if (!file) return file.error();
-  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(*subject.character, motion, options.input.performing);
-  if (!source) return source.error();
-  Result<Session> session = startSession(*subject.character, *file, std::move(*source), std::move(*world));
+  Result<Session> session = startSession(cast, nullptr, std::move(opened->world));
   if (!session) return session.error();
-  if (Result<void> added = addSprings(chooseSprings(subject, options.input.springs), *session); !added) return added;
-  const Result<Outcome> outcome = shoot(options, *wanted, *camera, motion, *session);
+  const Result<Outcome> outcome = shoot(options, *wanted, *camera, cast, *session);
   if (!outcome) return outcome.error();
 
   nlohmann::ordered_json json;
   json["recording"] = motion.name;
-  json["character"] = subject.character->name;
+  json["character"] = session->character().name;
   json["frames"] = outcome->frames;
   json["pictures"] = nlohmann::ordered_json::array();
   for (const fs::path& picture : outcome->files) json["pictures"].push_back(picture.string());
@@ -275,8 +270,9 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   json["videoFrames"] = outcome->videoFrames;
   json["renderer"] = outcome->renderer;
   json["hash"] = hexDigits(outcome->hash);
-  Report report(
-      fmt::format("{} performed {}: {}", subject.character->name, motion.name, counted(outcome->frames, "frame")));
+  Report report(fmt::format("{} performed {}: {}",
+                            cast.size() == 1 ? session->character().name : counted(std::ssize(cast), "avatar"),
+                            motionsOf(cast), counted(outcome->frames, "frame")));
   for (const fs::path& picture : outcome->files) report.line("picture", picture.string());
   if (!options.video.empty()) {
     report.line("video", fmt::format("{}, {}", options.video, counted(outcome->videoFrames, "frame")));

@@ -76,7 +76,8 @@ bool VmcInput::ready(const Session& session) const {
 void VmcInput::add(const Session& session) {
   const std::optional<VmcStream::Given> last = view_->lastGiven();
   const bool isNew = last && session.time() == last->time;
-  if (isNew) latency_.push_back(1e6 * (view_->now() - last->arrival));
+  const double afterHulls = session.times().physics + session.times().particles;
+  if (isNew) latency_.push_back(1e6 * (view_->now() - last->arrival) - afterHulls);
   const bool hears = last && view_->now() - last->time < kSilentSeconds;
   if (hears != heard_) {
     const std::string title = view_->title();

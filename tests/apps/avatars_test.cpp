@@ -50,7 +50,7 @@ TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
 TEST(SeveralAvatars, TellWhatTheyTouchOfEachOther) {
   const TemporaryFolder folder;
   const CommandResult played = runLorica(
-      {"play", "walk,walk,jumping_jacks", "--decomposition", fewParts(folder), "--frames", "150", "--events", "-"});
+      {"play", "--scene", "duel", "--decomposition", fewParts(folder), "--frames", "90", "--events", "-"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   std::istringstream lines(played.out);
   int meetings = 0;
