@@ -11,6 +11,8 @@ namespace lorica::fit {
 namespace {
 
 constexpr std::uint8_t kNobody = 255;
+constexpr float kUsualClavicle = 0.10F;  ///< deviation of a collarbone from where the arm takes it [rad]
+constexpr float kUsualEnd = 0.35F;       ///< deviation of wrists and ankles from straight [rad]
 
 V3 vectorOf(const Q& turn) {
   const float w = std::abs(turn.w());
@@ -137,14 +139,16 @@ float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
     const NodeDef& def = nodes[n];
     if (def.dofCount != 2) continue;
     const bool clavicle = n == kLeftClavicle || n == kRightClavicle;
-    const float usual = clavicle ? 0.2F : 0.35F;
+    const float usual = clavicle ? kUsualClavicle : kUsualEnd;
     const float w = 1.0F / (usual * usual);
-    for (int i = 0; i < 2; ++i) {
-      const float a = pose.angle[n][i];
+    const std::array<float, 2> rest = {0.0F, clavicle ? protractionOf(pose, n) : 0.0F};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const float a = pose.angle[n][i] - rest[i];
       cost += w * a * a;
       if (!linearize) continue;
-      equations_.matrix(def.firstDof + i, def.firstDof + i) += w;
-      equations_.gradient[def.firstDof + i] += w * a;
+      const int dof = def.firstDof + static_cast<int>(i);
+      equations_.matrix(dof, dof) += w;
+      equations_.gradient[dof] += w * a;
     }
   }
   return cost;
@@ -311,7 +315,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   for (std::size_t k = 0; k < kProportionCount; ++k) {
     const auto d = kDofCount + static_cast<int>(k);
     // Bodies differ by about a tenth; girths and single lengths are tied to the overall size.
-    const float usual = k == kSize || k == kHeadSize ? 0.15F : (k >= kTrunkGirth ? 0.10F : 0.06F);
+    const float usual = k == kSize || k == kHeadSize ? 0.15F : (k >= kTrunkGirth ? 0.10F : 0.04F);
     const float toUsual = 1.0F / (usual * usual);
     matrix(d, d) += 1.0F / (deviation[k] * deviation[k]) + toUsual;
     gradient[d] += toUsual * (proportions.factor[k] - 1.0F);

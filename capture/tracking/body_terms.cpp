@@ -16,6 +16,8 @@ constexpr float kFrontWidth = 0.12F;     ///< ... in front of the seen surface [
 constexpr float kOccluderGap = 0.15F;    ///< something nearer by this much hides a sample [m]
 constexpr float kCollisionDeviation = 0.03F;
 constexpr float kFloorDeviation = 0.02F;
+constexpr float kProtraction = 0.25F;  ///< angle of a collarbone whose arm points straight forward [rad]
+constexpr float kUsualSpine = 0.10F;   ///< deviation of either spine joint from straight [rad]
 
 std::vector<Sample> makeSamples() {
   std::vector<Sample> samples;
@@ -80,8 +82,8 @@ std::vector<BallLimit> makeLimits() {
     l.usual = usual;
     limits.push_back(l);
   };
-  add(kSpine, HumanBone::kChest, 1.5, 0.20F);
-  add(kChest, HumanBone::kChest, 1.5, 0.20F);
+  add(kSpine, HumanBone::kChest, 1.5, kUsualSpine);
+  add(kChest, HumanBone::kChest, 1.5, kUsualSpine);
   add(kNeck, HumanBone::kNeck, 2.0, 0.30F);
   add(kLeftUpperArm, HumanBone::kLeftUpperArm, 1.0, 0.0F);
   add(kRightUpperArm, HumanBone::kRightUpperArm, 1.0, 0.0F);
@@ -177,6 +179,12 @@ Pull collisionOf(const PosedModel& body, const Ball& ball, int capsule) {
   if (deep <= 0.0F) return {};
   constexpr float kEach = 1.0F / (kCollisionDeviation * kCollisionDeviation);
   return {-hit.normal, deep, kEach, kEach * deep * deep};
+}
+
+float protractionOf(const BodyPose& pose, std::size_t clavicle) {
+  const bool left = clavicle == kLeftClavicle;
+  const V3 arm = pose.turn[left ? kLeftUpperArm : kRightUpperArm] * V3(left ? 1.0F : -1.0F, 0.0F, 0.0F);
+  return kProtraction * std::max(0.0F, arm.z());
 }
 
 V3 excessOf(const BallLimit& limit, const Q& turn) {

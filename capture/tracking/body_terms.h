@@ -80,6 +80,8 @@ struct BallLimit {
   float usual;  ///< deviation from rest [rad]; 0 = no preference
 };
 [[nodiscard]] std::span<const BallLimit> ballLimits();
+/// Usual forward angle of a collarbone [rad]: an arm that points forward takes its shoulder along.
+[[nodiscard]] float protractionOf(const BodyPose& pose, std::size_t clavicle);
 /// How far a rotation exceeds its range: three residuals [rad].
 [[nodiscard]] V3 excessOf(const BallLimit& limit, const Q& turn);
 

@@ -1,6 +1,7 @@
 #include "capture/tracking/joint_confidence.h"
 
 #include <algorithm>
+#include <initializer_list>
 
 namespace lorica::fit {
 namespace {
@@ -25,6 +26,8 @@ enum CapsuleName : std::uint8_t {
 constexpr double kRise = 0.2;  ///< max increase of confidence per view
 constexpr double kMin = 0.1;   ///< of a joint without evidence
 constexpr double kSeenFully = 2.0;
+constexpr double kUnsure = 0.4;       ///< of what contradicts the image or may be something else
+constexpr float kHiddenShare = 0.5F;  ///< of a capsule's samples behind something else, for it to count as hidden
 
 }  // namespace
 
@@ -51,23 +54,37 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
     const double forearm = shown(kForearmCapsule + side, 0.5);
     const double clavicle = shown(kClavicleCapsule + side, 0.25);
     double shoulder = std::max({clavicle, shown(kUpperArmCapsule + side, 0.4)});
-    if (violated(kClavicleCapsule + side, 0.02F)) shoulder = std::min(shoulder, 0.4);
+    if (violated(kClavicleCapsule + side, 0.02F)) shoulder = std::min(shoulder, kUnsure);
     set(of(J::kLeftShoulder), shoulder);
     double elbow = std::max(upperArm, forearm);
-    if (violated(kUpperArmCapsule + side, 0.02F)) elbow = std::min(elbow, 0.4);
+    if (violated(kUpperArmCapsule + side, 0.02F)) elbow = std::min(elbow, kUnsure);
     set(of(J::kLeftElbow), elbow);
     double hand = std::max(shown(kHandCapsule + side, 0.45), shown(kForearmCapsule + side, 1.0));
-    if (violated(kForearmCapsule + side, 0.015F) || violated(kHandCapsule + side, 0.025F)) hand = std::min(hand, 0.4);
+    if (violated(kForearmCapsule + side, 0.015F) || violated(kHandCapsule + side, 0.025F))
+      hand = std::min(hand, kUnsure);
     set(of(J::kLeftHand), hand);
     set(of(J::kLeftHip), std::max(shown(kPelvisCapsule, 0.4), shown(kThighCapsule + side, 0.3)));
     const double calf = std::max(shown(kCalfCapsule + side, 0.2), shown(kShinCapsule + side, 0.2));
     set(of(J::kLeftKnee), std::max(calf, shown(kThighCapsule + side, 0.3)));
     set(of(J::kLeftFoot), std::max(shown(kFootCapsule + side, 0.2), shown(kShinCapsule + side, 0.4)));
+    // What is behind something else is a guess, whatever is seen of the parts beside it.
+    const auto unsureBehind = [&](J left, std::initializer_list<int> capsules) {
+      const auto isHidden = [&](int capsule) { return support.hidden[capsule + side] >= kHiddenShare; };
+      if (!std::ranges::all_of(capsules, isHidden)) return;
+      double& joint = now[static_cast<std::size_t>(of(left))];
+      joint = std::min(joint, kUnsure);
+    };
+    unsureBehind(J::kLeftElbow, {kUpperArmCapsule});
+    unsureBehind(J::kLeftHand, {kForearmCapsule, kHandCapsule});
+    unsureBehind(J::kLeftHip, {kThighCapsule});
+    unsureBehind(J::kLeftKnee, {kThighCapsule});
+    unsureBehind(J::kLeftKnee, {kCalfCapsule, kShinCapsule});
+    unsureBehind(J::kLeftFoot, {kShinCapsule});
     // A seat beside the legs may be taken for them.
     if (attached) {
       for (const J joint : {J::kLeftHip, J::kLeftKnee, J::kLeftFoot}) {
         double& leg = now[static_cast<std::size_t>(of(joint))];
-        leg = std::min(leg, 0.4);
+        leg = std::min(leg, kUnsure);
       }
     }
     const auto seen = [&](int capsule) { return support.seen[capsule + side]; };

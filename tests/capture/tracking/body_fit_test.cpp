@@ -132,6 +132,32 @@ TEST(BodyFit, ASizeThatIsWrongIsRepaired) {
   EXPECT_NEAR(proportions.factor[kSize], 1.0F, 0.04F);
 }
 
+TEST(BodyFit, AnArmThatPointsForwardTakesItsShoulderAlong) {
+  const BodyPose hanging = standingPose(kPosition, 0.0F, 0.1F, 0.0F, 0.0F);
+  const BodyPose forward = standingPose(kPosition, 0.0F, 0.1F, 1.5F, 0.0F);
+  for (const Node clavicle : {kLeftClavicle, kRightClavicle}) {
+    EXPECT_NEAR(protractionOf(hanging, clavicle), 0.0F, 0.03F);
+    EXPECT_NEAR(protractionOf(forward, clavicle), 0.25F, 0.03F);
+  }
+}
+
+// Real arms are often shorter than the proportions learnt so far. The trunk must not turn away to make room for them.
+TEST(BodyFit, ArmsThatAreShorterThanTheBodysDoNotPushTheShouldersBack) {
+  const BodyPose pose = standingPose(kPosition, 0.0F, 0.2F, 1.3F, 0.1F);
+  const PosedScene scene(pose);
+  Proportions longer;
+  longer.factor[kUpperArmLength] = longer.factor[kForearmLength] = 1.15F;
+  BodyPose fitted = pose;
+  BodyFitter fitter;
+  fitter.fit(scene.view, longer, weakPrior(fitted), kStages, fitted);
+  PosedModel body;
+  poseBody(fitted, longer, body);
+  for (const auto& [node, joint] :
+       {std::pair{kLeftUpperArm, BodyJoint::kLeftShoulder}, std::pair{kRightUpperArm, BodyJoint::kRightShoulder}}) {
+    EXPECT_LT((body.position[node].cast<double>() - scene.truth[joint].position).norm(), 0.025) << nameOf(joint);
+  }
+}
+
 TEST(LimbSearch, FindsAnArmThatIsElsewhere) {
   const BodyPose pose = standingPose(kPosition, 0.0F, 1.6F, 0.0F, 0.1F);
   const PosedScene scene(pose);
