@@ -76,6 +76,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lorica)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Lorica for Python: convex decomposition of meshes, live convex hulls of moving
 characters, as numpy arrays.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python3-lorica/prerm)
 # The module is made for one version of Python.
 find_package(Python REQUIRED COMPONENTS Interpreter)
 math(EXPR next_python "${Python_VERSION_MINOR} + 1")
