@@ -325,6 +325,7 @@ static void test_threads(void) {
   CHECK(strncmp(lorica_last_error(), "here", 4) == 0);
 }
 
+/* 100 bytes a call would be seen: less than a part or its file. */
 static void test_leaks(void) {
   const lorica_mesh mesh = l_shape();
   const lorica_decompose_options options = {.size = sizeof options, .parts = 1, .threads = 1};
@@ -342,7 +343,7 @@ static void test_leaks(void) {
     }
     if (status != NULL) fclose(status);
   }
-  CHECK(kilobytes[1] - kilobytes[0] < 250);
+  CHECK(kilobytes[1] - kilobytes[0] < 500);
 }
 
 int main(int argc, char **argv) {
