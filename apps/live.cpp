@@ -41,7 +41,7 @@ using Options = LiveOptions;
 struct Live {
   Session session;
   const LiveJoints* joints;  // owned by the session; null if NiTE 2 tracks or a program sends
-  std::optional<VmcInput> vmc;
+  std::vector<VmcInput> vmc;
   std::string name;
   LiveLog log;
   RunStatistics statistics;
@@ -54,7 +54,7 @@ double note(Live& live, double& firstTime) {
   if (live.session.frameCount() == 1) firstTime = live.session.time();
   const double seconds = live.session.time() - firstTime;
   if (live.joints != nullptr) live.log.add(*live.joints, seconds);
-  if (live.vmc) live.vmc->add(live.session);
+  for (VmcInput& sender : live.vmc) sender.add(live.session);
   live.statistics.add(live.session);
   return seconds;
 }
@@ -109,9 +109,9 @@ Result<void> runInWindow(const Options& options, Live& live) {
     subject.trackingSeconds = [&] { return live.joints->sight().trackSeconds; };
     subject.inset = &live.picture;
   }
-  if (live.vmc) {
-    subject.ready = [&] { return live.vmc->ready(live.session); };
-    subject.trouble = [&] { return live.vmc->state(); };
+  if (!live.vmc.empty()) {
+    subject.ready = [&] { return live.vmc.front().ready(live.session); };
+    subject.trouble = [&] { return live.vmc.front().state(); };
   }
   const Result<WindowEnd> end = runInWindow(*window, subject, options.limit);
   answerInterrupt();
@@ -133,7 +133,12 @@ nlohmann::ordered_json toJson(const Options& options, const Live& live, const De
                                {"hash", hexDigits(avatar.hash())}});
   }
   if (live.joints != nullptr) live.log.addTo(json);
-  if (live.vmc) live.vmc->addTo(json);
+  for (const VmcInput& sender : live.vmc) {
+    nlohmann::ordered_json one;
+    sender.addTo(one);
+    if (&sender == &live.vmc.front()) json.update(one);
+    json["streams"].push_back(one["stream"]);
+  }
   live.statistics.addTo(json);
   const std::optional<double> delay = live.session.source().smoothingDelay();
   json["refusedLegs"] = live.session.source().refusedLegs();
@@ -147,7 +152,7 @@ Report toReport(const Options& options, const Live& live) {
   Report report(fmt::format("{} followed {}: {}", live.session.character().name, live.name,
                             counted(live.statistics.frames(), "frame")));
   if (live.joints != nullptr) live.log.addTo(report);
-  if (live.vmc) live.vmc->addTo(report);
+  for (const VmcInput& sender : live.vmc) sender.addTo(report);
   if (const std::optional<double> delay = live.session.source().smoothingDelay()) {
     report.line("smoothing", fmt::format("joints lag by another {:.0f} ms", 1e3 * *delay));
   }
@@ -184,12 +189,17 @@ Result<void> checkOptions(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
-  if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
+  for (const VmcInputOptions& sender : sendersOf(options)) {
+    if (Result<void> fine = checkVmcInput(sender); !fine) return fine;
+  }
+  if (options.vmc.listenAt.empty()) {
+    if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
+  }
   if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
   inputs.emplace_back(options.record);
-  if (options.people > kMaxPeople) {
+  if (avatarsOf(options) > kMaxPeople) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--people: found {}, expected at most {}", options.people, kMaxPeople)};
+                 fmt::format("--people, --vmc: found {}, expected at most {}", avatarsOf(options), kMaxPeople)};
   }
   return checkEvents(options.events, common, inputs);
 }
@@ -207,7 +217,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // The source is opened last, because it runs while the rest is prepared.
   Result<Performer> performer = openPerformer(options);
   if (!performer) return performer.error();
-  const bool sent = performer->vmc.has_value();
+  const bool sent = !performer->vmc.empty();
   const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options, *performer, *followers, *world);
   if (!recorder) return recorder.error();
   Result<Session> session = startSession(options, *performer, *followers, *recorder, std::move(*world));
@@ -254,6 +264,8 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
                     "      two people, in the order of coming, with an avatar each; they touch each other\n"
                     "  lorica live --vmc 39539 --character hero.vrm\n"
                     "      no camera: follow a program that sends the VMC protocol to this machine\n"
+                    "  lorica live --vmc 39539,39540 --character hero.vrm,robot.glb\n"
+                    "      two programs that send, with an avatar each\n"
                     "  lorica live --vmc-out 192.168.0.7:39539\n"
                     "      send the tracked pose to a program on another machine\n"
                     "\nCtrl-C stops it and prints a summary. Drivers for each camera: docs/SENSORS.md.");

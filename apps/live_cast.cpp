@@ -13,23 +13,39 @@ namespace {
 /// The poses of a character that follows the performer.
 Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Performer& performer, std::size_t index,
                                              const SourceTreatment& treatment) {
-  if (!performer.vmc) return makeTreatedSource(character, std::move(performer.joints[index]), treatment);
-  Result<std::unique_ptr<PoseSource>> sent = performer.vmc->makeSource(character, treatment.joints.mirror);
+  if (performer.vmc.empty()) return makeTreatedSource(character, std::move(performer.joints[index]), treatment);
+  Result<std::unique_ptr<PoseSource>> sent =
+      performer.vmc[index].makeSource(character, treatment.joints.mirror, index == 0);
   if (!sent) return sent.error();
   return makeTreatedSource(std::move(*sent), treatment);
 }
 
 }  // namespace
 
-Result<Performer> openPerformer(const LiveOptions& options) {
-  Performer performer{{}, nullptr, std::nullopt, ""};
-  if (!options.vmc.listenAt.empty()) {
-    Result<VmcInput> vmc = VmcInput::open(options.vmc);
-    if (!vmc) return vmc.error();
-    performer.name = vmc->name();
-    performer.vmc = std::move(*vmc);
-    return performer;
+std::vector<VmcInputOptions> sendersOf(const LiveOptions& options) {
+  std::vector<VmcInputOptions> senders;
+  if (options.vmc.listenAt.empty()) return senders;
+  for (const std::string& address : namesIn(options.vmc.listenAt)) {
+    senders.push_back(options.vmc);
+    senders.back().listenAt = address;
   }
+  return senders;
+}
+
+std::size_t avatarsOf(const LiveOptions& options) {
+  const std::size_t senders = sendersOf(options).size();
+  return senders > 0 ? senders : static_cast<std::size_t>(options.people);
+}
+
+Result<Performer> openPerformer(const LiveOptions& options) {
+  Performer performer{{}, nullptr, {}, ""};
+  for (const VmcInputOptions& sender : sendersOf(options)) {
+    Result<VmcInput> vmc = VmcInput::open(sender);
+    if (!vmc) return vmc.error();
+    performer.name += (performer.vmc.empty() ? "" : " and ") + vmc->name();
+    performer.vmc.push_back(std::move(*vmc));
+  }
+  if (!performer.vmc.empty()) return performer;
   if (!options.nite.empty()) {
     Result<std::unique_ptr<SkeletonSource>> source = openNite(options.depth, options.nite);
     if (!source) return source.error();
@@ -57,7 +73,7 @@ Result<Performer> openPerformer(const LiveOptions& options) {
 
 Result<std::vector<Follower>> readFollowers(const LiveOptions& options, bool drawn, int threads) {
   const std::vector<std::string> names = namesIn(options.character);
-  const auto people = static_cast<std::size_t>(options.people);
+  const std::size_t people = avatarsOf(options);
   if (names.size() > 1 && names.size() != people) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("--character: found {} characters for {}, expected one for all or one for each; --people "
@@ -84,7 +100,7 @@ Result<std::vector<Follower>> readFollowers(const LiveOptions& options, bool dra
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const LiveOptions& options, const Performer& performer,
                                                        std::span<const Follower> followers, const World& world) {
   std::vector<RecordedAvatar> avatars;
-  const bool sent = performer.vmc.has_value();
+  const bool sent = !performer.vmc.empty();
   for (const Follower& follower : followers) {
     RecordedAs as{performer.name,     sent,         follower.name,   options.reading,
                   options.performing, options.body, follower.springs};

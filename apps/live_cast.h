@@ -14,6 +14,7 @@
 #include "capture/tracking/live_joints.h"
 #include "session/session.h"
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,7 +24,7 @@
 namespace lorica {
 
 /// Maximum number of people that a camera's tracker follows.
-inline constexpr int kMaxPeople = 6;
+inline constexpr std::size_t kMaxPeople = 6;
 
 /// The options of `lorica live`.
 struct LiveOptions {
@@ -51,11 +52,17 @@ struct LiveOptions {
 struct Performer {
   std::vector<std::unique_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if a program sends
   const LiveJoints* tracked;                            ///< the first; null if NiTE 2 tracks or a program sends
-  std::optional<VmcInput> vmc;
+  std::vector<VmcInput> vmc;                            ///< of each avatar; empty without a program that sends
   std::string name;
 };
 
-/// Opens the camera or the stream.
+/// How many avatars there are: one for each person or for each program that sends.
+[[nodiscard]] std::size_t avatarsOf(const LiveOptions& options);
+
+/// The options of each program that sends; empty without --vmc.
+[[nodiscard]] std::vector<VmcInputOptions> sendersOf(const LiveOptions& options);
+
+/// Opens the camera or the streams.
 [[nodiscard]] Result<Performer> openPerformer(const LiveOptions& options);
 
 /// A character that follows somebody.

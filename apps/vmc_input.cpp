@@ -23,7 +23,8 @@ constexpr int kLongestDelayMs = 1000;
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
   Option* vmc = app.addOption("--vmc", options.listenAt,
                               "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "
-                              "to this machine only; see docs/STREAMS.md");
+                              "to this machine only; see docs/STREAMS.md. `live` takes several, separated by commas: "
+                              "an avatar for each");
   vmc->typeName("[HOST:]PORT");
   addCount(app, "--delay", options.delayMs, 0,
            "Show what is received so many milliseconds later, at an even pace, if the network is uneven [default: 0]")
@@ -65,8 +66,8 @@ VmcInput::VmcInput(std::unique_ptr<VmcStream> stream, std::string name, std::opt
       sender_(std::move(sender)),
       delayMs_(delayMs) {}
 
-Result<std::unique_ptr<PoseSource>> VmcInput::makeSource(const Character& character, bool mirror) {
-  return makeStreamPoseSource(character, std::move(stream_), {mirror, sender_});
+Result<std::unique_ptr<PoseSource>> VmcInput::makeSource(const Character& character, bool mirror, bool leads) {
+  return makeStreamPoseSource(character, std::move(stream_), {mirror, sender_, leads});
 }
 
 bool VmcInput::ready(const Session& session) const {

@@ -36,7 +36,9 @@ class VmcInput {
   [[nodiscard]] static Result<VmcInput> open(const VmcInputOptions& options);
 
   /// The poses of a character that follows the stream; once. The source must outlive this object's later use.
-  [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeSource(const Character& character, bool mirror);
+  /// @param leads  whether the session waits for its frames
+  [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeSource(const Character& character, bool mirror,
+                                                               bool leads = true);
 
   /// "VMC on 127.0.0.1:39539"
   [[nodiscard]] const std::string& name() const { return name_; }

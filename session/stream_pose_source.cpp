@@ -29,7 +29,7 @@ class StreamPoseSource final : public PoseSource {
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point begin = Clock::now();
-    const bool isNew = stream_->wait(kLongestWait, frame_);
+    const bool isNew = stream_->wait(settings_.waits ? kLongestWait : 0.0, frame_);
     waited_ = std::chrono::duration<double>(Clock::now() - begin).count();
     if (!isNew && stream_->ended()) return std::optional<double>();
     const double now = stream_->now();

@@ -13,6 +13,7 @@ namespace lorica {
 struct StreamSettings {
   bool mirror = false;                    ///< swaps left and right, except for expressions
   std::optional<SenderRest> sender = {};  ///< of a sender whose zero rotations are no T-pose
+  bool waits = true;                      ///< for a new frame; false for avatars that do not lead, see AlignedSource
 };
 
 /// Poses a character with what another program sends, see StreamRetargeter. Ends with the stream.

@@ -122,7 +122,7 @@ TEST(SeveralAvatars, BadCastsAreASentence) {
   std::string many = "walk";
   for (int i = 0; i < 64; ++i) many += ",walk";
   refused({"play", many}, "found 65 motions, expected at most 64");
-  refused({"live", "--virtual", "--people", "7"}, "--people: found 7, expected at most 6");
+  refused({"live", "--virtual", "--people", "7"}, "--people, --vmc: found 7, expected at most 6");
   refused({"live", "--virtual", "--people", "3", "--character", "mannequin,mannequin"},
           "--character: found 2 characters for 3 people, expected one for all or one for each");
 }

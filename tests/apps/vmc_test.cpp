@@ -108,6 +108,37 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
   EXPECT_EQ(heard, written);
 }
 
+TEST(LiveStream, TwoProgramsAreTwoAvatars) {
+  const TemporaryFolder folder;
+  const std::string body = folder.path() / "body.lorica";
+  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body}).exitCode, 0);
+  const std::string session = folder.path() / "two.lsession";
+  const std::vector<std::string> ports{freePort(), freePort()};
+  CommandResult live;
+  std::thread receiver([&] {
+    live = runLorica({"live", "--vmc", ports[0] + "," + ports[1], "--decomposition", body, "--headless", "--seconds",
+                      "4", "--record", session, "--json", "-"});
+  });
+  std::vector<std::thread> senders;
+  for (int i = 0; i < 2; ++i) {
+    senders.emplace_back([&, i] {
+      (void)runLorica({"play", i == 0 ? "wave" : "walk", "--decomposition", body, "--frames", "60", "--vmc-out",
+                       "127.0.0.1:" + ports[static_cast<std::size_t>(i)]});
+    });
+  }
+  for (std::thread& sender : senders) sender.join();
+  receiver.join();
+  ASSERT_EQ(live.exitCode, 0) << live.err;
+  const nlohmann::json json = live.json();
+  ASSERT_EQ(json["streams"].size(), 2u);
+  for (const nlohmann::json& stream : json["streams"]) EXPECT_GT(stream["frames"].get<int>(), 10);
+  ASSERT_EQ(json["avatars"].size(), 2u);
+  EXPECT_NE(json["avatars"][0]["hash"], json["avatars"][1]["hash"]);
+  const CommandResult replayed = runLorica({"replay", session, "--json", "-"});
+  ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
+  EXPECT_EQ(replayed.json()["hash"], json["hash"]);
+}
+
 TEST(LiveStream, WithoutASenderTheAvatarStandsAndStrikesNothing) {
   const CommandResult live = runLorica({"live", "--vmc", freePort(), "--headless", "--frames", "40", "--json", "-"});
   ASSERT_EQ(live.exitCode, 0) << live.err;
