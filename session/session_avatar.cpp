@@ -60,20 +60,21 @@ Result<SessionAvatar> SessionAvatar::create(Character character, Decomposition d
     for (const PointIndex p : training->probes) probes.push_back(std::move(lifted[p]));
   }
   ContactBones bones(body->decomposition(), character);
+  JointsOfParts joints = jointsOfParts(body->decomposition(), character);
   auto kind = std::make_shared<const Kind>(Kind{std::move(character), std::move(training), std::move(probes)});
-  return SessionAvatar(std::move(kind), std::move(*body), std::move(bones), std::move(source));
+  return SessionAvatar(std::move(kind), std::move(*body), std::move(joints), std::move(bones), std::move(source));
 }
 
 SessionAvatar SessionAvatar::another(std::unique_ptr<PoseSource> source) const {
-  return {kind_, LiveBody(body_.plan()), contactBones_, std::move(source)};
+  return {kind_, LiveBody(body_.plan()), jointsOfPart_, contactBones_, std::move(source)};
 }
 
-SessionAvatar::SessionAvatar(std::shared_ptr<const Kind> kind, LiveBody body, ContactBones bones,
+SessionAvatar::SessionAvatar(std::shared_ptr<const Kind> kind, LiveBody body, JointsOfParts joints, ContactBones bones,
                              std::unique_ptr<PoseSource> source)
     : kind_(std::move(kind)),
       source_(std::move(source), kind_->character.skeleton),
       body_(std::move(body)),
-      jointsOfPart_(jointsOfParts(body_.decomposition(), kind_->character)),
+      jointsOfPart_(std::move(joints)),
       contactBones_(std::move(bones)),
       probePositions_(kind_->probes.size()),
       worldFromJoint_(static_cast<std::size_t>(kind_->character.skeleton.jointCount()), Affine3::Identity()),

@@ -89,7 +89,8 @@ class SessionAvatar {
     std::optional<TrainingRange> training;
     std::vector<LiftedPoint> probes;  ///< of the training range
   };
-  SessionAvatar(std::shared_ptr<const Kind> kind, LiveBody body, ContactBones bones,
+  using JointsOfParts = std::vector<std::vector<JointShare>>;
+  SessionAvatar(std::shared_ptr<const Kind> kind, LiveBody body, JointsOfParts joints, ContactBones bones,
                 std::unique_ptr<PoseSource> source);
 
   /// Poses the character and moves its body, from the pose of the source.
@@ -105,7 +106,7 @@ class SessionAvatar {
   std::optional<Isometry3> place_;
   AlignedSource source_;
   LiveBody body_;
-  std::vector<std::vector<JointShare>> jointsOfPart_;
+  JointsOfParts jointsOfPart_;
   mutable ContactBones contactBones_;  // has scratch
   mutable std::optional<SelfContactQuery> selfContacts_;
   mutable std::vector<Vec3> probePositions_;  // scratch

@@ -129,15 +129,23 @@ double World::Impl::longestSubstep(double fraction, double usual, double seconds
     const double turning = std::abs(sweep.angle) / seconds * sweep.radius;
     if (!part.inWorld || sweep.travel.norm() / seconds + turning + fastestProp <= rate) return;
     const Vec3 position = sweep.origin + fraction * sweep.travel;
-    for (const PropBody& prop : propBodies) {
+    const auto meet = [&](const PropBody& prop) {
       const Vec3 velocity = sweep.travel / seconds - fromBullet(prop.body->getLinearVelocity());
       const double speed = std::min(velocity.norm() + turning + prop.spin(), kFastestApproach);
-      if (speed <= rate) continue;
+      if (speed <= rate) return;
       // Can the bounding spheres, on straight paths, meet within a usual substep?
       const Vec3 apart = position - fromBullet(prop.body->getWorldTransform().getOrigin());
       const double soonest = std::clamp(-apart.dot(velocity) / std::max(velocity.squaredNorm(), 1e-12), 0.0, usual);
       if ((apart + soonest * velocity).norm() <= sweep.radius + prop.radius + kLongestApproach) rate = speed;
+    };
+    if (!crowded) {
+      for (const PropBody& prop : propBodies) meet(prop);
+      return;
     }
+    eachReach(sweep.origin + 0.5 * sweep.travel, sweep.radius + 0.5 * sweep.travel.norm(), [&](const Reach& reach) {
+      meet(propBodies[reach.prop]);
+      return true;
+    });
   };
   for (const auto& parts : avatars) {
     for (const std::unique_ptr<PartCollider>& part : parts) check(*part);
@@ -223,6 +231,7 @@ void World::stepAvatars(std::span<const std::span<const LivePart>> avatars, doub
   impl_->contacts.clear();
   impl_->resolveInitialOverlaps(avatars);
   impl_->setPartCounts(avatars);
+  impl_->findReaches(seconds);
   for (std::size_t a = 0; a < avatars.size(); ++a) {
     const auto& colliders = impl_->avatars[a];
     for (std::size_t i = 0; i < colliders.size(); ++i) impl_->takePart(*colliders[i], avatars[a][i], seconds);

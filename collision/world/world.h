@@ -118,7 +118,9 @@ class World {
   /// A part faster than 25 m/s (a tracker's jump) is set to its new pose without sweeping; a part with a degenerate
   /// hull touches nothing in this frame.
   /// @param avatars  the parts of each; the same parts in every call, or none while the avatar is not there: it comes
-  ///                 back without sweeping. Parts beyond kMaxParts in total touch nothing.
+  ///                 back without sweeping. Parts beyond kMaxParts in total touch nothing. If there are more than
+  ///                 128, parts that are far from all props are left out: a prop that is hit in this frame and flies
+  ///                 to one of them, farther than 0.25 m, meets it in the next frame.
   /// @param seconds  length of the frame [s]; 0 moves the parts only
   void stepAvatars(std::span<const std::span<const LivePart>> avatars, double seconds);
   /// The same with one avatar.

@@ -8,6 +8,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -76,6 +77,17 @@ struct World::Impl {
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
   std::unique_ptr<btRigidBody> floor;
   std::vector<std::vector<std::unique_ptr<PartCollider>>> avatars;  ///< the parts of each
+  /// Props that parts can move, by their least x, as balls that hold them during the frame. Empty if all parts count.
+  struct Reach {
+    double begin = 0.0;  ///< least x [m]
+    Vec3 center = Vec3::Zero();
+    double radius = 0.0;
+    int prop = 0;
+    [[nodiscard]] bool operator<(const Reach& other) const { return begin < other.begin; }
+  };
+  std::vector<Reach> reaches;
+  double widestReach = 0.0;  ///< greatest radius of `reaches`
+  bool crowded = false;      ///< parts far from all props are left out in this frame
   std::vector<PropBody> propBodies;
   std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
@@ -96,6 +108,19 @@ struct World::Impl {
   void resolveInitialOverlaps(std::span<const std::span<const LivePart>> avatars);
   void setPartCounts(std::span<const std::span<const LivePart>> present);
   void setPartCount(std::size_t avatar, std::size_t count);
+  void findReaches(double seconds);
+  /// Calls visit(reach) for those that overlap a ball, until it returns false.
+  template <typename Visit>
+  void eachReach(const Vec3& center, double radius, const Visit& visit) const {
+    Reach first;
+    first.begin = center.x() - radius - 2.0 * widestReach;
+    for (auto reach = std::lower_bound(reaches.begin(), reaches.end(), first);
+         reach != reaches.end() && reach->begin <= center.x() + radius; ++reach) {
+      const double both = radius + reach->radius;
+      if ((reach->center - center).squaredNorm() <= both * both && !visit(*reach)) return;
+    }
+  }
+  [[nodiscard]] bool isFar(const Sweep& sweep) const;
   void takePart(PartCollider& body, const LivePart& part, double seconds);
   void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;

@@ -17,6 +17,9 @@ constexpr btScalar kPartMargin = 0.001f;
 constexpr btScalar kFollowed = 0.002f;
 constexpr btScalar kLookFrom = 0.004f;
 constexpr btScalar kSameNormal = 0.99f;  // cosine
+// With more parts in all, those that are farther than this from every prop are left out [m].
+constexpr std::size_t kCrowd = 128;
+constexpr double kAhead = 0.25;
 
 Sweep sweepOf(const LivePart& part, double seconds) {
   const Isometry3& begin = part.previousWorldFromPart;
@@ -101,6 +104,36 @@ void World::Impl::setPartCount(std::size_t avatar, std::size_t count) {
   }
 }
 
+/// Decides whether parts far from all props are left out: the broad phase costs most of the time of a crowd.
+void World::Impl::findReaches(double seconds) {
+  std::size_t count = 0;
+  for (const auto& parts : avatars) count += parts.size();
+  crowded = count > kCrowd;
+  reaches.clear();
+  widestReach = 0.0;
+  if (!crowded) return;
+  for (int i = 0; isProp(i); ++i) {
+    const PropBody& prop = propBodies[i];
+    if (prop.body->isStaticObject()) continue;
+    Reach reach;
+    reach.prop = i;
+    reach.center = fromBullet(prop.body->getWorldTransform().getOrigin());
+    reach.radius = prop.radius + prop.speed() * seconds + kAhead;
+    reach.begin = reach.center.x() - reach.radius;
+    widestReach = std::max(widestReach, reach.radius);
+    reaches.push_back(reach);
+  }
+  std::sort(reaches.begin(), reaches.end());
+}
+
+/// Whether a part meets no prop in this frame.
+bool World::Impl::isFar(const Sweep& sweep) const {
+  bool far = true;
+  eachReach(sweep.origin + 0.5 * sweep.travel, sweep.radius + 0.5 * sweep.travel.norm(),
+            [&](const Reach&) { return far = false; });
+  return far;
+}
+
 void World::Impl::takePart(PartCollider& part, const LivePart& live, double seconds) {
   if (live.shape.degenerate()) {
     if (part.inWorld) world.removeRigidBody(part.body.get());
@@ -108,6 +141,11 @@ void World::Impl::takePart(PartCollider& part, const LivePart& live, double seco
     return;
   }
   part.sweep = sweepOf(live, seconds);
+  if (crowded && isFar(part.sweep)) {
+    if (part.inWorld) world.removeRigidBody(part.body.get());
+    part.inWorld = false;
+    return;
+  }
   part.body->setWorldTransform(part.sweep.at(0.0));
 
   part.reshaped = live.reshaped || !part.inWorld;
@@ -145,6 +183,7 @@ void World::Impl::followSurfaces() {
 void World::Impl::moveParts(double fraction, double seconds) {
   for (const auto& parts : avatars) {
     for (const std::unique_ptr<PartCollider>& part : parts) {
+      if (!part->inWorld) continue;
       part->body->setWorldTransform(part->sweep.at(fraction));
       const double rate = part->sweep.strength / seconds;
       part->body->setLinearVelocity(toBullet(Vec3(rate * part->sweep.travel)));

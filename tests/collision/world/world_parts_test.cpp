@@ -310,5 +310,51 @@ TEST(WorldParts, AMinuteOfRandomMotionNeverGivesNonsense) {
   }
 }
 
+/// A hand hits a ball; further parts are far from it. @return the ball's velocity after it
+Vec3 velocityAmong(int others, double distance) {
+  World world = weightless();
+  world.addProp(makeProp(PropShape::kSphere, 0.1, at(0, 1.5, 0)));
+  std::vector<LivePart> parts(1, makeBoxPart(Vec3(0.04, 0.08, 0.08), at(-0.5, 1.5, 0)));
+  for (int i = 0; i < others; ++i) {
+    parts.push_back(makeBoxPart(Vec3(0.04, 0.08, 0.08), at(distance + 0.5 * (i % 20), 1.5, 3.0 + 0.5 * (i / 20))));
+  }
+  for (int i = 1; i <= 20; ++i) {
+    moveTo(parts[0], at(-0.5 + 3.0 * kFrame * i, 1.5, 0));
+    for (std::size_t p = 1; p < parts.size(); ++p) moveTo(parts[p], parts[p].worldFromPart);
+    world.step(parts, kFrame);
+  }
+  EXPECT_TRUE(world.contacts().empty());
+  return world.props()[0].velocity;
+}
+
+TEST(WorldParts, InACrowdAHitIsTheSame) {
+  const Vec3 alone = velocityAmong(0, 0.0);
+  EXPECT_GT(alone.x(), 2.9);
+  EXPECT_EQ(velocityAmong(60, 2.0), alone);
+  EXPECT_EQ(velocityAmong(300, 2.0), alone);
+}
+
+TEST(WorldParts, InACrowdAPartThatComesNearHitsToo) {
+  for (const std::size_t first : {0u, 150u, 299u}) {
+    World world = weightless();
+    world.addProp(makeProp(PropShape::kSphere, 0.1, at(0, 1.5, 0)));
+    std::vector<LivePart> parts;
+    for (int i = 0; i < 300; ++i)
+      parts.push_back(makeBoxPart(Vec3(0.04, 0.08, 0.08), at(0.5 * (i % 20), 9.0, 0.5 * i)));
+    bool hit = false;
+    for (int i = 0; i <= 40; ++i) {
+      for (std::size_t p = 0; p < parts.size(); ++p) moveTo(parts[p], parts[p].worldFromPart);
+      moveTo(parts[first], at(-5.0 + 4.0 * kFrame * i, 1.5, 0));
+      world.step(parts, kFrame);
+      for (const Contact& contact : world.contacts()) {
+        EXPECT_EQ(contact.part, static_cast<PartIndex>(first));
+        hit = true;
+      }
+    }
+    EXPECT_TRUE(hit) << first;
+    EXPECT_GT(world.props()[0].velocity.x(), 3.9);
+  }
+}
+
 }  // namespace
 }  // namespace lorica
