@@ -88,7 +88,7 @@ struct Renderer::Impl {
   std::deque<AvatarGpu> avatars;
   std::vector<AvatarProgram> avatarPrograms;
   std::vector<AvatarGpu*> shownAvatars;  ///< avatars in this picture
-  AvatarGpu* avatar = nullptr;    ///< that is being filled or drawn
+  AvatarGpu* avatar = nullptr;           ///< that is being filled or drawn
   std::vector<std::span<const LivePart>> figureParts;
 
   OverlayMesh overlay;

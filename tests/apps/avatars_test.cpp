@@ -49,8 +49,8 @@ TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
 
 TEST(SeveralAvatars, TellWhatTheyTouchOfEachOther) {
   const TemporaryFolder folder;
-  const CommandResult played = runLorica(
-      {"play", "--scene", "duel", "--decomposition", fewParts(folder), "--frames", "90", "--events", "-"});
+  const CommandResult played =
+      runLorica({"play", "--scene", "duel", "--decomposition", fewParts(folder), "--frames", "90", "--events", "-"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   std::istringstream lines(played.out);
   int meetings = 0;
