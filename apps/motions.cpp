@@ -8,7 +8,7 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
-#include "capture/synthetic/synthetic_motion.h"
+#include "session/prepare/shipped_motion.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>
@@ -261,18 +261,7 @@ Result<std::vector<Motion>> readShippedRecordings() {
 std::vector<Motion> makeShippedMotions() {
   std::vector<Motion> motions;
   motions.reserve(kSyntheticMotionCount);
-  for (int m = 0; m < kSyntheticMotionCount; ++m) {
-    const auto which = static_cast<SyntheticMotion>(m);
-    Motion motion;
-    motion.name = nameOf(which);
-    std::vector<SkeletonFrame> frames = synthesizeMotion(which);
-    roundForFile(frames);
-    // Through the text of the file: reading it normalises rotations.
-    std::string text = jointCsvHeader();
-    for (const SkeletonFrame& frame : frames) text += jointCsvRow(frame);
-    motion.joints = parseJointCsv(text, motion.name).value();
-    motions.push_back(std::move(motion));
-  }
+  for (int m = 0; m < kSyntheticMotionCount; ++m) motions.push_back(shippedMotion(static_cast<SyntheticMotion>(m)));
   return motions;
 }
 

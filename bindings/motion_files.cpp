@@ -3,7 +3,7 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
-#include "capture/synthetic/synthetic_motion.h"
+#include "session/prepare/shipped_motion.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>
@@ -18,19 +18,6 @@ namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
-
-Motion shippedMotion(SyntheticMotion which) {
-  Motion motion;
-  motion.name = nameOf(which);
-  std::vector<SkeletonFrame> frames = synthesizeMotion(which);
-  roundForFile(frames);
-  // Through the text of the file: reading it normalises rotations.
-  std::string text = jointCsvHeader();
-  for (const SkeletonFrame& frame : frames) text += jointCsvRow(frame);
-  motion.joints = parseJointCsv(text, motion.name).value();
-  motion.format = "joints (lorica)";
-  return motion;
-}
 
 Result<Motion> motionByName(const std::string& name) {
   std::vector<std::string_view> names;
