@@ -1,5 +1,6 @@
 #include "apps/cast.h"
 
+#include "apps/playback.h"
 #include "apps/scenes.h"
 
 #include <fmt/format.h>
@@ -43,6 +44,14 @@ void startAt(double start, Motion& motion) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> filesOf(const PlaybackInputOptions& input, const BodyOptions& body) {
+  std::vector<std::filesystem::path> files{body.decomposition};
+  for (const std::string* names : {&input.motion, &input.character}) {
+    for (const std::string& name : namesIn(*names)) files.emplace_back(name);
+  }
+  return files;
+}
+
 std::vector<std::string> namesIn(const std::string& text) {
   std::error_code ignored;
   std::vector<std::string> names;
@@ -56,6 +65,9 @@ std::vector<std::string> namesIn(const std::string& text) {
   }
 }
 
+namespace {
+
+/// Divides options with several motions, "walk,wave", into those of each avatar.
 Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptions& options) {
   const std::vector<std::string> motions = namesIn(options.motion);
   const std::vector<std::string> characters = namesIn(options.character);
@@ -81,8 +93,6 @@ Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptio
   }
   return all;
 }
-
-namespace {
 
 Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
   Result<std::vector<PlaybackInputOptions>> each = optionsOfCast(options);
@@ -165,12 +175,9 @@ Result<Session> startSession(std::span<const CastMember> cast, const std::shared
     const CastMember& member = cast[i];
     Result<std::unique_ptr<PoseSource>> source = sourceOf(member, recorder ? recorder->log(i) : nullptr);
     if (!source) return source.error();
-    Result<SessionAvatar> avatar = SessionAvatar::create(member.character(), member.body.decomposition,
-                                                         std::move(*source), member.body.cover, member.body.training);
-    if (!avatar) return avatar.error();
-    if (const std::optional<Isometry3> place = placeOf(member.place, member.heading)) avatar->setPlace(*place);
-    session.addAvatar(std::move(*avatar));
-    if (Result<void> added = addSprings(member.springs, session, static_cast<int>(i)); !added) return added.error();
+    const AvatarSetting setting{placeOf(member.place, member.heading), member.springs};
+    Result<void> added = addAvatar(session, member.character(), member.body, std::move(*source), setting);
+    if (!added) return added.error();
   }
   return session;
 }

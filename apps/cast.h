@@ -7,6 +7,7 @@
 #include "apps/spring_options.h"
 #include "session/session.h"
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,10 +35,8 @@ inline constexpr std::size_t kMaxCast = 64;
 /// The parts of a text between commas; a file whose name has commas is one.
 [[nodiscard]] std::vector<std::string> namesIn(const std::string& text);
 
-/// Divides options with several motions, "walk,wave", into those of each avatar. One character performs all of them;
-/// else there are as many as motions.
-/// @return at least one; or an error with both numbers
-[[nodiscard]] Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptions& options);
+/// The files that the options name, which no output may overwrite.
+[[nodiscard]] std::vector<std::filesystem::path> filesOf(const PlaybackInputOptions& input, const BodyOptions& body);
 
 /// The avatars of a run and their world.
 struct OpenedCast {
@@ -45,8 +44,8 @@ struct OpenedCast {
   std::vector<CastMember> avatars;
 };
 
-/// Opens the scene and reads the avatars: those that the options name, side by side, 1.2 m apart; else those of the
-/// scene.
+/// Opens the scene and reads the avatars: those that the options name, one for each motion ("walk,wave"), side by side,
+/// 1.2 m apart, all with one character or each with its own; else those of the scene.
 /// @param scene  as given by the user, see openScene()
 [[nodiscard]] Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptions& body,
                                           const std::string& scene, int threads);

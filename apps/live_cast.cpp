@@ -119,12 +119,9 @@ Result<Session> startSession(const LiveOptions& options, Performer& performer, s
                                     options.performing.joints()};
     Result<std::unique_ptr<PoseSource>> source = sourceOf(follower.character(), performer, i, treatment);
     if (!source) return source.error();
-    Result<SessionAvatar> avatar =
-        SessionAvatar::create(follower.character(), follower.body.decomposition, std::move(*source),
-                              follower.body.cover, follower.body.training);
-    if (!avatar) return avatar.error();
-    session.addAvatar(std::move(*avatar));
-    if (Result<void> added = addSprings(follower.springs, session, static_cast<int>(i)); !added) return added.error();
+    const AvatarSetting setting{std::nullopt, follower.springs};
+    Result<void> added = addAvatar(session, follower.character(), follower.body, std::move(*source), setting);
+    if (!added) return added.error();
   }
   return session;
 }

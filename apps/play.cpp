@@ -145,9 +145,7 @@ Report toReport(const Options& options, const Cast& cast, const Session& session
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  std::vector<std::filesystem::path> inputs{options.body.decomposition};
-  for (const std::string& name : namesIn(options.input.motion)) inputs.emplace_back(name);
-  for (const std::string& name : namesIn(options.input.character)) inputs.emplace_back(name);
+  std::vector<std::filesystem::path> inputs = filesOf(options.input, options.body);
   if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
   if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"); !fine)
     return fine;

@@ -18,9 +18,21 @@ const Vec3 kWindowTarget(0.171, 0.486, 0.229);
 
 }  // namespace
 
+Result<void> addAvatar(Session& session, const Character& character, const DecompositionFile& body,
+                       std::unique_ptr<PoseSource> source, const AvatarSetting& setting) {
+  Result<SessionAvatar> avatar =
+      SessionAvatar::create(character, body.decomposition, std::move(source), body.cover, body.training);
+  if (!avatar) return avatar.error();
+  if (setting.place) avatar->setPlace(*setting.place);
+  const int index = session.addAvatar(std::move(*avatar));
+  return addSprings(setting.springs, session, index);
+}
+
 Result<Session> startSession(const Character& character, const DecompositionFile& body,
                              std::unique_ptr<PoseSource> source, World world) {
-  return Session::create(character, body.decomposition, std::move(source), std::move(world), body.cover, body.training);
+  Session session(std::move(world));
+  if (Result<void> added = addAvatar(session, character, body, std::move(source)); !added) return added.error();
+  return session;
 }
 
 Result<Session> startDemoSession(const Character& character, const DecompositionFile& body, const Motion& motion) {

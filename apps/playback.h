@@ -2,13 +2,27 @@
 
 #include "acd/decomposition_file.h"
 #include "apps/inputs.h"
+#include "apps/spring_options.h"
 #include "session/session.h"
 #include "viewer/scene.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace lorica {
+
+/// Where an avatar performs and what its springs do.
+struct AvatarSetting {
+  std::optional<Isometry3> place = {};  ///< see SessionAvatar::setPlace()
+  std::optional<SpringChoice> springs = {};
+};
+
+/// Adds an avatar to a session.
+/// @param body    the decomposition, its cover (none = exact) and its training
+/// @param source  moves the character
+[[nodiscard]] Result<void> addAvatar(Session& session, const Character& character, const DecompositionFile& body,
+                                     std::unique_ptr<PoseSource> source, const AvatarSetting& setting = {});
 
 /// Creates a session of one character.
 /// @param body    the decomposition, its cover (none = exact) and its training

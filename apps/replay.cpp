@@ -122,17 +122,13 @@ Result<Session> startAgain(const Options& options, const SessionFile& recorded,
   for (std::size_t i = 0; i < performers.size(); ++i) {
     const RecordedPerformer& performer = performers[i];
     const AvatarHeader& header = recorded.header.avatar(i);
-    Result<SessionAvatar> avatar =
-        SessionAvatar::create(*performer.subject.character, performer.body.decomposition, std::move((*sources)[i]),
-                              performer.body.cover, performer.body.training);
-    if (!avatar) return avatar.error();
-    if (const std::optional<Isometry3> place = placeOf(header.place, header.heading)) avatar->setPlace(*place);
-    session.addAvatar(std::move(*avatar));
-    if (!header.springs) continue;
-    const SpringBones springs = performer.subject.file ? performer.subject.file->springs : SpringBones();
-    if (Result<void> added = session.setSprings(springs, *header.springs, static_cast<int>(i)); !added) {
-      return added.error();
+    AvatarSetting setting{placeOf(header.place, header.heading)};
+    if (header.springs) {
+      setting.springs = {performer.subject.file ? performer.subject.file->springs : SpringBones(), *header.springs};
     }
+    Result<void> added =
+        addAvatar(session, *performer.subject.character, performer.body, std::move((*sources)[i]), setting);
+    if (!added) return added.error();
   }
   if (Result<void> same = checkReplay(recorded.header, options.file, session); !same) return same.error();
   return session;

@@ -219,11 +219,9 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
 }
 
 Result<void> check(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.input.motion, options.input.character,
-                                                   options.body.decomposition, options.out, options.video});
-      !fine) {
-    return fine;
-  }
+  std::vector<fs::path> others = filesOf(options.input, options.body);
+  others.insert(others.end(), {options.out, options.video});
+  if (Result<void> fine = checkJsonOutput(common, others); !fine) return fine;
   if (!options.out.empty()) {
     if (Result<void> fine = checkOutput("--out", options.out, ".png"); !fine) return fine;
   }
