@@ -101,12 +101,11 @@ void World::Impl::addLink(int a, int b, const Vec3& position) {
 }
 
 void World::Impl::resolveInitialOverlaps(std::span<const std::span<const LivePart>> present) {
-  if (overlapsResolved) return;
+  if (overlapsResolved || !settings.resolvesOverlaps) return;
   std::vector<LivePart> parts;
   for (const std::span<const LivePart> avatar : present) parts.insert(parts.end(), avatar.begin(), avatar.end());
   if (parts.empty()) return;
   overlapsResolved = true;
-  if (!settings.resolvesOverlaps) return;
   const std::vector<Vec3> moves = resolveOverlaps(parts, props);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     if (moves[i].isZero() || std::find(thrown.begin(), thrown.end(), static_cast<int>(i)) != thrown.end()) continue;
@@ -259,7 +258,9 @@ void World::stepAvatars(std::span<const std::span<const LivePart>> avatars, doub
     done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
   }
   for (const auto& parts : impl_->avatars) {
-    for (const std::unique_ptr<PartCollider>& part : parts) part->body->setWorldTransform(part->sweep.at(1.0));
+    for (const std::unique_ptr<PartCollider>& part : parts) {
+      if (part->inWorld) part->body->setWorldTransform(part->sweep.at(1.0));
+    }
   }
 
   std::sort(impl_->contacts.begin(), impl_->contacts.end(), [](const Contact& a, const Contact& b) {
