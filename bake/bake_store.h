@@ -33,8 +33,8 @@ class BakeStore {
   /// The description of a result; kNotFound if there is none.
   [[nodiscard]] Result<nlohmann::ordered_json> describe(const std::string& item);
 
-  /// A new, empty folder in which an item's files are made, DIR/work/NAME.N. What is left there of a lost process is
-  /// removed.
+  /// A new, empty folder in which an item's files are made: work/NAME.N beside items/. What is left there of a lost
+  /// process is removed.
   /// @param earlier  N: the number of processes that had the item before, see Claims::claim()
   [[nodiscard]] Result<std::filesystem::path> begin(const std::string& item, int earlier);
   /// Makes a folder of begin() the result of an item.
