@@ -5,10 +5,8 @@
 #include "export/robot_files.h"
 #include "export/vrm_colliders.h"
 #include "geometry/triangle_tree.h"
-#include "session/prepare/cover_poses.h"
-#include "skinning/body/closed_body.h"
 #include "skinning/linear_blend.h"
-#include "tests/peers/animated.h"
+#include "tests/peers/exported.h"
 #include "tests/peers/peer.h"
 #include "tests/support/datasets.h"
 
@@ -24,64 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kVertices = 32;  // of a hull
-
-json readJson(const fs::path& file) {
-  std::ifstream stream(file);
-  return json::parse(stream);
-}
-
-/// A character with a rigid hull for each bone.
-struct Exported {
-  test::Animated animated;
-  std::optional<CharacterFile> file;
-  Character character;
-  SkeletalMotion motion;
-  CoverPoses poses;
-  std::vector<RigidCollider> colliders;
-  RigidModel model;
-};
-
-/// The whole mesh as one part: hulls for each bone do not use parts.
-Decomposition undivided(const Character& character) {
-  Decomposition one;
-  one.vertexCount = static_cast<int>(character.mesh.vertices.size());
-  one.triangleCount = static_cast<int>(character.mesh.triangles.size());
-  return one;
-}
-
-std::optional<Exported> exported(const test::Animated& animated) {
-  std::optional<test::Performance> performance = test::performanceOf(animated);
-  if (!performance) return std::nullopt;
-  Exported made{
-      animated, std::move(performance->file), std::move(performance->character), std::move(performance->motion), {}, {},
-      {}};
-  Result<ClosedBody> body = makeBody(made.character);
-  EXPECT_TRUE(body.ok());
-  if (!body.ok()) return std::nullopt;
-  made.character = body->character;
-  made.poses = coverPoses(made.character, std::span(&made.motion, 1)).value();
-  made.colliders =
-      makeRigidColliders(made.character, undivided(made.character), made.poses.sampledView(), {kVertices, true, 0})
-          .value();
-  made.model = rigidModelOf(made.character, made.colliders);
-  return made;
-}
-
 json runMujoco(const test::TemporaryFolder& folder, const json& job) {
   const fs::path out = folder.path() / "mujoco.json";
   const fs::path in = folder.write("job.json", job.dump());
   if (!test::runPeer("mujoco.mjs", {in.string(), out.string()})) return {};
-  return readJson(out);
+  return test::readJson(out);
 }
 
 class PeerExports : public testing::TestWithParam<test::Animated> {};
-
-#define LORICA_REQUIRE_EXPORT(name)                                                       \
-  LORICA_REQUIRE_PEERS();                                                                 \
-  if (!test::available(GetParam())) GTEST_SKIP() << GetParam().character << " is absent"; \
-  const std::optional<Exported> name = exported(GetParam());                              \
-  ASSERT_TRUE(name)
 
 TEST_P(PeerExports, ComeToRestOnTheFloorInMujoco) {
   LORICA_REQUIRE_EXPORT(made);
@@ -241,23 +189,10 @@ TEST_P(PeerExports, AreRobotsForRos) {
   EXPECT_EQ(found["geoms"], made->colliders.size());
 }
 
-CharacterDocument documentOf(const Exported& made) {
-  if (!made.file) return characterDocument(made.character);
-  return characterDocument({test::dataset(made.animated.character), &*made.file}).value();
-}
-
-std::vector<std::string> namesOf(const Exported& made) {
-  std::vector<std::string> names;
-  for (const RigidCollider& each : made.colliders) {
-    names.push_back(made.character.skeleton.joint(each.joint).name + "_hull");
-  }
-  return plainNames(names);
-}
-
 TEST_P(PeerExports, FollowTheirBonesInThree) {
   LORICA_REQUIRE_EXPORT(made);
-  CharacterDocument document = documentOf(*made);
-  const std::vector<std::string> names = namesOf(*made);
+  CharacterDocument document = test::documentOf(*made);
+  const std::vector<std::string> names = test::namesOf(*made);
   addColliders(document, made->colliders, names, {"", "", true});
   const test::TemporaryFolder folder;
   fs::create_directory(folder.path() / "files");
@@ -269,14 +204,14 @@ TEST_P(PeerExports, FollowTheirBonesInThree) {
   const fs::path report = folder.path() / "report.json";
   ASSERT_TRUE(test::runPeer("validate.mjs", {(folder.path() / "files").string(), report.string()}));
   const auto errors = [&](const char* name) {
-    const json issues = readJson(report).at(name);
+    const json issues = test::readJson(report).at(name);
     return std::count_if(issues.begin(), issues.end(), [](const json& issue) { return issue.at("severity") == 0; });
   };
   EXPECT_EQ(errors("hero.glb"), keeps ? errors("own.glb") : 0);
 
   const fs::path read = folder.path() / "read.json";
   ASSERT_TRUE(test::runPeer("gltf_transform.mjs", {glb.string(), read.string()}));
-  const json nodes = readJson(read).at("nodes");
+  const json nodes = test::readJson(read).at("nodes");
   for (std::size_t i = 0; i < names.size(); ++i) {
     ASSERT_TRUE(nodes.contains(names[i])) << names[i];
     EXPECT_EQ(nodes[names[i]]["triangles"], made->colliders[i].hull.triangles.size()) << names[i];
@@ -323,22 +258,16 @@ TEST_P(PeerExports, FollowTheirBonesInThree) {
               1e3 * farthest);
 }
 
-constexpr test::Animated kExported[] = {
-    {"mannequin", "", "walk"},
-    {"cesiumman", "characters/cesiumman/CesiumMan.glb", "walk"},
-    {"godette", "characters/godette/Godette_vrm_v4.vrm", "punch_and_kick"},
-    {"arnaud", "characters/arnaud/arnaud.fbx", "walk"},
-};
-
-INSTANTIATE_TEST_SUITE_P(, PeerExports, testing::ValuesIn(kExported),
+INSTANTIATE_TEST_SUITE_P(, PeerExports, testing::ValuesIn(test::kExported),
                          [](const auto& each) { return std::string(each.param.name); });
 
 TEST(PeerExportsOfVrm, KeepPointsOutOfTheBody) {
   LORICA_REQUIRE_DATASET(path, "characters/godette/Godette_vrm_v4.vrm");
   LORICA_REQUIRE_PEERS();
-  const std::optional<Exported> made = exported({"godette", "characters/godette/Godette_vrm_v4.vrm", "walk"});
+  const std::optional<test::Exported> made =
+      test::exported({"godette", "characters/godette/Godette_vrm_v4.vrm", "walk"});
   ASSERT_TRUE(made);
-  CharacterDocument document = documentOf(*made);
+  CharacterDocument document = test::documentOf(*made);
   const int added =
       addSpringColliders(document, made->colliders, made->character.skeleton, made->file->springs, "Godette_vrm_v4.vrm")
           .value();

@@ -46,8 +46,9 @@ std::string missingForPeers() {
   const char* named = std::getenv("CHROMIUM");
   const fs::path chromium = named != nullptr ? named : "/usr/bin/chromium";
   if (!fs::exists(chromium)) return "Chromium is missing (" + chromium.string() + ")" + install;
-  for (const char* package : {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc",
-                              "osc-min", "@mujoco/mujoco", "@gltf-transform/core", "@gltf-transform/extensions"}) {
+  for (const char* package :
+       {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc", "osc-min", "@mujoco/mujoco",
+        "@gltf-transform/core", "@gltf-transform/extensions", "@dimforge/rapier3d-compat", "jolt-physics", "ajv"}) {
     if (!fs::exists(kPeers / "node_modules" / package)) {
       return "the npm package " + std::string(package) + " is missing in " + kPeers.string() + install;
     }
@@ -66,8 +67,12 @@ bool runPeer(const std::string& script, const std::vector<std::string>& argument
   return false;
 }
 
+json readJson(const fs::path& file) {
+  return json::parse(textOf(file));
+}
+
 json readShots(const std::string& name) {
-  return json::parse(textOf(fs::path(LORICA_PEER_SHOTS) / (name + ".json")));
+  return readJson(fs::path(LORICA_PEER_SHOTS) / (name + ".json"));
 }
 
 std::map<std::string, PeerShot> shootWithPeer(const fs::path& character, const json& shots) {

@@ -26,6 +26,9 @@ namespace lorica::test {
 /// @return whether it ended well
 [[nodiscard]] bool runPeer(const std::string& script, const std::vector<std::string>& arguments);
 
+/// A file that a peer has written.
+[[nodiscard]] nlohmann::json readJson(const std::filesystem::path& file);
+
 /// The file tests/peers/shots/<name>.json.
 [[nodiscard]] nlohmann::json readShots(const std::string& name);
 
