@@ -62,10 +62,10 @@ void ExportReport::add(const RigidExport& rigid) {
   text.line("hulls", fmt::format("{} on {}, each rigid on one", rigid.colliders.size(),
                                  counted(static_cast<long long>(bones.size()), "bone")));
   text.line("hull vertices", fmt::format("at most {}", most));
-  const int measured = rigid.heldOutPoses > 0 ? rigid.heldOutPoses : rigid.trainingPoses;
-  text.line("fit", fmt::format("measured in {}{}; made from {} others", counted(measured, "pose"),
-                               rigid.heldOutPoses > 0 ? "" : ", the same that they were made from",
-                               rigid.heldOutPoses > 0 ? rigid.trainingPoses : 0));
+  text.line("fit", rigid.heldOutPoses > 0 ? fmt::format("measured in {}; made from {} others",
+                                                        counted(rigid.heldOutPoses, "pose"), rigid.trainingPoses)
+                                          : fmt::format("measured in the {} that they were made from",
+                                                        counted(rigid.trainingPoses, "pose")));
   Table table{{"", "skin out, worst", "mean of poses", "skin out > 1 mm", "stands off, mean", "worst", "litres"}, {}};
   table.rows.push_back(row("hulls", rigid.fits.hulls));
   table.rows.push_back(row("capsules", rigid.fits.capsules));
