@@ -2,10 +2,7 @@
 
 #include "acd/held_vertices.h"
 #include "acd/level_of_detail.h"
-#include "apps/cover_options.h"
-#include "apps/held_out.h"
-#include "apps/hull_fit.h"
-#include "apps/inputs.h"
+#include "apps/decompose_report.h"
 #include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
@@ -26,26 +23,8 @@ namespace {
 constexpr int kCharacterParts = 16;
 static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
 
-struct Options {
-  std::string input;
-  int parts = 0;             // 0 = not given
-  double maxError = 0.0;     // 0 = not given
-  double maxDistance = 0.0;  // 0 = not given
-  int keyframes = 0;         // 0 = not given, kAuto = to be chosen
-  std::vector<std::string> motions;
-  CharacterOptions character;
-  std::string body = "auto";
-  std::string preset = "fast";
-  int candidates = 0;    // 0 = the preset's
-  int orientations = 0;  // 0 = the preset's
-  CoverRequest cover;    // for a mesh, only the vertex limit is used
-  bool heldOut = false;  // measure a character's error in other poses too
-  std::string output;
-  std::string obj;
-};
-
 /// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
-Result<void> check(const Options& options, const CommonOptions& common, const Subject& subject) {
+Result<void> check(const DecomposeOptions& options, const CommonOptions& common, const Subject& subject) {
   if (!subject.character && (options.keyframes != 0 || !options.motions.empty())) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{} is for characters, but {} is a static mesh",
@@ -80,49 +59,8 @@ Result<void> check(const Options& options, const CommonOptions& common, const Su
   return checkJsonOutput(common, others);
 }
 
-/// All results.
-struct Outcome {
-  Fit fit;
-  Keyframes keyframes;
-  DecomposeSettings limits;
-  double coverVolume = 0.0;  // of a character's cover, relative to exact hulls: volumeGrowth()
-  int threads = 0;
-  std::optional<HeldOutError> heldOut = std::nullopt;  // if it was asked for
-};
-
-/// What the decomposition stopped at: "error", "distance", "limits" if both were given, "parts", "convex", or
-/// "vertices": hulls of so few vertices do not get better with more parts.
-std::string endedBy(const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const bool both = limits.maxError > 0.0 && limits.maxDistance > 0.0;
-  if ((limits.maxError > 0.0 || limits.maxDistance > 0.0) && fit.errorMet(limits) && fit.distanceMet(limits)) {
-    return both ? "limits" : limits.maxError > 0.0 ? "error" : "distance";
-  }
-  if (fit.stalled) return "vertices";
-  return static_cast<int>(fit.made.decomposition.parts.size()) == limits.maxParts ? "parts" : "convex";
-}
-
-/// "the limit of 8 parts was reached; an error of 5.0 % was not"
-std::string endingSentence(const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const std::string by = endedBy(outcome);
-  const bool reached = by == "error" || by == "distance" || by == "limits";
-  std::vector<std::string> named;
-  if (limits.maxError > 0.0 && fit.errorMet(limits) == reached) {
-    named.push_back("an error of " + percent(limits.maxError));
-  }
-  if (limits.maxDistance > 0.0 && fit.distanceMet(limits) == reached) {
-    named.push_back(fmt::format("a distance of {:g}", limits.maxDistance));
-  }
-  const std::string these = fmt::format("{} {}", fmt::join(named, " and "), named.size() == 1 ? "was" : "were");
-  if (reached) return these + " reached";
-  if (by == "parts") return fmt::format("the limit of {} was reached; {} not", counted(limits.maxParts, "part"), these);
-  if (by == "vertices") return fmt::format("more parts no longer make such hulls tighter; {} not reached", these);
-  return fmt::format("no useful cut is left; {} not reached", these);
-}
-
 /// Says, before any work, which limits give if not all can hold.
-void sayWhatGives(const Options& options, const DecomposeSettings& limits) {
+void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limits) {
   std::vector<std::string> kept, given;
   if (!options.cover.exact()) kept.push_back(asTyped(options.cover));
   if (limits.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
@@ -133,141 +71,7 @@ void sayWhatGives(const Options& options, const DecomposeSettings& limits) {
                    fmt::join(kept, " and "), fmt::join(given, " and ")));
 }
 
-/// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
-std::string sentence(const HullExport& hulls) {
-  if (hulls.maxVertices == hulls.maxVerticesBefore) {
-    return fmt::format("at most {}, unchanged", grouped(static_cast<long long>(hulls.maxVertices)));
-  }
-  const auto worst = std::max_element(hulls.growth.begin(), hulls.growth.end());
-  return fmt::format("at most {}, before {}; volume +{}, at most +{} (part {})",
-                     grouped(static_cast<long long>(hulls.maxVertices)),
-                     grouped(static_cast<long long>(hulls.maxVerticesBefore)), percent(hulls.totalGrowth - 1.0),
-                     percent(*worst - 1.0), worst - hulls.growth.begin());
-}
-
-/// Whether hulls in a single pose are simplified: those of a mesh, and those of the exported bind pose. For a character
-/// in motion see HullCover.
-bool boundsHulls(const Options& options, const Subject& subject) {
-  return options.cover.hullVertices > 0 && (!subject.character || !options.obj.empty());
-}
-
-/// The vertices of a mesh's surface and those that it stands for; all vertices of a character.
-std::vector<VertexIndex> verticesToHold(const Subject& subject) {
-  std::vector<bool> hold(subject.mesh.vertices.size(), subject.character.has_value());
-  for (const Triangle& t : subject.mesh.triangles) {
-    for (const VertexIndex v : t) hold[v] = true;
-  }
-  for (const VertexIndex v : subject.held) hold[v] = true;
-  std::vector<VertexIndex> which;
-  for (std::size_t v = 0; v < hold.size(); ++v) {
-    if (hold[v]) which.push_back(static_cast<VertexIndex>(v));
-  }
-  return which;
-}
-
-nlohmann::ordered_json toJson(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
-  nlohmann::ordered_json json;
-  json["input"] = subject.name;
-  json["parts"] = made.decomposition.parts.size();
-  json["meshVolume"] = quality.meshVolume;
-  json["hullVolume"] = quality.hullVolume;
-  json["score"] = quality.score;
-  json["error"] = quality.error;
-  json["endedBy"] = endedBy(outcome);
-  if (options.maxError > 0.0) json["maxError"] = options.maxError;
-  if (options.maxDistance > 0.0) json["maxDistance"] = options.maxDistance;
-  if (distance) json["distance"] = *distance;
-  json["seconds"] = made.seconds;
-  json["threads"] = threads;
-  json["vertices"] = subject.mesh.vertices.size();
-  addMeshTo(json, subject);
-  if (!subject.held.empty()) json["attachedVertices"] = attached;
-  json["hash"] = hexDigits(hashOf(made.decomposition));
-  if (subject.character) {
-    json["keyframes"] = quality.errorPerKeyframe.size();
-    json["errorPerKeyframe"] = quality.errorPerKeyframe;
-    for (const ChosenFrame& chosen : keyframes.chosen) {
-      json["chosenKeyframes"].push_back({{"motion", chosen.motion}, {"frame", chosen.frame}, {"time", chosen.time}});
-    }
-  }
-  if (heldOut) json["heldOutError"] = heldOut->error;
-  if (heldOut) json["heldOutPoses"] = heldOut->poses;
-  if (subject.character) addCoverTo(json, cover);
-  if (cover) json["cover"]["volumeGrowth"] = coverVolume;
-  if (options.cover.hullVertices > 0) json["hullVertices"] = options.cover.hullVertices;
-  if (boundsHulls(options, subject)) {
-    json["hullGrowth"] = hulls.totalGrowth;
-    json["hullGrowthPerPart"] = hulls.growth;
-  }
-  if (!options.output.empty()) json["output"] = options.output;
-  if (!options.obj.empty()) json["exportObj"] = options.obj;
-  return json;
-}
-
-Report toReport(const Options& options, const Subject& subject, const Outcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
-  Report report(fmt::format("{}: {}", subject.name,
-                            counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
-  report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
-                                  grouped(std::ssize(subject.mesh.triangles))));
-  addMeshTo(report, subject);
-  if (attached > 0 && !subject.character) {
-    report.line("attached", fmt::format("{} that no part contains: the hulls were enlarged to hold them",
-                                        counted(static_cast<long long>(attached), "vertex", "vertices")));
-  }
-  const std::string mean = subject.character ? ", mean over the keyframes" : "";
-  report.line("volume", fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
-  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
-  if (subject.character) {
-    const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
-    report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
-                                         percent(*worst)));
-  }
-  if (heldOut) {
-    report.line("held-out error", fmt::format("{} in {} that the parts were not trained on", percent(heldOut->error),
-                                              counted(heldOut->poses, "pose")));
-  }
-  if (distance) {
-    report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
-                                        subject.character ? ", in the worst keyframe" : ""));
-  }
-  if (options.maxError > 0.0 || options.maxDistance > 0.0) {
-    report.line("stopped because", endingSentence(outcome));
-  }
-  report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
-  report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
-  report.line("hash", hexDigits(hashOf(made.decomposition)));
-  if (subject.character) addCoverTo(report, cover);
-  if (cover) report.line("cover volume", percent(coverVolume) + " more than exact hulls");
-  if (boundsHulls(options, subject)) {
-    report.line(subject.character ? "exported hulls" : "hull vertices",
-                sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
-  }
-  if (!options.output.empty()) report.line("output", options.output);
-  if (!options.obj.empty()) {
-    report.line("hulls", options.obj + (subject.character ? ", in metres, Y up, facing +Z"
-                                                          : ", in the units and coordinates of the input"));
-  }
-  if (!keyframes.chosen.empty()) {
-    Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};
-    for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
-      const auto& [motion, frame, time] = keyframes.chosen[k];
-      table.rows.push_back(
-          {std::to_string(frame), fmt::format("{:.2f}", time), percent(quality.errorPerKeyframe[k]), motion});
-    }
-    report.table(std::move(table));
-    report.note(
-        fmt::format("These keyframes were chosen: every frame is within {:.2f} m of one of them (root mean square over "
-                    "the body).",
-                    keyframes.farthest));
-  }
-  return report;
-}
-
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
@@ -285,7 +89,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = check(options, common, *subject); !fine) return fine;
 
   // The poses to fit: one for a mesh, keyframes of motions for a character. Then the poses for choosing a cover.
-  Outcome outcome;
+  DecomposeOutcome outcome;
   outcome.keyframes = Keyframes{subject->mesh.vertices, 1, {}, 0.0};
   outcome.threads = common.threadCount();
   std::optional<CoverPoses> posesToCover;
@@ -357,7 +161,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 }  // namespace
 
 Command addDecompose(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DecomposeOptions>();
   CommandLine* app = addSubcommand(
       parent, common, "decompose", "Decompose a mesh or a moving character into nearly convex parts.",
       "  lorica decompose bunny.off --parts 16\n"

@@ -4,6 +4,7 @@
 #include "acd/hull_budget.h"
 #include "apps/body_choice.h"
 #include "apps/interrupt.h"
+#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
 #include "apps/training.h"
@@ -35,20 +36,6 @@ Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, int t
   if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
   if (!made) return made.error();
   return std::move(made->file);
-}
-
-/// The vertices of a mesh's surface and those that it stands for; all vertices of a character.
-std::vector<VertexIndex> verticesToHold(const Subject& subject) {
-  std::vector<bool> hold(subject.mesh.vertices.size(), subject.character.has_value());
-  for (const Triangle& t : subject.mesh.triangles) {
-    for (const VertexIndex v : t) hold[v] = true;
-  }
-  for (const VertexIndex v : subject.held) hold[v] = true;
-  std::vector<VertexIndex> which;
-  for (std::size_t v = 0; v < hold.size(); ++v) {
-    if (hold[v]) which.push_back(static_cast<VertexIndex>(v));
-  }
-  return which;
 }
 
 Result<DecompositionFile> readFitting(const std::string& file, const Subject& subject) {

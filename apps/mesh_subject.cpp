@@ -69,6 +69,19 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
   return subject;
 }
 
+std::vector<VertexIndex> verticesToHold(const Subject& subject) {
+  std::vector<bool> hold(subject.mesh.vertices.size(), subject.character.has_value());
+  for (const Triangle& t : subject.mesh.triangles) {
+    for (const VertexIndex v : t) hold[v] = true;
+  }
+  for (const VertexIndex v : subject.held) hold[v] = true;
+  std::vector<VertexIndex> which;
+  for (std::size_t v = 0; v < hold.size(); ++v) {
+    if (hold[v]) which.push_back(static_cast<VertexIndex>(v));
+  }
+  return which;
+}
+
 void addMeshTo(Report& report, const Subject& subject) {
   if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
   if (!subject.rebuilt) return;

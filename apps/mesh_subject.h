@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <vector>
 
 namespace lorica {
 
@@ -21,6 +22,10 @@ void addBodyOption(CommandLine& app, std::string& body);
 /// @param options  body and bodyResolution; the latter in the mesh's unit
 /// @return the subject; its mesh is not closed if no body may be made, which is left to the check
 [[nodiscard]] Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options);
+
+/// The vertices that the hulls of a subject must hold: those of a mesh's surface and those that it stands for; all
+/// vertices of a character.
+[[nodiscard]] std::vector<VertexIndex> verticesToHold(const Subject& subject);
 
 /// What was repaired in a mesh, and the closed body that was made for it: why, and how far it is from the original.
 void addMeshTo(Report& report, const Subject& subject);
