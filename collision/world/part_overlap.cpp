@@ -89,10 +89,18 @@ bool isLeast(const LivePart& first, const LivePart& second, const PartOverlap& o
   return true;
 }
 
+/// The overlap with the second part grown by a radius; none if they are still apart.
+std::optional<PartOverlap> rounded(PartOverlap overlap, double radius) {
+  overlap.depth += radius;
+  overlap.position -= 0.5 * radius * overlap.direction;
+  if (overlap.depth > 0.0 && std::isfinite(overlap.depth)) return overlap;
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& firstShape, const LivePart& second,
-                                     const PartShape& secondShape) {
+                                     const PartShape& secondShape, double radius) {
   const Isometry3 firstFromSecond = first.worldFromPart.inverse() * second.worldFromPart;
   const Isometry3 secondFromFirst = firstFromSecond.inverse();
   const btTransform there = toBullet(Quat(firstFromSecond.linear()), firstFromSecond.translation());
@@ -118,9 +126,18 @@ std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& fir
     const double sign = swapped ? 1.0 : -1.0;
     btGjkEpaSolver2::sResults results;
     const auto direction = [&] { return Vec3(worldFromView * (sign * fromBullet(results.normal).normalized())); };
-    if (depths == 0 && btGjkEpaSolver2::Distance(&myShape, view, &otherShape, other, other.getOrigin(), results) &&
-        overlapAlong(first, second, direction()) <= 0.0) {
-      return std::nullopt;
+    const auto middle = [&] {
+      const Vec3 inView = 0.5 * (fromBullet(results.witnesses[0]) + fromBullet(results.witnesses[1]));
+      return Vec3(worldFromView * inView + mine.worldFromPart.translation());
+    };
+    if (depths == 0 && btGjkEpaSolver2::Distance(&myShape, view, &otherShape, other, other.getOrigin(), results)) {
+      PartOverlap gap{middle(), direction(), overlapAlong(first, second, direction())};
+      if (gap.depth <= 0.0) {
+        // About one search in a thousand ends too early: then the points that it found are farther apart than the
+        // parts are along their direction.
+        if (radius > 0.0 && results.distance + gap.depth > 1e-4) settle(first, second, gap);
+        return rounded(gap, radius);
+      }
     }
     if (!btGjkEpaSolver2::Penetration(&myShape, view, &otherShape, other, other.getOrigin(), results, false)) continue;
     ++depths;
@@ -129,16 +146,14 @@ std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& fir
     if (depth >= overlap.depth) continue;
     overlap.depth = depth;
     overlap.direction = direction();
-    const Vec3 middle = 0.5 * (fromBullet(results.witnesses[0]) + fromBullet(results.witnesses[1]));
-    overlap.position = worldFromView * middle + mine.worldFromPart.translation();
+    overlap.position = middle();
   }
   if (depths < 2 || deepest > 1.02 * overlap.depth + 1e-4 || !isLeast(first, second, overlap)) {
     tryFaces(first, second, first, 1.0, overlap);
     tryFaces(first, second, second, -1.0, overlap);
     settle(first, second, overlap);
   }
-  if (overlap.depth > 0.0 && std::isfinite(overlap.depth)) return overlap;
-  return std::nullopt;
+  return rounded(overlap, radius);
 }
 
 }  // namespace lorica

@@ -16,8 +16,12 @@ struct PartOverlap {
 
 /// The depth is the minimum translation that separates the two, to within 0.2 mm and 1 %; overlaps below 0.1 mm may be
 /// missed. Allocates nothing.
-/// @param first,second  not degenerate; their shapes are those of LivePart::shape, without margin
+/// @param first   not degenerate
+/// @param second  only its vertices and transform are needed; with a radius, also a point or a segment
+/// @param radius  the second ends this far outside its hull [m]
+/// The shapes are those of LivePart::shape, without margin.
 [[nodiscard]] std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& firstShape,
-                                                   const LivePart& second, const PartShape& secondShape);
+                                                   const LivePart& second, const PartShape& secondShape,
+                                                   double radius = 0.0);
 
 }  // namespace lorica

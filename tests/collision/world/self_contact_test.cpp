@@ -3,13 +3,13 @@
 #include "geometry/convex_hull.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/collision/parts.h"
+#include "tests/collision/slow_depth.h"
 #include "tests/support/allocations.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <random>
 #include <set>
 
@@ -52,44 +52,6 @@ std::vector<Vec3> posed(const Pile& pile, std::span<const Isometry3> motion) {
     for (const Vec3& v : pile.solids[i].vertices) points.emplace_back(motion[i] * v);
   }
   return points;
-}
-
-double overlapAlong(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& direction) {
-  double high = -std::numeric_limits<double>::infinity(), low = std::numeric_limits<double>::infinity();
-  for (const Vec3& v : a) high = std::max(high, v.dot(direction));
-  for (const Vec3& v : b) low = std::min(low, v.dot(direction));
-  return high - low;
-}
-
-/// Minimum depth of two convex polyhedra by brute force: over all face normals and all cross products of edges.
-/// Negative if they are apart.
-double slowDepth(const ConvexHull& a, const ConvexHull& b) {
-  double min = std::numeric_limits<double>::infinity();
-  const auto look = [&](const Vec3& direction) {
-    const double length = direction.norm();
-    if (length > 1e-12) min = std::min(min, overlapAlong(a.vertices, b.vertices, direction / length));
-  };
-  std::vector<Vec3> edges[2];
-  for (int side = 0; side < 2; ++side) {
-    const ConvexHull& hull = side == 0 ? a : b;
-    for (const Triangle& t : hull.triangles) {
-      const Vec3& p = hull.vertices[t[0]];
-      const Vec3& q = hull.vertices[t[1]];
-      const Vec3& r = hull.vertices[t[2]];
-      const Vec3 normal = (q - p).cross(r - p);
-      look(side == 0 ? normal : Vec3(-normal));
-      if (t[0] < t[1]) edges[side].emplace_back(q - p);
-      if (t[1] < t[2]) edges[side].emplace_back(r - q);
-      if (t[2] < t[0]) edges[side].emplace_back(p - r);
-    }
-  }
-  for (const Vec3& e : edges[0]) {
-    for (const Vec3& f : edges[1]) {
-      look(e.cross(f));
-      look(f.cross(e));
-    }
-  }
-  return min;
 }
 
 TriMesh hullMesh(std::span<const Vec3> points) {
@@ -161,10 +123,10 @@ TEST(SelfContact, DepthsAreThoseOfALookAlongEveryAxis) {
     for (const SelfContact& c : found) {
       const ConvexHull& a = hulls[c.first];
       const ConvexHull& b = hulls[c.second];
-      const double depth = slowDepth(a, b);
+      const double depth = test::slowDepth(a, b);
       EXPECT_GE(c.depth, depth - 1e-9);
       EXPECT_LE(c.depth, 1.01 * depth + 2e-4) << "pose " << pose << ": " << c.first << ", " << c.second;
-      EXPECT_NEAR(overlapAlong(a.vertices, b.vertices, c.direction), c.depth, 1e-9);
+      EXPECT_NEAR(test::overlapAlong(a.vertices, b.vertices, c.direction), c.depth, 1e-9);
       EXPECT_LT(largestViolation(a, std::span(&c.position, 1)), 0.5 * depth + 2e-4);
       EXPECT_LT(largestViolation(b, std::span(&c.position, 1)), 0.5 * depth + 2e-4);
       EXPECT_TRUE(pairs.emplace(c.first, c.second).second);
@@ -174,7 +136,7 @@ TEST(SelfContact, DepthsAreThoseOfALookAlongEveryAxis) {
     }));
     for (PartIndex a = 0; a < kSolids; ++a) {
       for (PartIndex b = a + 1; b < kSolids; ++b) {
-        const double depth = slowDepth(hulls[a], hulls[b]);
+        const double depth = test::slowDepth(hulls[a], hulls[b]);
         if (depth < -1e-4) {
           EXPECT_FALSE(pairs.contains({a, b})) << depth;
         }
