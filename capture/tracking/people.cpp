@@ -29,6 +29,7 @@ constexpr float kFar = 0.12F;            // and what is farther is not [m]
 constexpr int kHeadPause = 3;            // frames between searches for heads
 constexpr int kMinCells = 20;            // of a person who is seen
 constexpr float kMinHeight = 1.1F;       // of a person who does not move, over the floor [m]
+constexpr int kUsualFrames = 64;         // in which a person's usual size fades if they appear smaller
 constexpr int kMovingFrames = 3;         // consecutive moving frames until a person counts as moved
 constexpr double kStillSeconds = 3.0;    // how long furniture may be taken for a person
 constexpr double kPersonSeconds = 20.0;  // how long someone with head and shoulders may stand motionless
@@ -143,6 +144,7 @@ void PeopleFinder::Impl::measure() {
     if (!slot.used) continue;
     slot.seen = slot.cells >= kMinCells;
     if (slot.seen) {
+      slot.usualCells = std::max(slot.cells, slot.usualCells - slot.usualCells / kUsualFrames);
       int above = 0, bin = kHeightBins;
       while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
       slot.top = 0.02F * static_cast<float>(bin + 1) - 0.5F;

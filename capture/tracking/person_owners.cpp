@@ -13,6 +13,7 @@ namespace {
 constexpr float kReach = 0.9F;        // max distance from the middle of a person to that of any piece, horizontally [m]
 constexpr float kGapNew = 0.35F;      // between pieces of a person in front of known background [m]
 constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
+constexpr float kAloneApart = 0.6F;   // of two surfaces that may be a person each: they are not one person [m]
 constexpr int kGapCells = 10;         // max gap that noise and shadows may cause between pieces
 
 // Owners of surfaces that are not slots.
@@ -44,12 +45,18 @@ bool mayBeHeadOf(const PeopleScene& scene, const PersonSlot& slot, const Vec3f& 
   return slot.used && horizontally(axis - expectedMiddle(scene, slot)) < kHeadsApart;
 }
 
-int rememberedSlot(const PeopleScene& scene, const PersonSlots& slots, const DepthComponent& one) {
+/// Whether most of a person has gone out of sight.
+bool isHidden(const PersonSlot& slot) {
+  return slot.used && (!slot.seen || 2 * slot.cells < slot.usualCells);
+}
+
+/// The nearest of those who are hidden, near enough to show on a surface; -1 if there is none.
+int hiddenSlot(const PeopleScene& scene, const PersonSlots& slots, const DepthComponent& one) {
   int best = -1;
   float bestDistance = 0.0F;
   for (int k = 0; k < kPersonSlots; ++k) {
     const PersonSlot& slot = slots[k];
-    if (!slot.used || slot.seen) continue;
+    if (!isHidden(slot)) continue;
     const auto away = static_cast<float>(scene.time - slot.lastSeen);
     const Vec3f apart = one.middle() - slot.middle;
     const float distance = std::hypot(apart.x(), apart.z());
@@ -58,6 +65,16 @@ int rememberedSlot(const PeopleScene& scene, const PersonSlots& slots, const Dep
     bestDistance = distance;
   }
   return best;
+}
+
+/// Whether a surface may be a person and is far from the main piece of the person whose it was.
+bool standsApart(const PeopleScene& scene, std::size_t component, int slot, int cells) {
+  const std::span<const DepthComponent> all = scene.surfaces.components();
+  const DepthComponent& one = all[component];
+  if (!mayBePerson(one, scene.grid, scene.floorFound)) return false;
+  return std::ranges::any_of(all, [&](const DepthComponent& other) {
+    return isMainPiece(other, cells, slot) && horizontally(other.middle() - one.middle()) > kAloneApart;
+  });
 }
 
 }  // namespace
@@ -154,7 +171,10 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
     }
     if (best < 0 || one.overlap[best] < std::max(6, one.cells / 50)) continue;
     const auto mine = [&](const Vec3f& axis) { return mayBeHeadOf(scene, slots[best], axis); };
-    if (!isMainPiece(one, slots[best].cells, best) && hasOtherHead(scene, i, mine)) continue;
+    if (!isMainPiece(one, slots[best].cells, best) &&
+        (hasOtherHead(scene, i, mine) || standsApart(scene, i, best, slots[best].cells))) {
+      continue;
+    }
     if ((mask & (mask - 1)) != 0) {
       splitBetween(scene, i, mask, slots, scene.last);
     } else if (!slots[best].confirmed && separateHeads(scene, i, best, slots)) {
@@ -177,16 +197,16 @@ void PersonOwners::findNewcomers(const PeopleScene& scene, PersonSlots& slots) {
       if (best >= 0 && all[i].area <= all[best].area) continue;
       const bool whole =
           mayBePerson(all[i], scene.grid, scene.floorFound) || (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
-      if (!whole && (rememberedSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
+      if (!whole && (hiddenSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
       best = static_cast<int>(i);
     }
     if (best < 0) return;
     const auto component = static_cast<std::size_t>(best);
     if (separateHeads(scene, component, -1, slots)) continue;
-    const int remembered = rememberedSlot(scene, slots, all[component]);
-    if (remembered >= 0) {
-      slots[remembered].attached = false;  // the room behind was seen meanwhile
-      give(scene, component, remembered, slots);
+    const int hidden = hiddenSlot(scene, slots, all[component]);
+    if (hidden >= 0) {
+      if (!slots[hidden].seen) slots[hidden].attached = false;  // the room behind was seen meanwhile
+      give(scene, component, hidden, slots);
       continue;
     }
     const int free = freeSlot(slots);
@@ -270,7 +290,7 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
     }
     if (best < 0) continue;
     // A person who has gone behind another one may show beside them.
-    const int hidden = isNew ? rememberedSlot(scene, slots, one) : -1;
+    const int hidden = isNew ? hiddenSlot(scene, slots, one) : -1;
     if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < awayFrom(scene, one, slots[best])) {
       best = hidden;
     }

@@ -23,6 +23,7 @@ struct PersonSlot {
   int movingFrames = 0;
   int cells = 0;
   int newCells = 0;
+  int usualCells = 0;                 ///< the most cells, fading within seconds
   double born = 0.0, lastSeen = 0.0;  ///< [s]
   Vec3f middle = Vec3f::Zero();       ///< floor frame [m]
   Vec3f velocity = Vec3f::Zero();     ///< [m/s]
