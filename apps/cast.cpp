@@ -142,7 +142,7 @@ Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptio
   Result<std::vector<CastMember>> cast =
       staged ? readCast(opened->stage, options, body, scene, threads) : readCast(options, body, threads);
   if (!cast) return cast.error();
-  return OpenedCast{std::move(opened->world), std::move(*cast)};
+  return OpenedCast{std::move(opened->world), std::move(opened->targets), std::move(*cast)};
 }
 
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const CastMember> cast,

@@ -5,6 +5,7 @@
 #include "apps/playback_input.h"
 #include "apps/session_files.h"
 #include "apps/spring_options.h"
+#include "session/hit_counter.h"
 #include "session/session.h"
 
 #include <filesystem>
@@ -41,6 +42,7 @@ inline constexpr std::size_t kMaxCast = 64;
 /// The avatars of a run and their world.
 struct OpenedCast {
   World world;
+  std::vector<HitTarget> targets;  ///< of the scene
   std::vector<CastMember> avatars;
 };
 

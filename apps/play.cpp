@@ -10,6 +10,7 @@
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/target_hits.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -41,29 +42,51 @@ struct Options {
 
 using Cast = std::vector<CastMember>;
 
-Result<void> playWithWindow(const Options& options, const Cast& cast, Session& session, RunStatistics& statistics) {
+/// What is counted while a session runs.
+struct Counts {
+  RunStatistics statistics;
+  TargetHits hits;
+
+  void add(const Session& session, const Options& options) {
+    statistics.add(session, options.selfContacts);
+    hits.add(session);
+  }
+};
+
+/// The targets of the scene that the user chose; none if it cannot be read any more.
+std::vector<HitTarget> targetsOf(const std::string& scene) {
+  Result<OpenedScene> opened = openStage(scene);
+  return opened ? std::move(opened->targets) : std::vector<HitTarget>();
+}
+
+Result<void> playWithWindow(const Options& options, const OpenedCast& opened, Session& session, Counts& counts) {
+  const Cast& cast = opened.avatars;
+  std::vector<HitTarget> targets = opened.targets;
   WindowSubject subject{session, motionsOf(cast)};
   subject.duration = secondsOf(cast);
   subject.sourcesAgain = [&] { return sourcesOf(cast); };
   subject.scene = options.scene;
-  subject.stepped = [&] { statistics.add(session, options.selfContacts); };
-  subject.restarted = [&] { statistics = RunStatistics(); };  // the report covers the last run only
+  subject.stepped = [&] { counts.add(session, options); };
+  subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
+  subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run
   return runInOwnWindow(subject, options.playing);
 }
 
-Result<DrawnFiles> playHeadless(const Options& options, const Cast& cast, Session& session, RunStatistics& statistics) {
+Result<DrawnFiles> playHeadless(const Options& options, const Cast& cast, Session& session, Counts& counts) {
   HeadlessRun all{"Playing", motionsOf(cast)};
   for (const CastMember& member : cast) {
     all.frames += member.motion().frameCount();
     all.expected = std::max(all.expected, member.motion().frameCount());
   }
   if (options.playing.frames > 0) all.frames = all.expected = std::min(all.frames, options.playing.frames);
-  all.stepped = [&] { statistics.add(session, options.selfContacts); };
+  all.stepped = [&] { counts.add(session, options); };
+  all.caption = [&] { return counts.hits.caption(); };
   return runHeadless(all, options.pictures, session);
 }
 
-nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Session& session,
-                              const RunStatistics& statistics, const DrawnFiles& drawn) {
+nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Session& session, const Counts& counts,
+                              const DrawnFiles& drawn) {
+  const RunStatistics& statistics = counts.statistics;
   const Motion& motion = cast.front().motion();
   const DecompositionFile& file = cast.front().body;
   nlohmann::ordered_json json;
@@ -88,6 +111,7 @@ nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Se
     json["avatars"].push_back(std::move(one));
   }
   statistics.addTo(json);
+  counts.hits.addTo(json);
   const std::optional<double> delay = session.source().smoothingDelay();
   json["refusedLegs"] = session.source().refusedLegs();
   json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
@@ -103,8 +127,9 @@ std::string partsLine(const DecompositionFile& file) {
                              counted(std::ssize(file.errorPerKeyframe), "training keyframe"));
 }
 
-Report toReport(const Options& options, const Cast& cast, const Session& session, const RunStatistics& statistics,
+Report toReport(const Options& options, const Cast& cast, const Session& session, const Counts& counts,
                 const DrawnFiles& drawn) {
+  const RunStatistics& statistics = counts.statistics;
   const bool one = cast.size() == 1;
   Report report(fmt::format("{} performed {}: {}", one ? session.character().name : counted(std::ssize(cast), "avatar"),
                             motionsOf(cast), counted(statistics.frames(), "frame")));
@@ -130,6 +155,7 @@ Report toReport(const Options& options, const Cast& cast, const Session& session
     report.line("among avatars",
                 fmt::format("{} of two parts", counted(statistics.avatarTouches(), "touch", "touches")));
   }
+  counts.hits.addTo(report);
   statistics.addSelfContactsTo(report);
   report.line("hash", hexDigits(session.hash()));
   drawn.addTo(options.pictures, report);
@@ -165,7 +191,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   Result<Session> session = startSession(cast, *recorder, std::move(opened->world));
   if (!session) return session.error();
 
-  RunStatistics statistics;
+  Counts counts{RunStatistics(), TargetHits(opened->targets)};
   Result<std::shared_ptr<StepWatcher>> watcher =
       makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
@@ -174,8 +200,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   session->watch(*events ? *events : *watcher);
   DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
-    if (options.window) return playWithWindow(options, cast, *session, statistics);
-    const Result<DrawnFiles> played = playHeadless(options, cast, *session, statistics);
+    if (options.window) return playWithWindow(options, *opened, *session, counts);
+    const Result<DrawnFiles> played = playHeadless(options, cast, *session, counts);
     if (!played) return played.error();
     drawn = *played;
     return {};
@@ -184,8 +210,8 @@ Result<void> run(const Options& options, const CommonOptions& common) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
     return played;
   }
-  Report report = toReport(options, cast, *session, statistics, drawn);
-  nlohmann::ordered_json json = toJson(options, cast, *session, statistics, drawn);
+  Report report = toReport(options, cast, *session, counts, drawn);
+  nlohmann::ordered_json json = toJson(options, cast, *session, counts, drawn);
   if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json, options.events == "-");
@@ -211,7 +237,7 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "  lorica play hero.glb --clip Run\n"
       "      a character's own clip\n"
       "  lorica play punch_and_kick --scene bowling\n"
-      "      in another scene: boxes, bowling, curtain, duel, sand, or your own scene file\n"
+      "      in another scene: boxes, bowling, curtain, sand, targets, or your own scene file\n"
       "  lorica play --scene duel\n"
       "      a scene with avatars of its own, which perform unless a motion is given\n"
       "  lorica play walk --inject dropout=0.1,swap,seed=7\n"

@@ -52,7 +52,8 @@ Result<DrawnFiles> runHeadless(const HeadlessRun& run, const SnapshotOptions& pi
     if (run.stepped) run.stepped();
     bar.update(frame + 1, run.expected > 0 ? std::max(run.expected, frame + 1) : run.frames);
     if (!*series) continue;
-    if (Result<void> drawn = (*series)->add(session, run.name); !drawn) return drawn.error();
+    const std::string name = run.caption ? run.name + run.caption() : run.name;
+    if (Result<void> drawn = (*series)->add(session, name); !drawn) return drawn.error();
   }
   return *series ? (*series)->finish() : DrawnFiles();
 }

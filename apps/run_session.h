@@ -27,9 +27,10 @@ struct HeadlessRun {
   std::string doing;  ///< label of the progress bar: "Playing"
   std::string name;   ///< of the motion
   std::string unit = "frames";
-  int frames = 0;                      ///< maximum
-  int expected = 0;                    ///< for the progress bar; 0 = the maximum
-  std::function<void()> stepped = {};  ///< called after each frame
+  int frames = 0;                             ///< maximum
+  int expected = 0;                           ///< for the progress bar; 0 = the maximum
+  std::function<void()> stepped = {};         ///< called after each frame
+  std::function<std::string()> caption = {};  ///< what pictures say after the name; null = nothing
 };
 
 /// Runs all frames and draws the requested pictures.

@@ -32,9 +32,9 @@ Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surf
 }  // namespace
 
 void addSceneOption(CommandLine& app, std::string& scene) {
-  app.addOption(
-         "--scene", scene,
-         "Scene: a scene file (.json), or boxes, bowling, curtain, duel or sand [default: boxes and balls of the demo]")
+  app.addOption("--scene", scene,
+                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, sand or targets "
+                "[default: boxes and balls of the demo]")
       ->typeName("SCENE");
 }
 
@@ -98,7 +98,7 @@ Result<World> worldOf(const SceneText& scene, const std::string& name) {
 Result<OpenedScene> openStage(const std::string& scene) {
   const Result<SceneText> text = readSceneText(scene);
   if (!text) return text.error();
-  if (text->text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}};
+  if (text->text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}, {}};
   Result<SceneFile> read = sceneOf(*text, scene);
   if (!read) return read.error();
   for (std::size_t i = 0; i < read->stage.size(); ++i) {
@@ -108,7 +108,7 @@ Result<OpenedScene> openStage(const std::string& scene) {
       }
     }
   }
-  return OpenedScene{makeWorld(*read), std::move(read->stage)};
+  return OpenedScene{makeWorld(*read), std::move(read->targets), std::move(read->stage)};
 }
 
 Result<World> openScene(const std::string& scene) {

@@ -4,6 +4,7 @@
 #include "collision/world/world.h"
 #include "geometry/named_file.h"
 #include "geometry/result.h"
+#include "session/hit_counter.h"
 #include "session/scene_stage.h"
 
 #include <filesystem>
@@ -35,6 +36,7 @@ struct SceneText {
 /// A scene that was opened.
 struct OpenedScene {
   World world;
+  std::vector<HitTarget> targets;
   std::vector<StageAvatar> stage;  ///< character and motion as names of what ships, or as paths
 };
 

@@ -9,6 +9,7 @@
 #include "apps/scenes.h"
 #include "apps/snapshots.h"
 #include "apps/spring_options.h"
+#include "apps/target_hits.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -130,7 +131,9 @@ struct Outcome {
 
 /// Runs the session as far as needed and draws the requested pictures.
 Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera,
-                      std::span<const CastMember> cast, Session& session) {
+                      const OpenedCast& opened, Session& session) {
+  const std::span<const CastMember> cast = opened.avatars;
+  TargetHits hits(opened.targets);
   const Motion& motion = cast.front().motion();  // leads
   const std::string name = motionsOf(cast);
   const Size size = *sizeOf(options.size);
@@ -168,6 +171,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     if (!more) return more.error();
     if (!*more) break;
     ++outcome.frames;
+    hits.add(session);
     if (frame == 0) firstTime = previousTime = session.time();
     const double seconds = session.time() - firstTime;
     camera.update(session, session.time() - previousTime);
@@ -177,7 +181,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     std::optional<Image> image;
     const auto draw = [&]() -> const Image& {
       if (!image) {
-        if (caption) show.caption = captionOf(name, session, seconds);
+        if (caption) show.caption = captionOf(name + hits.caption(), session, seconds);
         image = pictures->draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
       }
       return *image;
@@ -255,7 +259,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!camera) return camera.error();
   Result<Session> session = startSession(cast, nullptr, std::move(opened->world));
   if (!session) return session.error();
-  const Result<Outcome> outcome = shoot(options, *wanted, *camera, cast, *session);
+  const Result<Outcome> outcome = shoot(options, *wanted, *camera, *opened, *session);
   if (!outcome) return outcome.error();
 
   nlohmann::ordered_json json;

@@ -186,6 +186,7 @@ Result<void> WindowLoop::changeScene(int scene) {
     return {};
   }
   scenes_.present = scene;
+  if (subject_.sceneChosen) subject_.sceneChosen(scenes_.arguments[scene]);
   hands_.forget();
   if (subject_.sourcesAgain) return restart();
   session_.setWorld(std::move(*world));

@@ -26,6 +26,7 @@ struct WindowSubject {
   std::function<bool()> ready = {};              ///< whether joints are available for a step; null = always
   std::function<void()> stepped = {};            ///< called after each frame; may be null
   std::function<void()> restarted = {};          ///< called before the first frame is repeated; may be null
+  std::function<void(const std::string& scene)> sceneChosen = {};  ///< with its argument of openScene(); may be null
   std::function<std::string()> trouble = {};     ///< problem with the source; null or empty = none
   std::function<double()> trackingSeconds = {};  ///< time for tracking the joints [s]; null = not measured
   std::function<bool()> enough = {};             ///< whether to stop after the current frame; null = never

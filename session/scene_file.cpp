@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "session/prop_overlaps.h"
+#include "session/scene_chains.h"
 #include "session/scene_element.h"
 #include "session/scene_particles.h"
 
@@ -22,6 +23,7 @@ constexpr std::size_t kMaxMeshes = 64;   // different ones
 constexpr std::size_t kMaxHulls = 4000;  // of all mesh props together
 constexpr std::size_t kMaxNearPairs = 20'000;
 constexpr double kFarthest = 50.0;  // maximum of each coordinate [m]
+constexpr std::size_t kLongestName = 40;
 
 /// Rotation about the world's x, then y, then z axis. @param degrees  three angles
 Quat turned(const Vec3& degrees) {
@@ -108,7 +110,8 @@ void readShape(SceneElement& element, Prop& prop, MeshShelf& meshes) {
   const auto allowWith = [&](std::initializer_list<std::string_view> own) {
     std::vector<std::string_view> keys = {"shape"};
     keys.insert(keys.end(), own);
-    keys.insert(keys.end(), {"at", "turn", "mass", "fixed", "friction", "restitution", "color", "velocity", "repeat"});
+    keys.insert(keys.end(),
+                {"at", "turn", "mass", "fixed", "friction", "restitution", "color", "velocity", "repeat", "target"});
     element.allow(keys);
   };
   if (shape == "box") {
@@ -139,6 +142,43 @@ void readSubstance(SceneElement& element, Prop& prop) {
   element.color("color", prop.color);
 }
 
+/// Adds the props from `first` on to the target that the element names; props of the same name are one target.
+void readTarget(SceneElement& element, std::size_t first, SceneFile& scene) {
+  if (!element.has("target")) return;
+  std::string name;
+  element.text("target", name);
+  if (name.empty() || name.size() > kLongestName) {
+    element.fail("target", shownInScene(element.at("target")), fmt::format("a name of 1 to {} bytes", kLongestName));
+  }
+  if (first < scene.props.size() && scene.props[first].mass == 0.0) {
+    element.fail("target", "a fixed body, which the avatar passes through", "one that moves");
+  }
+  auto target = std::find_if(scene.targets.begin(), scene.targets.end(),
+                             [&](const HitTarget& known) { return known.name == name; });
+  if (target == scene.targets.end()) target = scene.targets.insert(target, HitTarget{name, {}});
+  for (std::size_t prop = first; prop < scene.props.size(); ++prop) target->props.push_back(static_cast<int>(prop));
+}
+
+/// The copies of a prop. Each is a step from the one before; it and that step are turned about the vertical.
+struct Row {
+  int count = 1;
+  Vec3 step = Vec3::Zero();
+  double turn = 0.0;  // [degrees]
+};
+
+Row readRow(SceneElement& element) {
+  Row row;
+  if (!element.has("repeat")) return row;
+  SceneElement repeat = element.child("repeat");
+  repeat.allow({"count", "step", "turn"});
+  repeat.need("count", "the number of copies");
+  repeat.need("step", "three numbers, the offset from one to the next in metres");
+  repeat.integer("count", 1, static_cast<int>(kMaxProps), row.count);
+  repeat.vector("step", -kFarthest, kFarthest, row.step);
+  repeat.number("turn", -360.0, 360.0, row.turn);
+  return row;
+}
+
 void readProp(SceneElement& element, MeshShelf& meshes, SceneFile& scene) {
   Prop prop;
   readShape(element, prop, meshes);
@@ -153,60 +193,28 @@ void readProp(SceneElement& element, MeshShelf& meshes, SceneFile& scene) {
   if (fixed) prop.mass = 0.0;
   prop.worldFromProp = Eigen::Translation3d(position) * turned(turn);
 
-  int count = 1;
-  Vec3 step = Vec3::Zero();
-  if (element.has("repeat")) {
-    SceneElement repeat = element.child("repeat");
-    repeat.allow({"count", "step"});
-    repeat.need("count", "the number of copies");
-    repeat.need("step", "three numbers, the offset from one to the next in metres");
-    repeat.integer("count", 1, static_cast<int>(kMaxProps), count);
-    repeat.vector("step", -kFarthest, kFarthest, step);
-  }
-  for (int i = 0; i < count && scene.props.size() <= kMaxProps; ++i) {
+  const Row row = readRow(element);
+  const std::size_t first = scene.props.size();
+  Vec3 bent = Vec3::Zero();  // from the first copy
+  for (int i = 0; i < row.count && scene.props.size() <= kMaxProps; ++i) {
+    const Quat heading = turned(Vec3(0.0, i * row.turn, 0.0));
+    if (i > 0) bent += heading * row.step;
     scene.props.push_back(prop);
-    scene.props.back().worldFromProp.translation() += i * step;
+    Isometry3& worldFromCopy = scene.props.back().worldFromProp;
+    worldFromCopy.translation() += row.turn == 0.0 ? Vec3(i * row.step) : bent;
+    if (row.turn != 0.0) worldFromCopy.linear() = (heading * turned(turn)).toRotationMatrix();
   }
+  readTarget(element, first, scene);
 }
 
-/// Capsules end to end, with a ball joint between neighbours and to the world at one end or both.
 void readChain(SceneElement& element, SceneFile& scene) {
-  element.allow({"from", "to", "links", "radius", "mass", "hung", "friction", "restitution", "color"});
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
-  int links = 1;
-  double radius = 0.02;
-  Prop prop;
-  for (const char* key : {"from", "to"}) element.need(key, "a position in metres");
-  element.need("links", "the number of links");
-  element.vector("from", -kFarthest, kFarthest, from);
-  element.vector("to", -kFarthest, kFarthest, to);
-  element.integer("links", 1, 200, links);
-  element.number("radius", 0.005, 1.0, radius);
-  readSubstance(element, prop);
-  bool bothEnds = false;
-  if (element.has("hung")) {
-    const SceneJson& hung = element.at("hung");
-    bothEnds = hung == "both";
-    if (!bothEnds && hung != "from") element.fail("hung", shownInScene(hung), "\"from\" or \"both\"");
-  }
-  const Vec3 step = (to - from) / links;
-  const double length = step.norm();
-  if (length < 2.0 * radius) {
-    element.fail("links", fmt::format("links of {:.3g} m", length), "links at least twice as long as their radius");
-  }
-  if (element.failed()) return;
-  prop.shape = PropShape::kCapsule;
-  prop.halfExtents = Vec3(radius, 0.5 * length, radius);
-  const Quat along = rotationBetween(Vec3::UnitY(), step);
-  int before = kWorldItself;
-  for (int i = 0; i < links && scene.props.size() <= kMaxProps; ++i) {
-    prop.worldFromProp = Eigen::Translation3d(from + (i + 0.5) * step) * along;
-    const int index = static_cast<int>(scene.props.size());
-    scene.props.push_back(prop);
-    scene.links.push_back({index, before, from + i * step});
-    before = index;
-  }
-  if (bothEnds) scene.links.push_back({before, kWorldItself, to});
+  element.allow(
+      {"from", "to", "links", "radius", "width", "sag", "mass", "hung", "friction", "restitution", "color", "target"});
+  Prop link;
+  readSubstance(element, link);
+  const std::size_t first = scene.props.size();
+  addChain(element, link, kMaxProps, scene);
+  readTarget(element, first, scene);
 }
 
 /// Names the props that the elements of a list made: "props[2]", or "copy 3 of props[2]".

@@ -3,6 +3,7 @@
 #include "collision/world/world.h"
 #include "geometry/named_file.h"
 #include "geometry/result.h"
+#include "session/hit_counter.h"
 #include "session/prop_meshes.h"
 #include "session/scene_stage.h"
 
@@ -27,6 +28,7 @@ struct SceneFile {
   std::vector<Prop> props;  ///< including the links of chains
   std::vector<Link> links;
   std::optional<ParticleSettings> particles;
+  std::vector<HitTarget> targets;  ///< in the order of the file
   std::vector<StageAvatar> stage;  ///< the avatars that perform in it; empty = whichever is played
 };
 

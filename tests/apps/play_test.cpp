@@ -37,6 +37,26 @@ TEST(Play, JsonHasStagesFramesContactsAndHash) {
   EXPECT_GT(json["stages"]["hulls"]["median"].get<double>(), 0.0);
 }
 
+TEST(Play, TellsTheHitsOfTargetsInTheReportAndAsJson) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "hits.json";
+  const CommandResult result =
+      runLorica({"play", "--scene", "targets", "--decomposition", makeBody(folder), "--frames", "90", "--json", file});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json targets = nlohmann::json::parse(readFile(file).value())["targets"];
+  ASSERT_EQ(targets.size(), 3u);
+  EXPECT_EQ(targets[0]["name"], "bag");
+  EXPECT_GE(targets[0]["hits"].get<int>(), 1);
+  EXPECT_NE(result.out.find("targets        bag, " + std::to_string(targets[0]["hits"].get<int>()) + " hit"),
+            std::string::npos)
+      << result.out;
+  for (const nlohmann::json& target : targets) {
+    int sum = 0;
+    for (const char* limb : {"leftHand", "rightHand", "leftFoot", "rightFoot", "rest"}) sum += target[limb].get<int>();
+    EXPECT_EQ(target["hits"], sum);
+  }
+}
+
 TEST(Play, RunsAndThreadsAgree) {
   const TemporaryFolder folder;
   const std::filesystem::path body = makeBody(folder);

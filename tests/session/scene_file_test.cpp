@@ -132,11 +132,53 @@ TEST(SceneFile, WhatIsWrongIsNamed) {
                       {"shape": "sphere", "radius": 1, "at": [0, 0, 0]})")
                 .find("at most 2000"),
             std::string::npos);
+  EXPECT_EQ(ofProp(R"({"shape": "sphere", "radius": 1, "at": [0, 0, 0], "target": ""})"),
+            "s.json: props[0].target: found \"\", expected a name of 1 to 40 bytes");
+  EXPECT_EQ(ofProp(R"({"shape": "sphere", "radius": 1, "at": [0, 0, 0], "target": true})"),
+            "s.json: props[0].target: found true, expected a string");
+  EXPECT_EQ(ofProp(R"({"shape": "sphere", "radius": 1, "at": [0, 0, 0], "fixed": true, "target": "wall"})"),
+            "s.json: props[0].target: found a fixed body, which the avatar passes through, expected one that moves");
+  EXPECT_EQ(ofProp(R"({"shape": "sphere", "radius": 1, "at": [0, 0, 0], "repeat": {"count": 2, "step": [0, 0, 1],
+                      "turn": 400}})"),
+            "s.json: props[0].repeat.turn: found 400, expected a number from -360 to 360");
+  EXPECT_EQ(errorOf(sceneWith(R"("chains": [{"from": [0, 1, 0], "to": [0, 1, 3], "links": 3, "sag": -1}])")),
+            "s.json: chains[0].sag: found -1, expected a number from 0 to 20");
   EXPECT_NE(
       errorOf(sceneWith(R"("chains": [{"from": [0, 1, 0], "to": [0, 1, 0], "links": 3}])")).find("chains[0].links"),
       std::string::npos);
   EXPECT_NE(errorOf(sceneWith(R"("props": [{"shape": "box", "size": [1, 1, 1], "at": [0, 0, 1e999]}])")).find("s.json"),
             std::string::npos);
+}
+
+TEST(SceneFile, RowsBendAndChainsSagOrCarryPlanks) {
+  const Result<SceneFile> scene = parseScene(sceneWith(R"("props": [
+      {"shape": "box", "size": [0.1, 0.2, 0.3], "at": [1, 0, 0], "turn": [0, 10, 0], "target": "row",
+       "repeat": {"count": 4, "step": [0, 0, 1], "turn": 90}}],
+    "chains": [{"from": [0, 2, 0], "to": [0, 2, 4], "links": 4, "radius": 0.02, "width": 0.5, "hung": "both"},
+               {"from": [0, 1, 0], "to": [0, 1, 4], "links": 4, "radius": 0.02, "sag": 0.5, "target": "rope"},
+               {"from": [9, 1, 0], "to": [9, 0, 0], "links": 1, "width": 0.3, "target": "row"}])"),
+                                             "s.json");
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  // Four copies around a square, each turned by a quarter more.
+  const Vec3 corners[] = {{1, 0, 0}, {2, 0, 0}, {2, 0, -1}, {1, 0, -1}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Isometry3& copy = scene->props[i].worldFromProp;
+    EXPECT_LT((copy.translation() - corners[i]).norm(), 1e-12) << i;
+    const double angle = (10.0 + 90.0 * static_cast<double>(i)) * M_PI / 180.0;
+    EXPECT_LT((copy.linear() * Vec3::UnitZ() - Vec3(std::sin(angle), 0.0, std::cos(angle))).norm(), 1e-12) << i;
+  }
+  const Prop& plank = scene->props[4];
+  EXPECT_EQ(plank.shape, PropShape::kBox);
+  EXPECT_LT((plank.halfExtents - Vec3(0.25, 0.45, 0.02)).norm(), 1e-12) << "gaps of a tenth between planks";
+  EXPECT_LT((plank.worldFromProp.linear() * Vec3::UnitY() - Vec3::UnitZ()).norm(), 1e-12);
+  EXPECT_NEAR(std::abs((plank.worldFromProp.linear() * Vec3::UnitX()).x()), 1.0, 1e-12);
+  ASSERT_EQ(scene->links.size(), 10u + 4u + 2u) << "planks have two joints, at their sides";
+  EXPECT_NEAR((scene->links[0].position - scene->links[1].position).norm(), 0.5, 1e-12);
+  EXPECT_LT((scene->links[12].position - Vec3(0.0, 0.5, 2.0)).norm(), 1e-12) << "the lowest point of the sag";
+  ASSERT_EQ(scene->targets.size(), 2u);
+  EXPECT_EQ(scene->targets[0].name, "row");
+  EXPECT_EQ(scene->targets[0].props, (std::vector<int>{0, 1, 2, 3, 12}));
+  EXPECT_EQ(scene->targets[1].props, (std::vector<int>{8, 9, 10, 11}));
 }
 
 TEST(SceneFile, EachShapeHasKeysOfItsOwn) {
@@ -274,7 +316,7 @@ TEST_F(SceneMeshes, DecomposingIsTheCallersAndCanBeCancelled) {
 }
 
 TEST(ShippedScenes, StandStillUntilSomebodyComes) {
-  for (const char* name : {"boxes", "bowling", "curtain"}) {
+  for (const char* name : {"boxes", "bowling", "curtain", "dominoes", "targets"}) {
     const SceneFile scene = shipped(name);
     World world = makeWorld(scene);
     for (int i = 0; i < 90; ++i) world.step({}, 1.0 / 30.0);

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "apps/report.h"
+#include "session/contact_events.h"
+#include "session/hit_counter.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// The hits of a run's targets, counted frame by frame. Without targets it does nothing.
+class TargetHits {
+ public:
+  explicit TargetHits(std::vector<HitTarget> targets) : counter_(std::move(targets)) {}
+
+  /// Adds the session's last frame.
+  void add(const Session& session);
+
+  /// For the caption of a picture: "   hits: bag 5, board 0"; empty without targets.
+  [[nodiscard]] std::string caption() const;
+  /// Adds "targets": of each its name, "hits", and those of each limb.
+  void addTo(nlohmann::ordered_json& json) const;
+  /// Adds a line for each target.
+  void addTo(Report& report) const;
+
+ private:
+  HitCounter counter_;
+  std::optional<ContactEvents> events_;
+};
+
+}  // namespace lorica
