@@ -17,4 +17,17 @@ void ActionTape::redo(Session& session) {
   for (; goesOn() && done_[next_].frame <= session.frameCount(); ++next_) session.act(done_[next_].action);
 }
 
+void ActionTape::undo() {
+  using Kind = WorldAction::Kind;
+  done_.resize(next_);
+  const bool drag = !done_.empty() && done_.back().action.kind != Kind::kThrowBall;
+  while (!done_.empty()) {
+    const Kind kind = done_.back().action.kind;
+    if (drag && kind == Kind::kThrowBall) break;
+    done_.pop_back();
+    if (kind == Kind::kThrowBall || kind == Kind::kGrab) break;
+  }
+  next_ = done_.size();
+}
+
 }  // namespace lorica

@@ -14,6 +14,10 @@ class ActionTape {
   void act(Session& session, const WorldAction& action);
   /// Repeats the actions recorded for the current frame. Call before each step.
   void redo(Session& session);
+  /// Forgets the last thrown ball, or the last drag; also all later ones, left from before a rewind(). The session has
+  /// to restart and come back to see it.
+  void undo();
+  [[nodiscard]] bool canUndo() const { return next_ > 0; }
   /// The session restarts.
   void rewind() { next_ = 0; }
   void clear() { done_.clear(), next_ = 0; }

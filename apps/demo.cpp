@@ -53,7 +53,7 @@ Result<void> playForPeople(const Options& options, Window& window, Show& show) {
     sources.push_back(std::move(*source));
     return sources;
   };
-  subject.atEnd = WindowSubject::AtEnd::kRepeat;
+  if (options.seconds > 0.0) subject.atEnd = WindowSubject::AtEnd::kRepeat;
   double before = 0.0, seconds = 0.0;  // of earlier repetitions, and of the current one
   subject.stepped = [&] {
     show.statistics.add(*session);

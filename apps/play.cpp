@@ -66,6 +66,7 @@ Result<void> playWithWindow(const Options& options, const OpenedCast& opened, Se
   subject.duration = secondsOf(cast);
   subject.sourcesAgain = [&] { return sourcesOf(cast); };
   subject.scene = options.scene;
+  if (!options.record.empty() || !options.events.empty()) subject.atEnd = WindowSubject::AtEnd::kHold;
   subject.stepped = [&] { counts.add(session, options); };
   subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
   subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run

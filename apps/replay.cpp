@@ -189,6 +189,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     watched.duration = recorded->steps.back().time - recorded->steps.front().time;
     watched.sourcesAgain = [&] { return sourcesOf(options, *recorded, performers); };
     watched.worldAgain = worldAgain;
+    watched.atEnd = WindowSubject::AtEnd::kHold;
     watched.restarted = [&] { (void)begin(); };  // it could be opened before
     watched.stepped = [&] { statistics.add(*session); };
     PlaybackOptions limit;

@@ -33,7 +33,9 @@ Vec3 forwardOf(const Camera& camera) {
 }  // namespace
 
 void WindowHands::act(Session& session, const WorldAction& action) {
-  if (again_) {
+  if (without_) {
+    if (canBeDone(action, session.world())) apply(action, session.world());
+  } else if (again_) {
     tape_.act(session, action);
   } else {
     session.act(action);
@@ -58,7 +60,7 @@ void WindowHands::take(const WindowRequests& requests, const Window& window, Ses
 }
 
 void WindowHands::beforeStep(const Window& window, Session& session) {
-  tape_.redo(session);
+  if (!without_) tape_.redo(session);
   if (!holds_) return;
   // In the plane that faces the camera and contains the grabbed point.
   const Ray ray = window.pointer();
@@ -71,7 +73,7 @@ void WindowHands::beforeStep(const Window& window, Session& session) {
 
 void WindowHands::rewind(Session& session) {
   if (holds_) act(session, WorldAction::release());
-  holds_ = false;
+  holds_ = without_ = false;
   tape_.rewind();
 }
 

@@ -18,6 +18,11 @@ class WindowHands {
   void beforeStep(const Window& window, Session& session);
   /// Call before the session restarts: releases a held prop. Recorded actions will be repeated.
   void rewind(Session& session);
+  /// The session has ended and the world goes on without it: actions are applied to the world at once and not recorded.
+  void goOnWithout() { without_ = true; }
+  /// Forgets the last action, if canUndo(). The session has to restart and come back to see it.
+  void undo() { tape_.undo(); }
+  [[nodiscard]] bool canUndo() const { return tape_.canUndo(); }
   /// Forgets all recorded actions and the held prop. Call when the world was replaced.
   void forget();
 
@@ -27,6 +32,7 @@ class WindowHands {
   void act(Session& session, const WorldAction& action);
 
   bool again_;
+  bool without_ = false;  // see goOnWithout()
   ActionTape tape_;
   bool holds_ = false;
   double depth_ = 0.0;  // of the grabbed point along the view direction [m]

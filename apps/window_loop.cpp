@@ -1,18 +1,20 @@
 #include "apps/window_loop.h"
 
+#include "apps/avatar_focus.h"
+#include "apps/framing.h"
 #include "apps/interrupt.h"
-#include "apps/motions.h"
 #include "apps/report.h"
+#include "apps/scene_list.h"
 #include "apps/scenes.h"
 #include "apps/snapshots.h"
 #include "apps/window_hands.h"
+#include "apps/window_texts.h"
 #include "apps/window_warnings.h"
 #include "session/prepare/detail_levels.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <thread>
 
@@ -23,38 +25,10 @@ constexpr int kMaxStepsAPicture = 6;
 constexpr double kLongestPause = 0.25;  // longer gaps in a recording, or while the window is dragged, are skipped [s]
 constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures [s]
 constexpr double kSoon = 0.25;          // longer seeks are reported [s]
-constexpr const char* kDemoScene = "boxes and balls";
+constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// The list of scenes: that of the demo, the shipped ones, and the user's own.
-struct SceneList {
-  std::vector<std::string> names{kDemoScene}, arguments{""};
-  int present = 0;
-};
-
-SceneList scenesBeside(const std::string& present) {
-  SceneList list;
-  if (const Result<std::filesystem::path> folder = recordingsFolder()) {
-    std::error_code ignored;
-    std::vector<std::string> shipped;
-    for (const auto& entry : std::filesystem::directory_iterator(folder->parent_path() / "scenes", ignored)) {
-      if (entry.path().extension() == ".json") shipped.push_back(entry.path().stem().string());
-    }
-    std::sort(shipped.begin(), shipped.end());
-    list.names.insert(list.names.end(), shipped.begin(), shipped.end());
-    list.arguments.insert(list.arguments.end(), shipped.begin(), shipped.end());
-  }
-  auto found = std::find(list.arguments.begin(), list.arguments.end(), present);
-  if (found == list.arguments.end()) {
-    list.names.push_back(std::filesystem::path(present).filename().string());
-    list.arguments.push_back(present);
-    found = list.arguments.end() - 1;
-  }
-  list.present = static_cast<int>(found - list.arguments.begin());
-  return list;
 }
 
 class WindowLoop {
@@ -68,6 +42,7 @@ class WindowLoop {
         scene_(session_),
         levels_(session_.body().plan(), session_.character()),
         hands_(subject.sourcesAgain != nullptr),
+        avatarNames_(avatarNames(session_)),
         due_(now()) {
     const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
     if (avatar == nullptr) return;
@@ -88,16 +63,26 @@ class WindowLoop {
   [[nodiscard]] bool onlyWatched() const { return subject_.worldAgain != nullptr; }
   [[nodiscard]] double seconds() const { return started_ ? session_.time() - firstTime_ : 0.0; }
   Result<void> answer(WindowRequests requests);
+  [[nodiscard]] std::string_view whyNoThrow() const;
+  [[nodiscard]] std::string_view whyNoUndo() const;
+  [[nodiscard]] std::string_view whyNoLoop() const;
   [[nodiscard]] Result<World> worldAgain() const;
   Result<void> beginSeek(double to);
   Result<void> runSeek();
   Result<void> advance();
   Result<void> step();
+  void goOn();
+  void answerAboutAvatars(const WindowRequests& requests);
+  Result<void> undo();
+  [[nodiscard]] bool mayLoop() const { return subject_.atEnd != WindowSubject::AtEnd::kHold && subject_.sourcesAgain; }
+  [[nodiscard]] bool loops() const;
+  [[nodiscard]] bool goesOn() const { return ended_ && subject_.atEnd == WindowSubject::AtEnd::kChoice; }
+  Result<void> startOver();
   Result<void> restart();
+  Result<void> restartIn(World world);
   Result<void> changeScene(int scene);
   void saySettling();
-  void noteTimes();
-  void describe();
+  void describe() { status_ = statusOf(session_, ended_); }
   void show();
 
   Window& window_;
@@ -109,13 +94,14 @@ class WindowLoop {
   DetailLevels levels_;
   WindowHands hands_;
   WarningBoard warnings_;
+  AvatarFocus focus_;
+  std::vector<std::string> avatarNames_;
   std::optional<Seek> seek_;
   double due_;  // of the next frame [s]
   double firstTime_ = 0.0;
   double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
   bool started_ = false, ended_ = false;
   std::string status_;
-  std::vector<int> touched_;
   std::vector<std::string> expressions_;  // of the avatar's face
   int expression_ = -1;                   // chosen in the window
 };
@@ -129,6 +115,7 @@ void WindowLoop::saySettling() {
 }
 
 Result<WindowEnd> WindowLoop::run() {
+  window_.setCamera(framing(window_.camera(), session_.world()));
   saySettling();
   while (window_.open()) {
     if (interrupted()) return WindowEnd::kInterrupted;
@@ -137,9 +124,8 @@ Result<WindowEnd> WindowLoop::run() {
     if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
     if (ended_ && !seek_) {
       if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
-      if (subject_.atEnd == WindowSubject::AtEnd::kRepeat) {
-        hands_.forget();
-        if (Result<void> done = restart(); !done) return done.error();
+      if (loops()) {
+        if (Result<void> done = startOver(); !done) return done.error();
       }
     }
     show();
@@ -150,13 +136,13 @@ Result<WindowEnd> WindowLoop::run() {
 }
 
 Result<void> WindowLoop::answer(WindowRequests requests) {
-  if (requests.throwBall && (onlyWatched() || ended_)) {
-    window_.notice(onlyWatched() ? "a recorded session cannot be changed" : "end of recording; press Home to restart");
-  }
-  if (onlyWatched() || ended_) {
+  if (const std::string_view why = whyNoThrow(); !why.empty()) {
+    if (requests.throwBall) window_.notice(std::string(why));
     requests.throwBall = false;
     requests.pressed.reset();
   }
+  answerAboutAvatars(requests);
+  if (requests.undo) return undo();
   if (requests.scene && *requests.scene != scenes_.present) {
     if (Result<void> done = changeScene(*requests.scene); !done) return done;
   }
@@ -177,6 +163,48 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
   }
   if (requests.seekTo && subject_.sourcesAgain) return beginSeek(*requests.seekTo);
   return {};
+}
+
+std::string_view WindowLoop::whyNoThrow() const {
+  if (onlyWatched()) return "a recorded session cannot be changed";
+  if (ended_ && !goesOn()) return "end of recording; press Home to restart";
+  return {};
+}
+
+std::string_view WindowLoop::whyNoUndo() const {
+  if (onlyWatched()) return "a recorded session cannot be changed";
+  if (!subject_.sourcesAgain) return "what happened live cannot be undone";
+  if (!hands_.canUndo()) return "nothing was thrown or dragged";
+  return {};
+}
+
+std::string_view WindowLoop::whyNoLoop() const {
+  return mayLoop() ? "" : onlyWatched() ? "a recorded session is run once" : "what is written is run once";
+}
+
+bool WindowLoop::loops() const {
+  if (!mayLoop()) return false;
+  return subject_.atEnd == WindowSubject::AtEnd::kRepeat || window_.choices().loop;
+}
+
+void WindowLoop::answerAboutAvatars(const WindowRequests& requests) {
+  if (requests.avatar) focus_.choose(*requests.avatar);
+  if (!requests.clicked || avatarNames_.size() < 2) return;
+  const int clicked = avatarAt(session_, *requests.clicked);
+  focus_.choose(clicked);
+  window_.notice(clicked < 0 ? "following all avatars" : "following avatar " + avatarNames_[clicked]);
+}
+
+/// Runs again to the present time without the last action.
+Result<void> WindowLoop::undo() {
+  if (const std::string_view why = whyNoUndo(); !why.empty()) {
+    window_.notice(std::string(why));
+    return {};
+  }
+  hands_.undo();
+  const double present = seconds();
+  if (!seek_) seek_ = Seek{present, now(), 0, true};
+  return restart();
 }
 
 Result<void> WindowLoop::changeScene(int scene) {
@@ -200,18 +228,33 @@ Result<World> WindowLoop::worldAgain() const {
   return openScene(scenes_.arguments[scenes_.present]);
 }
 
+/// After the end. Sand and water would need seconds to settle again: there only the motion starts again.
+Result<void> WindowLoop::startOver() {
+  hands_.forget();
+  if (session_.world().particles() == nullptr) return restart();
+  session_.world().stepAvatars({}, 0.0);  // the avatars come back without sweeping
+  return restartIn(std::move(session_.world()));
+}
+
 Result<void> WindowLoop::restart() {
   Result<World> world = worldAgain();
   if (!world) return world.error();
+  if (Result<void> done = restartIn(std::move(*world)); !done) return done;
+  saySettling();
+  due_ = now();
+  return {};
+}
+
+Result<void> WindowLoop::restartIn(World world) {
   Result<std::vector<std::unique_ptr<PoseSource>>> sources = subject_.sourcesAgain();
   if (!sources) return sources.error();
   hands_.rewind(session_);
-  session_.restart(std::move(*sources), std::move(*world));
+  session_.restart(std::move(*sources), std::move(world));
   if (subject_.restarted) subject_.restarted();
   warnings_.clear();
+  focus_.reset();
   started_ = ended_ = false;
   frameBegin_ = 0.0;
-  saySettling();
   due_ = now();
   return {};
 }
@@ -253,6 +296,10 @@ Result<void> WindowLoop::runSeek() {
 /// Runs the frames that are due. Drawing may take longer than a frame, so several may be due; their number is limited
 /// to keep the window responsive.
 Result<void> WindowLoop::advance() {
+  if (ended_) {
+    goOn();
+    return {};
+  }
   for (int steps = 0; steps < kMaxStepsAPicture && !ended_; ++steps) {
     if (subject_.ready && !subject_.ready()) break;
     const bool live = subject_.duration <= 0.0;
@@ -267,7 +314,8 @@ Result<void> WindowLoop::advance() {
     if (Result<void> done = step(); !done) return done;
     if (ended_) break;
     describe();
-    noteTimes();
+    addStageTimes(session_, subject_.trackingSeconds ? std::optional(subject_.trackingSeconds()) : std::nullopt,
+                  window_);
     if (live) break;  // only the latest frame counts
     const double length = first ? 0.0 : std::min(session_.time() - before, kLongestPause);
     due_ += length / window_.speed();
@@ -275,6 +323,25 @@ Result<void> WindowLoop::advance() {
     if (now() - due_ > kLongestPause) due_ = now();
   }
   return {};
+}
+
+/// The world after the end of the recording: the avatars stand, and what the user throws and drags still moves.
+void WindowLoop::goOn() {
+  if (!goesOn()) return;
+  hands_.goOnWithout();
+  std::vector<std::span<const LivePart>> standing;
+  for (const SessionAvatar& avatar : session_.avatars()) standing.push_back(avatar.partsInWorld());
+  for (int steps = 0; steps < kMaxStepsAPicture && (window_.paused() || now() >= due_); ++steps) {
+    if (!window_.wantsStep()) {
+      due_ = now();
+      break;
+    }
+    hands_.beforeStep(window_, session_);
+    session_.world().stepAvatars(standing, kAfterSeconds);
+    due_ += kAfterSeconds / window_.speed();
+    if (now() - due_ > kLongestPause) due_ = now();
+  }
+  describe();
 }
 
 Result<void> WindowLoop::step() {
@@ -290,40 +357,12 @@ Result<void> WindowLoop::step() {
   if (!started_) firstTime_ = session_.time();
   started_ = true;
   frameBegin_ = before;
+  focus_.update(session_);
   if (subject_.stepped) subject_.stepped();
   const bool over = (options_.frames > 0 && session_.frameCount() >= options_.frames) ||
                     (options_.seconds > 0.0 && seconds() >= options_.seconds);
   if (over) ended_ = true;
   return {};
-}
-
-void WindowLoop::noteTimes() {
-  const StageTimes& t = session_.times();
-  std::array<TimedStage, 8> stages;
-  std::size_t count = 0;
-  const auto add = [&](const char* name, double microseconds) { stages[count++] = {name, 1e-3 * microseconds}; };
-  if (subject_.trackingSeconds) add("joints", 1e6 * subject_.trackingSeconds());
-  add("pose", t.retarget);
-  if (session_.springs() != nullptr) add("springs", t.springs);
-  add("motion", t.motion);
-  add("points", t.points);
-  add("hulls", t.hulls);
-  add("physics", t.physics);
-  if (session_.world().particles() != nullptr) add("particles", t.particles);
-  window_.addTimes(std::span(stages).first(count));
-}
-
-void WindowLoop::describe() {
-  std::ptrdiff_t parts = 0;
-  for (const SessionAvatar& avatar : session_.avatars())
-    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
-  status_ = counted(parts, "part");
-  touched_.clear();
-  for (const Contact& contact : session_.world().contacts()) touched_.push_back(contact.prop);
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  if (!touched_.empty()) status_ += ", touching " + counted(std::ssize(touched_), "prop");
-  if (ended_) status_ += ", end of recording";
 }
 
 void WindowLoop::show() {
@@ -348,6 +387,12 @@ void WindowLoop::show() {
   const auto outside = [](const SessionAvatar& avatar) { return avatar.present() && avatar.outsideKnownRange(); };
   values.outsideTraining = started_ && std::any_of(session_.avatars().begin(), session_.avatars().end(), outside);
   values.holdsProp = hands_.holds();
+  values.focus = focus_.position();
+  values.avatars = avatarNames_;
+  values.avatar = focus_.avatar();
+  values.noThrow = whyNoThrow();
+  values.noUndo = whyNoUndo();
+  values.noLoop = whyNoLoop();
   Scene scene;
   if (started_) {
     scene = scene_.of(session_, window_.shown(), window_.camera().eye);

@@ -23,18 +23,23 @@ struct WindowSubject {
   /// Recreates the world of a recorded session at its start. If set, the session is view-only: the user cannot throw or
   /// move anything, nor change the scene or the number of parts.
   std::function<Result<World>()> worldAgain = {};
-  std::function<bool()> ready = {};              ///< whether joints are available for a step; null = always
-  std::function<void()> stepped = {};            ///< called after each frame; may be null
-  std::function<void()> restarted = {};          ///< called before the first frame is repeated; may be null
+  std::function<bool()> ready = {};      ///< whether joints are available for a step; null = always
+  std::function<void()> stepped = {};    ///< called after each frame; may be null
+  std::function<void()> restarted = {};  ///< called before the first frame is repeated; may be null
   std::function<void(const std::string& scene)> sceneChosen = {};  ///< with its argument of openScene(); may be null
-  std::function<std::string()> trouble = {};     ///< problem with the source; null or empty = none
+  std::function<std::string()> trouble = {};                       ///< problem with the source; null or empty = none
   std::function<double()> trackingSeconds = {};  ///< time for tracking the joints [s]; null = not measured
   std::function<bool()> enough = {};             ///< whether to stop after the current frame; null = never
   const Image* inset = nullptr;                  ///< see Scene
 
   /// Behaviour at the end of the recording or at its limit.
-  enum class AtEnd : std::uint8_t { kReturn, kHold, kRepeat };
-  AtEnd atEnd = AtEnd::kHold;
+  enum class AtEnd : std::uint8_t {
+    kReturn,
+    kHold,    ///< the last frame stays
+    kChoice,  ///< as the user chose in the window: it starts again, or the world goes on around the last pose
+    kRepeat
+  };
+  AtEnd atEnd = AtEnd::kChoice;
 };
 
 /// Reason for the end of the loop.

@@ -46,6 +46,22 @@ void OrbitCamera::zoom(double factor) {
   stayAboveFloor();
 }
 
+void OrbitCamera::carry(const Vec3& by) {
+  target_ += by;
+  start_.target += by;
+  start_.eye += by;
+}
+
+void OrbitCamera::centreOn(const Vec3& point) {
+  target_ = Vec3(point.x(), target_.y(), point.z());
+}
+
+void OrbitCamera::lookFrom(double azimuth, double elevation) {
+  azimuth_ = azimuth;
+  elevation_ = std::clamp(elevation, -kHighest, kHighest);
+  stayAboveFloor();
+}
+
 void OrbitCamera::stayAboveFloor() {
   target_.y() = std::max(target_.y(), 0.0);
   const double lowest = std::asin(std::clamp((kLowest - target_.y()) / distance_, -1.0, 1.0));

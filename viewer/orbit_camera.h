@@ -17,6 +17,12 @@ class OrbitCamera {
   /// Multiplies the distance by a factor, clamped to 0.2 m to 60 m.
   void zoom(double factor);
   void reset();
+  /// Moves target and eye, also those of the start [m].
+  void carry(const Vec3& by);
+  /// Moves the target over a point; its height and the direction of the view stay.
+  void centreOn(const Vec3& point);
+  /// Looks at the target from a direction. @param azimuth  around Y, 0 = from +Z [rad] @param elevation  [rad]
+  void lookFrom(double azimuth, double elevation);
 
   [[nodiscard]] Camera camera() const;
 

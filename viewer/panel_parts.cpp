@@ -1,7 +1,6 @@
-#include "viewer/panel_parts.h"
+#include "viewer/panel_style.h"
 
 #include <fmt/format.h>
-#include <imgui.h>
 
 #include <algorithm>
 #include <array>
@@ -10,53 +9,32 @@
 namespace lorica {
 namespace {
 
-constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                                    ImGuiWindowFlags_NoFocusOnAppearing;
-const ImVec4 kFaint(0.62f, 0.66f, 0.72f, 1.0f);
 constexpr float kViewPanel = 206.0f;
-constexpr ImU32 kPlate = IM_COL32(22, 26, 33, 224);
-constexpr ImU32 kInk = IM_COL32(236, 240, 245, 255);
-constexpr ImU32 kAmber = IM_COL32(255, 190, 84, 255);
-constexpr ImU32 kRed = IM_COL32(235, 78, 70, 255);
 
-struct HelpLine {
-  const char* keys;
-  const char* what;
-};
-constexpr std::array kHelp = {HelpLine{"left drag", "rotate the camera, or move a prop"},
-                              HelpLine{"right drag", "pan the camera"},
-                              HelpLine{"wheel", "zoom"},
-                              HelpLine{"R", "reset the camera"},
-                              HelpLine{"space", "pause, resume"},
-                              HelpLine{"N", "step one frame"},
-                              HelpLine{"left, right", "1 s back, forward"},
-                              HelpLine{"home", "restart"},
-                              HelpLine{"- +", "slower, faster"},
-                              HelpLine{"1 2 3 4", "character, hulls, bones, props"},
-                              HelpLine{"5 6 7", "contacts, ground, grains"},
-                              HelpLine{"C", "colour by part"},
-                              HelpLine{"[ ]", "fewer, more parts"},
-                              HelpLine{"E", "next expression"},
-                              HelpLine{"B", "throw a ball"},
-                              HelpLine{"P", "save a picture; with shift, panels too"},
-                              HelpLine{"V", "start, stop a video"},
-                              HelpLine{"tab", "show, hide panels"},
-                              HelpLine{"H", "hide this help"},
-                              HelpLine{"esc", "close"}};
+/// What cannot be done says why.
+void tellWhy(std::string_view why) {
+  if (why.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::SetTooltip("%.*s", static_cast<int>(why.size()), why.data());
+}
 
-/// A check box with its key at the right edge.
-void toggle(const char* name, const char* key, bool& value) {
+/// A check box with its key at the right edge. @param why  it cannot be changed; empty = it can
+void toggle(const char* name, const char* key, bool& value, std::string_view why = {}) {
+  ImGui::BeginDisabled(!why.empty());
   ImGui::Checkbox(name, &value);
+  ImGui::EndDisabled();
+  tellWhy(why);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(key).x);
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(kFaint, "%s", key);
 }
 
-/// A button as wide as the panel with its key at the right edge.
-bool keyedButton(const char* name, const char* key) {
+/// A button as wide as the panel with its key at the right edge. @param why  it cannot be pressed; empty = it can
+bool keyedButton(const char* name, const char* key, std::string_view why = {}) {
   const float width = ImGui::GetContentRegionAvail().x;
+  ImGui::BeginDisabled(!why.empty());
   const bool pressed = ImGui::Button(name, ImVec2(width, 0.0f));
+  ImGui::EndDisabled();
+  tellWhy(why);
   const ImVec2 corner = ImGui::GetItemRectMax(), text = ImGui::CalcTextSize(key);
   const float pad = ImGui::GetStyle().FramePadding.y;
   ImGui::GetWindowDrawList()->AddText(ImVec2(corner.x - text.x - 2.0f * pad, corner.y - text.y - pad),
@@ -64,25 +42,24 @@ bool keyedButton(const char* name, const char* key) {
   return pressed;
 }
 
-/// A message on its own plate, centred horizontally and not over open panels. The next one is placed below.
-void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {
-  const float top = layout.ceiling;
-  ImDrawList& list = *ImGui::GetForegroundDrawList();
-  const char* begin = text.data();
-  const char* end = begin + text.size();
-  const float pad = layout.of(8.0f), bar = layout.of(4.0f);
-  const float panel = layout.small() || layout.panels.empty() ? 0.0f : layout.of(kWidestPanel) + layout.margin();
-  const float wrap = layout.width - 2.0f * (panel + layout.margin() + pad) - bar;
-  const ImVec2 size = ImGui::CalcTextSize(begin, end, false, wrap);
-  const float left = std::round(0.5f * (layout.width - size.x - 2.0f * pad - bar));
-  const ImVec2 corner(left + size.x + 2.0f * pad + bar, top + size.y + pad);
-  list.AddRectFilled(ImVec2(left, top), corner, kPlate, layout.of(5.0f));
-  if (mark != 0) {
-    list.AddRectFilled(ImVec2(left, top), ImVec2(left + bar, corner.y), mark, layout.of(5.0f),
-                       ImDrawFlags_RoundCornersLeft);
+/// A list as wide as the panel.
+/// @param label   before the chosen name
+/// @param none    what -1 is called; null = one is always chosen
+void chooseFrom(const char* id, const char* label, const char* none, std::span<const std::string> names, int chosen,
+                std::optional<int>& request) {
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  const std::string now = label + (chosen < 0 ? std::string(none) : names[static_cast<std::size_t>(chosen)]);
+  ImGui::PushID(id);
+  if (ImGui::BeginCombo("##list", now.c_str())) {
+    if (none != nullptr && ImGui::Selectable(none, chosen < 0)) request = -1;
+    for (int n = 0; n < static_cast<int>(names.size()); ++n) {
+      ImGui::PushID(n);
+      if (ImGui::Selectable(names[static_cast<std::size_t>(n)].c_str(), n == chosen)) request = n;
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
   }
-  list.AddText(nullptr, 0.0f, ImVec2(left + bar + pad, top + std::round(0.5f * pad)), ink, begin, end, wrap);
-  layout.ceiling = corner.y + layout.of(4.0f);
+  ImGui::PopID();
 }
 
 }  // namespace
@@ -224,6 +201,8 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     toggle("ground", "6", show.ground);
     toggle("grains", "7", show.particles);
     toggle("colour by part", "C", show.colorSkinByPart);
+    toggle("follow", "F", state.choices.follow);
+    if (values.duration > 0.0) toggle("loop", "L", state.choices.loop, values.noLoop);
     ImGui::Separator();
     const float slider = ImGui::GetContentRegionAvail().x;
     if (values.maxParts > 0) {
@@ -235,29 +214,12 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
         requests.parts = parts;
       }
     }
-    if (!values.scenes.empty()) {
-      ImGui::SetNextItemWidth(slider);
-      const std::string& now = values.scenes[values.scene];
-      if (ImGui::BeginCombo("##scene", now.c_str())) {
-        for (int s = 0; s < static_cast<int>(values.scenes.size()); ++s) {
-          if (ImGui::Selectable(values.scenes[s].c_str(), s == values.scene)) {
-            requests.scene = s;
-          }
-        }
-        ImGui::EndCombo();
-      }
+    if (values.avatars.size() > 1) {
+      chooseFrom("avatar", "follow: ", "all avatars", values.avatars, values.avatar, requests.avatar);
     }
+    if (!values.scenes.empty()) chooseFrom("scene", "", nullptr, values.scenes, values.scene, requests.scene);
     if (!values.expressions.empty()) {
-      ImGui::SetNextItemWidth(slider);
-      const auto chosen = static_cast<std::size_t>(values.expression);
-      const char* now = values.expression < 0 ? "expression: none" : values.expressions[chosen].c_str();
-      if (ImGui::BeginCombo("##expression", now)) {
-        if (ImGui::Selectable("none", values.expression < 0)) requests.expression = -1;
-        for (int e = 0; e < static_cast<int>(values.expressions.size()); ++e) {
-          if (ImGui::Selectable(values.expressions[e].c_str(), e == values.expression)) requests.expression = e;
-        }
-        ImGui::EndCombo();
-      }
+      chooseFrom("expression", "expression: ", "none", values.expressions, values.expression, requests.expression);
     }
     if (!status.qualities.empty()) {
       ImGui::SetNextItemWidth(slider);
@@ -272,46 +234,12 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
         ImGui::EndCombo();
       }
     }
-    if (keyedButton("throw a ball", "B")) requests.throwBall = true;
+    if (keyedButton("throw a ball", "B", values.noThrow)) requests.throwBall = true;
+    if (keyedButton("undo", "U", values.noUndo)) requests.undo = true;
     if (keyedButton("save a picture", "P")) state.picture = true;
     if (keyedButton(status.videoSeconds < 0.0 ? "start a video###video" : "stop the video###video", "V")) {
       state.video = true;
     }
-  }
-  notePanel(layout);
-  ImGui::End();
-}
-
-void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status) {
-  // Between the panels, or below their titles if there is no space between them.
-  if (layout.small() && !layout.panels.empty()) layout.ceiling += layout.of(kPanelLine + 12.0f);
-  for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
-  if (status.videoSeconds >= 0.0) {
-    drawPlate(layout, fmt::format("video {:.1f} s, V to stop", status.videoSeconds), kInk, kRed);
-  }
-  if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, 0);
-}
-
-void drawHelp(PanelLayout& layout) {
-  // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
-  constexpr float kTitleAndPads = 46.0f;
-  const float line = ImGui::GetTextLineHeightWithSpacing();
-  const float wanted = line * static_cast<float>(kHelp.size()) + layout.of(kTitleAndPads);
-  const float top = layout.ceiling;
-  const float above = layout.panels.empty() ? layout.height - layout.margin() : layout.floor - layout.of(4.0f);
-  const float bottom = wanted <= above - top ? above : layout.height - layout.margin();
-  const float room = std::max(bottom - top, layout.of(40.0f));
-  ImGui::SetNextWindowPos(ImVec2(0.5f * layout.width, 0.5f * (top + bottom)), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(layout.width - 2.0f * layout.margin(), room));
-  ImGui::SetNextWindowBgAlpha(0.92f);
-  ImGui::SetNextWindowFocus();
-  ImGui::Begin("Keys and mouse", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
-  for (const HelpLine& help : kHelp) {
-    ImGui::TextUnformatted(help.keys);
-    ImGui::SameLine(layout.of(120.0f));
-    ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
-    ImGui::TextUnformatted(help.what);
-    ImGui::PopStyleColor();
   }
   notePanel(layout);
   ImGui::End();

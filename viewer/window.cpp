@@ -115,8 +115,15 @@ const SceneOptions& Window::shown() const {
 void Window::setShown(const SceneOptions& show) {
   impl_->state.show = show;
 }
+const WindowChoices& Window::choices() const {
+  return impl_->state.choices;
+}
+void Window::setChoices(const WindowChoices& choices) {
+  impl_->state.choices = choices;
+}
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);
+  impl_->followed.reset();
 }
 void Window::addTimes(std::span<const TimedStage> stages) {
   impl_->times.add(stages);
@@ -176,8 +183,9 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwMakeContextCurrent(i.window);
   glfwGetFramebufferSize(i.window, &width, &height);
   i.decideDrag(values.holdsProp);
+  i.follow(values.focus);
   i.lastValues = values;
-  i.lastValues.scenes = {};
+  i.lastValues.scenes = i.lastValues.avatars = {};
   i.lastValues.expressions = {};
   i.lastValues.warnings = {};
   i.lastValues.name = i.lastValues.status = {};

@@ -47,6 +47,9 @@ class Window {
   /// The layers that are drawn, which the user may change.
   [[nodiscard]] const SceneOptions& shown() const;
   void setShown(const SceneOptions& show);
+  /// What the user chose, by keys or panels.
+  [[nodiscard]] const WindowChoices& choices() const;
+  void setChoices(const WindowChoices& choices);
   /// Sets the initial camera, to which R resets.
   void setCamera(const Camera& camera);
   /// Sets a fixed quality; none = chosen automatically by speed, the default.

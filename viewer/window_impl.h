@@ -42,11 +42,13 @@ struct Window::Impl {
   void onCursor(double x, double y);
   void decideDrag(bool holdsProp);
   void onButton(int button, bool down);
+  void noteClick(double x, double y);
   void onWheel(double y);
   /// Mouse input for the panels; each press is reported at least once.
   [[nodiscard]] PanelInput takePanelInput(int width, int height);
   [[nodiscard]] Ray rayThrough(double x, double y) const;
   void seekBy(double seconds);
+  void follow(const std::optional<Vec3>& focus);
 
   void drawScene(const Scene& scene, int width, int height);
   void countPicture(double seconds);
@@ -62,6 +64,8 @@ struct Window::Impl {
   std::optional<Renderer> renderer;
   std::optional<WindowPanels> panels;
   OrbitCamera camera;
+  std::optional<Vec3> followed;  ///< the focus that the camera has moved with; none = it has not followed yet
+  bool leftFocus = false;        ///< the user chose not to follow since then
   ControlState state;
   WindowRequests requests;
   WindowValues lastValues;  ///< numbers only, views are cleared
@@ -91,6 +95,7 @@ struct Window::Impl {
   std::optional<std::array<double, 2>> undecidedEnd;  ///< where the button was released before that was decided
   double cursorX = 0.0, cursorY = 0.0;                ///< in window coordinates
   double heldX = 0.0, heldY = 0.0;                    ///< mouse position up to which the camera has followed
+  double pressedX = 0.0, pressedY = 0.0;              ///< where the button was pressed
   std::array<bool, 2> down{}, pressedSince{};
   float wheel = 0.0f;
 };

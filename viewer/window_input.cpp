@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace lorica {
 namespace {
 
-constexpr double kSeekStep = 1.0;  // of the arrow keys [s]
+constexpr double kSeekStep = 1.0;         // of the arrow keys [s]
+constexpr double kPresetElevation = 0.1;  // of the views from the front, the side and the back [rad]
 constexpr double kSpeedStep = 1.25;
+constexpr double kClickReach = 4.0;     // a press that moves no farther is a click [screen coordinates]
 constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
 
 void toggle(bool& flag) {
@@ -80,8 +83,23 @@ void Window::Impl::onKey(int key, int mods) {
       return;
     case GLFW_KEY_V:
       return toggle(state.video);
+    case GLFW_KEY_U:
+      requests.undo = true;
+      return;
+    case GLFW_KEY_L:
+      return toggle(state.choices.loop);
+    case GLFW_KEY_F:
+      return toggle(state.choices.follow);
     case GLFW_KEY_R:
       return camera.reset();
+    case GLFW_KEY_F2:
+      return camera.lookFrom(0.0, kPresetElevation);
+    case GLFW_KEY_F3:
+      return camera.lookFrom(0.5 * std::numbers::pi, kPresetElevation);
+    case GLFW_KEY_F4:
+      return camera.lookFrom(std::numbers::pi, kPresetElevation);
+    case GLFW_KEY_F5:
+      return camera.lookFrom(0.0, 0.5 * std::numbers::pi);
     case GLFW_KEY_TAB:
       return toggle(state.panels);
     case GLFW_KEY_H:
@@ -93,6 +111,20 @@ void Window::Impl::onKey(int key, int mods) {
     default:
       return;
   }
+}
+
+/// The camera moves with the focus over the ground, as long as the user wants it. When that begins again, it looks at
+/// the focus.
+void Window::Impl::follow(const std::optional<Vec3>& focus) {
+  if (!state.choices.follow) {
+    leftFocus = true;
+    return;
+  }
+  if (!focus) return;
+  if (followed) camera.carry(Vec3(focus->x() - followed->x(), 0.0, focus->z() - followed->z()));
+  if (leftFocus) camera.centreOn(*focus);
+  followed = focus;
+  leftFocus = false;
 }
 
 /// Punctuation keys are handled as typed characters, because keyboard layouts differ.
@@ -132,12 +164,13 @@ void Window::Impl::onButton(int button, bool pressed) {
       return;
     }
     if (drag == Drag::kProp) requests.released = true;
+    if (drag == Drag::kCamera) noteClick(cursorX, cursorY);
     drag = Drag::kNone;
     return;
   }
   if (drag != Drag::kNone) return;
-  heldX = cursorX;
-  heldY = cursorY;
+  heldX = pressedX = cursorX;
+  heldY = pressedY = cursorY;
   int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
   glfwGetWindowSize(window, &width, &height);
   glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
@@ -153,6 +186,10 @@ void Window::Impl::onButton(int button, bool pressed) {
   }
 }
 
+void Window::Impl::noteClick(double x, double y) {
+  if (std::hypot(x - pressedX, y - pressedY) <= kClickReach) requests.clicked = rayThrough(x, y);
+}
+
 /// Called when the owner has handled the press: the mouse moves the held prop, or otherwise the camera, starting from
 /// where the button was pressed.
 void Window::Impl::decideDrag(bool holdsProp) {
@@ -161,7 +198,10 @@ void Window::Impl::decideDrag(bool holdsProp) {
   const std::array<double, 2> now = {cursorX, cursorY};
   const std::array<double, 2> end = undecidedEnd.value_or(now);
   onCursor(end[0], end[1]);
-  if (undecidedEnd) drag = Drag::kNone;  // already released
+  if (undecidedEnd) {  // already released
+    if (drag == Drag::kCamera) noteClick(end[0], end[1]);
+    drag = Drag::kNone;
+  }
   undecidedEnd.reset();
   onCursor(now[0], now[1]);
 }

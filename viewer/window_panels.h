@@ -15,6 +15,7 @@ namespace lorica {
 /// Settings that the user changes by keys or panels.
 struct ControlState {
   SceneOptions show;
+  WindowChoices choices;
   bool paused = false;
   int steps = 0;           ///< requested single steps
   bool scrubbing = false;  ///< the user drags the timeline: playback is suspended

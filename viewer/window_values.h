@@ -16,6 +16,14 @@ struct TimedStage {
   double milliseconds = 0.0;
 };
 
+/// What the user chose and keeps from one session to the next.
+struct WindowChoices {
+  bool loop = true;    ///< at the end of a recording it starts again; else the world goes on and the avatar stands
+  bool follow = true;  ///< the camera moves with WindowValues::focus
+
+  [[nodiscard]] bool operator==(const WindowChoices&) const = default;
+};
+
 /// Values for the panels of a window, borrowed while they are drawn. Independent of sessions and files.
 struct WindowValues {
   std::string_view name;                     ///< of the played motion
@@ -33,6 +41,13 @@ struct WindowValues {
   std::span<const std::string> warnings;     ///< messages
   bool outsideTraining = false;              ///< the pose is outside the training range of the hulls
   bool holdsProp = false;                    ///< the mouse moves a prop instead of the camera
+  std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
+  std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
+  int avatar = -1;                           ///< index of the followed one; -1 = all
+  // Why something cannot be done; empty = it can be done. With static storage duration.
+  std::string_view noThrow;
+  std::string_view noUndo;
+  std::string_view noLoop;
 };
 
 /// Requests of the user since the last call, except those that the window handles itself.
@@ -42,7 +57,10 @@ struct WindowRequests {
   std::optional<int> scene;       ///< another of WindowValues::scenes
   std::optional<int> expression;  ///< another of WindowValues::expressions, or -1 = none
   bool nextExpression = false;    ///< the one after the current one; after the last none
+  std::optional<int> avatar;      ///< follow another of WindowValues::avatars, or -1 = all
   bool throwBall = false;
+  bool undo = false;           ///< take back what was thrown or dragged last
+  std::optional<Ray> clicked;  ///< the left button was pressed and released at one place, not on a held prop
   std::optional<Ray> pressed;  ///< the left button was pressed outside the panels
   bool released = false;       ///< the left button was released
 };

@@ -1,5 +1,6 @@
 #include "acd/decompose.h"
 #include "apps/action_tape.h"
+#include "apps/avatar_focus.h"
 #include "apps/window_warnings.h"
 #include "capture/files/joint_csv.h"
 #include "collision/live/live_body.h"
@@ -192,6 +193,31 @@ TEST(ActionTape, ARunFromTheStartDoesTheSameAgain) {
   EXPECT_EQ(s.runAgain(30).back(), again.back()) << "and a third time";
 }
 
+TEST(ActionTape, TheLastBallOrDragIsUndone) {
+  TapedSession s;
+  const std::vector<SessionHashes> untouched = s.runAgain(20);
+  s.runAgain(3);
+  EXPECT_FALSE(s.tape.canUndo());
+  s.tape.act(s.session, WorldAction::grab(0, s.session.world().props()[0].worldFromProp.translation()));
+  for (int i = 0; i < 4; ++i) {
+    s.tape.act(s.session, WorldAction::moveGrab(Vec3(0.3, 0.5, 0.8)));
+    s.run(1);
+  }
+  s.tape.act(s.session, WorldAction::release());
+  s.run(13);
+  const SessionHashes dragged = s.session.hashes();
+  s.runAgain(7);
+  s.tape.act(s.session, aBall());
+  s.run(13);
+  EXPECT_NE(s.session.hashes(), dragged);
+  s.tape.undo();
+  EXPECT_EQ(s.runAgain(20).back(), dragged) << "without the ball";
+  s.tape.undo();
+  EXPECT_FALSE(s.tape.canUndo());
+  EXPECT_EQ(s.runAgain(20).back(), untouched.back()) << "without the drag";
+  s.tape.undo();  // nothing is left
+}
+
 TEST(ActionTape, ANewActionReplacesTheRecordedOnesThatFollow) {
   TapedSession s;
   s.runAgain(3);
@@ -213,6 +239,39 @@ TEST(ActionTape, ANewActionReplacesTheRecordedOnesThatFollow) {
   EXPECT_EQ(s.runAgain(10).back(), second);
   s.tape.clear();
   EXPECT_NE(s.runAgain(10).back(), second);
+}
+
+TEST(AvatarFocus, FollowsOneAvatarOrAllWithoutTheirQuickMovements) {
+  const std::vector<SkeletonFrame> frames = test::shippedFrames("walk", 40);
+  const auto source = [&] { return makeTreatedSource(mannequin(), makeRecordedSource(frames), {}).value(); };
+  Session session = test::demoSession(source());
+  SessionAvatar second = session.avatar().another(source());
+  second.setPlace(Isometry3(Eigen::Translation3d(2.0, 0.0, 0.0)));
+  session.addAvatar(std::move(second));
+  AvatarFocus all, one;
+  one.choose(1);
+  EXPECT_FALSE(all.position().has_value()) << "before the first frame";
+  ASSERT_TRUE(session.step().value());
+  all.update(session);
+  one.update(session);
+  ASSERT_TRUE(all.position() && one.position());
+  EXPECT_NEAR(one.position()->x() - all.position()->x(), 1.0, 1e-9) << "half way between them";
+  const Vec3 first = *one.position();
+  Vec3 last = first;
+  for (int frame = 1; frame < 40; ++frame) {
+    ASSERT_TRUE(session.step().value());
+    one.update(session);
+    EXPECT_LT((*one.position() - last).norm(), 0.06) << "smoothly";
+    last = *one.position();
+  }
+  EXPECT_GT((last - first).norm(), 0.05) << "it walks";
+
+  const Ray fromTheFront{Vec3(last.x(), last.y(), 8.0), -Vec3::UnitZ()};
+  EXPECT_EQ(avatarAt(session, fromTheFront), 1);
+  EXPECT_EQ(avatarAt(session, {fromTheFront.origin - Vec3(2.0, 0.0, 0.0), -Vec3::UnitZ()}), 0);
+  EXPECT_EQ(avatarAt(session, {fromTheFront.origin, Vec3::UnitZ()}), -1) << "behind the eye";
+  EXPECT_EQ(avatarAt(session, {Vec3(8.0, last.y(), last.z()), -Vec3::UnitX()}), 1) << "the nearer one";
+  EXPECT_EQ(avatarNames(session)[1], "2 " + mannequin().name);
 }
 
 TEST(WindowWarnings, NameWhatIsLost) {

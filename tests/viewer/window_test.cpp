@@ -216,6 +216,49 @@ TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
   EXPECT_EQ(picture().rgba, before.rgba) << "the camera is reset";
 }
 
+TEST_F(WindowAtWork, TheCameraMovesWithTheFocusUnlessToldNotTo) {
+  open(320, 240);
+  const Camera before = window->camera();
+  values.focus = Vec3(0.5, 1.0, 0.0);
+  frames(2);
+  EXPECT_EQ(window->camera().eye, before.eye) << "it starts where it is";
+  values.focus = Vec3(1.5, 1.4, -0.5);
+  frames(2);
+  EXPECT_LT((window->camera().eye - before.eye - Vec3(1.0, 0.0, -0.5)).norm(), 1e-9) << "over the ground";
+  EXPECT_LT((window->camera().target - before.target - Vec3(1.0, 0.0, -0.5)).norm(), 1e-9);
+  send("key f");
+  values.focus = Vec3(3.0, 1.0, 0.0);
+  frames(2);
+  EXPECT_LT((window->camera().eye - before.eye - Vec3(1.0, 0.0, -0.5)).norm(), 1e-9) << "free";
+  send("key f");
+  EXPECT_LT((window->camera().target - Vec3(3.0, before.target.y(), 0.0)).norm(), 1e-9) << "it looks at the focus";
+}
+
+TEST_F(WindowAtWork, KeysLookFromTheFrontTheSideTheBackAndAbove) {
+  open(320, 240);
+  const std::pair<const char*, Vec3> views[] = {
+      {"F2", Vec3::UnitZ()}, {"F3", Vec3::UnitX()}, {"F4", -Vec3::UnitZ()}, {"F5", Vec3::UnitY()}};
+  for (const auto& [key, from] : views) {
+    send(std::string("key ") + key);
+    const Camera camera = window->camera();
+    EXPECT_GT((camera.eye - camera.target).normalized().dot(from), 0.99) << key;
+    EXPECT_EQ(camera.target, test::frontCamera().target);
+  }
+}
+
+TEST_F(WindowAtWork, AClickIsAPressThatDoesNotMove) {
+  open(320, 240);
+  send("mousemove --window %1 160 100 click 1");
+  const std::optional<Ray> clicked = window->takeRequests().clicked;
+  ASSERT_TRUE(clicked.has_value());
+  EXPECT_LT((clicked->direction - window->pointer().direction).norm(), 1e-9);
+  send("mousemove --window %1 160 100 mousedown 1 mousemove --window %1 200 110 mouseup 1");
+  EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it turned the camera";
+  values.holdsProp = true;
+  send("mousemove --window %1 160 100 click 1");
+  EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it held a prop";
+}
+
 TEST_F(WindowAtWork, SpacePausesAndNStepsAndEscapeCloses) {
   open(320, 240);
   EXPECT_TRUE(window->wantsStep());

@@ -1,0 +1,42 @@
+#include "apps/window_texts.h"
+
+#include "apps/report.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+std::string statusOf(const Session& session, bool ended) {
+  std::ptrdiff_t parts = 0;
+  for (const SessionAvatar& avatar : session.avatars())
+    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
+  std::vector<int> touched;
+  for (const Contact& contact : session.world().contacts()) touched.push_back(contact.prop);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  std::string status = counted(parts, "part");
+  if (!touched.empty()) status += ", touching " + counted(std::ssize(touched), "prop");
+  if (ended) status += ", end of recording";
+  return status;
+}
+
+void addStageTimes(const Session& session, std::optional<double> tracking, Window& window) {
+  const StageTimes& t = session.times();
+  std::array<TimedStage, 8> stages;
+  std::size_t count = 0;
+  const auto add = [&](const char* name, double microseconds) { stages[count++] = {name, 1e-3 * microseconds}; };
+  if (tracking) add("joints", 1e6 * *tracking);
+  add("pose", t.retarget);
+  if (session.springs() != nullptr) add("springs", t.springs);
+  add("motion", t.motion);
+  add("points", t.points);
+  add("hulls", t.hulls);
+  add("physics", t.physics);
+  if (session.world().particles() != nullptr) add("particles", t.particles);
+  window.addTimes(std::span(stages).first(count));
+}
+
+}  // namespace lorica

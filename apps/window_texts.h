@@ -1,0 +1,18 @@
+#pragma once
+
+#include "session/session.h"
+#include "viewer/window.h"
+
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// The line of status of a window: parts and touched props.
+[[nodiscard]] std::string statusOf(const Session& session, bool ended);
+
+/// Adds the last frame of a session to the window's graph.
+/// @param tracking  time for tracking the joints [s]; none = not measured
+void addStageTimes(const Session& session, std::optional<double> tracking, Window& window);
+
+}  // namespace lorica
