@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -41,6 +42,12 @@ std::size_t countOf(const ParticleSettings& settings) {
   }
   for (const ParticleSettings::Pour& pour : settings.pours) count += static_cast<std::size_t>(std::max(pour.count, 0));
   return std::clamp<std::size_t>(count, 1, ParticleSettings::kMaxParticles);
+}
+
+/// So that particles that are released one after the other are everywhere on the disc.
+void shuffle(std::vector<Vec3f>& disc) {
+  RandomNumbers random(kSeed);
+  for (std::size_t i = disc.size(); i > 1; --i) std::swap(disc[i - 1], disc[random.bits() % i]);
 }
 
 }  // namespace
@@ -79,6 +86,7 @@ Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
         sources_[i].disc.emplace_back(static_cast<float>(x * step), 0.0f, static_cast<float>(z * step));
       }
     }
+    shuffle(sources_[i].disc);
   }
 }
 
@@ -102,27 +110,27 @@ void Particles::fill(const ParticleSettings::Fill& fill) {
 void Particles::pour(std::size_t index, double seconds) {
   const ParticleSettings::Pour& pour = settings_.pours[index];
   Source& source = sources_[index];
+  const double waiting = source.due;  // of the next particle: the part of it that was due before
   source.due = std::min(source.due + pour.rate * seconds, static_cast<double>(pour.count - source.poured));
   const auto count = static_cast<int>(source.due);
   if (count <= 0) return;
   source.due -= count;
-  const auto layer = static_cast<float>(2.0 * settings_.radius * kApart);
+  const double layer = 2.0 * settings_.radius * kApart;
   RandomNumbers random(kSeed + static_cast<std::uint64_t>(source.poured));
-  added_.clear();
-  // Side by side on the disc, and above each other once it is full; each as if released at a different time of the
-  // frame.
   const auto positions = static_cast<int>(source.disc.size());
-  const auto begin = static_cast<int>(random.bits() % source.disc.size());
+  // Evenly in time. A particle that is released later in the frame begins it where it falls to the disc from: a frame's
+  // particles are thus as far from each other, and from those of other frames, as the speed at any height asks for.
   for (int i = 0; i < count; ++i) {
-    Vec3f position = source.disc[(begin + i) % positions];
-    position.x() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
-    position.z() += layer * static_cast<float>(kJitter * random.between(-0.5, 0.5));
-    const int turn = i / positions;
-    position.y() = layer * static_cast<float>(turn) - static_cast<float>(pour.velocity.y() * seconds * random.unit());
-    added_.push_back(pour.middle.cast<float>() + position);
+    const double later = (i + 1 - waiting) / pour.rate;
+    Vec3 offset = source.disc[static_cast<std::size_t>((source.poured + i) % positions)].cast<double>();
+    offset.x() += layer * kJitter * random.between(-0.5, 0.5);
+    offset.z() += layer * kJitter * random.between(-0.5, 0.5);
+    offset += -later * pour.velocity + 0.5 * later * later * settings_.gravity;
+    if (i >= positions) offset.y() = std::max(offset.y(), layer * (i / positions));  // the disc is full
+    const Vec3f position = (pour.middle + offset).cast<float>();
+    add(std::span(&position, 1), pour.velocity - later * settings_.gravity);
   }
   source.poured += count;
-  add(added_, pour.velocity);
 }
 
 void Particles::add(std::span<const Vec3f> positions, const Vec3& velocity) {
