@@ -2,6 +2,8 @@
 
 #include "skinning/linear_blend.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -42,6 +44,27 @@ std::span<const SelfContact> LiveCharacter::selfContacts() {
   if (!posed_) return {};
   if (!contacts_) contacts_.emplace(live_, body_->character().mesh.vertices);
   return contacts_->find(live_.parts());
+}
+
+std::span<const ShapeContact> LiveCharacter::touches(const RoundedShape& shape) {
+  if (!posed_) return {};
+  if (!touches_) touches_.emplace(live_);
+  return touches_->find(live_.parts(), shape);
+}
+
+Result<void> checkShape(const RoundedShape& shape) {
+  constexpr double kFarthest = 1e6;  // [m]; single precision has nothing to say beyond
+  if (shape.points.empty()) return Error{ErrorCode::kInvalidArgument, "points: found none, expected at least one"};
+  if (!(shape.radius >= 0.0 && shape.radius <= kFarthest)) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("radius: found {}, expected 0 to 1,000,000 m", shape.radius)};
+  }
+  for (std::size_t i = 0; i < shape.points.size(); ++i) {
+    const Vec3& p = shape.points[i];
+    if (p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("point {}: found {} {} {}, expected -1,000,000 to 1,000,000 m", i, p.x(), p.y(), p.z())};
+  }
+  return {};
 }
 
 }  // namespace lorica

@@ -3,6 +3,7 @@
 #include "bindings/playable_character.h"
 #include "collision/live/live_body.h"
 #include "collision/world/self_contact.h"
+#include "collision/world/shape_contact.h"
 
 #include <memory>
 #include <optional>
@@ -33,6 +34,8 @@ class LiveCharacter {
   [[nodiscard]] Vec3 support(PartIndex part, const Vec3& direction) const { return live_.support(part, direction); }
   /// See SelfContactQuery. The first call prepares the query.
   [[nodiscard]] std::span<const SelfContact> selfContacts();
+  /// See ShapeContactQuery. The first call prepares the query. @param shape  that checkShape() accepts
+  [[nodiscard]] std::span<const ShapeContact> touches(const RoundedShape& shape);
 
  private:
   void move();
@@ -42,7 +45,11 @@ class LiveCharacter {
   std::vector<Affine3> worldFromJoint_, worldFromModel_;
   std::vector<ConvexHull> hulls_;
   std::optional<SelfContactQuery> contacts_;
+  std::optional<ShapeContactQuery> touches_;
   bool posed_ = false;
 };
+
+/// An error if a shape has no points, or a number that is not finite, below 0, or beyond 1,000 km.
+[[nodiscard]] Result<void> checkShape(const RoundedShape& shape);
 
 }  // namespace lorica

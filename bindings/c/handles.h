@@ -31,6 +31,8 @@ struct lorica_live {
   lorica::Pose pose;                   ///< scratch
   std::vector<lorica::Affine3> given;  ///< scratch
   std::vector<lorica::SelfContact> contacts;
+  std::vector<lorica::Vec3> points;  ///< scratch
+  std::vector<lorica::ShapeContact> touches;
 };
 
 struct lorica_tracker {

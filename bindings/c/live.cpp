@@ -42,7 +42,7 @@ lorica_status lorica_live_make(const lorica_body* body, lorica_live** out) {
     if (Result<void> fine = given(out, "out"); !fine) return fine;
     const Skeleton& skeleton = body->body->character().skeleton;
     *out = new lorica_live{
-        LiveCharacter(body->body), restPose(skeleton), std::vector<Affine3>(skeleton.joints().size()), {}};
+        LiveCharacter(body->body), restPose(skeleton), std::vector<Affine3>(skeleton.joints().size()), {}, {}, {}};
     return {};
   });
 }
@@ -57,6 +57,7 @@ lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, s
     if (Result<void> fine = inRange(frame, motion->motion.times.size(), "frame"); !fine) return fine;
     live->live.pose(motion->motion.pose(static_cast<int>(frame)));
     live->contacts.clear();
+    live->touches.clear();
     return {};
   });
 }
@@ -70,6 +71,7 @@ lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion
     poseAt(motion->motion, seconds, live->pose);
     live->live.pose(live->pose);
     live->contacts.clear();
+    live->touches.clear();
     return {};
   });
 }
@@ -89,6 +91,7 @@ lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint
     }
     live->live.place(live->given);
     live->contacts.clear();
+    live->touches.clear();
     return {};
   });
 }
@@ -153,5 +156,38 @@ lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_
     Eigen::Map<Vec3>(contact.direction) = found.direction;
     contact.depth = found.depth;
     return handOut(contact, out);
+  });
+}
+
+lorica_status lorica_live_find_touches(lorica_live* live, const lorica_shape* shape, size_t* count) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(live, "live"); !fine) return fine;
+    if (Result<void> fine = given(shape, "shape"); !fine) return fine;
+    if (Result<void> fine = given(count, "count"); !fine) return fine;
+    const Result<lorica_shape> whole = taken(shape, "shape");
+    if (!whole) return whole.error();
+    if (Result<void> fine = given(whole->points, "shape.points"); !fine) return fine;
+    live->points.clear();
+    for (std::size_t i = 0; i < whole->point_count; ++i) live->points.emplace_back(whole->points + 3 * i);
+    const RoundedShape rounded{live->points, whole->radius};
+    if (Result<void> fine = checkShape(rounded); !fine) return fine;
+    const std::span<const ShapeContact> found = live->live.touches(rounded);
+    live->touches.assign(found.begin(), found.end());
+    *count = live->touches.size();
+    return {};
+  });
+}
+
+lorica_status lorica_live_touch(const lorica_live* live, size_t index, lorica_touch* out) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> fine = given(live, "live"); !fine) return fine;
+    if (Result<void> fine = inRange(index, live->touches.size(), "touch"); !fine) return fine;
+    const ShapeContact& found = live->touches[index];
+    lorica_touch touch = {};
+    touch.part = static_cast<std::size_t>(found.part);
+    Eigen::Map<Vec3>(touch.position) = found.position;
+    Eigen::Map<Vec3>(touch.direction) = found.direction;
+    touch.depth = found.depth;
+    return handOut(touch, out);
   });
 }

@@ -231,6 +231,30 @@ LORICA_API lorica_status lorica_live_find_contacts(lorica_live* live, size_t* co
 /* One of those that were found last. */
 LORICA_API lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_contact* out);
 
+/* A convex solid of yours: everything within a radius of the convex hull of points. One point makes a ball, two a
+ * capsule, eight corners a box. */
+typedef struct lorica_shape {
+  size_t size;
+  const double* points; /* x y z for each, world [m]; at least one */
+  size_t point_count;
+  double radius; /* 0 or more [m] */
+} lorica_shape;
+
+/* A part of the body and a shape that overlap. */
+typedef struct lorica_touch {
+  size_t size;
+  size_t part;
+  double position[3];  /* where the overlap is deepest, world [m] */
+  double direction[3]; /* unit, from the part to the shape */
+  double depth;        /* how far the shape has to move along it [m] */
+} lorica_touch;
+
+/* Finds the parts that a shape overlaps in this pose, in the order of parts; none before the first pose. To within 0.2
+ * mm and 1 %. @param count  written */
+LORICA_API lorica_status lorica_live_find_touches(lorica_live* live, const lorica_shape* shape, size_t* count);
+/* One of those that were found last. */
+LORICA_API lorica_status lorica_live_touch(const lorica_live* live, size_t index, lorica_touch* out);
+
 /* ---- Joints from depth images ---- */
 
 typedef struct lorica_tracker_options {

@@ -82,6 +82,15 @@ std::vector<Affine3> transformsFrom(const py::object& matrices, std::size_t coun
   return transforms;
 }
 
+std::vector<Vec3> pointsFrom(const py::object& points) {
+  const py::array array = arrayOf(points, "points", "fiu", "numbers", "(n, 3) or (3,)",
+                                  [](const py::array& a) { return isTable(a) || (a.ndim() == 1 && a.shape(0) == 3); });
+  const auto rows = rowsOf<double>(array);
+  std::vector<Vec3> found;
+  for (py::ssize_t i = 0; i < rows.size(); i += 3) found.emplace_back(rows.data() + i);
+  return found;
+}
+
 py::array view(std::span<const Vec3> points, py::handle owner) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const double* data = points.empty() ? nullptr : points.front().data();

@@ -19,6 +19,10 @@ namespace lorica {
 /// @throws ValueError  with a sentence
 [[nodiscard]] std::vector<Affine3> transformsFrom(const pybind11::object& matrices, std::size_t count);
 
+/// Points in an array of (n, 3) numbers, or one point in an array of 3.
+/// @throws ValueError  with a sentence about shape or type
+[[nodiscard]] std::vector<Vec3> pointsFrom(const pybind11::object& points);
+
 /// Read-only arrays over memory that belongs to `owner`, which they keep alive.
 [[nodiscard]] pybind11::array view(std::span<const Vec3> points, pybind11::handle owner);
 [[nodiscard]] pybind11::array view(std::span<const Triangle> triangles, pybind11::handle owner);

@@ -60,6 +60,16 @@ class Live {
     return {found.begin(), found.end()};
   }
 
+  std::vector<ShapeContact> touches(const py::object& points, double radius) {
+    const std::vector<Vec3> given = pointsFrom(points);
+    const RoundedShape shape{given, radius};
+    if (const Result<void> fine = checkShape(shape); !fine) raise(fine.error());
+    const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    const std::span<const ShapeContact> found = live_.touches(shape);
+    return {found.begin(), found.end()};
+  }
+
   FrameHandle pose(const py::object& matrices) {
     const std::vector<Affine3> worldFromJoint = transformsFrom(matrices, live_.worldFromJoint().size());
     const py::gil_scoped_release released;
@@ -234,6 +244,14 @@ void addBody(py::module_& module) {
       });
 }
 
+/// (3,) float64, read-only, no copy: a vector of a contact.
+template <typename Contact>
+auto vectorOf(Vec3 Contact::*member) {
+  return [member](const py::object& self) {
+    return view(std::span(&(self.cast<const Contact&>().*member), 1), self).attr("reshape")(3);
+  };
+}
+
 void addFrame(py::module_& module) {
   py::class_<FrameHandle>(module, "Frame", "A body in one pose. It stays as it is when the body moves on.")
       .def_property_readonly(
@@ -248,20 +266,27 @@ void addFrame(py::module_& module) {
   py::class_<SelfContact>(module, "Contact", "Two parts of one body that overlap and are no neighbours.")
       .def_readonly("first", &SelfContact::first, "Index of a part, below `second`.")
       .def_readonly("second", &SelfContact::second, "Index of the other part.")
-      .def_property_readonly(
-          "position",
-          [](const py::object& self) {
-            return view(std::span(&self.cast<const SelfContact&>().position, 1), self).attr("reshape")(3);
-          },
-          "(3,) float64: where the overlap is deepest, world [m].")
-      .def_property_readonly(
-          "direction",
-          [](const py::object& self) {
-            return view(std::span(&self.cast<const SelfContact&>().direction, 1), self).attr("reshape")(3);
-          },
-          "(3,) float64: unit, from the first part to the second.")
+      .def_property_readonly("position", vectorOf(&SelfContact::position),
+                             "(3,) float64: where the overlap is deepest, world [m].")
+      .def_property_readonly("direction", vectorOf(&SelfContact::direction),
+                             "(3,) float64: unit, from the first part to the second.")
       .def_readonly("depth", &SelfContact::depth, "How far the second has to move along the direction [m].");
+  py::class_<ShapeContact>(module, "Touch", "A part of a body and a shape of yours that overlap.")
+      .def_readonly("part", &ShapeContact::part, "Index of the part.")
+      .def_property_readonly("position", vectorOf(&ShapeContact::position),
+                             "(3,) float64: where the overlap is deepest, world [m].")
+      .def_property_readonly("direction", vectorOf(&ShapeContact::direction),
+                             "(3,) float64: unit, from the part to the shape.")
+      .def_readonly("depth", &ShapeContact::depth, "How far the shape has to move along the direction [m].");
 }
+
+constexpr const char* kTouches = R"(Parts that a convex solid of yours overlaps in the last pose: a list of Touch.
+
+The solid is everything within `radius` of the convex hull of `points`: one point makes a ball, two a capsule, eight
+corners a box.
+
+points  (n, 3) or (3,) numbers, world [m]
+radius  0 or more [m])";
 
 }  // namespace
 
@@ -273,7 +298,8 @@ void addCharacters(py::module_& module) {
                                           "A body that is moved. Threads may share it, one call at a time.")
       .def("pose", &Live::pose, "world_from_joint"_a,
            "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.")
-      .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.");
+      .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.")
+      .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches);
   py::class_<Player, std::shared_ptr<Player>>(module, "Player", "A motion on a body: an iterator of Frame.")
       .def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
       .def("__next__", &Player::step)
@@ -285,7 +311,13 @@ void addCharacters(py::module_& module) {
           "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
       .def(
           "contacts", [](const Player& self) { return self.live->contacts(); },
-          "Overlaps of the body's own parts in the last frame: a list of Contact.");
+          "Overlaps of the body's own parts in the last frame: a list of Contact.")
+      .def(
+          "touches",
+          [](const Player& self, const py::object& points, double radius) {
+            return self.live->touches(points, radius);
+          },
+          "points"_a, "radius"_a = 0.0, kTouches);
   module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
              R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
 

@@ -11,7 +11,7 @@ namespace lorica {
 /// eight corners a box.
 struct RoundedShape {
   std::span<const Vec3> points;  ///< world [m], at least one
-  double radius = 0.0;           ///< [m]; above 0 unless the points span a volume
+  double radius = 0.0;           ///< 0 or more [m]
 };
 
 /// A part of a body and a shape that overlap.

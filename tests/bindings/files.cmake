@@ -9,6 +9,7 @@ set(commands
   "${TRUTH} glb ${FILES}/hero.glb"
   "${TRUTH} hulls ${FILES}/body.lorica ${RECORDINGS}/walk.csv 40 ${FILES}/walk_csv.hulls"
   "${TRUTH} hulls ${FILES}/body.lorica ${FILES}/walk.bvh 40 ${FILES}/walk_bvh.hulls"
+  "${TRUTH} touches ${FILES}/body.lorica ${RECORDINGS}/walk.csv 40 ${FILES}/walk_csv.touches"
   "${TRUTH} depth ${RECORDINGS}/wave_depth.oni 20 ${FILES}/depth")
 foreach(command ${commands})
   separate_arguments(arguments UNIX_COMMAND "${command}")

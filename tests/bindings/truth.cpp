@@ -4,6 +4,9 @@
 //   truth hulls BODY.lorica MOTION FRAMES OUT     the hulls of a session's first frames, in world space: for each part
 //                                                 its counts of vertices and triangles (int32), x y z (float64) and
 //                                                 indices (int32)
+//   truth touches BODY.lorica MOTION FRAMES OUT   what a capsule touches in each of these frames: a count (int32), then
+//   each
+//                                                 part (int32), position, direction, depth (float64)
 //   truth depth FILE.oni FRAMES OUT               images and the tracker's joints: width, height (int32), two fields of
 //                                                 view (float64); for each frame its time (float64), depths (uint16),
 //                                                 count of people (int32), and of each 15 joints' x y z confidence
@@ -13,6 +16,7 @@
 #include "capture/files/joint_csv.h"
 #include "capture/sensor/oni_file.h"
 #include "capture/tracking/tracker.h"
+#include "collision/world/shape_contact.h"
 #include "session/demo_scene.h"
 #include "session/prepare/motion.h"
 #include "session/session.h"
@@ -20,6 +24,7 @@
 #include "tests/apps/mannequin_glb.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -48,7 +53,23 @@ std::string hullsOf(const Session& session) {
   return bytes;
 }
 
-std::string hullsOfSession(const std::filesystem::path& body, const std::filesystem::path& file, int frames) {
+/// The capsule that tests use: it goes through the mannequin's hips.
+std::string touchesOf(const Session& session, ShapeContactQuery& query) {
+  const std::array<Vec3, 2> ends = {Vec3(-1.5, 0.9, 0.1), Vec3(0.2, 1.1, -0.1)};
+  const std::span<const ShapeContact> found = query.find(session.body().parts(), {ends, 0.06});
+  std::string bytes;
+  const auto count = static_cast<std::int32_t>(found.size());
+  append(bytes, &count, 1);
+  for (const ShapeContact& touch : found) {
+    append(bytes, &touch.part, 1);
+    append(bytes, touch.position.data(), 3);
+    append(bytes, touch.direction.data(), 3);
+    append(bytes, &touch.depth, 1);
+  }
+  return bytes;
+}
+
+Session sessionOf(const std::filesystem::path& body, const std::filesystem::path& file) {
   const DecompositionFile content = readDecomposition(body).value();
   const Character character = makeMannequin();
   Motion motion;
@@ -59,11 +80,16 @@ std::string hullsOfSession(const std::filesystem::path& body, const std::filesys
     motion.joints = readJointCsv(file).value();
   }
   std::unique_ptr<PoseSource> source = poseSourceOf(character, motion, SourceTreatment{}).value();
-  Session session = Session::create(character, content.decomposition, std::move(source), makeDemoWorld(kDemoSeed),
-                                    content.cover, content.training)
-                        .value();
+  return Session::create(character, content.decomposition, std::move(source), makeDemoWorld(kDemoSeed), content.cover,
+                         content.training)
+      .value();
+}
+
+/// @param bytesOf  of a frame
+template <typename Bytes>
+std::string inEachFrame(Session& session, int frames, const Bytes& bytesOf) {
   std::string bytes;
-  for (int frame = 0; frame < frames && session.step().value(); ++frame) bytes += hullsOf(session);
+  for (int frame = 0; frame < frames && session.step().value(); ++frame) bytes += bytesOf(session);
   return bytes;
 }
 
@@ -101,7 +127,13 @@ int main(int argc, char** argv) {
   if (what == "glb" && argc == 3) {
     std::ofstream(argv[2], std::ios::binary) << lorica::test::mannequinGlb(true);
   } else if (what == "hulls" && argc == 6) {
-    std::ofstream(argv[5], std::ios::binary) << hullsOfSession(argv[2], argv[3], std::atoi(argv[4]));
+    Session session = sessionOf(argv[2], argv[3]);
+    std::ofstream(argv[5], std::ios::binary) << inEachFrame(session, std::atoi(argv[4]), hullsOf);
+  } else if (what == "touches" && argc == 6) {
+    Session session = sessionOf(argv[2], argv[3]);
+    ShapeContactQuery query(session.body());
+    const auto touches = [&](const Session& posed) { return touchesOf(posed, query); };
+    std::ofstream(argv[5], std::ios::binary) << inEachFrame(session, std::atoi(argv[4]), touches);
   } else if (what == "depth" && argc == 5) {
     std::ofstream(argv[4], std::ios::binary) << trackedDepth(argv[2], std::atoi(argv[3]));
   } else {

@@ -199,6 +199,49 @@ static void compare(const char *motion_name, const char *truth) {
   lorica_motion_free(motion);
 }
 
+/* What a capsule touches in 40 frames, as tests/bindings/truth.cpp writes it of a session. */
+static void test_touches(void) {
+  lorica_motion *motion = NULL;
+  lorica_live *live = NULL;
+  CHECK(lorica_motion_read(mannequin, "walk", NULL, &motion) == LORICA_OK);
+  CHECK(lorica_live_make(body, &live) == LORICA_OK);
+  double ends[] = {-1.5, 0.9, 0.1, 0.2, 1.1, -0.1};
+  lorica_shape capsule = {.size = sizeof capsule, .points = ends, .point_count = 2, .radius = 0.06};
+  lorica_touch touch = {.size = sizeof touch};
+  size_t count = 7, all = 0;
+  CHECK(lorica_live_find_touches(live, &capsule, &count) == LORICA_OK && count == 0); /* no pose yet */
+  FILE *file = fopen(path("walk_csv.touches"), "rb");
+  CHECK(file != NULL);
+  for (size_t frame = 0; file != NULL && frame < 40; ++frame) {
+    const long before = allocations;
+    CHECK(lorica_live_play(live, motion, frame) == LORICA_OK);
+    CHECK(lorica_live_find_touches(live, &capsule, &count) == LORICA_OK);
+    if (frame > 0) CHECK(allocations == before);
+    int32_t expected = -1, part = -1;
+    CHECK(fread(&expected, sizeof expected, 1, file) == 1 && (size_t)expected == count);
+    for (size_t i = 0; i < count; ++i, ++all) {
+      double numbers[7];
+      CHECK(fread(&part, sizeof part, 1, file) == 1 && fread(numbers, sizeof numbers, 1, file) == 1);
+      CHECK(lorica_live_touch(live, i, &touch) == LORICA_OK && touch.part == (size_t)part);
+      CHECK(memcmp(numbers, touch.position, 24) == 0 && memcmp(numbers + 3, touch.direction, 24) == 0);
+      CHECK(numbers[6] == touch.depth);
+    }
+  }
+  CHECK(all >= 40);
+  if (file != NULL) fclose(file);
+  FAILS(LORICA_INVALID_ARGUMENT, "touch", lorica_live_touch(live, count, &touch));
+  capsule.radius = -1;
+  FAILS(LORICA_INVALID_ARGUMENT, "radius: found -1", lorica_live_find_touches(live, &capsule, &count));
+  capsule.radius = 0;
+  capsule.point_count = 0;
+  FAILS(LORICA_INVALID_ARGUMENT, "points: found none", lorica_live_find_touches(live, &capsule, &count));
+  capsule.point_count = 2;
+  ends[4] = NAN;
+  FAILS(LORICA_INVALID_ARGUMENT, "point 1: found", lorica_live_find_touches(live, &capsule, &count));
+  lorica_live_free(live);
+  lorica_motion_free(motion);
+}
+
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static void test_live(void) {
@@ -355,6 +398,7 @@ int main(int argc, char **argv) {
   test_characters();
   compare("walk", "walk_csv.hulls");
   compare(path("walk.bvh"), "walk_bvh.hulls");
+  test_touches();
   test_live();
   test_tracker();
   test_threads();

@@ -52,6 +52,17 @@ int main(void) {
   FIELD(lorica_contact, position);
   FIELD(lorica_contact, direction);
   FIELD(lorica_contact, depth);
+  STRUCT(lorica_shape);
+  FIELD(lorica_shape, size);
+  FIELD(lorica_shape, points);
+  FIELD(lorica_shape, point_count);
+  FIELD(lorica_shape, radius);
+  STRUCT(lorica_touch);
+  FIELD(lorica_touch, size);
+  FIELD(lorica_touch, part);
+  FIELD(lorica_touch, position);
+  FIELD(lorica_touch, direction);
+  FIELD(lorica_touch, depth);
   STRUCT(lorica_tracker_options);
   FIELD(lorica_tracker_options, size);
   FIELD(lorica_tracker_options, width);

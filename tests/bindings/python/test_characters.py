@@ -5,7 +5,7 @@ from pathlib import Path
 
 import lorica
 import numpy as np
-from shapes import FILES, farthest_outside
+from shapes import FILES, box, farthest_outside
 
 
 def bytes_of(frame):
@@ -108,6 +108,32 @@ class Characters(unittest.TestCase):
             self.assertAlmostEqual(np.linalg.norm(contact.direction), 1, 6)
             self.assertEqual(contact.position.shape, (3,))
 
+    def test_touches_of_a_capsule_are_those_of_the_library_bit_for_bit(self):
+        player = lorica.play("walk", self.body)
+        found = b""
+        for _ in zip(range(40), player):
+            touches = player.touches([[-1.5, 0.9, 0.1], [0.2, 1.1, -0.1]], radius=0.06)
+            found += np.int32(len(touches)).tobytes()
+            for touch in touches:
+                numbers = np.array([*touch.position, *touch.direction, touch.depth])
+                found += np.int32(touch.part).tobytes() + numbers.tobytes()
+        self.assertEqual(found, (FILES / "walk_csv.touches").read_bytes())
+
+    def test_a_box_that_moves_out_of_a_touch_only_touches(self):
+        live = self.body.live()
+        self.assertEqual(live.touches([0, 1, 0], 0.1), [])  # no pose yet
+        frame = live.pose(next(lorica.play("walk", self.body)).world_from_joint)
+        hips = frame.world_from_joint[0, :3, 3]
+        corners = box(hips - 0.1, hips + [0.3, 0.1, 0.1])[0]
+        touches = live.touches(corners)
+        self.assertTrue(touches)
+        for touch in touches:
+            hull = frame.hulls[touch.part].vertices
+            reach = (hull @ touch.direction).max() - (corners @ touch.direction).min()
+            self.assertAlmostEqual(reach, touch.depth, 6)
+            out = corners + (touch.depth + 1e-5) * touch.direction
+            self.assertNotIn(touch.part, [again.part for again in live.touches(out)])
+
     def test_a_vertex_limit_holds_in_every_frame(self):
         body = self.mannequin.body(2, hull_vertices=32)
         for _, frame in zip(range(30), lorica.play("punch_and_kick", body)):
@@ -129,6 +155,10 @@ class Characters(unittest.TestCase):
             (ValueError, r"expected \(52, 4, 4\)", lambda: self.body.live().pose(np.eye(4))),
             (ValueError, "joint 0", lambda: self.body.live().pose(np.full((52, 4, 4), np.nan))),
             (ValueError, "joint 0", lambda: self.body.live().pose(np.zeros((52, 4, 4)))),
+            (ValueError, r"points: found shape \(2,\), expected \(n, 3\)", lambda: self.body.live().touches([0, 1])),
+            (ValueError, "points: found none", lambda: self.body.live().touches(np.zeros((0, 3)))),
+            (ValueError, "point 0: found nan", lambda: self.body.live().touches([np.nan, 1, 0])),
+            (ValueError, "radius: found -1", lambda: self.body.live().touches([0, 1, 0], -1)),
         ):
             with self.subTest(sentence), self.assertRaisesRegex(error, sentence):
                 call()
