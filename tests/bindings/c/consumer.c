@@ -1,5 +1,6 @@
 /* A program in C11 that uses all of lorica.h: consumer FILES, the folder that files.cmake made. Exit status 1 and a line for
  * each check that fails. */
+#include "check.h"
 #include "lorica.h"
 
 #include <math.h>
@@ -10,39 +11,7 @@
 #include <string.h>
 #include <threads.h>
 
-static int failures = 0;
 static char folder[512];
-
-#define CHECK(condition)                                                                             \
-  do {                                                                                               \
-    if (!(condition)) {                                                                              \
-      ++failures;                                                                                    \
-      printf("line %d: %s\n  last error: %s\n", __LINE__, #condition, lorica_last_error());          \
-    }                                                                                                \
-  } while (0)
-#define FAILS(status, sentence, call)                  \
-  do {                                                 \
-    CHECK((call) == (status));                         \
-    CHECK(strstr(lorica_last_error(), (sentence)) != NULL); \
-  } while (0)
-
-/* Every allocation of the program goes through these. */
-static long allocations = 0;
-void *__libc_malloc(size_t size);
-void *__libc_calloc(size_t count, size_t size);
-void *__libc_realloc(void *block, size_t size);
-void *malloc(size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-void *calloc(size_t count, size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-void *realloc(void *block, size_t size) {
-  ++allocations;
-  return __libc_realloc(block, size);
-}
 
 static const char *path(const char *name) {
   static char whole[600];
