@@ -325,9 +325,9 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsize
 
 void Renderer::Impl::drawAvatarCasters(shaders::Pass pass) {
   if (shownAvatars.empty()) return;
-  // Hair and clothes are open, so lit faces cast shadows: moved away from the light, they do not shadow themselves.
+  // Hair and clothes are open, so lit faces cast shadows.
   gl.Enable(GL_POLYGON_OFFSET_FILL);
-  gl.PolygonOffset(2.0f, 8.0f);
+  gl.PolygonOffset(kCasterSlope, kCasterUnits);
   const Draw draw = pass == shaders::Pass::kShadow ? Draw::kShadow : Draw::kContact;
   for (AvatarGpu* next : shownAvatars) {
     bindAvatar(*next);

@@ -50,6 +50,11 @@ struct PanelGpu {
   int height = 0;
 };
 
+/// Lit faces that cast shadows are moved away from the light, so that they do not shadow themselves: by so many times
+/// their slope in a texel, and smallest steps of the depth. With the shaders' offset along the normal that is enough
+/// for all texels that a lookup reads, at any slope.
+inline constexpr float kCasterSlope = 2.0f, kCasterUnits = 8.0f;
+
 inline std::size_t passIndex(shaders::Pass pass) {
   return static_cast<std::size_t>(pass);
 }

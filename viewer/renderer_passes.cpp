@@ -116,10 +116,15 @@ void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
 void Renderer::Impl::drawCasters(Pass pass, GLsizei hullCount) {
   drawAvatarCasters(pass);
   gl.UseProgram(skinProgram[passIndex(pass)]);
+  gl.PolygonOffset(kCasterSlope, kCasterUnits);
   for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
-    if (!skin.mesh.closed()) gl.Disable(GL_CULL_FACE);
+    if (!skin.mesh.closed()) {
+      gl.Disable(GL_CULL_FACE);
+      gl.Enable(GL_POLYGON_OFFSET_FILL);
+    }
     gl.BindVertexArray(skin.vertexArray);
     gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
     if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
   }
   if (skinCount == 0 && shownAvatars.empty() && hullCount > 0) {

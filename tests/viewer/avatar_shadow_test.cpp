@@ -76,6 +76,73 @@ TEST(AvatarShadow, LitSurfacesDoNotShadowThemselves) {
   }
 }
 
+/// A skirt in a world that is `scale` times as large, seen by a camera that is as far away in proportion: the picture
+/// is the same, but a texel of the shadow map is larger than the offset of a person's surface.
+class Skirt {
+ public:
+  Skirt(double scale, int segments) : scale_(scale), stage_(made(scale, segments)) {}
+
+  /// @param asParts  as an open body in colours, else as an avatar
+  [[nodiscard]] Image draw(test::Studio& studio, bool asParts) const {
+    const TriMesh& mesh = stage_.avatar->character.mesh;
+    Scene scene;
+    if (!asParts) scene = stage_.scene();
+    scene.vertices = mesh.vertices;
+    scene.triangles = mesh.triangles;
+    Camera camera = test::frontCamera();
+    camera.eye *= scale_;
+    camera.target *= scale_;
+    SceneOptions options = onBlack(keyOnly());
+    options.colorSkinByPart = asParts;
+    return studio.draw(scene, options, camera, 2 * kSide, 2 * kSide);
+  }
+
+ private:
+  static Avatar made(double scale, int segments) {
+    AvatarMaker maker;
+    Material material = chalk();
+    material.doubleSided = true;
+    maker.material(material);
+    maker.addSkirt(scale * Vec3(0, 1, 0), scale * 0.1, scale * 0.4, scale * 0.8, segments);
+    return maker.avatar;
+  }
+
+  double scale_;
+  AvatarOnStage stage_;
+};
+
+TEST(AvatarShadow, LargeOpenSurfacesHaveNoStripesAtAnyAngleToTheLight) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  // 128 triangles look up shadows at each pixel, 10,000 at each vertex.
+  for (const int segments : {64, 5000}) {
+    const Skirt small(0.5, segments), large(6.0, segments);
+    for (const bool asParts : {false, true}) {
+      for (const RenderQuality quality : kQualities) {
+        studio->setQuality(quality);
+        const Image expected = small.draw(*studio, asParts), found = large.draw(*studio, asParts);
+        int striped = 0, darkest = 255, brightest = 0;
+        for (double angle = 0.5; angle < 2.6; angle += 0.01) {  // away from the outline
+          for (double down = 0.05; down < 0.95; down += 0.01) {
+            const double radius = 0.1 + 0.3 * down;
+            const Vec3 out(std::cos(angle), 0.0, std::sin(angle));
+            if ((0.8 * out + 0.3 * Vec3::UnitY()).normalized().dot(towardsLight()) < 0.1) continue;
+            const Vec3 position = Vec3(0.0, 1.4 - 0.8 * down, 0.0) + radius * out;
+            const auto [column, row] = test::seenAt(position, 2 * kSide, 2 * kSide);
+            const int now = test::pixelAt(found, static_cast<int>(column), static_cast<int>(row))[0];
+            const int before = test::pixelAt(expected, static_cast<int>(column), static_cast<int>(row))[0];
+            striped += std::abs(now - before) > 12;
+            darkest = std::min(darkest, before);
+            brightest = std::max(brightest, before);
+          }
+        }
+        EXPECT_EQ(striped, 0) << segments << " segments, quality " << static_cast<int>(quality)
+                              << (asParts ? ", parts" : "");
+        EXPECT_GT(brightest, darkest + 30) << "the light falls from grazing to steep";
+      }
+    }
+  }
+}
+
 /// A small square between the light and the middle of a large one.
 AvatarMaker shaded(Shading shading, AlphaMode alpha, std::uint8_t opacity) {
   AvatarMaker maker;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <utility>
 
@@ -84,6 +85,23 @@ void AvatarMaker::addSphere(const Vec3& center, double radius, int rings, int se
   for (const Vec3& v : sphere.vertices) vertex(center + v, v.cast<float>().normalized());
   for (const Triangle& t : sphere.triangles) {
     avatar.character.mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  }
+  group(first);
+}
+
+void AvatarMaker::addSkirt(const Vec3& center, double radiusAbove, double radiusBelow, double height, int segments) {
+  const std::size_t first = avatar.character.mesh.triangles.size();
+  const auto offset = static_cast<VertexIndex>(avatar.character.mesh.vertices.size());
+  const Vec3 slope(height, radiusBelow - radiusAbove, 0.0);  // of the normal at the +X side
+  for (int i = 0; i < segments; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / segments;
+    const Vec3 out(std::cos(angle), 0.0, -std::sin(angle));
+    const Vec3f normal = (slope.x() * out + slope.y() * Vec3::UnitY()).normalized().cast<float>();
+    vertex(center + radiusAbove * out + 0.5 * height * Vec3::UnitY(), normal);
+    vertex(center + radiusBelow * out - 0.5 * height * Vec3::UnitY(), normal);
+    const auto at = [&](int k) { return offset + static_cast<VertexIndex>((2 * i + k) % (2 * segments)); };
+    avatar.character.mesh.triangles.push_back({at(0), at(1), at(2)});
+    avatar.character.mesh.triangles.push_back({at(2), at(1), at(3)});
   }
   group(first);
 }

@@ -40,6 +40,9 @@ class AvatarMaker {
   /// A sphere with its true normals; texture coordinates are zero.
   void addSphere(const Vec3& center, double radius, int rings, int segments);
 
+  /// A cone around the Y axis without ends, as a skirt is, with its true normals.
+  void addSkirt(const Vec3& center, double radiusAbove, double radiusBelow, double height, int segments);
+
   /// Influences of all vertices: each vertex gets `count` joints, from a fixed generator.
   void spreadInfluences(int count, std::uint32_t seed);
 
