@@ -59,18 +59,33 @@ std::vector<HitTarget> targetsOf(const std::string& scene) {
   return opened ? std::move(opened->targets) : std::vector<HitTarget>();
 }
 
-Result<void> playWithWindow(const Options& options, const OpenedCast& opened, Session& session, Counts& counts) {
-  const Cast& cast = opened.avatars;
-  std::vector<HitTarget> targets = opened.targets;
+/// A window in which casts are played, one after the other.
+struct PlayWindow {
+  Window& window;
+  WindowOpener& opener;
+  std::optional<LoadedCast> next;  ///< the user opened it
+};
+
+Result<void> playWithWindow(const Options& options, const LoadedCast& loaded, Session& session, Counts& counts,
+                            PlayWindow& play) {
+  const Cast& cast = loaded.opened.avatars;
+  std::vector<HitTarget> targets = loaded.opened.targets;
+  prepareWindow(motionsOf(cast), session.character(), cast.size(), play.window);
   WindowSubject subject{session, motionsOf(cast)};
   subject.duration = secondsOf(cast);
   subject.sourcesAgain = [&] { return sourcesOf(cast); };
-  subject.scene = options.scene;
+  subject.scene = loaded.request.scene;
+  subject.added = loaded.added;
+  subject.opener = &play.opener;
   if (!options.record.empty() || !options.events.empty()) subject.atEnd = WindowSubject::AtEnd::kHold;
   subject.stepped = [&] { counts.add(session, options); };
   subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
   subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run
-  return runInOwnWindow(subject, options.playing);
+  const Result<WindowEnd> end = runInWindow(play.window, subject, options.playing);
+  if (!end) return end.error();
+  play.next = std::move(subject.next);
+  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
+  return {};
 }
 
 Result<DrawnFiles> playHeadless(const Options& options, const Cast& cast, Session& session, Counts& counts) {
@@ -171,6 +186,60 @@ Report toReport(const Options& options, const Cast& cast, const Session& session
   return report;
 }
 
+/// Runs a session of the cast. Its report is that of the command, unless the user opened something else meanwhile.
+/// @param window  null = none
+Result<void> playCast(const Options& options, const CommonOptions& common, LoadedCast loaded, PlayWindow* window) {
+  const Cast& cast = loaded.opened.avatars;
+  const Result<std::shared_ptr<SessionRecorder>> recorder =
+      startRecorder(options.record, cast, options.body, options.scene, loaded.opened.world);
+  if (!recorder) return recorder.error();
+  Result<Session> session = startSession(cast, *recorder, std::move(loaded.opened.world));
+  if (!session) return session.error();
+
+  Counts counts{RunStatistics(), TargetHits(loaded.opened.targets)};
+  Result<std::shared_ptr<StepWatcher>> watcher =
+      makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, *recorder);
+  if (!watcher) return watcher.error();
+  const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
+  if (!events) return events.error();
+  session->watch(*events ? *events : *watcher);
+  DrawnFiles drawn;
+  const auto play = [&]() -> Result<void> {
+    if (window != nullptr) return playWithWindow(options, loaded, *session, counts, *window);
+    const Result<DrawnFiles> played = playHeadless(options, cast, *session, counts);
+    if (!played) return played.error();
+    drawn = *played;
+    return {};
+  };
+  if (Result<void> played = play(); !played) {
+    if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
+    return played;
+  }
+  if (window != nullptr && window->next) return {};
+  Report report = toReport(options, cast, *session, counts, drawn);
+  nlohmann::ordered_json json = toJson(options, cast, *session, counts, drawn);
+  if (Result<void> kept = finishEvents(*events); !kept) return kept;
+  if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
+  return publish(common, report, json, options.events == "-");
+}
+
+/// Opens the window first: it shows how the rest is loaded.
+Result<void> playInWindow(const Options& options, const CommonOptions& common, CastRequest request) {
+  Result<Window> window = openWindow();
+  if (!window) return window.error();
+  const bool written = !options.record.empty() || !options.events.empty() || options.out.any();
+  WindowOpener opener(std::move(request), common.threadCount(),
+                      written ? "what is written or sent is one session: nothing else can be opened" : "");
+  Result<std::optional<LoadedCast>> loaded = loadInWindow(*window, opener);
+  if (!loaded) return loaded.error();
+  PlayWindow play{*window, opener, std::move(*loaded)};
+  while (play.next) {
+    LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
+    if (Result<void> played = playCast(options, common, std::move(cast), &play); !played) return played;
+  }
+  return {};
+}
+
 Result<void> run(const Options& options, const CommonOptions& common) {
   std::vector<std::filesystem::path> inputs = filesOf(options.input, options.body);
   if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
@@ -181,41 +250,12 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
   inputs.emplace_back(options.record);
   if (Result<void> fine = checkEvents(options.events, common, inputs); !fine) return fine;
-  PlaybackInputOptions asked = options.input;
-  asked.reading.drawn = options.window || options.pictures.any();
-  Result<OpenedCast> opened = openCast(asked, options.body, options.scene, common.threadCount());
+  CastRequest request{options.input, options.body, options.scene, {}};
+  request.input.reading.drawn = options.window || options.pictures.any();
+  if (options.window) return playInWindow(options, common, std::move(request));
+  Result<OpenedCast> opened = openCast(request.input, request.body, request.scene, common.threadCount());
   if (!opened) return opened.error();
-  const Cast& cast = opened->avatars;
-  const Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.record, cast, options.body, options.scene, opened->world);
-  if (!recorder) return recorder.error();
-  Result<Session> session = startSession(cast, *recorder, std::move(opened->world));
-  if (!session) return session.error();
-
-  Counts counts{RunStatistics(), TargetHits(opened->targets)};
-  Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, *recorder);
-  if (!watcher) return watcher.error();
-  const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
-  if (!events) return events.error();
-  session->watch(*events ? *events : *watcher);
-  DrawnFiles drawn;
-  const auto play = [&]() -> Result<void> {
-    if (options.window) return playWithWindow(options, *opened, *session, counts);
-    const Result<DrawnFiles> played = playHeadless(options, cast, *session, counts);
-    if (!played) return played.error();
-    drawn = *played;
-    return {};
-  };
-  if (Result<void> played = play(); !played) {
-    if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
-    return played;
-  }
-  Report report = toReport(options, cast, *session, counts, drawn);
-  nlohmann::ordered_json json = toJson(options, cast, *session, counts, drawn);
-  if (Result<void> kept = finishEvents(*events); !kept) return kept;
-  if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
-  return publish(common, report, json, options.events == "-");
+  return playCast(options, common, {std::move(request), std::move(*opened), {}}, nullptr);
 }
 
 }  // namespace

@@ -37,7 +37,9 @@ ProgressBar::ProgressBar(const std::string& label, std::string unit)
       unit_(std::move(unit)),
       terminal_(isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
-      lastShown_(start_) {
+      lastShown_(start_),
+      monitor_(WorkMonitor::ofThisThread()) {
+  if (monitor_ != nullptr) monitor_->report({label_, 0, 0});
   // A dumb terminal cannot return to the start of a line.
   if (terminal_ && environment("TERM") == "dumb") terminal_ = false;
 }
@@ -46,7 +48,12 @@ ProgressBar::~ProgressBar() {
   if (terminal_ && shown_) say("\r\x1b[K");
 }
 
+bool ProgressBar::cancelled() const {
+  return interrupted() || (monitor_ != nullptr && monitor_->cancelled());
+}
+
 void ProgressBar::update(int done, int total) {
+  if (monitor_ != nullptr) return monitor_->report({label_, done, total});
   const Clock::time_point now = Clock::now();
   const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
   const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -81,7 +88,7 @@ void ProgressBar::draw(int done, int total, double seconds) const {
 std::function<bool(int, int)> progressOf(ProgressBar& bar) {
   return [&bar](int done, int total) {
     bar.update(done, total);
-    return !interrupted();
+    return !bar.cancelled();
   };
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 
+#include "apps/work_monitor.h"
+
 #include <chrono>
 #include <functional>
 #include <string>
 
 namespace lorica {
 
-/// Progress of long work on standard error: a bar in a terminal, else a line every ten seconds.
+/// Progress of long work on standard error: a bar in a terminal, else a line every ten seconds. In a thread with a
+/// WorkMonitor it is reported to that instead.
 class ProgressBar {
  public:
   /// @param label  the task: "Decomposing mannequin"
@@ -19,6 +22,8 @@ class ProgressBar {
 
   /// @param total  0 or less if unknown
   void update(int done, int total);
+  /// Whether the work should stop: Ctrl-C, or the monitor says so.
+  [[nodiscard]] bool cancelled() const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -30,9 +35,10 @@ class ProgressBar {
   Clock::time_point start_;
   Clock::time_point lastShown_;
   bool shown_ = false;
+  WorkMonitor* monitor_;  // null = none
 };
 
-/// A progress callback that updates the bar; Ctrl-C cancels. @param bar  outlives the callback
+/// A progress callback that updates the bar and stops when cancelled(). @param bar  outlives the callback
 [[nodiscard]] std::function<bool(int done, int total)> progressOf(ProgressBar& bar);
 
 }  // namespace lorica

@@ -22,12 +22,19 @@ Result<void> checkWindow(bool wanted, const std::string& instead) {
                fmt::format("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead)};
 }
 
+Result<Window> openWindow() {
+  return Window::create("Lorica", kWindowWidth, kWindowHeight);
+}
+
+void prepareWindow(const std::string& name, const Character& character, std::size_t avatars, Window& window) {
+  window.setTitle(name.empty() ? "Lorica" : "Lorica: " + name);
+  window.setCamera(windowCamera(character.height, avatars));
+  window.setShown(usualView(character));
+}
+
 Result<Window> openWindow(const std::string& name, const Character& character, std::size_t avatars) {
-  Result<Window> window = Window::create(name.empty() ? "Lorica" : "Lorica: " + name, kWindowWidth, kWindowHeight);
-  if (window) {
-    window->setCamera(windowCamera(character.height, avatars));
-    window->setShown(usualView(character));
-  }
+  Result<Window> window = openWindow();
+  if (window) prepareWindow(name, character, avatars, *window);
   return window;
 }
 

@@ -13,9 +13,13 @@ namespace lorica {
 /// @param instead  alternatives, for the error message
 [[nodiscard]] Result<void> checkWindow(bool wanted, const std::string& instead);
 
-/// Opens the window for a session.
+/// Opens a window before there is a session.
+[[nodiscard]] Result<Window> openWindow();
+/// Prepares a window for a session: its title, its camera and what is drawn.
 /// @param name  of the motion; empty = none
 /// @param avatars  how many of them the first picture should hold
+void prepareWindow(const std::string& name, const Character& character, std::size_t avatars, Window& window);
+/// Opens the window for a session: both of these.
 [[nodiscard]] Result<Window> openWindow(const std::string& name, const Character& character, std::size_t avatars = 1);
 
 /// Runs a session in its own window until the window is closed or the session ends.

@@ -6,7 +6,9 @@
 #include "apps/motions.h"
 #include "apps/progress_bar.h"
 #include "geometry/files.h"
+#include "geometry/mesh_files.h"
 #include "session/demo_scene.h"
+#include "session/prop_meshes.h"
 #include "session/scene_file.h"
 
 #include <fmt/format.h>
@@ -16,6 +18,9 @@
 
 namespace lorica {
 namespace {
+
+constexpr int kDroppedParts = 8;
+constexpr double kShortestSide = 0.1, kLongestSide = 1.5, kScaledSide = 0.5;  // see openMeshProp()
 
 /// The decomposition of a prop's mesh: from the user's cache, or computed with a progress bar. Ctrl-C cancels.
 Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surface, int parts) {
@@ -109,6 +114,24 @@ Result<OpenedScene> openStage(const std::string& scene) {
     }
   }
   return OpenedScene{makeWorld(*read), std::move(read->targets), std::move(read->stage)};
+}
+
+Result<Prop> openMeshProp(const std::string& file) {
+  const Result<TriMesh> mesh = readMesh(file);
+  if (!mesh) return mesh.error();
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh->vertices) box.extend(v);
+  const double side = mesh->vertices.empty() ? 0.0 : box.sizes().maxCoeff();
+  PropMeshRequest request{file};
+  request.parts = kDroppedParts;
+  if (side > 0.0 && (side < kShortestSide || side > kLongestSide)) request.scale = kScaledSide / side;
+  Result<std::shared_ptr<const PropMeshShape>> shape = readPropMesh(request, decomposeProp);
+  if (!shape && shape.error().code != ErrorCode::kCancelled) {
+    request.parts = 1;
+    shape = readPropMesh(request, decomposeProp);
+  }
+  if (!shape) return shape.error();
+  return meshProp(std::move(*shape));
 }
 
 Result<World> openScene(const std::string& scene) {

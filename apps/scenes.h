@@ -43,6 +43,10 @@ struct OpenedScene {
 /// openScene() with the avatars of the scene.
 [[nodiscard]] Result<OpenedScene> openStage(const std::string& scene);
 
+/// A prop at rest at the world's origin, from a mesh file: in at most 8 convex parts if the mesh is closed, else its
+/// convex hull. A mesh whose largest side is not 0.1 to 1.5 units long is scaled to 0.5 m, else a unit is a metre.
+[[nodiscard]] Result<Prop> openMeshProp(const std::string& file);
+
 /// The world of a scene text. @param name  for error messages
 [[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name);
 

@@ -1,21 +1,14 @@
 #include "apps/window_loop.h"
 
-#include "apps/avatar_focus.h"
 #include "apps/framing.h"
 #include "apps/interrupt.h"
 #include "apps/report.h"
-#include "apps/scene_list.h"
 #include "apps/scenes.h"
-#include "apps/snapshots.h"
-#include "apps/window_hands.h"
-#include "apps/window_texts.h"
-#include "apps/window_warnings.h"
-#include "session/prepare/detail_levels.h"
+#include "apps/window_loop_impl.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <thread>
 
 namespace lorica {
@@ -27,84 +20,7 @@ constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures 
 constexpr double kSoon = 0.25;          // longer seeks are reported [s]
 constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-class WindowLoop {
- public:
-  WindowLoop(Window& window, WindowSubject& subject, const PlaybackOptions& options)
-      : window_(window),
-        subject_(subject),
-        session_(subject.session),
-        options_(options),
-        scenes_(subject.worldAgain ? SceneList{{}, {}} : scenesBeside(subject.scene)),
-        scene_(session_),
-        levels_(session_.body().plan(), session_.character()),
-        hands_(subject.sourcesAgain != nullptr),
-        avatarNames_(avatarNames(session_)),
-        due_(now()) {
-    const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
-    if (avatar == nullptr) return;
-    for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
-  }
-
-  Result<WindowEnd> run();
-
- private:
-  /// A seek: the recording runs to a time without pictures.
-  struct Seek {
-    double to = 0.0;     // [s]
-    double begun = 0.0;  // [s]
-    int frames = 0;
-    bool again = false;  // from the start
-  };
-
-  [[nodiscard]] bool onlyWatched() const { return subject_.worldAgain != nullptr; }
-  [[nodiscard]] double seconds() const { return started_ ? session_.time() - firstTime_ : 0.0; }
-  Result<void> answer(WindowRequests requests);
-  [[nodiscard]] std::string_view whyNoThrow() const;
-  [[nodiscard]] std::string_view whyNoUndo() const;
-  [[nodiscard]] std::string_view whyNoLoop() const;
-  [[nodiscard]] Result<World> worldAgain() const;
-  Result<void> beginSeek(double to);
-  Result<void> runSeek();
-  Result<void> advance();
-  Result<void> step();
-  void goOn();
-  void answerAboutAvatars(const WindowRequests& requests);
-  Result<void> undo();
-  [[nodiscard]] bool mayLoop() const { return subject_.atEnd != WindowSubject::AtEnd::kHold && subject_.sourcesAgain; }
-  [[nodiscard]] bool loops() const;
-  [[nodiscard]] bool goesOn() const { return ended_ && subject_.atEnd == WindowSubject::AtEnd::kChoice; }
-  Result<void> startOver();
-  Result<void> restart();
-  Result<void> restartIn(World world);
-  Result<void> changeScene(int scene);
-  void saySettling();
-  void describe() { status_ = statusOf(session_, ended_); }
-  void show();
-
-  Window& window_;
-  WindowSubject& subject_;
-  Session& session_;
-  const PlaybackOptions& options_;
-  SceneList scenes_;
-  SessionScene scene_;
-  DetailLevels levels_;
-  WindowHands hands_;
-  WarningBoard warnings_;
-  AvatarFocus focus_;
-  std::vector<std::string> avatarNames_;
-  std::optional<Seek> seek_;
-  double due_;  // of the next frame [s]
-  double firstTime_ = 0.0;
-  double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
-  bool started_ = false, ended_ = false;
-  std::string status_;
-  std::vector<std::string> expressions_;  // of the avatar's face
-  int expression_ = -1;                   // chosen in the window
-};
+}  // namespace
 
 // If there are particles, the first step takes seconds because they settle: announce it in a picture first.
 void WindowLoop::saySettling() {
@@ -120,12 +36,14 @@ Result<WindowEnd> WindowLoop::run() {
   while (window_.open()) {
     if (interrupted()) return WindowEnd::kInterrupted;
     if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
+    if (subject_.next) return WindowEnd::kExchanged;
     if (Result<void> done = seek_ ? runSeek() : advance(); !done) return done.error();
     if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
     if (ended_ && !seek_) {
       if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
-      if (loops()) {
+      if (loops() && window_.wantsStep()) {
         if (Result<void> done = startOver(); !done) return done.error();
+        if (Result<void> done = step(); !done) return done.error();
       }
     }
     show();
@@ -135,97 +53,16 @@ Result<WindowEnd> WindowLoop::run() {
   return WindowEnd::kClosed;
 }
 
-Result<void> WindowLoop::answer(WindowRequests requests) {
-  if (const std::string_view why = whyNoThrow(); !why.empty()) {
-    if (requests.throwBall) window_.notice(std::string(why));
-    requests.throwBall = false;
-    requests.pressed.reset();
-  }
-  answerAboutAvatars(requests);
-  if (requests.undo) return undo();
-  if (requests.scene && *requests.scene != scenes_.present) {
-    if (Result<void> done = changeScene(*requests.scene); !done) return done;
-  }
-  hands_.take(requests, window_, session_);
-  if (requests.parts && *requests.parts != levels_.asked().value_or(static_cast<int>(session_.body().parts().size()))) {
-    levels_.ask(*requests.parts);
-  }
-  if (const std::shared_ptr<const BodyPlan> plan = levels_.take(); plan != nullptr && plan != session_.body().plan()) {
-    session_.setBody(plan);
-    scene_ = SessionScene(session_);
-    scene_.chooseExpression(expression_);
-    describe();
-  }
-  if (requests.nextExpression) requests.expression = expression_ + 1;
-  if (requests.expression && !expressions_.empty()) {
-    expression_ = *requests.expression < static_cast<int>(expressions_.size()) ? *requests.expression : -1;
-    scene_.chooseExpression(expression_);
-  }
-  if (requests.seekTo && subject_.sourcesAgain) return beginSeek(*requests.seekTo);
-  return {};
-}
-
-std::string_view WindowLoop::whyNoThrow() const {
-  if (onlyWatched()) return "a recorded session cannot be changed";
-  if (ended_ && !goesOn()) return "end of recording; press Home to restart";
-  return {};
-}
-
-std::string_view WindowLoop::whyNoUndo() const {
-  if (onlyWatched()) return "a recorded session cannot be changed";
-  if (!subject_.sourcesAgain) return "what happened live cannot be undone";
-  if (!hands_.canUndo()) return "nothing was thrown or dragged";
-  return {};
-}
-
-std::string_view WindowLoop::whyNoLoop() const {
-  return mayLoop() ? "" : onlyWatched() ? "a recorded session is run once" : "what is written is run once";
-}
-
-bool WindowLoop::loops() const {
-  if (!mayLoop()) return false;
-  return subject_.atEnd == WindowSubject::AtEnd::kRepeat || window_.choices().loop;
-}
-
-void WindowLoop::answerAboutAvatars(const WindowRequests& requests) {
-  if (requests.avatar) focus_.choose(*requests.avatar);
-  if (!requests.clicked || avatarNames_.size() < 2) return;
-  const int clicked = avatarAt(session_, *requests.clicked);
-  focus_.choose(clicked);
-  window_.notice(clicked < 0 ? "following all avatars" : "following avatar " + avatarNames_[clicked]);
-}
-
-/// Runs again to the present time without the last action.
-Result<void> WindowLoop::undo() {
-  if (const std::string_view why = whyNoUndo(); !why.empty()) {
-    window_.notice(std::string(why));
-    return {};
-  }
-  hands_.undo();
-  const double present = seconds();
-  if (!seek_) seek_ = Seek{present, now(), 0, true};
-  return restart();
-}
-
-Result<void> WindowLoop::changeScene(int scene) {
-  Result<World> world = openScene(scenes_.arguments[scene]);
-  if (!world) {
-    window_.notice(world.error().message);
-    return {};
-  }
-  scenes_.present = scene;
-  if (subject_.sceneChosen) subject_.sceneChosen(scenes_.arguments[scene]);
-  hands_.forget();
-  if (subject_.sourcesAgain) return restart();
-  session_.setWorld(std::move(*world));
-  saySettling();
-  return {};
-}
-
 /// The world of the session, or of the scene chosen last.
 Result<World> WindowLoop::worldAgain() const {
   if (onlyWatched()) return subject_.worldAgain();
-  return openScene(scenes_.arguments[scenes_.present]);
+  return openWorld(scenes_.present);
+}
+
+Result<World> WindowLoop::openWorld(int scene) const {
+  Result<World> world = openScene(scenes_.arguments[scene]);
+  if (world) addProps(subject_.added, *world);
+  return world;
 }
 
 /// After the end. Sand and water would need seconds to settle again: there only the motion starts again.
@@ -390,6 +227,7 @@ void WindowLoop::show() {
   values.focus = focus_.position();
   values.avatars = avatarNames_;
   values.avatar = focus_.avatar();
+  if (subject_.opener != nullptr) subject_.opener->describe(values);
   values.noThrow = whyNoThrow();
   values.noUndo = whyNoUndo();
   values.noLoop = whyNoLoop();
@@ -400,8 +238,6 @@ void WindowLoop::show() {
   }
   window_.show(scene, values);
 }
-
-}  // namespace
 
 Result<WindowEnd> runInWindow(Window& window, WindowSubject& subject, const PlaybackOptions& options) {
   return WindowLoop(window, subject, options).run();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/playback.h"
+#include "apps/window_opener.h"
 #include "session/session.h"
 #include "viewer/window.h"
 
@@ -30,7 +31,10 @@ struct WindowSubject {
   std::function<std::string()> trouble = {};                       ///< problem with the source; null or empty = none
   std::function<double()> trackingSeconds = {};  ///< time for tracking the joints [s]; null = not measured
   std::function<bool()> enough = {};             ///< whether to stop after the current frame; null = never
-  const Image* inset = nullptr;                  ///< see Scene
+  WindowOpener* opener = nullptr;       ///< opens files that are dropped on the window; null = they cannot be opened
+  std::vector<Prop> added = {};         ///< props in each of its worlds, in addition to those of the scene
+  const Image* inset = nullptr;         ///< see Scene
+  std::optional<LoadedCast> next = {};  ///< see WindowEnd::kExchanged
 
   /// Behaviour at the end of the recording or at its limit.
   enum class AtEnd : std::uint8_t {
@@ -43,7 +47,12 @@ struct WindowSubject {
 };
 
 /// Reason for the end of the loop.
-enum class WindowEnd : std::uint8_t { kClosed, kInterrupted, kOver };
+enum class WindowEnd : std::uint8_t {
+  kClosed,
+  kInterrupted,
+  kOver,
+  kExchanged  ///< the user opened something else, which is in WindowSubject::next
+};
 
 /// Runs the session in the window and handles the window's controls, until the window is closed, Ctrl-C, or the end.
 ///

@@ -77,6 +77,29 @@ void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelSt
   if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, 0);
 }
 
+void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests) {
+  const float width = std::min(layout.of(360.0f), layout.width - 2.0f * layout.margin());
+  ImGui::SetNextWindowPos(ImVec2(0.5f * layout.width, layout.ceiling), ImGuiCond_Always, ImVec2(0.5f, 0.0f));
+  ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
+  ImGui::SetNextWindowBgAlpha(0.92f);
+  ImGui::Begin("loading", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextUnformatted(values.loading.data(), values.loading.data() + values.loading.size());
+  ImGui::PopTextWrapPos();
+  const float button = layout.of(72.0f);
+  const ImVec2 bar(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemSpacing.x, 0.0f);
+  // Where the total is unknown, something moves.
+  const bool known = values.loaded >= 0.0;
+  const float share =
+      known ? static_cast<float>(values.loaded) : 0.5f - 0.5f * std::cos(3.0f * static_cast<float>(ImGui::GetTime()));
+  ImGui::ProgressBar(share, bar, known ? nullptr : "");
+  ImGui::SameLine();
+  if (ImGui::Button("Cancel", ImVec2(button, 0.0f))) requests.cancel = true;
+  notePanel(layout);
+  layout.ceiling = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y + layout.of(4.0f);
+  ImGui::End();
+}
+
 void drawHelp(PanelLayout& layout) {
   // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
   constexpr float kTitleAndPads = 46.0f;

@@ -64,6 +64,7 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
                    WindowRequests& requests);
 void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining);
 void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status);
+void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests);
 void drawHelp(PanelLayout& layout);
 
 }  // namespace lorica

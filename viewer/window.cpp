@@ -10,7 +10,6 @@
 namespace lorica {
 namespace {
 
-constexpr double kNoticeSeconds = 3.0;
 constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
 constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};
 constexpr double kCounted = 0.5;  // interval of the displayed statistics [s]
@@ -128,8 +127,11 @@ void Window::setCamera(const Camera& camera) {
 void Window::addTimes(std::span<const TimedStage> stages) {
   impl_->times.add(stages);
 }
-void Window::notice(std::string sentence) {
-  impl_->setNotice(std::move(sentence));
+void Window::notice(std::string sentence, double seconds) {
+  impl_->setNotice(std::move(sentence), seconds);
+}
+void Window::setTitle(const std::string& title) {
+  glfwSetWindowTitle(impl_->window, title.c_str());
 }
 Camera Window::camera() const {
   return impl_->camera.camera();
@@ -146,9 +148,9 @@ void Window::setQuality(std::optional<RenderQuality> quality) {
   impl_->state.quality = found == kQualities.end() ? -1 : static_cast<int>(found - kQualities.begin());
 }
 
-void Window::Impl::setNotice(std::string sentence) {
+void Window::Impl::setNotice(std::string sentence, double seconds) {
   noticeText = std::move(sentence);
-  noticeUntil = secondsNow() + kNoticeSeconds;
+  noticeUntil = secondsNow() + seconds;
 }
 
 void Window::Impl::drawScene(const Scene& scene, int width, int height) {
@@ -188,7 +190,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   i.lastValues.scenes = i.lastValues.avatars = {};
   i.lastValues.expressions = {};
   i.lastValues.warnings = {};
-  i.lastValues.name = i.lastValues.status = {};
+  i.lastValues.name = i.lastValues.status = i.lastValues.loading = {};
 
   const double begin = secondsNow();
   const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);

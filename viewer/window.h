@@ -41,8 +41,9 @@ class Window {
 
   /// Adds a frame to the time graph. @param stages  at most TimeGraph::kMaxStages; a change of stages clears the graph
   void addTimes(std::span<const TimedStage> stages);
-  /// Shows a message for three seconds.
-  void notice(std::string sentence);
+  /// Shows a message.
+  void notice(std::string sentence, double seconds = 3.0);
+  void setTitle(const std::string& title);
 
   /// The layers that are drawn, which the user may change.
   [[nodiscard]] const SceneOptions& shown() const;

@@ -57,7 +57,7 @@ struct Window::Impl {
   void toggleVideo(int width, int height);
   void addToVideo(int width, int height);
   void endVideo();
-  void setNotice(std::string sentence);
+  void setNotice(std::string sentence, double seconds = 3.0);
 
   GLFWwindow* window = nullptr;
   GlFunctions gl;

@@ -31,6 +31,9 @@ void Window::Impl::listen() {
   glfwSetMouseButtonCallback(
       window, [](GLFWwindow* w, int button, int action, int) { kOf(w)->onButton(button, action == GLFW_PRESS); });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) { kOf(w)->onWheel(y); });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int fileCount, const char** files) {
+    kOf(w)->requests.files.insert(kOf(w)->requests.files.end(), files, files + fileCount);
+  });
   glfwGetCursorPos(window, &cursorX, &cursorY);
 }
 

@@ -79,6 +79,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
     drawTimesPanel(i.layout, status, times, values.outsideTraining);
   }
   drawWarnings(i.layout, values, status);
+  if (!values.loading.empty()) drawLoading(i.layout, values, requests);
   if (state.help) drawHelp(i.layout);
   ImGui::Render();
   i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);

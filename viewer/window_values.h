@@ -44,6 +44,8 @@ struct WindowValues {
   std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
   std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
   int avatar = -1;                           ///< index of the followed one; -1 = all
+  std::string_view loading;                  ///< what is loaded meanwhile; empty = nothing
+  double loaded = -1.0;                      ///< share of it that is done; below 0 = unknown
   // Why something cannot be done; empty = it can be done. With static storage duration.
   std::string_view noThrow;
   std::string_view noUndo;
@@ -52,12 +54,14 @@ struct WindowValues {
 
 /// Requests of the user since the last call, except those that the window handles itself.
 struct WindowRequests {
-  std::optional<double> seekTo;   ///< this time of the recording [s]
-  std::optional<int> parts;       ///< another level of detail
-  std::optional<int> scene;       ///< another of WindowValues::scenes
-  std::optional<int> expression;  ///< another of WindowValues::expressions, or -1 = none
-  bool nextExpression = false;    ///< the one after the current one; after the last none
-  std::optional<int> avatar;      ///< follow another of WindowValues::avatars, or -1 = all
+  std::optional<double> seekTo;    ///< this time of the recording [s]
+  std::optional<int> parts;        ///< another level of detail
+  std::optional<int> scene;        ///< another of WindowValues::scenes
+  std::optional<int> expression;   ///< another of WindowValues::expressions, or -1 = none
+  bool nextExpression = false;     ///< the one after the current one; after the last none
+  std::optional<int> avatar;       ///< follow another of WindowValues::avatars, or -1 = all
+  std::vector<std::string> files;  ///< open these, which were dropped on the window
+  bool cancel = false;             ///< what is loading
   bool throwBall = false;
   bool undo = false;           ///< take back what was thrown or dragged last
   std::optional<Ray> clicked;  ///< the left button was pressed and released at one place, not on a held prop

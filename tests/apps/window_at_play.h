@@ -24,11 +24,12 @@ class Hands {
   void press(const std::string& keys) { script_ << "xdotool key " << keys << '\n'; }
   void mouse(const std::string& what) { script_ << "xdotool " << what << '\n'; }
   /// Takes a picture after all previous input was processed and drawn.
-  void picture() {
+  void picture(const std::string& key = "p") {
     char name[32];
     std::snprintf(name, sizeof name, "lorica-%03d.png", ++pictures_);
-    script_ << "xdotool key p\nawait " << name << '\n';
+    script_ << "xdotool key " << key << "\nawait " << name << '\n';
   }
+  void line(const std::string& command) { script_ << command << '\n'; }
   void sleep(const std::string& seconds) { script_ << "sleep " << seconds << '\n'; }
 
   /// Runs the script in parallel with the command until both have ended.
@@ -87,6 +88,11 @@ inline int differing(const Image& a, const Image& b) {
     count += apart(0) || apart(1) || apart(2) ? 1 : 0;
   }
   return count;
+}
+
+/// A recording that ships with Lorica.
+inline std::filesystem::path shipped(const std::string& name) {
+  return recordingsFolder() / name;
 }
 
 class WindowPlay : public ::testing::Test {

@@ -1,0 +1,68 @@
+#include "apps/cast_loading.h"
+
+#include "apps/scenes.h"
+
+#include <chrono>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kBeside = 0.7;  // of the first dropped thing from the avatar, and between them [m]
+constexpr double kAhead = 0.4;   // [m]
+constexpr double kAbove = 0.3;   // of its lowest point over the floor, from where it falls [m]
+constexpr int kInRow = 3;
+
+/// Where a dropped thing falls: in rows before the avatar.
+Isometry3 placeOfDropped(std::size_t index, const Prop& prop) {
+  const int column = static_cast<int>(index) % kInRow - 1, row = static_cast<int>(index) / kInRow;
+  return Isometry3(Eigen::Translation3d(kBeside * column, kAbove + prop.halfExtents.y(), kAhead + kBeside * (row + 1)));
+}
+
+Result<LoadedCast> load(const CastRequest& request, int threads) {
+  Result<OpenedCast> opened = openCast(request.input, request.body, request.scene, threads);
+  if (!opened) return opened.error();
+  LoadedCast loaded{request, std::move(*opened), {}};
+  for (const std::string& mesh : request.meshes) {
+    Result<Prop> prop = openMeshProp(mesh);
+    if (!prop) return prop.error();
+    prop->worldFromProp = placeOfDropped(loaded.added.size(), *prop);
+    loaded.added.push_back(std::move(*prop));
+  }
+  addProps(loaded.added, loaded.opened.world);
+  return loaded;
+}
+
+}  // namespace
+
+void addProps(std::span<const Prop> props, World& world) {
+  for (const Prop& prop : props) {
+    if (world.props().size() < static_cast<std::size_t>(World::kMaxProps)) world.addProp(prop);
+  }
+}
+
+CastLoading::CastLoading(std::vector<CastRequest> attempts, int threads) {
+  result_ = std::async(std::launch::async, [this, attempts = std::move(attempts), threads]() -> Result<LoadedCast> {
+    const WorkMonitor::Scope watched(monitor_);
+    const Error cancelled{ErrorCode::kCancelled, "cancelled"};
+    std::optional<Error> first;
+    for (const CastRequest& attempt : attempts) {
+      Result<LoadedCast> loaded = load(attempt, threads);
+      if (monitor_.cancelled()) return cancelled;
+      if (loaded) return loaded;
+      if (!first) first = loaded.error();
+    }
+    return *first;
+  });
+}
+
+CastLoading::~CastLoading() {
+  cancel();
+}
+
+std::optional<Result<LoadedCast>> CastLoading::take() {
+  if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+  return result_.get();
+}
+
+}  // namespace lorica

@@ -1,0 +1,104 @@
+#pragma once
+
+#include "apps/avatar_focus.h"
+#include "apps/scene_list.h"
+#include "apps/snapshots.h"
+#include "apps/window_hands.h"
+#include "apps/window_loop.h"
+#include "apps/window_texts.h"
+#include "apps/window_warnings.h"
+#include "session/prepare/detail_levels.h"
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lorica {
+
+/// Seconds of a monotonic clock.
+inline double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// The state of runInWindow(): window_loop.cpp runs the session and shows it, window_requests.cpp does what the user
+/// asks for.
+class WindowLoop {
+ public:
+  WindowLoop(Window& window, WindowSubject& subject, const PlaybackOptions& options)
+      : window_(window),
+        subject_(subject),
+        session_(subject.session),
+        options_(options),
+        scenes_(subject.worldAgain ? SceneList{{}, {}} : scenesBeside(subject.scene)),
+        scene_(session_),
+        levels_(session_.body().plan(), session_.character()),
+        hands_(subject.sourcesAgain != nullptr),
+        avatarNames_(avatarNames(session_)),
+        due_(now()) {
+    const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
+    if (avatar == nullptr) return;
+    for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
+  }
+
+  Result<WindowEnd> run();
+
+ private:
+  /// A seek: the recording runs to a time without pictures.
+  struct Seek {
+    double to = 0.0;     // [s]
+    double begun = 0.0;  // [s]
+    int frames = 0;
+    bool again = false;  // from the start
+  };
+
+  [[nodiscard]] bool onlyWatched() const { return subject_.worldAgain != nullptr; }
+  [[nodiscard]] double seconds() const { return started_ ? session_.time() - firstTime_ : 0.0; }
+  Result<void> answer(WindowRequests requests);
+  [[nodiscard]] std::string_view whyNoThrow() const;
+  [[nodiscard]] std::string_view whyNoUndo() const;
+  [[nodiscard]] std::string_view whyNoLoop() const;
+  void open(const WindowRequests& requests);
+  [[nodiscard]] Result<World> openWorld(int scene) const;
+  [[nodiscard]] Result<World> worldAgain() const;
+  Result<void> beginSeek(double to);
+  Result<void> runSeek();
+  Result<void> advance();
+  Result<void> step();
+  void goOn();
+  void answerAboutAvatars(const WindowRequests& requests);
+  Result<void> undo();
+  [[nodiscard]] bool mayLoop() const { return subject_.atEnd != WindowSubject::AtEnd::kHold && subject_.sourcesAgain; }
+  [[nodiscard]] bool loops() const;
+  [[nodiscard]] bool goesOn() const { return ended_ && subject_.atEnd == WindowSubject::AtEnd::kChoice; }
+  Result<void> startOver();
+  Result<void> restart();
+  Result<void> restartIn(World world);
+  Result<void> changeScene(int scene);
+  void saySettling();
+  void describe() { status_ = statusOf(session_, ended_); }
+  void show();
+
+  Window& window_;
+  WindowSubject& subject_;
+  Session& session_;
+  const PlaybackOptions& options_;
+  SceneList scenes_;
+  SessionScene scene_;
+  DetailLevels levels_;
+  WindowHands hands_;
+  WarningBoard warnings_;
+  AvatarFocus focus_;
+  std::vector<std::string> avatarNames_;
+  std::optional<Seek> seek_;
+  double due_;  // of the next frame [s]
+  double firstTime_ = 0.0;
+  double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
+  bool started_ = false, ended_ = false;
+  std::string status_;
+  std::vector<std::string> expressions_;  // of the avatar's face
+  int expression_ = -1;                   // chosen in the window
+};
+
+}  // namespace lorica

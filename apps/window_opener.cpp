@@ -1,0 +1,160 @@
+#include "apps/window_opener.h"
+
+#include "apps/interrupt.h"
+#include "apps/report.h"
+#include "geometry/files.h"
+#include "skinning/import/character_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxMeshes = 12;         // in one session
+constexpr std::streamsize kSceneBegin = 4096;  // within which a scene file says what it is [bytes]
+
+bool isMeshFile(const fs::path& file) {
+  const std::string extension = lowerCase(file.extension().string());
+  return extension == ".off" || extension == ".obj" || extension == ".ply" || extension == ".stl";
+}
+
+bool isSceneFile(const fs::path& file) {
+  if (lowerCase(file.extension().string()) != ".json") return false;
+  std::ifstream stream(file, std::ios::binary);
+  std::string begin(kSceneBegin, '\0');
+  stream.read(begin.data(), kSceneBegin);
+  begin.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  return begin.find("lorica scene") != std::string::npos;
+}
+
+/// Files by what they are.
+struct Sorted {
+  std::vector<std::string> characters, motions, scenes, bodies, meshes;
+};
+
+Sorted sorted(const std::vector<std::string>& files) {
+  Sorted kinds;
+  for (const std::string& file : files) {
+    const fs::path path(file);
+    std::vector<std::string>& kind = isCharacterFile(path)                               ? kinds.characters
+                                     : isMeshFile(path)                                  ? kinds.meshes
+                                     : isSceneFile(path)                                 ? kinds.scenes
+                                     : lowerCase(path.extension().string()) == ".lorica" ? kinds.bodies
+                                                                                         : kinds.motions;
+    kind.push_back(file);
+  }
+  return kinds;
+}
+
+Result<void> atMostOne(const std::vector<std::string>& files, const char* what) {
+  if (files.size() <= 1) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("found {} {}s at once ({}, {}{}), expected one", files.size(), what,
+                           fs::path(files[0]).filename().string(), fs::path(files[1]).filename().string(),
+                           files.size() > 2 ? ", ..." : "")};
+}
+
+/// What a dropped character may be: one that performs the present motion or its own clip, or a motion.
+std::vector<CastRequest> attemptsWith(const std::string& character, bool withMotion, const CastRequest& request) {
+  CastRequest performs = request, own = request, moves = request;
+  performs.input.character = own.input.character = character;
+  own.input.motion = "";
+  if (withMotion) return {performs};
+  moves.input.motion = character;
+  if (request.input.motion.empty()) return {own};
+  return {performs, own, moves};
+}
+
+}  // namespace
+
+WindowOpener::WindowOpener(CastRequest first, int threads, std::string whyNot)
+    : present_(std::move(first)),
+      threads_(threads),
+      whyNot_(std::move(whyNot)),
+      loading_(std::make_unique<CastLoading>(std::vector{present_}, threads)) {}
+
+Result<void> WindowOpener::open(const std::vector<std::string>& files) {
+  if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
+  Sorted kinds = sorted(files);
+  for (const Result<void>& fine : {atMostOne(kinds.characters, "character"), atMostOne(kinds.motions, "motion"),
+                                   atMostOne(kinds.scenes, "scene"), atMostOne(kinds.bodies, "decomposition")}) {
+    if (!fine) return fine;
+  }
+  CastRequest request = present_;
+  if (!kinds.scenes.empty()) request.scene = kinds.scenes.front();
+  // A decomposition belongs to one character.
+  if (!kinds.characters.empty()) request.body.decomposition.clear();
+  if (!kinds.bodies.empty()) request.body.decomposition = kinds.bodies.front();
+  if (!kinds.motions.empty()) {
+    request.input.motion = kinds.motions.front();
+    request.input.performing.clip.clear();
+    request.input.performing.format.clear();
+  }
+  request.meshes.insert(request.meshes.end(), kinds.meshes.begin(), kinds.meshes.end());
+  if (request.meshes.size() > kMaxMeshes) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("found {} meshes, expected at most {} in a session", request.meshes.size(), kMaxMeshes)};
+  }
+  std::vector<CastRequest> attempts{request};
+  if (!kinds.characters.empty()) {
+    attempts = attemptsWith(kinds.characters.front(), !kinds.motions.empty(), request);
+  }
+  loading_.reset();  // before the next one, so that they do not wait for each other's caches
+  loading_ = std::make_unique<CastLoading>(std::move(attempts), threads_);
+  return {};
+}
+
+void WindowOpener::cancel() {
+  if (loading_) loading_->cancel();
+}
+
+std::optional<Result<LoadedCast>> WindowOpener::take() {
+  if (!loading_) return std::nullopt;
+  std::optional<Result<LoadedCast>> result = loading_->take();
+  if (!result) return result;
+  loading_.reset();
+  if (*result) {
+    present_ = (*result)->request;
+    // A scene with avatars of its own: a dropped character performs the motion of its first.
+    if (present_.input.motion.empty() && present_.input.character.empty() && !(*result)->opened.avatars.empty()) {
+      present_.input.motion = (*result)->opened.avatars.front().options.motion;
+    }
+  }
+  return result;
+}
+
+void WindowOpener::describe(WindowValues& values) {
+  if (!loading_) return;
+  const WorkMonitor::Progress progress = loading_->progress();
+  label_ = progress.label.empty() ? "Loading" : progress.label;
+  values.loading = label_;
+  values.loaded = progress.total > 0 ? static_cast<double>(progress.done) / progress.total : -1.0;
+}
+
+Result<std::optional<LoadedCast>> loadInWindow(Window& window, WindowOpener& opener) {
+  while (window.open()) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (std::optional<Result<LoadedCast>> loaded = opener.take()) {
+      if (!*loaded) return loaded->error();
+      return std::optional<LoadedCast>(std::move(**loaded));
+    }
+    if (window.takeRequests().cancel) break;
+    WindowValues values;
+    opener.describe(values);
+    window.show(Scene(), values);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  opener.cancel();
+  return std::optional<LoadedCast>();
+}
+
+}  // namespace lorica

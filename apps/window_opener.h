@@ -1,0 +1,46 @@
+#pragma once
+
+#include "apps/cast_loading.h"
+#include "viewer/window.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// Opens in a window what the user drops on it or picks, while the present session goes on.
+class WindowOpener {
+ public:
+  /// Starts to load the first cast.
+  /// @param whyNot  nothing can be opened afterwards; empty = it can
+  WindowOpener(CastRequest first, int threads, std::string whyNot);
+
+  /// Starts to load the present cast with files in it; names without extension are of what ships. What was loading is
+  /// cancelled.
+  /// @return success, or why these files cannot be opened together
+  [[nodiscard]] Result<void> open(const std::vector<std::string>& files);
+  /// The scene of the present cast was exchanged.
+  void choseScene(const std::string& scene) { present_.scene = scene; }
+  void cancel();
+
+  [[nodiscard]] bool loading() const { return loading_ != nullptr; }
+  /// What is loaded and how far it is, for the window.
+  void describe(WindowValues& values);
+  /// The result, once; none while it loads.
+  [[nodiscard]] std::optional<Result<LoadedCast>> take();
+
+ private:
+  CastRequest present_;
+  int threads_ = 1;
+  std::string whyNot_;
+  std::unique_ptr<CastLoading> loading_;
+  std::string label_;  // for the window
+};
+
+/// Shows the progress of the first loading.
+/// @return what was loaded; none if the window was closed meanwhile; kCancelled after Ctrl-C, or another error
+[[nodiscard]] Result<std::optional<LoadedCast>> loadInWindow(Window& window, WindowOpener& opener);
+
+}  // namespace lorica

@@ -1,0 +1,122 @@
+#include "apps/scenes.h"
+#include "apps/window_loop_impl.h"
+
+namespace lorica {
+namespace {
+
+constexpr double kProblemSeconds = 12.0;  // long enough to read a path
+
+}  // namespace
+
+Result<void> WindowLoop::answer(WindowRequests requests) {
+  if (const std::string_view why = whyNoThrow(); !why.empty()) {
+    if (requests.throwBall) window_.notice(std::string(why));
+    requests.throwBall = false;
+    requests.pressed.reset();
+  }
+  answerAboutAvatars(requests);
+  open(requests);
+  if (requests.undo) return undo();
+  if (requests.scene && *requests.scene != scenes_.present) {
+    if (Result<void> done = changeScene(*requests.scene); !done) return done;
+  }
+  hands_.take(requests, window_, session_);
+  if (requests.parts && *requests.parts != levels_.asked().value_or(static_cast<int>(session_.body().parts().size()))) {
+    levels_.ask(*requests.parts);
+  }
+  if (const std::shared_ptr<const BodyPlan> plan = levels_.take(); plan != nullptr && plan != session_.body().plan()) {
+    session_.setBody(plan);
+    scene_ = SessionScene(session_);
+    scene_.chooseExpression(expression_);
+    describe();
+  }
+  if (requests.nextExpression) requests.expression = expression_ + 1;
+  if (requests.expression && !expressions_.empty()) {
+    expression_ = *requests.expression < static_cast<int>(expressions_.size()) ? *requests.expression : -1;
+    scene_.chooseExpression(expression_);
+  }
+  if (requests.seekTo && subject_.sourcesAgain) return beginSeek(*requests.seekTo);
+  return {};
+}
+
+std::string_view WindowLoop::whyNoThrow() const {
+  if (onlyWatched()) return "a recorded session cannot be changed";
+  if (ended_ && !goesOn()) return "end of recording; press Home to restart";
+  return {};
+}
+
+std::string_view WindowLoop::whyNoUndo() const {
+  if (onlyWatched()) return "a recorded session cannot be changed";
+  if (!subject_.sourcesAgain) return "what happened live cannot be undone";
+  if (!hands_.canUndo()) return "nothing was thrown or dragged";
+  return {};
+}
+
+std::string_view WindowLoop::whyNoLoop() const {
+  return mayLoop() ? "" : onlyWatched() ? "a recorded session is run once" : "what is written is run once";
+}
+
+bool WindowLoop::loops() const {
+  if (!mayLoop()) return false;
+  return subject_.atEnd == WindowSubject::AtEnd::kRepeat || window_.choices().loop;
+}
+
+/// Opens dropped files. The session goes on until they are loaded, and after an error.
+void WindowLoop::open(const WindowRequests& requests) {
+  WindowOpener* opener = subject_.opener;
+  if (opener == nullptr) {
+    if (!requests.files.empty()) window_.notice("files can be opened in the window of lorica play", kProblemSeconds);
+    return;
+  }
+  if (!requests.files.empty()) {
+    if (const Result<void> begun = opener->open(requests.files); !begun) {
+      window_.notice(begun.error().message, kProblemSeconds);
+    }
+  }
+  if (requests.cancel) opener->cancel();
+  std::optional<Result<LoadedCast>> loaded = opener->take();
+  if (!loaded) return;
+  if (*loaded) {
+    subject_.next = std::move(**loaded);
+  } else {
+    window_.notice(loaded->error().message, kProblemSeconds);
+  }
+}
+
+void WindowLoop::answerAboutAvatars(const WindowRequests& requests) {
+  if (requests.avatar) focus_.choose(*requests.avatar);
+  if (!requests.clicked || avatarNames_.size() < 2) return;
+  const int clicked = avatarAt(session_, *requests.clicked);
+  focus_.choose(clicked);
+  window_.notice(clicked < 0 ? "following all avatars" : "following avatar " + avatarNames_[clicked]);
+}
+
+/// Runs again to the present time without the last action.
+Result<void> WindowLoop::undo() {
+  if (const std::string_view why = whyNoUndo(); !why.empty()) {
+    window_.notice(std::string(why));
+    return {};
+  }
+  hands_.undo();
+  const double present = seconds();
+  if (!seek_) seek_ = Seek{present, now(), 0, true};
+  return restart();
+}
+
+Result<void> WindowLoop::changeScene(int scene) {
+  Result<World> world = openWorld(scene);
+  if (!world) {
+    window_.notice(world.error().message);
+    return {};
+  }
+  scenes_.present = scene;
+  if (subject_.sceneChosen) subject_.sceneChosen(scenes_.arguments[scene]);
+  if (subject_.opener != nullptr) subject_.opener->choseScene(scenes_.arguments[scene]);
+  hands_.forget();
+  if (subject_.sourcesAgain) return restart();
+  session_.setWorld(std::move(*world));
+  saySettling();
+  return {};
+}
+
+}  // namespace lorica

@@ -1,0 +1,98 @@
+#include "tests/apps/mesh_text.h"
+#include "tests/apps/window_at_play.h"
+
+#include <chrono>
+
+namespace lorica::test {
+namespace {
+
+/// Drops files on the window, as a file manager does.
+std::string drop(const std::vector<std::filesystem::path>& files) {
+  std::string line = LORICA_DROP_FILES " $w";
+  for (const std::filesystem::path& file : files) line += " " + file.string();
+  return line;
+}
+
+class WindowDrop : public WindowPlay {
+ protected:
+  void SetUp() override {
+    if (std::string(LORICA_DROP_FILES).empty()) GTEST_SKIP() << "libX11 is not installed (Debian package libx11-dev)";
+    WindowPlay::SetUp();
+  }
+};
+
+TEST_F(WindowDrop, BadFilesAreMessagesAndTheSessionGoesOn) {
+  std::filesystem::create_directory(folder_.path() / "folder");
+  const std::filesystem::path broken = folder_.write("broken.glb", "not a character"),
+                              huge = folder_.write("huge.csv", ""), scene = folder_.write("scene.json", R"({
+    "format": "lorica scene 1", "props": [{ "shape": "wheel" }] })");
+  std::filesystem::resize_file(huge, std::uintmax_t{3} << 30);
+  Hands hands(folder_);
+  hands.mouse("windowsize --sync $w 480 360");
+  hands.press("1 2 4 5 6 7 Tab space");  // an empty picture
+  hands.picture("shift+p");
+  for (const std::vector<std::filesystem::path>& files :
+       {std::vector{broken},
+        {folder_.path() / "folder"},
+        {huge},
+        {folder_.path() / "gone.bvh"},
+        {scene},
+        std::vector<std::filesystem::path>(10, shipped("wave.csv"))}) {
+    hands.line(drop(files));
+    hands.sleep("0.4");
+  }
+  hands.picture("shift+p");
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["recording"], "walk");
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 1000) << "a message";
+}
+
+TEST_F(WindowDrop, AMotionASceneAndAMeshReplaceWhatIsPlayed) {
+  const std::filesystem::path scene = folder_.write("empty.json", R"({"format": "lorica scene 1", "props": []})");
+  const std::filesystem::path mesh = writeObj(folder_, "box.obj", makeBox({0, 0, 0}, {0.4, 0.4, 0.4}));
+  Hands hands(folder_);
+  hands.mouse("windowsize --sync $w 480 360");
+  hands.line(drop({shipped("wave.csv"), scene}));
+  hands.sleep("1");
+  hands.press("Tab space 1 2 5 6 Home");
+  hands.sleep("0.5");
+  hands.picture();
+  hands.line(drop({mesh}));
+  hands.sleep("1");
+  hands.press("Home 1 2");
+  hands.sleep("0.5");
+  hands.picture();
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["recording"], "wave");
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 500) << "the mesh is a prop";
+}
+
+TEST_F(WindowDrop, ClosingWhileTheBodyIsDecomposedEndsAtOnce) {
+  const std::filesystem::path script = folder_.write("close.sh",
+                                                     "w=$(xdotool search --sync --name '^Lorica')\n"
+                                                     "xdotool windowfocus --sync $w\nsleep 1\nxdotool key Escape\n");
+  const std::string start = "timeout 30 sh " + script.string() + " > /dev/null 2>&1 &";
+  ASSERT_EQ(std::system(start.c_str()), 0);
+  CommandSurroundings surroundings;  // without a cache
+  surroundings.display = display_->name();
+  const auto begin = std::chrono::steady_clock::now();
+  const CommandResult result = runLorica({"play", "walk", "--window"}, surroundings);
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10)) << "the whole takes longer";
+}
+
+TEST_F(WindowDrop, WhatCannotBeLoadedAtFirstIsTheCommandsError) {
+  CommandSurroundings surroundings;
+  surroundings.display = display_->name();
+  const CommandResult result = runLorica({"play", "nowhere.bvh", "--window"}, surroundings);
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_NE(result.err.find("nowhere.bvh: cannot be read"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace lorica::test
