@@ -1,7 +1,8 @@
-// An hour of simulated time with faults, thrown balls and changing scenes: costs and violations. CSV on standard
-// output; exits with 1 if there are violations.
+// An hour of simulated time with faults, thrown balls and changing scenes, or half an hour with avatars that come and
+// go: costs and violations. CSV on standard output; exits with 1 if there are violations.
 
 #include "bench/measure.h"
+#include "bench/soak_avatars.h"
 #include "bench/soak_run.h"
 #include "session/demo_scene.h"
 #include "session/prepare/keyframes.h"
@@ -64,6 +65,21 @@ double quantile(std::vector<double> values, double share) {
   return 1e3 * values[rank];
 }
 
+void printViolations(const std::vector<std::string>& violations) {
+  for (const std::string& violation : violations) fmt::print("# violated: {}\n", violation);
+  if (violations.empty()) fmt::print("# no violations\n");
+}
+
+void print(const AvatarSoakResult& result, const AvatarSoakSettings& settings) {
+  fmt::print("avatars,seconds,frames,cpu_ms_per_frame,mean_there,entries,exits,prop_contacts,avatar_contacts,events\n");
+  fmt::print("{},{:.0f},{},{:.2f},{:.2f},{},{},{},{},{}\n", settings.places, result.seconds, result.frames,
+             1e3 * result.cpuSeconds / static_cast<double>(std::max(1L, result.frames)), result.meanThere,
+             result.entries, result.exits, result.contacts, result.meetings, result.events);
+  fmt::print("# memory {:.1f} MiB in the first third after {:.0f} s, {:.1f} MiB in the last third, peak {:.1f} MiB\n",
+             result.firstMemory, settings.warmUp, result.lastMemory, result.peakMemory);
+  printViolations(result.violations);
+}
+
 void print(const SoakResult& result, const SoakSettings& settings) {
   fmt::print("scene,frames,median_ms,p99_ms,worst_ms,most_props,contacts,lowest_m,fastest_m_per_s\n");
   double cpu = 0.0;
@@ -79,8 +95,7 @@ void print(const SoakResult& result, const SoakSettings& settings) {
              result.firstMemory, settings.warmUp, result.lastMemory, result.maxMemory);
   fmt::print("# budget {:.1f} ms of CPU time per frame, maximum {:g} times that\n", 1e3 * settings.budget,
              settings.factor);
-  for (const std::string& violation : result.violations) fmt::print("# violated: {}\n", violation);
-  if (result.violations.empty()) fmt::print("# no violations\n");
+  printViolations(result.violations);
 }
 
 }  // namespace
@@ -91,16 +106,27 @@ int main(int argc, char** argv) {
   CLI::App app("Soak test: an hour of faults, thrown balls and changing scenes.", "soak");
   bench::SoakSettings settings;
   std::string folder = "scenes";
-  app.add_option("--seconds", settings.seconds, "Simulated time [s]")->check(CLI::PositiveNumber);
+  bench::AvatarSoakSettings comings;
+  bool avatars = false;
+  app.add_flag("--avatars", avatars, "Avatars that come and go instead, for half an hour");
+  CLI::Option* seconds =
+      app.add_option("--seconds", settings.seconds, "Simulated time [s]")->check(CLI::PositiveNumber);
   app.add_option("--seed", settings.seed, "Random seed of faults, balls and scenes");
   app.add_option("--factor", settings.factor, "Maximum CPU time of a frame as a multiple of 1/60 s")
       ->check(CLI::PositiveNumber);
   app.add_option("--scenes", folder, "Folder of the shipped scenes");
   CLI11_PARSE(app, argc, argv);
-  const lorica::Result<std::vector<bench::SoakScene>> scenes = bench::scenesIn(folder);
-  if (!scenes) return bench::fail(scenes.error());
   const lorica::Result<lorica::Decomposition> parts = bench::sixteenParts();
   if (!parts) return bench::fail(parts.error());
+  if (avatars) {
+    comings.seed = settings.seed;
+    if (seconds->count() > 0) comings.seconds = settings.seconds;
+    const bench::AvatarSoakResult result = bench::soakAvatars(*parts, comings);
+    bench::print(result, comings);
+    return result.violations.empty() ? 0 : bench::kViolated;
+  }
+  const lorica::Result<std::vector<bench::SoakScene>> scenes = bench::scenesIn(folder);
+  if (!scenes) return bench::fail(scenes.error());
   const bench::SoakResult result = bench::soak(*parts, *scenes, settings);
   bench::print(result, settings);
   return result.violations.empty() ? 0 : bench::kViolated;

@@ -1,5 +1,6 @@
 #include "bench/soak_run.h"
 
+#include "bench/memory_watch.h"
 #include "capture/fault_injector.h"
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
@@ -8,13 +9,11 @@
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <fstream>
 #include <iterator>
 #include <utility>
 
@@ -22,7 +21,6 @@ namespace lorica::bench {
 namespace {
 
 constexpr std::size_t kMaxViolations = 20;
-constexpr double kMemoryEvery = 20.0;  ///< simulated [s]
 constexpr std::array<const char*, 8> kFaults = {"",
                                                 "dropout=0.1",
                                                 "jitter=0.03",
@@ -38,18 +36,14 @@ double cpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Resident memory of this process [MiB].
-double residentMebibytes() {
-  std::ifstream statm("/proc/self/statm");
-  double size = 0.0, resident = 0.0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
-}
-
 class Soak {
  public:
   Soak(const Decomposition& parts, const std::vector<SoakScene>& scenes, const SoakSettings& settings)
-      : scenes_(scenes), settings_(settings), random_(settings.seed), session_(firstSession(parts)) {
+      : scenes_(scenes),
+        settings_(settings),
+        random_(settings.seed),
+        session_(firstSession(parts)),
+        memory_(settings.warmUp) {
     for (const SoakScene& scene : scenes) {
       SoakRow& row = result_.rows.emplace_back();
       row.scene = scene.name;
@@ -172,11 +166,7 @@ class Soak {
       if (height < 0.0) violation(fmt::format("prop {} went through the floor, to {:.3f} m", p, height));
     }
     watchParticles();
-    if (result_.seconds < nextMemory_) return;
-    nextMemory_ += kMemoryEvery;
-    const double mebibytes = residentMebibytes();
-    result_.maxMemory = std::max(result_.maxMemory, mebibytes);
-    if (result_.seconds >= settings_.warmUp) memory_.push_back(mebibytes);
+    memory_.watch(result_.seconds);
   }
 
   void watchParticles() {
@@ -190,15 +180,10 @@ class Soak {
   }
 
   void judgeMemory() {
-    const std::size_t third = memory_.size() / 3;
-    if (third == 0) return;
-    const auto mean = [&](std::size_t from) {
-      double sum = 0.0;
-      for (std::size_t i = from; i < from + third; ++i) sum += memory_[i];
-      return sum / static_cast<double>(third);
-    };
-    result_.firstMemory = mean(0);
-    result_.lastMemory = mean(memory_.size() - third);
+    result_.maxMemory = memory_.peak();
+    if (!memory_.hasThirds()) return;
+    result_.firstMemory = memory_.firstThird();
+    result_.lastMemory = memory_.lastThird();
     if (result_.lastMemory - result_.firstMemory > settings_.memoryGrowth) {
       violation(fmt::format("memory grew from {:.1f} to {:.1f} MiB, by more than {:g}", result_.firstMemory,
                             result_.lastMemory, settings_.memoryGrowth));
@@ -210,10 +195,9 @@ class Soak {
   RandomNumbers random_;
   Session session_;
   std::vector<std::vector<SkeletonFrame>> motions_;
+  MemoryWatch memory_;
   SoakResult result_;
   std::size_t scene_ = 0;
-  std::vector<double> memory_;
-  double nextMemory_ = 0.0;
   bool held_ = false;
 };
 

@@ -1,3 +1,4 @@
+#include "bench/soak_avatars.h"
 #include "bench/soak_run.h"
 #include "session/demo_scene.h"
 #include "session/scene_file.h"
@@ -55,6 +56,21 @@ TEST(Soak, SaysWhatBroke) {
   const bench::SoakResult slow = bench::soak(test::eightParts(), {{"demo", makeDemoWorld}}, settings);
   ASSERT_FALSE(slow.violations.empty());
   EXPECT_NE(slow.violations[0].find("of CPU time"), std::string::npos);
+}
+
+/// A short version of bench/soak.cpp --avatars.
+TEST(Soak, AvatarsThatComeAndGoBreakNothing) {
+  bench::AvatarSoakSettings settings;
+  settings.seconds = 15.0;
+  settings.places = 3;
+  const bench::AvatarSoakResult result = bench::soakAvatars(test::eightParts(), settings);
+  for (const std::string& violation : result.violations) ADD_FAILURE() << violation;
+  EXPECT_EQ(result.frames, 450);
+  EXPECT_GT(result.entries, 5);
+  EXPECT_GT(result.exits, 3);
+  EXPECT_GT(result.contacts, 10);
+  EXPECT_GT(result.meetings, 10);
+  EXPECT_GT(result.events, 10);
 }
 
 }  // namespace
