@@ -29,7 +29,52 @@ const Vec3& at(std::span<const Vec3> vertices, VertexIndex i) {
   return vertices[i];
 }
 
+constexpr double kShallow = 0.02;  // parts that reach less deep into a static body only touch it [m]
+
+bool isFinite(const LivePart& part) {
+  const std::vector<Vec3>& vertices = part.shape.vertices;
+  return !part.shape.degenerate() && part.worldFromPart.matrix().allFinite() &&
+         std::all_of(vertices.begin(), vertices.end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+/// Half the sides of a prop's bounding box in its own frame.
+Vec3 halfSides(const Prop& prop) {
+  const Vec3& half = prop.halfExtents;
+  if (prop.shape == PropShape::kSphere) return Vec3::Constant(half.x());
+  const bool round = prop.shape == PropShape::kCapsule || prop.shape == PropShape::kCylinder;
+  return round ? Vec3(half.x(), half.y(), half.x()) : half;
+}
+
+/// Whether the boxes around a part and a prop, along the prop's axes, overlap by more than a touch.
+bool reachesInto(const LivePart& part, const Prop& prop) {
+  const auto propFromPart = prop.worldFromProp.inverse() * part.worldFromPart;
+  Aabb box;
+  for (const Vec3& v : part.shape.vertices) box.extend(propFromPart * v);
+  const Vec3 half = halfSides(prop);
+  const Vec3 deepest = (box.max + half).cwiseMin(half - box.min);
+  return deepest.minCoeff() > kShallow;
+}
+
+bool reachesIntoAny(const LivePart& part, std::span<const Prop> props) {
+  return std::any_of(props.begin(), props.end(),
+                     [&](const Prop& prop) { return prop.mass == 0.0 && reachesInto(part, prop); });
+}
+
 }  // namespace
+
+const std::vector<OverlayVertex>& OverlayMesh::insides(std::span<const std::span<const LivePart>> figures,
+                                                       std::span<const Prop> props, const Vec3& eye) {
+  insideVertices_.clear();
+  for (const std::span<const LivePart> parts : figures) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!isFinite(parts[i]) || !reachesIntoAny(parts[i], props)) continue;
+      const ConvexHull hull = worldHull(parts[i]);
+      const Vec3f color = partColor(static_cast<PartIndex>(i));
+      append(insideVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.22, 0.0, 0.75, 0.0}, eye);
+    }
+  }
+  return insideVertices_;
+}
 
 const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const std::span<const LivePart>> figures,
                                                      const Vec3& eye) {
@@ -38,10 +83,8 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const std::span<c
   for (std::size_t f = 0; f < figures.size(); ++f) {
     for (std::size_t i = 0; i < figures[f].size(); ++i) {
       const LivePart& part = figures[f][i];
-      const std::vector<Vec3>& vertices = part.shape.vertices;
-      if (part.shape.degenerate() || !part.worldFromPart.matrix().allFinite()) continue;
-      if (!std::all_of(vertices.begin(), vertices.end(), [](const Vec3& v) { return v.allFinite(); })) continue;
-      const Vec3 center = part.worldFromPart * boundsOf(vertices).center();
+      if (!isFinite(part)) continue;
+      const Vec3 center = part.worldFromPart * boundsOf(part.shape.vertices).center();
       order_.push_back({-(center - eye).squaredNorm(), f, static_cast<PartIndex>(i)});
     }
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "collision/live/live_body.h"
+#include "collision/world/prop.h"
 #include "geometry/math.h"
 #include "skinning/skeleton.h"
 
@@ -32,6 +33,10 @@ class OverlayMesh {
     return hulls(std::span(&parts, 1), eye);
   }
 
+  /// Outlines and a tint of the parts that reach into static bodies, to be drawn where something hides them.
+  const std::vector<OverlayVertex>& insides(std::span<const std::span<const LivePart>> figures,
+                                            std::span<const Prop> props, const Vec3& eye);
+
   /// Opaque octahedra from each parent joint to its child.
   const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
                                           const Vec3& eye);
@@ -58,6 +63,7 @@ class OverlayMesh {
   void findEdges(std::span<const Triangle> triangles);
 
   std::vector<OverlayVertex> hullVertices_;
+  std::vector<OverlayVertex> insideVertices_;
   std::vector<OverlayVertex> boneVertices_;
   /// A part of a figure.
   struct Placed {

@@ -49,6 +49,8 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   i.uploadFigures(scene, options);
   const GLsizei hullCount = options.hulls ? i.uploadHulls(scene, camera.eye) : 0;
   const GLsizei boneCount = options.bones ? i.uploadBones(scene, camera.eye) : 0;
+  const bool bodies = options.skin || options.hulls;
+  const GLsizei insideCount = bodies && options.props ? i.uploadInsides(scene, camera.eye) : 0;
   GLsizei markerCount = 0;
   if (options.contacts) markerCount = i.uploadMarkers(scene.contacts);
   for (std::size_t shape = 0; shape < i.propShapes.size(); ++shape) {
@@ -113,6 +115,15 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
     gl.UseProgram(i.overlayProgram);
     gl.BindVertexArray(i.hullVertexArray);
     gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
+  }
+
+  // The avatar passes through static bodies: what of it is in one shines through.
+  if (insideCount > 0) {
+    gl.DepthFunc(GL_GREATER);
+    gl.UseProgram(i.overlayProgram);
+    gl.BindVertexArray(i.insideVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, insideCount);
+    gl.DepthFunc(GL_LEQUAL);
   }
 
   // Contacts: faint if something is in front of them.

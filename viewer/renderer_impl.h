@@ -97,8 +97,8 @@ struct Renderer::Impl {
   std::vector<std::span<const LivePart>> figureParts;
 
   OverlayMesh overlay;
-  GLuint hullVertexArray = 0, boneVertexArray = 0;
-  StreamBuffer hullBuffer, boneBuffer;
+  GLuint hullVertexArray = 0, insideVertexArray = 0, boneVertexArray = 0;
+  StreamBuffer hullBuffer, insideBuffer, boneBuffer;
 
   std::array<PropShapeGpu, kPropShapeCount> propShapes;
   std::vector<MeshPropGpu> meshProps;
@@ -157,6 +157,8 @@ struct Renderer::Impl {
   void drawGrains(const Scene& scene, const FrameSetup& setup);
   void drawFloor(const FrameSetup& setup);
   GLsizei uploadHulls(const Scene& scene, const Vec3& eye);
+  /// Parts inside static bodies.
+  GLsizei uploadInsides(const Scene& scene, const Vec3& eye);
   GLsizei uploadBones(const Scene& scene, const Vec3& eye);
   GLsizei uploadMarkers(std::span<const Contact> contacts);
   /// Draws a text panel: at the top unchanged, at the bottom wrapped to fit.

@@ -76,6 +76,14 @@ GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
   return glCount(vertices.size());
 }
 
+GLsizei Renderer::Impl::uploadInsides(const Scene& scene, const Vec3& eye) {
+  figureParts.clear();
+  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back(figure.parts); });
+  const std::vector<OverlayVertex>& vertices = overlay.insides(figureParts, scene.props, eye);
+  if (!vertices.empty()) gpu.upload(insideBuffer, vertices);
+  return glCount(vertices.size());
+}
+
 GLsizei Renderer::Impl::uploadBones(const Scene& scene, const Vec3& eye) {
   const std::vector<OverlayVertex>* vertices = nullptr;
   scene.eachFigure([&](const SceneFigure& figure) {

@@ -169,6 +169,9 @@ void Renderer::Impl::createMeshes() {
   hullVertexArray = gpu.makeVertexArray();
   hullBuffer.id = gpu.makeBuffer();
   overlayAttributes(hullVertexArray, hullBuffer);
+  insideVertexArray = gpu.makeVertexArray();
+  insideBuffer.id = gpu.makeBuffer();
+  overlayAttributes(insideVertexArray, insideBuffer);
   boneVertexArray = gpu.makeVertexArray();
   boneBuffer.id = gpu.makeBuffer();
   overlayAttributes(boneVertexArray, boneBuffer);

@@ -271,6 +271,36 @@ TEST_F(Studio, BonesShineThroughTheSkin) {
   EXPECT_NE(pixelAt(with, kWidth / 2, kHeight / 2), pixelAt(without, kWidth / 2, kHeight / 2));
 }
 
+TEST_F(Studio, PartsInsideAStaticBodyShineThroughItAndOthersDoNot) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  SceneOptions options;
+  options.skin = options.contacts = options.ground = false;
+  parts = {test::boxPart({-0.1, 0.8, -0.1}, {0.1, 1.2, 0.1})};
+  scene.parts = parts;
+  props = {boxProp({0.0, 1.0, 0.2}, 0.4, {0.5f, 0.5f, 0.5f})};
+  scene.props = props;
+  const auto draw = [&] { return studio->draw(scene, options, frontCamera(), kWidth, kHeight); };
+  const Image movable = draw();
+  scene.parts = {};
+  EXPECT_EQ(differingPixels(draw(), movable, 8), 0) << "a movable box hides what is in it";
+  scene.parts = parts;
+  props[0].mass = 0.0;
+  const Image seen = draw();
+  const auto covers = [&](double x, double y) {
+    const auto [column, row] = test::seenAt({x, y, 0.1}, kWidth, kHeight);
+    const auto a = pixelAt(seen, static_cast<int>(column), static_cast<int>(row));
+    const auto b = pixelAt(movable, static_cast<int>(column), static_cast<int>(row));
+    return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) > 12;
+  };
+  EXPECT_TRUE(covers(0.0, 1.0)) << "a tint of the part";
+  EXPECT_TRUE(covers(0.1, 1.0)) << "its outline";
+  EXPECT_FALSE(covers(0.2, 1.0)) << "the rest of the wall is as it was";
+  // Behind the wall, or touching it: nothing to tell.
+  parts = {test::boxPart({-0.1, 0.8, -0.5}, {0.1, 1.2, -0.19})};
+  scene.parts = parts;
+  EXPECT_EQ(differingPixels(draw(), movable, 8), 0);
+}
+
 TEST_F(Studio, TheSameSceneGivesTheSameBytes) {
   LORICA_REQUIRE_STUDIO(studio, "");
   SceneOptions options;
