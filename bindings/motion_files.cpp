@@ -1,5 +1,7 @@
 #include "bindings/motion_files.h"
 
+#include "bindings/file_reading.h"
+
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
@@ -38,7 +40,7 @@ std::string lowerCased(std::string text) {
 }
 
 Result<Motion> readClip(const fs::path& file, const std::string& clip) {
-  Result<CharacterFile> read = readCharacterFile(file);
+  Result<CharacterFile> read = readCharacterFile(file, fileReading());
   if (!read) return read.error();
   const std::string wanted = lowerCased(clip);
   const auto found =

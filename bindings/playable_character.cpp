@@ -1,5 +1,6 @@
 #include "bindings/playable_character.h"
 
+#include "bindings/file_reading.h"
 #include "bindings/motion_files.h"
 #include "collision/live/lifted_point.h"
 #include "session/prepare/body_cache.h"
@@ -59,7 +60,7 @@ Result<std::shared_ptr<const PlayableCharacter>> readPlayable(const std::string&
                                                    "file (.glb, .gltf, .vrm, .fbx, .dae)",
                                                    nameOrFile)};
   }
-  Result<CharacterFile> file = readCharacterFile(nameOrFile);
+  Result<CharacterFile> file = readCharacterFile(nameOrFile, fileReading());
   if (!file) return file.error();
   if (file->isMesh()) {
     return Error{ErrorCode::kInvalidArgument,

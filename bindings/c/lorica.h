@@ -135,7 +135,7 @@ LORICA_API const char* lorica_parts_repaired(const lorica_parts* parts);
 typedef struct lorica_character lorica_character;
 
 /* @param name_or_file  "mannequin", or a .glb, .gltf, .vrm, .fbx or .dae file with a skin or clips. FBX and COLLADA are
- * read in this process, without limits: see docs/SECURITY.md */
+ * read in a process of their own: see docs/SECURITY.md */
 LORICA_API lorica_status lorica_character_read(const char* name_or_file, lorica_character** out);
 LORICA_API void lorica_character_free(lorica_character* character);
 LORICA_API const char* lorica_character_name(const lorica_character* character);

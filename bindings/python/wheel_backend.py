@@ -15,6 +15,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+READER = "lorica_character_reader"  # a program
 SUMMARY = "Convex parts of meshes and of moving characters, for physics engines"
 
 
@@ -40,11 +41,12 @@ def built(settings):
 
 
 def package(folder, stage):
-    """The installed package, with the module that it loads when it is needed."""
+    """The installed package, with the module and the program that it needs at times."""
     install = ["cmake", "--install", str(folder), "--strip", "--component", "python", "--prefix", str(stage)]
     subprocess.run(install, check=True, stdout=subprocess.DEVNULL)
     found = next(stage.rglob("__init__.py")).parent
-    shutil.copy(folder / "lib" / "lorica" / "liblorica_level_set.so", found)
+    for name in ("liblorica_level_set.so", READER):
+        shutil.copy(folder / "lib" / "lorica" / name, found)
     return {f"lorica/{file.name}": file.read_bytes() for file in sorted(found.iterdir())}
 
 
@@ -91,7 +93,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         for path, content in files.items():
             entry = zipfile.ZipInfo(path)  # its time is fixed, so that equal builds give equal wheels
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith(".so") else 0o644) << 16
+            entry.external_attr = (0o755 if path.endswith((".so", READER)) else 0o644) << 16
             wheel.writestr(entry, content)
     return name
 

@@ -3,6 +3,16 @@
 file(REMOVE_RECURSE ${FILES})
 file(MAKE_DIRECTORY ${FILES})
 set(ENV{XDG_CACHE_HOME} ${FILES}/cache)
+# A node that contains itself, and a triangle.
+set(start "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset><up_axis>Y_UP</up_axis></asset>")
+set(scene "<library_visual_scenes><visual_scene id=\"s\"><node id=\"r\">NODE</node></visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>")
+string(REPLACE NODE "<instance_node url=\"#a\"/>" text
+  "${start}<library_nodes><node id=\"a\"><instance_node url=\"#a\"/></node></library_nodes>${scene}")
+file(WRITE ${FILES}/cycle.dae "${text}")
+string(REPLACE NODE "<instance_geometry url=\"#g\"/>" text
+  "${start}<library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"f\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source=\"#f\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>${scene}")
+file(WRITE ${FILES}/triangle.dae "${text}")
+
 set(commands
   "${LORICA} decompose mannequin --parts 4 -o ${FILES}/body.lorica"
   "${LORICA} convert walk ${FILES}/walk.bvh"

@@ -12,6 +12,12 @@ vertices = [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 faces = [[4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5]]
 parts = lorica.decompose(vertices, faces, parts=2)  # a box without a floor: the module that closes it is loaded
 assert 'is open' in parts.repaired, parts.repaired
+open('broken.dae', 'w').write('<COLLADA>')  # the program that reads such files is started
+try:
+    lorica.Character('broken.dae')
+    sys.exit('broken.dae was read')
+except ValueError as refused:
+    assert 'broken COLLADA' in str(refused), refused
 print(lorica.__version__, len(parts))
 ")
 function(run)

@@ -117,6 +117,8 @@ static void test_characters(void) {
   CHECK(lorica_character_read(path("hero.glb"), &hero) == LORICA_OK);
   CHECK(lorica_character_clip_count(hero) == 2 && strcmp(lorica_character_clip_name(hero, 1), "Nod") == 0);
   FAILS(LORICA_NOT_FOUND, "nobody", lorica_character_read("nobody", &hero));
+  FAILS(LORICA_BAD_FORMAT, "its reader", lorica_character_read(path("cycle.dae"), &hero));
+  FAILS(LORICA_INVALID_ARGUMENT, "a mesh without skin", lorica_character_read(path("triangle.dae"), &hero));
 
   CHECK(lorica_body_load(mannequin, path("body.lorica"), &body) == LORICA_OK);
   CHECK(lorica_body_part_count(body) == 4);

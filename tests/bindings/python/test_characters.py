@@ -143,6 +143,9 @@ class Characters(unittest.TestCase):
         for error, sentence, call in (
             (FileNotFoundError, "expected mannequin or a character file", lambda: lorica.Character("nobody")),
             (FileNotFoundError, "No such file", lambda: lorica.Character("nobody.glb")),
+            (ValueError, "cycle.dae: broken COLLADA: its reader", lambda: lorica.Character(FILES / "cycle.dae")),
+            (ValueError, "cycle.dae: broken COLLADA", lambda: lorica.play(FILES / "cycle.dae", self.body)),
+            (ValueError, "a mesh without skin", lambda: lorica.Character(FILES / "triangle.dae")),
             (FileNotFoundError, "no shipped recording", lambda: lorica.play("stroll", self.body)),
             (FileNotFoundError, "no clip named Run, expected one of Bow, Nod",
              lambda: lorica.play(FILES / "hero.glb", self.body, clip="Run")),

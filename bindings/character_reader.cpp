@@ -1,0 +1,6 @@
+// The program that reads FBX and COLLADA files for the C interface and the Python module (docs/SECURITY.md).
+#include "skinning/import/isolated_reader.h"
+
+int main() {
+  return lorica::serveIsolatedReader();
+}
