@@ -7,6 +7,7 @@ import base64
 import hashlib
 import re
 import shutil
+import stat
 import subprocess
 import sys
 import sysconfig
@@ -93,7 +94,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         for path, content in files.items():
             entry = zipfile.ZipInfo(path)  # its time is fixed, so that equal builds give equal wheels
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith((".so", READER)) else 0o644) << 16
+            mode = 0o755 if path.endswith((".so", READER)) else 0o644
+            entry.external_attr = (stat.S_IFREG | mode) << 16  # pip believes only the mode of a regular file
             wheel.writestr(entry, content)
     return name
 
