@@ -189,18 +189,9 @@ Result<void> checkOptions(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
-  for (const VmcInputOptions& sender : sendersOf(options)) {
-    if (Result<void> fine = checkVmcInput(sender); !fine) return fine;
-  }
-  if (options.vmc.listenAt.empty()) {
-    if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
-  }
   if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
   inputs.emplace_back(options.record);
-  if (avatarsOf(options) > kMaxPeople) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--people, --vmc: found {}, expected at most {}", avatarsOf(options), kMaxPeople)};
-  }
+  if (Result<void> fine = checkPeople(options); !fine) return fine;
   return checkEvents(options.events, common, inputs);
 }
 
@@ -208,7 +199,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkOptions(options, common); !fine) return fine;
   const Result<bool> inWindow = chooseWindow(options);
   if (!inWindow) return inWindow.error();
-  Result<World> world = openScene(options.scene);
+  Result<World> world = openSceneForPeople(options.scene);
   if (!world) return world.error();
   const bool drawn = *inWindow || options.pictures.any();
   const Result<std::vector<Follower>> followers = readFollowers(options, drawn, common.threadCount());

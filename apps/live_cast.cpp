@@ -1,6 +1,8 @@
 #include "apps/live_cast.h"
 
 #include "apps/cast.h"
+#include "apps/report.h"
+#include "apps/scenes.h"
 
 #include <fmt/format.h>
 
@@ -35,6 +37,28 @@ std::vector<VmcInputOptions> sendersOf(const LiveOptions& options) {
 std::size_t avatarsOf(const LiveOptions& options) {
   const std::size_t senders = sendersOf(options).size();
   return senders > 0 ? senders : static_cast<std::size_t>(options.people);
+}
+
+Result<void> checkPeople(const LiveOptions& options) {
+  for (const VmcInputOptions& sender : sendersOf(options)) {
+    if (Result<void> fine = checkVmcInput(sender); !fine) return fine;
+  }
+  if (options.vmc.listenAt.empty()) {
+    if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
+  }
+  if (avatarsOf(options) <= kMaxPeople) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("--people, --vmc: found {}, expected at most {}", avatarsOf(options), kMaxPeople)};
+}
+
+Result<World> openSceneForPeople(const std::string& scene) {
+  Result<OpenedScene> opened = openStage(scene);
+  if (!opened) return opened.error();
+  if (!opened->stage.empty()) {
+    warn(fmt::format("{}: its {} stay away, because avatars follow people here; `lorica play --scene {}` shows them",
+                     scene, counted(std::ssize(opened->stage), "avatar"), scene));
+  }
+  return std::move(opened->world);
 }
 
 Result<Performer> openPerformer(const LiveOptions& options) {

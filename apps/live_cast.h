@@ -62,6 +62,12 @@ struct Performer {
 /// The options of each program that sends; empty without --vmc.
 [[nodiscard]] std::vector<VmcInputOptions> sendersOf(const LiveOptions& options);
 
+/// Rejects options of the streams that cannot be, and too many people.
+[[nodiscard]] Result<void> checkPeople(const LiveOptions& options);
+
+/// The world of a scene in which avatars follow people; warns of the scene's own avatars, which do not perform.
+[[nodiscard]] Result<World> openSceneForPeople(const std::string& scene);
+
 /// Opens the camera or the streams.
 [[nodiscard]] Result<Performer> openPerformer(const LiveOptions& options);
 

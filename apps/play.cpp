@@ -123,6 +123,7 @@ nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Se
     one["parts"] = avatar.body().parts().size();
     one["frames"] = avatar.frameCount();
     one["contacts"] = statistics.contactsOf(i);
+    one["selfContacts"] = statistics.selfContactsOf(i);
     one["hash"] = hexDigits(avatar.hash());
     json["avatars"].push_back(std::move(one));
   }

@@ -1,3 +1,4 @@
+#include "apps/cast.h"
 #include "apps/convert.h"
 #include "apps/depth_inputs.h"
 #include "apps/interrupt.h"
@@ -43,6 +44,13 @@ struct Recording {
 /// The joint CSV next to the depth recording.
 fs::path jointsBeside(const std::string& out) {
   return fs::path(out).replace_extension(".csv");
+}
+
+/// The files that the options name, which no report may overwrite.
+std::vector<fs::path> filesOf(const Options& options) {
+  std::vector<fs::path> files = filesOf(options.input, options.body);
+  files.emplace_back(options.out);
+  return files;
 }
 
 /// Reads until the limit or Ctrl-C; OpenNI2 records the frames that are read.
@@ -100,10 +108,10 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
 /// Rejects options about the performance: depth images and packets are recorded as they are; these options apply when
 /// they are played.
 Result<void> refuseSessionOptions(const CommandLine& app, const Options& options, const char* what) {
-  for (const char* name : {"MOTION",       "--character", "--map",           "--body-resolution", "--expression",
-                           "--hide",       "--springs",   "--decomposition", "--cover",           "--hull-vertices",
-                           "--scene",      "--inject",    "--mirror",        "--upper-body",      "--smooth",
-                           "--min-cutoff", "--beta",      "--clip",          "--format",          "--person"}) {
+  for (const char* name : {"MOTION",    "--character",     "--map",    "--body-resolution", "--expression", "--hide",
+                           "--springs", "--decomposition", "--cover",  "--hull-vertices",   "--scene",      "--inject",
+                           "--mirror",  "--upper-body",    "--smooth", "--min-cutoff",      "--beta",       "--clip",
+                           "--format",  "--person",        "--people"}) {
     if (!app.given(name)) continue;
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: {} is for sessions ({}), not for {}", options.out, name, kSessionEnding, what)};
@@ -163,11 +171,14 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
 /// A motion while it happens: the session is recorded, and converted at its end. If the program is killed, the session
 /// is left, which `lorica convert` reads.
 Result<void> recordMotion(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.out, options.input.motion, options.input.character});
-      !fine) {
-    return fine;
-  }
+  if (Result<void> fine = checkJsonOutput(common, filesOf(options)); !fine) return fine;
   if (Result<void> fine = checkOutput("OUT", options.out); !fine) return fine;
+  if (const std::size_t avatars = avatarsOf(options); avatars > 1) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found {} avatars, expected one: a motion file holds one skeleton, a session ({}) any "
+                             "number",
+                             options.out, avatars, kSessionEnding)};
+  }
   Options session = options;
   session.out = options.out + kSessionEnding;
   return recordSession(session, common, [&](Report& report) -> Result<void> {
@@ -187,11 +198,7 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common) {
 Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
-    if (Result<void> fine = checkJsonOutput(
-            common, {options.out, options.input.motion, options.input.character, options.body.decomposition});
-        !fine) {
-      return fine;
-    }
+    if (Result<void> fine = checkJsonOutput(common, filesOf(options)); !fine) return fine;
     if (Result<void> fine = checkRecord("OUT", options.out); !fine) return fine;
     return recordSession(options, common);
   }
@@ -231,6 +238,9 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
                     "      a session: joints, character, settings, scene, and a hash of the result of each step\n"
                     "  lorica record me.lsession --seconds 20 --inject dropout=0.1,seed=7\n"
                     "      of the person before the camera, with simulated tracking faults\n"
+                    "  lorica record duel.lsession walk,wave\n"
+                    "  lorica record we.lsession --people 2 --seconds 20\n"
+                    "      two avatars: motions side by side, or the people before the camera\n"
                     "  lorica replay kick.lsession\n"
                     "      run it again and compare the results\n"
                     "  lorica record take.bvh --vmc 39539\n"
@@ -248,6 +258,8 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
   addBodyOptions(*app, options->body);
   addSceneOption(*app, options->scene);
   addDepthOptions(*app, options->depth);
+  addCount(*app, "--people", options->people, 1,
+           "People before the camera to record, each with an avatar, at most 6; a session only [default: 1]");
   addVmcInputOptions(*app, options->vmc);
   addCount(*app, "--frames", options->limit.frames, 1, "Stop after N frames");
   addSeconds(*app, "--seconds", options->limit.seconds, "Stop after S seconds");

@@ -2,11 +2,12 @@
 
 #include "apps/body_choice.h"
 #include "apps/depth_inputs.h"
+#include "apps/playback.h"
 #include "apps/playback_input.h"
 #include "apps/report.h"
 #include "apps/vmc_input.h"
-#include "apps/window_loop.h"
 
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -20,10 +21,15 @@ struct SessionRecording {
   VmcInputOptions vmc;  ///< a program instead of a camera
   BodyOptions body;
   std::string scene;
+  int people = 1;  ///< before the camera
   PlaybackOptions limit;
 };
 
-/// Plays a motion, or follows the person before a camera or a program, and records the session without a window.
+/// How many avatars the options ask for, as far as is known before anything is read.
+[[nodiscard]] std::size_t avatarsOf(const SessionRecording& options);
+
+/// Plays motions, or follows the people before a camera or programs that send, and records the session without a
+/// window.
 /// @param finished  called when the file is complete; may add to the report
 [[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common,
                                          const std::function<Result<void>(Report&)>& finished = {});

@@ -90,21 +90,31 @@ bool RunStatistics::addTraining(const SessionAvatar& avatar) {
 }
 
 void RunStatistics::addSelfContacts(const Session& session) {
-  if (!selfContacts_) selfContacts_ = SelfContacts{{}, 0, {}, 0.0};
-  bool any = false;
-  for (const SessionAvatar& avatar : session.avatars()) {
-    for (const SelfContact& contact : avatar.selfContacts()) {
-      any = true;
+  selfContacts_.resize(session.avatars().size());
+  for (std::size_t a = 0; a < selfContacts_.size(); ++a) {
+    SelfContacts& its = selfContacts_[a];
+    const std::span<const SelfContact> contacts = session.avatars()[a].selfContacts();
+    its.frames += contacts.empty() ? 0 : 1;
+    for (const SelfContact& contact : contacts) {
       const std::pair pair(contact.first, contact.second);
-      auto& pairs = selfContacts_->pairs;
-      const auto at = std::lower_bound(pairs.begin(), pairs.end(), pair);
-      if (at == pairs.end() || *at != pair) pairs.insert(at, pair);
-      if (contact.depth <= selfContacts_->deepest.depth) continue;
-      selfContacts_->deepest = contact;
-      selfContacts_->deepestTime = session.time() - *start_;
+      const auto at = std::lower_bound(its.pairs.begin(), its.pairs.end(), pair);
+      if (at == its.pairs.end() || *at != pair) its.pairs.insert(at, pair);
+      if (contact.depth <= its.deepest.depth) continue;
+      its.deepest = contact;
+      its.deepestTime = session.time() - *start_;
     }
   }
-  selfContacts_->frames += any ? 1 : 0;
+}
+
+nlohmann::ordered_json RunStatistics::selfContactsOf(std::size_t avatar) const {
+  if (avatar >= selfContacts_.size()) return nullptr;
+  const SelfContacts& its = selfContacts_[avatar];
+  nlohmann::ordered_json json{{"frames", its.frames}, {"pairs", its.pairs}, {"deepest", nullptr}};
+  if (its.frames > 0) {
+    json["deepest"] = {
+        {"parts", {its.deepest.first, its.deepest.second}}, {"depth", its.deepest.depth}, {"time", its.deepestTime}};
+  }
+  return json;
 }
 
 int RunStatistics::propsTouched() const {
@@ -117,15 +127,7 @@ void RunStatistics::addTo(nlohmann::ordered_json& json) const {
   json["touches"] = touches_;
   json["propsTouched"] = propsTouched();
   json["avatarTouches"] = avatarTouches_;
-  json["selfContacts"] = nullptr;
-  if (selfContacts_) {
-    const SelfContacts& s = *selfContacts_;
-    json["selfContacts"] = {{"frames", s.frames}, {"pairs", s.pairs}, {"deepest", nullptr}};
-    if (s.frames > 0) {
-      json["selfContacts"]["deepest"] = {
-          {"parts", {s.deepest.first, s.deepest.second}}, {"depth", s.deepest.depth}, {"time", s.deepestTime}};
-    }
-  }
+  json["selfContacts"] = selfContactsOf(0);
   json["training"] = nullptr;
   if (training_) {
     json["training"] = {{"knownDistance", training_->knownDistance},
@@ -143,13 +145,16 @@ void RunStatistics::addTo(nlohmann::ordered_json& json) const {
 }
 
 void RunStatistics::addSelfContactsTo(Report& report) const {
-  if (!selfContacts_) return;
-  const SelfContacts& s = *selfContacts_;
-  report.line("self-contacts",
-              s.frames == 0 ? "none, except between neighbours"
-                            : fmt::format("{} of parts in {}; deepest overlap {:.1f} cm, parts {} and {} at {:.2f} s",
-                                          counted(std::ssize(s.pairs), "pair"), counted(s.frames, "frame"),
-                                          100.0 * s.deepest.depth, s.deepest.first, s.deepest.second, s.deepestTime));
+  for (std::size_t a = 0; a < selfContacts_.size(); ++a) {
+    const SelfContacts& its = selfContacts_[a];
+    const std::string what =
+        its.frames == 0
+            ? "none, except between neighbours"
+            : fmt::format("{} of parts in {}; deepest overlap {:.1f} cm, parts {} and {} at {:.2f} s",
+                          counted(std::ssize(its.pairs), "pair"), counted(its.frames, "frame"),
+                          100.0 * its.deepest.depth, its.deepest.first, its.deepest.second, its.deepestTime);
+    report.line("self-contacts", selfContacts_.size() == 1 ? what : fmt::format("avatar {}: {}", a + 1, what));
+  }
 }
 
 void RunStatistics::addTrainingTo(Report& report) const {

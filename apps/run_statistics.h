@@ -61,15 +61,15 @@ class RunStatistics {
     SelfContact deepest;
     double deepestTime = 0.0;  ///< relative to the first frame [s]
   };
-  /// None if not requested.
-  [[nodiscard]] const std::optional<SelfContacts>& selfContacts() const { return selfContacts_; }
+  /// Those of an avatar: frames, pairs, and the deepest; null if not requested.
+  [[nodiscard]] nlohmann::ordered_json selfContactsOf(std::size_t avatar) const;
 
-  /// Adds "frames", "contacts", "touches", "propsTouched", "avatarTouches", "selfContacts", "training" and "stages":
-  /// the median and p95 of each stage [us].
+  /// Adds "frames", "contacts", "touches", "propsTouched", "avatarTouches", "selfContacts" of the first avatar,
+  /// "training" and "stages": the median and p95 of each stage [us].
   void addTo(nlohmann::ordered_json& json) const;
   /// Adds one line per stage.
   void addTo(Report& report) const;
-  /// Adds one line on self-contacts, if requested.
+  /// Adds one line on the self-contacts of each avatar, if requested.
   void addSelfContactsTo(Report& report) const;
   /// Adds one line on the training range; two if poses were outside it.
   void addTrainingTo(Report& report) const;
@@ -91,8 +91,8 @@ class RunStatistics {
   long long contacts_ = 0;
   long long touches_ = 0;
   std::optional<Training> training_;
-  std::optional<SelfContacts> selfContacts_;
-  std::optional<double> start_;  // time of the session's first frame [s]
+  std::vector<SelfContacts> selfContacts_;  // of each avatar; empty if not requested
+  std::optional<double> start_;             // time of the session's first frame [s]
 };
 
 }  // namespace lorica

@@ -47,6 +47,48 @@ TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
   }
 }
 
+TEST(SeveralAvatars, AreRecordedWithoutAWindow) {
+  const TemporaryFolder folder;
+  const std::string body = fewParts(folder);
+  const std::string session = folder.path() / "two.lsession";
+  const CommandResult recorded =
+      runLorica({"record", session, "walk,wave", "--frames", "20", "--decomposition", body, "--json", "-"});
+  ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
+  ASSERT_EQ(recorded.json()["avatars"].size(), 2u);
+  const CommandResult played =
+      runLorica({"play", "walk,wave", "--frames", "20", "--decomposition", body, "--json", "-"});
+  EXPECT_EQ(played.json()["hash"], recorded.json()["hash"]);
+  EXPECT_EQ(runLorica({"replay", session, "--json", "-"}).json()["same"], true);
+}
+
+TEST(SeveralAvatars, BeforeACameraAreRecorded) {
+  const TemporaryFolder folder;
+  const std::string session = folder.path() / "two.lsession";
+  const CommandResult recorded =
+      runLorica({"record", session, "--virtual", "--motion", "wave,walk", "--people", "2", "--seconds", "2", "--scene",
+                 "duel", "--decomposition", fewParts(folder), "--json", "-"});
+  ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
+  EXPECT_EQ(recorded.json()["avatars"].size(), 2u);
+  EXPECT_NE(recorded.err.find("duel: its 2 avatars stay away"), std::string::npos) << recorded.err;
+  EXPECT_EQ(runLorica({"replay", session, "--json", "-"}).json()["same"], true);
+}
+
+TEST(SeveralAvatars, HaveTheirOwnSelfContacts) {
+  const TemporaryFolder folder;
+  const CommandResult played = runLorica({"play", "walk,jumping_jacks", "--self-contacts", "--frames", "60",
+                                          "--decomposition", fewParts(folder), "--json", "-"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const nlohmann::json json = played.json();
+  for (int a = 0; a < 2; ++a) {
+    const std::string alone = a == 0 ? "walk" : "jumping_jacks";
+    const nlohmann::json one = runLorica({"play", alone, "--self-contacts", "--frames", "60", "--decomposition",
+                                          folder.path() / "body.lorica", "--json", "-"})
+                                   .json();
+    EXPECT_EQ(json["avatars"][a]["selfContacts"]["frames"], one["selfContacts"]["frames"]) << alone;
+    EXPECT_EQ(json["avatars"][a]["selfContacts"]["pairs"], one["selfContacts"]["pairs"]) << alone;
+  }
+}
+
 TEST(SeveralAvatars, TellWhatTheyTouchOfEachOther) {
   const TemporaryFolder folder;
   const CommandResult played =
@@ -119,6 +161,11 @@ TEST(SeveralAvatars, BadCastsAreASentence) {
           "found 2 characters and 1 motion, expected one character for all of them or one for each");
   refused({"play", "walk,,wave"}, "found an empty name in `walk,,wave`");
   refused({"play", "walk,nothing"}, "nothing");
+  refused({"record", "x.bvh", "walk,wave"}, "x.bvh: found 2 avatars, expected one: a motion file holds one skeleton");
+  refused({"record", "x.csv", "--virtual", "--people", "2"}, "x.csv: found 2 avatars");
+  refused({"record", "x.oni", "--virtual", "--people", "2"}, "x.oni: --people is for sessions (.lsession)");
+  refused({"record", "x.lsession", "walk", "--people", "2"}, "found a motion and --people, expected only one of them");
+  refused({"record", "x.lsession", "--virtual", "--people", "7"}, "found 7, expected at most 6");
   std::string many = "walk";
   for (int i = 0; i < 64; ++i) many += ",walk";
   refused({"play", many}, "found 65 motions, expected at most 64");
