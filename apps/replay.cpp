@@ -7,6 +7,7 @@
 #include "apps/run_statistics.h"
 #include "apps/scenes.h"
 #include "apps/session_files.h"
+#include "apps/target_hits.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 
@@ -168,9 +169,16 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   std::shared_ptr<SessionReplay> replay;
   std::shared_ptr<EventsOutput> events;
   RunStatistics statistics;
+  const std::vector<HitTarget> targets = targetsOf(performers.front().inputs.scene, recorded->header.scene);
+  TargetHits hits(targets);
+  const auto count = [&] {
+    statistics.add(*session);
+    hits.add(*session);
+  };
   const auto begin = [&]() -> Result<void> {
     replay = std::make_shared<SessionReplay>(recorded);
     statistics = RunStatistics();
+    hits = TargetHits(targets);
     Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, subject, header.expressions, replay);
     if (!watcher) return watcher.error();
     if (Result<void> kept = finishEvents(events); !kept) return kept;
@@ -191,13 +199,14 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     watched.worldAgain = worldAgain;
     watched.atEnd = WindowSubject::AtEnd::kHold;
     watched.restarted = [&] { (void)begin(); };  // it could be opened before
-    watched.stepped = [&] { statistics.add(*session); };
+    watched.stepped = count;
     PlaybackOptions limit;
     limit.frames = steps;
     if (Result<void> shown = runInOwnWindow(watched, limit); !shown) return shown;
   } else {
     HeadlessRun all{"Replaying", name, "steps", steps};
-    all.stepped = [&] { statistics.add(*session); };
+    all.stepped = count;
+    all.caption = [&] { return hits.caption(); };
     const Result<DrawnFiles> played = runHeadless(all, options.pictures, *session);
     if (!played) return played.error();
     drawn = *played;
@@ -225,6 +234,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   }
   json["notes"] = recorded->notes;
   statistics.addTo(json);
+  hits.addTo(json);
   drawn.addTo(options.pictures, json);
   json["hash"] = hexDigits(session->hash());
 
@@ -236,6 +246,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
                                    : fmt::format("identical up to step {} of {}", replay->steps(), steps));
   report.line("user actions", counted(std::ssize(recorded->actions), "action"));
   if (header.faults.any()) report.line("faults", textOf(header.faults));
+  hits.addTo(report);
   drawn.addTo(options.pictures, report);
   report.line("hash", hexDigits(session->hash()));
   for (const std::string& note : recorded->notes) report.note("Recording: " + note + ".");

@@ -100,6 +100,12 @@ Result<World> worldOf(const SceneText& scene, const std::string& name) {
   return makeWorld(*read);
 }
 
+std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name) {
+  if (scene.text.empty()) return {};
+  Result<SceneFile> read = sceneOf(scene, name);
+  return read ? std::move(read->targets) : std::vector<HitTarget>();
+}
+
 Result<OpenedScene> openStage(const std::string& scene) {
   const Result<SceneText> text = readSceneText(scene);
   if (!text) return text.error();

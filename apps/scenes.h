@@ -49,5 +49,7 @@ struct OpenedScene {
 
 /// The world of a scene text. @param name  for error messages
 [[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name);
+/// The targets of a scene text that worldOf() has read.
+[[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name);
 
 }  // namespace lorica

@@ -40,8 +40,8 @@ TEST(Play, JsonHasStagesFramesContactsAndHash) {
 TEST(Play, TellsTheHitsOfTargetsInTheReportAndAsJson) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "hits.json";
-  const CommandResult result =
-      runLorica({"play", "--scene", "targets", "--decomposition", makeBody(folder), "--frames", "90", "--json", file});
+  const CommandResult result = runLorica({"play", "--scene", "targets", "--decomposition", makeBody(folder), "--frames",
+                                          "90", "--json", file, "--record", folder.path() / "s.lsession"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json targets = nlohmann::json::parse(readFile(file).value())["targets"];
   ASSERT_EQ(targets.size(), 3u);
@@ -55,6 +55,9 @@ TEST(Play, TellsTheHitsOfTargetsInTheReportAndAsJson) {
     for (const char* limb : {"leftHand", "rightHand", "leftFoot", "rightFoot", "rest"}) sum += target[limb].get<int>();
     EXPECT_EQ(target["hits"], sum);
   }
+  const CommandResult replayed = runLorica({"replay", folder.path() / "s.lsession", "--json", "-"});
+  ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
+  EXPECT_EQ(replayed.json()["targets"], targets);
 }
 
 TEST(Play, RunsAndThreadsAgree) {
