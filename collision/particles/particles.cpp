@@ -126,7 +126,8 @@ void Particles::pour(std::size_t index, double seconds) {
     offset.x() += layer * kJitter * random.between(-0.5, 0.5);
     offset.z() += layer * kJitter * random.between(-0.5, 0.5);
     offset += -later * pour.velocity + 0.5 * later * later * settings_.gravity;
-    if (i >= positions) offset.y() = std::max(offset.y(), layer * (i / positions));  // the disc is full
+    const int below = i / positions;  // layers that are full
+    if (below > 0) offset.y() = std::max(offset.y(), layer * below);
     const Vec3f position = (pour.middle + offset).cast<float>();
     add(std::span(&position, 1), pour.velocity - later * settings_.gravity);
   }
