@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
 #include <thread>
 
 namespace lorica {
@@ -18,21 +19,28 @@ constexpr int kMaxStepsAPicture = 6;
 constexpr double kLongestPause = 0.25;  // longer gaps in a recording, or while the window is dragged, are skipped [s]
 constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures [s]
 constexpr double kSoon = 0.25;          // longer seeks are reported [s]
+constexpr std::chrono::milliseconds kPictureWait(15);
 constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
 
 }  // namespace
 
-// If there are particles, the first step takes seconds because they settle: announce it in a picture first.
-void WindowLoop::saySettling() {
+/// In the first step sand and water settle, which takes seconds: it runs beside the picture.
+Result<bool> WindowLoop::stepSession() {
   const Particles* particles = session_.world().particles();
-  if (particles == nullptr || particles->settings().settleSeconds <= 0.0) return;
-  window_.notice("waiting for sand or water to settle");
-  for (int picture = 0; picture < 2; ++picture) show();
+  if (started_ || particles == nullptr || particles->settings().settleSeconds <= 0.0) return session_.step();
+  std::future<Result<bool>> stepping = std::async(std::launch::async, [&] { return session_.step(); });
+  while (stepping.wait_for(kPictureWait) != std::future_status::ready) {
+    WindowValues values;
+    values.name = subject_.name;
+    values.duration = subject_.duration;
+    window_.notice("waiting for sand or water to settle");
+    window_.show(Scene(), values);
+  }
+  return stepping.get();
 }
 
 Result<WindowEnd> WindowLoop::run() {
   window_.setCamera(framing(window_.camera(), session_.world()));
-  saySettling();
   while (window_.open()) {
     if (interrupted()) return WindowEnd::kInterrupted;
     if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
@@ -77,7 +85,6 @@ Result<void> WindowLoop::restart() {
   Result<World> world = worldAgain();
   if (!world) return world.error();
   if (Result<void> done = restartIn(std::move(*world)); !done) return done;
-  saySettling();
   due_ = now();
   return {};
 }
@@ -184,7 +191,7 @@ void WindowLoop::goOn() {
 Result<void> WindowLoop::step() {
   hands_.beforeStep(window_, session_);
   const double before = seconds();
-  const Result<bool> more = session_.step();
+  const Result<bool> more = stepSession();
   if (!more) return more.error();
   if (!*more) {
     ended_ = true;
@@ -228,6 +235,7 @@ void WindowLoop::show() {
   values.avatars = avatarNames_;
   values.avatar = focus_.avatar();
   if (subject_.opener != nullptr) subject_.opener->describe(values);
+  if (!values.motions.empty()) values.recent = settings_.recent;
   values.noThrow = whyNoThrow();
   values.noUndo = whyNoUndo();
   values.noLoop = whyNoLoop();
@@ -240,7 +248,11 @@ void WindowLoop::show() {
 }
 
 Result<WindowEnd> runInWindow(Window& window, WindowSubject& subject, const PlaybackOptions& options) {
-  return WindowLoop(window, subject, options).run();
+  WindowLoop loop(window, subject, options);
+  loop.recallSettings();
+  Result<WindowEnd> end = loop.run();
+  loop.keepSettings();
+  return end;
 }
 
 }  // namespace lorica

@@ -5,6 +5,7 @@
 #include "apps/snapshots.h"
 #include "apps/window_hands.h"
 #include "apps/window_loop.h"
+#include "apps/window_settings.h"
 #include "apps/window_texts.h"
 #include "apps/window_warnings.h"
 #include "session/prepare/detail_levels.h"
@@ -43,6 +44,9 @@ class WindowLoop {
   }
 
   Result<WindowEnd> run();
+  /// Reads and writes what the user chose.
+  void recallSettings();
+  void keepSettings();
 
  private:
   /// A seek: the recording runs to a time without pictures.
@@ -76,7 +80,7 @@ class WindowLoop {
   Result<void> restart();
   Result<void> restartIn(World world);
   Result<void> changeScene(int scene);
-  void saySettling();
+  [[nodiscard]] Result<bool> stepSession();
   void describe() { status_ = statusOf(session_, ended_); }
   void show();
 
@@ -89,6 +93,7 @@ class WindowLoop {
   DetailLevels levels_;
   WindowHands hands_;
   WarningBoard warnings_;
+  WindowSettings settings_;  // as in the user's file
   AvatarFocus focus_;
   std::vector<std::string> avatarNames_;
   std::optional<Seek> seek_;

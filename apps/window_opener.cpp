@@ -63,6 +63,18 @@ Result<void> atMostOne(const std::vector<std::string>& files, const char* what) 
                            files.size() > 2 ? ", ..." : "")};
 }
 
+std::vector<std::string> shippedMotions() {
+  std::vector<std::string> names;
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(*folder, ignored)) {
+    if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 /// What a dropped character may be: one that performs the present motion or its own clip, or a motion.
 std::vector<CastRequest> attemptsWith(const std::string& character, bool withMotion, const CastRequest& request) {
   CastRequest performs = request, own = request, moves = request;
@@ -80,7 +92,8 @@ WindowOpener::WindowOpener(CastRequest first, int threads, std::string whyNot)
     : present_(std::move(first)),
       threads_(threads),
       whyNot_(std::move(whyNot)),
-      loading_(std::make_unique<CastLoading>(std::vector{present_}, threads)) {}
+      loading_(std::make_unique<CastLoading>(std::vector{present_}, threads)),
+      motions_(shippedMotions()) {}
 
 Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
@@ -108,6 +121,7 @@ Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   if (!kinds.characters.empty()) {
     attempts = attemptsWith(kinds.characters.front(), !kinds.motions.empty(), request);
   }
+  asked_ = files;
   loading_.reset();  // before the next one, so that they do not wait for each other's caches
   loading_ = std::make_unique<CastLoading>(std::move(attempts), threads_);
   return {};
@@ -124,6 +138,7 @@ std::optional<Result<LoadedCast>> WindowOpener::take() {
   loading_.reset();
   if (*result) {
     present_ = (*result)->request;
+    opened_.insert(opened_.end(), asked_.begin(), asked_.end());
     // A scene with avatars of its own: a dropped character performs the motion of its first.
     if (present_.input.motion.empty() && present_.input.character.empty() && !(*result)->opened.avatars.empty()) {
       present_.input.motion = (*result)->opened.avatars.front().options.motion;
@@ -133,6 +148,7 @@ std::optional<Result<LoadedCast>> WindowOpener::take() {
 }
 
 void WindowOpener::describe(WindowValues& values) {
+  if (whyNot_.empty()) values.motions = motions_;
   if (!loading_) return;
   const WorkMonitor::Progress progress = loading_->progress();
   label_ = progress.label.empty() ? "Loading" : progress.label;

@@ -26,6 +26,8 @@ class WindowOpener {
   void cancel();
 
   [[nodiscard]] bool loading() const { return loading_ != nullptr; }
+  /// The files that were opened since the start, the last one last.
+  [[nodiscard]] const std::vector<std::string>& opened() const { return opened_; }
   /// What is loaded and how far it is, for the window.
   void describe(WindowValues& values);
   /// The result, once; none while it loads.
@@ -36,7 +38,10 @@ class WindowOpener {
   int threads_ = 1;
   std::string whyNot_;
   std::unique_ptr<CastLoading> loading_;
-  std::string label_;  // for the window
+  std::string label_;                 // for the window
+  std::vector<std::string> motions_;  // that ship
+  std::vector<std::string> asked_;    // files that are loading
+  std::vector<std::string> opened_;
 };
 
 /// Shows the progress of the first loading.

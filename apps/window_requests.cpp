@@ -1,3 +1,4 @@
+#include "apps/report.h"
 #include "apps/scenes.h"
 #include "apps/window_loop_impl.h"
 
@@ -115,8 +116,28 @@ Result<void> WindowLoop::changeScene(int scene) {
   hands_.forget();
   if (subject_.sourcesAgain) return restart();
   session_.setWorld(std::move(*world));
-  saySettling();
   return {};
+}
+
+void WindowLoop::recallSettings() {
+  Result<WindowSettings> read = readWindowSettings(windowSettingsFile());
+  if (!read) {
+    warnOnce(read.error().message);
+    window_.notice(read.error().message, kProblemSeconds);
+    return;
+  }
+  settings_ = std::move(*read);
+  window_.setChoices(settings_.choices);
+}
+
+void WindowLoop::keepSettings() {
+  WindowSettings now = settings_;
+  now.choices = window_.choices();
+  if (subject_.opener != nullptr) {
+    for (const std::string& file : subject_.opener->opened()) addRecent(file, now);
+  }
+  if (now == settings_) return;
+  if (const Result<void> kept = writeWindowSettings(windowSettingsFile(), now); !kept) warnOnce(kept.error().message);
 }
 
 }  // namespace lorica

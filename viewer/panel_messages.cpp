@@ -40,6 +40,8 @@ constexpr std::array kHelp = {HelpLine{"left drag", "rotate the camera, or move 
                               HelpLine{"U", "undo the last throw or drag"},
                               HelpLine{"P", "save a picture; with shift, panels too"},
                               HelpLine{"V", "start, stop a video"},
+                              HelpLine{"ctrl + -", "larger, smaller text; ctrl 0: usual"},
+                              HelpLine{"drop files", "open them"},
                               HelpLine{"tab", "show, hide panels"},
                               HelpLine{"H", "hide this help"},
                               HelpLine{"esc", "close"}};

@@ -62,6 +62,14 @@ void chooseFrom(const char* id, const char* label, const char* none, std::span<c
   ImGui::PopID();
 }
 
+/// A list of what can be opened.
+void chooseFile(const char* what, std::span<const std::string> files, WindowRequests& requests) {
+  if (files.empty()) return;
+  std::optional<int> chosen;
+  chooseFrom(what, "", what, files, -1, chosen);
+  if (chosen && *chosen >= 0) requests.files = {files[static_cast<std::size_t>(*chosen)]};
+}
+
 }  // namespace
 
 void notePanel(PanelLayout& layout) {
@@ -217,10 +225,12 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     if (values.avatars.size() > 1) {
       chooseFrom("avatar", "follow: ", "all avatars", values.avatars, values.avatar, requests.avatar);
     }
+    chooseFile("motion", values.motions, requests);
     if (!values.scenes.empty()) chooseFrom("scene", "", nullptr, values.scenes, values.scene, requests.scene);
     if (!values.expressions.empty()) {
       chooseFrom("expression", "expression: ", "none", values.expressions, values.expression, requests.expression);
     }
+    chooseFile("open again", values.recent, requests);
     if (!status.qualities.empty()) {
       ImGui::SetNextItemWidth(slider);
       const char* now = status.qualities[status.quality];

@@ -187,7 +187,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
   i.lastValues = values;
-  i.lastValues.scenes = i.lastValues.avatars = {};
+  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.motions = i.lastValues.recent = {};
   i.lastValues.expressions = {};
   i.lastValues.warnings = {};
   i.lastValues.name = i.lastValues.status = i.lastValues.loading = {};

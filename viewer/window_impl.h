@@ -38,6 +38,7 @@ struct Window::Impl {
 
   void listen();
   void onKey(int key, int mods);
+  void onControlKey(int key);
   void onCharacter(unsigned int code);
   void onCursor(double x, double y);
   void decideDrag(bool holdsProp);

@@ -10,6 +10,7 @@ namespace {
 constexpr double kSeekStep = 1.0;         // of the arrow keys [s]
 constexpr double kPresetElevation = 0.1;  // of the views from the front, the side and the back [rad]
 constexpr double kSpeedStep = 1.25;
+constexpr double kScaleStep = 1.25;     // of text
 constexpr double kClickReach = 4.0;     // a press that moves no farther is a click [screen coordinates]
 constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
 
@@ -44,7 +45,16 @@ void Window::Impl::seekBy(double seconds) {
   requests.seekTo = std::clamp(from + seconds, 0.0, lastValues.duration);
 }
 
+/// Larger and smaller text.
+void Window::Impl::onControlKey(int key) {
+  double& scale = state.choices.scale;
+  if (key == GLFW_KEY_EQUAL || key == GLFW_KEY_KP_ADD) scale = std::min(scale * kScaleStep, kLargestScale);
+  if (key == GLFW_KEY_MINUS || key == GLFW_KEY_KP_SUBTRACT) scale = std::max(scale / kScaleStep, kSmallestScale);
+  if (key == GLFW_KEY_0) scale = 1.0;
+}
+
 void Window::Impl::onKey(int key, int mods) {
+  if ((mods & GLFW_MOD_CONTROL) != 0) return onControlKey(key);
   switch (key) {
     case GLFW_KEY_SPACE:
       return toggle(state.paused);
@@ -248,7 +258,7 @@ PanelInput Window::Impl::takePanelInput(int width, int height) {
   glfwGetWindowContentScale(window, &scaleX, &scaleY);
   input.width = width;
   input.height = height;
-  input.scale = std::max(scaleX, scaleY);
+  input.scale = std::max(scaleX, scaleY) * static_cast<float>(state.choices.scale);
   input.x = static_cast<float>(cursorX * width / std::max(windowWidth, 1));
   input.y = static_cast<float>(cursorY * height / std::max(windowHeight, 1));
   // A button that was pressed over the scene is not down for the panels.

@@ -28,7 +28,7 @@ struct WindowPanels::Impl {
 
 void WindowPanels::Impl::takeScale(float wanted) {
   // Font sizes are whole pixels, so tiny changes have no effect.
-  const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.75f, 4.0f);
+  const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.5f, 8.0f);
   if (rounded == scale) return;
   scale = rounded;
   layout.unit = scale;

@@ -20,9 +20,12 @@ struct TimedStage {
 struct WindowChoices {
   bool loop = true;    ///< at the end of a recording it starts again; else the world goes on and the avatar stands
   bool follow = true;  ///< the camera moves with WindowValues::focus
+  double scale = 1.0;  ///< of text and panels, times the system's; kSmallestScale to kLargestScale
 
   [[nodiscard]] bool operator==(const WindowChoices&) const = default;
 };
+
+inline constexpr double kSmallestScale = 0.5, kLargestScale = 4.0;
 
 /// Values for the panels of a window, borrowed while they are drawn. Independent of sessions and files.
 struct WindowValues {
@@ -44,6 +47,8 @@ struct WindowValues {
   std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
   std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
   int avatar = -1;                           ///< index of the followed one; -1 = all
+  std::span<const std::string> motions;      ///< that can be opened by name; empty = none
+  std::span<const std::string> recent;       ///< files that were opened, to be opened again; empty = none
   std::string_view loading;                  ///< what is loaded meanwhile; empty = nothing
   double loaded = -1.0;                      ///< share of it that is done; below 0 = unknown
   // Why something cannot be done; empty = it can be done. With static storage duration.

@@ -30,6 +30,7 @@ std::string contentOf(const std::filesystem::path& file) {
   const std::filesystem::path& recordings = surroundings.recordings;
   setenv("LORICA_RECORDINGS", recordings.empty() ? recordingsFolder().c_str() : recordings.c_str(), 1);
   setenv("XDG_CACHE_HOME", surroundings.cache.empty() ? "/dev/null" : surroundings.cache.c_str(), 1);
+  setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // the settings of whoever runs the tests stay as they are
   unsetenv("LORICA_VIRTUAL");
   if (!surroundings.virtualCamera.empty()) setenv("LORICA_VIRTUAL", surroundings.virtualCamera.c_str(), 1);
   unsetenv("DISPLAY");
