@@ -15,8 +15,10 @@ namespace {
 
 constexpr double kSpacing = 1.2;  ///< between avatars that stand side by side [m]
 
-Result<CastMember> readMember(PlaybackInputOptions options, const BodyOptions& body, int threads) {
-  Result<PlaybackInput> input = readPlaybackInput(options);
+/// @param motion  that was read; none = the one that the options name
+Result<CastMember> readMember(PlaybackInputOptions options, const BodyOptions& body, int threads,
+                              std::optional<Motion> motion = std::nullopt) {
+  Result<PlaybackInput> input = motion ? readPlaybackInput(options, std::move(*motion)) : readPlaybackInput(options);
   if (!input) return input.error();
   if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
   Result<DecompositionFile> file = chooseBody(body, input->subject, threads);
@@ -94,7 +96,34 @@ Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptio
   return all;
 }
 
+/// An avatar for each person of a recording, where they stood.
+Result<std::vector<CastMember>> readPeople(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
+  if (namesIn(options.motion).size() != 1 || options.motion.empty()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--person all: found `{}`, expected one recording of several people", options.motion)};
+  }
+  Result<std::vector<Motion>> motions = readEveryone(options.motion, options.performing);
+  if (!motions) return motions.error();
+  const std::vector<std::string> characters = namesIn(options.character);
+  if (characters.size() > 1 && characters.size() != motions->size()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found {} characters and {}, expected one character for all of them or one for each",
+                             options.motion, characters.size(),
+                             motions->size() == 1 ? "1 person" : fmt::format("{} people", motions->size()))};
+  }
+  std::vector<CastMember> cast;
+  for (std::size_t i = 0; i < motions->size(); ++i) {
+    PlaybackInputOptions one = options;
+    if (characters.size() > 1) one.character = characters[i];
+    Result<CastMember> member = readMember(std::move(one), body, threads, std::move((*motions)[i]));
+    if (!member) return member.error();
+    cast.push_back(std::move(*member));
+  }
+  return cast;
+}
+
 Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
+  if (options.performing.person == kEveryone) return readPeople(options, body, threads);
   Result<std::vector<PlaybackInputOptions>> each = optionsOfCast(options);
   if (!each) return each.error();
   std::vector<CastMember> cast;

@@ -69,6 +69,38 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   return motion;
 }
 
+Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file) {
+  constexpr int kPlaces = 6;  // as many as a tracker follows
+  Result<std::unique_ptr<OniSource>> depth = openOni(file);
+  if (!depth) return depth.error();
+  const int frames = (*depth)->info().frameCount;
+  Result<Tracker> tracker = Tracker::create((*depth)->camera(), {.maxPeople = kPlaces});
+  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+  DepthJoints people(std::move(*depth), std::move(*tracker), PeoplePlaces(kPlaces));
+  std::vector<Motion> motions(kPlaces);
+  ProgressBar bar("Tracking " + file.stem().string(), "frames");
+  while (true) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<std::optional<SkeletonFrame>> joints = people.next();
+    if (!joints) return joints.error();
+    if (!joints->has_value()) break;
+    for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
+    bar.update(static_cast<int>(motions.front().joints.size()), frames);
+  }
+  std::erase_if(motions, [](const Motion& motion) {
+    return std::ranges::all_of(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
+  });
+  if (motions.empty()) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: found no person in {}, expected at least one",
+                                                          file.string(), counted(frames, "depth frame"))};
+  }
+  for (std::size_t p = 0; p < motions.size(); ++p) {
+    motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
+    motions[p].format = "OpenNI depth recording";
+  }
+  return motions;
+}
+
 Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base) {
   Result<std::unique_ptr<OniSource>> depth = openOni(file);
   if (!depth) return depth.error();

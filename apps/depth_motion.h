@@ -14,6 +14,9 @@ namespace lorica {
 /// @return the motion, an error about the file, or kCancelled
 [[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options);
 
+/// The same of everyone, see PeoplePlaces: a motion for each place that was taken.
+[[nodiscard]] Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file);
+
 /// Tracks everyone in a depth recording (.oni) and writes where they are in front of the camera, see TrackLog: the
 /// joints to `base`.cam.csv and the labels of the pixels to `base`.lab.
 /// @return the number of frames, or an error about a file, or kCancelled

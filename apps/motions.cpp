@@ -55,7 +55,7 @@ Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
 Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
   for (const Result<void>& fine :
        {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
-        refuse(options.person > 0, "--person", file.string(), "recorded joints"),
+        refuse(options.person != 0, "--person", file.string(), "recorded joints"),
         refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"),
         refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
     if (!fine) return fine.error();
@@ -140,6 +140,27 @@ FaultSettings MotionOptions::faults() const {
   return *faults;
 }
 
+namespace {
+
+void addPersonOption(CommandLine& app, int& person) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    const bool whole = !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
+    if (text != "all" && (!whole || std::stoi(text) == 0)) {
+      return fmt::format("found `{}`, expected a whole number from 1, or all", text);
+    }
+    if (text == "all") text = std::to_string(kEveryone);
+    return "";
+  };
+  app.addOption("--person", person,
+                "Person to use, by number in a stream of joints, or by order of appearance before a depth camera; "
+                "all: an avatar for each, with play and record [default: the one with the most motion; before a "
+                "camera the nearest]")
+      ->typeName("N|all")
+      ->check(check);
+}
+
+}  // namespace
+
 void addReadingOptions(CommandLine& app, MotionOptions& options) {
   std::vector<std::string> formats;
   formats.reserve(kJointFormatCount);
@@ -149,10 +170,7 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
                 fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
       ->typeName("NAME")
       ->check(oneOf(std::move(formats)));
-  addCount(
-      app, "--person", options.person, 1,
-      "Person to use, by number in a stream of joints, or by order of appearance before a depth camera [default: the "
-      "one with the most motion; before a camera the nearest]");
+  addPersonOption(app, options.person);
   app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
   addSenderOption(app, options.sender);
 }
@@ -229,8 +247,11 @@ std::string shippedNames(const fs::path& folder, const std::string& extension) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
-  if (!isBareName(pathOrName)) return readMotionFile(pathOrName, options);
+namespace {
+
+/// A path as it is, or the file of a shipped recording.
+Result<fs::path> motionFile(const std::string& pathOrName) {
+  if (!isBareName(pathOrName)) return fs::path(pathOrName);
   const Result<fs::path> folder = recordingsFolder();
   if (!folder) return folder.error();
   const fs::path file = shippedRecording(*folder, pathOrName);
@@ -241,7 +262,48 @@ Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& op
                     ".oni, .glb, .vrm, .fbx, .dae) or one of {}, {}",
                     pathOrName, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
   }
-  return readMotionFile(file, options);
+  return file;
+}
+
+}  // namespace
+
+Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
+  const Result<fs::path> file = motionFile(pathOrName);
+  if (!file) return file.error();
+  if (options.person == kEveryone) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found --person all, expected the number of one person; `lorica play` and `lorica "
+                             "record` show all",
+                             pathOrName)};
+  }
+  return readMotionFile(*file, options);
+}
+
+Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options) {
+  const Result<fs::path> file = motionFile(pathOrName);
+  if (!file) return file.error();
+  if (isBvh(*file) || isCharacterFile(*file) || isSessionFile(*file) || isPacketFile(*file)) {
+    return refuse(true, "--person", file->string(), "recorded joints").error();
+  }
+  if (Result<void> fine = refuse(!options.clip.empty(), "--clip", file->string(), "clips of skeletons"); !fine) {
+    return fine.error();
+  }
+  if (isDepthRecording(*file)) return readDepthMotionOfAll(*file);
+  JointStreamSettings settings;
+  if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
+  Result<std::vector<JointStream>> streams = readJointStreamOfAll(*file, settings);
+  if (!streams) return streams.error();
+  std::vector<Motion> motions;
+  for (std::size_t i = 0; i < streams->size(); ++i) {
+    JointStream& stream = (*streams)[i];
+    Motion& motion = motions.emplace_back();
+    motion.name = file->stem().string();
+    if (streams->size() > 1) motion.name += fmt::format(": person {}", stream.people[i]);
+    motion.joints = std::move(stream.frames);
+    motion.format = fmt::format("joints ({})", nameOf(stream.format));
+    motion.notes = std::move(stream.notes);
+  }
+  return motions;
 }
 
 Result<std::vector<Motion>> readShippedRecordings() {

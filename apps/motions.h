@@ -15,10 +15,13 @@
 
 namespace lorica {
 
+/// MotionOptions::person: an avatar for each person, see readEveryone().
+inline constexpr int kEveryone = -1;
+
 /// Options for reading and processing a motion.
 struct MotionOptions {
   std::string format;  ///< of joints; empty = detected from the content
-  int person = 0;      ///< of several in a stream of joints; 0 = the one with the most motion
+  int person = 0;      ///< of several in a stream of joints; 0 = the one with the most motion; or kEveryone
   std::string clip;    ///< in a file with several; empty = the first
   bool mirror = false;
   bool upperBody = false;
@@ -41,6 +44,11 @@ void addFaultOption(CommandLine& app, MotionOptions& options);
 /// Reads a motion from a path or, for a name such as `walk`, from the shipped recordings: joints in any known layout,
 /// BVH, or a clip of a character file.
 [[nodiscard]] Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options = {});
+
+/// The motions of all people in a stream of joints or a depth recording, as they stood to each other; named "duel:
+/// person 1", ...
+/// @return at least one motion, or an error about the file
+[[nodiscard]] Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options);
 
 /// The shipped recording with this name; empty if there is none, or if a file of the working folder has the name.
 [[nodiscard]] std::filesystem::path shippedRecording(const std::string& name);

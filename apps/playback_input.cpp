@@ -100,20 +100,24 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   }
   Result<Motion> motion = readMotion(own, options.performing);
   if (!motion) return motion.error();
+  return readPlaybackInput(options, std::move(*motion));
+}
+
+Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options, Motion motion) {
   CharacterOptions reading = options.reading;
   reading.suits = [&](const CharacterFile& file) {
-    return checkPerformer(*motion, file, options.character, options.performing.joints());
+    return checkPerformer(motion, file, options.character, options.performing.joints());
   };
   Result<Subject> subject = readCharacter(options.character.empty() ? "mannequin" : options.character, reading);
   if (!subject) return subject.error();
   if (subject->file) {
     // Notes about the character are told from those about the motion.
-    for (const std::string& note : subject->file->notes) motion->notes.push_back(subject->name + ": " + note);
+    for (const std::string& note : subject->file->notes) motion.notes.push_back(subject->name + ": " + note);
     const std::vector<std::string> strays = leftBehind(*subject->character);
-    motion->notes.insert(motion->notes.end(), strays.begin(), strays.end());
-    tellReached(*subject, *motion);
+    motion.notes.insert(motion.notes.end(), strays.begin(), strays.end());
+    tellReached(*subject, motion);
   }
-  return PlaybackInput{std::move(*subject), std::move(*motion)};
+  return PlaybackInput{std::move(*subject), std::move(motion)};
 }
 
 }  // namespace lorica

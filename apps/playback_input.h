@@ -30,5 +30,7 @@ struct PlaybackInput {
 
 /// If the motion file is a character, or only a character is given, it performs its own clip.
 [[nodiscard]] Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options);
+/// The same with a motion that was read.
+[[nodiscard]] Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options, Motion motion);
 
 }  // namespace lorica

@@ -173,6 +173,12 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
 Result<void> recordMotion(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, filesOf(options)); !fine) return fine;
   if (Result<void> fine = checkOutput("OUT", options.out); !fine) return fine;
+  if (options.input.performing.person == kEveryone) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found --person all, expected the number of one person: a motion file holds one "
+                             "skeleton, a session ({}) any number",
+                             options.out, kSessionEnding)};
+  }
   if (const std::size_t avatars = avatarsOf(options); avatars > 1) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: found {} avatars, expected one: a motion file holds one skeleton, a session ({}) any "

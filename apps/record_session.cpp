@@ -101,6 +101,11 @@ Result<double> runAll(const SessionRecording& options, Recording& recording) {
 }
 
 Result<void> checkSource(const SessionRecording& options) {
+  if (followsPeople(options) && options.input.performing.person == kEveryone) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "--person all: found a camera, expected a recording; --people says how "
+                 "many avatars follow a camera"};
+  }
   if (followsPeople(options)) return checkPeople(liveOf(options));
   const std::string& motion = options.input.motion.empty() ? options.input.character : options.input.motion;
   const char* other = nullptr;

@@ -41,6 +41,8 @@ struct JointStream {
   JointFormat format = JointFormat::kLorica;
   std::vector<int> people;         ///< numbers of all people in the file, ascending
   std::vector<std::string> notes;  ///< what was guessed, repaired or omitted: one sentence each
+  Vec3 origin = Vec3::Zero();      ///< of the frames, in the axes of the file's world [m]
+  double start = 0.0;              ///< time 0 of the frames, in the clock of the file [s]
 };
 
 /// Reads recorded joints in any of the known layouts. Handles decimal commas, repeated or out-of-order frames, gaps,
@@ -49,6 +51,12 @@ struct JointStream {
 /// @return the joints; or an error with file, line, found and expected
 [[nodiscard]] Result<JointStream> readJointStream(const std::filesystem::path& file,
                                                   const JointStreamSettings& settings = {});
+
+/// Reads everybody in a file, by increasing number, as they stood to each other and in one time. Who comes later,
+/// leaves earlier or is lost for more than half a second has frames of kNobody meanwhile.
+/// @return the streams; or an error as of readJointStream(), or if there are more than 64 people
+[[nodiscard]] Result<std::vector<JointStream>> readJointStreamOfAll(const std::filesystem::path& file,
+                                                                    const JointStreamSettings& settings = {});
 
 /// Reads joint text in memory. @param name  name of the text in error messages
 [[nodiscard]] Result<JointStream> parseJointStream(std::string_view text, std::string_view name,

@@ -269,20 +269,21 @@ double floorHeight(std::span<const Observation> rows, std::vector<std::string>& 
   return 0.0;
 }
 
-/// Places the person on the floor, with the centre of the covered ground at the origin.
-void placeOnFloor(std::vector<Observation>& rows, std::vector<std::string>& notes) {
+/// Places the person on the floor, with the centre of the covered ground at the origin. @return where that was [m]
+Vec3 placeOnFloor(std::vector<Observation>& rows, std::vector<std::string>& notes) {
   const double floor = floorHeight(rows, notes);
   Eigen::AlignedBox3d ground;
   for (const Observation& row : rows) {
     if (const std::optional<Vec3> position = positionOf(row.frame)) ground.extend(*position);
   }
-  if (ground.isEmpty()) return;
+  if (ground.isEmpty()) return Vec3::Zero();
   const Vec3 origin(ground.center().x(), floor, ground.center().z());
   for (Observation& row : rows) {
     for (TrackedJoint& joint : row.frame.joints) {
       joint.position = joint.confidence > 0.0 ? Vec3(joint.position - origin) : Vec3::Zero();
     }
   }
+  return origin;
 }
 
 void noteLean(std::span<const Observation> rows, std::vector<std::string>& notes) {
@@ -349,6 +350,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   std::erase_if(rows, [&](const Observation& row) { return row.frame.user != person; });
 
   const double tick = raw.secondsPerTick ? *raw.secondsPerTick : guessedTick(rows, stream.notes);
+  stream.start = tick * rows.front().frame.time;
   spreadRepeats(rows, stream.notes);
   repairTimes(rows, tick, stream.notes);
   if (rows.back().frame.time > kLongestRecording) {
@@ -364,7 +366,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
         "Toes and knees point backwards relative to left and right: the stream is mirrored and was mirrored back.");
   }
   checkOrientations(rows, stream.notes);
-  placeOnFloor(rows, stream.notes);
+  stream.origin = placeOnFloor(rows, stream.notes);
   noteLean(rows, stream.notes);
 
   stream.frames.reserve(rows.size());

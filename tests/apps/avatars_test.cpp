@@ -151,6 +151,56 @@ TEST(SeveralAvatars, BadStagesAreASentence) {
   refused(R"("dance": "walk")", "dance");
 }
 
+/// The walk, 2 s long, and from 0.5 to 1.5 s a second person who waves.
+std::string twoPeopleIn(const TemporaryFolder& folder) {
+  const std::string file = folder.path() / "two.csv";
+  std::ifstream walk(recordingsFolder() / "walk.csv"), wave(recordingsFolder() / "wave.csv");
+  std::ofstream out(file);
+  std::string first, second;
+  std::getline(walk, first);
+  std::getline(wave, second);
+  out << first << "\n";
+  for (int frame = 0; frame < 60; ++frame) {
+    std::getline(walk, first);
+    std::getline(wave, second);
+    out << first << "\n";
+    const std::size_t comma = second.find(',');
+    if (frame >= 15 && frame < 45) out << second.replace(comma, 3, ",2,") << "\n";
+  }
+  return file;
+}
+
+TEST(SeveralAvatars, OfAllPeopleOfARecordingPerformWhereTheyStood) {
+  const TemporaryFolder folder;
+  const std::string body = fewParts(folder), file = twoPeopleIn(folder);
+  const std::string session = folder.path() / "two.lsession";
+  const CommandResult played =
+      runLorica({"play", file, "--person", "all", "--decomposition", body, "--record", session, "--json", "-"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const nlohmann::json json = played.json();
+  ASSERT_EQ(json["avatars"].size(), 2u);
+  EXPECT_EQ(json["frames"], 60);
+  EXPECT_EQ(json["avatars"][0]["recording"], "two: person 1");
+  EXPECT_EQ(json["avatars"][0]["frames"], 60);
+  EXPECT_NEAR(json["avatars"][1]["frames"].get<int>(), 30, 1);
+  // The first one does the same with and without the second.
+  const CommandResult alone = runLorica({"play", "walk", "--frames", "60", "--decomposition", body, "--json", "-"});
+  EXPECT_EQ(alone.json()["avatars"][0]["hash"], json["avatars"][0]["hash"]);
+  EXPECT_EQ(runLorica({"replay", session, "--json", "-"}).json()["same"], true);
+  const auto refused = [](const std::vector<std::string>& arguments, const std::string& found) {
+    const CommandResult result = runLorica(arguments);
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_NE(result.err.find(found), std::string::npos) << result.err;
+  };
+  refused({"play", file, "--person", "all", "--character", "mannequin,mannequin,mannequin"},
+          "found 3 characters and 2 people, expected one character for all of them or one for each");
+  refused({"play", file + ",walk", "--person", "all"}, "expected one recording of several people");
+  refused({"record", "x.bvh", file, "--person", "all"}, "x.bvh: found --person all, expected the number of one person");
+  refused({"record", "x.lsession", "--virtual", "--person", "all"}, "--person all: found a camera");
+  refused({"info", file, "--person", "all"}, "found --person all, expected the number of one person");
+  refused({"play", "walk", "--person", "everyone"}, "found `everyone`, expected a whole number from 1, or all");
+}
+
 TEST(SeveralAvatars, BadCastsAreASentence) {
   const auto refused = [](const std::vector<std::string>& arguments, const std::string& found) {
     const CommandResult result = runLorica(arguments);
