@@ -49,12 +49,13 @@ TEST_P(PeerColliderFiles, HaveTheirVolumesInRapierAndJolt) {
   ASSERT_EQ(found.size(), hulls.size());
   double jolt = 0.0, rapier = 0.0, flattened = 0.0;
   int flat = 0;
-  for (const auto& [name, mesh] : hulls) {
-    const double volume = signedVolume(mesh.vertices, mesh.triangles);
+  for (const NamedMesh& hull : hulls) {
+    const std::string& name = hull.name;
+    const double volume = signedVolume(hull.mesh.vertices, hull.mesh.triangles);
     const auto error = [&](const char* engine) { return std::abs(found[name][engine].get<double>() / volume - 1.0); };
     EXPECT_LT(error("jolt"), 1e-3) << name;
     jolt = std::max(jolt, error("jolt"));
-    const bool isFlat = hasFlatEdges(mesh);
+    const bool isFlat = hasFlatEdges(hull.mesh);
     EXPECT_LT(error("rapier"), isFlat ? 1e-2 : 1e-3) << name;
     flat += isFlat ? 1 : 0;
     (isFlat ? flattened : rapier) = std::max(isFlat ? flattened : rapier, error("rapier"));
