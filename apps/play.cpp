@@ -269,7 +269,7 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "  lorica play walk\n"
       "      a shipped recording, without pictures: prints contacts and the time of each stage\n"
       "  lorica play walk --window\n"
-      "      in a window\n"
+      "      in a window, which also opens characters, motions, scenes and meshes that are dropped on it\n"
       "  lorica play walk --snapshots pictures --every 15\n"
       "      pictures/frame_0000.png, frame_0015.png, ...; needs no display\n"
       "  lorica play punch_and_kick --scene bowling --video kick.mp4\n"
