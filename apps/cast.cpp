@@ -15,17 +15,13 @@ namespace {
 
 constexpr double kSpacing = 1.2;  ///< between avatars that stand side by side [m]
 
-/// @param motion  that was read; none = the one that the options name
-Result<CastMember> readMember(PlaybackInputOptions options, const BodyOptions& body, int threads,
-                              std::optional<Motion> motion = std::nullopt) {
-  Result<PlaybackInput> input = motion ? readPlaybackInput(options, std::move(*motion)) : readPlaybackInput(options);
-  if (!input) return input.error();
-  if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
-  Result<DecompositionFile> file = chooseBody(body, input->subject, threads);
-  if (!file) return file.error();
-  std::optional<SpringChoice> springs = chooseSprings(input->subject, options.springs);
-  return CastMember{std::move(options), std::move(*input), std::move(*file), std::move(springs)};
-}
+/// What an avatar is to perform.
+struct Role {
+  PlaybackInputOptions options;
+  std::optional<Motion> motion = {};  ///< none = the one that the options name
+  StageAvatar stage = {};             ///< start, place and heading
+  std::string where = {};             ///< begins its errors: "duel: avatars[1]: "
+};
 
 Result<std::unique_ptr<PoseSource>> sourceOf(const CastMember& member, std::shared_ptr<SourceLog> log) {
   return poseSourceOf(member.character(), member.motion(), member.options.performing, std::move(log));
@@ -69,35 +65,80 @@ std::vector<std::string> namesIn(const std::string& text) {
 
 namespace {
 
-/// Divides options with several motions, "walk,wave", into those of each avatar.
-Result<std::vector<PlaybackInputOptions>> optionsOfCast(const PlaybackInputOptions& options) {
+/// Reads the motion and the character of a role, and checks that they go together.
+Result<PlaybackInput> readInput(Role& role) {
+  Result<PlaybackInput> input =
+      role.motion ? readPlaybackInput(role.options, std::move(*role.motion)) : readPlaybackInput(role.options);
+  const auto wrong = [&](const Error& error) { return Error{error.code, role.where + error.message}; };
+  if (!input) return wrong(input.error());
+  const double seconds = input->motion.seconds();
+  if (role.stage.start > seconds) {
+    return wrong(
+        {ErrorCode::kInvalidArgument, fmt::format("start: found {} s, expected at most {:.2f} s, the duration of {}",
+                                                  role.stage.start, seconds, input->motion.name)});
+  }
+  if (role.stage.start > 0.0) startAt(role.stage.start, input->motion);
+  return input;
+}
+
+/// Reads everything that may be refused before any body is decomposed.
+Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOptions& body, int threads) {
+  std::vector<PlaybackInput> inputs;
+  for (Role& role : roles) {
+    Result<PlaybackInput> input = readInput(role);
+    if (!input) return input.error();
+    if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
+    inputs.push_back(std::move(*input));
+  }
+  std::vector<CastMember> cast;
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    Role& role = roles[i];
+    Result<DecompositionFile> file = chooseBody(body, inputs[i].subject, threads);
+    if (!file) return Error{file.error().code, role.where + file.error().message};
+    std::optional<SpringChoice> springs = chooseSprings(inputs[i].subject, role.options.springs);
+    cast.push_back({std::move(role.options), std::move(inputs[i]), std::move(*file), std::move(springs),
+                    role.stage.place, role.stage.heading});
+  }
+  return cast;
+}
+
+Error charactersFor(const std::string& where, std::size_t characters, const std::string& what) {
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("{}found {} characters and {}, expected one character for all of them or one for each", where,
+                      characters, what)};
+}
+
+std::string countOf(std::size_t count, const char* one, const char* several) {
+  return count == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", count, several);
+}
+
+/// Divides options with several motions, "walk,wave", into those of each avatar, side by side.
+Result<std::vector<Role>> rolesOfMotions(const PlaybackInputOptions& options) {
   const std::vector<std::string> motions = namesIn(options.motion);
   const std::vector<std::string> characters = namesIn(options.character);
   if (characters.size() > 1 && characters.size() != motions.size()) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("found {} characters and {}, expected one character for all of them or one for each",
-                    characters.size(), motions.size() == 1 ? "1 motion" : fmt::format("{} motions", motions.size()))};
+    return charactersFor("", characters.size(), countOf(motions.size(), "motion", "motions"));
   }
   if (motions.size() > kMaxCast) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("found {} motions, expected at most {}", motions.size(), kMaxCast)};
   }
-  std::vector<PlaybackInputOptions> all;
+  std::vector<Role> roles;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    PlaybackInputOptions& one = all.emplace_back(options);
-    one.motion = motions[i];
-    one.character = characters.size() > 1 ? characters[i] : options.character;
-    if (motions.size() > 1 && one.motion.empty()) {
+    Role& role = roles.emplace_back(Role{options});
+    role.options.motion = motions[i];
+    role.options.character = characters.size() > 1 ? characters[i] : options.character;
+    role.stage.place.x() = kSpacing * (static_cast<double>(i) - 0.5 * static_cast<double>(motions.size() - 1));
+    if (motions.size() > 1 && motions[i].empty()) {
       return Error{ErrorCode::kInvalidArgument,
                    fmt::format("found an empty name in `{}`, expected motions such as `walk,wave`", options.motion)};
     }
   }
-  return all;
+  return roles;
 }
 
 /// An avatar for each person of a recording, where they stood.
-Result<std::vector<CastMember>> readPeople(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
+Result<std::vector<Role>> rolesOfPeople(const PlaybackInputOptions& options) {
   if (namesIn(options.motion).size() != 1 || options.motion.empty()) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("--person all: found `{}`, expected one recording of several people", options.motion)};
@@ -106,59 +147,27 @@ Result<std::vector<CastMember>> readPeople(const PlaybackInputOptions& options, 
   if (!motions) return motions.error();
   const std::vector<std::string> characters = namesIn(options.character);
   if (characters.size() > 1 && characters.size() != motions->size()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found {} characters and {}, expected one character for all of them or one for each",
-                             options.motion, characters.size(),
-                             motions->size() == 1 ? "1 person" : fmt::format("{} people", motions->size()))};
+    return charactersFor(options.motion + ": ", characters.size(), countOf(motions->size(), "person", "people"));
   }
-  std::vector<CastMember> cast;
+  std::vector<Role> roles;
   for (std::size_t i = 0; i < motions->size(); ++i) {
-    PlaybackInputOptions one = options;
-    if (characters.size() > 1) one.character = characters[i];
-    Result<CastMember> member = readMember(std::move(one), body, threads, std::move((*motions)[i]));
-    if (!member) return member.error();
-    cast.push_back(std::move(*member));
+    Role& role = roles.emplace_back(Role{options, std::move((*motions)[i])});
+    if (characters.size() > 1) role.options.character = characters[i];
   }
-  return cast;
+  return roles;
 }
 
-Result<std::vector<CastMember>> readCast(const PlaybackInputOptions& options, const BodyOptions& body, int threads) {
-  if (options.performing.person == kEveryone) return readPeople(options, body, threads);
-  Result<std::vector<PlaybackInputOptions>> each = optionsOfCast(options);
-  if (!each) return each.error();
-  std::vector<CastMember> cast;
-  for (PlaybackInputOptions& one : *each) {
-    Result<CastMember> member = readMember(std::move(one), body, threads);
-    if (!member) return member.error();
-    const double left = static_cast<double>(cast.size()) - 0.5 * static_cast<double>(each->size() - 1);
-    member->place.x() = kSpacing * left;
-    cast.push_back(std::move(*member));
-  }
-  return cast;
-}
-
-Result<std::vector<CastMember>> readCast(std::span<const StageAvatar> stage, const PlaybackInputOptions& options,
-                                         const BodyOptions& body, const std::string& scene, int threads) {
-  std::vector<CastMember> cast;
+std::vector<Role> rolesOfStage(std::span<const StageAvatar> stage, const PlaybackInputOptions& options,
+                               const std::string& scene) {
+  std::vector<Role> roles;
   for (const StageAvatar& avatar : stage) {
-    const auto wrong = [&](const std::string& what) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("{}: avatars[{}]: {}", scene, cast.size(), what)};
-    };
-    PlaybackInputOptions one = options;
-    one.motion = avatar.motion;
-    one.character = avatar.character;
-    Result<CastMember> member = readMember(std::move(one), body, threads);
-    if (!member) return Error{member.error().code, wrong(member.error().message).message};
-    if (avatar.start > member->motion().seconds()) {
-      return wrong(fmt::format("start: found {} s, expected at most {:.2f} s, the duration of {}", avatar.start,
-                               member->motion().seconds(), member->motion().name));
-    }
-    startAt(avatar.start, member->input.motion);
-    member->place = avatar.place;
-    member->heading = avatar.heading;
-    cast.push_back(std::move(*member));
+    Role& role = roles.emplace_back(Role{options});
+    role.options.motion = avatar.motion;
+    role.options.character = avatar.character;
+    role.stage = avatar;
+    role.where = fmt::format("{}: avatars[{}]: ", scene, roles.size() - 1);
   }
-  return cast;
+  return roles;
 }
 
 }  // namespace
@@ -168,8 +177,11 @@ Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptio
   Result<OpenedScene> opened = openStage(scene);
   if (!opened) return opened.error();
   const bool staged = !opened->stage.empty() && options.motion.empty() && options.character.empty();
-  Result<std::vector<CastMember>> cast =
-      staged ? readCast(opened->stage, options, body, scene, threads) : readCast(options, body, threads);
+  Result<std::vector<Role>> roles = staged ? rolesOfStage(opened->stage, options, scene)
+                                    : options.performing.person == kEveryone ? rolesOfPeople(options)
+                                                                             : rolesOfMotions(options);
+  if (!roles) return roles.error();
+  Result<std::vector<CastMember>> cast = readCast(std::move(*roles), body, threads);
   if (!cast) return cast.error();
   return OpenedCast{std::move(opened->world), std::move(opened->targets), std::move(*cast)};
 }

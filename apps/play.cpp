@@ -286,6 +286,8 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "      with simulated tracking faults: lost and swapped joints\n"
       "  lorica play walk,wave --character hero.glb,mannequin\n"
       "      two avatars side by side, each with its own motion\n"
+      "  lorica play duel.oni --person all\n"
+      "      an avatar for each person of a recording, where they stood\n"
       "  lorica play body.oni\n"
       "      track the person in a depth recording\n"
       "  lorica decompose mannequin --parts 24 -o body.lorica\n"

@@ -149,6 +149,10 @@ TEST(SeveralAvatars, BadStagesAreASentence) {
   refused(R"("motion": "../walk.csv")", "avatars[1]: ");
   refused(R"("character": "/etc/passwd.glb", "motion": "walk")", "avatars[1]: ");
   refused(R"("dance": "walk")", "dance");
+  std::string crowd = R"("motion": "walk", "place": [0, 0, 0.5])";
+  for (int i = 2; i < 10'000; ++i)
+    crowd += R"(}, {"motion": "walk", "place": [0, 0, )" + std::to_string(i % 90 / 2.0) + "]";
+  refused(crowd, "avatars: found 10000 avatars, expected at most 64");
 }
 
 /// The walk, 2 s long, and from 0.5 to 1.5 s a second person who waves.

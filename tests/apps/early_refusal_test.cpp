@@ -62,6 +62,16 @@ TEST(EarlyRefusal, NoBodyIsMadeForWhatTheCharacterCannotDo) {
   EXPECT_FALSE(fs::exists(studio.folder.path() / "x.lsession"));
 }
 
+TEST(EarlyRefusal, NothingIsDecomposedForAStageOfWhichOneCannotPerform) {
+  const Studio studio;
+  const std::string stage = studio.folder.write("stage.json", R"({"format": "lorica scene 1", "avatars": [
+    {"motion": "walk", "place": [-1, 0, 0]}, {"motion": "wave", "character": "still.glb", "place": [1, 0, 0]}]})");
+  studio.expectRefused({"play", "--scene", stage}, "avatars[1]: wave on still: ");
+  studio.expectRefused({"play", "walk,wave", "--character", "mannequin," + studio.still.string()}, "wave on still: ");
+  const fs::path cache = studio.surroundings.cache / "lorica";
+  EXPECT_TRUE(!fs::exists(cache) || filesIn(cache).empty()) << "something was computed for the first avatar";
+}
+
 TEST(EarlyRefusal, ABodyIsMadeOnceForWhatItCanDo) {
   const Studio studio;
   const CommandResult first = studio.run({"play", studio.torn, "--frames", "5", "--json", "-"});
