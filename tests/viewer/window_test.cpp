@@ -1,101 +1,10 @@
-#include "viewer/window.h"
+#include "tests/viewer/window_at_work.h"
 
-#include "tests/support/datasets.h"
-#include "tests/support/meshes.h"
-#include "tests/support/virtual_display.h"
-#include "tests/viewer/avatars.h"
-#include "tests/viewer/pictures.h"
-
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <cstdlib>
-#include <filesystem>
 #include <opencv2/videoio.hpp>
-#include <optional>
-#include <thread>
+#include <utility>
 
 namespace lorica {
 namespace {
-
-using test::differingPixels;
-using test::VirtualDisplay;
-
-struct Box {
-  TriMesh mesh = test::makeBox({-0.3, 0.6, -0.3}, {0.3, 1.4, 0.3});
-  std::vector<LivePart> parts = {test::boxPart({-0.5, 0.5, -0.5}, {0.5, 1.5, 0.5})};
-  std::vector<Prop> props = std::vector<Prop>(1);
-  std::vector<Contact> contacts = std::vector<Contact>(1);
-  Scene scene;
-  Box() {
-    props[0].worldFromProp.translation() = Vec3(0.9, 0.6, 0.0);
-    contacts[0].point = Vec3(-0.9, 1.0, 0.0);
-    scene.vertices = mesh.vertices;
-    scene.triangles = mesh.triangles;
-    scene.parts = parts;
-    scene.props = props;
-    scene.contacts = contacts;
-  }
-};
-
-/// A window with a box in it, on its own display; pictures are saved in its own folder.
-class WindowAtWork : public ::testing::Test {
- protected:
-  void open(int width, int height) {
-    ASSERT_TRUE(display_->ready());
-    Result<Window> opened = Window::create("Lorica test", width, height);
-    ASSERT_TRUE(opened.ok()) << opened.error().message;
-    window.emplace(std::move(opened).value());
-    window->setQuality(RenderQuality::kHigh);
-    window->setCamera(test::frontCamera());
-    values.name = "a box";
-    values.duration = 10.0;
-    values.parts = 3;
-    values.maxParts = 5;
-    frames(2);
-  }
-  void SetUp() override {
-    LORICA_REQUIRE_KEYS();
-    display_.emplace();
-    std::filesystem::current_path(folder_.path());
-  }
-  void TearDown() override {
-    window.reset();
-    std::filesystem::current_path(before_);
-  }
-
-  void frames(int n) {
-    for (int i = 0; i < n; ++i) {
-      window->show(box.scene, values);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-  void send(const std::string& what) {
-    const std::string command =
-        "xdotool search --sync --name 'Lorica test' windowfocus --sync " + what + " > /dev/null 2>&1";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-    frames(3);
-  }
-  /// The picture that P or shift P saves.
-  Image picture(const char* key = "p") {
-    send(std::string("key ") + key);
-    char name[32];
-    std::snprintf(name, sizeof name, "lorica-%03d.png", ++pictures_);
-    const Result<Image> read = readPng(name);
-    EXPECT_TRUE(read.ok()) << read.error().message;
-    return read.ok() ? read.value() : Image{};
-  }
-
-  Box box;
-  WindowValues values;
-  std::optional<Window> window;
-
- private:
-  std::optional<VirtualDisplay> display_;
-  test::TemporaryFolder folder_;
-  std::filesystem::path before_ = std::filesystem::current_path();
-  int pictures_ = 0;
-};
 
 TEST(Window, WithoutDisplayItSaysWhatToDo) {
   unsetenv("DISPLAY");
@@ -214,49 +123,6 @@ TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
   EXPECT_LT((window->camera().eye - window->camera().target).norm(), 3.9) << "the wheel zooms in";
   send("key r");
   EXPECT_EQ(picture().rgba, before.rgba) << "the camera is reset";
-}
-
-TEST_F(WindowAtWork, TheCameraMovesWithTheFocusUnlessToldNotTo) {
-  open(320, 240);
-  const Camera before = window->camera();
-  values.focus = Vec3(0.5, 1.0, 0.0);
-  frames(2);
-  EXPECT_EQ(window->camera().eye, before.eye) << "it starts where it is";
-  values.focus = Vec3(1.5, 1.4, -0.5);
-  frames(2);
-  EXPECT_LT((window->camera().eye - before.eye - Vec3(1.0, 0.0, -0.5)).norm(), 1e-9) << "over the ground";
-  EXPECT_LT((window->camera().target - before.target - Vec3(1.0, 0.0, -0.5)).norm(), 1e-9);
-  send("key f");
-  values.focus = Vec3(3.0, 1.0, 0.0);
-  frames(2);
-  EXPECT_LT((window->camera().eye - before.eye - Vec3(1.0, 0.0, -0.5)).norm(), 1e-9) << "free";
-  send("key f");
-  EXPECT_LT((window->camera().target - Vec3(3.0, before.target.y(), 0.0)).norm(), 1e-9) << "it looks at the focus";
-}
-
-TEST_F(WindowAtWork, KeysLookFromTheFrontTheSideTheBackAndAbove) {
-  open(320, 240);
-  const std::pair<const char*, Vec3> views[] = {
-      {"F2", Vec3::UnitZ()}, {"F3", Vec3::UnitX()}, {"F4", -Vec3::UnitZ()}, {"F5", Vec3::UnitY()}};
-  for (const auto& [key, from] : views) {
-    send(std::string("key ") + key);
-    const Camera camera = window->camera();
-    EXPECT_GT((camera.eye - camera.target).normalized().dot(from), 0.99) << key;
-    EXPECT_EQ(camera.target, test::frontCamera().target);
-  }
-}
-
-TEST_F(WindowAtWork, AClickIsAPressThatDoesNotMove) {
-  open(320, 240);
-  send("mousemove --window %1 160 100 click 1");
-  const std::optional<Ray> clicked = window->takeRequests().clicked;
-  ASSERT_TRUE(clicked.has_value());
-  EXPECT_LT((clicked->direction - window->pointer().direction).norm(), 1e-9);
-  send("mousemove --window %1 160 100 mousedown 1 mousemove --window %1 200 110 mouseup 1");
-  EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it turned the camera";
-  values.holdsProp = true;
-  send("mousemove --window %1 160 100 click 1");
-  EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it held a prop";
 }
 
 TEST_F(WindowAtWork, SpacePausesAndNStepsAndEscapeCloses) {
