@@ -57,13 +57,14 @@ std::vector<Vec3> inOwnFrame(const TriMesh& mesh, PoseView keyframes) {
   return own;
 }
 
-/// Runs the preset. `quality` also tries the cuts of `fast` and improves whichever parts are better.
+/// Runs the preset. `quality` also does what `fast` does, and improves whichever parts are better.
 Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
   const Error cancelled{ErrorCode::kCancelled, "decomposition cancelled"};
   const Plan plan = planFor(settings);
-  Decomposer careful(mesh, keyframes, settings, plan);
+  Decomposer careful(mesh, keyframes, settings, plan.cuts);
   if (settings.preset != DecomposePreset::kQuality || plan.cuts.overCut <= 1.0) {
-    return careful.divide() ? careful.finish() : cancelled;
+    if (!careful.divide() || !careful.improveParts(plan.rounds)) return cancelled;
+    return careful.finish();
   }
   bool atStart = true;  // progress is that of the careful cuts
   DecomposeSettings fast = settings;
@@ -71,13 +72,14 @@ Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const
   if (settings.progress) {
     fast.progress = [&](int done, int wanted) { return settings.progress(atStart ? 0 : done, wanted); };
   }
-  Plan quickPlan = plan;
-  quickPlan.cuts = planFor(fast).cuts;
-  Decomposer quick(mesh, keyframes, fast, quickPlan);
-  if (!quick.divide()) return cancelled;
+  const Plan quickPlan = planFor(fast);
+  Decomposer quick(mesh, keyframes, fast, quickPlan.cuts);
+  if (!quick.divide() || !quick.improveParts(quickPlan.rounds)) return cancelled;
   atStart = false;
   if (!careful.divide()) return cancelled;
-  return careful.betterThan(quick) ? careful.finish() : quick.finish();
+  Decomposer& better = careful.betterThan(quick) ? careful : quick;
+  if (!better.improveParts(plan.rounds)) return cancelled;
+  return better.finish();
 }
 
 }  // namespace

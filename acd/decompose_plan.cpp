@@ -1,8 +1,23 @@
 #include "acd/decompose_plan.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lorica {
+namespace {
+
+/// For cuts of which most turn out to be useless.
+SplitEffort quickEffort(SplitEffort effort) {
+  effort.candidateEdges = 8;
+  effort.planesPerEdge = 3;
+  effort.axisPlanes = 4;
+  effort.diagonalPlanes = 0;
+  effort.refinedPlanes = std::min(effort.refinedPlanes, 1);
+  effort.shortlist = 1;
+  return effort;
+}
+
+}  // namespace
 
 Plan planFor(const DecomposeSettings& settings) {
   Plan plan;
@@ -19,6 +34,7 @@ Plan planFor(const DecomposeSettings& settings) {
       plan.cuts.effort.coarse = 1e-3;
       plan.cuts.effort.exactVolume = false;  // the next piece is not chosen by its gain
       plan.cuts.overCut = 1.4;
+      plan.rounds = {{quickEffort(plan.cuts.effort), 4, false}};
       break;
     case DecomposePreset::kQuality:
       plan.cuts.effort.candidateEdges = 16;
@@ -31,22 +47,18 @@ Plan planFor(const DecomposeSettings& settings) {
       plan.cuts.effort.coarse = 1e-3;
       plan.cuts.overCut = 1.7;
       plan.cuts.byGain = true;
-      plan.trialEffort = plan.cuts.effort;
-      plan.trialEffort.candidateEdges = 8;
-      plan.trialEffort.planesPerEdge = 3;
-      plan.trialEffort.axisPlanes = 4;
-      plan.trialEffort.refinedPlanes = 1;
-      plan.trialEffort.shortlist = 1;
-      plan.trials = 12;
-      plan.lastEffort = plan.cuts.effort;
-      plan.lastTrials = 8;
+      plan.rounds = {{quickEffort(plan.cuts.effort), 12, true}, {plan.cuts.effort, 8, true}};
       break;
   }
   if (settings.candidateEdges > 0) plan.cuts.effort.candidateEdges = settings.candidateEdges;
   if (settings.planesPerEdge > 0) plan.cuts.effort.planesPerEdge = settings.planesPerEdge;
-  // Without part count and limits, cutting goes on until all parts are convex: nothing to merge. One part needs no cut.
+  // Without part count and limits, cutting goes on until all parts are convex: nothing to merge or improve. One part
+  // needs no cut.
   const bool toTheEnd = settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0;
-  if (toTheEnd || settings.maxParts == 1) plan.cuts.overCut = 1.0;
+  if (toTheEnd || settings.maxParts == 1) {
+    plan.cuts.overCut = 1.0;
+    plan.rounds.clear();
+  }
   // Planes that do not pass through concave edges would then cut off endlessly many small pieces.
   if (toTheEnd) {
     plan.cuts.effort.axisPlanes = plan.cuts.effort.diagonalPlanes = plan.cuts.effort.refinedPlanes = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "acd/improve.h"
 #include "acd/split_search.h"
 
 #include <cstddef>
@@ -18,10 +19,7 @@ struct CutPlan {
 /// What a preset does.
 struct Plan {
   CutPlan cuts;
-  SplitEffort trialEffort;  ///< for the first round of improve()
-  int trials = 0;           ///< that round stops after this many failed trials; 0 = do not call improve()
-  SplitEffort lastEffort;   ///< for the second round
-  int lastTrials = 0;
+  std::vector<ImproveRound> rounds;  ///< of improve(), after merging
 };
 [[nodiscard]] Plan planFor(const DecomposeSettings& settings);
 

@@ -1,7 +1,6 @@
 #include "acd/decomposer.h"
 
 #include "acd/hull_distance.h"
-#include "acd/improve.h"
 #include "acd/merge.h"
 #include "geometry/convex_hull.h"
 
@@ -32,8 +31,8 @@ double hullVolumeOf(const auto& pieces) {
 
 }  // namespace
 
-Decomposer::Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const Plan& plan)
-    : settings_(settings), plan_(plan), context_(mesh, keyframes) {}
+Decomposer::Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const CutPlan& plan)
+    : settings_(settings), cuts_(plan), context_(mesh, keyframes) {}
 
 bool Decomposer::divide() {
   Part whole;
@@ -43,7 +42,7 @@ bool Decomposer::divide() {
   whole.points = pointsUsedBy(whole.triangles);
   leaves_.push_back(leafOf(std::move(whole)));
   std::vector<std::size_t> counts;
-  if (settings_.maxParts > 0) counts = pieceCounts(settings_.maxParts, plan_.cuts.overCut);
+  if (settings_.maxParts > 0) counts = pieceCounts(settings_.maxParts, cuts_.overCut);
   std::size_t limit = limited() ? kMaxParts : std::numeric_limits<std::size_t>::max();
   if (!counts.empty()) limit = counts.back();
   while (leaves_.size() < limit) {
@@ -52,17 +51,17 @@ bool Decomposer::divide() {
       // Cut further, so that merging has alternatives; merging stops while the limits are still met.
       met_ = leaves_.size();
       atLimit_ = piecesNow();
-      limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * plan_.cuts.overCut)));
+      limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * cuts_.overCut)));
       continue;
     }
     if (std::ranges::find(counts, leaves_.size()) != counts.end()) stages_.push_back(piecesNow());
-    const std::optional<std::size_t> next = plan_.cuts.byGain ? mostGaining() : mostConcave();
+    const std::optional<std::size_t> next = cuts_.byGain ? mostGaining() : mostConcave();
     if (!next) break;
     carryOut(*next);
   }
   if (settings_.maxParts == 0 && !limited()) separateComponents();
   stages_.push_back(piecesNow());
-  if (plan_.cuts.overCut <= 1.0) {
+  if (cuts_.overCut <= 1.0) {
     parts_ = stages_.back();
   } else {
     const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : leaves_.size();
@@ -76,16 +75,15 @@ bool Decomposer::betterThan(const Decomposer& other) const {
   return hullVolumeOf(parts_) < hullVolumeOf(other.parts_);
 }
 
-Result<Decomposition> Decomposer::finish() {
+Decomposition Decomposer::finish() {
   Decomposition result;
   result.vertexCount = static_cast<int>(context_.mesh.vertices.size());
   result.triangleCount = static_cast<int>(context_.mesh.triangles.size());
-  if (plan_.cuts.overCut <= 1.0) {
+  if (cuts_.overCut <= 1.0) {
     result.splitFrom = std::move(splitFrom_);
     for (const SharedPiece& part : parts_) result.parts.push_back(part->part);
   } else {
-    if (plan_.trials > 0 && !improveParts()) return Error{ErrorCode::kCancelled, "decomposition cancelled"};
-    Merged order = mergePieces(parts_, context_, static_cast<int>(parts_.size()), plan_.cuts.effort.coarse);
+    Merged order = mergePieces(parts_, context_, static_cast<int>(parts_.size()), cuts_.effort.coarse);
     result.splitFrom = std::move(order.splitFrom);
     for (const std::vector<std::size_t>& group : order.groups) result.parts.push_back(parts_[group[0]]->part);
   }
@@ -179,7 +177,7 @@ bool Decomposer::search(Leaf& leaf) {
       leaf.searched = true;
       break;
     }
-    leaf.split = bestSplit(*leaf.piece, *keyframe, context_, plan_.cuts.effort);
+    leaf.split = bestSplit(*leaf.piece, *keyframe, context_, cuts_.effort);
     if (leaf.split) {
       leaf.searched = true;
       leaf.gain = leaf.piece->totalHullVolume() - leaf.split->hullVolume;
@@ -277,7 +275,7 @@ std::vector<Decomposer::SharedPiece> Decomposer::piecesNow() const {
 std::vector<Decomposer::SharedPiece> Decomposer::merged(std::span<const SharedPiece> pieces, std::size_t count) const {
   std::vector<SharedPiece> parts;
   parts.reserve(count);
-  for (const auto& group : mergePieces(pieces, context_, static_cast<int>(count), plan_.cuts.effort.coarse).groups) {
+  for (const auto& group : mergePieces(pieces, context_, static_cast<int>(count), cuts_.effort.coarse).groups) {
     std::vector<const Part*> members;
     members.reserve(group.size());
     for (const std::size_t i : group) members.push_back(&pieces[i]->part);
@@ -321,15 +319,14 @@ std::vector<Decomposer::SharedPiece> Decomposer::mergedWithinLimits(std::size_t 
   return best.size() > max ? merged(pieces, max) : best;
 }
 
-/// Improves the parts, unless that breaks the limits. Returns false if cancelled.
-bool Decomposer::improveParts() {
+bool Decomposer::improveParts(std::span<const ImproveRound> rounds) {
+  if (rounds.empty()) return true;
   std::vector<Piece> pieces;
   pieces.reserve(parts_.size());
   for (const SharedPiece& part : parts_) pieces.push_back(*part);
   const auto tell = [this, count = parts_.size()] { return goOn(count - 1, count); };
-  if (!improve(pieces, context_, plan_.trialEffort, plan_.trials, tell) ||
-      !improve(pieces, context_, plan_.lastEffort, plan_.lastTrials, tell)) {
-    return false;
+  for (const ImproveRound& round : rounds) {
+    if (!improve(pieces, context_, round, tell)) return false;
   }
   std::vector<SharedPiece> better;
   better.reserve(pieces.size());

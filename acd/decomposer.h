@@ -13,14 +13,16 @@ namespace lorica {
 class Decomposer {
  public:
   /// @param keyframes  must outlive this object, as must the mesh and the settings
-  Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const Plan& plan);
+  Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const CutPlan& plan);
 
   /// Cuts the mesh into at most the requested number of parts. Returns false if cancelled.
   [[nodiscard]] bool divide();
   /// Whether the parts are fewer than those of another, or as many and with less hull volume.
   [[nodiscard]] bool betterThan(const Decomposer& other) const;
-  /// Improves the parts if the plan requires it, and sorts them by level of detail.
-  [[nodiscard]] Result<Decomposition> finish();
+  /// Improves the parts as far as the limits allow. Returns false if cancelled.
+  [[nodiscard]] bool improveParts(std::span<const ImproveRound> rounds);
+  /// Sorts the parts by level of detail.
+  [[nodiscard]] Decomposition finish();
 
  private:
   using SharedPiece = std::shared_ptr<const Piece>;
@@ -53,10 +55,9 @@ class Decomposer {
   [[nodiscard]] std::vector<SharedPiece> merged(std::span<const SharedPiece> pieces, std::size_t count) const;
   [[nodiscard]] std::vector<SharedPiece> bestMerged(std::size_t count) const;
   [[nodiscard]] std::vector<SharedPiece> mergedWithinLimits(std::size_t max) const;
-  [[nodiscard]] bool improveParts();
 
   const DecomposeSettings& settings_;
-  Plan plan_;
+  CutPlan cuts_;
   CutContext context_;
   std::vector<Leaf> leaves_;
   std::vector<PartIndex> splitFrom_;

@@ -26,14 +26,17 @@ std::size_t worstKeyframe(const Piece& piece) {
 
 class Improver {
  public:
-  Improver(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience)
-      : parts_(parts), context_(context), effort_(effort), patience_(patience) {
+  Improver(std::vector<Piece>& parts, CutContext& context, const ImproveRound& round)
+      : parts_(parts), context_(context), round_(round), own_(parts.size()), paired_(parts.size(), false) {
     for (const Piece& part : parts) boxes_.push_back(boxesOf(part));
     for (const double v : context.meshVolume) worthwhile_ += kWorthwhile * std::abs(v);
   }
 
   /// Makes one move that saves volume. Returns false if there is none.
-  bool step() { return exchange() || recut(); }
+  bool step() {
+    findPairs();
+    return (round_.exchanges && exchange()) || recut();
+  }
 
   /// Of all parts, over all keyframes.
   [[nodiscard]] double hullVolume() const {
@@ -46,9 +49,9 @@ class Improver {
   /// Two parts that touch.
   struct Pair {
     std::size_t a = 0, b = 0;
-    double cost = 0.0;    // hull volume of the union minus that of both parts, over all keyframes
-    double excess = 0.0;  // hull volume minus volume of both parts: upper bound of the gain of a new cut
-    bool tried = false;   // whether cutting the union again has failed
+    double excess = 0.0;         // hull volume minus volume of both parts: upper bound of the gain of a new cut
+    std::optional<double> cost;  // hull volume of the union minus that of both parts, over all keyframes
+    bool tried = false;          // whether cutting the union again has failed
   };
   /// The best split of a part.
   struct Own {
@@ -59,7 +62,7 @@ class Improver {
 
   /// Merges the cheapest pair and cuts the part with the largest gain, if that saves volume.
   bool exchange() {
-    refresh();
+    measureMoves();
     std::vector<std::size_t> byGain;
     for (std::size_t i = 0; i < own_.size(); ++i) {
       if (own_[i].split) byGain.push_back(i);
@@ -72,8 +75,8 @@ class Improver {
     for (const Pair& pair : pairs_) {
       for (const std::size_t i : byGain) {
         if (i == pair.a || i == pair.b) continue;
-        if (own_[i].gain - pair.cost > saved) {
-          saved = own_[i].gain - pair.cost;
+        if (own_[i].gain - *pair.cost > saved) {
+          saved = own_[i].gain - *pair.cost;
           best = pair;
           cut = i;
         }
@@ -88,15 +91,15 @@ class Improver {
     return true;
   }
 
-  /// Cuts unions again, in order of decreasing excess, until a cut saves volume or `patience_` is used up. Tries two at
-  /// a time for any number of threads; if the first one succeeds, the second counts as not tried.
+  /// Cuts unions again, in order of decreasing excess, until a cut saves volume or the patience is used up. Tries two
+  /// at a time for any number of threads; if the first one succeeds, the second counts as not tried.
   bool recut() {
     struct Trial {
       Pair* pair;
       Piece joined;
       std::optional<Split> split;
     };
-    while (failures_ < patience_) {
+    while (failures_ < round_.patience) {
       std::vector<Trial> trials;
       for (int i = 0; i < 2; ++i) {
         Pair* next = nullptr;
@@ -111,7 +114,7 @@ class Improver {
       tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
         Trial& trial = trials[i];
         trial.joined = join(trial.pair->a, trial.pair->b);
-        trial.split = bestSplit(trial.joined, worstKeyframe(trial.joined), context_, effort_);
+        trial.split = bestSplit(trial.joined, worstKeyframe(trial.joined), context_, round_.effort);
       });
       for (Trial& trial : trials) {
         ++failures_;
@@ -153,23 +156,28 @@ class Improver {
     return measure(unite(both), context_);
   }
 
-  /// Updates pairs and splits of the parts changed by the last move.
-  void refresh() {
-    own_.resize(parts_.size());
-    const std::size_t first = pairs_.size();
+  /// Adds the pairs of the parts changed by the last move.
+  void findPairs() {
     for (std::size_t a = 0; a < parts_.size(); ++a) {
       for (std::size_t b = a + 1; b < parts_.size(); ++b) {
-        if ((own_[a].known && own_[b].known) || !touch(a, b)) continue;
-        pairs_.push_back({a, b, 0.0, parts_[a].totalError() + parts_[b].totalError(), false});
+        if ((paired_[a] && paired_[b]) || !touch(a, b)) continue;
+        pairs_.push_back({a, b, parts_[a].totalError() + parts_[b].totalError(), std::nullopt, false});
       }
     }
-    tbb::parallel_for(first, pairs_.size(), [&](std::size_t i) { pairs_[i].cost = costOf(pairs_[i]); });
+    paired_.assign(parts_.size(), true);
+  }
+
+  /// What it costs to merge each pair, and the best split of each part.
+  void measureMoves() {
+    tbb::parallel_for(std::size_t{0}, pairs_.size(), [&](std::size_t i) {
+      if (!pairs_[i].cost) pairs_[i].cost = costOf(pairs_[i]);
+    });
     tbb::parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t i) {
       Own& own = own_[i];
       if (own.known) return;
       own.known = true;
       if (parts_[i].totalError() <= worthwhile_) return;
-      own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), context_, effort_);
+      own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), context_, round_.effort);
       if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
     });
   }
@@ -202,25 +210,26 @@ class Improver {
     parts_[i] = std::move(piece);
     boxes_[i] = boxesOf(parts_[i]);
     own_[i] = {};
+    paired_[i] = false;
     std::erase_if(pairs_, [i](const Pair& p) { return p.a == i || p.b == i; });
   }
 
   std::vector<Piece>& parts_;
   CutContext& context_;
-  const SplitEffort& effort_;
+  const ImproveRound& round_;
   std::vector<std::vector<Aabb>> boxes_;  // part, keyframe
   std::vector<Own> own_;
+  std::vector<bool> paired_;  // whether a part's pairs are known
   std::vector<Pair> pairs_;
-  int patience_;
   int failures_ = 0;
   double worthwhile_ = 0.0;
 };
 
 }  // namespace
 
-bool improve(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience,
+bool improve(std::vector<Piece>& parts, CutContext& context, const ImproveRound& round,
              const std::function<bool()>& goOn) {
-  Improver improver(parts, context, effort, patience);
+  Improver improver(parts, context, round);
   // A move is chosen by what it promises to save. Where keyframes are flat, a cut may not keep that promise, and moves
   // would go round in circles: it ends before the first move that costs volume.
   while (true) {

@@ -7,12 +7,18 @@
 
 namespace lorica {
 
-/// Improves a finished decomposition without changing the number of its parts: merges two parts and cuts a third one,
-/// or merges two parts and cuts the union again, as long as that saves hull volume.
-/// @param patience  stops after this many consecutive unions were cut again without success
-/// @param goOn      called before each move; return false to cancel
+/// How a finished decomposition is improved.
+struct ImproveRound {
+  SplitEffort effort;
+  int patience = 0;        ///< ends after this many consecutive unions were cut again without success
+  bool exchanges = false;  ///< also merges two parts and cuts a third one, which needs a search in every part
+};
+
+/// Improves a finished decomposition without changing the number of its parts: merges two parts and cuts the union
+/// again, or, with exchanges, a third one, as long as that saves hull volume.
+/// @param goOn  called before each move; return false to cancel
 /// @return false if cancelled
-[[nodiscard]] bool improve(std::vector<Piece>& parts, CutContext& context, const SplitEffort& effort, int patience,
+[[nodiscard]] bool improve(std::vector<Piece>& parts, CutContext& context, const ImproveRound& round,
                            const std::function<bool()>& goOn);
 
 }  // namespace lorica

@@ -1,6 +1,6 @@
 // Whether the decomposition depends on how a mesh lies. Input: a folder of meshes and a table of part counts. Output:
 // one CSV row for each mesh, count and preset, with the score (Eq. 17) as shipped and over random rotations; then means
-// on lines that start with #.
+// on lines that start with #. With --up-to it tries every count, and tells where more parts score less than fewer.
 
 #include "acd/transfer.h"
 #include "bench/benchmark_table.h"
@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 namespace lorica::bench {
 namespace {
@@ -22,6 +23,7 @@ struct Options {
   std::vector<std::string> presets = {"fast", "quality"};
   std::vector<std::string> only;
   int rotations = 8;
+  int upTo = 0;  // 0 = the counts of the table
 };
 
 /// A rotation from a uniform distribution; number 0 is the identity.
@@ -72,10 +74,11 @@ Result<Row> judgeAll(const TriMesh& mesh, int parts, DecomposePreset preset, int
     seconds.push_back(judged->cpuSeconds);
     (i == 0 ? row.shipped : scores.emplace_back()) = judged->score;
   }
+  row.cpuSeconds = medianOf(seconds);
+  if (scores.empty()) scores.push_back(row.shipped);
   row.median = medianOf(scores);
   row.worst = std::ranges::min(scores);
   row.best = std::ranges::max(scores);
-  row.cpuSeconds = medianOf(seconds);
   return row;
 }
 
@@ -95,18 +98,47 @@ void summarize(const std::string& name, const std::vector<Row>& rows) {
       meanOf(column(&Row::cpuSeconds)) * static_cast<double>(rows.size()));
 }
 
+// Smaller differences between scores do not count.
+constexpr double kSame = 0.002;
+
+/// How often, and by how much at most, a score is less than one that it should at least reach.
+struct Falls {
+  int pairs = 0, falls = 0;
+  double deepest = 0.0;
+
+  void compare(double score, double least) {
+    ++pairs;
+    if (score < least - kSame) ++falls;
+    deepest = std::max(deepest, least - score);
+  }
+  void print(const std::string& what) const {
+    fmt::print("# {}: {} of {} by more than {:g}; largest fall {:.4f}\n", what, falls, pairs, kSame, deepest);
+  }
+};
+
+std::vector<int> countsOf(const BenchmarkMesh& entry, const Options& options) {
+  if (options.upTo == 0) return entry.counts;
+  std::vector<int> counts(static_cast<std::size_t>(options.upTo));
+  std::iota(counts.begin(), counts.end(), 1);
+  return counts;
+}
+
 int run(const Options& options) {
   Result<std::vector<BenchmarkMesh>> table = readBenchmark(options.folder, options.table, options.only);
   if (!table) return fail(table.error());
   fmt::print("mesh,parts,preset,shipped,median,worst,best,cpu_seconds\n");
   std::map<std::string, std::vector<Row>> rows;
+  std::map<std::string, Falls> moreParts;
+  Falls moreWork;
   for (const BenchmarkMesh& entry : *table) {
     if (entry.file.empty()) {
       return fail({ErrorCode::kNotFound, fmt::format("{}: no such mesh in {}", entry.name, options.folder)});
     }
     const Result<TriMesh> mesh = readRepaired(entry.file);
     if (!mesh) return fail(mesh.error());
-    for (const int parts : entry.counts) {
+    std::map<std::string, double> fewer;  // median with one part less
+    for (const int parts : countsOf(entry, options)) {
+      std::map<std::string, double> medians;
       for (const std::string& preset : options.presets) {
         const Result<Row> row = judgeAll(*mesh, parts, presetOf(preset), options.rotations);
         if (!row) return fail(row.error());
@@ -114,9 +146,17 @@ int run(const Options& options) {
                    row->median, row->worst, row->best, row->cpuSeconds);
         std::fflush(stdout);
         rows[preset].push_back(*row);
+        medians[preset] = row->median;
+        if (options.upTo > 0 && parts > 1) moreParts[preset].compare(row->median, fewer[preset]);
       }
+      if (medians.contains("fast") && medians.contains("quality")) {
+        moreWork.compare(medians["quality"], medians["fast"]);
+      }
+      fewer = medians;
     }
   }
+  for (const auto& [preset, falls] : moreParts) falls.print(preset + " with one part more");
+  if (moreWork.pairs > 0) moreWork.print("quality against fast");
   for (const auto& [preset, some] : rows) summarize(preset, some);
   return 0;
 }
@@ -141,6 +181,8 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->allow_extra_args(false);
   app.add_option("--rotations", options.rotations, "Number of random rotations [default: 8]")
+      ->check(CLI::Range(0, 1000));
+  app.add_option("--up-to", options.upTo, "Every part count from 1 to this, in place of those of the table")
       ->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);

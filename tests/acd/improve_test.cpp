@@ -46,13 +46,19 @@ double hullVolume(const std::vector<Piece>& parts) {
   return sum;
 }
 
-TEST(Improve, SavesHullVolumeAndLosesNothing) {
-  CutTorus torus;
-  const double before = hullVolume(torus.parts);
+ImproveRound someRound(bool exchanges) {
   SplitEffort effort;
   effort.shortlist = 2;
   effort.axisPlanes = 6;
-  ASSERT_TRUE(improve(torus.parts, torus.context, effort, 6, [] { return true; }));
+  return {effort, 6, exchanges};
+}
+
+class Improve : public ::testing::TestWithParam<bool> {};
+
+TEST_P(Improve, SavesHullVolumeAndLosesNothing) {
+  CutTorus torus;
+  const double before = hullVolume(torus.parts);
+  ASSERT_TRUE(improve(torus.parts, torus.context, someRound(GetParam()), [] { return true; }));
   EXPECT_EQ(torus.parts.size(), 4u);
   EXPECT_LT(hullVolume(torus.parts), 0.95 * before);
   double volume = 0.0;
@@ -71,10 +77,21 @@ TEST(Improve, SavesHullVolumeAndLosesNothing) {
   EXPECT_NEAR(volume, torus.context.meshVolume[0], 1e-9);
 }
 
-TEST(Improve, CanBeCancelled) {
+TEST_P(Improve, CanBeCancelled) {
   CutTorus torus;
-  EXPECT_FALSE(improve(torus.parts, torus.context, {}, 6, [] { return false; }));
+  EXPECT_FALSE(improve(torus.parts, torus.context, someRound(GetParam()), [] { return false; }));
 }
+
+TEST_P(Improve, WithoutPatienceOnlyExchangesAreMade) {
+  CutTorus torus;
+  const double before = hullVolume(torus.parts);
+  ImproveRound round = someRound(GetParam());
+  round.patience = 0;
+  ASSERT_TRUE(improve(torus.parts, torus.context, round, [] { return true; }));
+  EXPECT_EQ(hullVolume(torus.parts) < before, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(WithAndWithoutExchanges, Improve, ::testing::Bool());
 
 }  // namespace
 }  // namespace lorica

@@ -223,8 +223,8 @@ TEST_P(KnownShow, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, KnownShow,
-                         testing::Values(Known{"bridge", 0xe7b285e8b5938717u}, Known{"dominoes", 0x5816b3b266e94009u},
-                                         Known{"targets", 0x6ca40db1baa1e611u}),
+                         testing::Values(Known{"bridge", 0x9166b010d088516u}, Known{"dominoes", 0x651a5b5ec2d45a20u},
+                                         Known{"targets", 0xc8f010608bf6d2a6u}),
                          [](const auto& param) { return std::string(param.param.scene); });
 
 }  // namespace
