@@ -2,6 +2,7 @@
 
 #include "apps/playback.h"
 #include "apps/scenes.h"
+#include "skinning/look/avatar.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -88,6 +89,8 @@ Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOpti
     Result<PlaybackInput> input = readInput(role);
     if (!input) return input.error();
     if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
+    std::shared_ptr<const Avatar>& look = input->subject.character->avatar;
+    if (role.stage.color && look != nullptr) look = tinted(*look, *role.stage.color);
     inputs.push_back(std::move(*input));
   }
   std::vector<CastMember> cast;
@@ -97,7 +100,7 @@ Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOpti
     if (!file) return Error{file.error().code, role.where + file.error().message};
     std::optional<SpringChoice> springs = chooseSprings(inputs[i].subject, role.options.springs);
     cast.push_back({std::move(role.options), std::move(inputs[i]), std::move(*file), std::move(springs),
-                    role.stage.place, role.stage.heading});
+                    role.stage.place, role.stage.heading, role.stage.color});
   }
   return cast;
 }
@@ -203,7 +206,8 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
                   member.input.ownClip,
                   motion.packets.has_value(),
                   member.place,
-                  member.heading};
+                  member.heading,
+                  member.color};
     avatars.push_back({std::move(as), member.character(), member.body});
   }
   return startRecorder(file, avatars, scene, world);

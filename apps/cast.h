@@ -23,8 +23,9 @@ struct CastMember {
   PlaybackInput input;
   DecompositionFile body;
   std::optional<SpringChoice> springs;
-  Vec3 place = Vec3::Zero();  ///< of the motion's origin [m]
-  double heading = 0.0;       ///< by which the motion is turned around the vertical [degrees]
+  Vec3 place = Vec3::Zero();   ///< of the motion's origin [m]
+  double heading = 0.0;        ///< by which the motion is turned around the vertical [degrees]
+  std::optional<Vec3f> color;  ///< see StageAvatar
 
   [[nodiscard]] const Character& character() const { return *input.subject.character; }
   [[nodiscard]] const Motion& motion() const { return input.motion; }

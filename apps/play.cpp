@@ -12,6 +12,7 @@
 #include "apps/session_files.h"
 #include "apps/target_hits.h"
 #include "geometry/files.h"
+#include "session/prop_overlaps.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,7 +20,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +45,20 @@ struct Options {
 
 using Cast = std::vector<CastMember>;
 
+/// Warns of avatars whose middle is in a static body, which they pass through. Call after the first frame.
+void warnOfWalls(const Session& session) {
+  for (std::size_t a = 0; a < session.avatars().size(); ++a) {
+    const SessionAvatar& avatar = session.avatars()[a];
+    const std::span<const Vec3> points = avatar.points();
+    const Vec3 middle = std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / std::ssize(points);
+    const std::optional<std::size_t> around = findStaticAround(session.world().props(), middle);
+    if (!avatar.present() || !around) continue;
+    const Vec3 at = session.world().props()[*around].worldFromProp.translation();
+    warn(fmt::format("avatar {} ({}) starts inside the fixed object at ({:.2f}, {:.2f}, {:.2f}) and passes through it",
+                     a + 1, avatar.character().name, at.x(), at.y(), at.z()));
+  }
+}
+
 /// What is counted while a session runs.
 struct Counts {
   RunStatistics statistics;
@@ -50,6 +67,7 @@ struct Counts {
   void add(const Session& session, const Options& options) {
     statistics.add(session, options.selfContacts);
     hits.add(session);
+    if (statistics.frames() == 1) warnOfWalls(session);
   }
 };
 

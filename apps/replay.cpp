@@ -10,6 +10,7 @@
 #include "apps/target_hits.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
+#include "skinning/look/avatar.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -96,6 +97,8 @@ Result<RecordedPerformer> findPerformer(const Options& options, const SessionFil
                     "the recorded character with --character",
                     options.file, header.character, subject->name)};
   }
+  std::shared_ptr<const Avatar>& look = subject->character->avatar;
+  if (header.color && look != nullptr) look = tinted(*look, *header.color);
   Result<DecompositionFile> body = findBody(own, header, *inputs, *subject, threads);
   if (!body) return body.error();
   return RecordedPerformer{std::move(*inputs), std::move(*subject), std::move(*body)};

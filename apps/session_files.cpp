@@ -110,6 +110,7 @@ AvatarHeader headerOf(const std::string& file, const RecordedAvatar& avatar) {
   header.faults = as.performing.faults();
   header.place = as.place;
   header.heading = as.heading;
+  header.color = as.color;
   if (as.springs) {
     header.springs = as.springs->mode;
     header.springsHash = hashOf(as.springs->springs);

@@ -42,6 +42,7 @@ struct RecordedAs {
   bool stream = false;                   ///< whether the poses come with trust and expressions, see PoseSource
   Vec3 place = Vec3::Zero();             ///< see AvatarHeader
   double heading = 0.0;                  ///< see AvatarHeader
+  std::optional<Vec3f> color = {};       ///< see AvatarHeader
 };
 
 /// An avatar of a session that is recorded.

@@ -82,6 +82,13 @@ std::optional<PropOverlap> findPropInside(std::span<const Prop> props) {
   return found;
 }
 
+std::optional<std::size_t> findStaticAround(std::span<const Prop> props, const Vec3& point) {
+  for (std::size_t i = 0; i < props.size(); ++i) {
+    if (props[i].mass == 0.0 && contains(props[i], point)) return i;
+  }
+  return std::nullopt;
+}
+
 std::size_t countNearPairs(std::span<const Prop> props) {
   std::size_t count = 0;
   forNearPairs(props, [&](std::size_t /*a*/, std::size_t /*b*/) { return ++count > 0; });

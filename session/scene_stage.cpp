@@ -18,12 +18,13 @@ std::vector<StageAvatar> readStage(SceneElement& root) {
   std::vector<StageAvatar> stage;
   root.each("avatars", [&](SceneElement& element) {
     StageAvatar avatar;
-    element.allow({"character", "motion", "start", "place", "heading"});
+    element.allow({"character", "motion", "start", "place", "heading", "color"});
     element.text("character", avatar.character);
     element.text("motion", avatar.motion);
     element.number("start", 0.0, kLongestStart, avatar.start);
     element.vector("place", -kFarthest, kFarthest, avatar.place);
     element.number("heading", -360.0, 360.0, avatar.heading);
+    if (element.has("color")) element.color("color", avatar.color.emplace());
     if (stage.size() == kMaxAvatars) {
       root.fail("avatars", fmt::format("{} avatars", root.at("avatars").size()),
                 fmt::format("at most {}", kMaxAvatars));

@@ -2,6 +2,7 @@
 
 #include "geometry/math.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct StageAvatar {
   double start = 0.0;                   ///< time in the motion at which it begins, from its first frame [s]
   Vec3 place = Vec3::Zero();            ///< of the motion's origin [m]
   double heading = 0.0;                 ///< by which the motion is turned around the vertical [degrees]
+  std::optional<Vec3f> color;           ///< its look is tinted with this, linear RGB; none = as it is
 };
 
 class SceneElement;

@@ -38,8 +38,9 @@ struct AvatarHeader {
 
   JointSettings joints;
   FaultSettings faults;
-  Vec3 place = Vec3::Zero();  ///< of the motion's origin [m]
-  double heading = 0.0;       ///< by which the motion is turned around the vertical [degrees]
+  Vec3 place = Vec3::Zero();   ///< of the motion's origin [m]
+  double heading = 0.0;        ///< by which the motion is turned around the vertical [degrees]
+  std::optional<Vec3f> color;  ///< that tints the look, linear RGB
 
   std::optional<SpringMode> springs;  ///< none = the avatar had neither springs nor constraints
   std::uint64_t springsHash = 0;      ///< hashOf(SpringBones); 0 = none

@@ -106,7 +106,7 @@ void readScene(SceneElement element, SessionHeader& header) {
 
 void readAvatar(SceneElement element, AvatarHeader& header) {
   element.allow({"source", "pose-joints", "pose-trust", "pose-expressions", "character", "decomposition", "mirror",
-                 "upper-body", "smoothing", "faults", "place", "heading", "springs"});
+                 "upper-body", "smoothing", "faults", "place", "heading", "color", "springs"});
   element.text("source", header.source);
   element.integer("pose-joints", 0, kMaxPoseJoints, header.poseJoints);
   if (element.has("pose-trust")) element.flag("pose-trust", header.poseTrust);
@@ -120,6 +120,11 @@ void readAvatar(SceneElement element, AvatarHeader& header) {
   readFaults(element, header);
   element.vector("place", -kFarthestPlace, kFarthestPlace, header.place);
   element.number("heading", -360.0, 360.0, header.heading);
+  if (element.has("color")) {
+    Vec3 color = Vec3::Ones();
+    element.vector("color", 0.0, 1.0, color);
+    header.color = color.cast<float>();
+  }
   if (element.has("springs") && !element.failed()) readSprings(element.child("springs"), header);
 }
 
@@ -163,6 +168,7 @@ SceneJson jsonOf(const AvatarHeader& header) {
   json["faults"] = textOf(header.faults);
   if (!header.place.isZero()) json["place"] = {header.place.x(), header.place.y(), header.place.z()};
   if (header.heading != 0.0) json["heading"] = header.heading;
+  if (header.color) json["color"] = {header.color->x(), header.color->y(), header.color->z()};
   if (header.springs) {
     json["springs"]["mode"] = nameOf(*header.springs);
     json["springs"]["hash"] = hexDigits(header.springsHash);

@@ -29,6 +29,16 @@ std::shared_ptr<const Avatar> makePlainAvatar(const Character& character, const 
   return avatar;
 }
 
+std::shared_ptr<const Avatar> tinted(const Avatar& avatar, const Vec3f& color) {
+  auto colored = std::make_shared<Avatar>(avatar);
+  colored->plain = false;
+  for (Material& material : colored->look.materials) {
+    material.baseColor.head<3>().array() *= color.array();
+    material.toon.shadeColor.array() *= color.array();
+  }
+  return colored;
+}
+
 Result<MadeAvatar> makeAvatar(Character character, Look look, const DecodeSettings& settings, AvatarFace face) {
   auto avatar = std::make_shared<Avatar>();
   avatar->character = std::move(character);

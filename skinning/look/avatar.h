@@ -38,6 +38,9 @@ struct Avatar {
 /// An avatar of one material with smooth normals, for a character that has none.
 [[nodiscard]] std::shared_ptr<const Avatar> makePlainAvatar(const Character& character, const Material& material);
 
+/// An avatar whose materials have their colours multiplied by another one, linear RGB.
+[[nodiscard]] std::shared_ptr<const Avatar> tinted(const Avatar& avatar, const Vec3f& color);
+
 struct MadeAvatar {
   std::shared_ptr<const Avatar> avatar;
   std::vector<std::string> notes;  ///< a sentence for each picture that could not be decoded

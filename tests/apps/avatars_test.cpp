@@ -1,8 +1,10 @@
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
+#include "viewer/image.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -135,6 +137,52 @@ TEST(SeveralAvatars, OfAScenePerformWhereItPutsThemAndReplay) {
   EXPECT_EQ(given.json()["avatars"].size(), 1u);
 }
 
+/// Pixels of a picture in which red, or else blue, is at least twice as bright as the other.
+std::array<int, 2> redAndBlueIn(const Image& image) {
+  std::array<int, 2> counts = {0, 0};
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    const int red = image.rgba[i], blue = image.rgba[i + 2];
+    counts[0] += red > 40 && red >= 2 * blue ? 1 : 0;
+    counts[1] += blue > 40 && blue >= 2 * red ? 1 : 0;
+  }
+  return counts;
+}
+
+TEST(SeveralAvatars, OfASceneHaveItsColoursThenAndInTheReplay) {
+  const TemporaryFolder folder;
+  const std::string session = folder.path() / "stage.lsession";
+  const std::string stage = folder.path() / "stage.json";
+  std::ofstream(stage) << R"({"format": "lorica scene 1", "avatars": [{"motion": "wave", "color": "#ff2020"},)"
+                       << R"({"motion": "wave", "place": [1, 0, 0], "color": "#2020ff"}]})";
+  const CommandResult played = runLorica({"play", "--scene", stage, "--decomposition", fewParts(folder), "--record",
+                                          session, "--frames", "1", "--snapshots", folder.path() / "played"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const CommandResult replayed = runLorica({"replay", session, "--snapshots", folder.path() / "replayed"});
+  ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
+  for (const char* run : {"played", "replayed"}) {
+    const Result<Image> picture = readPng(folder.path() / run / "frame_0000.png");
+    ASSERT_TRUE(picture) << run;
+    const auto [red, blue] = redAndBlueIn(*picture);
+    EXPECT_GT(red, 5'000) << run;
+    EXPECT_GT(blue, 5'000) << run;
+  }
+}
+
+TEST(SeveralAvatars, WhoStartsInAWallIsNamed) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() / "wall.json";
+  std::ofstream(scene) << R"({"format": "lorica scene 1", "props": [{"shape": "box", "size": [0.8, 3, 0.8],)"
+                       << R"("at": [1, 1.5, 0], "fixed": true}], "avatars": [{"motion": "wave"},)"
+                       << R"({"motion": "wave", "place": [1, 0, 0]}]})";
+  const CommandResult played =
+      runLorica({"play", "--scene", scene, "--decomposition", fewParts(folder), "--frames", "3"});
+  ASSERT_EQ(played.exitCode, 0) << played.err;
+  const std::string said = "avatar 2 (mannequin) starts inside the fixed object at (1.00, 1.50, 0.00)";
+  ASSERT_NE(played.err.find(said), std::string::npos) << played.err;
+  EXPECT_EQ(played.err.find(said, played.err.find(said) + 1), std::string::npos);
+  EXPECT_EQ(played.err.find("avatar 1"), std::string::npos);
+}
+
 TEST(SeveralAvatars, BadStagesAreASentence) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& second, const std::string& found) {
@@ -149,6 +197,7 @@ TEST(SeveralAvatars, BadStagesAreASentence) {
   refused(R"("motion": "../walk.csv")", "avatars[1]: ");
   refused(R"("character": "/etc/passwd.glb", "motion": "walk")", "avatars[1]: ");
   refused(R"("dance": "walk")", "dance");
+  refused(R"("motion": "walk", "color": "red")", "avatars[1].color: ");
   std::string crowd = R"("motion": "walk", "place": [0, 0, 0.5])";
   for (int i = 2; i < 10'000; ++i)
     crowd += R"(}, {"motion": "walk", "place": [0, 0, )" + std::to_string(i % 90 / 2.0) + "]";

@@ -67,6 +67,16 @@ TEST(PropOverlaps, StaticBodiesMayShareTheirPlace) {
   EXPECT_EQ(countNearPairs(std::vector<Prop>{fixed, moving, fixed}), 2u);
 }
 
+TEST(PropOverlaps, TheFirstStaticBodyAroundAPointIsFound) {
+  Prop moving = propAt(PropShape::kBox, Vec3::Ones(), Vec3::Zero());
+  Prop fixed = propAt(PropShape::kSphere, Vec3::Constant(0.5), Vec3(1.0, 0.0, 0.0));
+  fixed.mass = 0.0;
+  const std::vector<Prop> props = {moving, fixed, fixed};
+  EXPECT_EQ(findStaticAround(props, Vec3(0.8, 0.0, 0.0)), 1u);
+  EXPECT_FALSE(findStaticAround(props, Vec3(0.0, 0.0, 0.0)));
+  EXPECT_FALSE(findStaticAround(props, Vec3(1.6, 0.0, 0.0)));
+}
+
 TEST(PropOverlaps, ScenesWithPropsInsideEachOtherAreRefusedByName) {
   EXPECT_EQ(
       errorOf(R"("props": [{"shape": "box", "size": [1, 1, 1], "at": [0, 1, 0],
