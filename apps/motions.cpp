@@ -82,11 +82,11 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
   return motion;
 }
 
-/// Rejects options that are for other motions than a stream or a session.
+/// Rejects options that are for other motions than packets or a session.
 Result<void> refuseReadingOptions(const fs::path& file, const MotionOptions& options) {
   for (const Result<void>& fine :
        {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
-        refuse(options.person > 0, "--person", file.string(), "recorded joints"),
+        refuse(options.person > 0 && !isSessionFile(file), "--person", file.string(), "recorded joints or sessions"),
         refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
     if (!fine) return fine;
   }
@@ -101,7 +101,7 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
   }
   if (packets || isSessionFile(file)) {
     if (Result<void> fine = refuseReadingOptions(file, options); !fine) return fine.error();
-    return packets ? readPacketMotion(file, options) : readSessionMotion(file);
+    return packets ? readPacketMotion(file, options) : readSessionMotion(file, options.person);
   }
   if (isDepthRecording(file)) {
     for (const Result<void>& fine :
@@ -151,10 +151,12 @@ void addPersonOption(CommandLine& app, int& person) {
     if (text == "all") text = std::to_string(kEveryone);
     return "";
   };
-  app.addOption("--person", person,
-                "Person to use, by number in a stream of joints, or by order of appearance before a depth camera; "
-                "all: an avatar for each, with play and record [default: the one with the most motion; before a "
-                "camera the nearest]")
+  app.addOption(
+         "--person", person,
+         "Person to use, by number in a stream of joints or a recorded session, or by order of appearance before a "
+         "depth camera; "
+         "all: an avatar for each, with play and record [default: the one with the most motion; before a "
+         "camera the nearest]")
       ->typeName("N|all")
       ->check(check);
 }

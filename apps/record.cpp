@@ -188,7 +188,7 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common) {
   Options session = options;
   session.out = options.out + kSessionEnding;
   return recordSession(session, common, [&](Report& report) -> Result<void> {
-    const Result<Motion> motion = readSessionMotion(session.out);
+    const Result<Motion> motion = readSessionMotion(session.out, 0);
     if (!motion) return motion.error();
     // Poses of bones are mirrored already.
     const Result<ConvertedClip> made =

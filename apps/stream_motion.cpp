@@ -138,19 +138,30 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
   return motion;
 }
 
-Result<Motion> readSessionMotion(const fs::path& file) {
+Result<Motion> readSessionMotion(const fs::path& file, int person) {
   Result<SessionFile> recorded = readSession(file);
   if (!recorded) return recorded.error();
   Motion motion;
   motion.name = file.stem().string();
   motion.notes = recorded->notes;
   motion.format = "recorded session";
-  const AvatarHeader& header = recorded->header.avatar();
-  RecordedMotion& first = recorded->motions.front();
+  const std::size_t count = recorded->motions.size();
+  const std::size_t index = person > 0 ? static_cast<std::size_t>(person) - 1 : 0;
+  if (index >= count) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--person {}: {} has {}, expected at most that number", person, file.string(),
+                             counted(std::ssize(recorded->motions), "avatar"))};
+  }
+  if (count > 1 && person == 0) {
+    motion.notes.push_back(fmt::format("of {} avatars this is the first; --person 2 is the second", count));
+  }
+  const AvatarHeader& header = recorded->header.avatar(index);
+  RecordedMotion& chosen = recorded->motions[index];
   if (header.poseJoints == 0) {
-    motion.joints = std::move(first.joints);
+    motion.joints = std::move(chosen.joints);
+    std::erase_if(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
   } else {
-    const Result<SessionInputs> inputs = inputsOf(*recorded, file.string(), 0, "", "");
+    const Result<SessionInputs> inputs = inputsOf(*recorded, file.string(), index, "", "");
     if (!inputs) return inputs.error();
     CharacterOptions reading{inputs->boneMap, header.bodyResolution};
     reading.hidden = header.hidden;
@@ -162,7 +173,7 @@ Result<Motion> readSessionMotion(const fs::path& file) {
                    fmt::format("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
                                inputs->character, skeleton.jointCount())};
     }
-    motion.bones = SkeletalMotion{motion.name, skeleton, std::move(first.poseTimes), std::move(first.poses)};
+    motion.bones = SkeletalMotion{motion.name, skeleton, std::move(chosen.poseTimes), std::move(chosen.poses)};
   }
   if (motion.bones ? motion.bones->times.empty() : motion.joints.empty()) {
     return Error{ErrorCode::kBadFormat, fmt::format("{}: found no motion, expected at least one frame", file.string())};

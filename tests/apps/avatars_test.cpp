@@ -137,6 +137,35 @@ TEST(SeveralAvatars, OfAScenePerformWhereItPutsThemAndReplay) {
   EXPECT_EQ(given.json()["avatars"].size(), 1u);
 }
 
+TEST(SeveralAvatars, OfARecordedSessionAreMotionsByNumber) {
+  const TemporaryFolder folder;
+  const std::string session = folder.path() / "two.lsession";
+  ASSERT_EQ(runLorica({"play", "walk,wave", "--frames", "30", "--decomposition", fewParts(folder), "--record", session})
+                .exitCode,
+            0);
+  // What is written is read back as the motion of either.
+  const auto converted = [&](const std::string& from, const std::vector<std::string>& more) {
+    const std::string file = folder.path() / "out.csv";
+    std::vector<std::string> words = {"convert", from, file};
+    words.insert(words.end(), more.begin(), more.end());
+    const CommandResult run = runLorica(words);
+    EXPECT_EQ(run.exitCode, 0) << run.err;
+    std::ifstream in(file);
+    std::stringstream text;
+    text << in.rdbuf();
+    return text.str();
+  };
+  const std::string first = converted(session, {}), second = converted(session, {"--person", "2"});
+  EXPECT_EQ(first, converted(session, {"--person", "1"}));
+  EXPECT_EQ(first, converted("walk", {}).substr(0, first.size()));
+  EXPECT_EQ(second, converted("wave", {}).substr(0, second.size()));
+  const CommandResult third = runLorica({"info", session, "--person", "3"});
+  EXPECT_EQ(third.exitCode, 2);
+  EXPECT_NE(third.err.find("has 2 avatars, expected at most that number"), std::string::npos) << third.err;
+  const CommandResult info = runLorica({"info", session});
+  EXPECT_NE(info.out.find("of 2 avatars this is the first"), std::string::npos) << info.out;
+}
+
 /// Pixels of a picture in which red, or else blue, is at least twice as bright as the other.
 std::array<int, 2> redAndBlueIn(const Image& image) {
   std::array<int, 2> counts = {0, 0};
