@@ -237,13 +237,19 @@ Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastM
   return sources;
 }
 
-std::string motionsOf(std::span<const CastMember> cast) {
+std::string listed(std::span<const std::string> names) {
   std::string all;
-  for (std::size_t i = 0; i < cast.size(); ++i) {
-    all += i == 0 ? "" : i + 1 < cast.size() ? ", " : " and ";
-    all += cast[i].motion().name;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    all += i == 0 ? "" : i + 1 < names.size() ? ", " : " and ";
+    all += names[i];
   }
   return all;
+}
+
+std::string motionsOf(std::span<const CastMember> cast) {
+  std::vector<std::string> names;
+  for (const CastMember& member : cast) names.push_back(member.motion().name);
+  return listed(names);
 }
 
 double secondsOf(std::span<const CastMember> cast) {

@@ -66,6 +66,9 @@ struct OpenedCast {
 /// New sources for a session of the cast, from their start.
 [[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast);
 
+/// "walk, wave and jump"
+[[nodiscard]] std::string listed(std::span<const std::string> names);
+
 /// "walk" or "walk and wave".
 [[nodiscard]] std::string motionsOf(std::span<const CastMember> cast);
 /// The duration of the longest motion [s].

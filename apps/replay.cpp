@@ -1,4 +1,5 @@
 #include "apps/body_choice.h"
+#include "apps/cast.h"
 #include "apps/events_output.h"
 #include "apps/inputs.h"
 #include "apps/options.h"
@@ -192,7 +193,9 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     return {};
   };
   if (Result<void> begun = begin(); !begun) return begun;
-  const std::string name = header.source.empty() ? options.file : header.source;
+  std::vector<std::string> sources;
+  for (const AvatarHeader& avatar : recorded->header.avatars) sources.push_back(avatar.source);
+  const std::string name = header.source.empty() ? options.file : listed(sources);
   const auto steps = static_cast<int>(recorded->steps.size());
   DrawnFiles drawn;
   if (options.window) {

@@ -39,6 +39,8 @@ TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
   EXPECT_EQ(json["avatars"][1]["recording"], "jumping_jacks");
   EXPECT_NE(json["avatars"][0]["hash"], json["avatars"][1]["hash"]);
   EXPECT_EQ(json["contacts"], json["avatars"][0]["contacts"].get<int>() + json["avatars"][1]["contacts"].get<int>());
+  const CommandResult told = runLorica({"replay", session});
+  EXPECT_NE(told.out.find("2 avatars replayed walk and jumping_jacks:"), std::string::npos) << told.out;
   const CommandResult replayed = runLorica({"replay", session, "--json", "-"});
   ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
   EXPECT_EQ(replayed.json()["same"], true);
