@@ -112,7 +112,7 @@ function(lorica_module name)
           COMPONENT command)
 endfunction()
 
-# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder, discovered by ctest.
+# lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder; ctest runs each test by itself.
 #   ALONE Suite.*   tests of what runs in real time, such as a live camera: ctest runs nothing beside them
 #   SANITIZED       .ci/run also runs these tests under sanitizers (target sanitized_tests, label sanitized): code that
 #                   reads data from outside or runs each frame
@@ -138,9 +138,22 @@ function(lorica_tests name)
     set(label sanitized)
     add_dependencies(sanitized_tests ${name}_tests)
   endif()
-  set(discovery TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60)
   list(JOIN ARG_ALONE ":" alone)
   list(JOIN ARG_SLOW ":" slow)
+  # Under sanitizers one process runs all tests of a program: what they share is prepared once, which takes most of the time.
+  if(LORICA_SANITIZE)
+    add_test(NAME ${name} COMMAND ${name}_tests "--gtest_filter=-${slow}")
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS ${label})
+    if(alone)
+      set_tests_properties(${name} PROPERTIES RUN_SERIAL TRUE)
+    endif()
+    if(slow)
+      add_test(NAME ${name}.slow COMMAND ${name}_tests "--gtest_filter=${slow}")
+      set_tests_properties(${name}.slow PROPERTIES TIMEOUT ${timeout} LABELS slow)
+    endif()
+    return()
+  endif()
+  set(discovery TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60)
   gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "-${alone}:${slow}"
                        PROPERTIES TIMEOUT ${timeout} LABELS ${label})
   if(alone)
