@@ -173,8 +173,15 @@ Result<void> WindowLoop::advance() {
 void WindowLoop::goOn() {
   if (!goesOn()) return;
   hands_.goOnWithout();
+  // Their parts no longer have the velocity of the last frame: it would strike in each step.
+  standing_.resize(session_.avatars().size());
   std::vector<std::span<const LivePart>> standing;
-  for (const SessionAvatar& avatar : session_.avatars()) standing.push_back(avatar.partsInWorld());
+  for (std::size_t a = 0; a < standing_.size(); ++a) {
+    const std::span<const LivePart> parts = session_.avatars()[a].partsInWorld();
+    standing_[a].assign(parts.begin(), parts.end());
+    for (LivePart& part : standing_[a]) part.previousWorldFromPart = part.worldFromPart;
+    standing.emplace_back(standing_[a]);
+  }
   for (int steps = 0; steps < kMaxStepsAPicture && (window_.paused() || now() >= due_); ++steps) {
     if (!window_.wantsStep()) {
       due_ = now();

@@ -93,7 +93,8 @@ class WindowLoop {
   DetailLevels levels_;
   WindowHands hands_;
   WarningBoard warnings_;
-  WindowSettings settings_;  // as in the user's file
+  WindowSettings settings_;                      // as in the user's file
+  std::vector<std::vector<LivePart>> standing_;  // parts of the avatars after the end
   AvatarFocus focus_;
   std::vector<std::string> avatarNames_;
   std::optional<Seek> seek_;
