@@ -7,11 +7,8 @@ import sys
 import unittest
 from pathlib import Path
 
-try:
-    import nbformat
-    from nbclient import NotebookClient
-except ImportError:
-    NotebookClient = None
+import nbformat  # python3-nbclient; scripts/setup --tests installs it
+from nbclient import NotebookClient
 
 PAGE = Path(__file__).parents[3] / "docs" / "lorica.ipynb"
 
@@ -33,7 +30,6 @@ def pictures_of(cell):
     return [output["data"]["image/png"] for output in cell.get("outputs", []) if "image/png" in output.get("data", {})]
 
 
-@unittest.skipIf(NotebookClient is None, "python3-nbclient is missing; scripts/setup --tests installs it")
 class Notebook(unittest.TestCase):
     def test_every_cell_runs_and_says_the_same(self):
         kept = nbformat.read(PAGE, as_version=4)
