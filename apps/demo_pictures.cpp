@@ -75,6 +75,7 @@ Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
 Result<void> DemoPictures::add(const Session& session, const std::string& caption, double seconds, int frame,
                                int frames) {
   if (!scene_) scene_ = std::make_unique<SessionScene>(session);
+  scene_->follow(session);
   follow_.update(session, seconds - lastSeconds_);
   lastSeconds_ = seconds;
   SceneOptions show;

@@ -147,7 +147,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     movie.emplace(std::move(*made));
   }
 
-  const SessionScene scene(session);
+  SessionScene scene(session);
   SceneOptions show = shownBy(options.show, session.character());
   const bool caption =
       options.show.empty() || std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
@@ -171,6 +171,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     if (!more) return more.error();
     if (!*more) break;
     ++outcome.frames;
+    scene.follow(session);
     hits.add(session);
     if (frame == 0) firstTime = previousTime = session.time();
     const double seconds = session.time() - firstTime;

@@ -90,8 +90,10 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show, const V
   bool first = true;
   for (std::size_t a = 0; a < drawn_.size(); ++a) {
     const SessionAvatar& avatar = session.avatars()[a];
-    if (!avatar.present()) continue;
-    const SceneFigure figure = figureOf(drawn_[a], avatar, session.time(), show, watcher);
+    const double opacity = fade_.of(session, a);
+    if (opacity <= 0.0) continue;
+    SceneFigure figure = figureOf(drawn_[a], avatar, session.time(), show, watcher);
+    figure.opacity = static_cast<float>(opacity);
     if (first) {
       static_cast<SceneFigure&>(scene) = figure;
     } else {
@@ -208,6 +210,7 @@ int SnapshotSeries::filmFrames(const Session& session) const {
 }
 
 Result<void> SnapshotSeries::add(const Session& session, const std::string& name, const Image* inset) {
+  scene_.follow(session);
   if (!firstTime_) firstTime_ = session.time();
   const int film = filmFrames(session);
   filmSeconds_ = filmSeconds(session);

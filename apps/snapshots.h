@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/avatar_fade.h"
 #include "apps/camera_options.h"
 #include "apps/command_line.h"
 #include "apps/movie.h"
@@ -18,13 +19,15 @@
 
 namespace lorica {
 
-/// The drawable content of a session: the skin of each avatar that is there, coloured by part, and the scene. A body is
+/// The drawable content of a session: the skin of each visible avatar, coloured by part, and the scene. A body is
 /// cut at the part boundaries. A surface shown instead of the body keeps whole triangles, each coloured by the part
 /// that covers its first vertex.
 class SessionScene {
  public:
   explicit SessionScene(const Session& session);
 
+  /// Call after each frame of the session, drawn or not: avatars that come and leave fade.
+  void follow(const Session& session) { fade_.update(session); }
   /// Borrows from the session and from this object.
   /// @param show  the mesh is not posed if an avatar is shown instead
   /// @param watcher  [m], where the picture is taken from: an avatar's eyes follow it
@@ -47,6 +50,7 @@ class SessionScene {
   static SceneFigure figureOf(Drawn& drawn, const SessionAvatar& avatar, double time, const SceneOptions& show,
                               const Vec3& watcher);
 
+  AvatarFade fade_;
   mutable std::vector<Drawn> drawn_;         // one for each avatar
   mutable std::vector<SceneFigure> others_;  // figures of the last scene but the first
 };

@@ -208,6 +208,7 @@ Result<void> WindowLoop::step() {
   if (!started_) firstTime_ = session_.time();
   started_ = true;
   frameBegin_ = before;
+  scene_.follow(session_);
   focus_.update(session_);
   if (subject_.stepped) subject_.stepped();
   const bool over = (options_.frames > 0 && session_.frameCount() >= options_.frames) ||

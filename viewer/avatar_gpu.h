@@ -58,6 +58,7 @@ struct AvatarGpu {
   std::vector<Eigen::Vector4f> jointRows;  ///< of this picture
   std::vector<std::size_t> blended;        ///< groups by distance, scratch
   std::vector<double> distances;           ///< of groups, scratch
+  float opacity = 1.0f;                    ///< of this picture
   bool fewInfluences = true;
   bool shadowEachPixel = true;
   bool posedOnCpu = false;  ///< the vertex buffers hold the pose: shaders do not skin

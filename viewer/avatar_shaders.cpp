@@ -349,6 +349,34 @@ using Draw = AvatarVariant::Draw;
   return text;
 }
 
+[[nodiscard]] std::string opaqueFragment(const AvatarVariant& variant) {
+  std::string text = headerOf(variant) + samplersOf(variant);
+  if (variant.draw == Draw::kShadow || variant.draw == Draw::kContact) {
+    text += "in vec4 uv;\nin vec4 vertexColor;\nin float height;\nout vec4 color;\n";
+    text += kMoved;
+    text += R"(
+void main() {
+#ifdef ALPHA_MASK
+  surfaceColor(movedUv());
+#endif
+#ifdef ALPHA_BLEND
+  if (surfaceColor(movedUv()).a < 0.5) discard;
+#endif
+  float n = 1.0 - clamp(height, 0.0, 1.0);
+  color = vec4(n * n);
+}
+)";
+    return text;
+  }
+  text += kFragmentInputs;
+  text += kMoved;
+  if (variant.draw == Draw::kDepth) return text + kDepthMain;
+  text += shadowLookup();
+  text += kNormal;
+  text += variant.shading == Shading::kPhysical ? kPhysical : variant.shading == Shading::kToon ? kToon : kUnlit;
+  return text + kSurfaceMain;
+}
+
 }  // namespace
 
 SurfaceUniforms surfaceUniforms(const Material& material) {
@@ -431,31 +459,8 @@ std::string avatarVertex(const AvatarVariant& variant) {
 }
 
 std::string avatarFragment(const AvatarVariant& variant) {
-  std::string text = headerOf(variant) + samplersOf(variant);
-  if (variant.draw == Draw::kShadow || variant.draw == Draw::kContact) {
-    text += "in vec4 uv;\nin vec4 vertexColor;\nin float height;\nout vec4 color;\n";
-    text += kMoved;
-    text += R"(
-void main() {
-#ifdef ALPHA_MASK
-  surfaceColor(movedUv());
-#endif
-#ifdef ALPHA_BLEND
-  if (surfaceColor(movedUv()).a < 0.5) discard;
-#endif
-  float n = 1.0 - clamp(height, 0.0, 1.0);
-  color = vec4(n * n);
-}
-)";
-    return text;
-  }
-  text += kFragmentInputs;
-  text += kMoved;
-  if (variant.draw == Draw::kDepth) return text + kDepthMain;
-  text += shadowLookup();
-  text += kNormal;
-  text += variant.shading == Shading::kPhysical ? kPhysical : variant.shading == Shading::kToon ? kToon : kUnlit;
-  return text + kSurfaceMain;
+  const std::string text = opaqueFragment(variant);
+  return variant.fading ? fading(text) : text;
 }
 
 const char* samplerName(AvatarSlot slot) {

@@ -65,7 +65,8 @@ struct AvatarVariant {
   Shading shading = Shading::kPhysical;
   AlphaMode alpha = AlphaMode::kOpaque;
   bool flat = false;
-  bool posed = false;  ///< the vertices are in their pose
+  bool fading = false;  ///< see shaders::fading()
+  bool posed = false;   ///< the vertices are in their pose
   bool fewInfluences = true;
   bool shadowEachPixel = true;
   std::uint32_t textures = 0;  ///< bits by AvatarSlot

@@ -62,27 +62,27 @@ bool reachesIntoAny(const LivePart& part, std::span<const Prop> props) {
 
 }  // namespace
 
-const std::vector<OverlayVertex>& OverlayMesh::insides(std::span<const std::span<const LivePart>> figures,
-                                                       std::span<const Prop> props, const Vec3& eye) {
+const std::vector<OverlayVertex>& OverlayMesh::insides(std::span<const HullFigure> figures, std::span<const Prop> props,
+                                                       const Vec3& eye) {
   insideVertices_.clear();
-  for (const std::span<const LivePart> parts : figures) {
+  for (const auto& [parts, opacity] : figures) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (!isFinite(parts[i]) || !reachesIntoAny(parts[i], props)) continue;
       const ConvexHull hull = worldHull(parts[i]);
       const Vec3f color = partColor(static_cast<PartIndex>(i));
-      append(insideVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.22, 0.0, 0.75, 0.0}, eye);
+      append(insideVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.22, 0.0, 0.75, 0.0}, opacity,
+             eye);
     }
   }
   return insideVertices_;
 }
 
-const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const std::span<const LivePart>> figures,
-                                                     const Vec3& eye) {
+const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const HullFigure> figures, const Vec3& eye) {
   hullVertices_.clear();
   order_.clear();
   for (std::size_t f = 0; f < figures.size(); ++f) {
-    for (std::size_t i = 0; i < figures[f].size(); ++i) {
-      const LivePart& part = figures[f][i];
+    for (std::size_t i = 0; i < figures[f].parts.size(); ++i) {
+      const LivePart& part = figures[f].parts[i];
       if (!isFinite(part)) continue;
       const Vec3 center = part.worldFromPart * boundsOf(part.shape.vertices).center();
       order_.push_back({-(center - eye).squaredNorm(), f, static_cast<PartIndex>(i)});
@@ -90,9 +90,10 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const std::span<c
   }
   std::sort(order_.begin(), order_.end());
   for (const auto& [nearness, figure, part] : order_) {
-    const ConvexHull hull = worldHull(figures[figure][part]);
+    const ConvexHull hull = worldHull(figures[figure].parts[part]);
     const Vec3f color = partColor(part);
-    append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28}, eye);
+    append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28},
+           figures[figure].opacity, eye);
   }
   return hullVertices_;
 }
@@ -130,7 +131,7 @@ void OverlayMesh::findEdges(std::span<const Triangle> triangles) {
 }
 
 void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> vertices,
-                         std::span<const Triangle> triangles, const Look& look, const Vec3& eye) {
+                         std::span<const Triangle> triangles, const Look& look, double opacity, const Vec3& eye) {
   faceNormals_.resize(triangles.size());
   facing_.resize(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -145,19 +146,19 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
       if ((facing_[i] <= 0.0) != behind) continue;
       // Like glass, a face at a grazing angle is more opaque.
       const double grazing = 1.0 - std::abs(facing_[i]);
-      const double opacity = behind ? look.farFace : look.nearFace * (1.0 + grazing * grazing);
+      const double alpha = opacity * (behind ? look.farFace : look.nearFace * (1.0 + grazing * grazing));
       const Vec3& n = faceNormals_[i];
       for (const VertexIndex v : triangles[i]) {
         const Vec3f p = at(vertices, v).cast<float>();
         out.push_back(
-            {p, p, {packSigned(n.x()), packSigned(n.y()), packSigned(n.z()), 0}, packColor(look.face, opacity)});
+            {p, p, {packSigned(n.x()), packSigned(n.y()), packSigned(n.z()), 0}, packColor(look.face, alpha)});
       }
     }
     for (const Edge& edge : edges_) {
       if (edge.behind != behind) continue;
       const Vec3f a = at(vertices, edge.first).cast<float>();
       const Vec3f b = at(vertices, edge.second).cast<float>();
-      const auto color = packColor(look.edge, edge.strength * (behind ? look.farEdge : look.nearEdge));
+      const auto color = packColor(look.edge, opacity * edge.strength * (behind ? look.farEdge : look.nearEdge));
       //  a+ --- b-     seen from b, the sides are swapped
       //  a- --- b+
       const OverlayVertex aPlus = {a, b, {127, 0, 0, 127}, color}, aMinus = {a, b, {127, 0, 0, -127}, color};
@@ -168,13 +169,14 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
 }
 
 const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
-                                                     const Vec3& eye) {
+                                                     const Vec3& eye, float opacity) {
   boneVertices_.clear();
-  return moreBones(skeleton, worldFromJoint, eye);
+  return moreBones(skeleton, worldFromJoint, eye, opacity);
 }
 
 const std::vector<OverlayVertex>& OverlayMesh::moreBones(const Skeleton& skeleton,
-                                                         std::span<const Affine3> worldFromJoint, const Vec3& eye) {
+                                                         std::span<const Affine3> worldFromJoint, const Vec3& eye,
+                                                         float opacity) {
   LORICA_CHECK(worldFromJoint.size() == static_cast<std::size_t>(skeleton.jointCount()),
                "scene.worldFromJoint does not match the skeleton");
   //      waist at 0.15 of the length, four corners around it
@@ -195,7 +197,7 @@ const std::vector<OverlayVertex>& OverlayMesh::moreBones(const Skeleton& skeleto
     const Vec3 y = z.cross(x);
     const Vec3 waist = head + 0.15 * (tail - head);
     const std::array<Vec3, 6> corners = {head, tail, waist + x, waist + y, waist - x, waist - y};
-    append(boneVertices_, corners, kOctahedron, look, eye);
+    append(boneVertices_, corners, kOctahedron, look, opacity, eye);
   }
   return boneVertices_;
 }

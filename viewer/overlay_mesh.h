@@ -21,28 +21,34 @@ struct OverlayVertex {
   std::array<std::uint8_t, 4> color;  ///< linear RGB and opacity
 };
 
+/// The parts of a figure.
+struct HullFigure {
+  std::span<const LivePart> parts;
+  float opacity = 1.0f;  ///< times that of hulls
+};
+
 /// Converts hulls and bones to faces and edges; reuses its memory from frame to frame.
 class OverlayMesh {
  public:
   /// Hulls sorted from far to near as seen from the eye, back faces first in each hull. Blending in this order is
   /// correct as long as hulls overlap little. Includes outlines, and edges whose faces are not nearly coplanar.
-  /// @param figures  the parts of each
-  const std::vector<OverlayVertex>& hulls(std::span<const std::span<const LivePart>> figures, const Vec3& eye);
+  const std::vector<OverlayVertex>& hulls(std::span<const HullFigure> figures, const Vec3& eye);
   /// The same of one figure.
   const std::vector<OverlayVertex>& hulls(std::span<const LivePart> parts, const Vec3& eye) {
-    return hulls(std::span(&parts, 1), eye);
+    const HullFigure figure{parts};
+    return hulls(std::span(&figure, 1), eye);
   }
 
   /// Outlines and a tint of the parts that reach into static bodies, to be drawn where something hides them.
-  const std::vector<OverlayVertex>& insides(std::span<const std::span<const LivePart>> figures,
-                                            std::span<const Prop> props, const Vec3& eye);
+  const std::vector<OverlayVertex>& insides(std::span<const HullFigure> figures, std::span<const Prop> props,
+                                            const Vec3& eye);
 
-  /// Opaque octahedra from each parent joint to its child.
+  /// Octahedra from each parent joint to its child.
   const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
-                                          const Vec3& eye);
+                                          const Vec3& eye, float opacity = 1.0f);
   /// The same of a further figure, added to what bones() gave last.
   const std::vector<OverlayVertex>& moreBones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
-                                              const Vec3& eye);
+                                              const Vec3& eye, float opacity = 1.0f);
 
  private:
   struct HalfEdge {
@@ -58,8 +64,9 @@ class OverlayMesh {
     Vec3f face, edge;                             ///< linear RGB
     double nearFace, farFace, nearEdge, farEdge;  ///< opacity of front faces and of back faces
   };
+  /// @param opacity  times that of the look
   void append(std::vector<OverlayVertex>& out, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-              const Look& look, const Vec3& eye);
+              const Look& look, double opacity, const Vec3& eye);
   void findEdges(std::span<const Triangle> triangles);
 
   std::vector<OverlayVertex> hullVertices_;

@@ -238,6 +238,7 @@ bool Renderer::Impl::uploadAvatar(const SceneFigure& figure, const SceneOptions&
   if (figure.worldFromModel.size() != figure.avatar->character.jointFromModel.size()) return false;  // not posed yet
   avatar = &avatarGpuOf(figure.avatar);
   avatar->shown = true;
+  avatar->opacity = figure.opacity;
   shownAvatars.push_back(avatar);
   fillJointRows(figure.worldFromModel, avatar->jointRows);
   gpu.upload(avatar->jointBuffer, avatar->jointRows);
@@ -295,6 +296,7 @@ void Renderer::Impl::recolorAvatar(const SceneFigure& figure) {
 void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsizei indexCount) {
   AvatarVariant variant = shaders::variantFor(*group.material, draw);
   variant.flat = group.flat;
+  variant.fading = avatar->opacity < 1.0f;
   variant.posed = avatar->posedOnCpu;
   variant.fewInfluences = avatar->fewInfluences || variant.posed;
   variant.shadowEachPixel = avatar->shadowEachPixel || group.flat;  // flat triangles have no normals at vertices
@@ -302,6 +304,7 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsize
   const GLuint program = avatarProgram(variant);
   if (program == 0) return;
   gl.UseProgram(program);
+  if (variant.fading) setOpacity(program, avatar->opacity);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 1, group.surface);
   for (std::size_t slot = 0; slot < group.textures.size(); ++slot) {
     if ((variant.textures >> slot & 1u) == 0) continue;

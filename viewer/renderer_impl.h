@@ -69,6 +69,7 @@ struct SkinGpu {
   StreamBuffer vertices, colors;
   GLuint indices = 0;
   GLsizei indexCount = 0;
+  float opacity = 1.0f;
 };
 
 /// The state of a Renderer: created by renderer_setup.cpp; filled and drawn by renderer_passes.cpp in the order given
@@ -80,7 +81,7 @@ struct Renderer::Impl {
   const GlFunctions& gl;
   Targets targets;
 
-  std::array<GLuint, 3> skinProgram{}, propProgram{};  // by Pass
+  std::array<GLuint, 3> skinProgram{}, fadingSkinProgram{}, propProgram{};  // by Pass
   GLuint coarseSkinProgram = 0;
   GLuint skyProgram = 0, farFloorProgram = 0, nearFloorProgram = 0, overlayProgram = 0, markerProgram = 0;
   GLuint blurProgram = 0, panelProgram = 0;
@@ -94,7 +95,7 @@ struct Renderer::Impl {
   std::vector<AvatarProgram> avatarPrograms;
   std::vector<AvatarGpu*> shownAvatars;  ///< avatars in this picture
   AvatarGpu* avatar = nullptr;           ///< that is being filled or drawn
-  std::vector<std::span<const LivePart>> figureParts;
+  std::vector<HullFigure> figureParts;
 
   OverlayMesh overlay;
   GLuint hullVertexArray = 0, insideVertexArray = 0, boneVertexArray = 0;
@@ -136,6 +137,11 @@ struct Renderer::Impl {
   bool uploadAvatar(const SceneFigure& figure, const SceneOptions& options);
   /// Makes an avatar the one that is drawn next.
   void bindAvatar(AvatarGpu& next);
+  void useSkinProgram(const SkinGpu& skin, shaders::Pass pass);
+  /// Sets the share of the pixels that the program in use draws, see shaders::fading().
+  void setOpacity(GLuint program, float opacity) {
+    gl.Uniform4f(gl.GetUniformLocation(program, "opacity"), opacity, 0.0f, 0.0f, 0.0f);
+  }
   void drawSkins(const SceneOptions& options);
   AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
   void fillAvatar(AvatarGpu& made, const Avatar& drawn);

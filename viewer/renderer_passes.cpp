@@ -47,6 +47,17 @@ void Renderer::Impl::uploadSkin(const SceneFigure& figure, const SceneOptions& o
     gl.DisableVertexAttribArray(2);
   }
   skin.indexCount = glCount(skin.mesh.indices().size());
+  skin.opacity = figure.opacity;
+}
+
+void Renderer::Impl::useSkinProgram(const SkinGpu& skin, Pass pass) {
+  const bool fades = skin.opacity < 1.0f;
+  const bool coarse = pass == Pass::kLit && skin.mesh.triangleCount() < kFineTriangles;
+  const GLuint program = fades    ? fadingSkinProgram[passIndex(pass)]
+                         : coarse ? coarseSkinProgram
+                                  : skinProgram[passIndex(pass)];
+  gl.UseProgram(program);
+  if (fades) setOpacity(program, skin.opacity);
 }
 
 /// Draws the skins in the colours of the parts or of clay.
@@ -61,8 +72,7 @@ void Renderer::Impl::drawSkins(const SceneOptions& options) {
     } else {
       gl.Disable(GL_CULL_FACE);
     }
-    const bool coarse = skin.mesh.triangleCount() < kFineTriangles;
-    gl.UseProgram(coarse ? coarseSkinProgram : skinProgram[passIndex(Pass::kLit)]);
+    useSkinProgram(skin, Pass::kLit);
     gl.BindVertexArray(skin.vertexArray);
     gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
   }
@@ -70,7 +80,7 @@ void Renderer::Impl::drawSkins(const SceneOptions& options) {
 
 GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
   figureParts.clear();
-  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back(figure.parts); });
+  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back({figure.parts, figure.opacity}); });
   const std::vector<OverlayVertex>& vertices = overlay.hulls(figureParts, eye);
   if (!vertices.empty()) gpu.upload(hullBuffer, vertices);
   return glCount(vertices.size());
@@ -78,7 +88,7 @@ GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
 
 GLsizei Renderer::Impl::uploadInsides(const Scene& scene, const Vec3& eye) {
   figureParts.clear();
-  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back(figure.parts); });
+  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back({figure.parts, figure.opacity}); });
   const std::vector<OverlayVertex>& vertices = overlay.insides(figureParts, scene.props, eye);
   if (!vertices.empty()) gpu.upload(insideBuffer, vertices);
   return glCount(vertices.size());
@@ -88,8 +98,8 @@ GLsizei Renderer::Impl::uploadBones(const Scene& scene, const Vec3& eye) {
   const std::vector<OverlayVertex>* vertices = nullptr;
   scene.eachFigure([&](const SceneFigure& figure) {
     if (figure.skeleton == nullptr) return;
-    vertices = vertices == nullptr ? &overlay.bones(*figure.skeleton, figure.worldFromJoint, eye)
-                                   : &overlay.moreBones(*figure.skeleton, figure.worldFromJoint, eye);
+    vertices = vertices == nullptr ? &overlay.bones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity)
+                                   : &overlay.moreBones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity);
   });
   if (vertices == nullptr || vertices->empty()) return 0;
   gpu.upload(boneBuffer, *vertices);
@@ -123,19 +133,20 @@ void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
 /// Draws the shadow casters: the skin, or the hulls if no skin is shown, and the props.
 void Renderer::Impl::drawCasters(Pass pass, GLsizei hullCount) {
   drawAvatarCasters(pass);
-  gl.UseProgram(skinProgram[passIndex(pass)]);
   gl.PolygonOffset(kCasterSlope, kCasterUnits);
   for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
     if (!skin.mesh.closed()) {
       gl.Disable(GL_CULL_FACE);
       gl.Enable(GL_POLYGON_OFFSET_FILL);
     }
+    useSkinProgram(skin, pass);
     gl.BindVertexArray(skin.vertexArray);
     gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
   }
   if (skinCount == 0 && shownAvatars.empty() && hullCount > 0) {
+    gl.UseProgram(skinProgram[passIndex(pass)]);
     gl.BindVertexArray(hullVertexArray);
     gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
   }

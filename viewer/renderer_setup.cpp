@@ -33,6 +33,9 @@ Result<void> Renderer::Impl::createPrograms() {
     auto r = make(skinProgram[passIndex(pass)], "skin", shaders::skinVertex(pass, false),
                   shaders::surfaceFragment(pass, false));
     if (!r.ok()) return r;
+    r = make(fadingSkinProgram[passIndex(pass)], "fading skin", shaders::skinVertex(pass, true),
+             shaders::fading(shaders::surfaceFragment(pass, true)));
+    if (!r.ok()) return r;
     r = make(propProgram[passIndex(pass)], "props", shaders::propVertex(pass), shaders::surfaceFragment(pass, true));
     if (!r.ok()) return r;
   }

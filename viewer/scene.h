@@ -38,6 +38,7 @@ struct SceneFigure {
   std::span<const Vec3> avatarPositions;      ///< of the avatar's vertices in the bind pose, changed by an expression
   std::span<const Vec3f> avatarNormals;       ///< with them; both empty = as in the avatar
   std::span<const Material> avatarMaterials;  ///< changed by an expression; empty = as in the avatar
+  float opacity = 1.0f;                       ///< 0 to 1: of a surface this share of the pixels is drawn
 };
 
 /// The contents of one picture, borrowed from the caller: a figure, if there is one, and what is around it.

@@ -2,6 +2,8 @@
 
 #include "viewer/shader_pieces.h"
 
+#include <string_view>
+
 namespace lorica::shaders {
 namespace {
 
@@ -191,6 +193,18 @@ void main() {
   nearness = vec4(n * n);
 }
 )";
+}
+
+std::string fading(const std::string& fragment) {
+  // "Interleaved gradient noise": Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare", 2014.
+  constexpr std::string_view kMain = "void main() {";
+  std::string text = fragment;
+  text.insert(text.find(kMain) + kMain.size(), R"(
+  float turn = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
+  if (turn >= opacity.x) discard;
+)");
+  text.insert(text.find('\n') + 1, "uniform vec4 opacity;\n");
+  return text;
 }
 
 std::string skyVertex() {

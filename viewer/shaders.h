@@ -21,6 +21,10 @@ std::string skinVertex(Pass pass, bool shadowEachPixel);
 std::string propVertex(Pass pass);
 std::string surfaceFragment(Pass pass, bool shadowEachPixel);
 
+/// A fragment shader that leaves out pixels, in a pattern without rows: the x of the uniform "opacity" is the share
+/// that it draws. So surfaces can fade without being sorted.
+std::string fading(const std::string& fragment);
+
 /// Sky; attribute 0 is the position in clip space.
 std::string skyVertex();
 std::string skyFragment();

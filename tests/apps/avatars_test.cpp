@@ -285,6 +285,33 @@ TEST(SeveralAvatars, OfAllPeopleOfARecordingPerformWhereTheyStood) {
   refused({"play", "walk", "--person", "everyone"}, "found `everyone`, expected a whole number from 1, or all");
 }
 
+TEST(SeveralAvatars, WhoLeavesFadesInThePictures) {
+  const TemporaryFolder folder;
+  const std::string body = fewParts(folder), file = twoPeopleIn(folder);
+  const auto pictures = [&](const std::string& person) {
+    const CommandResult taken = runLorica({"snapshot", file, "--person", person, "--at", "1.4,1.75,1.95", "--eye",
+                                           "0,1.5,5", "--target", "0,1,0", "--show", "skin", "--size", "320x180",
+                                           "--decomposition", body, "-o", folder.path() / "at.png"});
+    EXPECT_EQ(taken.exitCode, 0) << taken.err;
+    std::vector<Image> images;
+    for (const char* name : {"at_1.png", "at_2.png", "at_3.png"}) {
+      images.push_back(readPng(folder.path() / name).value());
+    }
+    return images;
+  };
+  const std::vector<Image> both = pictures("all"), first = pictures("1");
+  // How many pixels the second one adds to the picture of the first.
+  const auto added = [&](std::size_t i) {
+    int count = 0;
+    for (std::size_t p = 0; p < both[i].rgba.size(); p += 4) count += both[i].rgba[p] != first[i].rgba[p] ? 1 : 0;
+    return count;
+  };
+  EXPECT_GT(added(0), 200);
+  EXPECT_GT(added(1), added(0) / 5);
+  EXPECT_LT(added(1), added(0) * 4 / 5);
+  EXPECT_EQ(added(2), 0);
+}
+
 TEST(SeveralAvatars, BadCastsAreASentence) {
   const auto refused = [](const std::vector<std::string>& arguments, const std::string& found) {
     const CommandResult result = runLorica(arguments);
