@@ -2,7 +2,7 @@
 
 #include "apps/scenes.h"
 
-#include <chrono>
+#include <optional>
 #include <utility>
 
 namespace lorica {
@@ -41,28 +41,14 @@ void addProps(std::span<const Prop> props, World& world) {
   }
 }
 
-CastLoading::CastLoading(std::vector<CastRequest> attempts, int threads) {
-  result_ = std::async(std::launch::async, [this, attempts = std::move(attempts), threads]() -> Result<LoadedCast> {
-    const WorkMonitor::Scope watched(monitor_);
-    const Error cancelled{ErrorCode::kCancelled, "cancelled"};
-    std::optional<Error> first;
-    for (const CastRequest& attempt : attempts) {
-      Result<LoadedCast> loaded = load(attempt, threads);
-      if (monitor_.cancelled()) return cancelled;
-      if (loaded) return loaded;
-      if (!first) first = loaded.error();
-    }
-    return *first;
-  });
-}
-
-CastLoading::~CastLoading() {
-  cancel();
-}
-
-std::optional<Result<LoadedCast>> CastLoading::take() {
-  if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
-  return result_.get();
+Result<LoadedCast> loadCast(const std::vector<CastRequest>& attempts, int threads) {
+  std::optional<Error> first;
+  for (const CastRequest& attempt : attempts) {
+    Result<LoadedCast> loaded = load(attempt, threads);
+    if (loaded) return loaded;
+    if (!first) first = loaded.error();
+  }
+  return *first;
 }
 
 }  // namespace lorica

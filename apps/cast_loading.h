@@ -1,10 +1,8 @@
 #pragma once
 
 #include "apps/cast.h"
-#include "apps/work_monitor.h"
 
-#include <future>
-#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,26 +23,9 @@ struct LoadedCast {
   std::vector<Prop> added;  ///< of the request's meshes, which are in the world of `opened` already
 };
 
-/// Loads in another thread: reads, decomposes, opens the scene.
-class CastLoading {
- public:
-  /// @param attempts  the first that can be loaded is; if none can, the error of the first counts
-  CastLoading(std::vector<CastRequest> attempts, int threads);
-  /// Cancels and waits.
-  ~CastLoading();
-  CastLoading(const CastLoading&) = delete;
-  CastLoading& operator=(const CastLoading&) = delete;
-
-  [[nodiscard]] WorkMonitor::Progress progress() const { return monitor_.progress(); }
-  /// The loading ends soon, with kCancelled.
-  void cancel() { monitor_.cancel(); }
-  /// The result, once; none while it loads.
-  [[nodiscard]] std::optional<Result<LoadedCast>> take();
-
- private:
-  WorkMonitor monitor_;
-  std::future<Result<LoadedCast>> result_;
-};
+/// Reads, decomposes, opens the scene.
+/// @param attempts  the first that can be loaded is; if none can, the error of the first counts
+[[nodiscard]] Result<LoadedCast> loadCast(const std::vector<CastRequest>& attempts, int threads);
 
 /// Adds props to a world, as they are.
 void addProps(std::span<const Prop> props, World& world);

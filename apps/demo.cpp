@@ -2,6 +2,7 @@
 #include "apps/demo_pictures.h"
 #include "apps/inputs.h"
 #include "apps/interrupt.h"
+#include "apps/load_in_window.h"
 #include "apps/options.h"
 #include "apps/performance.h"
 #include "apps/playback.h"
@@ -40,10 +41,21 @@ struct Show {
   std::optional<DemoFiles> files;
 };
 
+Result<Show> loadShow(int threads) {
+  Result<Motion> performance = makePerformance();
+  if (!performance) return performance.error();
+  Result<Subject> mannequin = readCharacter("mannequin");
+  if (!mannequin) return mannequin.error();
+  Result<CachedDecomposition> body = defaultDecomposition(*mannequin, threads);
+  if (!body) return body.error();
+  return Show{std::move(*mannequin->character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
+}
+
 /// Plays repeatedly until the window is closed or the time limit is reached.
 Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
   if (!session) return session.error();
+  prepareWindow("", show.character, 1, window);
   WindowSubject subject{*session, show.performance.name};
   subject.duration = show.performance.seconds();
   subject.sourcesAgain = [&]() -> Result<std::vector<std::unique_ptr<PoseSource>>> {
@@ -160,13 +172,13 @@ Report toReport(const Show& show) {
 }
 
 /// The window, if it was requested or a display is available; none if the demo is drawn to files.
-Result<std::optional<Window>> chooseWindow(const Options& options, const Character& character) {
+Result<std::optional<Window>> chooseWindow(const Options& options) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
     say(fmt::format("No display: drawing a video and pictures to {} instead.\n", options.out));
     return std::optional<Window>();
   }
-  Result<Window> window = openWindow("", character);
+  Result<Window> window = openWindow();
   if (window) return std::optional<Window>(std::move(*window));
   if (options.window) return window.error();
   warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
@@ -181,18 +193,20 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (options.headless || !displayAvailable()) {
     if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
   }
-  Result<Motion> performance = makePerformance();
-  if (!performance) return performance.error();
-  Result<Subject> mannequin = readCharacter("mannequin");
-  if (!mannequin) return mannequin.error();
-  Result<CachedDecomposition> body = defaultDecomposition(*mannequin, common.threadCount());
-  if (!body) return body.error();
-
-  Show show{std::move(*mannequin->character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
-  Result<std::optional<Window>> window = chooseWindow(options, show.character);
+  Result<std::optional<Window>> window = chooseWindow(options);
   if (!window) return window.error();
-  const Result<void> played = *window ? playForPeople(options, **window, show) : playForFiles(options, show);
-  if (!played) return played;
+  const auto load = [threads = common.threadCount()] { return loadShow(threads); };
+  if (!*window) {
+    Result<Show> show = load();
+    if (!show) return show.error();
+    if (Result<void> played = playForFiles(options, *show); !played) return played;
+    return publish(common, toReport(*show), toJson(*show));
+  }
+  Result<std::optional<Show>> loaded = loadInWindow<Show>(**window, load);
+  if (!loaded) return loaded.error();
+  if (!*loaded) return {};
+  Show& show = **loaded;
+  if (Result<void> played = playForPeople(options, **window, show); !played) return played;
   return publish(common, toReport(show), toJson(show));
 }
 

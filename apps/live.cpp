@@ -7,6 +7,7 @@
 #include "apps/interrupt.h"
 #include "apps/live_cast.h"
 #include "apps/live_log.h"
+#include "apps/load_in_window.h"
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/pose_output.h"
@@ -92,9 +93,8 @@ Result<void> runHeadless(const Options& options, Live& live) {
   return {};
 }
 
-Result<void> runInWindow(const Options& options, Live& live) {
-  Result<Window> window = openWindow(live.name, live.session.character(), live.session.avatars().size());
-  if (!window) return window.error();
+Result<void> runInWindow(const Options& options, Window& window, Live& live) {
+  prepareWindow(live.name, live.session.character(), live.session.avatars().size(), window);
   WindowSubject subject{live.session, live.name};
   subject.scene = options.scene;
   subject.atEnd = WindowSubject::AtEnd::kReturn;
@@ -113,7 +113,7 @@ Result<void> runInWindow(const Options& options, Live& live) {
     subject.ready = [&] { return live.vmc.front().ready(live.session); };
     subject.trouble = [&] { return live.vmc.front().state(); };
   }
-  const Result<WindowEnd> end = runInWindow(*window, subject, options.limit);
+  const Result<WindowEnd> end = runInWindow(window, subject, options.limit);
   answerInterrupt();
   return end ? Result<void>() : end.error();
 }
@@ -195,45 +195,73 @@ Result<void> checkOptions(const Options& options, const CommonOptions& common) {
   return checkEvents(options.events, common, inputs);
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkOptions(options, common); !fine) return fine;
-  const Result<bool> inWindow = chooseWindow(options);
-  if (!inWindow) return inWindow.error();
+/// What a live session needs.
+struct Loaded {
+  World world;
+  std::vector<Follower> followers;
+  Performer performer;
+};
+
+/// @param drawn  whether pictures are drawn of the characters
+Result<Loaded> load(const Options& options, bool drawn, int threads) {
   Result<World> world = openSceneForPeople(options.scene);
   if (!world) return world.error();
-  const bool drawn = *inWindow || options.pictures.any();
-  const Result<std::vector<Follower>> followers = readFollowers(options, drawn, common.threadCount());
+  Result<std::vector<Follower>> followers = readFollowers(options, drawn, threads);
   if (!followers) return followers.error();
-
   // The source is opened last, because it runs while the rest is prepared.
   Result<Performer> performer = openPerformer(options);
   if (!performer) return performer.error();
-  const bool sent = !performer->vmc.empty();
-  const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options, *performer, *followers, *world);
+  return Loaded{std::move(*world), std::move(*followers), std::move(*performer)};
+}
+
+/// @param window  null = none
+Result<void> follow(const Options& options, const CommonOptions& common, Loaded loaded, Window* window) {
+  auto& [world, followers, performer] = loaded;
+  const bool sent = !performer.vmc.empty();
+  const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options, performer, followers, world);
   if (!recorder) return recorder.error();
-  Result<Session> session = startSession(options, *performer, *followers, *recorder, std::move(*world));
+  Result<Session> session = startSession(options, performer, followers, *recorder, std::move(world));
   if (!session) return session.error();
   Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, followers->front().subject, options.reading.expressions, *recorder);
+      makePoseOutput(options.out, followers.front().subject, options.reading.expressions, *recorder);
   if (!watcher) return watcher.error();
   const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
   if (!events) return events.error();
   session->watch(*events ? *events : *watcher);
 
-  Live live{std::move(*session), performer->tracked, std::move(performer->vmc), performer->name, {}, {}, {}, {}};
-  if (!*inWindow) {
+  Live live{std::move(*session), performer.tracked, std::move(performer.vmc), performer.name, {}, {}, {}, {}};
+  if (window == nullptr) {
     say(fmt::format("{} {}; press Ctrl-C to stop.\n", sent ? "Listening for" : "Tracking with", live.name));
   }
-  const Result<void> ran = *inWindow ? runInWindow(options, live) : runHeadless(options, live);
+  const Result<void> ran = window != nullptr ? runInWindow(options, *window, live) : runHeadless(options, live);
   if (!ran) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
     return ran;
   }
   Report report = toReport(options, live);
-  nlohmann::ordered_json json = toJson(options, live, followers->front().body);
+  nlohmann::ordered_json json = toJson(options, live, followers.front().body);
   if (Result<void> kept = finishEvents(*events); !kept) return kept;
   if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
   return publish(common, report, json, options.events == "-");
+}
+
+/// Opens the window first: it shows how the rest is loaded.
+Result<void> followInWindow(const Options& options, const CommonOptions& common) {
+  Result<Window> window = openWindow();
+  if (!window) return window.error();
+  Result<std::optional<Loaded>> loaded =
+      loadInWindow<Loaded>(*window, [&] { return load(options, true, common.threadCount()); });
+  if (!loaded) return loaded.error();
+  return *loaded ? follow(options, common, std::move(**loaded), &*window) : Result<void>();
+}
+
+Result<void> run(const Options& options, const CommonOptions& common) {
+  if (Result<void> fine = checkOptions(options, common); !fine) return fine;
+  const Result<bool> inWindow = chooseWindow(options);
+  if (!inWindow) return inWindow.error();
+  if (*inWindow) return followInWindow(options, common);
+  Result<Loaded> loaded = load(options, options.pictures.any(), common.threadCount());
+  return loaded ? follow(options, common, std::move(*loaded), nullptr) : loaded.error();
 }
 
 }  // namespace

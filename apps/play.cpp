@@ -2,6 +2,7 @@
 #include "apps/cast.h"
 #include "apps/events_output.h"
 #include "apps/inputs.h"
+#include "apps/load_in_window.h"
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "apps/playback_input.h"
@@ -243,14 +244,17 @@ Result<void> playCast(const Options& options, const CommonOptions& common, Loade
 }
 
 /// Opens the window first: it shows how the rest is loaded.
-Result<void> playInWindow(const Options& options, const CommonOptions& common, CastRequest request) {
+Result<void> playInWindow(const Options& options, const CommonOptions& common, const CastRequest& request) {
   Result<Window> window = openWindow();
   if (!window) return window.error();
   const bool written = !options.record.empty() || !options.events.empty() || options.out.any();
-  WindowOpener opener(std::move(request), common.threadCount(),
-                      written ? "what is written or sent is one session: nothing else can be opened" : "");
-  Result<std::optional<LoadedCast>> loaded = loadInWindow(*window, opener);
+  const int threads = common.threadCount();
+  Result<std::optional<LoadedCast>> loaded =
+      loadInWindow<LoadedCast>(*window, [&] { return loadCast({request}, threads); });
   if (!loaded) return loaded.error();
+  if (!*loaded) return {};
+  WindowOpener opener(**loaded, threads,
+                      written ? "what is written or sent is one session: nothing else can be opened" : "");
   PlayWindow play{*window, opener, std::move(*loaded)};
   while (play.next) {
     LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
@@ -271,7 +275,7 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkEvents(options.events, common, inputs); !fine) return fine;
   CastRequest request{options.input, options.body, options.scene, {}};
   request.input.reading.drawn = options.window || options.pictures.any();
-  if (options.window) return playInWindow(options, common, std::move(request));
+  if (options.window) return playInWindow(options, common, request);
   Result<OpenedCast> opened = openCast(request.input, request.body, request.scene, common.threadCount());
   if (!opened) return opened.error();
   return playCast(options, common, {std::move(request), std::move(*opened), {}}, nullptr);

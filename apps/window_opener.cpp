@@ -1,6 +1,5 @@
 #include "apps/window_opener.h"
 
-#include "apps/interrupt.h"
 #include "apps/report.h"
 #include "geometry/files.h"
 #include "skinning/import/character_file.h"
@@ -8,10 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 #include <utility>
 
 namespace lorica {
@@ -88,12 +85,18 @@ std::vector<CastRequest> attemptsWith(const std::string& character, bool withMot
 
 }  // namespace
 
-WindowOpener::WindowOpener(CastRequest first, int threads, std::string whyNot)
-    : present_(std::move(first)),
-      threads_(threads),
-      whyNot_(std::move(whyNot)),
-      loading_(std::make_unique<CastLoading>(std::vector{present_}, threads)),
-      motions_(shippedMotions()) {}
+WindowOpener::WindowOpener(const LoadedCast& present, int threads, std::string whyNot)
+    : threads_(threads), whyNot_(std::move(whyNot)), motions_(shippedMotions()) {
+  remember(present);
+}
+
+void WindowOpener::remember(const LoadedCast& loaded) {
+  present_ = loaded.request;
+  // A scene with avatars of its own: a dropped character performs the motion of its first.
+  if (present_.input.motion.empty() && present_.input.character.empty() && !loaded.opened.avatars.empty()) {
+    present_.input.motion = loaded.opened.avatars.front().options.motion;
+  }
+}
 
 Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
@@ -123,7 +126,8 @@ Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   }
   asked_ = files;
   loading_.reset();  // before the next one, so that they do not wait for each other's caches
-  loading_ = std::make_unique<CastLoading>(std::move(attempts), threads_);
+  loading_ = std::make_unique<BackgroundWork<LoadedCast>>(
+      [attempts = std::move(attempts), threads = threads_] { return loadCast(attempts, threads); });
   return {};
 }
 
@@ -137,12 +141,8 @@ std::optional<Result<LoadedCast>> WindowOpener::take() {
   if (!result) return result;
   loading_.reset();
   if (*result) {
-    present_ = (*result)->request;
+    remember(**result);
     opened_.insert(opened_.end(), asked_.begin(), asked_.end());
-    // A scene with avatars of its own: a dropped character performs the motion of its first.
-    if (present_.input.motion.empty() && present_.input.character.empty() && !(*result)->opened.avatars.empty()) {
-      present_.input.motion = (*result)->opened.avatars.front().options.motion;
-    }
   }
   return result;
 }
@@ -150,27 +150,9 @@ std::optional<Result<LoadedCast>> WindowOpener::take() {
 void WindowOpener::describe(WindowValues& values) {
   if (whyNot_.empty()) values.motions = motions_;
   if (!loading_) return;
-  const WorkMonitor::Progress progress = loading_->progress();
-  label_ = progress.label.empty() ? "Loading" : progress.label;
-  values.loading = label_;
-  values.loaded = progress.total > 0 ? static_cast<double>(progress.done) / progress.total : -1.0;
-}
-
-Result<std::optional<LoadedCast>> loadInWindow(Window& window, WindowOpener& opener) {
-  while (window.open()) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    if (std::optional<Result<LoadedCast>> loaded = opener.take()) {
-      if (!*loaded) return loaded->error();
-      return std::optional<LoadedCast>(std::move(**loaded));
-    }
-    if (window.takeRequests().cancel) break;
-    WindowValues values;
-    opener.describe(values);
-    window.show(Scene(), values);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  opener.cancel();
-  return std::optional<LoadedCast>();
+  progress_ = loading_->progress();
+  values.loading = progress_.title();
+  values.loaded = progress_.share();
 }
 
 }  // namespace lorica

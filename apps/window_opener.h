@@ -1,7 +1,8 @@
 #pragma once
 
+#include "apps/background_work.h"
 #include "apps/cast_loading.h"
-#include "viewer/window.h"
+#include "viewer/window_values.h"
 
 #include <memory>
 #include <optional>
@@ -13,9 +14,8 @@ namespace lorica {
 /// Opens in a window what the user drops on it or picks, while the present session goes on.
 class WindowOpener {
  public:
-  /// Starts to load the first cast.
-  /// @param whyNot  nothing can be opened afterwards; empty = it can
-  WindowOpener(CastRequest first, int threads, std::string whyNot);
+  /// @param whyNot  nothing can be opened; empty = it can
+  WindowOpener(const LoadedCast& present, int threads, std::string whyNot);
 
   /// Starts to load the present cast with files in it; names without extension are of what ships. What was loading is
   /// cancelled.
@@ -34,18 +34,16 @@ class WindowOpener {
   [[nodiscard]] std::optional<Result<LoadedCast>> take();
 
  private:
+  void remember(const LoadedCast& loaded);
+
   CastRequest present_;
   int threads_ = 1;
   std::string whyNot_;
-  std::unique_ptr<CastLoading> loading_;
-  std::string label_;                 // for the window
+  std::unique_ptr<BackgroundWork<LoadedCast>> loading_;
+  WorkMonitor::Progress progress_;    // for the window
   std::vector<std::string> motions_;  // that ship
   std::vector<std::string> asked_;    // files that are loading
   std::vector<std::string> opened_;
 };
-
-/// Shows the progress of the first loading.
-/// @return what was loaded; none if the window was closed meanwhile; kCancelled after Ctrl-C, or another error
-[[nodiscard]] Result<std::optional<LoadedCast>> loadInWindow(Window& window, WindowOpener& opener);
 
 }  // namespace lorica

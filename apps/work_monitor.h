@@ -3,6 +3,7 @@
 #include <atomic>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 namespace lorica {
 
@@ -14,6 +15,11 @@ class WorkMonitor {
     std::string label;  ///< the task: "Decomposing mannequin"; empty = not known yet
     int done = 0;
     int total = 0;  ///< 0 or less if unknown
+
+    /// For a window: `label`, or "Loading".
+    [[nodiscard]] std::string_view title() const { return label.empty() ? std::string_view("Loading") : label; }
+    /// That is done; below 0 = unknown.
+    [[nodiscard]] double share() const { return total > 0 ? static_cast<double>(done) / total : -1.0; }
   };
 
   /// Makes a monitor that of this thread during its lifetime.

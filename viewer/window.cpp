@@ -1,5 +1,7 @@
 #include "viewer/window.h"
 
+#include "viewer/display_loss.h"
+#include "viewer/first_picture.h"
 #include "viewer/window_impl.h"
 
 #include <fmt/format.h>
@@ -60,6 +62,7 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   lastGlfwError().clear();
   glfwSetErrorCallback([](int, const char* text) { lastGlfwError() = text; });
   if (!glfwInit()) return noDisplay(lastGlfwError().empty() ? "GLFW cannot be initialized" : lastGlfwError());
+  endWithDisplay();
 
   auto impl = std::make_unique<Impl>();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -72,12 +75,17 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   if (impl->window == nullptr) return noDisplay(lastGlfwError());
   glfwMakeContextCurrent(impl->window);
   glfwSwapInterval(1);
-  Result<Renderer> renderer = Renderer::create(glfwProc);
-  if (!renderer.ok()) return renderer.error();
-  impl->renderer.emplace(std::move(renderer).value());
   const Result<GlFunctions> functions = loadGlFunctions(glfwProc);
   if (!functions.ok()) return functions.error();
   impl->gl = functions.value();
+  // To compile the shaders takes longer than to open the window.
+  glfwGetFramebufferSize(impl->window, &width, &height);
+  drawFirstPicture(impl->gl, width, height);
+  glfwSwapBuffers(impl->window);
+  glfwPollEvents();
+  Result<Renderer> renderer = Renderer::create(glfwProc);
+  if (!renderer.ok()) return renderer.error();
+  impl->renderer.emplace(std::move(renderer).value());
   Result<WindowPanels> panels = WindowPanels::create(impl->gl);
   if (!panels.ok()) return panels.error();
   impl->panels.emplace(std::move(panels).value());
@@ -187,9 +195,10 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
   i.lastValues = values;
-  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.motions = i.lastValues.recent = {};
+  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions = i.lastValues.recent = {};
   i.lastValues.expressions = {};
   i.lastValues.warnings = {};
+  i.lastValues.hits = {};
   i.lastValues.name = i.lastValues.status = i.lastValues.loading = {};
 
   const double begin = secondsNow();

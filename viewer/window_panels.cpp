@@ -78,8 +78,8 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
     drawViewPanel(i.layout, values, status, state, requests);
     drawTimesPanel(i.layout, status, times, values.outsideTraining);
   }
+  if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
   drawWarnings(i.layout, values, status);
-  if (!values.loading.empty()) drawLoading(i.layout, values, requests);
   if (state.help) drawHelp(i.layout);
   ImGui::Render();
   i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);

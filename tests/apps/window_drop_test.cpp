@@ -1,8 +1,6 @@
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/window_at_play.h"
 
-#include <chrono>
-
 namespace lorica::test {
 namespace {
 
@@ -69,29 +67,6 @@ TEST_F(WindowDrop, AMotionASceneAndAMeshReplaceWhatIsPlayed) {
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 500) << "the mesh is a prop";
-}
-
-TEST_F(WindowDrop, ClosingWhileTheBodyIsDecomposedEndsAtOnce) {
-  const std::filesystem::path script = folder_.write("close.sh",
-                                                     "w=$(xdotool search --sync --name '^Lorica')\n"
-                                                     "xdotool windowfocus --sync $w\nsleep 1\nxdotool key Escape\n");
-  const std::string start = "timeout 30 sh " + script.string() + " > /dev/null 2>&1 &";
-  ASSERT_EQ(std::system(start.c_str()), 0);
-  CommandSurroundings surroundings;  // without a cache
-  surroundings.display = display_->name();
-  const auto begin = std::chrono::steady_clock::now();
-  const CommandResult result = runLorica({"play", "walk", "--window"}, surroundings);
-  EXPECT_EQ(result.exitCode, 0) << result.err;
-  EXPECT_EQ(result.out, "");
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10)) << "the whole takes longer";
-}
-
-TEST_F(WindowDrop, WhatCannotBeLoadedAtFirstIsTheCommandsError) {
-  CommandSurroundings surroundings;
-  surroundings.display = display_->name();
-  const CommandResult result = runLorica({"play", "nowhere.bvh", "--window"}, surroundings);
-  EXPECT_EQ(result.exitCode, 2);
-  EXPECT_NE(result.err.find("nowhere.bvh: cannot be read"), std::string::npos) << result.err;
 }
 
 }  // namespace

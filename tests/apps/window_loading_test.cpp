@@ -1,0 +1,93 @@
+#include "tests/apps/window_at_play.h"
+
+#include <chrono>
+#include <thread>
+
+namespace lorica::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Windows that load at first: without a cache of decompositions.
+class WindowLoading : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    LORICA_REQUIRE_KEYS();
+    display_.emplace();
+    ASSERT_TRUE(display_->ready());
+    surroundings_.display = display_->name();
+    surroundings_.folder = folder_.path();
+  }
+  /// Does something with a window, $w, in parallel with the command.
+  void inWindow(const std::string& commands) {
+    const std::filesystem::path script = folder_.write(
+        "hands.sh", "w=$(xdotool search --sync --name '^Lorica')\nxdotool windowfocus --sync $w\n" + commands);
+    const std::string start = "timeout 30 sh " + script.string() + " > /dev/null 2>&1 &";
+    ASSERT_EQ(std::system(start.c_str()), 0);
+  }
+
+  TemporaryFolder folder_;
+  std::optional<VirtualDisplay> display_;
+  CommandSurroundings surroundings_;
+};
+
+TEST_F(WindowLoading, ClosingWhileTheBodyIsDecomposedEndsAtOnce) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"play", "walk", "--window"},
+                                                    {"demo", "--window"},
+                                                    {"live", "--virtual", "--window"}}) {
+    inWindow("sleep 0.7\nxdotool key Escape\n");
+    const Clock::time_point begin = Clock::now();
+    const CommandResult result = runLorica(arguments, surroundings_);
+    EXPECT_EQ(result.exitCode, 0) << arguments[0] << ": " << result.err;
+    EXPECT_EQ(result.out, "") << arguments[0];
+    EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << arguments[0] << ": the whole takes longer";
+  }
+}
+
+TEST_F(WindowLoading, WhatCannotBeLoadedAtFirstIsTheCommandsError) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"play", "nowhere.bvh", "--window"},
+                                                    {"live", "--virtual", "--character", "nowhere.glb", "--window"},
+                                                    {"live", "--virtual", "--scene", "nowhere.json", "--window"}}) {
+    const CommandResult result = runLorica(arguments, surroundings_);
+    EXPECT_EQ(result.exitCode, 2) << result.err;
+    EXPECT_NE(result.err.find("nowhere."), std::string::npos) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+}
+
+TEST_F(WindowLoading, ADisplayThatGoesAwayEndsTheProgramWithASentence) {
+  const std::string body = folder_.path() / "body.lorica", recorded = folder_.path() / "recorded.lsession";
+  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", body}).exitCode, 0);
+  for (const std::vector<std::string>& arguments :  // while it decomposes, and while it plays
+       {std::vector<std::string>{"play", "walk", "--window"},
+        {"play", "walk", "--window", "--decomposition", body, "--record", recorded}}) {
+    std::thread unplug([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2000));
+      display_.reset();
+    });
+    const CommandResult result = runLorica(arguments, surroundings_);
+    unplug.join();
+    EXPECT_EQ(result.exitCode, 2) << result.err;
+    EXPECT_TRUE(result.err.ends_with("lorica: the connection to the display was lost\n")) << result.err;
+    EXPECT_EQ(result.out, "");
+    display_.emplace();
+    surroundings_.display = display_->name();
+  }
+  const CommandResult again = runLorica({"replay", recorded, "--decomposition", body, "--json", "-"});
+  ASSERT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(again.json()["same"], true) << "what was recorded until then is kept";
+}
+
+TEST_F(WindowLoading, CancelIsAsClosing) {
+  inWindow(
+      "for i in 1 2 3 4 5 6 7 8 9 10; do sleep 1; xdotool mousemove --window $w 774 51 click 1 || exit; done\n"
+      "xdotool key Escape\n");
+  const Clock::time_point begin = Clock::now();
+  const CommandResult result = runLorica({"demo", "--window"}, surroundings_);
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << "the whole takes longer";
+}
+
+}  // namespace
+}  // namespace lorica::test
