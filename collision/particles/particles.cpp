@@ -151,17 +151,23 @@ void Particles::move(std::span<const LivePart> parts, double seconds) {
   }
 }
 
-void Particles::step(std::span<const LivePart> parts, double seconds) {
-  if (!started_ && settings_.settleSeconds > 0.0) {
-    std::vector<LivePart> still(parts.begin(), parts.end());
-    for (LivePart& part : still) {
-      part.previousWorldFromPart = part.worldFromPart;
-      part.reshaped = false;
-    }
-    const auto frames = static_cast<int>(std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6));
-    for (int frame = 0; frame < frames; ++frame) move(still, kSettlingFrame);
+void Particles::settle(std::span<const LivePart> parts) {
+  if (settled()) return;
+  settled_ = true;
+  std::vector<LivePart> still(parts.begin(), parts.end());
+  for (LivePart& part : still) {
+    part.previousWorldFromPart = part.worldFromPart;
+    part.reshaped = false;
   }
-  started_ = true;
+  const auto frames = static_cast<int>(std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6));
+  for (int frame = 1; frame <= frames; ++frame) {
+    move(still, kSettlingFrame);
+    if (settlingWatch_ && !settlingWatch_(frame, frames)) return;
+  }
+}
+
+void Particles::step(std::span<const LivePart> parts, double seconds) {
+  settle(parts);
   move(parts, seconds);
 }
 

@@ -6,8 +6,10 @@
 #include "geometry/math.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -49,9 +51,16 @@ class Particles {
  public:
   explicit Particles(const ParticleSettings& settings);
 
-  /// Advances by a frame. The first call also settles the particles, which costs as much as that many frames.
+  /// Advances by a frame. The first call also settles the particles, unless settle() has done so.
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
+  /// Settles the particles around parts that stand, before the first step. Costs as much as that many frames.
+  void settle(std::span<const LivePart> parts);
+  /// Whether they have settled or need not.
+  [[nodiscard]] bool settled() const { return settled_ || settings_.settleSeconds <= 0.0; }
+  /// Called after each frame of settling, in the thread that settles. @return false = settle no further
+  using SettlingWatch = std::function<bool(int frame, int frames)>;
+  void watchSettling(SettlingWatch watch) { settlingWatch_ = std::move(watch); }
 
   [[nodiscard]] const ParticleSettings& settings() const { return settings_; }
   /// World [m]; a particle keeps its index.
@@ -74,7 +83,8 @@ class Particles {
   };
   std::vector<Source> sources_;
   std::vector<Vec3f> added_;
-  bool started_ = false;
+  bool settled_ = false;
+  SettlingWatch settlingWatch_;
 };
 
 }  // namespace lorica

@@ -225,6 +225,14 @@ void World::setParticles(const ParticleSettings& settings) {
   particles_ = std::make_unique<Particles>(settings);
 }
 
+void World::settle(std::span<const std::span<const LivePart>> avatars) {
+  if (particles_) particles_->settle(partsForParticles(avatars));
+}
+
+void World::watchSettling(Particles::SettlingWatch watch) {
+  if (particles_) particles_->watchSettling(std::move(watch));
+}
+
 void World::stepAvatars(std::span<const std::span<const LivePart>> avatars, double seconds) {
   LORICA_CHECK(seconds >= 0.0 && std::isfinite(seconds), "the length of a step must be finite and at least zero");
   impl_->contacts.clear();

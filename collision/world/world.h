@@ -102,6 +102,11 @@ class World {
   void setParticles(const ParticleSettings& settings);
   /// Null if there are none.
   [[nodiscard]] const Particles* particles() const { return particles_.get(); }
+  /// Settles them around avatars that stand, before the first step, which does it otherwise.
+  /// @param avatars  see stepAvatars()
+  void settle(std::span<const std::span<const LivePart>> avatars);
+  /// Particles::watchSettling() of the present ones.
+  void watchSettling(Particles::SettlingWatch watch);
   /// Time that the particles took in the last step [s].
   [[nodiscard]] double particleSeconds() const { return particleSeconds_; }
 
