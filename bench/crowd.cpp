@@ -31,6 +31,7 @@ struct Options {
   double spacing = 1.0;  // [m]
   bool truth = false;
   int props = 0;  // 0 = no session
+  std::vector<std::size_t> avatars = {1, 10, 100, 1000};
 };
 
 using BonePoses = std::vector<std::vector<Affine3>>;  // worldFromModel of each frame
@@ -51,9 +52,9 @@ double microsecondsOf(clockid_t clock) {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-/// CPU time of this thread: other load of the machine does not count [us].
-double threadMicroseconds() {
-  return microsecondsOf(CLOCK_THREAD_CPUTIME_ID);
+/// CPU time: other load of the machine does not count [us].
+double cpuMicroseconds() {
+  return microsecondsOf(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 std::vector<Affine3> placed(const std::vector<Affine3>& matrices, const Isometry3& place) {
@@ -105,14 +106,14 @@ Row measure(const std::shared_ptr<const BodyPlan>& plan, std::span<const BonePos
       place.translation() = options.spacing * Vec3(static_cast<double>(x), 0.0, static_cast<double>(z));
       const std::vector<Affine3> matrices =
           placed(poses[(static_cast<std::size_t>(frame) + 37 * a) % poses.size()], place);
-      const double begin = threadMicroseconds();
+      const double begin = cpuMicroseconds();
       crowd.bodies[a].update(matrices);
-      hullsUs += threadMicroseconds() - begin;
+      hullsUs += cpuMicroseconds() - begin;
     }
-    const double begin = threadMicroseconds();
+    const double begin = cpuMicroseconds();
     const std::span<const BodyContact> found = query.find(crowd.views, 1.0 / 30.0);
     if (frame > 0) {  // the first frame builds the hulls
-      contacts.push_back(threadMicroseconds() - begin);
+      contacts.push_back(cpuMicroseconds() - begin);
       hulls.push_back(hullsUs);
     }
     row.contacts += static_cast<double>(found.size()) / options.frames;
@@ -129,7 +130,7 @@ void measureCrowds(const std::shared_ptr<const BodyPlan>& plan, std::span<const 
                    const Options& options) {
   fmt::print("avatars,hulls_cpu_us,contacts_cpu_us,contacts,kB_each,hash\n");
   std::vector<double> counts, times;
-  for (const std::size_t count : {1, 10, 100, 1000}) {
+  for (const std::size_t count : options.avatars) {
     const Row row = measure(plan, motions, options, count);
     fmt::print("{},{:.1f},{:.1f},{:.1f},{:.0f},{:016x}\n", count, row.hullsUs, row.contactsUs, row.contacts,
                1e-3 * row.bytes, row.hash);
@@ -175,7 +176,7 @@ void measureSessions(const Character& character, const Decomposition& decomposit
                      std::span<const SkeletalMotion> motions, const Options& options) {
   fmt::print("avatars,frame_us,frame_cpu_us,physics_us,contacts_us,prop_contacts,avatar_contacts,kB_each,hash\n");
   std::vector<double> counts, times;
-  for (const std::size_t count : {1, 10, 100, 1000}) {
+  for (const std::size_t count : options.avatars) {
     const double before = residentBytes();
     const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
     Session session(worldOf(options.props, std::max(10.0, options.spacing * static_cast<double>(side))));
@@ -311,6 +312,7 @@ int main(int argc, char** argv) {
   app.add_option("--parts", options.parts, "Parts of the mannequin")->check(CLI::PositiveNumber);
   app.add_option("--vertices", options.vertices, "Points of each hull")->check(CLI::PositiveNumber);
   app.add_option("--frames", options.frames, "Frames at 30 Hz; the median counts")->check(CLI::PositiveNumber);
+  app.add_option("--avatars", options.avatars, "How many, one row each")->delimiter(',')->check(CLI::Range(1, 1750));
   app.add_option("--spacing", options.spacing, "Metres between neighbours")->check(CLI::PositiveNumber);
   app.add_option("--props", options.props, "Measure a session with this many props instead")
       ->check(CLI::Range(1, lorica::World::kMaxProps));

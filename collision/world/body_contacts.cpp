@@ -5,7 +5,10 @@
 #include "collision/world/strike_limit.h"
 #include "geometry/result.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,8 +19,8 @@ namespace {
 /// A part of the present frame.
 struct Solid {
   PartShape shape{0.0f};
-  Aabb bounds;            ///< world [m]; empty while the part is flat
-  bool hasShape = false;  ///< whether `shape` is of this frame
+  Aabb bounds;              ///< world [m]; empty while the part is flat
+  bool needsShape = false;  ///< whether it is in a pair; then `shape` is of this frame
 };
 
 /// A body of the present frame.
@@ -37,15 +40,15 @@ struct BodyContactQuery::Impl {
   std::vector<std::pair<double, int>> order;  ///< bodies by the least x
   std::vector<std::pair<int, int>> meeting;   ///< bodies whose boxes overlap, ascending
   std::vector<PartIndex> near;                ///< scratch: parts of a second body
+  std::vector<BodyContact> pairs;             ///< of parts that are examined; with depth if they overlap
   std::vector<BodyContact> contacts;
-  std::size_t pairs = 0;  ///< that were examined
   bool tooMany = false;
 
   void readBounds(std::span<const BodyInWorld> present);
   void findMeeting();
-  void meet(std::span<const BodyInWorld> present, int a, int b, double seconds);
-  void test(const BodyInWorld& first, const BodyInWorld& second, BodyContact contact, double seconds);
-  const PartShape& shapeOf(const BodyInWorld& body, int index, PartIndex part);
+  void findPairs(std::span<const BodyInWorld> present, int a, int b);
+  void makeShapes(std::span<const BodyInWorld> present);
+  void test(const BodyInWorld& first, const BodyInWorld& second, BodyContact& contact, double seconds) const;
 };
 
 BodyContactQuery::BodyContactQuery() : impl_(std::make_unique<Impl>()) {}
@@ -59,18 +62,24 @@ bool BodyContactQuery::tooMany() const {
 
 std::span<const BodyContact> BodyContactQuery::find(std::span<const BodyInWorld> bodies, double seconds) {
   impl_->contacts.clear();
-  impl_->pairs = 0;
+  impl_->pairs.clear();
   impl_->tooMany = false;
   impl_->readBounds(bodies);
   impl_->findMeeting();
-  for (const auto& [a, b] : impl_->meeting) impl_->meet(bodies, a, b, seconds);
+  for (const auto& [a, b] : impl_->meeting) impl_->findPairs(bodies, a, b);
+  impl_->makeShapes(bodies);
+  tbb::parallel_for(std::size_t{0}, impl_->pairs.size(), [&](std::size_t i) {
+    BodyContact& pair = impl_->pairs[i];
+    impl_->test(bodies[pair.firstBody], bodies[pair.secondBody], pair, seconds);
+  });
+  std::copy_if(impl_->pairs.begin(), impl_->pairs.end(), std::back_inserter(impl_->contacts),
+               [](const BodyContact& pair) { return pair.depth > 0.0; });
   return impl_->contacts;
 }
 
 void BodyContactQuery::Impl::readBounds(std::span<const BodyInWorld> present) {
   if (bodies.size() < present.size()) bodies.resize(present.size());
-  order.clear();
-  for (std::size_t b = 0; b < present.size(); ++b) {
+  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t b) {
     const std::span<const LivePart> parts = present[b].parts;
     LORICA_CHECK(parts.size() == present[b].masses.size(), "each part has a mass");
     Outline& body = bodies[b];
@@ -78,14 +87,17 @@ void BodyContactQuery::Impl::readBounds(std::span<const BodyInWorld> present) {
     body.bounds = Aabb();
     for (std::size_t p = 0; p < parts.size(); ++p) {
       Solid& solid = body.solids[p];
-      solid.hasShape = false;
+      solid.needsShape = false;
       solid.bounds = Aabb();
       if (parts[p].shape.degenerate()) continue;
       for (const Vec3& v : parts[p].shape.vertices) solid.bounds.extend(parts[p].worldFromPart * v);
       body.bounds.extend(solid.bounds.min);
       body.bounds.extend(solid.bounds.max);
     }
-    if (!body.bounds.empty()) order.emplace_back(body.bounds.min.x(), static_cast<int>(b));
+  });
+  order.clear();
+  for (std::size_t b = 0; b < present.size(); ++b) {
+    if (!bodies[b].bounds.empty()) order.emplace_back(bodies[b].bounds.min.x(), static_cast<int>(b));
   }
 }
 
@@ -106,9 +118,9 @@ void BodyContactQuery::Impl::findMeeting() {
   std::sort(meeting.begin(), meeting.end());
 }
 
-void BodyContactQuery::Impl::meet(std::span<const BodyInWorld> present, int a, int b, double seconds) {
-  const Outline& first = bodies[a];
-  const Outline& second = bodies[b];
+void BodyContactQuery::Impl::findPairs(std::span<const BodyInWorld> present, int a, int b) {
+  Outline& first = bodies[a];
+  Outline& second = bodies[b];
   near.clear();
   for (std::size_t p = 0; p < present[b].parts.size(); ++p) {
     if (!second.solids[p].bounds.empty() && !apart(first.bounds, second.solids[p].bounds)) {
@@ -120,28 +132,36 @@ void BodyContactQuery::Impl::meet(std::span<const BodyInWorld> present, int a, i
     if (bounds.empty() || apart(bounds, second.bounds)) continue;
     for (const PartIndex other : near) {
       if (apart(bounds, second.solids[other].bounds)) continue;
-      if (pairs == kMaxPairs) {
+      if (pairs.size() == kMaxPairs) {
         tooMany = true;
         return;
       }
-      ++pairs;
-      BodyContact contact;
+      first.solids[p].needsShape = second.solids[other].needsShape = true;
+      BodyContact& contact = pairs.emplace_back();
       contact.firstBody = a;
       contact.secondBody = b;
       contact.firstPart = static_cast<PartIndex>(p);
       contact.secondPart = other;
-      test(present[a], present[b], contact, seconds);
     }
   }
 }
 
-/// @param contact  with its bodies and parts
-void BodyContactQuery::Impl::test(const BodyInWorld& first, const BodyInWorld& second, BodyContact contact,
-                                  double seconds) {
+void BodyContactQuery::Impl::makeShapes(std::span<const BodyInWorld> present) {
+  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t b) {
+    for (std::size_t p = 0; p < present[b].parts.size(); ++p) {
+      Solid& solid = bodies[b].solids[p];
+      if (solid.needsShape) solid.shape.setPoints(present[b].parts[p].shape.vertices);
+    }
+  });
+}
+
+/// @param contact  with its bodies and parts; the rest is filled in if they overlap
+void BodyContactQuery::Impl::test(const BodyInWorld& first, const BodyInWorld& second, BodyContact& contact,
+                                  double seconds) const {
   const LivePart& firstPart = first.parts[contact.firstPart];
   const LivePart& secondPart = second.parts[contact.secondPart];
-  const PartShape& firstShape = shapeOf(first, contact.firstBody, contact.firstPart);
-  const PartShape& secondShape = shapeOf(second, contact.secondBody, contact.secondPart);
+  const PartShape& firstShape = bodies[contact.firstBody].solids[contact.firstPart].shape;
+  const PartShape& secondShape = bodies[contact.secondBody].solids[contact.secondPart].shape;
   const std::optional<PartOverlap> overlap = overlapOf(firstPart, firstShape, secondPart, secondShape);
   if (!overlap) return;
   contact.position = overlap->position;
@@ -151,13 +171,6 @@ void BodyContactQuery::Impl::test(const BodyInWorld& first, const BodyInWorld& s
       velocityAt(secondPart, contact.position, seconds) - velocityAt(firstPart, contact.position, seconds);
   const double mass = std::min(first.masses[contact.firstPart], second.masses[contact.secondPart]);
   contact.strength = mass * closingSpeed(firstPart, secondPart, contact.position, contact.direction, seconds);
-  contacts.push_back(contact);
-}
-
-const PartShape& BodyContactQuery::Impl::shapeOf(const BodyInWorld& body, int index, PartIndex part) {
-  Solid& solid = bodies[index].solids[part];
-  if (!std::exchange(solid.hasShape, true)) solid.shape.setPoints(body.parts[part].shape.vertices);
-  return solid.shape;
 }
 
 }  // namespace lorica

@@ -17,16 +17,21 @@ class ContactSolver : public btSequentialImpulseConstraintSolver {
  private:
   void markCarried(btPersistentManifold** manifolds, int count);
 
-  int mark_ = 0;  ///< second user index of the bodies that are carried in this substep
+  btAlignedObjectArray<btCollisionObject*> carried_;  ///< their second user index is 1
 };
+
+/// Contacts with restitution that will close within the substep count as closed. Otherwise Bullet would subtract the
+/// speed that closes the gap from the bounce, so the bounce would depend on when in the substep the bodies meet.
+/// Internal.
+/// @param threshold  slower contacts do not bounce [m/s]
+void closeFastContacts(btPersistentManifold& manifold, btScalar threshold, btScalar seconds);
 
 /// Bullet's world with corrections for fast impacts and for kinematic bodies. Internal.
 class DynamicsWorld : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
-  /// Contacts with restitution that will close within the substep count as closed. Otherwise Bullet would subtract the
-  /// speed that closes the gap from the bounce, so the bounce would depend on when in the substep the bodies meet.
+  /// With closeFastContacts().
   void performDiscreteCollisionDetection() override;
 
  protected:

@@ -2,6 +2,7 @@
 
 #include "collision/world/part_shape.h"
 
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
@@ -30,6 +31,9 @@ bool apartAlongAxes(const btVector3& low, const btVector3& high, const btVector3
   return false;
 }
 
+// Distances come from an iteration with a relative tolerance of 1e-4.
+constexpr btScalar kUncertain = 1.001f;
+
 /// Whether a part and a convex shape are farther apart than `gap` plus both margins. False if that is uncertain.
 bool areApart(const btCollisionObject& part, const btConvexInternalShape& shape, const btTransform& worldFromShape,
               btScalar gap) {
@@ -51,12 +55,20 @@ bool areApart(const btCollisionObject& part, const btConvexInternalShape& shape,
     return true;
   }
 
+  // Then all of both along the line between the boxes.
+  const btVector3 across = partFromShape * centerOfShape - centerOfHull;
+  if (!across.fuzzyZero()) {
+    const btVector3 direction = across.normalized();
+    const btVector3 nearest = shape.localGetSupportingVertexWithoutMargin(-direction * partFromShape.getBasis());
+    const btVector3 farthest = hull.localGetSupportingVertexWithoutMargin(direction);
+    if ((partFromShape * nearest - farthest).dot(direction) > kUncertain * gap) return true;
+  }
+
   btGjkEpaSolver2::sResults results;
   const bool measured =
       btGjkEpaSolver2::Distance(&hull, part.getWorldTransform(), &shape, worldFromShape,
                                 part.getWorldTransform() * centerOfHull - worldFromShape.getOrigin(), results);
-  // The distance comes from an iteration with a relative tolerance of 1e-4.
-  return measured && results.distance > btScalar(1.001) * gap;
+  return measured && results.distance > kUncertain * gap;
 }
 
 /// Whether a part and a prop are certainly farther apart than `gap` plus their margins.
@@ -74,32 +86,69 @@ bool areApart(const btCollisionObject& part, const btCollisionObject& prop, btSc
   return true;
 }
 
+/// A pair that has contacts must be processed until Bullet drops them.
+bool hasContacts(btCollisionAlgorithm& algorithm) {
+  thread_local btManifoldArray manifolds;
+  manifolds.resizeNoInitialize(0);
+  algorithm.getAllContactManifolds(manifolds);
+  for (int i = 0; i < manifolds.size(); ++i) {
+    if (manifolds[i]->getNumContacts() > 0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 PartDispatcher::PartDispatcher(btCollisionConfiguration* configuration) : btCollisionDispatcher(configuration) {
   setNearCallback(nearCallback);
 }
 
-bool PartDispatcher::canTouch(const btBroadphasePair& pair) {
+bool PartDispatcher::canTouch(const btBroadphasePair& pair, btScalar further) const {
   const btCollisionObject* a = objectOf(pair.m_pProxy0);
   const btCollisionObject* b = objectOf(pair.m_pProxy1);
   if (isPart(a) == isPart(b)) return true;
-  if (pair.m_algorithm != nullptr) {
-    // A pair that has contacts must be processed until Bullet drops them.
-    manifolds_.resizeNoInitialize(0);
-    pair.m_algorithm->getAllContactManifolds(manifolds_);
-    for (int i = 0; i < manifolds_.size(); ++i) {
-      if (manifolds_[i]->getNumContacts() > 0) return true;
-    }
-  }
+  if (pair.m_algorithm != nullptr && hasContacts(*pair.m_algorithm)) return true;
   if (!isPart(a)) std::swap(a, b);
   const btCollisionShape* shape = b->getCollisionShape();
-  return !areApart(*a, *b, shape->getContactBreakingThreshold(gContactBreakingThreshold));
+  return !areApart(*a, *b, shape->getContactBreakingThreshold(gContactBreakingThreshold) + further);
+}
+
+void PartDispatcher::process(btBroadphasePair& pair, const btDispatcherInfo& info) {
+  if (canTouch(pair, 0.0f)) defaultNearCallback(pair, *this, info);
 }
 
 void PartDispatcher::nearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
                                   const btDispatcherInfo& info) {
-  if (static_cast<PartDispatcher&>(dispatcher).canTouch(pair)) defaultNearCallback(pair, dispatcher, info);
+  static_cast<PartDispatcher&>(dispatcher).process(pair, info);
+}
+
+btPersistentManifold* PartDispatcher::getNewManifold(const btCollisionObject* a, const btCollisionObject* b) {
+  const std::lock_guard lock(mutex_);
+  return btCollisionDispatcher::getNewManifold(a, b);
+}
+
+void PartDispatcher::releaseManifold(btPersistentManifold* manifold) {
+  const std::lock_guard lock(mutex_);
+  btCollisionDispatcher::releaseManifold(manifold);
+}
+
+void* PartDispatcher::allocateCollisionAlgorithm(int size) {
+  const std::lock_guard lock(mutex_);
+  return btCollisionDispatcher::allocateCollisionAlgorithm(size);
+}
+
+void PartDispatcher::freeCollisionAlgorithm(void* algorithm) {
+  const std::lock_guard lock(mutex_);
+  btCollisionDispatcher::freeCollisionAlgorithm(algorithm);
+}
+
+void PartDispatcher::orderManifolds(btOverlappingPairCache& pairs) {
+  m_manifoldsPtr.resizeNoInitialize(0);
+  for (int p = 0; p < pairs.getNumOverlappingPairs(); ++p) {
+    btCollisionAlgorithm* algorithm = pairs.getOverlappingPairArray()[p].m_algorithm;
+    if (algorithm != nullptr) algorithm->getAllContactManifolds(m_manifoldsPtr);
+  }
+  for (int m = 0; m < m_manifoldsPtr.size(); ++m) m_manifoldsPtr[m]->m_index1a = m;
 }
 
 }  // namespace lorica

@@ -3,6 +3,8 @@
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
+#include <mutex>
+
 namespace lorica {
 
 /// Bullet's narrow phase, except that pairs of a part and a prop are skipped if they are certainly apart. Internal.
@@ -14,11 +16,23 @@ class PartDispatcher : public btCollisionDispatcher {
  public:
   explicit PartDispatcher(btCollisionConfiguration* configuration);
 
+  /// False for a part and a prop that are certainly apart by more than contacts reach.
+  /// @param further  additional distance [m]
+  [[nodiscard]] bool canTouch(const btBroadphasePair& pair, btScalar further) const;
+  /// The narrow phase of a pair. Threads may process different pairs at the same time.
+  void process(btBroadphasePair& pair, const btDispatcherInfo& info);
+  /// Puts manifolds in the order of pairs, whatever threads created them.
+  void orderManifolds(btOverlappingPairCache& pairs);
+
+  btPersistentManifold* getNewManifold(const btCollisionObject* a, const btCollisionObject* b) override;
+  void releaseManifold(btPersistentManifold* manifold) override;
+  void* allocateCollisionAlgorithm(int size) override;
+  void freeCollisionAlgorithm(void* algorithm) override;
+
  private:
   static void nearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info);
-  bool canTouch(const btBroadphasePair& pair);
 
-  btManifoldArray manifolds_;  ///< scratch
+  std::mutex mutex_;
 };
 
 }  // namespace lorica

@@ -15,11 +15,6 @@
 namespace lorica {
 namespace {
 
-// A part and a prop that may meet approach by at most this much in a substep. The thinnest pair that is guaranteed to
-// collide, 2 cm and 4 cm, has half thicknesses of 3 cm together.
-constexpr double kLongestApproach = 0.025;
-// Faster approaches get no shorter substeps.
-constexpr double kFastestApproach = 2.0 * kTeleportSpeed;
 constexpr double kSamePosition = 0.02;
 // 2,000 props in a heap have some 12,000; each costs up to 4 kB and 20 us a substep.
 constexpr int kMaxPairs = 40'000;
@@ -137,14 +132,7 @@ double World::Impl::longestSubstep(double fraction, double usual, double seconds
       const double soonest = std::clamp(-apart.dot(velocity) / std::max(velocity.squaredNorm(), 1e-12), 0.0, usual);
       if ((apart + soonest * velocity).norm() <= sweep.radius + prop.radius + kLongestApproach) rate = speed;
     };
-    if (!crowded) {
-      for (const PropBody& prop : propBodies) meet(prop);
-      return;
-    }
-    eachReach(sweep.origin + 0.5 * sweep.travel, sweep.radius + 0.5 * sweep.travel.norm(), [&](const Reach& reach) {
-      meet(propBodies[reach.prop]);
-      return true;
-    });
+    for (const PropBody& prop : propBodies) meet(prop);
   };
   for (const auto& parts : avatars) {
     for (const std::unique_ptr<PartCollider>& part : parts) check(*part);
@@ -152,45 +140,38 @@ double World::Impl::longestSubstep(double fraction, double usual, double seconds
   return kLongestApproach / rate;
 }
 
-void World::Impl::collectContacts() {
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
-    const btCollisionObject* a = manifold->getBody0();
-    const btCollisionObject* b = manifold->getBody1();
-    if (a->isKinematicObject() == b->isKinematicObject()) continue;
-    const bool partIsA = a->isKinematicObject();
-    for (int i = 0; i < manifold->getNumContacts(); ++i) {
-      const btManifoldPoint& point = manifold->getContactPoint(i);
-      if (point.getDistance() > 0.0f && point.getAppliedImpulse() <= 0.0f) continue;
-      Contact contact;
-      contact.avatar = (partIsA ? a : b)->getUserIndex3();
-      contact.part = (partIsA ? a : b)->getUserIndex();
-      contact.prop = (partIsA ? b : a)->getUserIndex();
-      contact.point = fromBullet(partIsA ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
-      contact.normal = fromBullet(partIsA ? -point.m_normalWorldOnB : point.m_normalWorldOnB);
-      contact.depth = -static_cast<double>(point.getDistance());
-      contact.impulse = point.getAppliedImpulse();
-      noteContact(contact);
-    }
+void World::Impl::collectContacts(const btPersistentManifold& manifold, std::vector<Contact>& contacts) {
+  const btCollisionObject* a = manifold.getBody0();
+  const btCollisionObject* b = manifold.getBody1();
+  if (a->isKinematicObject() == b->isKinematicObject()) return;
+  const bool partIsA = a->isKinematicObject();
+  for (int i = 0; i < manifold.getNumContacts(); ++i) {
+    const btManifoldPoint& point = manifold.getContactPoint(i);
+    if (point.getDistance() > 0.0f && point.getAppliedImpulse() <= 0.0f) continue;
+    Contact contact;
+    contact.avatar = (partIsA ? a : b)->getUserIndex3();
+    contact.part = (partIsA ? a : b)->getUserIndex();
+    contact.prop = (partIsA ? b : a)->getUserIndex();
+    contact.point = fromBullet(partIsA ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
+    contact.normal = fromBullet(partIsA ? -point.m_normalWorldOnB : point.m_normalWorldOnB);
+    contact.depth = -static_cast<double>(point.getDistance());
+    contact.impulse = point.getAppliedImpulse();
+    noteContact(contacts, contact);
   }
 }
 
 // Parts are kinematic and may press a prop into the floor. Pressed in by more than half, it would fall through.
-void World::Impl::keepAboveFloor() {
-  if (!settings.floor) return;
-  for (const PropBody& prop : propBodies) {
-    btRigidBody& body = *prop.body;
-    const btVector3 position = body.getWorldTransform().getOrigin();
-    if (body.isStaticObject() || position.y() >= 0.0f) continue;
-    btTransform lifted = body.getWorldTransform();
-    lifted.setOrigin(btVector3(position.x(), 0.0f, position.z()));
-    body.setWorldTransform(lifted);
-    const btVector3 velocity = body.getLinearVelocity();
-    body.setLinearVelocity(btVector3(velocity.x(), std::max(velocity.y(), 0.0f), velocity.z()));
-  }
+void World::Impl::keepAboveFloor(btRigidBody& body) const {
+  const btVector3 position = body.getWorldTransform().getOrigin();
+  if (!settings.floor || body.isStaticObject() || position.y() >= 0.0f) return;
+  btTransform lifted = body.getWorldTransform();
+  lifted.setOrigin(btVector3(position.x(), 0.0f, position.z()));
+  body.setWorldTransform(lifted);
+  const btVector3 velocity = body.getLinearVelocity();
+  body.setLinearVelocity(btVector3(velocity.x(), std::max(velocity.y(), 0.0f), velocity.z()));
 }
 
-void World::Impl::noteContact(const Contact& contact) {
+void World::Impl::noteContact(std::vector<Contact>& contacts, const Contact& contact) {
   for (Contact& known : contacts) {
     if (known.part != contact.part || known.prop != contact.prop || known.avatar != contact.avatar) continue;
     if ((known.point - contact.point).squaredNorm() > kSamePosition * kSamePosition) continue;
@@ -204,6 +185,40 @@ void World::Impl::noteContact(const Contact& contact) {
 
 void World::Impl::readProps() {
   for (std::size_t i = 0; i < props.size(); ++i) propBodies[i].read(props[i]);
+}
+
+/// Contact settings for a substep. One of maximum length corrects a fifth of each overlap and of each joint's position
+/// error; shorter substeps correct less. Otherwise a chain stretched by an arm would snap back faster in shorter
+/// substeps.
+btContactSolverInfo World::Impl::solverInfo(double length) {
+  btContactSolverInfo info = world.getSolverInfo();
+  info.m_erp = info.m_erp2 = static_cast<btScalar>(0.2 * std::min(1.0, length / settings.substepSeconds));
+  return info;
+}
+
+/// Steps all bodies with the same substeps.
+void World::Impl::stepTogether(double seconds) {
+  const double usual = seconds / std::max(1.0, std::ceil(seconds / settings.substepSeconds - 1e-6));
+  double done = 0.0;  // of the frame
+  while (done < 1.0) {
+    // The rest of the frame is split into equal substeps.
+    const double longest = longestSubstep(done, usual, seconds);
+    const double left = std::max(1.0, std::ceil((1.0 - done) * seconds / longest - 1e-6));
+    const double length = (1.0 - done) * seconds / left;
+    for (const auto& parts : avatars) {
+      for (const std::unique_ptr<PartCollider>& part : parts) {
+        if (part->inWorld) movePart(*part, done, seconds);
+      }
+    }
+    world.getSolverInfo() = solverInfo(length);
+    drawGrabbed(length);
+    world.stepSimulation(static_cast<btScalar>(length), 0);
+    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+      collectContacts(*dispatcher.getManifoldByIndexInternal(m), contacts);
+    }
+    for (const PropBody& prop : propBodies) keepAboveFloor(*prop.body);
+    done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
+  }
 }
 
 World::World() : World(Settings()) {}
@@ -239,31 +254,15 @@ void World::stepAvatars(std::span<const std::span<const LivePart>> avatars, doub
   impl_->resolveInitialOverlaps(avatars);
   impl_->setPartCounts(avatars);
   impl_->findReaches(seconds);
-  for (std::size_t a = 0; a < avatars.size(); ++a) {
-    const auto& colliders = impl_->avatars[a];
-    for (std::size_t i = 0; i < colliders.size(); ++i) impl_->takePart(*colliders[i], avatars[a][i], seconds);
-  }
-
+  impl_->takeParts(avatars, seconds);
   impl_->followSurfaces();
 
-  const double usual = seconds / std::max(1.0, std::ceil(seconds / impl_->settings.substepSeconds - 1e-6));
-  double done = 0.0;  // of the frame
-  while (seconds > 0.0 && done < 1.0) {
-    // The rest of the frame is split into equal substeps.
-    const double longest = impl_->longestSubstep(done, usual, seconds);
-    const double left = std::max(1.0, std::ceil((1.0 - done) * seconds / longest - 1e-6));
-    const double length = (1.0 - done) * seconds / left;
-    impl_->moveParts(done, seconds);
-    // A substep of maximum length corrects a fifth of each overlap and of each joint's position error; shorter substeps
-    // correct less. Otherwise a chain stretched by an arm would snap back faster in shorter substeps.
-    btContactSolverInfo& solving = impl_->world.getSolverInfo();
-    solving.m_erp = solving.m_erp2 =
-        static_cast<btScalar>(0.2 * std::min(1.0, length / impl_->settings.substepSeconds));
-    impl_->drawGrabbed(length);
-    impl_->world.stepSimulation(static_cast<btScalar>(length), 0);
-    impl_->collectContacts();
-    impl_->keepAboveFloor();
-    done = left == 1.0 ? 1.0 : done + (1.0 - done) / left;
+  if (seconds > 0.0) {
+    if (impl_->crowd.present) {
+      impl_->stepCrowd(seconds);
+    } else {
+      impl_->stepTogether(seconds);
+    }
   }
   for (const auto& parts : impl_->avatars) {
     for (const std::unique_ptr<PartCollider>& part : parts) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include "collision/world/crowd.h"
 #include "collision/world/dynamics_world.h"
 #include "collision/world/part_dispatcher.h"
 #include "collision/world/part_shape.h"
 #include "collision/world/prop_body.h"
+#include "collision/world/strike_limit.h"
 #include "collision/world/world.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -15,6 +17,12 @@
 #include <vector>
 
 namespace lorica {
+
+/// A part and a prop that may meet approach by at most this much in a substep. The thinnest pair that is guaranteed to
+/// collide, 2 cm and 4 cm, has half thicknesses of 3 cm together. Internal [m].
+inline constexpr double kLongestApproach = 0.025;
+/// Faster approaches get no shorter substeps. Internal [m/s].
+inline constexpr double kFastestApproach = 2.0 * kTeleportSpeed;
 
 /// A part's motion within one frame: the origin moves on a straight line, the rotation has a fixed axis and constant
 /// speed. Internal.
@@ -34,8 +42,11 @@ struct PartCollider {
   explicit PartCollider(btScalar margin) : shape(margin) {}
   PartShape shape;
   std::unique_ptr<btRigidBody> body;
+  bool counts = false;  ///< in this frame
   bool inWorld = false;
+  btVector3 low{0, 0, 0}, high{0, 0, 0};  ///< bounds in a tick of a crowd
   bool reshaped = false;
+  int slot = 0;  ///< in the crowd's sets
   Sweep sweep;
 };
 
@@ -87,7 +98,7 @@ struct World::Impl {
   };
   std::vector<Reach> reaches;
   double widestReach = 0.0;  ///< greatest radius of `reaches`
-  bool crowded = false;      ///< parts far from all props are left out in this frame
+  Crowd crowd;
   std::vector<PropBody> propBodies;
   std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
@@ -121,13 +132,28 @@ struct World::Impl {
     }
   }
   [[nodiscard]] bool isFar(const Sweep& sweep) const;
-  void takePart(PartCollider& body, const LivePart& part, double seconds);
+  void takeParts(std::span<const std::span<const LivePart>> present, double seconds);
+  void readPart(PartCollider& part, const LivePart& live, double seconds) const;
   void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
-  void moveParts(double fraction, double seconds);
-  void collectContacts();
-  void keepAboveFloor();
-  void noteContact(const Contact& contact);
+  static void movePart(PartCollider& part, double fraction, double seconds);
+  void stepTogether(double seconds);
+  void stepCrowd(double seconds);
+  void setTickBounds(const Tick& tick);
+  void wakeTouched(const Tick& tick);
+  void findIslands();
+  [[nodiscard]] double longestSubstep(const Island& island, double fraction, double left, double seconds) const;
+  void stepIsland(Island& island, const Tick& tick);
+  void substep(Island& island, double length);
+  void sleepAtRest(double seconds);
+  [[nodiscard]] static bool isAwake(const btCollisionObject& body);
+  [[nodiscard]] const PartCollider& partOf(const btCollisionObject& body) const {
+    return *avatars[body.getUserIndex3()][body.getUserIndex()];
+  }
+  [[nodiscard]] btContactSolverInfo solverInfo(double length);
+  static void collectContacts(const btPersistentManifold& manifold, std::vector<Contact>& contacts);
+  void keepAboveFloor(btRigidBody& body) const;
+  static void noteContact(std::vector<Contact>& contacts, const Contact& contact);
   void readProps();
 };
 

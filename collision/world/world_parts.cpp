@@ -3,6 +3,7 @@
 #include "collision/world/world_impl.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -108,10 +109,10 @@ void World::Impl::setPartCount(std::size_t avatar, std::size_t count) {
 void World::Impl::findReaches(double seconds) {
   std::size_t count = 0;
   for (const auto& parts : avatars) count += parts.size();
-  crowded = count > kCrowd;
+  crowd.present = count > kCrowd;
   reaches.clear();
   widestReach = 0.0;
-  if (!crowded) return;
+  if (!crowd.present) return;
   for (int i = 0; isProp(i); ++i) {
     const PropBody& prop = propBodies[i];
     if (prop.body->isStaticObject()) continue;
@@ -134,26 +135,32 @@ bool World::Impl::isFar(const Sweep& sweep) const {
   return far;
 }
 
-void World::Impl::takePart(PartCollider& part, const LivePart& live, double seconds) {
-  if (live.shape.degenerate()) {
-    if (part.inWorld) world.removeRigidBody(part.body.get());
-    part.inWorld = false;
-    return;
+void World::Impl::takeParts(std::span<const std::span<const LivePart>> present, double seconds) {
+  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t a) {
+    for (std::size_t i = 0; i < avatars[a].size(); ++i) readPart(*avatars[a][i], present[a][i], seconds);
+  });
+  for (const auto& parts : avatars) {
+    for (const std::unique_ptr<PartCollider>& part : parts) {
+      if (part->inWorld == part->counts) continue;
+      part->inWorld = part->counts;
+      if (part->counts) {
+        world.addRigidBody(part->body.get(), kPartGroup, kPropGroup);
+      } else {
+        world.removeRigidBody(part->body.get());
+      }
+    }
   }
-  part.sweep = sweepOf(live, seconds);
-  if (crowded && isFar(part.sweep)) {
-    if (part.inWorld) world.removeRigidBody(part.body.get());
-    part.inWorld = false;
-    return;
-  }
-  part.body->setWorldTransform(part.sweep.at(0.0));
+}
 
+void World::Impl::readPart(PartCollider& part, const LivePart& live, double seconds) const {
+  part.counts = !live.shape.degenerate();
+  if (!part.counts) return;
+  part.sweep = sweepOf(live, seconds);
+  part.counts = !crowd.present || !isFar(part.sweep);
+  if (!part.counts) return;
+  part.body->setWorldTransform(part.sweep.at(0.0));
   part.reshaped = live.reshaped || !part.inWorld;
   if (part.reshaped) part.shape.setPoints(live.shape.vertices);
-  if (!part.inWorld) {
-    world.addRigidBody(part.body.get(), kPartGroup, kPropGroup);
-    part.inWorld = true;
-  }
 }
 
 /// Moves the contacts of changed hulls to the new surface, or removes them. Bullet tracks a contact by its positions on
@@ -180,16 +187,11 @@ void World::Impl::followSurfaces() {
 
 /// Like props, parts have their pose at the start of the substep and a velocity.
 /// @param fraction  of the frame that is done
-void World::Impl::moveParts(double fraction, double seconds) {
-  for (const auto& parts : avatars) {
-    for (const std::unique_ptr<PartCollider>& part : parts) {
-      if (!part->inWorld) continue;
-      part->body->setWorldTransform(part->sweep.at(fraction));
-      const double rate = part->sweep.strength / seconds;
-      part->body->setLinearVelocity(toBullet(Vec3(rate * part->sweep.travel)));
-      part->body->setAngularVelocity(toBullet(Vec3(rate * part->sweep.angle * part->sweep.axis)));
-    }
-  }
+void World::Impl::movePart(PartCollider& part, double fraction, double seconds) {
+  part.body->setWorldTransform(part.sweep.at(fraction));
+  const double rate = part.sweep.strength / seconds;
+  part.body->setLinearVelocity(toBullet(Vec3(rate * part.sweep.travel)));
+  part.body->setAngularVelocity(toBullet(Vec3(rate * part.sweep.angle * part.sweep.axis)));
 }
 
 }  // namespace lorica
