@@ -1,5 +1,7 @@
 #include "apps/cast.h"
 
+#include "apps/window_treatment.h"
+
 #include "apps/playback.h"
 #include "apps/scenes.h"
 #include "skinning/look/avatar.h"
@@ -227,10 +229,12 @@ Result<Session> startSession(std::span<const CastMember> cast, const std::shared
   return session;
 }
 
-Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast) {
+Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast,
+                                                           const WindowTreatment& treatment) {
   std::vector<std::unique_ptr<PoseSource>> sources;
   for (const CastMember& member : cast) {
-    Result<std::unique_ptr<PoseSource>> source = sourceOf(member, nullptr);
+    Result<std::unique_ptr<PoseSource>> source =
+        poseSourceOf(member.character(), member.motion(), treated(member.options.performing, treatment));
     if (!source) return source.error();
     sources.push_back(std::move(*source));
   }

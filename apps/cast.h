@@ -17,6 +17,8 @@
 
 namespace lorica {
 
+struct WindowTreatment;
+
 /// An avatar of a run, set up by the options of the command line: what it is and what it performs.
 struct CastMember {
   PlaybackInputOptions options;
@@ -64,7 +66,8 @@ struct OpenedCast {
                                            const std::shared_ptr<SessionRecorder>& recorder, World world);
 
 /// New sources for a session of the cast, from their start.
-[[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast);
+[[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast,
+                                                                         const WindowTreatment& treatment);
 
 /// "walk, wave and jump"
 [[nodiscard]] std::string listed(std::span<const std::string> names);

@@ -197,6 +197,10 @@ void addPlayingOptions(CommandLine& app, MotionOptions& options) {
       "NUMBER");
 }
 
+bool smoothingGiven(const CommandLine& app) {
+  return app.given("--smooth") || app.given("--min-cutoff") || app.given("--beta");
+}
+
 void addFaultOption(CommandLine& app, MotionOptions& options) {
   const TextCheck check = [](std::string& text) -> std::string {
     const Result<FaultSettings> faults = parseFaults(text);

@@ -27,8 +27,9 @@ struct MotionOptions {
   bool upperBody = false;
   std::string smooth = "off";  ///< or "one-euro"
   OneEuroSettings oneEuro;
-  std::string sender;  ///< model of the sender of recorded packets, see readSenderRest(); empty = none
-  std::string inject;  ///< faults, see parseFaults(); empty = none
+  bool smoothGiven = false;  ///< one of the options of smoothing was given
+  std::string sender;        ///< model of the sender of recorded packets, see readSenderRest(); empty = none
+  std::string inject;        ///< faults, see parseFaults(); empty = none
 
   [[nodiscard]] JointSettings joints() const;
   [[nodiscard]] FaultSettings faults() const;
@@ -38,6 +39,8 @@ struct MotionOptions {
 void addReadingOptions(CommandLine& app, MotionOptions& options);
 /// --mirror, --upper-body, --smooth, --min-cutoff, --beta: how it is processed.
 void addPlayingOptions(CommandLine& app, MotionOptions& options);
+/// Whether one of --smooth, --min-cutoff and --beta was given.
+[[nodiscard]] bool smoothingGiven(const CommandLine& app);
 /// --inject: simulated tracking faults.
 void addFaultOption(CommandLine& app, MotionOptions& options);
 

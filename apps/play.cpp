@@ -42,6 +42,8 @@ struct Options {
   std::string events;  // file or -; empty = none
   bool window = false;
   bool selfContacts = false;
+
+  [[nodiscard]] bool written() const { return !record.empty() || !events.empty() || out.any(); }
 };
 
 using Cast = std::vector<CastMember>;
@@ -92,11 +94,16 @@ Result<void> playWithWindow(const Options& options, const LoadedCast& loaded, Se
   prepareWindow(motionsOf(cast), session.character(), cast.size(), play.window);
   WindowSubject subject{session, motionsOf(cast)};
   subject.duration = secondsOf(cast);
-  subject.sourcesAgain = [&] { return sourcesOf(cast); };
+  const bool tracked =
+      std::any_of(cast.begin(), cast.end(), [](const CastMember& member) { return !member.motion().joints.empty(); });
+  subject.treatment = treatmentControl(options.input.performing, tracked);
+  subject.treatment.sources = [&](const WindowTreatment& treatment) { return sourcesOf(cast, treatment); };
+  subject.sourcesAgain = [&] { return sourcesOf(cast, subject.treatment.first); };
   subject.scene = loaded.request.scene;
   subject.added = loaded.added;
   subject.opener = &play.opener;
   if (!options.record.empty() || !options.events.empty()) subject.atEnd = WindowSubject::AtEnd::kHold;
+  if (options.written()) subject.treatment.fix("what is written or sent is as the command says");
   subject.stepped = [&] { counts.add(session, options); };
   subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
   subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run
@@ -247,14 +254,13 @@ Result<void> playCast(const Options& options, const CommonOptions& common, Loade
 Result<void> playInWindow(const Options& options, const CommonOptions& common, const CastRequest& request) {
   Result<Window> window = openWindow();
   if (!window) return window.error();
-  const bool written = !options.record.empty() || !options.events.empty() || options.out.any();
   const int threads = common.threadCount();
   Result<std::optional<LoadedCast>> loaded =
       loadInWindow<LoadedCast>(*window, [&] { return loadCast({request}, threads); });
   if (!loaded) return loaded.error();
   if (!*loaded) return {};
   WindowOpener opener(**loaded, threads,
-                      written ? "what is written or sent is one session: nothing else can be opened" : "");
+                      options.written() ? "what is written or sent is one session: nothing else can be opened" : "");
   PlayWindow play{*window, opener, std::move(*loaded)};
   while (play.next) {
     LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
@@ -337,7 +343,10 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       app->addFlag("--window", options->window, "Open a window and play in real time; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->input.reading.textureSize);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options, app](const CommonOptions& given) {
+            options->input.performing.smoothGiven = smoothingGiven(*app);
+            return run(*options, given);
+          }};
 }
 
 }  // namespace lorica

@@ -140,10 +140,15 @@ Result<Prop> openMeshProp(const std::string& file) {
   return meshProp(std::move(*shape));
 }
 
-Result<World> openScene(const std::string& scene) {
+Result<World> openScene(const std::string& scene, double gravity) {
   const Result<SceneText> text = readSceneText(scene);
   if (!text) return text.error();
-  return worldOf(*text, scene);
+  if (text->text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed);
+  Result<SceneFile> read = sceneOf(*text, scene);
+  if (!read) return read.error();
+  read->world.gravity *= gravity;
+  if (read->particles) read->particles->gravity *= gravity;
+  return makeWorld(*read);
 }
 
 }  // namespace lorica

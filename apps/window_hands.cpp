@@ -14,14 +14,14 @@ constexpr double kLowestHand = 0.02;    // minimum height of a held prop, so tha
 constexpr double kFarthestHand = 50.0;  // maximum distance from the origin, as the mouse may point at the horizon [m]
 
 /// Throws along the view direction, and upward enough to pass through the camera's target.
-WorldAction ballFrom(const Camera& camera) {
+WorldAction ballFrom(const Camera& camera, double gravity) {
   const Vec3 view = camera.target - camera.eye;
   const double distance = std::max(view.norm(), 1e-6);
   Vec3 position = camera.eye + std::min(kBallAhead, 0.5 * distance) / distance * view;
   position.y() = std::max(position.y(), kBallRadius);
   const double seconds = (camera.target - position).norm() / kBallSpeed;
   Vec3 velocity = kBallSpeed / distance * view;
-  velocity.y() += 0.5 * kGravity * seconds;
+  velocity.y() += 0.5 * gravity * kGravity * seconds;
   if (velocity.norm() > kFastestBall) velocity *= kFastestBall / velocity.norm();
   return WorldAction::throwBall(position, velocity, kBallRadius);
 }
@@ -56,7 +56,7 @@ void WindowHands::take(const WindowRequests& requests, const Window& window, Ses
     act(session, WorldAction::release());
     holds_ = false;
   }
-  if (requests.throwBall) act(session, ballFrom(window.camera()));
+  if (requests.throwBall) act(session, ballFrom(window.camera(), gravity_));
 }
 
 void WindowHands::beforeStep(const Window& window, Session& session) {

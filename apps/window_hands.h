@@ -12,6 +12,8 @@ class WindowHands {
   /// @param again  whether the session can restart, so that actions have to be recorded
   explicit WindowHands(bool again) : again_(again) {}
 
+  /// @param factor  times the earth's gravity: how thrown balls are aimed
+  void setGravity(double factor) { gravity_ = factor; }
   /// Grabs the prop under the mouse, releases it, or throws a ball.
   void take(const WindowRequests& requests, const Window& window, Session& session);
   /// Call before each frame of the session: repeats its recorded actions and moves a held prop to the mouse position.
@@ -33,6 +35,7 @@ class WindowHands {
 
   bool again_;
   bool without_ = false;  // see goOnWithout()
+  double gravity_ = 1.0;
   ActionTape tape_;
   bool holds_ = false;
   double depth_ = 0.0;  // of the grabbed point along the view direction [m]

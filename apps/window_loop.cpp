@@ -44,6 +44,7 @@ Result<WindowEnd> WindowLoop::run() {
   while (window_.open()) {
     if (interrupted()) return WindowEnd::kInterrupted;
     if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
+    if (Result<void> done = treat(); !done) return done.error();
     if (subject_.next) return WindowEnd::kExchanged;
     if (Result<void> done = seek_ ? runSeek() : advance(); !done) return done.error();
     if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
@@ -68,7 +69,8 @@ Result<World> WindowLoop::worldAgain() const {
 }
 
 Result<World> WindowLoop::openWorld(int scene) const {
-  Result<World> world = openScene(scenes_.arguments[scene]);
+  const auto gravity = static_cast<std::size_t>(treatment_.gravity);
+  Result<World> world = openScene(scenes_.arguments[scene], kGravities[gravity].factor);
   if (world) addProps(subject_.added, *world);
   return world;
 }
@@ -90,7 +92,7 @@ Result<void> WindowLoop::restart() {
 }
 
 Result<void> WindowLoop::restartIn(World world) {
-  Result<std::vector<std::unique_ptr<PoseSource>>> sources = subject_.sourcesAgain();
+  Result<std::vector<std::unique_ptr<PoseSource>>> sources = this->sources();
   if (!sources) return sources.error();
   hands_.rewind(session_);
   session_.restart(std::move(*sources), std::move(world));
@@ -244,6 +246,11 @@ void WindowLoop::show() {
   values.avatar = focus_.avatar();
   if (subject_.opener != nullptr) subject_.opener->describe(values);
   if (!values.motions.empty()) values.recent = settings_.recent;
+  values.treatable = subject_.treatment.sources != nullptr;
+  values.smoothingDelay = started_ ? session_.source().smoothingDelay().value_or(-1.0) : -1.0;
+  values.noMirror = subject_.treatment.noMirror;
+  values.noSmoothing = subject_.treatment.noSmoothing;
+  values.noGravity = subject_.treatment.noGravity;
   values.noThrow = whyNoThrow();
   values.noUndo = whyNoUndo();
   values.noLoop = whyNoLoop();

@@ -2,6 +2,7 @@
 
 #include "apps/playback.h"
 #include "apps/window_opener.h"
+#include "apps/window_treatment.h"
 #include "session/session.h"
 #include "viewer/window.h"
 
@@ -33,6 +34,7 @@ struct WindowSubject {
   std::function<bool()> enough = {};             ///< whether to stop after the current frame; null = never
   WindowOpener* opener = nullptr;       ///< opens files that are dropped on the window; null = they cannot be opened
   std::vector<Prop> added = {};         ///< props in each of its worlds, in addition to those of the scene
+  TreatmentControl treatment = {};      ///< mirror, smoothing, gravity
   const Image* inset = nullptr;         ///< see Scene
   std::optional<LoadedCast> next = {};  ///< see WindowEnd::kExchanged
 

@@ -64,6 +64,8 @@ class WindowLoop {
   [[nodiscard]] std::string_view whyNoUndo() const;
   [[nodiscard]] std::string_view whyNoLoop() const;
   void open(const WindowRequests& requests);
+  [[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sources() const;
+  Result<void> treat();
   [[nodiscard]] Result<World> openWorld(int scene) const;
   [[nodiscard]] Result<World> worldAgain() const;
   Result<void> beginSeek(double to);
@@ -73,6 +75,7 @@ class WindowLoop {
   void goOn();
   void answerAboutAvatars(const WindowRequests& requests);
   Result<void> undo();
+  Result<void> runAgain();
   [[nodiscard]] bool mayLoop() const { return subject_.atEnd != WindowSubject::AtEnd::kHold && subject_.sourcesAgain; }
   [[nodiscard]] bool loops() const;
   [[nodiscard]] bool goesOn() const { return ended_ && subject_.atEnd == WindowSubject::AtEnd::kChoice; }
@@ -94,6 +97,8 @@ class WindowLoop {
   WindowHands hands_;
   WarningBoard warnings_;
   WindowSettings settings_;                      // as in the user's file
+  SceneOptions firstShown_;                      // when the session came to the window
+  WindowTreatment treatment_;                    // of the session
   std::vector<std::vector<LivePart>> standing_;  // parts of the avatars after the end
   AvatarFocus focus_;
   std::vector<std::string> avatarNames_;

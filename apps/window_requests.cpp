@@ -92,6 +92,28 @@ void WindowLoop::answerAboutAvatars(const WindowRequests& requests) {
   window_.notice(clicked < 0 ? "following all avatars" : "following avatar " + avatarNames_[clicked]);
 }
 
+Result<std::vector<std::unique_ptr<PoseSource>>> WindowLoop::sources() const {
+  return subject_.treatment.sources ? subject_.treatment.sources(treatment_) : subject_.sourcesAgain();
+}
+
+/// Treats the motion and the world as the user chose: a recording runs again to the present time, a live session goes
+/// on in a new world.
+Result<void> WindowLoop::treat() {
+  const WindowTreatment& chosen = window_.choices().treatment;
+  if (!subject_.treatment.sources || chosen == treatment_) return {};
+  const bool worldStays = chosen.gravity == treatment_.gravity && !subject_.sourcesAgain;
+  treatment_ = chosen;
+  hands_.setGravity(kGravities[static_cast<std::size_t>(chosen.gravity)].factor);
+  if (worldStays) return restartIn(std::move(session_.world()));
+  return runAgain();
+}
+
+/// Runs again to the present time.
+Result<void> WindowLoop::runAgain() {
+  if (started_ && subject_.sourcesAgain && !seek_) seek_ = Seek{seconds(), now(), 0, true};
+  return restart();
+}
+
 /// Runs again to the present time without the last action.
 Result<void> WindowLoop::undo() {
   if (const std::string_view why = whyNoUndo(); !why.empty()) {
@@ -99,9 +121,7 @@ Result<void> WindowLoop::undo() {
     return {};
   }
   hands_.undo();
-  const double present = seconds();
-  if (!seek_) seek_ = Seek{present, now(), 0, true};
-  return restart();
+  return runAgain();
 }
 
 Result<void> WindowLoop::changeScene(int scene) {
@@ -120,24 +140,41 @@ Result<void> WindowLoop::changeScene(int scene) {
 }
 
 void WindowLoop::recallSettings() {
+  treatment_ = subject_.treatment.first;
   Result<WindowSettings> read = readWindowSettings(windowSettingsFile());
   if (!read) {
     warnOnce(read.error().message);
     window_.notice(read.error().message, kProblemSeconds);
-    return;
+  } else {
+    settings_ = std::move(*read);
   }
-  settings_ = std::move(*read);
-  window_.setChoices(settings_.choices);
+  WindowChoices choices = settings_.choices;
+  choices.treatment = allowed(subject_.treatment, choices.treatment);
+  window_.setChoices(choices);
+  SceneOptions show = window_.shown();
+  showKept(settings_, show);
+  window_.setShown(show);
+  firstShown_ = show;
 }
 
 void WindowLoop::keepSettings() {
   WindowSettings now = settings_;
   now.choices = window_.choices();
+  // What could not be chosen was not.
+  const TreatmentControl& control = subject_.treatment;
+  WindowTreatment& treatment = now.choices.treatment;
+  const WindowTreatment& kept = settings_.choices.treatment;
+  if (!control.noMirror.empty()) treatment.mirror = kept.mirror;
+  if (!control.noSmoothing.empty()) treatment.smoothing = kept.smoothing;
+  if (!control.noGravity.empty()) treatment.gravity = kept.gravity;
+  keepShown(firstShown_, window_.shown(), now);
   if (subject_.opener != nullptr) {
     for (const std::string& file : subject_.opener->opened()) addRecent(file, now);
   }
   if (now == settings_) return;
-  if (const Result<void> kept = writeWindowSettings(windowSettingsFile(), now); !kept) warnOnce(kept.error().message);
+  if (const Result<void> written = writeWindowSettings(windowSettingsFile(), now); !written) {
+    warnOnce(written.error().message);
+  }
 }
 
 }  // namespace lorica

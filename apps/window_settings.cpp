@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <optional>
 
@@ -17,6 +18,17 @@ using nlohmann::json;
 
 constexpr const char* kFormat = "lorica window 1";
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 20;
+
+/// A layer of the picture.
+struct Layer {
+  const char* name;
+  bool SceneOptions::*shown;
+};
+constexpr std::array kLayers = {
+    Layer{"character", &SceneOptions::skin},    Layer{"hulls", &SceneOptions::hulls},
+    Layer{"bones", &SceneOptions::bones},       Layer{"props", &SceneOptions::props},
+    Layer{"contacts", &SceneOptions::contacts}, Layer{"ground", &SceneOptions::ground},
+    Layer{"grains", &SceneOptions::particles},  Layer{"colourByPart", &SceneOptions::colorSkinByPart}};
 
 fs::path environmentPath(const char* name) {
   const char* value = std::getenv(name);
@@ -39,6 +51,35 @@ std::optional<std::string> readScale(const json& settings, double& value) {
     return fmt::format("scale: a number from {} to {}", kSmallestScale, kLargestScale);
   }
   value = found->get<double>();
+  return std::nullopt;
+}
+
+/// @param list  of choices with names @param index  of the chosen one
+template <typename Choices>
+std::optional<std::string> readChoice(const json& settings, const char* name, const Choices& list, int& index) {
+  const auto found = settings.find(name);
+  if (found == settings.end()) return std::nullopt;
+  const auto* const named =
+      std::find_if(list.begin(), list.end(), [&](const auto& choice) { return *found == choice.name; });
+  if (named == list.end()) {
+    std::string names;
+    for (const auto& choice : list) names += fmt::format("{}{}", names.empty() ? "" : ", ", choice.name);
+    return fmt::format("{}: one of {}", name, names);
+  }
+  index = static_cast<int>(named - list.begin());
+  return std::nullopt;
+}
+
+std::optional<std::string> readShown(const json& settings, std::map<std::string, bool>& shown) {
+  const auto found = settings.find("shown");
+  if (found == settings.end()) return std::nullopt;
+  if (!found->is_object()) return "shown: an object of layers";
+  for (const Layer& layer : kLayers) {
+    const auto value = found->find(layer.name);
+    if (value == found->end()) continue;
+    if (!value->is_boolean()) return fmt::format("shown: {}: true or false", layer.name);
+    shown[layer.name] = value->get<bool>();
+  }
   return std::nullopt;
 }
 
@@ -80,9 +121,13 @@ Result<WindowSettings> readWindowSettings(const fs::path& file) {
     return wrong(fmt::format("\"format\": \"{}\"", kFormat));
   }
   WindowSettings read;
+  WindowTreatment& treatment = read.choices.treatment;
   for (const std::optional<std::string>& expected :
        {readSwitch(settings, "loop", read.choices.loop), readSwitch(settings, "follow", read.choices.follow),
-        readScale(settings, read.choices.scale), readRecent(settings, read.recent)}) {
+        readScale(settings, read.choices.scale), readSwitch(settings, "mirror", treatment.mirror),
+        readChoice(settings, "smoothing", kSmoothings, treatment.smoothing),
+        readChoice(settings, "gravity", kGravities, treatment.gravity), readShown(settings, read.shown),
+        readRecent(settings, read.recent)}) {
     if (expected) return wrong(*expected);
   }
   return read;
@@ -97,9 +142,28 @@ Result<void> writeWindowSettings(const fs::path& file, const WindowSettings& set
   written["loop"] = settings.choices.loop;
   written["follow"] = settings.choices.follow;
   written["scale"] = settings.choices.scale;
+  const WindowTreatment& treatment = settings.choices.treatment;
+  written["mirror"] = treatment.mirror;
+  written["smoothing"] = kSmoothings[static_cast<std::size_t>(treatment.smoothing)].name;
+  written["gravity"] = kGravities[static_cast<std::size_t>(treatment.gravity)].name;
+  written["shown"] = settings.shown;
   written["recent"] = settings.recent;
   // Names of files need not be text.
   return writeFileAtomically(file, written.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+}
+
+void showKept(const WindowSettings& settings, SceneOptions& show) {
+  for (const Layer& layer : kLayers) {
+    if (const auto kept = settings.shown.find(layer.name); kept != settings.shown.end()) {
+      show.*layer.shown = kept->second;
+    }
+  }
+}
+
+void keepShown(const SceneOptions& before, const SceneOptions& now, WindowSettings& settings) {
+  for (const Layer& layer : kLayers) {
+    if (before.*layer.shown != now.*layer.shown) settings.shown[layer.name] = now.*layer.shown;
+  }
 }
 
 void addRecent(const std::string& file, WindowSettings& settings) {

@@ -4,6 +4,7 @@
 #include "viewer/window_values.h"
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,8 @@ namespace lorica {
 /// What the window keeps from one run to the next.
 struct WindowSettings {
   WindowChoices choices;
-  std::vector<std::string> recent;  ///< files that were opened, the last one first, at most kMaxRecent
+  std::map<std::string, bool> shown;  ///< layers of the picture that the user switched on or off, by name
+  std::vector<std::string> recent;    ///< files that were opened, the last one first, at most kMaxRecent
 
   [[nodiscard]] bool operator==(const WindowSettings&) const = default;
 };
@@ -25,6 +27,11 @@ inline constexpr std::size_t kMaxRecent = 10;
 /// @return the settings, the usual ones if there is no such file, or an error: file, found, expected
 [[nodiscard]] Result<WindowSettings> readWindowSettings(const std::filesystem::path& file);
 [[nodiscard]] Result<void> writeWindowSettings(const std::filesystem::path& file, const WindowSettings& settings);
+
+/// Shows and hides the layers that the user switched on or off.
+void showKept(const WindowSettings& settings, SceneOptions& show);
+/// Keeps the layers that the user switched on or off.
+void keepShown(const SceneOptions& before, const SceneOptions& now, WindowSettings& settings);
 
 /// Puts a file first among the recent ones.
 void addRecent(const std::string& file, WindowSettings& settings);

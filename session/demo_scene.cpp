@@ -62,8 +62,13 @@ Prop fallingProp(int i, std::mt19937_64& random) {
 }  // namespace
 
 World makeDemoWorld(std::uint64_t seed) {
+  return makeDemoWorldUnder(World::Settings().gravity, seed);
+}
+
+World makeDemoWorldUnder(const Vec3& gravity, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   World::Settings settings;
+  settings.gravity = gravity;
   settings.resolvesOverlaps = true;
   World world(settings);
   addTower(world, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: for kicks, punches and reaching

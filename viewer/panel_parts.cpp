@@ -1,4 +1,4 @@
-#include "viewer/panel_style.h"
+#include "viewer/panel_widgets.h"
 
 #include <fmt/format.h>
 
@@ -10,23 +10,6 @@ namespace lorica {
 namespace {
 
 constexpr float kViewPanel = 206.0f;
-
-/// What cannot be done says why.
-void tellWhy(std::string_view why) {
-  if (why.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
-  ImGui::SetTooltip("%.*s", static_cast<int>(why.size()), why.data());
-}
-
-/// A check box with its key at the right edge. @param why  it cannot be changed; empty = it can
-void toggle(const char* name, const char* key, bool& value, std::string_view why = {}) {
-  ImGui::BeginDisabled(!why.empty());
-  ImGui::Checkbox(name, &value);
-  ImGui::EndDisabled();
-  tellWhy(why);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(key).x);
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextColored(kFaint, "%s", key);
-}
 
 /// A button as wide as the panel with its key at the right edge. @param why  it cannot be pressed; empty = it can
 bool keyedButton(const char* name, const char* key, std::string_view why = {}) {
@@ -40,26 +23,6 @@ bool keyedButton(const char* name, const char* key, std::string_view why = {}) {
   ImGui::GetWindowDrawList()->AddText(ImVec2(corner.x - text.x - 2.0f * pad, corner.y - text.y - pad),
                                       ImGui::ColorConvertFloat4ToU32(kFaint), key);
   return pressed;
-}
-
-/// A list as wide as the panel.
-/// @param label   before the chosen name
-/// @param none    what -1 is called; null = one is always chosen
-void chooseFrom(const char* id, const char* label, const char* none, std::span<const std::string> names, int chosen,
-                std::optional<int>& request) {
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  const std::string now = label + (chosen < 0 ? std::string(none) : names[static_cast<std::size_t>(chosen)]);
-  ImGui::PushID(id);
-  if (ImGui::BeginCombo("##list", now.c_str())) {
-    if (none != nullptr && ImGui::Selectable(none, chosen < 0)) request = -1;
-    for (int n = 0; n < static_cast<int>(names.size()); ++n) {
-      ImGui::PushID(n);
-      if (ImGui::Selectable(names[static_cast<std::size_t>(n)].c_str(), n == chosen)) request = n;
-      ImGui::PopID();
-    }
-    ImGui::EndCombo();
-  }
-  ImGui::PopID();
 }
 
 /// A list of what can be opened.

@@ -29,6 +29,7 @@ struct PanelLayout {
     width = newWidth;
     height = newHeight;
     ceiling = margin();
+    right = 0.0f;
     floor = height;
     panels.clear();
   }
@@ -43,7 +44,8 @@ struct PanelLayout {
   float floor = 1.0f;                 ///< top of the transport
   float ceiling = 0.0f;               ///< bottom of the warnings
   std::vector<Area> panels;           ///< as drawn
-  Fold view, times;
+  float right = 0.0f;                 ///< bottom of the last panel on the right
+  Fold view, times, motion, hits;
 };
 
 /// Call before the Begin() of a collapsible panel: collapses it when the picture becomes small, and restores its state
@@ -63,6 +65,10 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
 void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests);
 void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining);
+/// Below the times: what performs, and how the motion and the world are treated.
+void drawMotionPanel(PanelLayout& layout, const WindowValues& values, ControlState& state, WindowRequests& requests);
+/// Below that: the hits of targets.
+void drawHitsPanel(PanelLayout& layout, const WindowValues& values);
 void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status);
 void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests);
 void drawHelp(PanelLayout& layout);

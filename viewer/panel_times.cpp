@@ -97,6 +97,7 @@ void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGr
     ImGui::TextUnformatted(outsideTraining ? "pose outside training range" : "pose within training range");
   }
   notePanel(layout);
+  layout.right = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
 }
 

@@ -195,7 +195,8 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
   i.lastValues = values;
-  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions = i.lastValues.recent = {};
+  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions =
+      i.lastValues.recent = {};
   i.lastValues.expressions = {};
   i.lastValues.warnings = {};
   i.lastValues.hits = {};

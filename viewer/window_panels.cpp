@@ -77,6 +77,8 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
     drawTransport(i.layout, values, status, state, requests);
     drawViewPanel(i.layout, values, status, state, requests);
     drawTimesPanel(i.layout, status, times, values.outsideTraining);
+    drawMotionPanel(i.layout, values, state, requests);
+    drawHitsPanel(i.layout, values);
   }
   if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
   drawWarnings(i.layout, values, status);

@@ -1,5 +1,7 @@
 #include "apps/window_settings.h"
 
+#include "apps/window_treatment.h"
+
 #include "geometry/files.h"
 #include "tests/support/datasets.h"
 
@@ -17,6 +19,8 @@ TEST(WindowSettings, AreReadAsTheyWereWritten) {
   WindowSettings settings;
   settings.choices.loop = false;
   settings.choices.scale = 1.5625;
+  settings.choices.treatment = {true, 2, 1};
+  settings.shown = {{"hulls", false}, {"bones", true}};
   addRecent("/home/a name/hero.glb", settings);
   addRecent("walk", settings);
   addRecent("/home/a name/hero.glb", settings);
@@ -33,8 +37,11 @@ TEST(WindowSettings, DamagedOnesAreASentence) {
   EXPECT_FALSE(readWindowSettings(folder.write("fine", fine)).value().choices.loop);
   for (const char* damaged :
        {"", "[]", "{}", "nonsense", R"({"format": "lorica window 2"})", R"({"format": "lorica window 1", "loop": 1})",
-        R"({"format": "lorica window 1", "scale": 1e9})", R"({"format": "lorica window 1", "scale": "big"})",
-        R"({"format": "lorica window 1", "recent": [1]})", R"({"format": "lorica window 1", "recent": "a"})"}) {
+        R"({"format": "lorica window 1", "mirror": "yes"})", R"({"format": "lorica window 1", "gravity": 9.81})",
+        R"({"format": "lorica window 1", "smoothing": "very"})", R"({"format": "lorica window 1", "shown": []})",
+        R"({"format": "lorica window 1", "shown": {"hulls": 1}})", R"({"format": "lorica window 1", "scale": 1e9})",
+        R"({"format": "lorica window 1", "scale": "big"})", R"({"format": "lorica window 1", "recent": [1]})",
+        R"({"format": "lorica window 1", "recent": "a"})"}) {
     const Result<WindowSettings> read = readWindowSettings(folder.write("damaged", damaged));
     ASSERT_FALSE(read.ok()) << damaged;
     EXPECT_NE(read.error().message.find("damaged"), std::string::npos) << read.error().message;
@@ -42,6 +49,40 @@ TEST(WindowSettings, DamagedOnesAreASentence) {
   for (std::size_t length = 0; length + 1 < fine.size(); ++length) {
     EXPECT_FALSE(readWindowSettings(folder.write("cut", fine.substr(0, length))).ok()) << length;
   }
+}
+
+TEST(WindowSettings, OnlyLayersThatTheUserSwitchedAreKept) {
+  WindowSettings settings;
+  SceneOptions before, now;
+  now.bones = true;
+  now.hulls = false;
+  keepShown(before, now, settings);
+  EXPECT_EQ(settings.shown, (std::map<std::string, bool>{{"bones", true}, {"hulls", false}}));
+  SceneOptions other;
+  other.colorSkinByPart = false;  // as another character is usually shown
+  showKept(settings, other);
+  EXPECT_TRUE(other.bones);
+  EXPECT_FALSE(other.hulls);
+  EXPECT_FALSE(other.colorSkinByPart);
+}
+
+TEST(WindowTreatment, WhatTheCommandSaysWinsOverWhatIsKept) {
+  const WindowTreatment kept{true, 3, 0};
+  MotionOptions options;
+  EXPECT_EQ(allowed(treatmentControl(options, true), kept), kept);
+  options.mirror = true;
+  options.smooth = "one-euro";
+  options.smoothGiven = true;
+  const TreatmentControl given = treatmentControl(options, true);
+  EXPECT_EQ(allowed(given, {false, 3, 0}), (WindowTreatment{true, kSmoothingAsGiven, 0}));
+  options.oneEuro.minCutoff = 0.9;
+  EXPECT_EQ(treated(options, allowed(given, kept)).oneEuro.minCutoff, 0.9);
+  EXPECT_EQ(treated(MotionOptions(), {false, 2, 2}).oneEuro.minCutoff, OneEuroSettings().minCutoff);
+  EXPECT_EQ(treated(MotionOptions(), {false, 2, 2}).smooth, "one-euro");
+  EXPECT_EQ(treated(MotionOptions(), {}).smooth, "off");
+  TreatmentControl written = treatmentControl(MotionOptions(), true);
+  written.fix("what is written");
+  EXPECT_EQ(allowed(written, kept), WindowTreatment());
 }
 
 TEST(WindowSettings, LieInTheUsersConfigurationFolder) {
