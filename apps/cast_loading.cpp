@@ -1,6 +1,7 @@
 #include "apps/cast_loading.h"
 
 #include "apps/scenes.h"
+#include "apps/settling.h"
 
 #include <optional>
 #include <utility>
@@ -19,6 +20,21 @@ Isometry3 placeOfDropped(std::size_t index, const Prop& prop) {
   return Isometry3(Eigen::Translation3d(kBeside * column, kAbove + prop.halfExtents.y(), kAhead + kBeside * (row + 1)));
 }
 
+/// Lets sand and water settle around the avatars' first poses, as the first step of the session would.
+Result<void> settle(LoadedCast& loaded) {
+  if (!mustSettle(loaded.opened.world)) return {};
+  // The poses come from a step in another world: of the same props, without particles.
+  Result<World> other = openScene(loaded.request.scene);
+  if (!other) return other.error();
+  addProps(loaded.added, *other);
+  other->setParticles(ParticleSettings());
+  Result<Session> session = startSession(loaded.opened.avatars, nullptr, std::move(*other));
+  if (!session) return session.error();
+  if (const Result<bool> stepped = session->step(); !stepped) return stepped.error();
+  settleAround(partsOf(*session), loaded.opened.world);
+  return {};
+}
+
 Result<LoadedCast> load(const CastRequest& request, int threads) {
   Result<OpenedCast> opened = openCast(request.input, request.body, request.scene, threads);
   if (!opened) return opened.error();
@@ -30,6 +46,7 @@ Result<LoadedCast> load(const CastRequest& request, int threads) {
     loaded.added.push_back(std::move(*prop));
   }
   addProps(loaded.added, loaded.opened.world);
+  if (Result<void> settled = settle(loaded); !settled) return settled.error();
   return loaded;
 }
 

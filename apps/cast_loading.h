@@ -23,7 +23,7 @@ struct LoadedCast {
   std::vector<Prop> added;  ///< of the request's meshes, which are in the world of `opened` already
 };
 
-/// Reads, decomposes, opens the scene.
+/// Reads, decomposes, opens the scene, in which sand and water settle.
 /// @param attempts  the first that can be loaded is; if none can, the error of the first counts
 [[nodiscard]] Result<LoadedCast> loadCast(const std::vector<CastRequest>& attempts, int threads);
 

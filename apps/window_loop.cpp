@@ -3,13 +3,11 @@
 #include "apps/framing.h"
 #include "apps/interrupt.h"
 #include "apps/report.h"
-#include "apps/scenes.h"
 #include "apps/window_loop_impl.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <future>
 #include <thread>
 
 namespace lorica {
@@ -19,34 +17,19 @@ constexpr int kMaxStepsAPicture = 6;
 constexpr double kLongestPause = 0.25;  // longer gaps in a recording, or while the window is dragged, are skipped [s]
 constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures [s]
 constexpr double kSoon = 0.25;          // longer seeks are reported [s]
-constexpr std::chrono::milliseconds kPictureWait(15);
 constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
 
 }  // namespace
 
-/// In the first step sand and water settle, which takes seconds: it runs beside the picture.
-Result<bool> WindowLoop::stepSession() {
-  const Particles* particles = session_.world().particles();
-  if (started_ || particles == nullptr || particles->settings().settleSeconds <= 0.0) return session_.step();
-  std::future<Result<bool>> stepping = std::async(std::launch::async, [&] { return session_.step(); });
-  while (stepping.wait_for(kPictureWait) != std::future_status::ready) {
-    WindowValues values;
-    values.name = subject_.name;
-    values.duration = subject_.duration;
-    window_.notice("waiting for sand or water to settle");
-    window_.show(Scene(), values);
-  }
-  return stepping.get();
-}
-
 Result<WindowEnd> WindowLoop::run() {
   window_.setCamera(framing(window_.camera(), session_.world()));
-  while (window_.open()) {
+  while (window_.open() && !closed_) {
     if (interrupted()) return WindowEnd::kInterrupted;
     if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
     if (Result<void> done = treat(); !done) return done.error();
     if (subject_.next) return WindowEnd::kExchanged;
-    if (Result<void> done = seek_ ? runSeek() : advance(); !done) return done.error();
+    if (Result<void> done = takeWorld(); !done) return done.error();
+    if (Result<void> done = seek_ && !nextWorld_ ? runSeek() : advance(); !done) return done.error();
     if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
     if (ended_ && !seek_) {
       if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
@@ -62,33 +45,12 @@ Result<WindowEnd> WindowLoop::run() {
   return WindowEnd::kClosed;
 }
 
-/// The world of the session, or of the scene chosen last.
-Result<World> WindowLoop::worldAgain() const {
-  if (onlyWatched()) return subject_.worldAgain();
-  return openWorld(scenes_.present);
-}
-
-Result<World> WindowLoop::openWorld(int scene) const {
-  const auto gravity = static_cast<std::size_t>(treatment_.gravity);
-  Result<World> world = openScene(scenes_.arguments[scene], kGravities[gravity].factor);
-  if (world) addProps(subject_.added, *world);
-  return world;
-}
-
 /// After the end. Sand and water would need seconds to settle again: there only the motion starts again.
 Result<void> WindowLoop::startOver() {
   hands_.forget();
   if (session_.world().particles() == nullptr) return restart();
   session_.world().stepAvatars({}, 0.0);  // the avatars come back without sweeping
   return restartIn(std::move(session_.world()));
-}
-
-Result<void> WindowLoop::restart() {
-  Result<World> world = worldAgain();
-  if (!world) return world.error();
-  if (Result<void> done = restartIn(std::move(*world)); !done) return done;
-  due_ = now();
-  return {};
 }
 
 Result<void> WindowLoop::restartIn(World world) {
@@ -112,7 +74,7 @@ Result<void> WindowLoop::beginSeek(double to) {
   if (ended_ && to > seconds()) return {};
   if (!seek_) seek_ = Seek{to, now(), 0, false};
   seek_->to = to;
-  if (!started_ || to > seconds()) return {};
+  if (!started_ || to > seconds() || startsAgain()) return {};
   seek_->again = true;
   return restart();
 }
@@ -201,6 +163,10 @@ Result<void> WindowLoop::step() {
   hands_.beforeStep(window_, session_);
   const double before = seconds();
   const Result<bool> more = stepSession();
+  if (closed_) {
+    ended_ = true;
+    return {};
+  }
   if (!more) return more.error();
   if (!*more) {
     ended_ = true;
@@ -209,6 +175,7 @@ Result<void> WindowLoop::step() {
   }
   if (!started_) firstTime_ = session_.time();
   started_ = true;
+  if (session_.frameCount() == 1) firstParts_ = partsOf(session_);
   frameBegin_ = before;
   scene_.follow(session_);
   focus_.update(session_);
@@ -245,6 +212,7 @@ void WindowLoop::show() {
   values.avatars = avatarNames_;
   values.avatar = focus_.avatar();
   if (subject_.opener != nullptr) subject_.opener->describe(values);
+  describeNextWorld(values);
   if (!values.motions.empty()) values.recent = settings_.recent;
   values.treatable = subject_.treatment.sources != nullptr;
   values.smoothingDelay = started_ ? session_.source().smoothingDelay().value_or(-1.0) : -1.0;

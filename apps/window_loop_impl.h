@@ -1,7 +1,9 @@
 #pragma once
 
 #include "apps/avatar_focus.h"
+#include "apps/background_work.h"
 #include "apps/scene_list.h"
+#include "apps/settling.h"
 #include "apps/snapshots.h"
 #include "apps/window_hands.h"
 #include "apps/window_loop.h"
@@ -11,6 +13,8 @@
 #include "session/prepare/detail_levels.h"
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -66,8 +70,11 @@ class WindowLoop {
   void open(const WindowRequests& requests);
   [[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sources() const;
   Result<void> treat();
-  [[nodiscard]] Result<World> openWorld(int scene) const;
-  [[nodiscard]] Result<World> worldAgain() const;
+  [[nodiscard]] std::function<Result<World>()> worldOf(int scene) const;
+  void prepareWorld(std::optional<int> scene);
+  Result<void> takeWorld();
+  void describeNextWorld(WindowValues& values);
+  [[nodiscard]] bool startsAgain() const { return nextWorld_ != nullptr && !nextScene_; }
   Result<void> beginSeek(double to);
   Result<void> runSeek();
   Result<void> advance();
@@ -82,7 +89,6 @@ class WindowLoop {
   Result<void> startOver();
   Result<void> restart();
   Result<void> restartIn(World world);
-  Result<void> changeScene(int scene);
   [[nodiscard]] Result<bool> stepSession();
   void describe() { status_ = statusOf(session_, ended_); }
   void show();
@@ -96,10 +102,14 @@ class WindowLoop {
   DetailLevels levels_;
   WindowHands hands_;
   WarningBoard warnings_;
-  WindowSettings settings_;                      // as in the user's file
-  SceneOptions firstShown_;                      // when the session came to the window
-  WindowTreatment treatment_;                    // of the session
-  std::vector<std::vector<LivePart>> standing_;  // parts of the avatars after the end
+  WindowSettings settings_;                           // as in the user's file
+  SceneOptions firstShown_;                           // when the session came to the window
+  WindowTreatment treatment_;                         // of the session
+  std::unique_ptr<BackgroundWork<World>> nextWorld_;  // which the session comes into when it has settled; null = none
+  std::optional<int> nextScene_;                      // of nextWorld_; none = the present one, at its start
+  WorkMonitor::Progress progress_;                    // of nextWorld_
+  PartsOfAvatars firstParts_;                         // in the first frame, for settling again; empty = unknown
+  std::vector<std::vector<LivePart>> standing_;       // parts of the avatars after the end
   AvatarFocus focus_;
   std::vector<std::string> avatarNames_;
   std::optional<Seek> seek_;
@@ -107,6 +117,7 @@ class WindowLoop {
   double firstTime_ = 0.0;
   double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
   bool started_ = false, ended_ = false;
+  bool closed_ = false;  // while the session settled
   std::string status_;
   std::vector<std::string> expressions_;  // of the avatar's face
   int expression_ = -1;                   // chosen in the window

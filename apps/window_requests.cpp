@@ -18,15 +18,15 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
   answerAboutAvatars(requests);
   open(requests);
   if (requests.undo) return undo();
-  if (requests.scene && *requests.scene != scenes_.present) {
-    if (Result<void> done = changeScene(*requests.scene); !done) return done;
-  }
+  if (requests.cancel && nextWorld_) nextWorld_->cancel();
+  if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
   hands_.take(requests, window_, session_);
   if (requests.parts && *requests.parts != levels_.asked().value_or(static_cast<int>(session_.body().parts().size()))) {
     levels_.ask(*requests.parts);
   }
   if (const std::shared_ptr<const BodyPlan> plan = levels_.take(); plan != nullptr && plan != session_.body().plan()) {
     session_.setBody(plan);
+    firstParts_.clear();
     scene_ = SessionScene(session_);
     scene_.chooseExpression(expression_);
     describe();
@@ -102,6 +102,7 @@ Result<void> WindowLoop::treat() {
   const WindowTreatment& chosen = window_.choices().treatment;
   if (!subject_.treatment.sources || chosen == treatment_) return {};
   const bool worldStays = chosen.gravity == treatment_.gravity && !subject_.sourcesAgain;
+  if (chosen.mirror != treatment_.mirror || chosen.smoothing != treatment_.smoothing) firstParts_.clear();
   treatment_ = chosen;
   hands_.setGravity(kGravities[static_cast<std::size_t>(chosen.gravity)].factor);
   if (worldStays) return restartIn(std::move(session_.world()));
@@ -122,21 +123,6 @@ Result<void> WindowLoop::undo() {
   }
   hands_.undo();
   return runAgain();
-}
-
-Result<void> WindowLoop::changeScene(int scene) {
-  Result<World> world = openWorld(scene);
-  if (!world) {
-    window_.notice(world.error().message);
-    return {};
-  }
-  scenes_.present = scene;
-  if (subject_.sceneChosen) subject_.sceneChosen(scenes_.arguments[scene]);
-  if (subject_.opener != nullptr) subject_.opener->choseScene(scenes_.arguments[scene]);
-  hands_.forget();
-  if (subject_.sourcesAgain) return restart();
-  session_.setWorld(std::move(*world));
-  return {};
 }
 
 void WindowLoop::recallSettings() {

@@ -69,5 +69,39 @@ TEST_F(WindowDrop, AMotionASceneAndAMeshReplaceWhatIsPlayed) {
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 500) << "the mesh is a prop";
 }
 
+TEST_F(WindowDrop, TheSessionGoesOnWhileTheSandOfADroppedSceneSettles) {
+  const std::filesystem::path scene = folder_.write("sand.json", R"({
+    "format": "lorica scene 1", "grains": {"radius": 0.02, "settle": 20,
+    "fill": [{"at": [0, 0.5, 0], "size": [3, 1, 3], "count": 150000}]}})");
+  Hands hands(folder_);
+  hands.mouse("windowsize --sync $w 480 360");
+  hands.press("Tab");
+  hands.line(drop({scene}));
+  hands.sleep("1");
+  hands.picture();
+  hands.sleep("0.3");
+  hands.picture();
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 200) << "the avatar walks on";
+}
+
+TEST_F(WindowDrop, AFileThatVanishesWhileItLoadsDoesNotEndTheSession) {
+  Hands hands(folder_);
+  for (const std::string after : {"0", "0.01", "0.1"}) {
+    const std::filesystem::path copy = folder_.path() / ("copy" + after + ".csv");
+    std::filesystem::copy_file(shipped("wave.csv"), copy);
+    hands.line(drop({copy}));
+    hands.sleep(after);
+    hands.line("rm " + copy.string());
+    hands.sleep("0.5");
+  }
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_GT(result.json()["frames"], 0);
+}
+
 }  // namespace
 }  // namespace lorica::test

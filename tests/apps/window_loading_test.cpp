@@ -8,6 +8,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// A scene whose sand settles around the feet.
+std::string sandScene(int grains, double settle) {
+  return R"({"format": "lorica scene 1", "grains": {"radius": 0.02, "settle": )" + std::to_string(settle) +
+         R"(, "fill": [{"at": [0, 0.5, 0], "size": [3, 1, 3], "count": )" + std::to_string(grains) + "}]}}";
+}
+
 /// Windows that load at first: without a cache of decompositions.
 class WindowLoading : public ::testing::Test {
  protected:
@@ -24,6 +30,12 @@ class WindowLoading : public ::testing::Test {
         "hands.sh", "w=$(xdotool search --sync --name '^Lorica')\nxdotool windowfocus --sync $w\n" + commands);
     const std::string start = "timeout 30 sh " + script.string() + " > /dev/null 2>&1 &";
     ASSERT_EQ(std::system(start.c_str()), 0);
+  }
+
+  std::string smallBody() {
+    std::string body = folder_.path() / "body.lorica";
+    EXPECT_EQ(runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", body}).exitCode, 0);
+    return body;
   }
 
   TemporaryFolder folder_;
@@ -56,8 +68,7 @@ TEST_F(WindowLoading, WhatCannotBeLoadedAtFirstIsTheCommandsError) {
 }
 
 TEST_F(WindowLoading, ADisplayThatGoesAwayEndsTheProgramWithASentence) {
-  const std::string body = folder_.path() / "body.lorica", recorded = folder_.path() / "recorded.lsession";
-  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", body}).exitCode, 0);
+  const std::string body = smallBody(), recorded = folder_.path() / "recorded.lsession";
   for (const std::vector<std::string>& arguments :  // while it decomposes, and while it plays
        {std::vector<std::string>{"play", "walk", "--window"},
         {"play", "walk", "--window", "--decomposition", body, "--record", recorded}}) {
@@ -87,6 +98,40 @@ TEST_F(WindowLoading, CancelIsAsClosing) {
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.out, "");
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << "the whole takes longer";
+}
+
+TEST_F(WindowLoading, ClosingWhileSandSettlesEndsAtOnce) {
+  const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(150'000, 20.0));
+  // Before the session comes to the window, and in its first step.
+  for (const std::vector<std::string>& source : {std::vector<std::string>{"play", "walk"}, {"live", "--virtual"}}) {
+    std::vector<std::string> arguments = source;
+    arguments.insert(arguments.end(), {"--window", "--scene", scene, "--decomposition", body});
+    inWindow("sleep 2\nxdotool key Escape\n");
+    const Clock::time_point begin = Clock::now();
+    const CommandResult result = runLorica(arguments, surroundings_);
+    EXPECT_EQ(result.exitCode, 0) << source[0] << ": " << result.err;
+    EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << source[0] << ": the whole takes longer";
+  }
+}
+
+TEST_F(WindowLoading, WhatSettlesBesideThePictureIsAsInAnUninterruptedRun) {
+  const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(5'000, 0.5));
+  const std::vector<std::string> command{"play",     "walk", "--scene", scene, "--decomposition", body,
+                                         "--frames", "4",    "--json",  "-",   "--events",        ""};
+  std::vector<std::string> alone = command, again = command;
+  alone.back() = folder_.path() / "alone.jsonl";
+  again.back() = folder_.path() / "again.jsonl";
+  again.emplace_back("--window");
+  const CommandResult truth = runLorica(alone, surroundings_);
+  ASSERT_EQ(truth.exitCode, 0) << truth.err;
+  Hands hands(folder_);
+  hands.sleep("1");
+  hands.press("Home");  // it settles once more
+  hands.sleep("2");
+  const CommandResult result = hands.runWith(again, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["frames"], 4);
+  EXPECT_EQ(result.json()["hash"], truth.json()["hash"]);
 }
 
 }  // namespace

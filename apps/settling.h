@@ -1,0 +1,26 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "session/session.h"
+
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// The parts of each avatar of a session, as they are now.
+using PartsOfAvatars = std::vector<std::vector<LivePart>>;
+[[nodiscard]] PartsOfAvatars partsOf(const Session& session);
+
+/// Whether a step of this world begins with letting sand or water settle, which takes seconds.
+[[nodiscard]] bool mustSettle(const World& world);
+
+/// Lets sand and water settle around parts that stand. Reports to the monitor of this thread, and stops if that is
+/// cancelled: the world is to be given up then.
+void settleAround(const PartsOfAvatars& parts, World& world);
+
+/// The same in the first step of a session. If it is stopped, the step that ends it is not watched any more: nobody
+/// records it.
+[[nodiscard]] Result<bool> stepAndSettle(Session& session);
+
+}  // namespace lorica
