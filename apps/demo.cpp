@@ -58,13 +58,17 @@ Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   prepareWindow("", show.character, 1, window);
   WindowSubject subject{*session, show.performance.name};
   subject.duration = show.performance.seconds();
-  subject.sourcesAgain = [&]() -> Result<std::vector<std::unique_ptr<PoseSource>>> {
-    Result<std::unique_ptr<PoseSource>> source = poseSourceOf(show.character, show.performance, SourceTreatment{});
+  subject.treatment = treatmentControl(MotionOptions(), true);
+  subject.treatment.sources =
+      [&](const WindowTreatment& treatment) -> Result<std::vector<std::unique_ptr<PoseSource>>> {
+    Result<std::unique_ptr<PoseSource>> source =
+        poseSourceOf(show.character, show.performance, treated(MotionOptions(), treatment));
     if (!source) return source.error();
     std::vector<std::unique_ptr<PoseSource>> sources;
     sources.push_back(std::move(*source));
     return sources;
   };
+  subject.sourcesAgain = [&] { return subject.treatment.sources(subject.treatment.first); };
   if (options.seconds > 0.0) subject.atEnd = WindowSubject::AtEnd::kRepeat;
   double before = 0.0, seconds = 0.0;  // of earlier repetitions, and of the current one
   subject.stepped = [&] {
@@ -222,8 +226,8 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
       "      a video (8 s), snapshots and a contact sheet\n"
       "  lorica demo --headless --seconds 2 --json -\n"
       "      a short demo, with its figures as JSON\n"
-      "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run and cached in\n"
-      "$XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
+      "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run, with progress and\n"
+      "Cancel in the window, and cached in $XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
   app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
       ->typeName("DIR");
   Option* window = app->addFlag("--window", options->window,

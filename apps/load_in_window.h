@@ -29,7 +29,7 @@ template <class T>
     values.loading = progress.title();
     values.loaded = progress.share();
     window.show(Scene(), values);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
   }
   return std::optional<T>();
 }

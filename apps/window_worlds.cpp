@@ -8,7 +8,7 @@
 namespace lorica {
 namespace {
 
-constexpr std::chrono::milliseconds kPictureWait(15);
+constexpr std::chrono::milliseconds kPictureWait(30);
 
 }  // namespace
 
