@@ -151,8 +151,8 @@ void Particles::move(std::span<const LivePart> parts, double seconds) {
   }
 }
 
-void Particles::settle(std::span<const LivePart> parts) {
-  if (settled()) return;
+bool Particles::settle(std::span<const LivePart> parts) {
+  if (settled()) return true;
   settled_ = true;
   std::vector<LivePart> still(parts.begin(), parts.end());
   for (LivePart& part : still) {
@@ -162,13 +162,13 @@ void Particles::settle(std::span<const LivePart> parts) {
   const auto frames = static_cast<int>(std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6));
   for (int frame = 1; frame <= frames; ++frame) {
     move(still, kSettlingFrame);
-    if (settlingWatch_ && !settlingWatch_(frame, frames)) return;
+    if (settlingWatch_ && !settlingWatch_(frame, frames)) return false;
   }
+  return true;
 }
 
 void Particles::step(std::span<const LivePart> parts, double seconds) {
-  settle(parts);
-  move(parts, seconds);
+  if (settle(parts)) move(parts, seconds);
 }
 
 std::span<const Vec3f> Particles::positions() const {

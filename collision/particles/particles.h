@@ -55,7 +55,8 @@ class Particles {
   /// @param seconds  above 0
   void step(std::span<const LivePart> parts, double seconds);
   /// Settles the particles around parts that stand, before the first step. Costs as much as that many frames.
-  void settle(std::span<const LivePart> parts);
+  /// @return false if the watch stopped it; a step that it begins then ends with it
+  bool settle(std::span<const LivePart> parts);
   /// Whether they have settled or need not.
   [[nodiscard]] bool settled() const { return settled_ || settings_.settleSeconds <= 0.0; }
   /// Called after each frame of settling, in the thread that settles. @return false = settle no further
