@@ -48,7 +48,7 @@ Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body,
 
 DecompositionCache userCache() {
   // One cause often keeps both the body and its decomposition from the cache.
-  return {userCacheFolder(), warnOnce};
+  return {userCacheFolder(), warn};
 }
 
 Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads) {

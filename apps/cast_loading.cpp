@@ -46,6 +46,7 @@ Result<LoadedCast> load(const CastRequest& request, int threads) {
     loaded.added.push_back(std::move(*prop));
   }
   addProps(loaded.added, loaded.opened.world);
+  loaded.choices = choicesOf(request.input, loaded.opened);
   if (Result<void> settled = settle(loaded); !settled) return settled.error();
   return loaded;
 }

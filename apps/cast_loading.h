@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/cast.h"
+#include "apps/cast_choices.h"
 
 #include <span>
 #include <string>
@@ -21,6 +22,7 @@ struct LoadedCast {
   CastRequest request;
   OpenedCast opened;
   std::vector<Prop> added;  ///< of the request's meshes, which are in the world of `opened` already
+  CastChoices choices = {};
 };
 
 /// Reads, decomposes, opens the scene, in which sand and water settle.

@@ -17,6 +17,7 @@
 #include "apps/session_files.h"
 #include "apps/standard_streams.h"
 #include "apps/stream_motion.h"
+#include "apps/target_hits.h"
 #include "apps/vmc_input.h"
 #include "capture/tracking/live_joints.h"
 #include "geometry/files.h"
@@ -48,6 +49,7 @@ struct Live {
   RunStatistics statistics;
   DrawnFiles drawn;
   Image picture;  // of the depth image
+  TargetHits hits;
 };
 
 /// Adds the session's last frame to the statistics. @return seconds since the first frame
@@ -57,6 +59,7 @@ double note(Live& live, double& firstTime) {
   if (live.joints != nullptr) live.log.add(*live.joints, seconds);
   for (VmcInput& sender : live.vmc) sender.add(live.session);
   live.statistics.add(live.session);
+  live.hits.add(live.session);
   return seconds;
 }
 
@@ -93,11 +96,14 @@ Result<void> runHeadless(const Options& options, Live& live) {
   return {};
 }
 
-Result<void> runInWindow(const Options& options, Window& window, Live& live) {
+Result<void> runInWindow(const Options& options, Window& window, const TreatmentControl& treatment, Live& live) {
   prepareWindow(live.name, live.session.character(), live.session.avatars().size(), window);
   WindowSubject subject{live.session, live.name};
   subject.scene = options.scene;
   subject.atEnd = WindowSubject::AtEnd::kReturn;
+  subject.treatment = treatment;
+  subject.sceneChosen = [&](const std::string& scene) { live.hits = TargetHits(targetsOf(scene)); };
+  subject.hits = [&] { return live.hits.scores(); };
   double firstTime = 0.0;
   subject.stepped = [&] {
     note(live, firstTime);
@@ -162,6 +168,7 @@ Report toReport(const Options& options, const Live& live) {
                 fmt::format("{} was there in {}: {}", avatar.character().name, counted(avatar.frameCount(), "frame"),
                             counted(live.statistics.contactsOf(i), "contact point")));
   }
+  live.hits.addTo(report);
   live.statistics.addTrainingTo(report);
   report.line("contacts", fmt::format("{} with {}", counted(live.statistics.touches(), "touch", "touches"),
                                       counted(live.statistics.propsTouched(), "prop")));
@@ -229,11 +236,27 @@ Result<void> follow(const Options& options, const CommonOptions& common, Loaded 
   if (!events) return events.error();
   session->watch(*events ? *events : *watcher);
 
-  Live live{std::move(*session), performer.tracked, std::move(performer.vmc), performer.name, {}, {}, {}, {}};
+  Live live{std::move(*session),
+            performer.tracked,
+            std::move(performer.vmc),
+            performer.name,
+            {},
+            {},
+            {},
+            {},
+            TargetHits(targetsOf(options.scene))};
   if (window == nullptr) {
     say(fmt::format("{} {}; press Ctrl-C to stop.\n", sent ? "Listening for" : "Tracking with", live.name));
   }
-  const Result<void> ran = window != nullptr ? runInWindow(options, *window, live) : runHeadless(options, live);
+  TreatmentControl treatment = treatmentControl(options.performing, !sent);
+  if (!sent) {
+    treatment.sources = [&](const WindowTreatment& chosen) { return sourcesOf(options, performer, followers, chosen); };
+  }
+  if (!options.record.empty() || !options.events.empty() || options.out.any()) {
+    treatment.fix("what is written or sent is as the command says");
+  }
+  const Result<void> ran =
+      window != nullptr ? runInWindow(options, *window, treatment, live) : runHeadless(options, live);
   if (!ran) {
     if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
     return ran;
@@ -320,7 +343,10 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->reading.textureSize);
   app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options, app](const CommonOptions& given) {
+            options->performing.smoothGiven = smoothingGiven(*app);
+            return run(*options, given);
+          }};
 }
 
 }  // namespace lorica

@@ -12,10 +12,22 @@
 namespace lorica {
 namespace {
 
+/// Joints of a source that several sessions follow, one after the other.
+class SharedJoints final : public SkeletonSource {
+ public:
+  explicit SharedJoints(std::shared_ptr<SkeletonSource> source) : source_(std::move(source)) {}
+  Result<std::optional<SkeletonFrame>> next() override { return source_->next(); }
+
+ private:
+  std::shared_ptr<SkeletonSource> source_;
+};
+
 /// The poses of a character that follows the performer.
 Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Performer& performer, std::size_t index,
                                              const SourceTreatment& treatment) {
-  if (performer.vmc.empty()) return makeTreatedSource(character, std::move(performer.joints[index]), treatment);
+  if (performer.vmc.empty()) {
+    return makeTreatedSource(character, std::make_unique<SharedJoints>(performer.joints[index]), treatment);
+  }
   Result<std::unique_ptr<PoseSource>> sent =
       performer.vmc[index].makeSource(character, treatment.joints.mirror, index == 0);
   if (!sent) return sent.error();
@@ -132,6 +144,21 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const LiveOptions& option
     avatars.push_back({std::move(as), follower.character(), follower.body});
   }
   return startRecorder(options.record, avatars, options.scene, world);
+}
+
+Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(const LiveOptions& options, const Performer& performer,
+                                                           std::span<const Follower> followers,
+                                                           const WindowTreatment& treatment) {
+  const MotionOptions performing = treated(options.performing, treatment);
+  std::vector<std::unique_ptr<PoseSource>> sources;
+  for (std::size_t i = 0; i < followers.size(); ++i) {
+    Result<std::unique_ptr<PoseSource>> source =
+        makeTreatedSource(followers[i].character(), std::make_unique<SharedJoints>(performer.joints[i]),
+                          {nullptr, performing.faults(), performing.joints()});
+    if (!source) return source.error();
+    sources.push_back(std::move(*source));
+  }
+  return sources;
 }
 
 Result<Session> startSession(const LiveOptions& options, Performer& performer, std::span<const Follower> followers,

@@ -11,6 +11,7 @@
 #include "apps/snapshots.h"
 #include "apps/spring_options.h"
 #include "apps/vmc_input.h"
+#include "apps/window_treatment.h"
 #include "capture/tracking/live_joints.h"
 #include "session/session.h"
 
@@ -50,7 +51,7 @@ struct LiveOptions {
 
 /// Whom the characters of a live session follow.
 struct Performer {
-  std::vector<std::unique_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if a program sends
+  std::vector<std::shared_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if a program sends
   const LiveJoints* tracked;                            ///< the first; null if NiTE 2 tracks or a program sends
   std::vector<VmcInput> vmc;                            ///< of each avatar; empty without a program that sends
   std::string name;
@@ -91,7 +92,13 @@ struct Follower {
                                                                      std::span<const Follower> followers,
                                                                      const World& world);
 
-/// @param performer  its sources are taken
+/// New sources for a session of the followers of a camera, from now on.
+[[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(const LiveOptions& options,
+                                                                         const Performer& performer,
+                                                                         std::span<const Follower> followers,
+                                                                         const WindowTreatment& treatment);
+
+/// @param performer  its streams are taken
 /// @param recorder   gets what they give; null = none
 [[nodiscard]] Result<Session> startSession(const LiveOptions& options, Performer& performer,
                                            std::span<const Follower> followers,

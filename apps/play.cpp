@@ -74,12 +74,6 @@ struct Counts {
   }
 };
 
-/// The targets of the scene that the user chose; none if it cannot be read any more.
-std::vector<HitTarget> targetsOf(const std::string& scene) {
-  Result<OpenedScene> opened = openStage(scene);
-  return opened ? std::move(opened->targets) : std::vector<HitTarget>();
-}
-
 /// A window in which casts are played, one after the other.
 struct PlayWindow {
   Window& window;
@@ -106,6 +100,7 @@ Result<void> playWithWindow(const Options& options, const LoadedCast& loaded, Se
   if (options.written()) subject.treatment.fix("what is written or sent is as the command says");
   subject.stepped = [&] { counts.add(session, options); };
   subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
+  subject.hits = [&] { return counts.hits.scores(); };
   subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run
   const Result<WindowEnd> end = runInWindow(play.window, subject, options.playing);
   if (!end) return end.error();

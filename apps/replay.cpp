@@ -206,6 +206,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     watched.atEnd = WindowSubject::AtEnd::kHold;
     watched.restarted = [&] { (void)begin(); };  // it could be opened before
     watched.stepped = count;
+    watched.hits = [&] { return hits.scores(); };
     PlaybackOptions limit;
     limit.frames = steps;
     if (Result<void> shown = runInOwnWindow(watched, limit); !shown) return shown;

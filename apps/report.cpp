@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <mutex>
 #include <set>
 #include <thread>
 
@@ -152,12 +153,10 @@ Result<void> checkOutputFolder(const std::string& option, const std::filesystem:
 }
 
 void warn(const std::string& sentence) {
-  say(fmt::format("lorica: warning: {}\n", printable(sentence)));
-}
-
-void warnOnce(const std::string& sentence) {
+  static std::mutex busy;
   static std::set<std::string> said;
-  if (said.insert(sentence).second) warn(sentence);
+  const std::lock_guard<std::mutex> lock(busy);
+  if (said.insert(sentence).second) say(fmt::format("lorica: warning: {}\n", printable(sentence)));
 }
 
 std::string environment(const char* name) {

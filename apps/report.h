@@ -70,10 +70,8 @@ class Report {
 /// The same for a folder, which is created later if it does not exist.
 [[nodiscard]] Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder);
 
-/// Prints a warning to standard error, one line: "lorica: warning: ...".
+/// Prints a warning to standard error, one line: "lorica: warning: ...". The same sentence is said once in a run.
 void warn(const std::string& sentence);
-/// warn(), unless this function has printed the same sentence before. Not for several threads.
-void warnOnce(const std::string& sentence);
 
 /// The value of an environment variable; empty if it is not set.
 [[nodiscard]] std::string environment(const char* name);

@@ -122,6 +122,11 @@ Result<OpenedScene> openStage(const std::string& scene) {
   return OpenedScene{makeWorld(*read), std::move(read->targets), std::move(read->stage)};
 }
 
+std::vector<HitTarget> targetsOf(const std::string& scene) {
+  const Result<SceneText> text = readSceneText(scene);
+  return text ? targetsOf(*text, scene) : std::vector<HitTarget>();
+}
+
 Result<Prop> openMeshProp(const std::string& file) {
   const Result<TriMesh> mesh = readMesh(file);
   if (!mesh) return mesh.error();

@@ -44,6 +44,9 @@ struct OpenedScene {
 /// openScene() with the avatars of the scene.
 [[nodiscard]] Result<OpenedScene> openStage(const std::string& scene);
 
+/// The targets of a scene that the user chose; none if it cannot be read any more.
+[[nodiscard]] std::vector<HitTarget> targetsOf(const std::string& scene);
+
 /// A prop at rest at the world's origin, from a mesh file: in at most 8 convex parts if the mesh is closed, else its
 /// convex hull. A mesh whose largest side is not 0.1 to 1.5 units long is scaled to 0.5 m, else a unit is a metre.
 [[nodiscard]] Result<Prop> openMeshProp(const std::string& file);

@@ -27,10 +27,15 @@ int sumOf(const HitCounter::Hits& hits) {
 
 }  // namespace
 
+TargetHits::TargetHits(std::vector<HitTarget> targets) : counter_(std::move(targets)) {
+  for (const HitTarget& target : counter_.targets()) scores_.push_back({target.name, 0});
+}
+
 void TargetHits::add(const Session& session) {
   if (counter_.targets().empty()) return;
   if (!events_) events_.emplace(session);
   counter_.add(events_->update(session), session);
+  for (std::size_t i = 0; i < scores_.size(); ++i) scores_[i].hits = sumOf(counter_.hitsOf(i));
 }
 
 std::string TargetHits::caption() const {

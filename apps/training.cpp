@@ -26,7 +26,7 @@ Result<Training> trainingMotions(const Subject& subject, std::span<const Motion>
   const auto usual = [&]() -> Result<std::vector<Motion>> {
     Result<std::vector<Motion>> shipped = readShippedRecordings();
     if (shipped) return shipped;
-    warnOnce(shipped.error().message + "; the hulls are trained on the same motions, generated again");
+    warn(shipped.error().message + "; the hulls are trained on the same motions, generated again");
     return makeShippedMotions();
   };
   return trainingMotions(*subject.character, motions, subject.clips(), usual);

@@ -214,6 +214,7 @@ void WindowLoop::show() {
   if (subject_.opener != nullptr) subject_.opener->describe(values);
   describeNextWorld(values);
   if (!values.motions.empty()) values.recent = settings_.recent;
+  if (subject_.hits) values.hits = subject_.hits();
   values.treatable = subject_.treatment.sources != nullptr;
   values.smoothingDelay = started_ ? session_.source().smoothingDelay().value_or(-1.0) : -1.0;
   values.noMirror = subject_.treatment.noMirror;

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,12 @@ struct WindowSubject {
   std::function<std::string()> trouble = {};                       ///< problem with the source; null or empty = none
   std::function<double()> trackingSeconds = {};  ///< time for tracking the joints [s]; null = not measured
   std::function<bool()> enough = {};             ///< whether to stop after the current frame; null = never
-  WindowOpener* opener = nullptr;       ///< opens files that are dropped on the window; null = they cannot be opened
-  std::vector<Prop> added = {};         ///< props in each of its worlds, in addition to those of the scene
-  TreatmentControl treatment = {};      ///< mirror, smoothing, gravity
-  const Image* inset = nullptr;         ///< see Scene
-  std::optional<LoadedCast> next = {};  ///< see WindowEnd::kExchanged
+  WindowOpener* opener = nullptr;  ///< opens files that are dropped on the window; null = they cannot be opened
+  std::vector<Prop> added = {};    ///< props in each of its worlds, in addition to those of the scene
+  std::function<std::span<const TargetScore>()> hits = {};  ///< of the scene's targets; null = none
+  TreatmentControl treatment = {};                          ///< mirror, smoothing, gravity
+  const Image* inset = nullptr;                             ///< see Scene
+  std::optional<LoadedCast> next = {};                      ///< see WindowEnd::kExchanged
 
   /// Behaviour at the end of the recording or at its limit.
   enum class AtEnd : std::uint8_t {

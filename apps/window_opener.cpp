@@ -92,6 +92,7 @@ WindowOpener::WindowOpener(const LoadedCast& present, int threads, std::string w
 
 void WindowOpener::remember(const LoadedCast& loaded) {
   present_ = loaded.request;
+  choices_ = loaded.choices;
   // A scene with avatars of its own: a dropped character performs the motion of its first.
   if (present_.input.motion.empty() && present_.input.character.empty() && !loaded.opened.avatars.empty()) {
     present_.input.motion = loaded.opened.avatars.front().options.motion;
@@ -113,6 +114,7 @@ Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   if (!kinds.motions.empty()) {
     request.input.motion = kinds.motions.front();
     request.input.performing.clip.clear();
+    request.input.performing.person = 0;
     request.input.performing.format.clear();
   }
   request.meshes.insert(request.meshes.end(), kinds.meshes.begin(), kinds.meshes.end());
@@ -124,11 +126,32 @@ Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   if (!kinds.characters.empty()) {
     attempts = attemptsWith(kinds.characters.front(), !kinds.motions.empty(), request);
   }
-  asked_ = files;
+  load(std::move(attempts), files);
+  return {};
+}
+
+Result<void> WindowOpener::openClip(int index) {
+  if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
+  CastRequest request = present_;
+  request.input.performing.clip = choices_.clips[static_cast<std::size_t>(index)];
+  load({std::move(request)}, {});
+  return {};
+}
+
+Result<void> WindowOpener::openPerson(int index) {
+  if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
+  CastRequest request = present_;
+  request.input.performing.person = index < 0 ? kEveryone : std::stoi(choices_.people[static_cast<std::size_t>(index)]);
+  load({std::move(request)}, {});
+  return {};
+}
+
+/// @param files  that the user named
+void WindowOpener::load(std::vector<CastRequest> attempts, std::vector<std::string> files) {
+  asked_ = std::move(files);
   loading_.reset();  // before the next one, so that they do not wait for each other's caches
   loading_ = std::make_unique<BackgroundWork<LoadedCast>>(
       [attempts = std::move(attempts), threads = threads_] { return loadCast(attempts, threads); });
-  return {};
 }
 
 void WindowOpener::cancel() {
@@ -148,7 +171,13 @@ std::optional<Result<LoadedCast>> WindowOpener::take() {
 }
 
 void WindowOpener::describe(WindowValues& values) {
-  if (whyNot_.empty()) values.motions = motions_;
+  if (whyNot_.empty()) {
+    values.motions = motions_;
+    values.clips = choices_.clips;
+    values.clip = choices_.clip;
+    values.people = choices_.people;
+    values.person = choices_.person;
+  }
   if (!loading_) return;
   progress_ = loading_->progress();
   values.loading = progress_.title();

@@ -23,6 +23,10 @@ class WindowOpener {
   [[nodiscard]] Result<void> open(const std::vector<std::string>& files);
   /// The scene of the present cast was exchanged.
   void choseScene(const std::string& scene) { present_.scene = scene; }
+  /// Starts to load the present cast with another clip or person of its motion's file.
+  /// @param index  of WindowValues::clips or people; -1 = everyone
+  [[nodiscard]] Result<void> openClip(int index);
+  [[nodiscard]] Result<void> openPerson(int index);
   void cancel();
 
   [[nodiscard]] bool loading() const { return loading_ != nullptr; }
@@ -35,8 +39,10 @@ class WindowOpener {
 
  private:
   void remember(const LoadedCast& loaded);
+  void load(std::vector<CastRequest> attempts, std::vector<std::string> files);
 
   CastRequest present_;
+  CastChoices choices_;
   int threads_ = 1;
   std::string whyNot_;
   std::unique_ptr<BackgroundWork<LoadedCast>> loading_;

@@ -74,6 +74,10 @@ void WindowLoop::open(const WindowRequests& requests) {
       window_.notice(begun.error().message, kProblemSeconds);
     }
   }
+  for (const Result<void>& begun : {requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
+                                    requests.person ? opener->openPerson(*requests.person) : Result<void>()}) {
+    if (!begun) window_.notice(begun.error().message, kProblemSeconds);
+  }
   if (requests.cancel) opener->cancel();
   std::optional<Result<LoadedCast>> loaded = opener->take();
   if (!loaded) return;
@@ -129,7 +133,7 @@ void WindowLoop::recallSettings() {
   treatment_ = subject_.treatment.first;
   Result<WindowSettings> read = readWindowSettings(windowSettingsFile());
   if (!read) {
-    warnOnce(read.error().message);
+    warn(read.error().message);
     window_.notice(read.error().message, kProblemSeconds);
   } else {
     settings_ = std::move(*read);
@@ -159,7 +163,7 @@ void WindowLoop::keepSettings() {
   }
   if (now == settings_) return;
   if (const Result<void> written = writeWindowSettings(windowSettingsFile(), now); !written) {
-    warnOnce(written.error().message);
+    warn(written.error().message);
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 /// Begins a panel on the right, below the last one. @return whether there is room for it; then endRight() must follow
 bool beginRight(PanelLayout& layout, PanelLayout::Fold& fold, const char* title, bool& open) {
   const float margin = layout.margin();
-  const float top = layout.right + margin, room = layout.floor - margin - top;
+  const float top = layout.right + margin, room = layout.rightFloor - margin - top;
   if (room < layout.of(40.0f)) return false;
   const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
   ImGui::SetNextWindowPos(ImVec2(layout.width - margin, top), ImGuiCond_Always, ImVec2(1.0f, 0.0f));

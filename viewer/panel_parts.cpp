@@ -148,6 +148,7 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
   }
   notePanel(layout);
   layout.floor = ImGui::GetWindowPos().y;
+  layout.rightFloor = std::min(layout.floor, layout.height - static_cast<float>(status.insetHeight) - margin);
   ImGui::End();
 }
 

@@ -44,6 +44,7 @@ struct PanelLayout {
   float floor = 1.0f;                 ///< top of the transport
   float ceiling = 0.0f;               ///< bottom of the warnings
   std::vector<Area> panels;           ///< as drawn
+  float rightFloor = 1.0f;            ///< the same, or the top of the inset
   float right = 0.0f;                 ///< bottom of the last panel on the right
   Fold view, times, motion, hits;
 };

@@ -54,7 +54,7 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
 void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining) {
   const float margin = layout.margin();
   const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
-  const float room = layout.floor - 2.0f * margin;
+  const float room = layout.rightFloor - 2.0f * margin;
   if (room < layout.of(40.0f)) return;
   ImGui::SetNextWindowPos(ImVec2(layout.width - margin, margin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
   foldAsSizeSays(layout, layout.times);
@@ -67,7 +67,7 @@ void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGr
   if (open) {
     const double scale = scaleFor(times.longest());
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    const ImVec2 size(ImGui::GetContentRegionAvail().x, layout.of(84.0f));
+    const ImVec2 size(ImGui::GetContentRegionAvail().x, layout.of(64.0f));
     ImGui::Dummy(size);
     drawBars(times, corner, size, scale);
     ImDrawList& list = *ImGui::GetWindowDrawList();

@@ -7,18 +7,22 @@
 
 namespace lorica {
 
-/// Keeps each warning visible for at least a second, so that it is readable and does not flicker.
+/// Keeps each warning visible for at least a second, so that it is readable, and those that come and go for longer, so
+/// that they do not flicker.
 class WarningBoard {
  public:
   static constexpr double kHoldSeconds = 1.0;
+  static constexpr double kLongestHold = 8.0;  ///< of a warning that came back often [s]
+  static constexpr double kForgotten = 20.0;   ///< without it, until a warning is held shortly again [s]
 
   /// Raises a warning. A new text of the same kind replaces the previous one, but not before that was shown for
   /// kHoldSeconds.
   /// @param kind  identifies the warning
   void raise(std::string_view kind, std::string_view sentence, double now);
-  /// Removes warnings that have not been raised for kHoldSeconds. @param now  monotonic clock [s]
+  /// Removes warnings that have not been raised for kHoldSeconds; each time that one came back doubles that. @param now
+  /// monotonic clock [s]
   void update(double now);
-  void clear() { notes_.clear(), sentences_.clear(); }
+  void clear() { notes_.clear(), sentences_.clear(), past_.clear(); }
 
   /// The current warnings, in the order in which they were first raised.
   [[nodiscard]] std::span<const std::string> sentences() const { return sentences_; }
@@ -28,9 +32,11 @@ class WarningBoard {
     std::string kind;
     double worded = 0.0;  // when its text last changed [s]
     double raised = 0.0;  // when it was last raised [s]
+    double hold = kHoldSeconds;
   };
   std::vector<Note> notes_;
   std::vector<std::string> sentences_;  // of the notes
+  std::vector<Note> past_;              // that were removed
 };
 
 }  // namespace lorica

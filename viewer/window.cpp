@@ -226,7 +226,10 @@ void Window::show(const Scene& scene, const WindowValues& values) {
     status.qualities = kQualityNames;
     status.quality = static_cast<int>(level);
     status.videoSeconds = i.video ? begin - i.video->begin : -1.0;
-    status.insetWidth = scene.inset != nullptr && scene.inset->width > 0 ? width / 4 : 0;
+    if (scene.inset != nullptr && scene.inset->width > 0) {
+      status.insetWidth = width / 4;
+      status.insetHeight = status.insetWidth * scene.inset->height / scene.inset->width;
+    }
     if (begin < i.noticeUntil) status.notice = i.noticeText;
     i.state.scrubbing = false;  // only visible panels can set it
     i.panels->draw(i.takePanelInput(width, height), values, status, i.times, i.state, i.requests);

@@ -36,6 +36,7 @@ struct PanelStatus {
   int quality = 0;
   double videoSeconds = -1.0;  ///< length of the video being written [s]; below 0 = none
   double insetWidth = 0.0;     ///< of Scene::inset at the lower right [pixels]; 0 = none
+  double insetHeight = 0.0;    ///< with it
   std::string_view notice;     ///< temporary message; empty = none
 };
 

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <functional>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -46,6 +49,27 @@ TEST(WarningBoard, HoldsWhatComesAndGoesForASecond) {
     ASSERT_EQ(board.sentences().size(), 1u);
   }
   board.update(14.1);
+  EXPECT_TRUE(board.sentences().empty());
+}
+
+TEST(WarningBoard, WhatComesBackIsHeldLonger) {
+  WarningBoard board;
+  // Every 3 s for a moment: after a few times it stays, instead of coming and going.
+  std::vector<bool> shown;
+  for (int tick = 0; tick < 600; ++tick) {
+    const double now = 0.1 * tick;
+    if (tick % 30 == 0) board.raise("limbs", "left hand lost", now);
+    board.update(now);
+    shown.push_back(!board.sentences().empty());
+  }
+  const auto changes = std::adjacent_find(shown.begin() + 80, shown.end(), std::not_equal_to<>());
+  EXPECT_EQ(changes, shown.end());
+  EXPECT_TRUE(shown.back());
+  board.update(59.7 - 2.7 + WarningBoard::kLongestHold);
+  EXPECT_TRUE(board.sentences().empty());
+  // Later it is new.
+  board.raise("limbs", "left hand lost", 100.0);
+  board.update(100.0 + WarningBoard::kHoldSeconds);
   EXPECT_TRUE(board.sentences().empty());
 }
 
