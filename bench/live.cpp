@@ -77,6 +77,17 @@ Motion poseAt60Hz(const Character& character, SyntheticMotion which) {
   return motion;
 }
 
+/// The same motions as a camera sees them: bodies move farther from frame to frame.
+std::vector<Motion> at30Hz(std::span<const Motion> motions) {
+  std::vector<Motion> slow(motions.begin(), motions.end());
+  for (Motion& motion : slow) {
+    std::vector<std::vector<Affine3>>& frames = motion.worldFromModel;
+    for (std::size_t f = 0; 2 * f < frames.size(); ++f) frames[f] = frames[2 * f];
+    frames.resize((frames.size() + 1) / 2);
+  }
+  return slow;
+}
+
 /// CPU time of this thread: other load of the machine does not count [us].
 double threadMicroseconds() {
   timespec now{};
@@ -261,6 +272,11 @@ void measureStages(const Character& character, const Decomposition& decompositio
   };
   const FrameTimes bullet = timeFrames(motions, 1, kReferenceStride, none, bulletHulls, noHash);
   row("hulls with faces", hulls, bullet, "btConvexHullComputer on the same points");
+  const std::vector<Motion> slow = at30Hz(motions);
+  for (const Motion& motion : slow) {
+    row("hulls with faces at 30 Hz: " + motion.name, timeFrames({&motion, 1}, repeats, 1, startBody, update, hashBody),
+        bullet, "btConvexHullComputer on the same points");
+  }
 
   const std::vector<Motion> jumps = {jumpsBetween(motions)};
   row("hulls with faces after a jump", timeFrames(jumps, repeats, 1, startBody, update, hashBody), bullet,
@@ -309,6 +325,8 @@ void measureStages(const Character& character, const Decomposition& decompositio
     row(fmt::format("hulls with faces of {} points, with cover", vertices),
         timeFrames(motions, repeats, 1, startCovered, update, hashBody), bullet, "btConvexHullComputer on all points");
     if (vertices != 64) continue;
+    row("hulls with faces of 64 points at 30 Hz, with cover",
+        timeFrames(slow, repeats, 1, startCovered, update, hashBody), bullet, "btConvexHullComputer on all points");
     printMemory(fewer, motions.front());
     const auto startPoints = [&] { body.emplace(fewer, LiveDetail::kSupport); };
     row("support only of 64 points, with cover", timeFrames(motions, repeats, 1, startPoints, update, noHash), bullet,

@@ -13,7 +13,7 @@ namespace lorica {
 namespace {
 
 // Length of a tick at most [s]. Within one, a prop meets only what it could reach when the tick began.
-constexpr double kTickSeconds = 1.0 / 120.0;
+constexpr double kTickSeconds = 1.0 / 90.0;
 // Props that were slow for this long sleep [s].
 constexpr btScalar kRestSeconds = 0.5f;
 // A sleeping prop wakes if another that touches it is nearer than this, or faster [m], [m/s].
