@@ -142,7 +142,7 @@ function(lorica_tests name)
   list(JOIN ARG_SLOW ":" slow)
   # Under sanitizers one process runs all tests of a program: what they share is prepared once, which takes most of the time.
   if(LORICA_SANITIZE)
-    if(NOT ARG_SANITIZED)
+    if(NOT ARG_SANITIZED OR LORICA_SANITIZE STREQUAL "thread")
       set(timeout 7200)
     endif()
     add_test(NAME ${name} COMMAND ${name}_tests "--gtest_filter=-${slow}")

@@ -1,4 +1,4 @@
-# Shared by the scripts beside it: headings with the time so far, quiet commands with a log, the release build.
+# Shared by the scripts beside it: headings with the time so far, quiet commands with a log, builds, the mirror.
 # Sourced with the repository's root as the working directory.
 
 started=$SECONDS
@@ -47,4 +47,11 @@ build() {
   else
     quietly "$folder/log-build.txt" "${command[@]}"
   fi
+}
+
+# mirror_of Debian|Debian-Security: the address of this machine's own mirror. apt lists them once it has read its package
+# lists.
+mirror_of() {
+  apt-get indextargets --format '$(REPO_URI) $(LABEL)' 'Created-By: Packages' 2>/dev/null |
+    awk -v label="$1" '$2 == label { print $1; exit }'
 }
