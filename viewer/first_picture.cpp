@@ -9,7 +9,7 @@ struct Color {
   float red, green, blue;  // sRGB
 };
 
-constexpr Color kSky{0.67f, 0.74f, 0.81f}, kPanel{0.20f, 0.23f, 0.28f}, kBar{0.27f, 0.31f, 0.38f};
+constexpr Color kSky{0.85f, 0.87f, 0.89f}, kPanel{0.14f, 0.16f, 0.19f}, kBar{0.26f, 0.30f, 0.37f};
 
 void fill(const GlFunctions& gl, const Color& color, int left, int bottom, int width, int height) {
   gl.Scissor(left, bottom, width, height);
