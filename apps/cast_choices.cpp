@@ -1,5 +1,6 @@
 #include "apps/cast_choices.h"
 
+#include "apps/depth_motion.h"
 #include "apps/file_trust.h"
 #include "apps/report.h"
 #include "capture/files/joint_stream.h"
@@ -62,12 +63,13 @@ CastChoices choicesOf(const PlaybackInputOptions& input, const OpenedCast& cast)
   } else if (isCharacterFile(file)) {
     const Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
     if (read) addClips(read->clips, input.performing.clip, choices);
-  } else if (!first.motion.joints.empty()) {
+  } else if (lowerCase(file.extension().string()) == ".lsession") {
+    addPeople(peopleIn(file, ""), std::max(input.performing.person, 1), choices);
+  } else if (!first.motion.joints.empty() && !isDepthRecording(file)) {
+    choices.everyone = true;
     const int given = input.performing.person;
     const int followed = given == 0 ? first.motion.joints.front().user : given;
     addPeople(peopleIn(file, input.performing.format), followed, choices);
-  } else if (lowerCase(file.extension().string()) == ".lsession") {
-    addPeople(peopleIn(file, ""), std::max(input.performing.person, 1), choices);
   }
   return choices;
 }

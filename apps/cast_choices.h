@@ -13,6 +13,7 @@ struct CastChoices {
   int clip = 0;                     ///< index of the played one
   std::vector<std::string> people;  ///< their numbers; empty = there is at most one
   int person = 0;                   ///< index of the one who is followed; -1 = everyone
+  bool everyone = false;            ///< everyone may be followed at once
 };
 
 /// Reads the motion's file again.

@@ -177,6 +177,7 @@ void WindowOpener::describe(WindowValues& values) {
     values.clip = choices_.clip;
     values.people = choices_.people;
     values.person = choices_.person;
+    values.everyone = choices_.everyone;
   }
   if (!loading_) return;
   progress_ = loading_->progress();

@@ -71,7 +71,9 @@ void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark
 
 void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status) {
   // Between the panels, or below their titles if there is no space between them.
-  if (layout.small() && !layout.panels.empty()) layout.ceiling += layout.of(kPanelLine + 12.0f);
+  if (layout.small() && !layout.panels.empty()) {
+    layout.ceiling = std::max(layout.ceiling + layout.of(kPanelLine + 12.0f), layout.titles + layout.of(4.0f));
+  }
   for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
   if (status.videoSeconds >= 0.0) {
     drawPlate(layout, fmt::format("video {:.1f} s, V to stop", status.videoSeconds), kInk, kRed);

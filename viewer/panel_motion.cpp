@@ -8,13 +8,15 @@
 namespace lorica {
 namespace {
 
-/// Begins a panel on the right, below the last one. @return whether there is room for it; then endRight() must follow
-bool beginRight(PanelLayout& layout, PanelLayout::Fold& fold, const char* title, bool& open) {
-  const float margin = layout.margin();
-  const float top = layout.right + margin, room = layout.rightFloor - margin - top;
-  if (room < layout.of(40.0f)) return false;
-  const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
-  ImGui::SetNextWindowPos(ImVec2(layout.width - margin, top), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
+/// Begins a panel below the last one at a side. @return whether there is room for it; then endBelow() must follow
+bool beginBelow(PanelLayout& layout, PanelLayout::Fold& fold, const char* title, bool left, bool& open) {
+  const float margin = layout.margin(), gap = layout.small() ? layout.of(4.0f) : margin;
+  const float top = (left ? layout.left : layout.right) + gap;
+  const float room = (left ? layout.floor : layout.rightFloor) - margin - top;
+  if (room < layout.of(24.0f)) return false;
+  const float width = std::min(layout.of(left ? kViewPanel : kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
+  const ImVec2 corner(left ? margin : layout.width - margin, top);
+  ImGui::SetNextWindowPos(corner, ImGuiCond_Always, ImVec2(left ? 0.0f : 1.0f, 0.0f));
   foldAsSizeSays(layout, fold);
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
   open = ImGui::Begin(title, nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
@@ -22,9 +24,9 @@ bool beginRight(PanelLayout& layout, PanelLayout::Fold& fold, const char* title,
   return true;
 }
 
-void endRight(PanelLayout& layout) {
+void endBelow(PanelLayout& layout, bool left) {
   notePanel(layout);
-  layout.right = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  (left ? layout.left : layout.right) = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
 }
 
@@ -56,20 +58,22 @@ void chooseTreatment(const WindowValues& values, WindowTreatment& treatment) {
 void drawMotionPanel(PanelLayout& layout, const WindowValues& values, ControlState& state, WindowRequests& requests) {
   bool open = false;
   const bool any = values.treatable || !values.clips.empty() || !values.people.empty();
-  if (!any || !beginRight(layout, layout.motion, "Motion", open)) return;
+  const bool left = layout.small();
+  if (!any || !beginBelow(layout, layout.motion, "Motion", left, open)) return;
   if (open) {
     if (!values.clips.empty()) chooseFrom("clip", "clip: ", nullptr, values.clips, values.clip, requests.clip);
     if (!values.people.empty()) {
-      chooseFrom("person", "person: ", "everyone", values.people, values.person, requests.person);
+      const char* everyone = values.everyone ? "everyone" : nullptr;
+      chooseFrom("person", "person: ", everyone, values.people, values.person, requests.person);
     }
     if (values.treatable) chooseTreatment(values, state.choices.treatment);
   }
-  endRight(layout);
+  endBelow(layout, left);
 }
 
 void drawHitsPanel(PanelLayout& layout, const WindowValues& values) {
   bool open = false;
-  if (values.hits.empty() || !beginRight(layout, layout.hits, "Hits", open)) return;
+  if (values.hits.empty() || !beginBelow(layout, layout.hits, "Hits", false, open)) return;
   if (open) {
     for (const TargetScore& target : values.hits) {
       ImGui::TextUnformatted(target.name.c_str());
@@ -78,7 +82,7 @@ void drawHitsPanel(PanelLayout& layout, const WindowValues& values) {
       ImGui::TextUnformatted(count.c_str());
     }
   }
-  endRight(layout);
+  endBelow(layout, false);
 }
 
 }  // namespace lorica

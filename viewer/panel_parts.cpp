@@ -9,8 +9,6 @@
 namespace lorica {
 namespace {
 
-constexpr float kViewPanel = 206.0f;
-
 /// A button as wide as the panel with its key at the right edge. @param why  it cannot be pressed; empty = it can
 bool keyedButton(const char* name, const char* key, std::string_view why = {}) {
   const float width = ImGui::GetContentRegionAvail().x;
@@ -38,6 +36,7 @@ void chooseFile(const char* what, std::span<const std::string> files, WindowRequ
 void notePanel(PanelLayout& layout) {
   const ImVec2 position = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   layout.panels.push_back({position.x, position.y, position.x + size.x, position.y + size.y});
+  if (ImGui::IsWindowCollapsed()) layout.titles = std::max(layout.titles, position.y + size.y);
 }
 
 void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold) {
@@ -216,6 +215,7 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     }
   }
   notePanel(layout);
+  layout.left = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
   ImGui::End();
 }
 

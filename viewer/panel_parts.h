@@ -9,6 +9,8 @@ namespace lorica {
 
 /// Height of a line of text at scale 1 [pixels].
 inline constexpr float kPanelLine = 18.0f;
+/// Width of the view panel at scale 1 [pixels].
+inline constexpr float kViewPanel = 206.0f;
 /// Width of the times panel, the widest, at scale 1 [pixels].
 inline constexpr float kWidestPanel = 250.0f;
 
@@ -29,7 +31,7 @@ struct PanelLayout {
     width = newWidth;
     height = newHeight;
     ceiling = margin();
-    right = 0.0f;
+    left = right = titles = 0.0f;
     floor = height;
     panels.clear();
   }
@@ -42,10 +44,11 @@ struct PanelLayout {
   float unit = 1.0f;
   float width = 1.0f, height = 1.0f;  ///< of the picture
   float floor = 1.0f;                 ///< top of the transport
+  float rightFloor = 1.0f;            ///< on the right side: top of the transport or of the inset
   float ceiling = 0.0f;               ///< bottom of the warnings
   std::vector<Area> panels;           ///< as drawn
-  float rightFloor = 1.0f;            ///< the same, or the top of the inset
-  float right = 0.0f;                 ///< bottom of the last panel on the right
+  float left = 0.0f, right = 0.0f;    ///< bottoms of the last panels at both sides
+  float titles = 0.0f;                ///< bottom of the lowest folded panel
   Fold view, times, motion, hits;
 };
 
@@ -66,9 +69,10 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
 void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
                    WindowRequests& requests);
 void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining);
-/// Below the times: what performs, and how the motion and the world are treated.
+/// Below the times, in a small picture below the view options: what performs, and how the motion and the world are
+/// treated.
 void drawMotionPanel(PanelLayout& layout, const WindowValues& values, ControlState& state, WindowRequests& requests);
-/// Below that: the hits of targets.
+/// Below the last panel on the right: the hits of targets.
 void drawHitsPanel(PanelLayout& layout, const WindowValues& values);
 void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status);
 void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests);

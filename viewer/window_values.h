@@ -87,6 +87,7 @@ struct WindowValues {
   int clip = 0;                              ///< index of the played one
   std::span<const std::string> people;       ///< of the played recording; empty = no choice
   int person = -1;                           ///< index of the one who is followed; -1 = everyone
+  bool everyone = false;                     ///< everyone can be chosen
   std::span<const std::string> recent;       ///< files that were opened, to be opened again; empty = none
   std::string_view loading;                  ///< what is loaded meanwhile; empty = nothing
   double loaded = -1.0;                      ///< share of it that is done; below 0 = unknown
