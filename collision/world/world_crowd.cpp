@@ -188,9 +188,9 @@ void World::Impl::findIslands() {
     if (isAwake(*bodies.other)) crowd.sets.unite(bodies.prop->getUserIndex(), bodies.other->getUserIndex());
   }
   for (int j = 0; j < world.getNumConstraints(); ++j) {
-    const btTypedConstraint& joint = *world.getConstraint(j);
-    if (joint.getRigidBodyB().isStaticObject()) continue;
-    crowd.sets.unite(joint.getRigidBodyA().getUserIndex(), joint.getRigidBodyB().getUserIndex());
+    const btRigidBody& a = world.getConstraint(j)->getRigidBodyA();
+    const btRigidBody& b = world.getConstraint(j)->getRigidBodyB();
+    if (isAwake(a) && isAwake(b)) crowd.sets.unite(a.getUserIndex(), b.getUserIndex());
   }
 
   crowd.islandCount = 0;
@@ -218,7 +218,8 @@ void World::Impl::findIslands() {
   }
   for (int j = 0; j < world.getNumConstraints(); ++j) {
     btTypedConstraint* joint = world.getConstraint(j);
-    if (isAwake(joint->getRigidBodyA())) islandOf(joint->getRigidBodyA().getUserIndex()).joints.push_back(joint);
+    const btRigidBody& moves = isAwake(joint->getRigidBodyA()) ? joint->getRigidBodyA() : joint->getRigidBodyB();
+    if (isAwake(moves)) islandOf(moves.getUserIndex()).joints.push_back(joint);
   }
 }
 
