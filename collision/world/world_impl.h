@@ -93,7 +93,6 @@ struct World::Impl {
     double begin = 0.0;  ///< least x [m]
     Vec3 center = Vec3::Zero();
     double radius = 0.0;
-    int prop = 0;
     [[nodiscard]] bool operator<(const Reach& other) const { return begin < other.begin; }
   };
   std::vector<Reach> reaches;
@@ -120,17 +119,6 @@ struct World::Impl {
   void setPartCounts(std::span<const std::span<const LivePart>> present);
   void setPartCount(std::size_t avatar, std::size_t count);
   void findReaches(double seconds);
-  /// Calls visit(reach) for those that overlap a ball, until it returns false.
-  template <typename Visit>
-  void eachReach(const Vec3& center, double radius, const Visit& visit) const {
-    Reach first;
-    first.begin = center.x() - radius - 2.0 * widestReach;
-    for (auto reach = std::lower_bound(reaches.begin(), reaches.end(), first);
-         reach != reaches.end() && reach->begin <= center.x() + radius; ++reach) {
-      const double both = radius + reach->radius;
-      if ((reach->center - center).squaredNorm() <= both * both && !visit(*reach)) return;
-    }
-  }
   [[nodiscard]] bool isFar(const Sweep& sweep) const;
   void takeParts(std::span<const std::span<const LivePart>> present, double seconds);
   void readPart(PartCollider& part, const LivePart& live, double seconds) const;

@@ -113,11 +113,9 @@ void World::Impl::findReaches(double seconds) {
   reaches.clear();
   widestReach = 0.0;
   if (!crowd.present) return;
-  for (int i = 0; isProp(i); ++i) {
-    const PropBody& prop = propBodies[i];
+  for (const PropBody& prop : propBodies) {
     if (prop.body->isStaticObject()) continue;
     Reach reach;
-    reach.prop = i;
     reach.center = fromBullet(prop.body->getWorldTransform().getOrigin());
     reach.radius = prop.radius + prop.speed() * seconds + kAhead;
     reach.begin = reach.center.x() - reach.radius;
@@ -129,10 +127,16 @@ void World::Impl::findReaches(double seconds) {
 
 /// Whether a part meets no prop in this frame.
 bool World::Impl::isFar(const Sweep& sweep) const {
-  bool far = true;
-  eachReach(sweep.origin + 0.5 * sweep.travel, sweep.radius + 0.5 * sweep.travel.norm(),
-            [&](const Reach&) { return far = false; });
-  return far;
+  const Vec3 center = sweep.origin + 0.5 * sweep.travel;
+  const double radius = sweep.radius + 0.5 * sweep.travel.norm();
+  Reach first;
+  first.begin = center.x() - radius - 2.0 * widestReach;
+  for (auto reach = std::lower_bound(reaches.begin(), reaches.end(), first);
+       reach != reaches.end() && reach->begin <= center.x() + radius; ++reach) {
+    const double both = radius + reach->radius;
+    if ((reach->center - center).squaredNorm() <= both * both) return false;
+  }
+  return true;
 }
 
 void World::Impl::takeParts(std::span<const std::span<const LivePart>> present, double seconds) {
