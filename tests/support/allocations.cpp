@@ -4,16 +4,10 @@
 #include <cstdlib>
 #include <new>
 
-#ifdef __SANITIZE_THREAD__
-#define LORICA_THREAD_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define LORICA_THREAD_SANITIZER
-#endif
-#endif
-
-#ifdef LORICA_THREAD_SANITIZER
-#include <sanitizer/allocator_interface.h>
+#ifdef __has_feature
+#define LORICA_THREAD_SANITIZER __has_feature(thread_sanitizer)
+#else
+#define LORICA_THREAD_SANITIZER 0
 #endif
 
 namespace {
@@ -22,32 +16,19 @@ std::atomic<long> allocations{0};
 std::atomic<bool> watching{false};
 std::atomic<std::size_t> largestRequest{0};
 
-void count(std::size_t size) noexcept {
+/// @return null if out of memory
+[[maybe_unused]] void* counted(std::size_t size) noexcept {
   allocations.fetch_add(1, std::memory_order_relaxed);
   if (watching.load(std::memory_order_relaxed) && size > largestRequest.load(std::memory_order_relaxed)) {
     largestRequest.store(size, std::memory_order_relaxed);
   }
-}
-
-}  // namespace
-
-#ifdef LORICA_THREAD_SANITIZER
-
-// It has operators of its own, and tells of every allocation.
-namespace {
-[[maybe_unused]] const int installed = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t size) { count(size); }, [](const volatile void*) {});
-}  // namespace
-
-#else
-
-namespace {
-/// @return null if out of memory
-void* counted(std::size_t size) noexcept {
-  count(size);
   return std::malloc(size == 0 ? 1 : size);
 }
+
 }  // namespace
+
+// Clang's thread sanitizer has operators of its own, which no program can replace: nothing is counted there.
+#if !LORICA_THREAD_SANITIZER
 
 // The program's own operator new and delete; those of arrays call these.
 void* operator new(std::size_t size) {
