@@ -99,7 +99,10 @@ void World::Impl::stepCrowd(double seconds) {
     setTickBounds(tick);
     wakeTouched(tick);
     findIslands();
-    tbb::parallel_for(std::size_t{0}, crowd.islandCount, [&](std::size_t i) { stepIsland(crowd.islands[i], tick); });
+    // Islands differ much in size, so a core takes one at a time.
+    tbb::parallel_for(
+        std::size_t{0}, crowd.islandCount, [&](std::size_t i) { stepIsland(crowd.islands[i], tick); },
+        tbb::simple_partitioner());
     for (std::size_t i = 0; i < crowd.islandCount; ++i) {
       for (const Contact& contact : crowd.islands[i].contacts) noteContact(contacts, contact);
     }
