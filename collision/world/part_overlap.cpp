@@ -5,9 +5,11 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace lorica {
@@ -24,14 +26,25 @@ const btQuaternion kViews[kViewCount] = {{0, 0, 0, 1},
                                          {0.1f, -0.3f, 0.9f, 0.3f},
                                          {-0.7f, -0.1f, 0.1f, 0.7f}};
 
+/// Greatest product of a point with a direction; -infinity without points. Keeps four of them, because each maximum
+/// waits for the one before it.
+double highest(std::span<const Vec3> points, const Vec3& direction) {
+  std::array<double, 4> high;
+  high.fill(-std::numeric_limits<double>::infinity());
+  std::size_t i = 0;
+  for (; i + high.size() <= points.size(); i += high.size()) {
+    for (std::size_t k = 0; k < high.size(); ++k) high[k] = std::max(high[k], points[i + k].dot(direction));
+  }
+  for (; i < points.size(); ++i) high[0] = std::max(high[0], points[i].dot(direction));
+  return std::max(std::max(high[0], high[1]), std::max(high[2], high[3]));
+}
+
 /// Overlap of the two along a direction: how far the second must move along it to leave the first behind [m].
 double overlapAlong(const LivePart& first, const LivePart& second, const Vec3& direction) {
   const Vec3 inFirst = first.worldFromPart.linear().transpose() * direction;
   const Vec3 inSecond = second.worldFromPart.linear().transpose() * direction;
-  double high = -std::numeric_limits<double>::infinity();
-  double low = std::numeric_limits<double>::infinity();
-  for (const Vec3& v : first.shape.vertices) high = std::max(high, v.dot(inFirst));
-  for (const Vec3& v : second.shape.vertices) low = std::min(low, v.dot(inSecond));
+  const double high = highest(first.shape.vertices, inFirst);
+  const double low = -highest(second.shape.vertices, -inSecond);
   return high + first.worldFromPart.translation().dot(direction) - low -
          second.worldFromPart.translation().dot(direction);
 }
