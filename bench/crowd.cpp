@@ -184,8 +184,10 @@ void measureSessions(const Character& character, const Decomposition& decomposit
     for (std::size_t a = 0; a < count; ++a) {
       SessionAvatar avatar =
           kind.another(std::make_unique<Repeated>(motions[a % motions.size()], static_cast<int>(37 * a)));
-      const double x = static_cast<double>(a % side), z = static_cast<double>(a / side);
-      avatar.setPlace(Isometry3(Eigen::Translation3d(options.spacing * Vec3(x, 0.0, z))));
+      const std::size_t x = a % side;
+      const std::size_t z = a / side;
+      const Vec3 cell(static_cast<double>(x), 0.0, static_cast<double>(z));
+      avatar.setPlace(Isometry3(Eigen::Translation3d(options.spacing * cell)));
       session.addAvatar(std::move(avatar));
     }
     std::vector<double> frames, cpu, physics, contacts;
