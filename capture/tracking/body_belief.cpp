@@ -30,7 +30,8 @@ int seenOf(const CapsuleSupport& support) {
 
 void BodyBelief::update(const Evidence& evidence) {
   const Limits& limits = !evidence.moved ? kStill : evidence.attached ? kMovedAttached : kMoved;
-  const float cost = evidence.cost.plausible();
+  // How far limbs are from rest says nothing: people sit, chairs stand.
+  const float cost = evidence.cost.image() + evidence.cost.body;
   const int seen = seenOf(evidence.support);
   const bool possible = evidence.height < kMaxHeight;
   if (believed_) {

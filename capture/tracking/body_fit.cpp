@@ -10,17 +10,8 @@
 namespace lorica::fit {
 namespace {
 
-constexpr std::uint8_t kNobody = 255;
 constexpr float kUsualClavicle = 0.10F;  ///< deviation of a collarbone from where the arm takes it [rad]
 constexpr float kUsualEnd = 0.35F;       ///< deviation of wrists and ankles from straight [rad]
-
-V3 vectorOf(const Q& turn) {
-  const float w = std::abs(turn.w());
-  const V3 v = turn.w() < 0.0F ? V3(-turn.vec()) : V3(turn.vec());
-  const float s = v.norm();
-  if (s < 1e-6F) return 2.0F * v;
-  return (2.0F * std::atan2(s, w) / s) * v;
-}
 
 Q smallTurn(int axis, float angle) {
   return Q(Eigen::AngleAxisf(angle, V3::Unit(axis)));
@@ -154,6 +145,23 @@ float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
   return cost;
 }
 
+float BodyFitter::restTerm(const BodyPose& pose, bool linearize) {
+  const auto& nodes = nodeDefs();
+  float cost = 0.0F;
+  for (int i = 0; i < kFitLimbCount; ++i) {
+    const auto limb = static_cast<Limb>(i);
+    const LimbRest rest = restOf(limb, pose);
+    cost += rest.cost();
+    if (!linearize) continue;
+    const int upper = nodes[upperNodeOf(limb)].firstDof, lower = nodes[lowerNodeOf(limb)].firstDof;
+    equations_.matrix.diagonal().segment<3>(upper).array() += rest.weight;
+    equations_.gradient.segment<3>(upper) += rest.weight * rest.turn;
+    equations_.matrix(lower, lower) += rest.weight;
+    equations_.gradient[lower] += rest.weight * rest.bend;
+  }
+  return cost;
+}
+
 float BodyFitter::priorTerm(const BodyPose& pose, const PosePrior& prior, bool linearize) {
   const Step off = stepBetween(prior.pose, pose);
   const Step pull = prior.stiffness.cwiseProduct(off);
@@ -212,6 +220,7 @@ FitCost BodyFitter::evaluate(const BodyView& view, const BodyPose& pose, const P
   cost.freeSpace = freeSpaceTerm(view, linearize);
   cost.body = collisionTerm(linearize);
   cost.body += poseTerm(pose, linearize);
+  cost.rest = restTerm(pose, linearize);
   cost.prior = priorTerm(pose, prior, linearize);
   if (linearize) assemble();
   return cost;
@@ -336,59 +345,6 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
     pose = tried;
     proportions = next;
   }
-}
-
-CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& proportions, const BodyPose& pose,
-                                     std::vector<std::uint8_t>* owner) {
-  CapsuleSupport support;
-  lastCapsule_.resize(std::max(lastCapsule_.size(), view.points().size()));
-  poseBody(pose, proportions, body_);
-  const auto points = view.points();
-  if (owner) owner->assign(points.size(), kNobody);
-  const std::size_t n = std::min<std::size_t>(points.size(), 500);
-  int unexplained = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const SurfaceMatch m = match(points[i], lastCapsule_[i]);
-    const float off = std::abs(m.residual);
-    const auto c = static_cast<std::size_t>(m.capsule);
-    support.meanDistance += std::min(off, 0.1F);
-    unexplained += off > 0.08F ? 1 : 0;
-    if (off > 0.1F) continue;
-    ++support.points[c];
-    support.distance[c] += off;
-    support.seen[c] += view.areaOf(points[i]);
-    if (owner) (*owner)[i] = static_cast<std::uint8_t>(m.capsule);
-  }
-  if (n > 0) {
-    support.meanDistance /= static_cast<float>(n);
-    support.unexplained = static_cast<float>(unexplained) / static_cast<float>(n);
-  }
-  for (std::size_t c = 0; c < kCapsuleCount; ++c) {
-    if (support.points[c] == 0) continue;
-    support.distance[c] /= static_cast<float>(support.points[c]);
-    const Capsule& def = capsuleDefs()[c];
-    const float section =
-        (def.b - def.a).norm() * (def.radiusA + def.radiusB) * body_.girth[def.node] * body_.girth[def.node];
-    support.seen[c] *= static_cast<float>(points.size()) / static_cast<float>(n) / section;
-  }
-  std::array<int, kCapsuleCount> samples{};
-  for (const Sample& sample : samplesOfBody()) {
-    const auto c = static_cast<std::size_t>(sample.capsule);
-    ++samples[c];
-    const Ball ball = ballOf(body_, sample);
-    const BodyView::Sight sight = view.sightOf(ball.centre);
-    if (!sight.inside || (sight.seen > 0.0F && sight.seen < sight.depth - ball.radius - 0.06F)) {
-      support.hidden[c] += 1.0F;
-      continue;
-    }
-    support.violation[c] += std::max(0.0F, sight.outside * sight.metresPerBlock + 0.5F * ball.radius);
-    if (sight.person) support.violation[c] += std::max(0.0F, sight.seen - (sight.depth - ball.radius) - kFrontSlack);
-  }
-  for (std::size_t c = 0; c < kCapsuleCount; ++c) {
-    support.hidden[c] /= static_cast<float>(samples[c]);
-    support.violation[c] /= static_cast<float>(samples[c]);
-  }
-  return support;
 }
 
 }  // namespace lorica::fit

@@ -27,10 +27,11 @@ struct FitCost {
   float points = 0.0F;     ///< distance of the seen points from the body, scaled to 600 points
   float freeSpace = 0.0F;  ///< body in front of the seen surface, or outside the person's outline
   float body = 0.0F;       ///< joint limits, self-collision, floor, usual poses
+  float rest = 0.0F;       ///< limbs away from rest
   float prior = 0.0F;
   [[nodiscard]] float image() const { return points + freeSpace; }
-  [[nodiscard]] float plausible() const { return points + freeSpace + body; }
-  [[nodiscard]] float total() const { return points + freeSpace + body + prior; }
+  [[nodiscard]] float plausible() const { return points + freeSpace + body + rest; }
+  [[nodiscard]] float total() const { return points + freeSpace + body + rest + prior; }
 };
 
 /// What the camera saw of each capsule.
@@ -41,8 +42,9 @@ struct CapsuleSupport {
   std::array<float, kCapsuleCount>
       violation{};  ///< mean over its samples of how far they lie where the body cannot be [m]
   std::array<float, kCapsuleCount> hidden{};  ///< fraction of its samples hidden behind something else
-  float meanDistance = 0.0F;                  ///< over all points, each clamped to 0.1 m [m]
-  float unexplained = 0.0F;                   ///< fraction of points farther than 0.08 m
+  std::array<float, 2> hiddenSide{};  ///< fraction of the left and right edge of the pelvis that something else hides
+  float meanDistance = 0.0F;          ///< over all points, each clamped to 0.1 m [m]
+  float unexplained = 0.0F;           ///< fraction of points farther than 0.08 m
 };
 
 /// Fits the body to a view by damped least squares (Levenberg-Marquardt). Steps that do not lower the true cost are
@@ -90,6 +92,7 @@ class BodyFitter {
   float freeSpaceTerm(const BodyView& view, bool linearize);
   float collisionTerm(bool linearize);
   float poseTerm(const BodyPose& pose, bool linearize);
+  float restTerm(const BodyPose& pose, bool linearize);
   float priorTerm(const BodyPose& pose, const PosePrior& prior, bool linearize);
   void assemble();
 

@@ -126,13 +126,6 @@ Q turnBy(const V3& vector) {
   return Q(Eigen::AngleAxisf(angle, vector / angle));
 }
 
-V3 turnVector(const Q& turn) {
-  const Q q = turn.w() < 0.0F ? Q(-turn.w(), -turn.x(), -turn.y(), -turn.z()) : turn;
-  const float s = q.vec().norm();
-  if (s < 1e-7F) return 2.0F * q.vec();
-  return (2.0F * std::atan2(s, q.w()) / s) * q.vec();
-}
-
 }  // namespace
 
 const std::array<NodeDef, kNodeCount>& nodeDefs() {
@@ -143,6 +136,13 @@ const std::array<NodeDef, kNodeCount>& nodeDefs() {
 const std::array<Capsule, kCapsuleCount>& capsuleDefs() {
   static const std::array<Capsule, kCapsuleCount> capsules = makeCapsules();
   return capsules;
+}
+
+V3 vectorOf(const Q& turn) {
+  const Q q = turn.w() < 0.0F ? Q(-turn.w(), -turn.x(), -turn.y(), -turn.z()) : turn;
+  const float s = q.vec().norm();
+  if (s < 1e-7F) return 2.0F * q.vec();
+  return (2.0F * std::atan2(s, q.w()) / s) * q.vec();
 }
 
 BodyPose stepped(const BodyPose& pose, const Step& step) {
@@ -172,7 +172,7 @@ Step stepBetween(const BodyPose& from, const BodyPose& to) {
     if (n == kPelvis) step.segment<3>(0) = to.root - from.root;
     const int first = n == kPelvis ? 3 : def.firstDof;
     if (def.dofCount >= 3) {
-      step.segment<3>(first) = turnVector(to.turn[n] * from.turn[n].conjugate());
+      step.segment<3>(first) = vectorOf(to.turn[n] * from.turn[n].conjugate());
       continue;
     }
     for (int i = 0; i < def.dofCount; ++i) {

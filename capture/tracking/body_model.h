@@ -100,6 +100,8 @@ using Step = Eigen::Matrix<float, kDofCount, 1>;
 /// Applies a step: free nodes rotate by a rotation vector in their parent's frame; angles are added and clamped to
 /// their limits.
 [[nodiscard]] BodyPose stepped(const BodyPose& pose, const Step& step);
+/// The rotation vector of a turn, at most half a revolution [rad].
+[[nodiscard]] V3 vectorOf(const Q& turn);
 /// The step that leads from one pose to another.
 [[nodiscard]] Step stepBetween(const BodyPose& from, const BodyPose& to);
 

@@ -18,6 +18,8 @@ constexpr float kCollisionDeviation = 0.03F;
 constexpr float kFloorDeviation = 0.02F;
 constexpr float kProtraction = 0.25F;  ///< angle of a collarbone whose arm points straight forward [rad]
 constexpr float kUsualSpine = 0.10F;   ///< deviation of either spine joint from straight [rad]
+constexpr float kUsualArm = 1.0F;      ///< deviation of an arm from hanging, at shoulder and elbow [rad]
+constexpr float kUsualLeg = 0.25F;     ///< deviation of a leg from straight, at hip and knee [rad]
 
 std::vector<Sample> makeSamples() {
   std::vector<Sample> samples;
@@ -179,6 +181,14 @@ Pull collisionOf(const PosedModel& body, const Ball& ball, int capsule) {
   if (deep <= 0.0F) return {};
   constexpr float kEach = 1.0F / (kCollisionDeviation * kCollisionDeviation);
   return {-hit.normal, deep, kEach, kEach * deep * deep};
+}
+
+LimbRest restOf(Limb limb, const BodyPose& pose) {
+  const BodyPose& rest = restPose();
+  const Node up = upperNodeOf(limb), low = lowerNodeOf(limb);
+  const float usual = limb == kLeftArm || limb == kRightArm ? kUsualArm : kUsualLeg;
+  return {vectorOf(pose.turn[up] * rest.turn[up].conjugate()), pose.angle[low][0] - rest.angle[low][0],
+          1.0F / (usual * usual)};
 }
 
 float protractionOf(const BodyPose& pose, std::size_t clavicle) {

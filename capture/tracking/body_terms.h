@@ -2,6 +2,7 @@
 
 #include "capture/tracking/body_model.h"
 #include "capture/tracking/body_view.h"
+#include "capture/tracking/limb_pose.h"
 
 #include <array>
 #include <span>
@@ -80,6 +81,15 @@ struct BallLimit {
   float usual;  ///< deviation from rest [rad]; 0 = no preference
 };
 [[nodiscard]] std::span<const BallLimit> ballLimits();
+/// How far a limb is from restPose(). Next to what the image shows this is little; it decides about limbs that are not
+/// seen.
+struct LimbRest {
+  V3 turn;       ///< of the upper limb [rad]
+  float bend;    ///< of elbow or knee [rad]
+  float weight;  ///< 1 / deviation^2
+  [[nodiscard]] float cost() const { return weight * (turn.squaredNorm() + bend * bend); }
+};
+[[nodiscard]] LimbRest restOf(Limb limb, const BodyPose& pose);
 /// Usual forward angle of a collarbone [rad]: an arm that points forward takes its shoulder along.
 [[nodiscard]] float protractionOf(const BodyPose& pose, std::size_t clavicle);
 /// How far a rotation exceeds its range: three residuals [rad].

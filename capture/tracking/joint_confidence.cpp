@@ -28,6 +28,7 @@ constexpr double kMin = 0.1;   ///< of a joint without evidence
 constexpr double kSeenFully = 2.0;
 constexpr double kUnsure = 0.4;       ///< of what contradicts the image or may be something else
 constexpr float kHiddenShare = 0.5F;  ///< of a capsule's samples behind something else, for it to count as hidden
+constexpr float kHiddenSide = 0.3F;   ///< of the pelvis's edge on one side, for its place to be a guess
 
 }  // namespace
 
@@ -80,6 +81,13 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
     unsureBehind(J::kLeftKnee, {kThighCapsule});
     unsureBehind(J::kLeftKnee, {kCalfCapsule, kShinCapsule});
     unsureBehind(J::kLeftFoot, {kShinCapsule});
+    // Where the trunk ends behind something else is not seen.
+    if (support.hiddenSide[side] >= kHiddenSide) {
+      for (const J joint : {J::kLeftHip, J::kLeftKnee}) {
+        double& leg = now[static_cast<std::size_t>(of(joint))];
+        leg = std::min(leg, kUnsure);
+      }
+    }
     // A seat beside the legs may be taken for them.
     if (attached) {
       for (const J joint : {J::kLeftHip, J::kLeftKnee, J::kLeftFoot}) {

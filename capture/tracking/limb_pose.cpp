@@ -139,6 +139,11 @@ BodyPose standingPose(const V3& root, float heading, float aside, float forward,
   return pose;
 }
 
+const BodyPose& restPose() {
+  static const BodyPose rest = standingPose(V3::Zero(), 0.0F, 0.15F, 0.1F, 0.25F);
+  return rest;
+}
+
 BodyPose sittingPose(const V3& root, float heading) {
   BodyPose pose = standingPose(root, heading, 0.2F, 0.3F, 0.7F);
   for (const Node node : {kLeftThigh, kRightThigh}) {

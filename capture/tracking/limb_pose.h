@@ -36,6 +36,8 @@ struct LimbLine {
 /// @param forward  angle of the arms forward, from hanging [rad]
 /// @param elbow    bend of the elbows [rad]
 [[nodiscard]] BodyPose standingPose(const V3& root, float heading, float aside, float forward, float elbow);
+/// Arms hang, legs are straight; at the origin.
+[[nodiscard]] const BodyPose& restPose();
 /// Thighs level, shins down.
 [[nodiscard]] BodyPose sittingPose(const V3& root, float heading);
 

@@ -84,7 +84,7 @@ float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Propo
     if (limit.node != upperNodeOf(limb)) continue;
     cost += excessOf(limit, pose.turn[limit.node]).squaredNorm() / (kLimitDeviation * kLimitDeviation);
   }
-  return cost;
+  return cost + restOf(limb, pose).cost();
 }
 
 void LimbSearch::offer(const BodyPose& pose, float cost, Limb limb) {

@@ -70,7 +70,7 @@ Step followStiffness() {
 
 /// An arm that is not seen most likely moves to hang down.
 void easeDown(Limb arm, BodyPose& pose) {
-  static const BodyPose rest = standingPose(V3::Zero(), 0.0F, 0.15F, 0.1F, 0.25F);
+  const BodyPose& rest = restPose();
   const Node up = upperNodeOf(arm), low = lowerNodeOf(arm), end = endNodeOf(arm);
   pose.turn[up] = pose.turn[up].slerp(kEase, rest.turn[up]);
   pose.angle[low][0] += kEase * (rest.angle[low][0] - pose.angle[low][0]);
@@ -138,14 +138,15 @@ void PersonFit::resume(const BodyView& view) {
   views_ = std::min(views_, kEarlyViews / 2);
 }
 
-/// What was found when only a part was in the image may be wrong: someone who enters is searched for again, more and
-/// more of them.
+/// What was found when only a part was seen may be wrong: someone who enters, or who at first stands behind something,
+/// is searched for again, more and more of them.
 void PersonFit::reconsider(const BodyView& view) {
   const float seen = view.seenArea();
-  if (!view.cut() && leastSeen_ == 0.0F) return;
+  const bool partial = view.cut() || views_ < kEarlyViews;
+  if (!partial && leastSeen_ == 0.0F) return;
   if (leastSeen_ == 0.0F || seen < leastSeen_) leastSeen_ = seen;
   if (seen < kMuchMore * leastSeen_) return;
-  leastSeen_ = view.cut() ? seen : 0.0F;
+  leastSeen_ = partial ? seen : 0.0F;
   search_.begin(view, proportionsKnown() ? Figure{pose_, proportions_} : std::optional<Figure>());
   rival_.reset();
   urgent_ = true;
@@ -153,7 +154,7 @@ void PersonFit::reconsider(const BodyView& view) {
 }
 
 void PersonFit::searchLimbs(const BodyView& view) {
-  // Those that look lost, and one of the others in turn.
+  // Those that look lost, arms that are not seen, and one of the others in turn.
   turn_ = (turn_ + 1) % kFitLimbCount;
   int searched = 0;
   for (int i = 0; i < kFitLimbCount; ++i) {
@@ -162,7 +163,8 @@ void PersonFit::searchLimbs(const BodyView& view) {
     for (std::size_t c = 0; c < kCapsuleCount; ++c) {
       if (isOf(limb, capsuleDefs()[c].node)) worst = std::max(worst, support_.violation[c]);
     }
-    if (i != turn_ && (worst <= kLostLimb || searched >= kMaxSearched)) continue;
+    const bool lost = worst > kLostLimb || (i <= kRightArm && confidence_.hidden(i));
+    if (i != turn_ && (!lost || searched >= kMaxSearched)) continue;
     improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
     searched += i != turn_ ? 1 : 0;
   }

@@ -13,7 +13,7 @@ constexpr float kUnusualWeight = 5.0F;  ///< of proportions that differ from the
 constexpr float kReachHeight = 2.15F;   ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;    ///< [m]
 
-constexpr float kAway = 0.25F;  ///< added share of the cost of a newcomer who faces away from the camera
+constexpr float kAway = 0.4F;  ///< added share of the cost of a newcomer who faces away from the camera
 
 constexpr float kUnfitted = 100.0F;  ///< how much worse than the present pose one may be that is not yet fitted
 constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
@@ -190,22 +190,26 @@ float PersonSearch::judged(const BodyView& view, const Figure& figure, float pla
   return (1.0F + kAway * away) * (plausible + unusual(figure.proportions));
 }
 
-void PersonSearch::pickFinalists() {
+void PersonSearch::pickFinalists(const BodyView& view) {
   if (count_ <= kFinal) return;
   const auto begin = candidates_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
   const auto finalists = begin + static_cast<std::ptrdiff_t>(kFinal);
   const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
   for (auto position = begin; position != finalists; ++position)
     std::iter_swap(position, std::min_element(position, end, cheaper));
-  // Unusual proportions pay off only after fitting, so the best such figure always becomes a finalist.
-  const auto isComic = [](const Candidate& candidate) { return candidate.figure.proportions.factor[kHeadSize] > 1.3F; };
-  if (std::none_of(begin, finalists, isComic)) {
+  // Some pay off only after fitting, so the best of them always becomes a finalist.
+  const auto include = [&](const auto& belongs, auto place) {
+    if (std::any_of(begin, finalists, belongs)) return;
     auto best = end;
     for (auto one = finalists; one != end; ++one) {
-      if (isComic(*one) && (best == end || one->cost < best->cost)) best = one;
+      if (belongs(*one) && (best == end || one->cost < best->cost)) best = one;
     }
-    if (best != end) std::iter_swap(best, finalists - 1);
-  }
+    if (best != end) std::iter_swap(best, place);
+  };
+  const auto isComic = [](const Candidate& one) { return one.figure.proportions.factor[kHeadSize] > 1.3F; };
+  const auto isUsual = [&](const Candidate& one) { return !isComic(one) && facingOf(view, one.figure.pose) > 0.5F; };
+  include(isComic, finalists - 1);
+  if (newcomer_) include(isUsual, isComic(*(finalists - 2)) ? finalists - 1 : finalists - 2);
   count_ = kFinal;
 }
 
@@ -215,7 +219,7 @@ float PersonSearch::oneStep(const BodyView& view) {
     const FitCost cost = fitter_.fit(view, c.figure.proportions, weakly(c.figure.pose, 0.5F), kRough, c.figure.pose);
     c.cost = judged(view, c.figure, cost.plausible());
     if (++next_ < count_) return kRoughEffort;
-    pickFinalists();
+    pickFinalists(view);
     next_ = 0;
     phase_ = 0;
     rough_ = false;

@@ -41,7 +41,7 @@ class PersonSearch {
   void add(const BodyPose& pose, const Proportions& proportions);
   [[nodiscard]] static float unusual(const Proportions& proportions);
   [[nodiscard]] float judged(const BodyView& view, const Figure& figure, float plausible) const;
-  void pickFinalists();
+  void pickFinalists(const BodyView& view);
   float oneStep(const BodyView& view);
   void refine(const BodyView& view, Figure& figure, int phase);
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace lorica::fit {
@@ -34,11 +35,22 @@ class PosedScene {
     VirtualSensorSettings settings;
     settings.noise = DepthNoiseSettings::clean();
     VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
-    DepthFrame depth;
     sensor.render(0, depth);
     labels.assign(sensor.labels().begin(), sensor.labels().end());
-    view.look(depth.depthMm, labels, 1, sensor.floorFromCamera());
+    floorFromCamera = sensor.floorFromCamera();
+    view.look(depth.depthMm, labels, 1, floorFromCamera);
     truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
+  }
+
+  /// Puts something 1 m before the camera into all rows below the one that sees the person at this height [m].
+  void hideBelow(double height) {
+    const DepthCamera camera;
+    const Vec3 seen = floorFromCamera.inverse() * Vec3(kPosition.x(), height, kPosition.z());
+    const double row = 0.5 * camera.height - camera.focalY() * seen.y() / -seen.z();
+    const auto first = static_cast<std::ptrdiff_t>(row) * camera.width;
+    std::fill(depth.depthMm.begin() + first, depth.depthMm.end(), std::uint16_t{1000});
+    std::fill(labels.begin() + first, labels.end(), std::uint8_t{0});
+    view.look(depth.depthMm, labels, 1, floorFromCamera);
   }
 
   [[nodiscard]] double worst(const BodyPose& pose) const {
@@ -53,7 +65,9 @@ class PosedScene {
     return max;
   }
 
+  DepthFrame depth;
   std::vector<std::uint8_t> labels;
+  Isometry3 floorFromCamera;
   BodyView view;
   SkeletonFrame truth;
 };
@@ -156,6 +170,30 @@ TEST(BodyFit, ArmsThatAreShorterThanTheBodysDoNotPushTheShouldersBack) {
        {std::pair{kLeftUpperArm, BodyJoint::kLeftShoulder}, std::pair{kRightUpperArm, BodyJoint::kRightShoulder}}) {
     EXPECT_LT((body.position[node].cast<double>() - scene.truth[joint].position).norm(), 0.025) << nameOf(joint);
   }
+}
+
+TEST(BodyFit, ALegThatIsNotSeenIsStraight) {
+  const BodyPose pose = standingPose(kPosition, 0.0F, 0.3F, 0.0F, 0.2F);
+  PosedScene scene(pose);
+  scene.hideBelow(0.8);
+  BodyPose bent = pose;
+  bent.turn[kLeftThigh] = Q(Eigen::AngleAxisf(-0.8F, V3::UnitX()));
+  bent.angle[kLeftShin][0] = 1.2F;
+  BodyFitter fitter;
+  fitter.fit(scene.view, Proportions(), weakPrior(bent), kStages, bent);
+  EXPECT_LT(bent.angle[kLeftShin][0], 0.2F);
+  EXPECT_LT(vectorOf(bent.turn[kLeftThigh]).norm(), 0.2F);
+}
+
+TEST(BodyFit, RestCostsTheSquareOfTheAnglesFromIt) {
+  BodyPose pose = restPose();
+  for (int limb = 0; limb < kFitLimbCount; ++limb)
+    EXPECT_NEAR(restOf(static_cast<Limb>(limb), pose).cost(), 0.0F, 1e-6F);
+  pose.angle[kLeftShin][0] += 0.5F;
+  pose.turn[kLeftThigh] = Q(Eigen::AngleAxisf(-1.0F, V3::UnitX())) * pose.turn[kLeftThigh];
+  const LimbRest rest = restOf(kLeftLeg, pose);
+  EXPECT_NEAR(rest.cost(), rest.weight * 1.25F, 1e-3F);
+  EXPECT_NEAR(rest.turn.x(), -1.0F, 1e-5F);
 }
 
 TEST(LimbSearch, FindsAnArmThatIsElsewhere) {

@@ -46,6 +46,16 @@ TEST(JointConfidence, ALegBehindFurnitureIsUnsureThoughTheHipsAreSeen) {
   }
 }
 
+TEST(JointConfidence, HipAndKneeAreUnsureWhereSomethingHidesTheSideOfTheTrunk) {
+  CapsuleSupport support = allSeen();
+  support.hiddenSide[0] = 1.0F;
+  const JointConfidence confidence = after(support, 6);
+  for (const J joint : {J::kLeftHip, J::kLeftKnee}) EXPECT_LT(confidence[joint], 0.5) << nameOf(joint);
+  for (const J joint : {J::kRightHip, J::kRightKnee, J::kLeftFoot, J::kTorso}) {
+    EXPECT_GE(confidence[joint], 0.5) << nameOf(joint);
+  }
+}
+
 TEST(JointConfidence, AnArmBehindSomeoneElseIsUnsure) {
   CapsuleSupport support = allSeen();
   hide(kRightArm, support);
