@@ -33,6 +33,7 @@ void endBelow(PanelLayout& layout, bool left) {
 template <typename Choices>
 std::vector<std::string> namesOf(const Choices& choices) {
   std::vector<std::string> names;
+  names.reserve(choices.size());
   for (const auto& choice : choices) names.emplace_back(choice.name);
   return names;
 }
