@@ -2,10 +2,23 @@
 #include "apps/scenes.h"
 #include "apps/window_loop_impl.h"
 
+#include <fmt/format.h>
+
 namespace lorica {
 namespace {
 
 constexpr double kProblemSeconds = 12.0;  // long enough to read a path
+
+/// What the user should know of the motions that were read, such as that a file ends early.
+std::string notesOf(const LoadedCast& loaded) {
+  std::string notes;
+  for (const CastMember& member : loaded.opened.avatars) {
+    for (const std::string& note : member.motion().notes) {
+      notes += fmt::format("{}{}: {}", notes.empty() ? "" : "; ", member.motion().name, note);
+    }
+  }
+  return notes;
+}
 
 }  // namespace
 
@@ -72,6 +85,8 @@ void WindowLoop::open(const WindowRequests& requests) {
   if (!requests.files.empty()) {
     if (const Result<void> begun = opener->open(requests.files); !begun) {
       window_.notice(begun.error().message, kProblemSeconds);
+    } else {
+      window_.notice("");  // what was said of other files
     }
   }
   for (const Result<void>& begun : {requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
@@ -82,6 +97,7 @@ void WindowLoop::open(const WindowRequests& requests) {
   std::optional<Result<LoadedCast>> loaded = opener->take();
   if (!loaded) return;
   if (*loaded) {
+    if (const std::string notes = notesOf(**loaded); !notes.empty()) window_.notice(notes, kProblemSeconds);
     subject_.next = std::move(**loaded);
   } else {
     window_.notice(loaded->error().message, kProblemSeconds);

@@ -119,7 +119,7 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_F1:
       return toggle(state.help);
     case GLFW_KEY_ESCAPE:
-      glfwSetWindowShouldClose(window, GLFW_TRUE);
+      if (!panels->closeList()) glfwSetWindowShouldClose(window, GLFW_TRUE);
       return;
     default:
       return;

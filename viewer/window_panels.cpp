@@ -4,6 +4,7 @@
 #include "viewer/panel_parts.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -96,6 +97,13 @@ bool WindowPanels::covers(float x, float y) const {
 bool WindowPanels::busy() const {
   ImGui::SetCurrentContext(impl_->context);
   return ImGui::IsAnyItemActive() || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+}
+
+bool WindowPanels::closeList() {
+  ImGui::SetCurrentContext(impl_->context);
+  if (!ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return false;
+  ImGui::ClosePopupToLevel(0, false);
+  return true;
 }
 
 }  // namespace lorica

@@ -65,6 +65,9 @@ class WindowPanels {
   [[nodiscard]] bool covers(float x, float y) const;
   /// Whether the mouse operates a slider or an open list.
   [[nodiscard]] bool busy() const;
+  /// Closes an open list.
+  /// @return whether there was one
+  bool closeList();
 
  private:
   struct Impl;

@@ -1,6 +1,8 @@
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/window_at_play.h"
 
+#include <fstream>
+
 namespace lorica::test {
 namespace {
 
@@ -44,6 +46,26 @@ TEST_F(WindowDrop, BadFilesAreMessagesAndTheSessionGoesOn) {
       hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "walk");
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 1000) << "a message";
+}
+
+TEST_F(WindowDrop, AMotionThatEndsEarlyIsPlayedAndSaid) {
+  const std::filesystem::path whole = folder_.path() / "whole.bvh", early = folder_.path() / "early.bvh";
+  ASSERT_EQ(runLorica({"convert", shipped("wave.csv"), whole.string()}).exitCode, 0);
+  const std::string text = readFile(whole).value();
+  std::ofstream(early) << text.substr(0, text.size() / 2);
+  Hands hands(folder_);
+  hands.mouse("windowsize --sync $w 480 360");
+  hands.press("1 2 4 5 6 7 Tab space");  // an empty picture
+  for (const std::filesystem::path& file : {whole, early}) {
+    hands.line(drop({file}));
+    hands.sleep("3");
+    hands.picture("shift+p");
+  }
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["recording"], "early");
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 1000) << "a message";
 }
 

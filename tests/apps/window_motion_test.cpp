@@ -42,6 +42,9 @@ TEST_F(WindowPlay, MirrorGravityAndPersonAreChosenByMouse) {
   hands.press("Right");
   hands.sleep("0.5");
   hands.picture();
+  click(1140, 443);
+  hands.press("Escape");  // closes the list, not the window
+  hands.sleep("0.4");
   click(1140, 365);  // the list of people
   click(1100, 386);  // everyone
   hands.sleep("2");
