@@ -5,6 +5,7 @@
 #include "apps/load_in_window.h"
 #include "apps/options.h"
 #include "apps/performance.h"
+#include "apps/play_opened.h"
 #include "apps/playback.h"
 #include "apps/progress_bar.h"
 #include "apps/run_session.h"
@@ -22,6 +23,7 @@ namespace lorica {
 namespace {
 
 constexpr double kVideoSeconds = 8.0;
+constexpr const char* kOwnMotion = "punch_and_kick";  // of a character that is dropped on the window
 
 struct Options {
   std::string out = "lorica-demo";
@@ -52,12 +54,15 @@ Result<Show> loadShow(int threads) {
 }
 
 /// Plays repeatedly until the window is closed or the time limit is reached.
-Result<void> playForPeople(const Options& options, Window& window, Show& show) {
+/// @return what the user opened meanwhile; none if the show is over
+Result<std::optional<LoadedCast>> playForPeople(const Options& options, Window& window, WindowOpener& opener,
+                                                Show& show) {
   Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
   if (!session) return session.error();
-  prepareWindow("", show.character, 1, window);
+  prepareWindow("demo", show.character, 1, window);
   WindowSubject subject{*session, show.performance.name};
   subject.duration = show.performance.seconds();
+  subject.opener = &opener;
   subject.treatment = treatmentControl(MotionOptions(), true);
   subject.treatment.sources =
       [&](const WindowTreatment& treatment) -> Result<std::vector<std::unique_ptr<PoseSource>>> {
@@ -85,7 +90,7 @@ Result<void> playForPeople(const Options& options, Window& window, Show& show) {
   if (!end) return end.error();
   show.hash = session->hash();
   if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
-  return {};
+  return std::move(subject.next);
 }
 
 /// Plays once and draws every frame if a renderer is available.
@@ -210,7 +215,13 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   if (!loaded) return loaded.error();
   if (!*loaded) return {};
   Show& show = **loaded;
-  if (Result<void> played = playForPeople(options, **window, show); !played) return played;
+  CastRequest present;
+  present.input.motion = kOwnMotion;
+  present.input.reading.drawn = true;
+  WindowOpener opener(std::move(present), common.threadCount());
+  Result<std::optional<LoadedCast>> next = playForPeople(options, **window, opener, show);
+  if (!next) return next.error();
+  if (*next) return playOpened(common, **window, opener, std::move(**next));
   return publish(common, toReport(show), toJson(show));
 }
 
@@ -221,7 +232,7 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
   CommandLine* app = addSubcommand(
       parent, common, "demo", "Show the built-in character kicking and walking among boxes and balls.",
       "  lorica demo\n"
-      "      a window if there is a display, else a video in lorica-demo/\n"
+      "      a window if there is a display, which opens what is dropped on it; else a video in lorica-demo/\n"
       "  lorica demo --headless --out /tmp/pictures\n"
       "      a video (8 s), snapshots and a contact sheet\n"
       "  lorica demo --headless --seconds 2 --json -\n"

@@ -250,7 +250,9 @@ Result<void> follow(const Options& options, const CommonOptions& common, Loaded 
   }
   TreatmentControl treatment = treatmentControl(options.performing, !sent);
   if (!sent) {
-    treatment.sources = [&](const WindowTreatment& chosen) { return sourcesOf(options, performer, followers, chosen); };
+    treatment.sources = [&options, &loaded](const WindowTreatment& chosen) {
+      return sourcesOf(options, loaded.performer, loaded.followers, chosen);
+    };
   }
   if (!options.record.empty() || !options.events.empty() || options.out.any()) {
     treatment.fix("what is written or sent is as the command says");

@@ -245,6 +245,15 @@ Result<void> playCast(const Options& options, const CommonOptions& common, Loade
   return publish(common, report, json, options.events == "-");
 }
 
+/// Until the user opens nothing else.
+Result<void> playInTurn(const Options& options, const CommonOptions& common, PlayWindow play) {
+  while (play.next) {
+    LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
+    if (Result<void> played = playCast(options, common, std::move(cast), &play); !played) return played;
+  }
+  return {};
+}
+
 /// Opens the window first: it shows how the rest is loaded.
 Result<void> playInWindow(const Options& options, const CommonOptions& common, const CastRequest& request) {
   Result<Window> window = openWindow();
@@ -256,12 +265,7 @@ Result<void> playInWindow(const Options& options, const CommonOptions& common, c
   if (!*loaded) return {};
   WindowOpener opener(**loaded, threads,
                       options.written() ? "what is written or sent is one session: nothing else can be opened" : "");
-  PlayWindow play{*window, opener, std::move(*loaded)};
-  while (play.next) {
-    LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
-    if (Result<void> played = playCast(options, common, std::move(cast), &play); !played) return played;
-  }
-  return {};
+  return playInTurn(options, common, {*window, opener, std::move(*loaded)});
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
@@ -283,6 +287,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 }
 
 }  // namespace
+
+Result<void> playOpened(const CommonOptions& common, Window& window, WindowOpener& opener, LoadedCast opened) {
+  return playInTurn(Options(), common, {window, opener, std::move(opened)});
+}
 
 Command addPlay(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();

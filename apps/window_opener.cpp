@@ -90,6 +90,9 @@ WindowOpener::WindowOpener(const LoadedCast& present, int threads, std::string w
   remember(present);
 }
 
+WindowOpener::WindowOpener(CastRequest present, int threads)
+    : present_(std::move(present)), threads_(threads), motions_(shippedMotions()) {}
+
 void WindowOpener::remember(const LoadedCast& loaded) {
   present_ = loaded.request;
   choices_ = loaded.choices;

@@ -16,6 +16,8 @@ class WindowOpener {
  public:
   /// @param whyNot  nothing can be opened; empty = it can
   WindowOpener(const LoadedCast& present, int threads, std::string whyNot);
+  /// @param present  what the first files are combined with
+  WindowOpener(CastRequest present, int threads);
 
   /// Starts to load the present cast with files in it; names without extension are of what ships. What was loading is
   /// cancelled.

@@ -227,7 +227,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
     status.quality = static_cast<int>(level);
     status.videoSeconds = i.video ? begin - i.video->begin : -1.0;
     if (scene.inset != nullptr && scene.inset->width > 0) {
-      status.insetWidth = width / 4;
+      status.insetWidth = 0.25 * width;
       status.insetHeight = status.insetWidth * scene.inset->height / scene.inset->width;
     }
     if (begin < i.noticeUntil) status.notice = i.noticeText;

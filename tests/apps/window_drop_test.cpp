@@ -69,6 +69,16 @@ TEST_F(WindowDrop, AMotionThatEndsEarlyIsPlayedAndSaid) {
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 1000) << "a message";
 }
 
+TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
+  Hands hands(folder_);
+  hands.sleep("1");
+  hands.line(drop({shipped("wave.csv")}));
+  hands.line("timeout 20 xdotool search --sync --name '^Lorica: wave'");
+  const CommandResult result = hands.runWith({"demo", "--window", "--seconds", "40", "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["recording"], "wave");
+}
+
 TEST_F(WindowDrop, AMotionASceneAndAMeshReplaceWhatIsPlayed) {
   const std::filesystem::path scene = folder_.write("empty.json", R"({"format": "lorica scene 1", "props": []})");
   const std::filesystem::path mesh = writeObj(folder_, "box.obj", makeBox({0, 0, 0}, {0.4, 0.4, 0.4}));
