@@ -138,7 +138,7 @@ void measureCrowds(const std::shared_ptr<const BodyPlan>& plan, std::span<const 
     counts.push_back(static_cast<double>(count));
     times.push_back(row.hullsUs + row.contactsUs);
   }
-  fmt::print("# scales with avatars to the power of {:.2f}\n", fittedExponent(counts, times));
+  if (counts.size() > 1) fmt::print("# scales with avatars to the power of {:.2f}\n", fittedExponent(counts, times));
 }
 
 /// A motion that repeats, from one of its frames on, at 30 Hz.
@@ -212,7 +212,8 @@ void measureSessions(const Character& character, const Decomposition& decomposit
                1e-3 * (residentBytes() - before) / static_cast<double>(count), session.hash());
     std::fflush(stdout);
   }
-  fmt::print("# CPU time scales with avatars to the power of {:.2f}\n", fittedExponent(counts, times));
+  if (counts.size() > 1)
+    fmt::print("# CPU time scales with avatars to the power of {:.2f}\n", fittedExponent(counts, times));
 }
 
 /// How near two meshes are to each other [m]: 0 if a vertex of one is inside the other; and how deep such a vertex is.
