@@ -117,6 +117,10 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
   if (listenAt.empty()) {
     return Error{ErrorCode::kInvalidArgument, fmt::format("{}: packets come from a program, expected --vmc PORT", out)};
   }
+  if (listenAt.find(',') != std::string::npos) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--vmc {}: a file holds the packets of one program, expected one PORT", listenAt)};
+  }
   const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
   Result<UdpSocket> socket = address ? UdpSocket::listen(*address) : address.error();
   if (!socket) return Error{socket.error().code, "--vmc: " + socket.error().message};

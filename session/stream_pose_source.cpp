@@ -1,6 +1,7 @@
 #include "session/stream_pose_source.h"
 
 #include "capture/retarget/stream_retarget.h"
+#include "session/mirrored_expressions.h"
 #include "session/proxy_pose_source.h"
 
 #include <algorithm>
@@ -37,6 +38,7 @@ class StreamPoseSource final : public PoseSource {
       heard_ = true;
       if (settings_.sender) settings_.sender->apply(frame_.pose);
       if (settings_.mirror) frame_.pose = mirrored(frame_.pose);
+      expressions_ = settings_.mirror ? mirroredExpressions_.of(frame_.expressions) : frame_.expressions;
     }
     const double time = std::max(isNew ? frame_.time : now, time_);
     const bool known = heard_ && frame_.tracking && now - frame_.time < kSilentSeconds;
@@ -47,7 +49,7 @@ class StreamPoseSource final : public PoseSource {
   }
 
   [[nodiscard]] std::span<const double> trust() const override { return trust_; }
-  [[nodiscard]] std::span<const NamedWeight> expressions() const override { return frame_.expressions; }
+  [[nodiscard]] std::span<const NamedWeight> expressions() const override { return expressions_; }
   [[nodiscard]] double waited() const override { return waited_; }
 
  private:
@@ -75,6 +77,8 @@ class StreamPoseSource final : public PoseSource {
   std::unique_ptr<BoneStream> stream_;
   StreamSettings settings_;
   BoneFrame frame_;
+  MirroredExpressions mirroredExpressions_;
+  std::span<const NamedWeight> expressions_;  ///< of the last frame
   bool heard_ = false;
   double time_ = 0.0;
   double waited_ = 0.0;

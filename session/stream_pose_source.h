@@ -11,7 +11,7 @@
 namespace lorica {
 
 struct StreamSettings {
-  bool mirror = false;                    ///< swaps left and right, except for expressions
+  bool mirror = false;                    ///< swaps left and right, in the face too
   std::optional<SenderRest> sender = {};  ///< of a sender whose zero rotations are no T-pose
   bool waits = true;                      ///< for a new frame; false for avatars that do not lead, see AlignedSource
 };

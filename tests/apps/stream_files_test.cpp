@@ -193,6 +193,8 @@ TEST(StreamFiles, WrongUsesAreASentence) {
     EXPECT_NE(result.err.find(found), std::string::npos) << result.err;
   };
   refused({"record", "x.pcap"}, "x.pcap: packets come from a program, expected --vmc PORT");
+  refused({"record", "x.pcap", "--vmc", "39539,39540"},
+          "--vmc 39539,39540: a file holds the packets of one program, expected one PORT");
   refused({"record", "x.oni", "--vmc", "39539"}, "x.oni: --vmc sends no depth images");
   refused({"record", "x.lsession", "walk", "--vmc", "39539"}, "found a motion and --vmc, expected only one");
   refused({"live", "--headless", "--delay", "10"}, "--delay requires --vmc");

@@ -1,6 +1,8 @@
+#include "session/mirrored_expressions.h"
 #include "session/pose_faults.h"
 #include "session/session_blocks.h"
 #include "session/session_replay.h"
+#include "session/stream_pose_source.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
@@ -79,6 +81,52 @@ TEST(SessionExpressions, AreReplayedBitForBit) {
     EXPECT_EQ(copyOf(session.source().expressions()), TalkingSource::of(frame)) << frame;
   }
   EXPECT_FALSE(replay->difference());
+}
+
+/// A sender who winks ever more.
+class WinkingStream final : public BoneStream {
+ public:
+  bool wait(double /*seconds*/, BoneFrame& frame) override {
+    if (ended()) return false;
+    ++frames_;
+    frame.time = now();
+    frame.expressions = {{"Blink_L", 0.1f * static_cast<float>(frames_)}, {"Joy", 0.5f}};
+    if (frames_ > 2) frame.expressions.push_back({"mouthSmileRight", 0.25f});
+    return true;
+  }
+  [[nodiscard]] bool ready() const override { return !ended(); }
+  [[nodiscard]] bool ended() const override { return frames_ == 4; }
+  [[nodiscard]] double now() const override { return frames_ / 30.0; }
+
+ private:
+  int frames_ = 0;
+};
+
+TEST(SessionExpressions, OfAMirroredStreamAreThoseOfTheOtherSide) {
+  for (const bool mirror : {false, true}) {
+    StreamSettings settings;
+    settings.mirror = mirror;
+    const auto source = makeStreamPoseSource(makeMannequin(), std::make_unique<WinkingStream>(), settings).value();
+    Pose pose = restPose(makeMannequin().skeleton);
+    for (int frame = 1; frame <= 4; ++frame) {
+      ASSERT_TRUE(*source->next(pose));
+      Weights expected = {{mirror ? "Blink_R" : "Blink_L", 0.1f * static_cast<float>(frame)}, {"Joy", 0.5f}};
+      if (frame > 2) expected.push_back({mirror ? "mouthSmileLeft" : "mouthSmileRight", 0.25f});
+      EXPECT_EQ(copyOf(source->expressions()), expected) << frame;
+    }
+    EXPECT_FALSE(*source->next(pose));
+  }
+}
+
+TEST(SessionExpressions, HaveASideThatTheirNamesEndIn) {
+  for (const auto& [left, right] : {std::pair("blinkLeft", "blinkRight"),
+                                    {"eyeLookOutLeft", "eyeLookOutRight"},
+                                    {"blink_l", "blink_r"},
+                                    {"BLINKLEFT", "BLINKRIGHT"}}) {
+    EXPECT_EQ(mirroredExpression(left), right);
+    EXPECT_EQ(mirroredExpression(right), left);
+  }
+  for (const char* both : {"Joy", "", "L", "LeftBehind", "smile_Left_2"}) EXPECT_EQ(mirroredExpression(both), both);
 }
 
 /// A frozen pose has the trust and the face that it had.
