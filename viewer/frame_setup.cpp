@@ -96,11 +96,13 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   clipFromView(1, 1) = cotangent;
   clipFromView(2, 2) = -(farPlane + nearPlane) / (farPlane - nearPlane);
   clipFromView(2, 3) = -2.0 * farPlane * nearPlane / (farPlane - nearPlane);
+  clipFromView(0, 2) = -camera.targetAt.x();
+  clipFromView(1, 2) = -camera.targetAt.y();
   clipFromView(3, 2) = -1.0;
   u.clipFromWorld = (clipFromView * viewFromWorld).cast<float>();
   u.eye << camera.eye.cast<float>(), 0.0f;
-  u.rayForward << forward.cast<float>(), 0.0f;
-  u.rayRight << (right * (aspect / cotangent)).cast<float>(), 0.0f;
+  u.rayForward << forward.cast<float>(), static_cast<float>(camera.targetAt.x());
+  u.rayRight << (right * (aspect / cotangent)).cast<float>(), static_cast<float>(camera.targetAt.y());
   u.rayUp << (up / cotangent).cast<float>(), static_cast<float>(cotangent);
   u.viewport << static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
       1.0f / static_cast<float>(height);

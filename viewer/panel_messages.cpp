@@ -14,6 +14,8 @@ constexpr ImU32 kInk = IM_COL32(236, 240, 245, 255);
 constexpr ImU32 kAmber = IM_COL32(255, 190, 84, 255);
 constexpr ImU32 kRed = IM_COL32(235, 78, 70, 255);
 
+constexpr double kDotSeconds = 0.4;
+
 struct HelpLine {
   const char* keys;
   const char* what;
@@ -88,15 +90,13 @@ void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests
   ImGui::SetNextWindowBgAlpha(0.92f);
   ImGui::Begin("loading", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
   ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextUnformatted(values.loading.data(), values.loading.data() + values.loading.size());
+  // Dots that come and go: it is alive where the share stays for a while.
+  const auto dots = static_cast<std::size_t>(ImGui::GetTime() / kDotSeconds) % 4;
+  ImGui::TextUnformatted(fmt::format("{} {}", values.loading, std::string(dots, '.')).c_str());
   ImGui::PopTextWrapPos();
   const float button = layout.of(72.0f);
   const ImVec2 bar(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemSpacing.x, 0.0f);
-  // Where the total is unknown, something moves.
-  const bool known = values.loaded >= 0.0;
-  const float share =
-      known ? static_cast<float>(values.loaded) : 0.5f - 0.5f * std::cos(3.0f * static_cast<float>(ImGui::GetTime()));
-  ImGui::ProgressBar(share, bar, known ? nullptr : "");
+  ImGui::ProgressBar(static_cast<float>(values.loaded), bar);
   ImGui::SameLine();
   if (ImGui::Button("Cancel", ImVec2(button, 0.0f))) requests.cancel = true;
   notePanel(layout);

@@ -23,6 +23,11 @@ bool keyedButton(const char* name, const char* key, std::string_view why = {}) {
   return pressed;
 }
 
+/// The width of a slider with its value beside it, where the knob does not cover it. @param longest  text of a value
+float besideSlider(float room, const std::string& longest) {
+  return std::max(room - ImGui::CalcTextSize(longest.c_str()).x - ImGui::GetStyle().ItemSpacing.x, 0.3f * room);
+}
+
 /// A list of what can be opened.
 void chooseFile(const char* what, std::span<const std::string> files, WindowRequests& requests) {
   if (files.empty()) return;
@@ -104,15 +109,20 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
       ImGui::SameLine();
     }
     const float speedWidth = narrow ? 0.0f : layout.of(200.0f);
-    ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - speedWidth, layout.of(60.0f)));
     auto seconds = static_cast<float>(values.seconds);
     const auto duration = static_cast<float>(values.duration);
-    const std::string format = fmt::format("%.1f of {:.1f} s", values.duration);
-    if (ImGui::SliderFloat("##time", &seconds, 0.0f, duration, narrow ? "%.1f s" : format.c_str(),
+    const auto text = [&](double at) {
+      return narrow ? fmt::format("{:.1f} s", at) : fmt::format("{:.1f} of {:.1f} s", at, values.duration);
+    };
+    const float room = std::max(ImGui::GetContentRegionAvail().x - speedWidth, layout.of(60.0f));
+    ImGui::SetNextItemWidth(besideSlider(room, text(values.duration)));
+    if (ImGui::SliderFloat("##time", &seconds, 0.0f, duration, "",
                            ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat)) {
       requests.seekTo = seconds;
     }
     state.scrubbing = ImGui::IsItemActive();
+    ImGui::SameLine();
+    ImGui::TextUnformatted(text(values.seconds).c_str());
     if (!narrow) {
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - speedWidth + ImGui::GetStyle().ItemSpacing.x);
       ImGui::AlignTextToFramePadding();
@@ -178,12 +188,14 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     const float slider = ImGui::GetContentRegionAvail().x;
     if (values.maxParts > 0) {
       int parts = values.parts;
-      ImGui::SetNextItemWidth(slider);
-      const char* format = values.preparingParts ? "%d parts ..." : parts == 1 ? "%d part" : "%d parts";
-      if (ImGui::SliderInt("##parts", &parts, 1, values.maxParts, format,
+      ImGui::SetNextItemWidth(besideSlider(slider, "100 parts ..."));
+      if (ImGui::SliderInt("##parts", &parts, 1, values.maxParts, "",
                            ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
         requests.parts = parts;
       }
+      ImGui::SameLine();
+      ImGui::TextUnformatted(
+          fmt::format("{} {}{}", parts, parts == 1 ? "part" : "parts", values.preparingParts ? " ..." : "").c_str());
     }
     if (values.avatars.size() > 1) {
       chooseFrom("avatar", "follow: ", "all avatars", values.avatars, values.avatar, requests.avatar);
@@ -193,7 +205,12 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     if (!values.expressions.empty()) {
       chooseFrom("expression", "expression: ", "none", values.expressions, values.expression, requests.expression);
     }
-    chooseFile("open again", values.recent, requests);
+    chooseFile("files", values.recent, requests);
+    if (!values.hint.empty()) {
+      ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
+      ImGui::TextWrapped("%.*s", static_cast<int>(values.hint.size()), values.hint.data());
+      ImGui::PopStyleColor();
+    }
     if (!status.qualities.empty()) {
       ImGui::SetNextItemWidth(slider);
       const char* now = status.qualities[status.quality];

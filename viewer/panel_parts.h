@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/free_area.h"
 #include "viewer/window_panels.h"
 
 #include <optional>
@@ -17,10 +18,6 @@ inline constexpr float kWidestPanel = 250.0f;
 /// Layout of the panels in the picture [pixels]: transport at the bottom, view options on the left, times on the right;
 /// the centre stays free.
 struct PanelLayout {
-  struct Area {
-    float left = 0, top = 0, right = 0, bottom = 0;
-  };
-
   /// State of a panel that can be collapsed.
   struct Fold {
     std::optional<bool> small;  ///< whether the picture was small when the panel was last drawn
@@ -46,7 +43,8 @@ struct PanelLayout {
   float floor = 1.0f;                 ///< top of the transport
   float rightFloor = 1.0f;            ///< on the right side: top of the transport or of the inset
   float ceiling = 0.0f;               ///< bottom of the warnings
-  std::vector<Area> panels;           ///< as drawn
+  std::vector<PixelArea> panels;      ///< as drawn
+  PictureArea free;                   ///< what panels that stay leave free
   float left = 0.0f, right = 0.0f;    ///< bottoms of the last panels at both sides
   float titles = 0.0f;                ///< bottom of the lowest folded panel
   Fold view, times, motion, hits;

@@ -82,6 +82,8 @@ struct Camera {
   Vec3 eye{1.8, 1.6, 3.6};
   Vec3 target{0.0, 0.95, 0.0};
   double verticalFov = 0.6;  ///< [rad]
+  /// Where in the picture the target is: from its middle to the right and up, in half widths and half heights.
+  Eigen::Vector2d targetAt = Eigen::Vector2d::Zero();
 };
 
 /// The skin, cut along the borders of the parts, with indices into Session::points(). Used as Scene::triangles and

@@ -13,7 +13,7 @@ layout(std140) uniform Frame {
   mat4 clipFromWorld;
   mat4 shadowFromWorld;  // to texture coordinates and depth, 0 to 1
   vec4 eye;
-  vec4 rayForward;  // a pixel's ray is forward + x right + y up, x and y in clip space
+  vec4 rayForward;  // a pixel's ray is forward + x right + y up, x and y in clip space from (forward.w, right.w)
   vec4 rayRight;
   vec4 rayUp;  // w: cotangent of half the vertical field of view
   vec4 toLight;      // w: one shadow texel in texture coordinates
@@ -212,7 +212,8 @@ std::string skyVertex() {
 layout(location = 0) in vec2 place;
 out vec3 tint;
 void main() {
-  vec3 ray = normalize(rayForward.xyz + place.x * rayRight.xyz + place.y * rayUp.xyz);
+  vec2 at = place - vec2(rayForward.w, rayRight.w);
+  vec3 ray = normalize(rayForward.xyz + at.x * rayRight.xyz + at.y * rayUp.xyz);
   float t = clamp(ray.y * 1.6, 0.0, 1.0);
   tint = mix(kHorizon, kZenith, t * (2.0 - t));
   gl_Position = vec4(place, 1.0, 1.0);

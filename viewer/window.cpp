@@ -131,6 +131,9 @@ void Window::setChoices(const WindowChoices& choices) {
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);
   impl_->followed.reset();
+  impl_->targetAt.reset();
+  impl_->fitted = 0.0;
+  impl_->ownView = false;
 }
 void Window::addTimes(std::span<const TimedStage> stages) {
   impl_->times.add(stages);
@@ -142,7 +145,7 @@ void Window::setTitle(const std::string& title) {
   glfwSetWindowTitle(impl_->window, title.c_str());
 }
 Camera Window::camera() const {
-  return impl_->camera.camera();
+  return impl_->view();
 }
 Ray Window::pointer() const {
   return impl_->rayThrough(impl_->cursorX, impl_->cursorY);
@@ -164,7 +167,7 @@ void Window::Impl::setNotice(std::string sentence, double seconds) {
 void Window::Impl::drawScene(const Scene& scene, int width, int height) {
   state.show.caption.clear();  // the panels show it
   state.show.panel.clear();
-  renderer->draw(scene, state.show, camera.camera(), width, height);
+  renderer->draw(scene, state.show, view(), width, height);
 }
 
 void Window::Impl::countPicture(double seconds) {
@@ -194,13 +197,16 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwGetFramebufferSize(i.window, &width, &height);
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
+  if (width > 0 && height > 0) {
+    i.frameFollowed(values, static_cast<double>(width) / height, std::max(secondsNow() - i.lastShow, 0.0));
+  }
   i.lastValues = values;
   i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions =
       i.lastValues.recent = {};
   i.lastValues.expressions = {};
   i.lastValues.warnings = {};
   i.lastValues.hits = {};
-  i.lastValues.name = i.lastValues.status = i.lastValues.loading = {};
+  i.lastValues.name = i.lastValues.status = i.lastValues.hint = i.lastValues.loading = {};
 
   const double begin = secondsNow();
   const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);

@@ -50,6 +50,10 @@ struct Window::Impl {
   [[nodiscard]] Ray rayThrough(double x, double y) const;
   void seekBy(double seconds);
   void follow(const std::optional<Vec3>& focus);
+  void frameFollowed(const WindowValues& values, double aspect, double seconds);
+  void takeOver();
+  /// The camera as the picture is drawn.
+  [[nodiscard]] Camera view() const;
 
   void drawScene(const Scene& scene, int width, int height);
   void countPicture(double seconds);
@@ -67,6 +71,9 @@ struct Window::Impl {
   OrbitCamera camera;
   std::optional<Vec3> followed;  ///< the focus that the camera has moved with; none = it has not followed yet
   bool leftFocus = false;        ///< the user chose not to follow since then
+  bool ownView = false;          ///< the user panned or zoomed since then
+  double fitted = 0.0;           ///< distance from the target at which the followed avatars are in view [m]
+  std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
   ControlState state;
   WindowRequests requests;
   WindowValues lastValues;  ///< numbers only, views are cleared

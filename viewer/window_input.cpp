@@ -12,6 +12,10 @@ constexpr double kPresetElevation = 0.1;  // of the views from the front, the si
 constexpr double kSpeedStep = 1.25;
 constexpr double kScaleStep = 1.25;     // of text
 constexpr double kClickReach = 4.0;     // a press that moves no farther is a click [screen coordinates]
+constexpr double kAstray = 1.0;         // of a focus from the camera's target, at which the camera goes there [m]
+constexpr double kFilled = 0.92;        // of what panels leave free, by the followed avatars
+constexpr double kAreaSeconds = 0.15;   // in which the picture follows most of a change of the panels [s]
+constexpr double kNearerSeconds = 3.0;  // in which the camera comes back most of the way [s]
 constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
 
 void toggle(bool& flag) {
@@ -104,6 +108,7 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_F:
       return toggle(state.choices.follow);
     case GLFW_KEY_R:
+      ownView = false;
       return camera.reset();
     case GLFW_KEY_F2:
       return camera.lookFrom(0.0, kPresetElevation);
@@ -134,10 +139,50 @@ void Window::Impl::follow(const std::optional<Vec3>& focus) {
     return;
   }
   if (!focus) return;
-  if (followed) camera.carry(Vec3(focus->x() - followed->x(), 0.0, focus->z() - followed->z()));
-  if (leftFocus) camera.centreOn(*focus);
+  if (!followed) {
+    // A motion may begin far from where the camera looks.
+    Vec3 off = *focus - camera.camera().target;
+    off.y() = 0.0;
+    if (off.norm() > kAstray) camera.carry(off);
+  } else {
+    camera.carry(Vec3(focus->x() - followed->x(), 0.0, focus->z() - followed->z()));
+  }
+  if (leftFocus) {
+    camera.centreOn(*focus);
+    ownView = false;
+  }
   followed = focus;
   leftFocus = false;
+}
+
+/// The target comes to the middle of what the panels leave free, and the camera goes back as far as the followed
+/// avatars need to be seen there; it comes near again slowly.
+void Window::Impl::frameFollowed(const WindowValues& values, double aspect, double seconds) {
+  if (!values.followed) return;
+  PictureArea area = panels->freeArea();
+  const double share = targetAt ? 1.0 - std::exp(-seconds / kAreaSeconds) : 1.0;
+  targetAt = targetAt ? Eigen::Vector2d(*targetAt + share * (area.middle - *targetAt)) : area.middle;
+  if (!state.choices.follow || ownView) return;
+  area.half *= kFilled;
+  const double needed = distanceToSee(*values.followed, camera.camera(), area, aspect);
+  const double nearer = fitted + (1.0 - std::exp(-seconds / kNearerSeconds)) * (needed - fitted);
+  fitted = std::max(needed, nearer);
+}
+
+/// The user pans or zooms: from what is seen, and from now on without being interfered with.
+void Window::Impl::takeOver() {
+  const Camera now = camera.camera();
+  camera.zoom(std::max(fitted / (now.eye - now.target).norm(), 1.0));
+  fitted = 0.0;
+  ownView = true;
+}
+
+Camera Window::Impl::view() const {
+  Camera view = camera.camera();
+  const Vec3 back = view.eye - view.target;
+  if (fitted > back.norm()) view.eye = view.target + fitted * back.normalized();
+  if (targetAt) view.targetAt = *targetAt;
+  return view;
 }
 
 /// Punctuation keys are handled as typed characters, because keyboard layouts differ.
@@ -233,6 +278,7 @@ void Window::Impl::onCursor(double x, double y) {
   if (drag == Drag::kCamera) {
     camera.turn(-kTurnPerHeight * dx, kTurnPerHeight * dy);
   } else {
+    takeOver();
     camera.pan(-dx, dy);
   }
 }
@@ -246,6 +292,7 @@ void Window::Impl::onWheel(double y) {
   if (panels->covers(px, py) || panels->busy()) {
     wheel += static_cast<float>(y);
   } else {
+    takeOver();
     camera.zoom(std::pow(0.9, y));
   }
 }
@@ -274,13 +321,13 @@ PanelInput Window::Impl::takePanelInput(int width, int height) {
 Ray Window::Impl::rayThrough(double x, double y) const {
   int width = 1, height = 1;
   glfwGetWindowSize(window, &width, &height);
-  const Camera now = camera.camera();
+  const Camera now = view();
   const Vec3 forward = (now.target - now.eye).normalized();
   const Vec3 right = forward.cross(Vec3::UnitY()).normalized();
   const Vec3 up = right.cross(forward);
   const double half = std::tan(0.5 * now.verticalFov);
-  const double across = (2.0 * x / std::max(width, 1) - 1.0) * half * width / std::max(height, 1);
-  const double upward = (1.0 - 2.0 * y / std::max(height, 1)) * half;
+  const double across = (2.0 * x / std::max(width, 1) - 1.0 - now.targetAt.x()) * half * width / std::max(height, 1);
+  const double upward = (1.0 - 2.0 * y / std::max(height, 1) - now.targetAt.y()) * half;
   return {now.eye, (forward + across * right + upward * up).normalized()};
 }
 

@@ -20,6 +20,7 @@ struct WindowPanels::Impl {
 
   void takeInput(const PanelInput& input);
   void takeScale(float scale);
+  void noteFreeArea(const PanelStatus& status);
 
   ImguiDraw drawer;
   ImGuiContext* context = nullptr;
@@ -46,6 +47,15 @@ void WindowPanels::Impl::takeInput(const PanelInput& input) {
   io.MouseDown[0] = input.down[0];
   io.MouseDown[1] = input.down[1];
   io.MouseWheel = input.wheel;
+}
+
+void WindowPanels::Impl::noteFreeArea(const PanelStatus& status) {
+  std::vector<PixelArea>& taken = layout.panels;
+  const auto insetWidth = static_cast<float>(status.insetWidth), insetHeight = static_cast<float>(status.insetHeight);
+  const bool inset = insetWidth > 0.0f;
+  if (inset) taken.push_back({layout.width - insetWidth, layout.height - insetHeight, layout.width, layout.height});
+  layout.free = lorica::freeArea(layout.width, layout.height, taken);
+  if (inset) taken.pop_back();  // it takes no input
 }
 
 WindowPanels::WindowPanels(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -81,6 +91,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
     drawMotionPanel(i.layout, values, state, requests);
     drawHitsPanel(i.layout, values);
   }
+  i.noteFreeArea(status);
   if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
   drawWarnings(i.layout, values, status);
   if (state.help) drawHelp(i.layout);
@@ -89,9 +100,12 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
 }
 
 bool WindowPanels::covers(float x, float y) const {
-  return std::any_of(impl_->layout.panels.begin(), impl_->layout.panels.end(), [&](const PanelLayout::Area& a) {
-    return x >= a.left && x < a.right && y >= a.top && y < a.bottom;
-  });
+  return std::any_of(impl_->layout.panels.begin(), impl_->layout.panels.end(),
+                     [&](const PixelArea& a) { return x >= a.left && x < a.right && y >= a.top && y < a.bottom; });
+}
+
+const PictureArea& WindowPanels::freeArea() const {
+  return impl_->layout.free;
 }
 
 bool WindowPanels::busy() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/free_area.h"
 #include "viewer/imgui_draw.h"
 #include "viewer/time_graph.h"
 #include "viewer/window_values.h"
@@ -63,6 +64,8 @@ class WindowPanels {
             ControlState& state, WindowRequests& requests);
   /// Whether a position is over a panel as last drawn.
   [[nodiscard]] bool covers(float x, float y) const;
+  /// The part of the picture that the panels as last drawn leave free, without what comes and goes: progress and help.
+  [[nodiscard]] const PictureArea& freeArea() const;
   /// Whether the mouse operates a slider or an open list.
   [[nodiscard]] bool busy() const;
   /// Closes an open list.

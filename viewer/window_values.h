@@ -80,6 +80,7 @@ struct WindowValues {
   bool outsideTraining = false;              ///< the pose is outside the training range of the hulls
   bool holdsProp = false;                    ///< the mouse moves a prop instead of the camera
   std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
+  std::optional<Aabb> followed = {};         ///< whom a following camera keeps in view, between the panels [m]
   std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
   int avatar = -1;                           ///< index of the followed one; -1 = all
   std::span<const std::string> motions;      ///< that can be opened by name; empty = none
@@ -89,8 +90,9 @@ struct WindowValues {
   int person = -1;                           ///< index of the one who is followed; -1 = everyone
   bool everyone = false;                     ///< everyone can be chosen
   std::span<const std::string> recent;       ///< files that were opened, to be opened again; empty = none
+  std::string_view hint;                     ///< what may be dropped on the window; empty = nothing is said
   std::string_view loading;                  ///< what is loaded meanwhile; empty = nothing
-  double loaded = -1.0;                      ///< share of it that is done; below 0 = unknown
+  double loaded = 0.0;                       ///< share of it that is done
   std::span<const TargetScore> hits;         ///< of the scene's targets; empty = it has none
   bool treatable = false;                    ///< there is a choice of mirror, smoothing and gravity
   double smoothingDelay = -1.0;              ///< as measured [s]; below 0 = no smoothing

@@ -176,11 +176,11 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   open(640, 480);
   const Vec3 eye = window->camera().eye;
   // The timeline: farther to the right is later, and the camera does not turn.
-  send("mousemove --window %1 300 435 mousedown 1");
+  send("mousemove --window %1 240 435 mousedown 1");
   const std::optional<double> left = window->takeRequests().seekTo;
   ASSERT_TRUE(left.has_value());
   EXPECT_FALSE(window->wantsStep()) << "playback is suspended while the slider is dragged";
-  send("mousemove --window %1 400 435");
+  send("mousemove --window %1 290 435");
   const std::optional<double> right = window->takeRequests().seekTo;
   ASSERT_TRUE(right.has_value());
   EXPECT_GT(*left, 0.1);
