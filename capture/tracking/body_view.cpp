@@ -14,7 +14,12 @@ constexpr std::size_t kMaxPoints = 4000;
 constexpr std::size_t kLowShare = 100;  ///< one of so many points may lie below the ground that the others show
 constexpr float kLowMargin = 0.02F;     ///< from the lowest points seen down to the ground [m]
 
-enum Kind : std::uint8_t { kElse, kPerson, kUnknown };
+constexpr float kFarBlocks = 1e6F;
+constexpr float kOccluderGap = 0.15F;  ///< something nearer than the person beside it by this much may hide more [m]
+constexpr int kOccluderBlocks = 3;     ///< of the eight around a block of something that hides the person
+constexpr float kAboveFloor = 0.10F;   ///< what is lower may be the floor [m]
+
+enum Kind : std::uint8_t { kElse, kPerson, kUnknown, kNearer, kOccluder };
 
 /// Rank of a cell in an 8 x 8 ordered dither (Bayer 1973): every prefix is evenly distributed.
 int bayerRank(int x, int y) {
@@ -165,59 +170,104 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   bottom_ = std::min(rows_, bottom_ + kMargin);
 }
 
-void BodyView::distances() {
-  // Chamfer distances (Borgefors 1986), steps 1 and 1.4, two passes.
-  const auto at = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
+/// Visits the blocks twice, each with its neighbours in the direction of the pass (Borgefors 1986).
+/// @param relax  called with a block, a neighbour, and the step between them [blocks]
+template <typename Relax>
+void BodyView::sweep(const Relax& relax) const {
+  const auto visit = [&](int x, int y, int u, int v, float step) {
+    if (u >= left_ && u < right_ && v >= top_ && v < bottom_) relax(indexOf(x, y), indexOf(u, v), step);
   };
-  constexpr float kFar = 1e6F;
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      visit(x, y, x - 1, y, 1.0F);
+      visit(x, y, x, y - 1, 1.0F);
+      visit(x, y, x - 1, y - 1, 1.4F);
+      visit(x, y, x + 1, y - 1, 1.4F);
+    }
+  }
+  for (int y = bottom_ - 1; y >= top_; --y) {
+    for (int x = right_ - 1; x >= left_; --x) {
+      visit(x, y, x + 1, y, 1.0F);
+      visit(x, y, x, y + 1, 1.0F);
+      visit(x, y, x + 1, y + 1, 1.4F);
+      visit(x, y, x - 1, y + 1, 1.4F);
+    }
+  }
+}
+
+/// What is clearly nearer than the person beside it may hide more of them: the outline there is not the person's.
+void BodyView::markOccluders() {
+  // The depth of the nearest block of the person.
+  std::vector<float>& away = outside_;
+  std::vector<float>& depth = scratch_;
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = indexOf(x, y);
+      away[i] = blocks_[i].kind == kPerson ? 0.0F : kFarBlocks;
+      depth[i] = blocks_[i].depth;
+    }
+  }
+  sweep([&](std::size_t i, std::size_t j, float step) {
+    if (away[j] + step >= away[i]) return;
+    away[i] = away[j] + step;
+    depth[i] = depth[j];
+  });
+  const auto size = static_cast<float>(block_);
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = indexOf(x, y);
+      Block& block = blocks_[i];
+      if (block.kind != kElse || block.depth == 0.0F || block.depth > depth[i] - kOccluderGap) continue;
+      const V3 position =
+          cameraPositionOf((static_cast<float>(x) + 0.5F) * size, (static_cast<float>(y) + 0.5F) * size, block.depth);
+      if ((floorFromCamera_ * position + cameraPosition_).y() > kAboveFloor) block.kind = kNearer;
+    }
+  }
+  // Slivers beside a limb are the limb's own edge.
+  const auto isNearer = [&](int x, int y) {
+    if (x < left_ || x >= right_ || y < top_ || y >= bottom_) return true;
+    const std::uint8_t kind = blocks_[indexOf(x, y)].kind;
+    return kind == kNearer || kind == kOccluder;
+  };
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      Block& block = blocks_[indexOf(x, y)];
+      if (block.kind != kNearer) continue;
+      int around = 0;
+      for (const int v : {y - 1, y, y + 1}) {
+        for (const int u : {x - 1, x, x + 1}) around += isNearer(u, v) ? 1 : 0;
+      }
+      if (around > kOccluderBlocks) block.kind = kOccluder;
+    }
+  }
+}
+
+/// Chamfer distances from the outline.
+void BodyView::distances() {
+  markOccluders();
+  const auto mayShow = [&](std::size_t i) { return blocks_[i].kind == kPerson || blocks_[i].kind == kOccluder; };
   const auto inside = [&](int x, int y) {
-    const std::uint8_t kind = blocks_[at(x, y)].kind;
-    if (kind == kPerson) return true;
-    if (kind != kUnknown) return false;
+    if (mayShow(indexOf(x, y))) return true;
+    if (blocks_[indexOf(x, y)].kind != kUnknown) return false;
     int near = 0;
     for (int v = std::max(top_, y - 2); v < std::min(bottom_, y + 3); ++v) {
-      for (int u = std::max(left_, x - 2); u < std::min(right_, x + 3); ++u) {
-        near += blocks_[at(u, v)].kind == kPerson ? 1 : 0;
-      }
+      for (int u = std::max(left_, x - 2); u < std::min(right_, x + 3); ++u) near += mayShow(indexOf(u, v)) ? 1 : 0;
     }
     return near >= 9;
   };
   for (int y = top_; y < bottom_; ++y) {
     for (int x = left_; x < right_; ++x) {
       const bool in = inside(x, y);
-      outside_[at(x, y)] = in ? 0.0F : kFar;
-      scratch_[at(x, y)] = in ? kFar : 0.0F;
+      outside_[indexOf(x, y)] = in ? 0.0F : kFarBlocks;
+      scratch_[indexOf(x, y)] = in ? kFarBlocks : 0.0F;
     }
   }
-  const auto sweep = [&](std::vector<float>& field) {
-    const auto relax = [&](int x, int y, int u, int v, float step) {
-      if (u < left_ || u >= right_ || v < top_ || v >= bottom_) return;
-      float& value = field[at(x, y)];
-      value = std::min(value, field[at(u, v)] + step);
-    };
-    for (int y = top_; y < bottom_; ++y) {
-      for (int x = left_; x < right_; ++x) {
-        relax(x, y, x - 1, y, 1.0F);
-        relax(x, y, x, y - 1, 1.0F);
-        relax(x, y, x - 1, y - 1, 1.4F);
-        relax(x, y, x + 1, y - 1, 1.4F);
-      }
-    }
-    for (int y = bottom_ - 1; y >= top_; --y) {
-      for (int x = right_ - 1; x >= left_; --x) {
-        relax(x, y, x + 1, y, 1.0F);
-        relax(x, y, x, y + 1, 1.0F);
-        relax(x, y, x + 1, y + 1, 1.4F);
-        relax(x, y, x - 1, y + 1, 1.4F);
-      }
-    }
-  };
-  sweep(outside_);
-  sweep(scratch_);
+  for (std::vector<float>* field : {&outside_, &scratch_}) {
+    sweep([&](std::size_t i, std::size_t j, float step) { (*field)[i] = std::min((*field)[i], (*field)[j] + step); });
+  }
   for (int y = top_; y < bottom_; ++y) {
     for (int x = left_; x < right_; ++x) {
-      const std::size_t i = at(x, y);
+      const std::size_t i = indexOf(x, y);
       outside_[i] = outside_[i] > 0.0F ? outside_[i] - 0.5F : 0.5F - scratch_[i];
     }
   }

@@ -55,7 +55,8 @@ class BodyView {
 
   struct Sight {
     bool inside;    ///< whether the point projects into the image
-    float outside;  ///< distance from the person's outline, negative inside it [blocks]
+    float outside;  ///< distance from the person's outline, negative inside it; what is in front of the person counts
+                    ///< as inside, since it may hide more of them [blocks]
     V3 gradient;    ///< of `outside` times metresPerBlock with respect to position: points away from the person; floor
                     ///< frame; length <= 1
     float metresPerBlock;
@@ -74,9 +75,15 @@ class BodyView {
     std::uint8_t kind = 0;
   };
   void gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label);
+  template <typename Relax>
+  void sweep(const Relax& relax) const;
+  void markOccluders();
   void distances();
   void makePoints();
   void findGround(bool floorFound);
+  [[nodiscard]] std::size_t indexOf(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
   [[nodiscard]] V3 cameraPositionOf(float column, float row, float depth) const;
 
   DepthCamera camera_;

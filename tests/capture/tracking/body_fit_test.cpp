@@ -53,6 +53,22 @@ class PosedScene {
     view.look(depth.depthMm, labels, 1, floorFromCamera);
   }
 
+  /// Puts something this much before the person into all columns to the right of the one that sees this x [m].
+  void hideBeside(double x, double before) {
+    const DepthCamera camera;
+    const Vec3 seen = floorFromCamera.inverse() * Vec3(x, 1.2, kPosition.z());
+    const auto first = static_cast<int>(0.5 * camera.width + camera.focalX() * seen.x() / -seen.z());
+    const auto nearer = static_cast<std::uint16_t>(1000.0 * (-seen.z() - before));
+    for (int row = 0; row < camera.height; ++row) {
+      for (int column = first; column < camera.width; ++column) {
+        const auto i = static_cast<std::size_t>(row * camera.width + column);
+        depth.depthMm[i] = nearer;
+        labels[i] = 0;
+      }
+    }
+    view.look(depth.depthMm, labels, 1, floorFromCamera);
+  }
+
   [[nodiscard]] double worst(const BodyPose& pose) const {
     PosedModel body;
     poseBody(pose, Proportions(), body);
@@ -116,6 +132,31 @@ TEST(BodyFit, FreeSpaceKeepsLimbsOutOfTheBackground) {
   const FitCost right = fitter.costOf(scene.view, Proportions(), weakPrior(pose), judge, pose);
   const FitCost wrong = fitter.costOf(scene.view, Proportions(), weakPrior(raised), judge, raised);
   EXPECT_GT(wrong.freeSpace, right.freeSpace + 500.0F);
+}
+
+TEST(BodyFit, TheEdgeOfSomethingInFrontIsNotThePersonsOutline) {
+  const BodyPose pose = standingPose(kPosition, 0.0F, 0.2F, 0.0F, 0.2F);
+  BodyFitter fitter;
+  const FitStage judge = {0.08F, 600, 0};
+  PosedScene scene(pose);
+  const FitCost whole = fitter.costOf(scene.view, Proportions(), weakPrior(pose), judge, pose);
+  for (const double x : {0.08, 0.0, -0.05}) {
+    scene.hideBeside(x, 0.5);
+    const FitCost half = fitter.costOf(scene.view, Proportions(), weakPrior(pose), judge, pose);
+    EXPECT_LT(half.freeSpace, whole.freeSpace + 5.0F) << x;
+    BodyPose found = pose;
+    fitter.fit(scene.view, Proportions(), weakPrior(found), kStages, found);
+    EXPECT_LT((found.root - pose.root).norm(), 0.04F) << x;
+  }
+}
+
+TEST(BodyFit, TheEdgeOfSomethingBehindIsThePersonsOutline) {
+  // The same half of a person before something farther: half a body would be missing.
+  const BodyPose pose = standingPose(kPosition, 0.0F, 0.2F, 0.0F, 0.2F);
+  PosedScene scene(pose);
+  scene.hideBeside(0.0, -0.5);
+  BodyFitter fitter;
+  EXPECT_GT(fitter.costOf(scene.view, Proportions(), weakPrior(pose), {0.08F, 600, 0}, pose).freeSpace, 500.0F);
 }
 
 TEST(BodyFit, FacingTheOtherWayCostsMore) {
