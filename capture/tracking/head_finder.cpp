@@ -22,8 +22,9 @@ constexpr int kSkin = 60;       // depth differences within a head [mm]
 constexpr int kStandsOut = 90;  // least depth difference to what is beside and above a head [mm]
 constexpr int kBody = 280;      // largest depth difference between head and chest [mm]
 constexpr std::uint16_t kNearest = 500, kFarthest = 5500;  // [mm]
-constexpr float kMinArea = 60.0F;  // of the votes for a head: their number times squared depth [m^2]
-constexpr float kApart = 0.25F;    // two heads are at least this far from each other [m]
+constexpr float kMinHeight = 0.5F;  // of a head over the floor: chests are not below the floor [m]
+constexpr float kMinArea = 60.0F;   // of the votes for a head: their number times squared depth [m^2]
+constexpr float kApart = 0.25F;     // two heads are at least this far from each other [m]
 constexpr std::size_t kMaxVotes = 4096, kMaxHeads = 8;
 
 }  // namespace
@@ -33,7 +34,7 @@ HeadFinder::HeadFinder(const DepthGrid& grid) : cellsPerMetre_(1.0F / std::abs(g
   heads_.reserve(kMaxHeads);
 }
 
-std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPositions& positions) {
+std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPositions& positions, bool floorFound) {
   votes_.clear();
   heads_.clear();
   constexpr int kStep = 2;
@@ -58,7 +59,9 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
         continue;
       if (!std::ranges::all_of(kChest, body) || !std::ranges::all_of(kShoulders, body)) continue;
       if (std::ranges::count_if(kAbove, standsOut) < 2) continue;
-      votes_.push_back({column, row, depth, positions(grid, column, row), 1});
+      const Vec3f position = positions(grid, column, row);
+      if (floorFound && position.y() < kMinHeight) continue;
+      votes_.push_back({column, row, depth, position, 1});
     }
   }
   // Votes for one head lie together: its middle is that of its votes.

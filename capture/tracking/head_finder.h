@@ -23,8 +23,9 @@ class HeadFinder {
  public:
   explicit HeadFinder(const DepthGrid& grid);
 
+  /// @param floorFound  whether y = 0 is the floor: what is as low as a knee is then no head
   /// @return distinct heads, those with the most votes first; valid until the next call
-  std::span<const FoundHead> find(const DepthGrid& grid, const FloorPositions& positions);
+  std::span<const FoundHead> find(const DepthGrid& grid, const FloorPositions& positions, bool floorFound);
 
  private:
   float cellsPerMetre_;  ///< at a depth of 1 m

@@ -320,7 +320,8 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   classify();
   finder.find(grid, positions, kinds, LastCells{lastPerson, lastDepthMm});
   const bool looking = frameCount++ % kHeadPause == 0;
-  const std::span<const FoundHead> heads = looking ? headFinder.find(grid, positions) : std::span<const FoundHead>();
+  const std::span<const FoundHead> heads =
+      looking ? headFinder.find(grid, positions, floor.found()) : std::span<const FoundHead>();
   owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, heads, looking, floorFromCamera,
                 floor.found(), time, elapsed},
                slots);

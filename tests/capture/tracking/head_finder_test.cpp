@@ -42,7 +42,7 @@ TEST(HeadFinder, FindsEveryHeadWhereItIs) {
     VirtualSensor sensor = sensorBefore(places, {});
     const Seen seen(sensor);
     HeadFinder finder(seen.grid);
-    const auto heads = finder.find(seen.grid, seen.positions);
+    const auto heads = finder.find(seen.grid, seen.positions, true);
     ASSERT_EQ(heads.size(), places.size());
     for (const VirtualTruth& truth : sensor.truth()) {
       const SkeletonFrame joints = moved(truth.joints, sensor.floorFromCamera());
@@ -54,6 +54,18 @@ TEST(HeadFinder, FindsEveryHeadWhereItIs) {
   }
 }
 
+TEST(HeadFinder, WhatIsAsLowAsAKneeIsNoHead) {
+  VirtualSensor sensor = sensorBefore({0.0}, {});
+  Seen seen(sensor);
+  // As if the floor were 1.2 m higher.
+  Isometry3 floorFromCamera = sensor.floorFromCamera();
+  floorFromCamera.translation().y() -= 1.2;
+  seen.positions.set(seen.grid, floorFromCamera);
+  HeadFinder finder(seen.grid);
+  EXPECT_TRUE(finder.find(seen.grid, seen.positions, true).empty());
+  EXPECT_EQ(finder.find(seen.grid, seen.positions, false).size(), 1U);
+}
+
 TEST(HeadFinder, FindsNoneInAnEmptyRoomWithFurniture) {
   VirtualRoom room;
   room.boxes = chairAt({0.3, 0.0, 0.0});
@@ -61,7 +73,7 @@ TEST(HeadFinder, FindsNoneInAnEmptyRoomWithFurniture) {
   VirtualSensor sensor = sensorBefore({}, room);
   const Seen seen(sensor);
   HeadFinder finder(seen.grid);
-  EXPECT_TRUE(finder.find(seen.grid, seen.positions).empty());
+  EXPECT_TRUE(finder.find(seen.grid, seen.positions, true).empty());
 }
 
 /// Share of the cells of the room's back wall, and of a person, that are marked as wall.
