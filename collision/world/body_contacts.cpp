@@ -1,5 +1,6 @@
 #include "collision/world/body_contacts.h"
 
+#include "collision/live/extent_kernel.h"
 #include "collision/world/part_overlap.h"
 #include "collision/world/part_shape.h"
 #include "collision/world/strike_limit.h"
@@ -90,7 +91,7 @@ void BodyContactQuery::Impl::readBounds(std::span<const BodyInWorld> present) {
       solid.needsShape = false;
       solid.bounds = Aabb();
       if (parts[p].shape.degenerate()) continue;
-      for (const Vec3& v : parts[p].shape.vertices) solid.bounds.extend(parts[p].worldFromPart * v);
+      solid.bounds = boundsOf(parts[p].shape.vertices, parts[p].worldFromPart);
       body.bounds.extend(solid.bounds.min);
       body.bounds.extend(solid.bounds.max);
     }

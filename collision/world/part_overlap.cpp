@@ -49,9 +49,30 @@ double overlapAlong(const LivePart& first, const LivePart& second, const Vec3& d
          second.worldFromPart.translation().dot(direction);
 }
 
+/// Two parts and the same in single precision.
+struct Pair {
+  const LivePart& first;
+  const PartShape& firstShape;
+  const LivePart& second;
+  const PartShape& secondShape;
+};
+
+double quickHighest(const PartShape& shape, const Vec3& direction) {
+  return fromBullet(shape.localGetSupportingVertexWithoutMargin(toBullet(direction))).dot(direction);
+}
+
+/// overlapAlong() to a millionth of the parts' sizes, in a fraction of the time.
+double quickOverlapAlong(const Pair& pair, const Vec3& direction) {
+  const Isometry3& first = pair.first.worldFromPart;
+  const Isometry3& second = pair.second.worldFromPart;
+  return quickHighest(pair.firstShape, first.linear().transpose() * direction) +
+         quickHighest(pair.secondShape, -(second.linear().transpose() * direction)) +
+         (first.translation() - second.translation()).dot(direction);
+}
+
 /// Searches the face normals of a hull for a direction of smaller depth. Never fails, but ignores edges.
 /// @param sign  +1 for the first part's faces, -1 for the second's
-void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of, double sign, PartOverlap& overlap) {
+void tryFaces(const Pair& pair, const LivePart& of, double sign, PartOverlap& overlap) {
   const std::vector<Vec3>& v = of.shape.vertices;
   for (const Triangle& t : of.shape.triangles) {
     const Vec3& corner = v[t[0]];
@@ -59,7 +80,7 @@ void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of,
     const double length = normal.norm();
     if (!(length > 0.0)) continue;
     const Vec3 direction = of.worldFromPart.linear() * (sign / length * normal);
-    const double depth = overlapAlong(first, second, direction);
+    const double depth = quickOverlapAlong(pair, direction);
     if (depth >= overlap.depth) continue;
     overlap.depth = depth;
     overlap.direction = direction;
@@ -67,15 +88,19 @@ void tryFaces(const LivePart& first, const LivePart& second, const LivePart& of,
 }
 
 /// Refines the direction by local search with decreasing steps: the minimum may be at a pair of edges, between faces.
-void settle(const LivePart& first, const LivePart& second, PartOverlap& overlap) {
+void settle(const Pair& pair, PartOverlap& overlap) {
   constexpr int kAround = 16;
+  std::array<std::pair<double, double>, kAround> circle;
+  for (int i = 0; i < kAround; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kAround;
+    circle[i] = {std::cos(angle), std::sin(angle)};
+  }
   for (double step = 0.4; step > 1e-6;) {
     const Vec3 u = overlap.direction.unitOrthogonal(), v = overlap.direction.cross(u);
     PartOverlap best = overlap;
-    for (int i = 0; i < kAround; ++i) {
-      const double angle = 2.0 * std::numbers::pi * i / kAround;
-      const Vec3 direction = (overlap.direction + step * (std::cos(angle) * u + std::sin(angle) * v)).normalized();
-      const double depth = overlapAlong(first, second, direction);
+    for (const auto& [x, y] : circle) {
+      const Vec3 direction = (overlap.direction + step * (x * u + y * v)).normalized();
+      const double depth = quickOverlapAlong(pair, direction);
       if (depth < best.depth) {
         best.depth = depth;
         best.direction = direction;
@@ -87,6 +112,7 @@ void settle(const LivePart& first, const LivePart& second, PartOverlap& overlap)
       step *= 0.6;
     }
   }
+  overlap.depth = overlapAlong(pair.first, pair.second, overlap.direction);
 }
 
 /// Whether no direction nearby has a smaller depth. EPA may stop at an edge of two aligned boxes, from either part.
@@ -119,6 +145,7 @@ std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& fir
   const btTransform there = toBullet(Quat(firstFromSecond.linear()), firstFromSecond.translation());
   const btTransform back = toBullet(Quat(secondFromFirst.linear()), secondFromFirst.translation());
 
+  const Pair pair{first, firstShape, second, secondShape};
   PartOverlap overlap;
   overlap.depth = std::numeric_limits<double>::infinity();
   // For about one pair in ten thousand, Bullet reports an overlapping pair as separate, or its expanding polytope
@@ -148,7 +175,7 @@ std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& fir
       if (gap.depth <= 0.0) {
         // About one search in a thousand ends too early: then the points that it found are farther apart than the
         // parts are along their direction.
-        if (radius > 0.0 && results.distance + gap.depth > 1e-4) settle(first, second, gap);
+        if (radius > 0.0 && results.distance + gap.depth > 1e-4) settle(pair, gap);
         return rounded(gap, radius);
       }
     }
@@ -162,9 +189,9 @@ std::optional<PartOverlap> overlapOf(const LivePart& first, const PartShape& fir
     overlap.position = middle();
   }
   if (depths < 2 || deepest > 1.02 * overlap.depth + 1e-4 || !isLeast(first, second, overlap)) {
-    tryFaces(first, second, first, 1.0, overlap);
-    tryFaces(first, second, second, -1.0, overlap);
-    settle(first, second, overlap);
+    tryFaces(pair, first, 1.0, overlap);
+    tryFaces(pair, second, -1.0, overlap);
+    settle(pair, overlap);
   }
   return rounded(overlap, radius);
 }
