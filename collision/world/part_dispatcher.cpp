@@ -4,6 +4,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -120,6 +121,23 @@ void PartDispatcher::process(btBroadphasePair& pair, const btDispatcherInfo& inf
 void PartDispatcher::nearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
                                   const btDispatcherInfo& info) {
   static_cast<PartDispatcher&>(dispatcher).process(pair, info);
+}
+
+btCollisionAlgorithm* PartDispatcher::findAlgorithm(const btCollisionObjectWrapper* a,
+                                                    const btCollisionObjectWrapper* b, btPersistentManifold* shared,
+                                                    ebtDispatcherQueryType type) {
+  const auto isBall = [](const btCollisionObjectWrapper* body) {
+    return body->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+  };
+  const auto isConvex = [](const btCollisionObjectWrapper* body) { return body->getCollisionShape()->isConvex(); };
+  const bool upright = ballsUpright_ && isBall(a) != isBall(b) && isConvex(a) && isConvex(b);
+  if (!upright || type != BT_CONTACT_POINT_ALGORITHMS) {
+    return btCollisionDispatcher::findAlgorithm(a, b, shared, type);
+  }
+  btCollisionAlgorithmConstructionInfo construction;
+  construction.m_dispatcher1 = this;
+  construction.m_manifold = shared;
+  return upright_.CreateCollisionAlgorithm(construction, a, b);
 }
 
 btPersistentManifold* PartDispatcher::getNewManifold(const btCollisionObject* a, const btCollisionObject* b) {

@@ -2,6 +2,8 @@
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
 
 #include <mutex>
 
@@ -16,6 +18,8 @@ class PartDispatcher : public btCollisionDispatcher {
  public:
   explicit PartDispatcher(btCollisionConfiguration* configuration);
 
+  /// Whether new pairs of a ball and another convex shape are not tilted: they touch at one point.
+  void setBallsUpright(bool upright) { ballsUpright_ = upright; }
   /// False for a part and a prop that are certainly apart by more than contacts reach.
   /// @param further  additional distance [m]
   [[nodiscard]] bool canTouch(const btBroadphasePair& pair, btScalar further) const;
@@ -24,6 +28,8 @@ class PartDispatcher : public btCollisionDispatcher {
   /// Puts manifolds in the order of pairs, whatever threads created them.
   void orderManifolds(btOverlappingPairCache& pairs);
 
+  btCollisionAlgorithm* findAlgorithm(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
+                                      btPersistentManifold* shared, ebtDispatcherQueryType type) override;
   btPersistentManifold* getNewManifold(const btCollisionObject* a, const btCollisionObject* b) override;
   void releaseManifold(btPersistentManifold* manifold) override;
   void* allocateCollisionAlgorithm(int size) override;
@@ -33,6 +39,9 @@ class PartDispatcher : public btCollisionDispatcher {
   static void nearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info);
 
   std::mutex mutex_;
+  bool ballsUpright_ = false;
+  btGjkEpaPenetrationDepthSolver depthSolver_;
+  btConvexConvexAlgorithm::CreateFunc upright_{&depthSolver_};
 };
 
 }  // namespace lorica

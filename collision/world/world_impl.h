@@ -119,7 +119,7 @@ struct World::Impl {
   void setPartCounts(std::span<const std::span<const LivePart>> present);
   void setPartCount(std::size_t avatar, std::size_t count);
   void findReaches(double seconds);
-  [[nodiscard]] bool isFar(const Sweep& sweep) const;
+  [[nodiscard]] bool isFar(const Sweep& sweep, double further) const;
   void takeParts(std::span<const std::span<const LivePart>> present, double seconds);
   void readPart(PartCollider& part, const LivePart& live, double seconds) const;
   void followSurfaces();

@@ -1,3 +1,4 @@
+#include "collision/live/extent_kernel.h"
 #include "collision/world/bullet_math.h"
 #include "collision/world/strike_limit.h"
 #include "collision/world/world_impl.h"
@@ -18,9 +19,11 @@ constexpr btScalar kPartMargin = 0.001f;
 constexpr btScalar kFollowed = 0.002f;
 constexpr btScalar kLookFrom = 0.004f;
 constexpr btScalar kSameNormal = 0.99f;  // cosine
-// With more parts in all, those that are farther than this from every prop are left out [m].
+// With more parts in all, those that are farther than this from every prop are left out [m]. To leave, they must be
+// farther still: coming and going costs more than staying.
 constexpr std::size_t kCrowd = 128;
 constexpr double kAhead = 0.25;
+constexpr double kStay = 0.15;
 
 Sweep sweepOf(const LivePart& part, double seconds) {
   const Isometry3& begin = part.previousWorldFromPart;
@@ -34,9 +37,7 @@ Sweep sweepOf(const LivePart& part, double seconds) {
   sweep.axis = turn.axis();
   sweep.angle = turn.angle();
 
-  double radiusSq = 0.0;
-  for (const Vec3& p : part.shape.vertices) radiusSq = std::max(radiusSq, p.squaredNorm());
-  sweep.radius = std::sqrt(radiusSq);
+  sweep.radius = std::sqrt(farthestSq(part.shape.vertices));
   const double path = sweep.travel.norm() + std::abs(sweep.angle) * sweep.radius;
   if (path > kTeleportSpeed * seconds) {
     sweep.origin = end.translation();
@@ -110,6 +111,7 @@ void World::Impl::findReaches(double seconds) {
   std::size_t count = 0;
   for (const auto& parts : avatars) count += parts.size();
   crowd.present = count > kCrowd;
+  dispatcher.setBallsUpright(crowd.present);
   reaches.clear();
   widestReach = 0.0;
   if (!crowd.present) return;
@@ -126,9 +128,10 @@ void World::Impl::findReaches(double seconds) {
 }
 
 /// Whether a part meets no prop in this frame.
-bool World::Impl::isFar(const Sweep& sweep) const {
+/// @param further  additional distance [m]
+bool World::Impl::isFar(const Sweep& sweep, double further) const {
   const Vec3 center = sweep.origin + 0.5 * sweep.travel;
-  const double radius = sweep.radius + 0.5 * sweep.travel.norm();
+  const double radius = sweep.radius + 0.5 * sweep.travel.norm() + further;
   Reach first;
   first.begin = center.x() - radius - 2.0 * widestReach;
   for (auto reach = std::lower_bound(reaches.begin(), reaches.end(), first);
@@ -160,7 +163,7 @@ void World::Impl::readPart(PartCollider& part, const LivePart& live, double seco
   part.counts = !live.shape.degenerate();
   if (!part.counts) return;
   part.sweep = sweepOf(live, seconds);
-  part.counts = !crowd.present || !isFar(part.sweep);
+  part.counts = !crowd.present || !isFar(part.sweep, part.inWorld ? kStay : 0.0);
   if (!part.counts) return;
   part.body->setWorldTransform(part.sweep.at(0.0));
   part.reshaped = live.reshaped || !part.inWorld;

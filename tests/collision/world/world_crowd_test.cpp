@@ -112,6 +112,28 @@ TEST(WorldCrowd, AFallingBoxGainsNoEnergyAndComesToRestOnTheFloor) {
   for (const Prop& prop : world.props()) EXPECT_NEAR(prop.worldFromProp.translation().y(), 0.1, 0.005);
 }
 
+TEST(WorldCrowd, BallsRestOnPartsAndBoxesWhereTheyTouchThem) {
+  World world;
+  world.addProp(boxOf(0.2, at(0.0, 0.2, 0.0)));
+  for (const double x : {0.0, 2.0}) {
+    Prop ball = boxOf(0.1, at(x, 0.52, 0.0));
+    ball.shape = PropShape::kSphere;
+    world.addProp(ball);
+  }
+  std::vector<LivePart> parts = farAway(150);
+  parts.push_back(makeBoxPart(Vec3::Constant(0.2), at(2.0, 0.2, 0.0)));
+  for (int frame = 0; frame < 120; ++frame) {
+    stand(parts);
+    world.step(parts, kFrame);
+    if (frame < 30) continue;
+    for (const int ball : {1, 2}) {
+      const Vec3 place = world.props()[ball].worldFromProp.translation();
+      EXPECT_LT((place - Vec3(ball == 1 ? 0.0 : 2.0, 0.5, 0.0)).norm(), 0.003)
+          << "ball " << ball << ", frame " << frame;
+    }
+  }
+}
+
 TEST(WorldCrowd, AFastPartNeverPassesThroughAThinBox) {
   for (double start = 0.5; start < 1.2; start += 0.037) {
     World::Settings settings;
