@@ -105,7 +105,10 @@ Result<std::optional<double>> Session::readPoses() {
 }
 
 void Session::moveAvatars(double seconds) {
-  const auto move = [&](std::size_t a) { avatars_[a].update(seconds, world_.props()); };
+  const auto move = [&](std::size_t a) {
+    avatars_[a].update(seconds, world_.props());
+    avatars_[a].addToHash();  // while its parts are in the cache
+  };
   if (avatars_.size() == 1) {
     move(0);
   } else {
@@ -123,10 +126,7 @@ void Session::moveAvatars(double seconds) {
 
 void Session::addToHashes() {
   hashes_.hulls = 0;
-  for (SessionAvatar& avatar : avatars_) {
-    avatar.addToHash();
-    hashes_.hulls = std::rotl(hashes_.hulls, 1) ^ avatar.hash();
-  }
+  for (const SessionAvatar& avatar : avatars_) hashes_.hulls = std::rotl(hashes_.hulls, 1) ^ avatar.hash();
   for (const Prop& prop : world_.props()) hashes_.props = chainHash(hashes_.props, prop);
   if (const Particles* particles = world_.particles()) {
     const std::span<const Vec3f> positions = particles->positions();
