@@ -250,16 +250,19 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
   }
   const std::span<const VertexIndex> vertices = hull ? hull->vertices() : std::span<const VertexIndex>();
   const std::span<const Triangle> faces = hull ? hull->faces() : std::span<const Triangle>();
-  part.shape.vertices.resize(vertices.size());
-  part.shape.pointOfVertex.resize(vertices.size());
-  part.shape.triangles.resize(faces.size());
   part.shape.volume = hull ? hull->volume() * track.tick * track.tick * track.tick : 0.0;
+  part.shape.vertices.resize(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    const auto candidate = static_cast<std::size_t>(vertices[v]);
-    const PointRow& row = track.rows[candidate];
-    part.shape.pointOfVertex[v] = plan.candidates[candidate];
+    const PointRow& row = track.rows[static_cast<std::size_t>(vertices[v])];
     part.shape.vertices[v] = track.tick * Vec3(row.x, row.y, row.z);
   }
+  // The lists stay in half of all frames of small hulls. They are empty after a frame without a hull.
+  if (hull && hull->keptFaces() && part.shape.triangles.size() == faces.size()) return;
+  part.shape.pointOfVertex.resize(vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    part.shape.pointOfVertex[v] = plan.candidates[static_cast<std::size_t>(vertices[v])];
+  }
+  part.shape.triangles.resize(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const auto& [a, b, c] = faces[f];
     part.shape.triangles[f] = {hull->positionOf(a), hull->positionOf(b), hull->positionOf(c)};

@@ -49,6 +49,11 @@ class MovingHull {
   /// Ids of the points on those faces. Some may lie within a plane or edge of the hull; no two have the same position.
   [[nodiscard]] std::span<const VertexIndex> vertices() const { return vertices_; }
 
+  /// Whether the last update left faces() and vertices() as they were.
+  [[nodiscard]] bool keptFaces() const {
+    return counts_.flips + counts_.deletions + counts_.insertions + counts_.rebuilds == 0;
+  }
+
   /// Index of a vertex in vertices().
   [[nodiscard]] std::int32_t positionOf(VertexIndex vertex) const { return slot_[vertex]; }
 

@@ -115,7 +115,13 @@ MovingHull::Counts expectFollows(const Shape& shape, int frames, const Motion& m
     Cloud posed = shape.points;
     for (Vec3& p : posed) p = motion(frame, p);
     const std::vector<PointRow> rows = aboutTheirMean(posed, kTicks);
+    const std::vector<Triangle> faces(hull.faces().begin(), hull.faces().end());
+    const std::vector<VertexIndex> vertices(hull.vertices().begin(), hull.vertices().end());
     hull.update(rows);
+    if (hull.keptFaces()) {
+      EXPECT_TRUE(std::ranges::equal(hull.faces(), faces)) << shape.name << ", frame " << frame;
+      EXPECT_TRUE(std::ranges::equal(hull.vertices(), vertices)) << shape.name << ", frame " << frame;
+    }
     const std::string wrong = whatIsWrong(hull, rows);
     EXPECT_EQ(wrong, "") << shape.name << ", frame " << frame;
     if (!wrong.empty()) break;
@@ -160,6 +166,22 @@ TEST(MovingHull, RepairsMostFramesOfASmoothMotionInsteadOfRebuilding) {
   EXPECT_GT(sum.flips, 100);
   EXPECT_GT(sum.deletions, 10);
   EXPECT_GT(sum.insertions, 10);
+}
+
+TEST(MovingHull, KnowsWhetherItKeptItsFaces) {
+  Random random(16);
+  const Cloud points = ball(100, random);
+  MovingHull hull(100);
+  const std::vector<PointRow> rows = aboutTheirMean(points, kTicks);
+  hull.update(rows);
+  EXPECT_FALSE(hull.keptFaces()) << "the first are new";
+  const std::vector<PointRow> larger = aboutTheirMean(scaled(points, Vec3(1.5, 1.2, 1.1)), kTicks);
+  hull.update(larger);
+  EXPECT_TRUE(hull.keptFaces());
+  std::vector<PointRow> pushed = larger;
+  pushed[hull.vertices()[0]] = {0.5F, 0.25F, 0.125F, 0.0F};
+  hull.update(pushed);
+  EXPECT_FALSE(hull.keptFaces());
 }
 
 TEST(MovingHull, SurvivesRandomJumps) {
