@@ -14,6 +14,8 @@ namespace {
 
 // Length of a tick at most [s]. Within one, a prop meets only what it could reach when the tick began.
 constexpr double kTickSeconds = 1.0 / 90.0;
+// A part that moves less than this in a frame has the same bounds in all ticks [m].
+constexpr double kShortPath = 0.03;
 // Props that were slow for this long sleep [s].
 constexpr btScalar kRestSeconds = 0.5f;
 // A sleeping prop wakes if another that touches it is nearer than this, or faster [m], [m/s].
@@ -118,15 +120,20 @@ void World::Impl::setTickBounds(const Tick& tick) {
   const auto set = [&](btRigidBody& body, const btVector3& low, const btVector3& high) {
     broadphase.setAabb(body.getBroadphaseProxy(), low - margin, high + margin, &dispatcher);
   };
+  const auto keepsBounds = [&](const PartCollider& part) { return tick.begin > 0.0 && part.sweep.path() < kShortPath; };
   tbb::parallel_for(std::size_t{0}, crowd.parts.size(), [&](std::size_t i) {
     PartCollider& part = *crowd.parts[i];
+    if (keepsBounds(part)) return;
+    const double end = part.sweep.path() < kShortPath ? 1.0 : tick.begin + tick.share;
     btVector3 low, high;
     part.shape.getAabb(part.sweep.at(tick.begin), part.low, part.high);
-    part.shape.getAabb(part.sweep.at(tick.begin + tick.share), low, high);
+    part.shape.getAabb(part.sweep.at(end), low, high);
     part.low.setMin(low);
     part.high.setMax(high);
   });
-  for (const PartCollider* part : crowd.parts) set(*part->body, part->low, part->high);
+  for (const PartCollider* part : crowd.parts) {
+    if (!keepsBounds(*part)) set(*part->body, part->low, part->high);
+  }
   for (const PropBody& prop : propBodies) {
     if (!isAwake(*prop.body)) continue;
     btVector3 low, high;
@@ -150,20 +157,21 @@ void World::Impl::wakeTouched(const Tick& tick) {
   const auto wakes = [&](btBroadphasePair& pair, const PairBodies& bodies) {
     if (bodies.withPart()) {
       const Sweep& sweep = partOf(*bodies.other).sweep;
-      const double path = sweep.travel.norm() + std::abs(sweep.angle) * sweep.radius;
-      return dispatcher.canTouch(pair, static_cast<btScalar>(path * tick.share));
+      return dispatcher.canTouch(pair, static_cast<btScalar>(sweep.path() * tick.share));
     }
     const btCollisionObject& awake = isAwake(*bodies.prop) ? *bodies.prop : *bodies.other;
     if (propBodies[awake.getUserIndex()].speed() > kWakingSpeed) return true;
     dispatcher.process(pair, world.getDispatchInfo());
     return isTouching(pair, crowd.manifolds);
   };
-  for (bool more = true; more;) {
+  bool withParts = true;  // only once: parts wake the same props again
+  for (bool more = true; more; withParts = false) {
     more = false;
     for (int p = 0; p < pairs.size(); ++p) {
       const PairBodies bodies(pairs[p]);
       const bool propAwake = isAwake(*bodies.prop);
       if (bodies.prop->isStaticObject() || (propAwake && !bodies.withProp())) continue;
+      if (bodies.withPart() && !withParts) continue;
       if (!bodies.withPart() && propAwake == isAwake(*bodies.other)) continue;
       if (!wakes(pairs[p], bodies)) continue;
       (propAwake ? bodies.other : bodies.prop)->activate();

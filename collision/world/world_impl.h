@@ -11,6 +11,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -36,6 +37,8 @@ struct Sweep {
   double strength = 1.0;       ///< share of the velocity that is transferred to props
 
   [[nodiscard]] btTransform at(double fraction) const;
+  /// Bound on the way of any point over the whole frame [m].
+  [[nodiscard]] double path() const { return travel.norm() + std::abs(angle) * radius; }
 };
 
 struct PartCollider {
@@ -44,7 +47,7 @@ struct PartCollider {
   std::unique_ptr<btRigidBody> body;
   bool counts = false;  ///< in this frame
   bool inWorld = false;
-  btVector3 low{0, 0, 0}, high{0, 0, 0};  ///< bounds in a tick of a crowd
+  btVector3 low{0, 0, 0}, high{0, 0, 0};  ///< bounds in a tick of a crowd, or in a frame
   bool reshaped = false;
   int slot = 0;  ///< in the crowd's sets
   Sweep sweep;

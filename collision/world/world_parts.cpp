@@ -38,7 +38,7 @@ Sweep sweepOf(const LivePart& part, double seconds) {
   sweep.angle = turn.angle();
 
   sweep.radius = std::sqrt(farthestSq(part.shape.vertices));
-  const double path = sweep.travel.norm() + std::abs(sweep.angle) * sweep.radius;
+  const double path = sweep.path();
   if (path > kTeleportSpeed * seconds) {
     sweep.origin = end.translation();
     sweep.rotation = Quat(end.linear());
