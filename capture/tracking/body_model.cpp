@@ -237,6 +237,9 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& 
     out.flat = def.flat;
     out.middle = body.position[n] + body.rotation[n] * (0.5F * (a + b));
     out.reach = 0.5F * (b - a).norm() + std::max(def.radiusA, def.radiusB) * body.girth[n] / std::min(def.flat, 1.0F);
+    out.start = body.position[n] + body.rotation[n] * a;
+    out.axis = body.rotation[n] * (b - a);
+    out.widest = std::max(def.radiusA, def.radiusB) * body.girth[n];
     a.x() *= def.flat;
     b.x() *= def.flat;
     out.a = a;

@@ -112,8 +112,10 @@ struct ShapedCapsule {
   float inverseAbSq;
   float radiusA, radiusAb;
   float flat;
-  V3 middle;    ///< of its bounding ball, floor frame
-  float reach;  ///< radius of its bounding ball
+  V3 middle;       ///< of its bounding ball, floor frame
+  float reach;     ///< radius of its bounding ball
+  V3 start, axis;  ///< a, and from a to b, floor frame
+  float widest;    ///< the larger radius
 };
 
 /// A degree of freedom as a twist: per unit, a point s of its subtree moves by turn x (s - root) + move, where root is
@@ -139,13 +141,14 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& 
 /// The 15 joints, with orientations as in TrackedJoint; confidences are 0.
 void readJoints(const PosedModel& body, SkeletonFrame& frame);
 
-/// Signed distance of a point from a capsule's surface.
-struct SurfaceHit {
-  float distance;  ///< [m], negative inside
-  V3 normal;       ///< outward, floor frame
-  float along;     ///< 0 at a, 1 at b
+/// A point relative to the nearest point of a capsule's axis, in the capsule's node with x flattened.
+struct AxisHit {
+  V3 offset;
+  float length;  ///< of the offset
+  float radius;  ///< of the capsule there
+  float along;   ///< 0 at a, 1 at b
 };
-[[nodiscard]] inline SurfaceHit distanceTo(const PosedModel& body, const ShapedCapsule& c, const V3& p) {
+[[nodiscard]] inline AxisHit axisHit(const PosedModel& body, const ShapedCapsule& c, const V3& p) {
   const auto node = static_cast<std::size_t>(c.node);
   V3 q = body.rotation[node].transpose() * (p - body.position[node]);
   q.x() *= c.flat;
@@ -153,12 +156,23 @@ struct SurfaceHit {
   float t = q.dot(c.ab) * c.inverseAbSq;
   t = t < 0.0F ? 0.0F : (t > 1.0F ? 1.0F : t);
   q -= t * c.ab;
-  const float length = q.norm();
-  const float r = c.radiusA + t * c.radiusAb;
-  V3 gradient = length > 1e-6F ? V3(q / length) : V3::UnitZ();
+  return {q, q.norm(), c.radiusA + t * c.radiusAb, t};
+}
+
+/// Signed distance of a point from a capsule's surface.
+struct SurfaceHit {
+  float distance;  ///< [m], negative inside
+  V3 normal;       ///< outward, floor frame
+  float along;     ///< 0 at a, 1 at b
+};
+[[nodiscard]] inline SurfaceHit surfaceHit(const PosedModel& body, const ShapedCapsule& c, const AxisHit& axis) {
+  V3 gradient = axis.length > 1e-6F ? V3(axis.offset / axis.length) : V3::UnitZ();
   gradient.x() *= c.flat;
   const float slope = gradient.norm();
-  return {(length - r) / slope, body.rotation[node] * (gradient / slope), t};
+  return {(axis.length - axis.radius) / slope, body.rotation[c.node] * (gradient / slope), axis.along};
+}
+[[nodiscard]] inline SurfaceHit distanceTo(const PosedModel& body, const ShapedCapsule& c, const V3& p) {
+  return surfaceHit(body, c, axisHit(body, c, p));
 }
 
 }  // namespace lorica::fit

@@ -20,6 +20,7 @@ constexpr float kProtraction = 0.25F;  ///< angle of a collarbone whose arm poin
 constexpr float kUsualSpine = 0.10F;   ///< deviation of either spine joint from straight [rad]
 constexpr float kUsualArm = 1.0F;      ///< deviation of an arm from hanging, at shoulder and elbow [rad]
 constexpr float kUsualLeg = 0.25F;     ///< deviation of a leg from straight, at hip and knee [rad]
+constexpr float kRootSlack = 1.0001F;  ///< against rounding, where a distance is bounded before it is known
 
 std::vector<Sample> makeSamples() {
   std::vector<Sample> samples;
@@ -93,6 +94,17 @@ std::vector<BallLimit> makeLimits() {
   add(kRightThigh, HumanBone::kRightUpperLeg, 1.0, 0.0F);
   return limits;
 }
+
+/// Whether a point is certainly farther than this from a capsule.
+bool isFarther(const ShapedCapsule& c, const V3& position, float than) {
+  const float ball = c.reach + than;
+  if ((position - c.middle).squaredNorm() > ball * ball) return true;
+  if (c.flat != 1.0F) return false;
+  const V3 off = position - c.start;
+  const float along = std::clamp(off.dot(c.axis) * c.inverseAbSq, 0.0F, 1.0F);
+  const float tube = c.widest + than;
+  return (off - along * c.axis).squaredNorm() > tube * tube;
+}
 }  // namespace
 
 std::span<const Sample> samplesOfBody() {
@@ -111,9 +123,11 @@ std::span<const BallLimit> ballLimits() {
 void matchCapsule(const PosedModel& body, int capsule, const V3& position, const V3& normal, const V3& ray,
                   SurfaceMatch& best) {
   const ShapedCapsule& c = body.capsule[capsule];
-  const float off = (position - c.middle).norm() - c.reach;
-  if (off > 0.0F && off * off > best.costSq) return;
-  SurfaceHit hit = distanceTo(body, c, position);
+  if (isFarther(c, position, best.bound)) return;
+  const AxisHit axis = axisHit(body, c, position);
+  const float least = (axis.length - axis.radius) / std::max(1.0F, c.flat);
+  if (least > 0.0F && least * least > best.costSq) return;
+  SurfaceHit hit = surfaceHit(body, c, axis);
   SurfaceMatch m;
   m.capsule = capsule;
   m.residual = hit.distance;
@@ -137,7 +151,9 @@ void matchCapsule(const PosedModel& body, int capsule, const V3& position, const
   }
   m.costSq = m.residual * m.residual;
   if (normal.squaredNorm() > 0.5F) m.costSq += kNormalWeight * kNormalWeight * (1.0F - hit.normal.dot(normal));
-  if (m.costSq < best.costSq) best = m;
+  if (m.costSq >= best.costSq) return;
+  m.bound = kRootSlack * std::sqrt(m.costSq);
+  best = m;
 }
 
 Ball ballOf(const PosedModel& body, const Sample& sample) {

@@ -29,6 +29,7 @@ struct SurfaceMatch {
   int capsule = 0;
   float residual = 0.0F;  ///< [m]
   float costSq = 1e9F;    ///< squared residual, plus the difference of the normals [m^2]
+  float bound = 4e4F;     ///< at least the root of costSq [m]
   V3 at = V3::Zero();     ///< on the surface
   V3 pull = V3::Zero();   ///< derivative of the residual with respect to the motion of `at`
 };

@@ -64,6 +64,7 @@ float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Propo
   for (const Near& point : near_) {
     SurfaceMatch m;
     m.costSq = point.otherSq;
+    m.bound = point.otherBound;
     for (std::size_t k = 0; k < count; ++k) matchCapsule(body_, mine[k], point.position, point.normal, point.ray, m);
     cost += each * robust(m.costSq, kWidthSq).cost;
   }
@@ -143,7 +144,7 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
     }
     // Points that the rest of the body explains well cannot suggest the limb.
     if (m.costSq < 0.02F * 0.02F) continue;
-    near_.push_back({point.position, point.normal, point.ray, m.costSq});
+    near_.push_back({point.position, point.normal, point.ray, m.costSq, m.bound});
     if (m.costSq > kLoose * kLoose) loose_.push_back(point.position);
   }
   count_ = 0;

@@ -37,7 +37,8 @@ class LimbSearch {
 
   struct Near {
     V3 position, normal, ray;
-    float otherSq;  ///< squared distance from the rest of the body, robust [m^2]
+    float otherSq;     ///< squared distance from the rest of the body, robust [m^2]
+    float otherBound;  ///< at least its root [m]
   };
   std::vector<Near> near_;
   std::vector<V3> loose_;

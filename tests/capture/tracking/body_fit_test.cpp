@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace lorica::fit {
 namespace {
@@ -235,6 +236,31 @@ TEST(BodyFit, RestCostsTheSquareOfTheAnglesFromIt) {
   const LimbRest rest = restOf(kLeftLeg, pose);
   EXPECT_NEAR(rest.cost(), rest.weight * 1.25F, 1e-3F);
   EXPECT_NEAR(rest.turn.x(), -1.0F, 1e-5F);
+}
+
+TEST(SurfaceMatch, SkipsOnlyCapsulesThatCannotBeNearest) {
+  PosedModel body;
+  poseBody(standingPose(kPosition, 0.7F, 0.9F, 0.6F, 1.1F), Proportions(), body);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+  for (int i = 0; i < 20'000; ++i) {
+    V3 direction, normal;
+    for (int k = 0; k < 3; ++k) direction[k] = unit(random);
+    for (int k = 0; k < 3; ++k) normal[k] = unit(random);
+    const V3 position = kPosition + direction;
+    const V3 ray = position.normalized();
+    normal.normalize();
+    SurfaceMatch found, nearest;
+    for (int c = 0; c < kCapsuleCount; ++c) {
+      matchCapsule(body, c, position, normal, ray, found);
+      SurfaceMatch alone;
+      matchCapsule(body, c, position, normal, ray, alone);
+      if (alone.costSq < nearest.costSq) nearest = alone;
+    }
+    ASSERT_EQ(found.capsule, nearest.capsule) << i;
+    ASSERT_EQ(found.costSq, nearest.costSq) << i;
+    ASSERT_GE(found.bound * found.bound, found.costSq) << i;
+  }
 }
 
 TEST(LimbSearch, FindsAnArmThatIsElsewhere) {
