@@ -6,6 +6,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cstddef>
 
@@ -97,6 +99,12 @@ double farthestSq(std::span<const Vec3> points) {
     distanceSq = std::max(distanceSq, p.squaredNorm());
   }
   return distanceSq;
+}
+
+void fetch(std::span<const Vec3> points) {
+  constexpr std::size_t kLine = 64, kMost = 3072;  // [bytes]
+  const auto bytes = std::as_bytes(points);
+  for (std::size_t i = 0; i < std::min(bytes.size(), kMost); i += kLine) hwy::Prefetch(&bytes[i]);
 }
 
 }  // namespace lorica

@@ -87,6 +87,7 @@ void BodyContactQuery::Impl::readBounds(std::span<const BodyInWorld> present) {
     if (body.solids.size() < parts.size()) body.solids.resize(parts.size());
     body.bounds = Aabb();
     for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (p + 1 < parts.size()) fetch(parts[p + 1].shape.vertices);
       Solid& solid = body.solids[p];
       solid.needsShape = false;
       solid.bounds = Aabb();

@@ -144,7 +144,10 @@ bool World::Impl::isFar(const Sweep& sweep, double further) const {
 
 void World::Impl::takeParts(std::span<const std::span<const LivePart>> present, double seconds) {
   tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t a) {
-    for (std::size_t i = 0; i < avatars[a].size(); ++i) readPart(*avatars[a][i], present[a][i], seconds);
+    for (std::size_t i = 0; i < avatars[a].size(); ++i) {
+      if (i + 1 < avatars[a].size()) fetch(present[a][i + 1].shape.vertices);
+      readPart(*avatars[a][i], present[a][i], seconds);
+    }
   });
   for (const auto& parts : avatars) {
     for (const std::unique_ptr<PartCollider>& part : parts) {
