@@ -125,7 +125,9 @@ class World {
   /// @param avatars  the parts of each; the same parts in every call, or none while the avatar is not there: it comes
   ///                 back without sweeping. Parts beyond kMaxParts in total touch nothing. If there are more than
   ///                 128, parts that are far from all props are left out: a prop that is hit in this frame and flies
-  ///                 to one of them, farther than 0.25 m, meets it in the next frame.
+  ///                 to one of them, farther than 0.25 m, meets it in the next frame. Props that may touch then form
+  ///                 islands, each with substeps of its own of at most 1/90 s, and sleep after 0.5 s instead of 2 s;
+  ///                 what this loses is in docs/AVATARS.md.
   /// @param seconds  length of the frame [s]; 0 moves the parts only
   void stepAvatars(std::span<const std::span<const LivePart>> avatars, double seconds);
   /// The same with one avatar.
