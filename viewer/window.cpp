@@ -183,8 +183,8 @@ void Window::Impl::countPicture(double seconds) {
 }
 
 void Window::Impl::chooseQuality(double seconds) {
-  // The quality does not change during a video.
-  if (state.quality < 0 && !video && choice.add(seconds, secondsNow())) {
+  // The quality does not change during a video. What the user is being told is more important.
+  if (state.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil) {
     setNotice(fmt::format("drawing a frame takes {:.0f} ms: quality set to {}", 1e3 * seconds,
                           kQualityNames[choice.level()]));
   }
@@ -197,9 +197,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwGetFramebufferSize(i.window, &width, &height);
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
-  if (width > 0 && height > 0) {
-    i.frameFollowed(values, static_cast<double>(width) / height, std::max(secondsNow() - i.lastShow, 0.0));
-  }
+  if (width > 0 && height > 0) i.frameFollowed(values, static_cast<double>(width) / height);
   i.lastValues = values;
   i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions =
       i.lastValues.recent = {};

@@ -50,7 +50,7 @@ struct Window::Impl {
   [[nodiscard]] Ray rayThrough(double x, double y) const;
   void seekBy(double seconds);
   void follow(const std::optional<Vec3>& focus);
-  void frameFollowed(const WindowValues& values, double aspect, double seconds);
+  void frameFollowed(const WindowValues& values, double aspect);
   void takeOver();
   /// The camera as the picture is drawn.
   [[nodiscard]] Camera view() const;
@@ -73,6 +73,7 @@ struct Window::Impl {
   bool leftFocus = false;        ///< the user chose not to follow since then
   bool ownView = false;          ///< the user panned or zoomed since then
   double fitted = 0.0;           ///< distance from the target at which the followed avatars are in view [m]
+  double fittedAt = 0.0;         ///< WindowValues::seconds of that
   std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
   ControlState state;
   WindowRequests requests;

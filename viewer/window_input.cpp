@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -14,8 +15,8 @@ constexpr double kScaleStep = 1.25;     // of text
 constexpr double kClickReach = 4.0;     // a press that moves no farther is a click [screen coordinates]
 constexpr double kAstray = 1.0;         // of a focus from the camera's target, at which the camera goes there [m]
 constexpr double kFilled = 0.92;        // of what panels leave free, by the followed avatars
-constexpr double kAreaSeconds = 0.15;   // in which the picture follows most of a change of the panels [s]
 constexpr double kNearerSeconds = 3.0;  // in which the camera comes back most of the way [s]
+constexpr double kLongestFrame = 0.5;   // of a session that runs; longer is a jump [s]
 constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
 
 void toggle(bool& flag) {
@@ -109,6 +110,7 @@ void Window::Impl::onKey(int key, int mods) {
       return toggle(state.choices.follow);
     case GLFW_KEY_R:
       ownView = false;
+      fitted = 0.0;
       return camera.reset();
     case GLFW_KEY_F2:
       return camera.lookFrom(0.0, kPresetElevation);
@@ -156,17 +158,19 @@ void Window::Impl::follow(const std::optional<Vec3>& focus) {
 }
 
 /// The target comes to the middle of what the panels leave free, and the camera goes back as far as the followed
-/// avatars need to be seen there; it comes near again slowly.
-void Window::Impl::frameFollowed(const WindowValues& values, double aspect, double seconds) {
+/// avatars need to be seen there. It comes near again slowly as the session goes on, and at once after a jump in time:
+/// a picture depends on what is shown, not on when it was drawn.
+void Window::Impl::frameFollowed(const WindowValues& values, double aspect) {
   if (!values.followed) return;
   PictureArea area = panels->freeArea();
-  const double share = targetAt ? 1.0 - std::exp(-seconds / kAreaSeconds) : 1.0;
-  targetAt = targetAt ? Eigen::Vector2d(*targetAt + share * (area.middle - *targetAt)) : area.middle;
+  targetAt = area.middle;
+  const double seconds = values.seconds - std::exchange(fittedAt, values.seconds);
   if (!state.choices.follow || ownView) return;
   area.half *= kFilled;
   const double needed = distanceToSee(*values.followed, camera.camera(), area, aspect);
-  const double nearer = fitted + (1.0 - std::exp(-seconds / kNearerSeconds)) * (needed - fitted);
-  fitted = std::max(needed, nearer);
+  const bool jumped = seconds < 0.0 || seconds > kLongestFrame;
+  const double kept = jumped ? 0.0 : std::exp(-seconds / kNearerSeconds);
+  fitted = std::max(needed, needed + kept * (fitted - needed));
 }
 
 /// The user pans or zooms: from what is seen, and from now on without being interfered with.

@@ -13,6 +13,7 @@ constexpr const char* kFloatingBox = R"({
 TEST_F(WindowPlay, PauseStopsMotionAndAStepMovesItAndTheTimelineGoesBack) {
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
+  hands.sleep("0.5");  // the panels fold, and the picture is framed between them
   hands.press("space");
   hands.picture();
   hands.sleep("0.2");
@@ -45,7 +46,8 @@ TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
   const std::filesystem::path scene = folder_.write("box.json", kFloatingBox);
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
-  hands.press("Tab f space 1 2 5 6 n");  // only the box
+  hands.press("Tab f r space 1 2 5 6 n");  // only the box, from where the camera was at first
+  hands.sleep("0.3");
   hands.picture();
   hands.mouse("mousemove --window $w 350 188");
   hands.mouse("mousedown 1");
@@ -81,6 +83,7 @@ TEST_F(WindowPlay, ACharacterIsShownAsItsMakerDrewItUntilItsPartsAreAskedFor) {
   ASSERT_EQ(made.exitCode, 0) << made.err;
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
+  hands.sleep("0.5");
   hands.press("space 4 5");
   hands.picture();
   hands.press("c");
