@@ -56,6 +56,18 @@ void AvatarFocus::update(const Session& session) {
   position_ = position_ ? Vec3(*position_ + share * (*middle - *position_)) : *middle;
 }
 
+std::optional<Aabb> AvatarFocus::bounds(const Session& session) const {
+  Aabb box;
+  for (std::size_t a = 0; a < session.avatars().size(); ++a) {
+    if (avatar_ >= 0 && static_cast<std::size_t>(avatar_) != a) continue;
+    for (const LivePart& part : session.avatars()[a].partsInWorld()) {
+      for (const Vec3& vertex : part.shape.vertices) box.extend(part.worldFromPart * vertex);
+    }
+  }
+  if (box.empty()) return std::nullopt;
+  return box;
+}
+
 int avatarAt(const Session& session, const Ray& ray) {
   int nearest = -1;
   double distance = std::numeric_limits<double>::max();

@@ -21,6 +21,8 @@ class AvatarFocus {
   [[nodiscard]] int avatar() const { return avatar_; }
   /// World [m]; none before the first frame with an avatar.
   [[nodiscard]] const std::optional<Vec3>& position() const { return position_; }
+  /// Around the parts of the followed avatars, as they are now [m]; none if none is there.
+  [[nodiscard]] std::optional<Aabb> bounds(const Session& session) const;
 
  private:
   int avatar_ = -1;

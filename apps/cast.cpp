@@ -4,6 +4,8 @@
 
 #include "apps/playback.h"
 #include "apps/scenes.h"
+#include "apps/settling.h"
+#include "apps/work_monitor.h"
 #include "skinning/look/avatar.h"
 
 #include <fmt/format.h>
@@ -16,6 +18,7 @@
 namespace lorica {
 namespace {
 
+constexpr double kReading = 0.4;  ///< of the work of opening avatars; the rest decomposes them
 constexpr double kSpacing = 1.2;  ///< between avatars that stand side by side [m]
 
 /// What an avatar is to perform.
@@ -87,7 +90,9 @@ Result<PlaybackInput> readInput(Role& role) {
 /// Reads everything that may be refused before any body is decomposed.
 Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOptions& body, int threads) {
   std::vector<PlaybackInput> inputs;
+  const auto part = [&](std::size_t i) { return static_cast<double>(i) / static_cast<double>(roles.size()); };
   for (Role& role : roles) {
+    const WorkMonitor::Stage stage(kReading * part(inputs.size()), kReading * part(inputs.size() + 1));
     Result<PlaybackInput> input = readInput(role);
     if (!input) return input.error();
     if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
@@ -98,6 +103,7 @@ Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOpti
   std::vector<CastMember> cast;
   for (std::size_t i = 0; i < roles.size(); ++i) {
     Role& role = roles[i];
+    const WorkMonitor::Stage stage(kReading + (1.0 - kReading) * part(i), kReading + (1.0 - kReading) * part(i + 1));
     Result<DecompositionFile> file = chooseBody(body, inputs[i].subject, threads);
     if (!file) return Error{file.error().code, role.where + file.error().message};
     std::optional<SpringChoice> springs = chooseSprings(inputs[i].subject, role.options.springs);
@@ -186,6 +192,7 @@ Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptio
                                     : options.performing.person == kEveryone ? rolesOfPeople(options)
                                                                              : rolesOfMotions(options);
   if (!roles) return roles.error();
+  const WorkMonitor::Stage stage(0.0, mustSettle(opened->world) ? kBeforeSettling : 1.0);
   Result<std::vector<CastMember>> cast = readCast(std::move(*roles), body, threads);
   if (!cast) return cast.error();
   return OpenedCast{std::move(opened->world), std::move(opened->targets), std::move(*cast)};

@@ -1,11 +1,6 @@
 #include "apps/cast_choices.h"
 
-#include "apps/depth_motion.h"
-#include "apps/file_trust.h"
 #include "apps/report.h"
-#include "capture/files/joint_stream.h"
-#include "session/session_file.h"
-#include "skinning/import/character_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,14 +8,12 @@
 namespace lorica {
 namespace {
 
-namespace fs = std::filesystem;
-
-void addClips(const std::vector<Clip>& clips, const std::string& played, CastChoices& choices) {
+void addClips(const std::vector<std::string>& clips, const std::string& played, CastChoices& choices) {
   if (clips.size() < 2) return;
-  for (const Clip& clip : clips) {
-    if (lowerCase(clip.name) == lowerCase(played)) choices.clip = static_cast<int>(choices.clips.size());
-    choices.clips.push_back(clip.name);
-  }
+  choices.clips = clips;
+  const auto same = [&](const std::string& clip) { return lowerCase(clip) == lowerCase(played); };
+  const auto found = std::find_if(clips.begin(), clips.end(), same);
+  if (found != clips.end()) choices.clip = static_cast<int>(found - clips.begin());
 }
 
 void addPeople(const std::vector<int>& people, int followed, CastChoices& choices) {
@@ -32,45 +25,29 @@ void addPeople(const std::vector<int>& people, int followed, CastChoices& choice
   if (followed == kEveryone) choices.person = -1;
 }
 
-/// The numbers of the people in a stream of joints or a recorded session.
-std::vector<int> peopleIn(const fs::path& file, const std::string& format) {
-  const std::string extension = lowerCase(file.extension().string());
-  if (extension == ".lsession") {
-    const Result<SessionFile> session = readSession(file);
-    std::vector<int> people(session ? session->header.avatars.size() : 0);
-    for (std::size_t i = 0; i < people.size(); ++i) people[i] = static_cast<int>(i) + 1;
-    return people;
-  }
-  JointStreamSettings settings;
-  if (!format.empty()) settings.format = jointFormatNamed(format);
-  const Result<JointStream> stream = readJointStream(file, settings);
-  return stream ? stream->people : std::vector<int>();
+/// Who is followed in a recording of several people.
+int followedIn(const Motion& motion, bool session, int given) {
+  if (given != 0) return given;
+  return session ? 1 : motion.joints.front().user;
 }
 
 }  // namespace
 
 CastChoices choicesOf(const PlaybackInputOptions& input, const OpenedCast& cast) {
   CastChoices choices;
-  if (cast.avatars.empty()) return choices;
+  const int person = input.performing.person;
+  const bool named = !input.motion.empty() || !input.character.empty();
+  if (!named || cast.avatars.empty() || (cast.avatars.size() > 1 && person != kEveryone)) return choices;
   const PlaybackInput& first = cast.avatars.front().input;
-  const std::string& named = input.motion.empty() ? input.character : input.motion;
-  const fs::path shipped = shippedRecording(named);
-  const fs::path file = shipped.empty() ? fs::path(named) : shipped;
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return choices;  // several, or a scene's own
-  if (first.ownClip) {
-    addClips(first.subject.clips(), input.performing.clip, choices);
-  } else if (isCharacterFile(file)) {
-    const Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
-    if (read) addClips(read->clips, input.performing.clip, choices);
-  } else if (lowerCase(file.extension().string()) == ".lsession") {
-    addPeople(peopleIn(file, ""), std::max(input.performing.person, 1), choices);
-  } else if (!first.motion.joints.empty() && !isDepthRecording(file)) {
-    choices.everyone = true;
-    const int given = input.performing.person;
-    const int followed = given == 0 ? first.motion.joints.front().user : given;
-    addPeople(peopleIn(file, input.performing.format), followed, choices);
+  std::vector<std::string> clips = first.motion.clips;
+  if (first.ownClip && first.subject.file) {
+    for (const Clip& clip : first.subject.file->clips) clips.push_back(clip.name);
   }
+  addClips(clips, input.performing.clip, choices);
+  if (first.motion.people.empty()) return choices;
+  const bool session = lowerCase(std::filesystem::path(input.motion).extension().string()) == ".lsession";
+  addPeople(first.motion.people, followedIn(first.motion, session, person), choices);
+  choices.everyone = !session;
   return choices;
 }
 

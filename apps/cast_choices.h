@@ -16,7 +16,6 @@ struct CastChoices {
   bool everyone = false;            ///< everyone may be followed at once
 };
 
-/// Reads the motion's file again.
 /// @param input  that the cast was opened from
 [[nodiscard]] CastChoices choicesOf(const PlaybackInputOptions& input, const OpenedCast& cast);
 

@@ -2,6 +2,7 @@
 
 #include "apps/scenes.h"
 #include "apps/settling.h"
+#include "apps/work_monitor.h"
 
 #include <optional>
 #include <utility>
@@ -23,6 +24,7 @@ Isometry3 placeOfDropped(std::size_t index, const Prop& prop) {
 /// Lets sand and water settle around the avatars' first poses, as the first step of the session would.
 Result<void> settle(LoadedCast& loaded) {
   if (!mustSettle(loaded.opened.world)) return {};
+  const WorkMonitor::Stage stage(kBeforeSettling, 1.0);
   // The poses come from a step in another world: of the same props, without particles.
   Result<World> other = openScene(loaded.request.scene);
   if (!other) return other.error();

@@ -51,7 +51,7 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   int followed = 0;
   int maxPeople = 0;
   while (true) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (bar.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
     const Result<std::optional<SkeletonFrame>> joints = people.next();
     if (!joints) return joints.error();
     if (!joints->has_value()) break;
@@ -80,7 +80,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   std::vector<Motion> motions(kPlaces);
   ProgressBar bar("Tracking " + file.stem().string(), "frames");
   while (true) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (bar.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
     const Result<std::optional<SkeletonFrame>> joints = people.next();
     if (!joints) return joints.error();
     if (!joints->has_value()) break;

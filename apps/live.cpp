@@ -1,3 +1,4 @@
+#include "apps/abandoned_work.h"
 #include "apps/body_choice.h"
 #include "apps/cast.h"
 #include "apps/depth_inputs.h"
@@ -215,8 +216,9 @@ Result<Loaded> load(const Options& options, bool drawn, int threads) {
   if (!world) return world.error();
   Result<std::vector<Follower>> followers = readFollowers(options, drawn, threads);
   if (!followers) return followers.error();
-  // The source is opened last, because it runs while the rest is prepared.
-  Result<Performer> performer = openPerformer(options);
+  // The source is opened last, because it runs while the rest is prepared. A driver may take as long as it likes.
+  Result<Performer> performer =
+      runOrAbandon<Performer>("Opening the camera", [options] { return openPerformer(options); });
   if (!performer) return performer.error();
   return Loaded{std::move(*world), std::move(*followers), std::move(*performer)};
 }

@@ -3,6 +3,7 @@
 #include "apps/cast.h"
 #include "apps/report.h"
 #include "apps/scenes.h"
+#include "apps/work_monitor.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,8 @@
 
 namespace lorica {
 namespace {
+
+constexpr double kBeforeCamera = 0.9;  // of the work of opening a live session
 
 /// Joints of a source that several sessions follow, one after the other.
 class SharedJoints final : public SkeletonSource {
@@ -121,6 +124,8 @@ Result<std::vector<Follower>> readFollowers(const LiveOptions& options, bool dra
   if (options.vmc.listenAt.empty()) reading.suits = followsPerson;
   std::vector<Follower> followers;
   for (std::size_t i = 0; i < people; ++i) {
+    const double count = static_cast<double>(people) / kBeforeCamera, at = static_cast<double>(i);
+    const WorkMonitor::Stage stage(at / count, (at + 1.0) / count);
     const std::string& name = names[names.size() == 1 ? 0 : i];
     Result<Subject> subject = readCharacter(name, reading);
     if (!subject) return subject.error();

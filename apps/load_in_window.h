@@ -27,7 +27,7 @@ template <class T>
     const WorkMonitor::Progress progress = loading.progress();
     WindowValues values;
     values.loading = progress.title();
-    values.loaded = progress.share();
+    values.loaded = progress.share;
     window.show(Scene(), values);
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
   }

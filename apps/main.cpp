@@ -1,3 +1,4 @@
+#include "apps/abandoned_work.h"
 #include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
@@ -62,7 +63,9 @@ int main(int argc, char** argv) {
     if (argc == 2 && argv[1] == lorica::kReadForItself) return lorica::serveIsolatedReader();
     lorica::openStandardStreams();
     lorica::watchInterrupt();
-    return run(argc, argv);
+    const int status = run(argc, argv);
+    if (lorica::workAbandoned()) lorica::endWithoutIt(status);
+    return status;
   } catch (const std::exception& error) {
     lorica::say(fmt::format("lorica: stopped: {}\n", lorica::printable(error.what())));
     return 1;

@@ -49,6 +49,7 @@ Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
   motion.joints = std::move(stream->frames);
   motion.format = fmt::format("joints ({})", nameOf(stream->format));
   motion.notes = std::move(stream->notes);
+  motion.people = std::move(stream->people);
   return motion;
 }
 
@@ -79,6 +80,7 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
   motion.fromCharacterFile = true;
   motion.format = read->format;
   motion.notes = std::move(read->notes);
+  for (const Clip& found : read->clips) motion.clips.push_back(found.name);
   return motion;
 }
 
@@ -308,6 +310,7 @@ Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const Mo
     motion.joints = std::move(stream.frames);
     motion.format = fmt::format("joints ({})", nameOf(stream.format));
     motion.notes = std::move(stream.notes);
+    motion.people = stream.people;
   }
   return motions;
 }

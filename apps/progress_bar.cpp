@@ -39,7 +39,7 @@ ProgressBar::ProgressBar(const std::string& label, std::string unit)
       start_(Clock::now()),
       lastShown_(start_),
       monitor_(WorkMonitor::ofThisThread()) {
-  if (monitor_ != nullptr) monitor_->report({label_, 0, 0});
+  if (monitor_ != nullptr) monitor_->begin(label_);
   // A dumb terminal cannot return to the start of a line.
   if (terminal_ && environment("TERM") == "dumb") terminal_ = false;
 }
@@ -53,7 +53,7 @@ bool ProgressBar::cancelled() const {
 }
 
 void ProgressBar::update(int done, int total) {
-  if (monitor_ != nullptr) return monitor_->report({label_, done, total});
+  if (monitor_ != nullptr) return monitor_->report(done, total);
   const Clock::time_point now = Clock::now();
   const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
   const double seconds = std::chrono::duration<double>(now - start_).count();

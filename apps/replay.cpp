@@ -2,6 +2,7 @@
 #include "apps/cast.h"
 #include "apps/events_output.h"
 #include "apps/inputs.h"
+#include "apps/load_in_window.h"
 #include "apps/options.h"
 #include "apps/pose_output.h"
 #include "apps/run_session.h"
@@ -139,8 +140,35 @@ Result<Session> startAgain(const Options& options, const SessionFile& recorded,
   return session;
 }
 
-/// @param differs  set to whether a step differs
-Result<void> run(const Options& options, const CommonOptions& common, bool& differs) {
+/// A recorded session that was read.
+struct Recorded {
+  std::shared_ptr<const SessionFile> session;
+  std::vector<RecordedPerformer> performers;
+  World world;
+
+  [[nodiscard]] Result<World> worldAgain() const {
+    return worldOf(performers.front().inputs.scene, session->header.scene);
+  }
+};
+
+Result<Recorded> load(const Options& options, int threads) {
+  Result<SessionFile> read = readSession(options.file);
+  if (!read) return read.error();
+  auto session = std::make_shared<const SessionFile>(std::move(*read));
+  std::vector<RecordedPerformer> performers;
+  const auto count = static_cast<double>(session->header.avatars.size());
+  for (std::size_t i = 0; i < session->header.avatars.size(); ++i) {
+    const WorkMonitor::Stage stage(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
+    Result<RecordedPerformer> performer = findPerformer(options, *session, i, threads);
+    if (!performer) return performer.error();
+    performers.push_back(std::move(*performer));
+  }
+  Result<World> world = worldOf(performers.front().inputs.scene, session->header.scene);
+  if (!world) return world.error();
+  return Recorded{std::move(session), std::move(performers), std::move(*world)};
+}
+
+Result<void> checkOptions(const Options& options, const CommonOptions& common) {
   if (Result<void> fine = checkJsonOutput(common, {options.file, options.character, options.decomposition}); !fine) {
     return fine;
   }
@@ -148,29 +176,22 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     return fine;
   if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
   if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
-  if (Result<void> fine = checkEvents(options.events, common, {options.file, options.character, options.decomposition});
-      !fine)
-    return fine;
-  Result<SessionFile> read = readSession(options.file);
-  if (!read) return read.error();
-  const auto recorded = std::make_shared<const SessionFile>(std::move(*read));
-  const AvatarHeader& header = recorded->header.avatar();
+  return checkEvents(options.events, common, {options.file, options.character, options.decomposition});
+}
 
-  std::vector<RecordedPerformer> performers;
-  for (std::size_t i = 0; i < recorded->header.avatars.size(); ++i) {
-    Result<RecordedPerformer> performer = findPerformer(options, *recorded, i, common.threadCount());
-    if (!performer) return performer.error();
-    performers.push_back(std::move(*performer));
-  }
+/// @param window   null = none
+/// @param differs  set to whether a step differs
+Result<void> replay(const Options& options, const CommonOptions& common, Recorded loaded, Window* window,
+                    bool& differs) {
+  const std::shared_ptr<const SessionFile>& recorded = loaded.session;
+  const std::vector<RecordedPerformer>& performers = loaded.performers;
+  const AvatarHeader& header = recorded->header.avatar();
   const Subject& subject = performers.front().subject;
   const Character& character = *subject.character;
-  const auto worldAgain = [&] { return worldOf(performers.front().inputs.scene, recorded->header.scene); };
-  Result<World> world = worldAgain();
-  if (!world) return world.error();
-  Result<Session> session = startAgain(options, *recorded, performers, std::move(*world));
+  Result<Session> session = startAgain(options, *recorded, performers, std::move(loaded.world));
   if (!session) return session.error();
 
-  std::shared_ptr<SessionReplay> replay;
+  std::shared_ptr<SessionReplay> comparison;
   std::shared_ptr<EventsOutput> events;
   RunStatistics statistics;
   const std::vector<HitTarget> targets = targetsOf(performers.front().inputs.scene, recorded->header.scene);
@@ -180,10 +201,10 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
     hits.add(*session);
   };
   const auto begin = [&]() -> Result<void> {
-    replay = std::make_shared<SessionReplay>(recorded);
+    comparison = std::make_shared<SessionReplay>(recorded);
     statistics = RunStatistics();
     hits = TargetHits(targets);
-    Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, subject, header.expressions, replay);
+    Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, subject, header.expressions, comparison);
     if (!watcher) return watcher.error();
     if (Result<void> kept = finishEvents(events); !kept) return kept;
     Result<std::shared_ptr<EventsOutput>> written = makeEventsOutput(options.events, *watcher);
@@ -198,18 +219,21 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   const std::string name = header.source.empty() ? options.file : listed(sources);
   const auto steps = static_cast<int>(recorded->steps.size());
   DrawnFiles drawn;
-  if (options.window) {
+  if (window != nullptr) {
+    prepareWindow(name, character, performers.size(), *window);
     WindowSubject watched{*session, name};
     watched.duration = recorded->steps.back().time - recorded->steps.front().time;
     watched.sourcesAgain = [&] { return sourcesOf(options, *recorded, performers); };
-    watched.worldAgain = worldAgain;
+    watched.worldAgain = [&] { return loaded.worldAgain(); };
     watched.atEnd = WindowSubject::AtEnd::kHold;
     watched.restarted = [&] { (void)begin(); };  // it could be opened before
     watched.stepped = count;
     watched.hits = [&] { return hits.scores(); };
     PlaybackOptions limit;
     limit.frames = steps;
-    if (Result<void> shown = runInOwnWindow(watched, limit); !shown) return shown;
+    const Result<WindowEnd> end = runInWindow(*window, watched, limit);
+    if (!end) return end.error();
+    if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
   } else {
     HeadlessRun all{"Replaying", name, "steps", steps};
     all.stepped = count;
@@ -220,8 +244,8 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   }
   if (Result<void> kept = finishEvents(events); !kept) return kept;
 
-  const std::optional<SessionReplay::Difference>& difference = replay->difference();
-  const bool whole = replay->steps() == steps;
+  const std::optional<SessionReplay::Difference>& difference = comparison->difference();
+  const bool whole = comparison->steps() == steps;
   nlohmann::ordered_json json;
   json["session"] = options.file;
   json["source"] = header.source;
@@ -232,7 +256,7 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
         {{"character", avatar.character().name}, {"frames", avatar.frameCount()}, {"hash", hexDigits(avatar.hash())}});
   }
   json["steps"] = steps;
-  json["replayed"] = replay->steps();
+  json["replayed"] = comparison->steps();
   json["finished"] = recorded->finished;
   json["same"] = whole && !difference;
   json["firstDifference"] = nlohmann::ordered_json();
@@ -246,11 +270,11 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   json["hash"] = hexDigits(session->hash());
 
   const std::string who = performers.size() == 1 ? character.name : counted(std::ssize(performers), "avatar");
-  Report report(fmt::format("{} replayed {}: {}", who, name, counted(replay->steps(), "step")));
+  Report report(fmt::format("{} replayed {}: {}", who, name, counted(comparison->steps(), "step")));
   report.line("result", difference ? fmt::format("first difference in step {} at {:.3f} s: {}", difference->step,
                                                  difference->time, difference->what)
                         : whole    ? "all steps are bit-identical"
-                                   : fmt::format("identical up to step {} of {}", replay->steps(), steps));
+                                   : fmt::format("identical up to step {} of {}", comparison->steps(), steps));
   report.line("user actions", counted(std::ssize(recorded->actions), "action"));
   if (header.faults.any()) report.line("faults", textOf(header.faults));
   hits.addTo(report);
@@ -259,6 +283,23 @@ Result<void> run(const Options& options, const CommonOptions& common, bool& diff
   for (const std::string& note : recorded->notes) report.note("Recording: " + note + ".");
   differs = difference.has_value();
   return publish(common, report, json, options.events == "-");
+}
+
+/// Opens the window first: it shows how the rest is loaded.
+Result<void> replayInWindow(const Options& options, const CommonOptions& common, bool& differs) {
+  Result<Window> window = openWindow();
+  if (!window) return window.error();
+  Result<std::optional<Recorded>> loaded =
+      loadInWindow<Recorded>(*window, [&] { return load(options, common.threadCount()); });
+  if (!loaded) return loaded.error();
+  return *loaded ? replay(options, common, std::move(**loaded), &*window, differs) : Result<void>();
+}
+
+Result<void> run(const Options& options, const CommonOptions& common, bool& differs) {
+  if (Result<void> fine = checkOptions(options, common); !fine) return fine;
+  if (options.window) return replayInWindow(options, common, differs);
+  Result<Recorded> loaded = load(options, common.threadCount());
+  return loaded ? replay(options, common, std::move(*loaded), nullptr, differs) : loaded.error();
 }
 
 }  // namespace

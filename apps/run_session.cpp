@@ -32,21 +32,6 @@ void prepareWindow(const std::string& name, const Character& character, std::siz
   window.setShown(usualView(character));
 }
 
-Result<Window> openWindow(const std::string& name, const Character& character, std::size_t avatars) {
-  Result<Window> window = openWindow();
-  if (window) prepareWindow(name, character, avatars, *window);
-  return window;
-}
-
-Result<void> runInOwnWindow(WindowSubject& subject, const PlaybackOptions& options) {
-  Result<Window> window = openWindow(subject.name, subject.session.character(), subject.session.avatars().size());
-  if (!window) return window.error();
-  const Result<WindowEnd> end = runInWindow(*window, subject, options);
-  if (!end) return end.error();
-  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
-  return {};
-}
-
 Result<DrawnFiles> runHeadless(const HeadlessRun& run, const SnapshotOptions& pictures, Session& session) {
   Result<std::optional<SnapshotSeries>> series = SnapshotSeries::create(pictures, session);
   if (!series) return series.error();

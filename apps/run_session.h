@@ -19,12 +19,6 @@ namespace lorica {
 /// @param name  of the motion; empty = none
 /// @param avatars  how many of them the first picture should hold
 void prepareWindow(const std::string& name, const Character& character, std::size_t avatars, Window& window);
-/// Opens the window for a session: both of these.
-[[nodiscard]] Result<Window> openWindow(const std::string& name, const Character& character, std::size_t avatars = 1);
-
-/// Runs a session in its own window until the window is closed or the session ends.
-/// @return success, kCancelled, or another error
-[[nodiscard]] Result<void> runInOwnWindow(WindowSubject& subject, const PlaybackOptions& options);
 
 /// A session without a window.
 struct HeadlessRun {

@@ -10,16 +10,16 @@ namespace {
 
 /// @param stopped  called if the settling is stopped
 Particles::SettlingWatch reporting(const World& world, std::function<void()> stopped) {
+  WorkMonitor* monitor = WorkMonitor::ofThisThread();
+  if (monitor == nullptr) return [](int, int) { return true; };
   const bool sand = world.particles()->settings().kind == ParticleSettings::Kind::kSand;
-  return
-      [label = sand ? "Settling the sand" : "Settling the water", stopped = std::move(stopped)](int frame, int frames) {
-        WorkMonitor* monitor = WorkMonitor::ofThisThread();
-        if (monitor == nullptr) return true;
-        monitor->report({label, frame, frames});
-        if (!monitor->cancelled()) return true;
-        stopped();
-        return false;
-      };
+  monitor->begin(sand ? "Settling the sand" : "Settling the water");
+  return [monitor, stopped = std::move(stopped)](int frame, int frames) {
+    monitor->report(frame, frames);
+    if (!monitor->cancelled()) return true;
+    stopped();
+    return false;
+  };
 }
 
 }  // namespace

@@ -14,6 +14,8 @@ using PartsOfAvatars = std::vector<std::vector<LivePart>>;
 
 /// Whether a step of this world begins with letting sand or water settle, which takes seconds.
 [[nodiscard]] bool mustSettle(const World& world);
+/// Share of the work of opening what an avatar and a scene need that comes before settling, see WorkMonitor::Stage.
+inline constexpr double kBeforeSettling = 0.6;
 
 /// Lets sand and water settle around parts that stand. Reports to the monitor of this thread, and stops if that is
 /// cancelled: the world is to be given up then.

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 namespace lorica {
@@ -145,6 +146,8 @@ Result<Motion> readSessionMotion(const fs::path& file, int person) {
   motion.name = file.stem().string();
   motion.notes = recorded->notes;
   motion.format = "recorded session";
+  motion.people.resize(recorded->header.avatars.size());
+  std::iota(motion.people.begin(), motion.people.end(), 1);
   const std::size_t count = recorded->motions.size();
   const std::size_t index = person > 0 ? static_cast<std::size_t>(person) - 1 : 0;
   if (index >= count) {

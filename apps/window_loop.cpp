@@ -192,7 +192,7 @@ void WindowLoop::show() {
   warnings_.update(time);
 
   WindowValues values;
-  values.name = subject_.name;
+  values.name = title_;
   values.status = status_;
   values.seconds = seek_ ? std::min(seconds(), seek_->to) : seconds();
   values.duration = subject_.duration;
@@ -209,6 +209,7 @@ void WindowLoop::show() {
   values.outsideTraining = started_ && std::any_of(session_.avatars().begin(), session_.avatars().end(), outside);
   values.holdsProp = hands_.holds();
   values.focus = focus_.position();
+  if (started_) values.followed = focus_.bounds(session_);
   values.avatars = avatarNames_;
   values.avatar = focus_.avatar();
   if (subject_.opener != nullptr) subject_.opener->describe(values);

@@ -41,6 +41,7 @@ class WindowLoop {
         levels_(session_.body().plan(), session_.character()),
         hands_(subject.sourcesAgain != nullptr),
         avatarNames_(avatarNames(session_)),
+        title_(titleOf(session_, subject.name, subject.duration <= 0.0)),
         due_(now()) {
     const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
     if (avatar == nullptr) return;
@@ -87,6 +88,7 @@ class WindowLoop {
   [[nodiscard]] bool loops() const;
   [[nodiscard]] bool goesOn() const { return ended_ && subject_.atEnd == WindowSubject::AtEnd::kChoice; }
   Result<void> startOver();
+  Result<void> findFirstParts();
   Result<void> restart();
   Result<void> restartIn(World world);
   [[nodiscard]] Result<bool> stepSession();
@@ -102,7 +104,9 @@ class WindowLoop {
   DetailLevels levels_;
   WindowHands hands_;
   WarningBoard warnings_;
-  WindowSettings settings_;                           // as in the user's file
+  WindowSettings settings_;                           // of the user, with what was dropped since
+  WindowSettings keptSettings_;                       // as in the user's file
+  std::string remark_;                                // about the files that are loading
   SceneOptions firstShown_;                           // when the session came to the window
   WindowTreatment treatment_;                         // of the session
   std::unique_ptr<BackgroundWork<World>> nextWorld_;  // which the session comes into when it has settled; null = none
@@ -112,6 +116,7 @@ class WindowLoop {
   std::vector<std::vector<LivePart>> standing_;       // parts of the avatars after the end
   AvatarFocus focus_;
   std::vector<std::string> avatarNames_;
+  std::string title_;
   std::optional<Seek> seek_;
   double due_;  // of the next frame [s]
   double firstTime_ = 0.0;

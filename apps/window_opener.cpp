@@ -1,6 +1,7 @@
 #include "apps/window_opener.h"
 
 #include "apps/report.h"
+#include "apps/window_settings.h"
 #include "geometry/files.h"
 #include "skinning/import/character_file.h"
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 namespace lorica {
@@ -40,7 +42,9 @@ struct Sorted {
 
 Sorted sorted(const std::vector<std::string>& files) {
   Sorted kinds;
-  for (const std::string& file : files) {
+  for (auto at = files.begin(); at != files.end(); ++at) {
+    const std::string& file = *at;
+    if (std::find(files.begin(), at, file) != at) continue;  // named twice
     const fs::path path(file);
     std::vector<std::string>& kind = isCharacterFile(path)                               ? kinds.characters
                                      : isMeshFile(path)                                  ? kinds.meshes
@@ -52,12 +56,26 @@ Sorted sorted(const std::vector<std::string>& files) {
   return kinds;
 }
 
-Result<void> atMostOne(const std::vector<std::string>& files, const char* what) {
-  if (files.size() <= 1) return {};
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("found {} {}s at once ({}, {}{}), expected one", files.size(), what,
-                           fs::path(files[0]).filename().string(), fs::path(files[1]).filename().string(),
-                           files.size() > 2 ? ", ..." : "")};
+/// Of several files of one kind the first is opened.
+WindowOpener::Others othersOf(const Sorted& kinds) {
+  WindowOpener::Others others;
+  std::vector<std::string> counts, used;
+  for (const auto& [files, what] : {std::pair(&kinds.characters, "characters"), std::pair(&kinds.motions, "motions"),
+                                    std::pair(&kinds.scenes, "scenes"), std::pair(&kinds.bodies, "decompositions")}) {
+    if (files->size() < 2) continue;
+    counts.push_back(fmt::format("{} {}", files->size(), what));
+    used.push_back(fs::path(files->front()).filename().string());
+    others.files.insert(others.files.end(), files->begin() + 1, files->end());
+  }
+  if (others.files.empty()) return others;
+  const std::size_t found = others.files.size();
+  if (found >= kMaxRecent) others.files.resize(kMaxRecent - 1);
+  others.remark =
+      fmt::format("found {} at once: took {}; {} in the list `files`", listed(counts), listed(used),
+                  found > others.files.size() ? fmt::format("{} of the other {} are", others.files.size(), found)
+                  : found == 1                ? "the other is"
+                                              : "the others are");
+  return others;
 }
 
 std::vector<std::string> shippedMotions() {
@@ -102,13 +120,13 @@ void WindowOpener::remember(const LoadedCast& loaded) {
   }
 }
 
-Result<void> WindowOpener::open(const std::vector<std::string>& files) {
+Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& files) {
   if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
-  Sorted kinds = sorted(files);
-  for (const Result<void>& fine : {atMostOne(kinds.characters, "character"), atMostOne(kinds.motions, "motion"),
-                                   atMostOne(kinds.scenes, "scene"), atMostOne(kinds.bodies, "decomposition")}) {
-    if (!fine) return fine;
-  }
+  // Names of what ships have no folder.
+  dropped_ =
+      dropped_ || std::any_of(files.begin(), files.end(), [](const fs::path& file) { return file.is_absolute(); });
+  const Sorted kinds = sorted(files);
+  Others others = othersOf(kinds);
   CastRequest request = present_;
   if (!kinds.scenes.empty()) request.scene = kinds.scenes.front();
   // A decomposition belongs to one character.
@@ -129,8 +147,17 @@ Result<void> WindowOpener::open(const std::vector<std::string>& files) {
   if (!kinds.characters.empty()) {
     attempts = attemptsWith(kinds.characters.front(), !kinds.motions.empty(), request);
   }
-  load(std::move(attempts), files);
-  return {};
+  std::vector<std::string> opened;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(opened), [&](const std::string& file) {
+    return std::find(others.files.begin(), others.files.end(), file) == others.files.end();
+  });
+  load(std::move(attempts), std::move(opened));
+  opened_.insert(opened_.end(), others.files.rbegin(), others.files.rend());
+  return others;
+}
+
+std::string_view WindowOpener::hint() const {
+  return dropped_ || !whyNot_.empty() ? "" : "Drop a character, motion, scene or mesh here";
 }
 
 Result<void> WindowOpener::openClip(int index) {
@@ -174,6 +201,7 @@ std::optional<Result<LoadedCast>> WindowOpener::take() {
 }
 
 void WindowOpener::describe(WindowValues& values) {
+  values.hint = hint();
   if (whyNot_.empty()) {
     values.motions = motions_;
     values.clips = choices_.clips;
@@ -185,7 +213,7 @@ void WindowOpener::describe(WindowValues& values) {
   if (!loading_) return;
   progress_ = loading_->progress();
   values.loading = progress_.title();
-  values.loaded = progress_.share();
+  values.loaded = progress_.share;
 }
 
 }  // namespace lorica

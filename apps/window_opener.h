@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -19,10 +20,15 @@ class WindowOpener {
   /// @param present  what the first files are combined with
   WindowOpener(CastRequest present, int threads);
 
-  /// Starts to load the present cast with files in it; names without extension are of what ships. What was loading is
-  /// cancelled.
-  /// @return success, or why these files cannot be opened together
-  [[nodiscard]] Result<void> open(const std::vector<std::string>& files);
+  /// What became of several files of one kind.
+  struct Others {
+    std::vector<std::string> files;  ///< that are not opened
+    std::string remark;              ///< about them; empty if there are none
+  };
+  /// Starts to load the present cast with files in it, of several of one kind with the first; names without extension
+  /// are of what ships. What was loading is cancelled.
+  /// @return the others, or why these files cannot be opened together
+  [[nodiscard]] Result<Others> open(const std::vector<std::string>& files);
   /// The scene of the present cast was exchanged.
   void choseScene(const std::string& scene) { present_.scene = scene; }
   /// Starts to load the present cast with another clip or person of its motion's file.
@@ -32,7 +38,9 @@ class WindowOpener {
   void cancel();
 
   [[nodiscard]] bool loading() const { return loading_ != nullptr; }
-  /// The files that were opened since the start, the last one last.
+  /// What may be dropped; empty once something was.
+  [[nodiscard]] std::string_view hint() const;
+  /// The files that were opened since the start or could have been, see Others; the last one last.
   [[nodiscard]] const std::vector<std::string>& opened() const { return opened_; }
   /// What is loaded and how far it is, for the window.
   void describe(WindowValues& values);
@@ -52,6 +60,7 @@ class WindowOpener {
   std::vector<std::string> motions_;  // that ship
   std::vector<std::string> asked_;    // files that are loading
   std::vector<std::string> opened_;
+  bool dropped_ = false;  // something was
 };
 
 }  // namespace lorica

@@ -4,10 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace lorica {
 namespace {
 
 constexpr double kProblemSeconds = 12.0;  // long enough to read a path
+constexpr double kHintSeconds = 10.0;
 
 /// What the user should know of the motions that were read, such as that a file ends early.
 std::string notesOf(const LoadedCast& loaded) {
@@ -83,10 +87,13 @@ void WindowLoop::open(const WindowRequests& requests) {
     return;
   }
   if (!requests.files.empty()) {
-    if (const Result<void> begun = opener->open(requests.files); !begun) {
+    if (const Result<WindowOpener::Others> begun = opener->open(requests.files); !begun) {
       window_.notice(begun.error().message, kProblemSeconds);
     } else {
-      window_.notice("");  // what was said of other files
+      remark_ = begun->remark;
+      window_.notice(remark_, kProblemSeconds);  // or nothing any more of other files
+      std::for_each(begun->files.rbegin(), begun->files.rend(),
+                    [&](const std::string& other) { addRecent(other, settings_); });
     }
   }
   for (const Result<void>& begun : {requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
@@ -96,12 +103,10 @@ void WindowLoop::open(const WindowRequests& requests) {
   if (requests.cancel) opener->cancel();
   std::optional<Result<LoadedCast>> loaded = opener->take();
   if (!loaded) return;
-  if (*loaded) {
-    if (const std::string notes = notesOf(**loaded); !notes.empty()) window_.notice(notes, kProblemSeconds);
-    subject_.next = std::move(**loaded);
-  } else {
-    window_.notice(loaded->error().message, kProblemSeconds);
-  }
+  std::string said = *loaded ? notesOf(**loaded) : loaded->error().message;
+  if (!remark_.empty()) said += (said.empty() ? "" : "; ") + std::exchange(remark_, "");
+  if (!said.empty()) window_.notice(said, kProblemSeconds);
+  if (*loaded) subject_.next = std::move(**loaded);
 }
 
 void WindowLoop::answerAboutAvatars(const WindowRequests& requests) {
@@ -152,7 +157,13 @@ void WindowLoop::recallSettings() {
     warn(read.error().message);
     window_.notice(read.error().message, kProblemSeconds);
   } else {
-    settings_ = std::move(*read);
+    settings_ = keptSettings_ = std::move(*read);
+  }
+  if (const WindowOpener* opener = subject_.opener; opener != nullptr) {
+    for (const std::string& file : opener->opened()) addRecent(file, settings_);
+    if (read && settings_.recent.empty() && !opener->hint().empty()) {
+      window_.notice(std::string(opener->hint()), kHintSeconds);
+    }
   }
   WindowChoices choices = settings_.choices;
   choices.treatment = allowed(subject_.treatment, choices.treatment);
@@ -177,7 +188,7 @@ void WindowLoop::keepSettings() {
   if (subject_.opener != nullptr) {
     for (const std::string& file : subject_.opener->opened()) addRecent(file, now);
   }
-  if (now == settings_) return;
+  if (now == keptSettings_) return;
   if (const Result<void> written = writeWindowSettings(windowSettingsFile(), now); !written) {
     warn(written.error().message);
   }

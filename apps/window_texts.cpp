@@ -2,12 +2,24 @@
 
 #include "apps/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
 
 namespace lorica {
+
+std::string titleOf(const Session& session, const std::string& source, bool live) {
+  const std::size_t count = session.avatars().size();
+  if (count == 0) return source;
+  const std::string who = count == 1 ? session.character().name : fmt::format("{} avatars", count);
+  const std::string does = fmt::format("{}{}", live ? "follow" : "perform", count == 1 ? "s" : "");
+  // Its own clip is named after the character, too.
+  const std::string own = who + ": ";
+  return fmt::format("{} {} {}", who, does, source.starts_with(own) ? source.substr(own.size()) : source);
+}
 
 std::string statusOf(const Session& session, bool ended) {
   std::ptrdiff_t parts = 0;

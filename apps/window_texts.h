@@ -8,6 +8,10 @@
 
 namespace lorica {
 
+/// "hero performs walk"; live "hero follows camera"; "2 avatars perform walk and wave".
+/// @param source  name of the motion or of what is followed
+[[nodiscard]] std::string titleOf(const Session& session, const std::string& source, bool live);
+
 /// The line of status of a window: parts and touched props.
 [[nodiscard]] std::string statusOf(const Session& session, bool ended);
 

@@ -23,10 +23,10 @@ Result<bool> WindowLoop::stepSession() {
     if (closed_ || interrupted()) stepping.cancel();
     progress_ = stepping.progress();
     WindowValues values;
-    values.name = subject_.name;
+    values.name = title_;
     values.duration = subject_.duration;
     values.loading = progress_.title();
-    values.loaded = progress_.share();
+    values.loaded = progress_.share;
     window_.show(Scene(), values);
     std::this_thread::sleep_for(kPictureWait);
   }
@@ -86,12 +86,32 @@ void WindowLoop::describeNextWorld(WindowValues& values) {
   progress_ = nextWorld_->progress();
   if (progress_.label.empty()) return;
   values.loading = progress_.title();
-  values.loaded = progress_.share();
+  values.loaded = progress_.share;
+}
+
+/// Finds the parts of the first frame, around which particles settle, when body or motion have changed since: by a step
+/// in a world of the same props without particles. Then the motion starts again in the present world.
+Result<void> WindowLoop::findFirstParts() {
+  Result<World> other = worldOf(scenes_.present)();
+  if (!other) return other.error();
+  Result<std::vector<std::unique_ptr<PoseSource>>> sources = this->sources();
+  if (!sources) return sources.error();
+  other->setParticles(ParticleSettings());
+  World present = std::move(session_.world());
+  session_.restart(std::move(*sources), std::move(*other));
+  if (const Result<bool> stepped = session_.step(); !stepped) return stepped.error();
+  firstParts_ = partsOf(session_);
+  present.stepAvatars({}, 0.0);  // the avatars come back without sweeping
+  return restartIn(std::move(present));
 }
 
 Result<void> WindowLoop::restart() {
   const Particles* particles = session_.world().particles();
-  if (particles != nullptr && particles->settings().settleSeconds > 0.0 && !firstParts_.empty()) {
+  const bool known = !firstParts_.empty();
+  if (particles != nullptr && particles->settings().settleSeconds > 0.0 && (started_ || known)) {
+    if (subject_.sourcesAgain && !known) {
+      if (Result<void> found = findFirstParts(); !found) return found;
+    }
     prepareWorld(std::nullopt);
     return {};
   }

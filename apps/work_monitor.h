@@ -12,14 +12,11 @@ namespace lorica {
 class WorkMonitor {
  public:
   struct Progress {
-    std::string label;  ///< the task: "Decomposing mannequin"; empty = not known yet
-    int done = 0;
-    int total = 0;  ///< 0 or less if unknown
+    std::string label;   ///< the task: "Decomposing mannequin"; empty = not known yet
+    double share = 0.0;  ///< of the whole work that is done, 0 to 1; never decreases
 
     /// For a window: `label`, or "Loading".
     [[nodiscard]] std::string_view title() const { return label.empty() ? std::string_view("Loading") : label; }
-    /// That is done; below 0 = unknown.
-    [[nodiscard]] double share() const { return total > 0 ? static_cast<double>(done) / total : -1.0; }
   };
 
   /// Makes a monitor that of this thread during its lifetime.
@@ -30,18 +27,39 @@ class WorkMonitor {
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
   };
+  /// A stage of the work of this thread, if that has a monitor: what is reported during its lifetime counts from one
+  /// share of the enclosing stage to another, which is done when it ends.
+  class Stage {
+   public:
+    Stage(double from, double to);
+    ~Stage();
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
+
+   private:
+    WorkMonitor* monitor_;
+    double outerFrom_ = 0.0, outerTo_ = 1.0;
+  };
   /// The monitor of this thread; null = none.
   [[nodiscard]] static WorkMonitor* ofThisThread();
 
-  void report(Progress progress);
+  /// Begins a task. How many a stage has is not known before, so each takes most of what remains of it.
+  void begin(std::string label);
+  /// @param total  of the task; 0 or less if unknown
+  void report(int done, int total);
   [[nodiscard]] Progress progress() const;
   void cancel() { cancelled_ = true; }
   [[nodiscard]] bool cancelled() const { return cancelled_; }
 
  private:
+  void reach(double share);
+
   std::atomic<bool> cancelled_ = false;
   mutable std::mutex mutex_;
   Progress progress_;
+  // Of the working thread only: shares at the ends of the present stage and task.
+  double from_ = 0.0, to_ = 1.0;
+  double taskFrom_ = 0.0, taskTo_ = 1.0;
 };
 
 }  // namespace lorica

@@ -17,7 +17,9 @@ namespace lorica::test {
 class Hands {
  public:
   explicit Hands(const TemporaryFolder& folder) : folder_(folder) {
-    script_ << "set -e\nw=$(xdotool search --sync --name '^Lorica: ')\n"
+    // Whatever goes wrong, the window is closed.
+    script_ << "trap 'xdotool key Escape key Escape' EXIT\ntrap 'exit 1' TERM\nset -e\nw=$(xdotool search --sync "
+               "--name '^Lorica: ')\n"
             << "xdotool windowfocus --sync $w\n"
             << "await() { i=0; while [ ! -s $1 ] && [ $i -lt 400 ]; do sleep 0.05; i=$((i+1)); done; sleep 0.1; }\n";
   }

@@ -27,17 +27,16 @@ TEST_F(WindowDrop, BadFilesAreMessagesAndTheSessionGoesOn) {
                               huge = folder_.write("huge.csv", ""), scene = folder_.write("scene.json", R"({
     "format": "lorica scene 1", "props": [{ "shape": "wheel" }] })");
   std::filesystem::resize_file(huge, std::uintmax_t{3} << 30);
+  std::vector<std::filesystem::path> meshes;  // more than a session takes
+  for (int m = 0; m < 13; ++m) {
+    meshes.push_back(writeObj(folder_, std::to_string(m) + ".obj", makeBox({0, 0, 0}, {0.4, 0.4, 0.4})));
+  }
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
   hands.press("1 2 4 5 6 7 Tab space");  // an empty picture
   hands.picture("shift+p");
   for (const std::vector<std::filesystem::path>& files :
-       {std::vector{broken},
-        {folder_.path() / "folder"},
-        {huge},
-        {folder_.path() / "gone.bvh"},
-        {scene},
-        std::vector<std::filesystem::path>(10, shipped("wave.csv"))}) {
+       {std::vector{broken}, {folder_.path() / "folder"}, {huge}, {folder_.path() / "gone.bvh"}, {scene}, meshes}) {
     hands.line(drop(files));
     hands.sleep("0.4");
   }
@@ -77,6 +76,22 @@ TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
   const CommandResult result = hands.runWith({"demo", "--window", "--seconds", "40", "--json", "-"}, *display_);
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
+}
+
+TEST_F(WindowDrop, OfSeveralMotionsTheFirstIsPlayedAndTheOthersAreInTheList) {
+  Hands hands(folder_);
+  hands.sleep("1");
+  hands.line(drop({shipped("wave.csv"), shipped("turn_around.csv"), shipped("jumping_jacks.csv")}));
+  hands.line("timeout 20 xdotool search --sync --name '^Lorica: wave'");
+  hands.sleep("0.5");
+  hands.mouse("mousemove --window $w 113 393 click 1");  // the list of files
+  hands.sleep("0.5");
+  hands.mouse("mousemove --window $w 113 487 click 1");  // the third
+  hands.line("timeout 20 xdotool search --sync --name '^Lorica: jumping_jacks'");
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["recording"], "jumping_jacks");
 }
 
 TEST_F(WindowDrop, AMotionASceneAndAMeshReplaceWhatIsPlayed) {

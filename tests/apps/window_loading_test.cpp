@@ -1,6 +1,8 @@
 #include "tests/apps/window_at_play.h"
 
+#include <sys/stat.h>
 #include <chrono>
+#include <sstream>
 #include <thread>
 
 namespace lorica::test {
@@ -55,6 +57,42 @@ TEST_F(WindowLoading, ClosingWhileTheBodyIsDecomposedEndsAtOnce) {
     EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << arguments[0] << ": the whole takes longer";
   }
 }
+
+TEST_F(WindowLoading, AReplayOpensItsWindowFirst) {
+  const std::string recorded = folder_.path() / "walk.lsession", body = smallBody();
+  const CommandResult made =
+      runLorica({"play", "walk", "--decomposition", body, "--record", recorded, "--frames", "30", "--json", "-"});
+  ASSERT_EQ(made.exitCode, 0) << made.err;
+  std::filesystem::remove(body);
+  const CommandResult missing = runLorica({"replay", recorded, "--window"}, surroundings_);
+  EXPECT_EQ(missing.exitCode, 2);
+  EXPECT_NE(missing.err.find("body.lorica"), std::string::npos) << missing.err;
+  const CommandResult whole = runLorica({"play", "walk", "--record", recorded, "--frames", "30"}, surroundings_);
+  ASSERT_EQ(whole.exitCode, 0) << whole.err;
+  inWindow("sleep 0.7\nxdotool key Escape\n");  // while it decomposes
+  const CommandResult closed = runLorica({"replay", recorded, "--window"}, surroundings_);
+  EXPECT_EQ(closed.exitCode, 0) << closed.err;
+  EXPECT_EQ(closed.out, "");
+}
+
+#ifdef LORICA_TEST_DRIVER
+TEST_F(WindowLoading, ClosingWhileTheCameraIsOpenedEndsAtOnce) {
+  // The driver reads a pipe that nobody writes.
+  const std::filesystem::path cameras = folder_.path() / "cameras";
+  std::filesystem::create_directory(cameras);
+  ASSERT_EQ(mkfifo((cameras / "slow").c_str(), 0600), 0);
+  setenv("LORICA_TEST_CAMERAS", cameras.c_str(), 1);
+  const std::string body = smallBody();
+  inWindow("sleep 1.5\nxdotool key Escape\n");
+  const Clock::time_point begin = Clock::now();
+  const CommandResult result =
+      runLorica({"live", "--driver", LORICA_TEST_DRIVER, "--decomposition", body, "--window"}, surroundings_);
+  unsetenv("LORICA_TEST_CAMERAS");
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << "it would never come back";
+}
+#endif
 
 TEST_F(WindowLoading, WhatCannotBeLoadedAtFirstIsTheCommandsError) {
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"play", "nowhere.bvh", "--window"},
@@ -112,6 +150,51 @@ TEST_F(WindowLoading, ClosingWhileSandSettlesEndsAtOnce) {
     EXPECT_EQ(result.exitCode, 0) << source[0] << ": " << result.err;
     EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10)) << source[0] << ": the whole takes longer";
   }
+}
+
+TEST_F(WindowLoading, WithOtherPartsSandSettlesBesideThePictureAndAsItAlwaysDoes) {
+  const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(5'000, 0.5));
+  std::vector<nlohmann::json> hashes;
+  for (const char* times : {"Home", "Home Home"}) {  // the second time the first frame is known
+    Hands hands(folder_);
+    hands.sleep("1");
+    hands.press("space bracketleft");
+    hands.sleep("1");
+    for (std::istringstream keys(times); !keys.eof();) {
+      std::string key;
+      keys >> key;
+      hands.press(key);
+      hands.sleep("1.5");
+    }
+    hands.press("space");
+    hands.sleep("1");
+    const CommandResult result =
+        hands.runWith({"play", "walk", "--scene", scene, "--decomposition", body, "--frames", "4", "--json", "-",
+                       "--events", folder_.path() / "events.jsonl", "--window"},
+                      *display_);
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    ASSERT_EQ(result.json()["avatars"][0]["parts"], 3);
+    hashes.push_back(result.json()["hash"]);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(WindowLoading, WhileSandSettlesAroundOtherPartsTheSessionGoesOn) {
+  const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(20'000, 20.0));
+  Hands hands(folder_);
+  hands.mouse("windowsize --sync $w 480 360");
+  hands.line("timeout 40 xdotool search --sync --name '^Lorica: walk'");
+  hands.press("Tab bracketleft");
+  hands.sleep("1");
+  hands.press("Home");
+  hands.sleep("0.7");
+  hands.picture();
+  hands.sleep("0.3");
+  hands.picture();
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--scene", scene, "--decomposition", body, "--window", "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 200) << "the avatar walks on";
 }
 
 TEST_F(WindowLoading, WhatSettlesBesideThePictureIsAsInAnUninterruptedRun) {
