@@ -1,12 +1,15 @@
 #pragma once
 
+#include "apps/abandoned_work.h"
 #include "apps/work_monitor.h"
 #include "geometry/result.h"
 
 #include <chrono>
 #include <functional>
 #include <future>
+#include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 
 namespace lorica {
@@ -16,21 +19,34 @@ template <class T>
 class BackgroundWork {
  public:
   /// Starts it. @param work  should end soon after WorkMonitor::cancelled(); what it returns then does not count
-  explicit BackgroundWork(std::function<Result<T>()> work)
-      : result_(std::async(std::launch::async, [this, work = std::move(work)]() -> Result<T> {
-          const WorkMonitor::Scope watched(monitor_);
-          Result<T> done = work();
-          if (monitor_.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
-          return done;
-        })) {}
-  /// Cancels and waits.
-  ~BackgroundWork() { cancel(); }
+  explicit BackgroundWork(std::function<Result<T>()> work) : monitor_(std::make_shared<WorkMonitor>()) {
+    std::packaged_task<Result<T>()> task([monitor = monitor_, work = std::move(work)]() -> Result<T> {
+      const WorkMonitor::Scope watched(*monitor);
+      Result<T> done = work();
+      if (monitor->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+      return done;
+    });
+    result_ = task.get_future();
+    thread_ = std::thread(std::move(task));
+  }
+  /// Cancels and waits, unless abandon() came before.
+  ~BackgroundWork() {
+    cancel();
+    if (thread_.joinable()) thread_.join();
+  }
   BackgroundWork(const BackgroundWork&) = delete;
   BackgroundWork& operator=(const BackgroundWork&) = delete;
 
-  [[nodiscard]] WorkMonitor::Progress progress() const { return monitor_.progress(); }
+  [[nodiscard]] WorkMonitor::Progress progress() const { return monitor_->progress(); }
   /// It ends soon, with kCancelled.
-  void cancel() { monitor_.cancel(); }
+  void cancel() { monitor_->cancel(); }
+  /// Cancels and waits for a moment only: then the work is given up, see abandoned_work.h. It must own what it uses.
+  void abandon() {
+    cancel();
+    if (!thread_.joinable() || !result_.valid() || result_.wait_for(kMoment) == std::future_status::ready) return;
+    noteAbandoned();
+    thread_.detach();
+  }
   /// The result, once; none while it runs.
   [[nodiscard]] std::optional<Result<T>> take() {
     if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
@@ -38,8 +54,10 @@ class BackgroundWork {
   }
 
  private:
-  WorkMonitor monitor_;
+  static constexpr std::chrono::milliseconds kMoment{100};
+  std::shared_ptr<WorkMonitor> monitor_;
   std::future<Result<T>> result_;
+  std::thread thread_;
 };
 
 }  // namespace lorica

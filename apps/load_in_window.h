@@ -7,21 +7,29 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 
-/// Loads what a session needs while the window shows how far that is.
+/// Loads what a session needs while the window shows how far that is. Files that are dropped meanwhile are requested
+/// after that.
 /// @param load  runs in another thread
 /// @return what was loaded; none if the user closed the window or cancelled; kCancelled after Ctrl-C, or another error
 template <class T>
 [[nodiscard]] Result<std::optional<T>> loadInWindow(Window& window, std::function<Result<T>()> load) {
   BackgroundWork<T> loading(std::move(load));
-  while (window.open() && !window.takeRequests().cancel) {
+  std::vector<std::string> dropped;
+  while (window.open()) {
+    const WindowRequests requests = window.takeRequests();
+    if (requests.cancel) break;
+    dropped.insert(dropped.end(), requests.files.begin(), requests.files.end());
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
     if (std::optional<Result<T>> loaded = loading.take()) {
       if (!*loaded) return loaded->error();
+      window.dropAgain(dropped);
       return std::optional<T>(std::move(**loaded));
     }
     const WorkMonitor::Progress progress = loading.progress();

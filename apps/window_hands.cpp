@@ -13,13 +13,13 @@ constexpr double kGravity = 9.81;       // [m/s^2]
 constexpr double kLowestHand = 0.02;    // minimum height of a held prop, so that it stays above the floor [m]
 constexpr double kFarthestHand = 50.0;  // maximum distance from the origin, as the mouse may point at the horizon [m]
 
-/// Throws along the view direction, and upward enough to pass through the camera's target.
-WorldAction ballFrom(const Camera& camera, double gravity) {
-  const Vec3 view = camera.target - camera.eye;
+/// Throws from the camera towards a target, and upward enough to pass through it.
+WorldAction ballFrom(const Camera& camera, const Vec3& target, double gravity) {
+  const Vec3 view = target - camera.eye;
   const double distance = std::max(view.norm(), 1e-6);
   Vec3 position = camera.eye + std::min(kBallAhead, 0.5 * distance) / distance * view;
   position.y() = std::max(position.y(), kBallRadius);
-  const double seconds = (camera.target - position).norm() / kBallSpeed;
+  const double seconds = (target - position).norm() / kBallSpeed;
   Vec3 velocity = kBallSpeed / distance * view;
   velocity.y() += 0.5 * gravity * kGravity * seconds;
   if (velocity.norm() > kFastestBall) velocity *= kFastestBall / velocity.norm();
@@ -42,7 +42,8 @@ void WindowHands::act(Session& session, const WorldAction& action) {
   }
 }
 
-void WindowHands::take(const WindowRequests& requests, const Window& window, Session& session) {
+void WindowHands::take(const WindowRequests& requests, const Window& window, const std::optional<Vec3>& target,
+                       Session& session) {
   if (requests.pressed) {
     const std::optional<PropPick> pick = session.world().pick(*requests.pressed);
     if (pick && session.world().props()[pick->prop].mass > 0.0) {
@@ -56,7 +57,10 @@ void WindowHands::take(const WindowRequests& requests, const Window& window, Ses
     act(session, WorldAction::release());
     holds_ = false;
   }
-  if (requests.throwBall) act(session, ballFrom(window.camera(), gravity_));
+  if (requests.throwBall) {
+    const Camera camera = window.camera();
+    act(session, ballFrom(camera, target.value_or(camera.target), gravity_));
+  }
 }
 
 void WindowHands::beforeStep(const Window& window, Session& session) {

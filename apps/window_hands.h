@@ -4,6 +4,8 @@
 #include "session/session.h"
 #include "viewer/window.h"
 
+#include <optional>
+
 namespace lorica {
 
 /// Turns the mouse and the ball key into actions of the session.
@@ -15,7 +17,8 @@ class WindowHands {
   /// @param factor  times the earth's gravity: how thrown balls are aimed
   void setGravity(double factor) { gravity_ = factor; }
   /// Grabs the prop under the mouse, releases it, or throws a ball.
-  void take(const WindowRequests& requests, const Window& window, Session& session);
+  /// @param target  of the ball [m]; none = what the camera looks at
+  void take(const WindowRequests& requests, const Window& window, const std::optional<Vec3>& target, Session& session);
   /// Call before each frame of the session: repeats its recorded actions and moves a held prop to the mouse position.
   void beforeStep(const Window& window, Session& session);
   /// Call before the session restarts: releases a held prop. Recorded actions will be repeated.

@@ -195,6 +195,7 @@ void WindowLoop::show() {
   values.name = title_;
   values.status = status_;
   values.seconds = seek_ ? std::min(seconds(), seek_->to) : seconds();
+  if (seek_) values.seekingTo = seek_->to;
   values.duration = subject_.duration;
   values.ended = ended_;
   values.parts = levels_.asked().value_or(static_cast<int>(session_.body().parts().size()));

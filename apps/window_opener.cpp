@@ -111,6 +111,10 @@ WindowOpener::WindowOpener(const LoadedCast& present, int threads, std::string w
 WindowOpener::WindowOpener(CastRequest present, int threads)
     : present_(std::move(present)), threads_(threads), motions_(shippedMotions()) {}
 
+WindowOpener::~WindowOpener() {
+  giveUp();
+}
+
 void WindowOpener::remember(const LoadedCast& loaded) {
   present_ = loaded.request;
   choices_ = loaded.choices;
@@ -179,16 +183,23 @@ Result<void> WindowOpener::openPerson(int index) {
 /// @param files  that the user named
 void WindowOpener::load(std::vector<CastRequest> attempts, std::vector<std::string> files) {
   asked_ = std::move(files);
-  loading_.reset();  // before the next one, so that they do not wait for each other's caches
+  giveUp();
   loading_ = std::make_unique<BackgroundWork<LoadedCast>>(
       [attempts = std::move(attempts), threads = threads_] { return loadCast(attempts, threads); });
 }
 
 void WindowOpener::cancel() {
-  if (loading_) loading_->cancel();
+  cancelled_ = cancelled_ || loading_ != nullptr;
+  giveUp();
+}
+
+void WindowOpener::giveUp() {
+  if (loading_) loading_->abandon();
+  loading_.reset();
 }
 
 std::optional<Result<LoadedCast>> WindowOpener::take() {
+  if (std::exchange(cancelled_, false)) return Error{ErrorCode::kCancelled, "cancelled"};
   if (!loading_) return std::nullopt;
   std::optional<Result<LoadedCast>> result = loading_->take();
   if (!result) return result;

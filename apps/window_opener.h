@@ -19,6 +19,8 @@ class WindowOpener {
   WindowOpener(const LoadedCast& present, int threads, std::string whyNot);
   /// @param present  what the first files are combined with
   WindowOpener(CastRequest present, int threads);
+  /// What loads is given up, and so it is by cancel() and by the next files.
+  ~WindowOpener();
 
   /// What became of several files of one kind.
   struct Others {
@@ -49,6 +51,7 @@ class WindowOpener {
 
  private:
   void remember(const LoadedCast& loaded);
+  void giveUp();
   void load(std::vector<CastRequest> attempts, std::vector<std::string> files);
 
   CastRequest present_;
@@ -60,7 +63,8 @@ class WindowOpener {
   std::vector<std::string> motions_;  // that ship
   std::vector<std::string> asked_;    // files that are loading
   std::vector<std::string> opened_;
-  bool dropped_ = false;  // something was
+  bool dropped_ = false;    // something was
+  bool cancelled_ = false;  // what was loading, since the last take()
 };
 
 }  // namespace lorica

@@ -37,7 +37,7 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
   if (requests.undo) return undo();
   if (requests.cancel && nextWorld_) nextWorld_->cancel();
   if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
-  hands_.take(requests, window_, session_);
+  hands_.take(requests, window_, window_.choices().follow ? focus_.position() : std::nullopt, session_);
   if (requests.parts && *requests.parts != levels_.asked().value_or(static_cast<int>(session_.body().parts().size()))) {
     levels_.ask(*requests.parts);
   }
@@ -104,6 +104,7 @@ void WindowLoop::open(const WindowRequests& requests) {
   std::optional<Result<LoadedCast>> loaded = opener->take();
   if (!loaded) return;
   std::string said = *loaded ? notesOf(**loaded) : loaded->error().message;
+  if (!*loaded && loaded->error().code != ErrorCode::kCancelled) said += fmt::format("; {} goes on", subject_.name);
   if (!remark_.empty()) said += (said.empty() ? "" : "; ") + std::exchange(remark_, "");
   if (!said.empty()) window_.notice(said, kProblemSeconds);
   if (*loaded) subject_.next = std::move(**loaded);

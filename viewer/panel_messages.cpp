@@ -46,7 +46,7 @@ constexpr std::array kHelp = {HelpLine{"left drag", "rotate the camera, or move 
                               HelpLine{"drop files", "open them"},
                               HelpLine{"tab", "show, hide panels"},
                               HelpLine{"H", "hide this help"},
-                              HelpLine{"esc", "close"}};
+                              HelpLine{"esc", "close this help, then the window"}};
 
 /// A message on its own plate, centred horizontally and not over open panels. The next one is placed below.
 void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {

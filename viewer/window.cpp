@@ -154,6 +154,10 @@ WindowRequests Window::takeRequests() {
   return std::exchange(impl_->requests, {});
 }
 
+void Window::dropAgain(const std::vector<std::string>& files) {
+  impl_->requests.files.insert(impl_->requests.files.begin(), files.begin(), files.end());
+}
+
 void Window::setQuality(std::optional<RenderQuality> quality) {
   const auto* found = quality ? std::find(kQualities.begin(), kQualities.end(), *quality) : kQualities.end();
   impl_->state.quality = found == kQualities.end() ? -1 : static_cast<int>(found - kQualities.begin());

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace lorica {
 
@@ -35,6 +36,8 @@ class Window {
   void show(const Scene& scene, const WindowValues& values);
   /// The requests since the last call.
   [[nodiscard]] WindowRequests takeRequests();
+  /// Files that were dropped while nobody could open them: the next requests have them.
+  void dropAgain(const std::vector<std::string>& files);
   /// The ray from the eye through the mouse cursor.
   [[nodiscard]] Ray pointer() const;
   [[nodiscard]] Camera camera() const;

@@ -45,8 +45,8 @@ void Window::Impl::listen() {
 
 void Window::Impl::seekBy(double seconds) {
   if (lastValues.duration <= 0.0) return;
-  // Requests that were not handled yet add up.
-  const double from = requests.seekTo.value_or(lastValues.seconds);
+  // Requests add up that were not handled yet, or that a seek has not reached.
+  const double from = requests.seekTo.value_or(lastValues.seekingTo.value_or(lastValues.seconds));
   requests.seekTo = std::clamp(from + seconds, 0.0, lastValues.duration);
 }
 
@@ -126,7 +126,9 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_F1:
       return toggle(state.help);
     case GLFW_KEY_ESCAPE:
-      if (!panels->closeList()) glfwSetWindowShouldClose(window, GLFW_TRUE);
+      if (panels->closeList()) return;
+      if (state.help) return toggle(state.help);
+      glfwSetWindowShouldClose(window, GLFW_TRUE);
       return;
     default:
       return;

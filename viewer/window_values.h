@@ -67,6 +67,7 @@ struct WindowValues {
   std::string_view name;                     ///< of the played motion
   std::string_view status;                   ///< one line of status
   double seconds = 0.0;                      ///< since the first frame [s]
+  std::optional<double> seekingTo;           ///< the time that the recording runs to without pictures [s]
   double duration = 0.0;                     ///< of a recording [s]; 0 = live, without timeline and speed
   bool ended = false;                        ///< there are no more frames
   int parts = 0;                             ///< of the body

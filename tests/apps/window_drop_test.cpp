@@ -78,6 +78,15 @@ TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
   EXPECT_EQ(result.json()["recording"], "wave");
 }
 
+TEST_F(WindowDrop, WhatIsDroppedWhileTheFirstBodyIsDecomposedIsOpenedAfterIt) {
+  Hands hands(folder_);
+  hands.line(drop({shipped("wave.csv")}));
+  hands.line("timeout 40 xdotool search --sync --name '^Lorica: wave'");
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--json", "-"}, *display_);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["recording"], "wave");
+}
+
 TEST_F(WindowDrop, OfSeveralMotionsTheFirstIsPlayedAndTheOthersAreInTheList) {
   Hands hands(folder_);
   hands.sleep("1");

@@ -125,6 +125,25 @@ TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
   EXPECT_EQ(picture().rgba, before.rgba) << "the camera is reset";
 }
 
+TEST_F(WindowAtWork, EscapeClosesTheHelpBeforeTheWindow) {
+  open(320, 240);
+  send("key h");
+  send("key Escape");
+  EXPECT_TRUE(window->open());
+  send("key Escape");
+  EXPECT_FALSE(window->open());
+}
+
+TEST_F(WindowAtWork, StepsInTimeAddUpWhileTheRecordingRunsThere) {
+  open(320, 240);
+  values.duration = 20.0;
+  values.seconds = 0.5;  // it has begun again
+  values.seekingTo = 9.0;
+  frames(1);
+  send("key Left");
+  EXPECT_EQ(window->takeRequests().seekTo, 8.0);
+}
+
 TEST_F(WindowAtWork, SpacePausesAndNStepsAndEscapeCloses) {
   open(320, 240);
   EXPECT_TRUE(window->wantsStep());
