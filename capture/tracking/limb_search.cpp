@@ -11,6 +11,8 @@ constexpr std::size_t kMaxNear = 160;      ///< max points considered
 constexpr float kLoose = 0.05F;            ///< points this far from the rest of the body suggest a limb [m]
 constexpr float kUnlike = 0.12F;           ///< candidates differ by this much at elbow or hand [m]
 
+constexpr float kNoLimit = 1e30F;
+
 /// Directions of the upper limb in its parent's frame, for a left limb; x is outward.
 constexpr int kDirections = 22;
 std::array<V3, kDirections> makeDirections(bool arm) {
@@ -43,49 +45,77 @@ std::array<V3, kDirections> makeDirections(bool arm) {
   return directions;
 }
 
+/// The terms that a limb's own pose changes.
+struct LimbTerms {
+  std::vector<int> capsules;
+  std::vector<Sample> samples;
+  std::vector<CollisionPair> pairs;
+};
+
+std::array<LimbTerms, kFitLimbCount> makeTerms() {
+  std::array<LimbTerms, kFitLimbCount> terms;
+  const auto& capsules = capsuleDefs();
+  const auto samples = samplesOfBody();
+  for (int i = 0; i < kFitLimbCount; ++i) {
+    const auto mine = [&](int capsule) { return isOf(static_cast<Limb>(i), capsules[capsule].node); };
+    LimbTerms& of = terms[i];
+    for (int c = 0; c < kCapsuleCount; ++c) {
+      if (mine(c)) of.capsules.push_back(c);
+    }
+    for (const Sample& sample : samples) {
+      if (mine(sample.capsule)) of.samples.push_back(sample);
+    }
+    for (const CollisionPair& pair : collisionPairs()) {
+      if (mine(samples[pair.sample].capsule)) of.pairs.push_back(pair);
+    }
+  }
+  return terms;
+}
+
+const LimbTerms& termsOf(Limb limb) {
+  static const std::array<LimbTerms, kFitLimbCount> terms = makeTerms();
+  return terms[limb];
+}
+
 }  // namespace
 
 LimbSearch::LimbSearch() {
+  termsOf(kLeftArm);  // made now, not in a frame
   near_.reserve(kMaxNear);
   loose_.reserve(kMaxNear);
 }
 
-float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Proportions& proportions, Limb limb) {
+float LimbSearch::costOf(const BodyView& view, const BodyPose& pose, const Proportions& proportions, Limb limb,
+                         float limit) {
+  float cost = restOf(limb, pose).cost();
+  for (const BallLimit& range : ballLimits()) {
+    if (range.node != upperNodeOf(limb)) continue;
+    cost += excessOf(range, pose.turn[range.node]).squaredNorm() / (kLimitDeviation * kLimitDeviation);
+  }
+  if (cost >= limit) return cost;
   poseBody(pose, proportions, body_);
-  const float each = kPointCount /
-                     static_cast<float>(std::max<std::size_t>(1, std::min<std::size_t>(view.points().size(), 600))) /
-                     (kPointDeviation * kPointDeviation);
-  std::array<int, 4> mine{};
-  std::size_t count = 0;
-  for (int c = 0; c < kCapsuleCount; ++c) {
-    if (isOf(limb, body_.capsule[c].node)) mine[count++] = c;
-  }
-  float cost = 0.0F;
-  for (const Near& point : near_) {
-    SurfaceMatch m;
-    m.costSq = point.otherSq;
-    m.bound = point.otherBound;
-    for (std::size_t k = 0; k < count; ++k) matchCapsule(body_, mine[k], point.position, point.normal, point.ray, m);
-    cost += each * robust(m.costSq, kWidthSq).cost;
-  }
-  const auto samples = samplesOfBody();
-  for (const Sample& sample : samples) {
-    if (!isOf(limb, body_.capsule[sample.capsule].node)) continue;
+  const LimbTerms& mine = termsOf(limb);
+  for (const Sample& sample : mine.samples) {
     const SamplePulls pulls = pullsOf(view, body_, sample);
     for (int i = 0; i < pulls.count; ++i) cost += pulls.pull[i].cost;
   }
-  for (const CollisionPair& pair : collisionPairs()) {
-    const Sample& sample = samples[pair.sample];
-    if (!isOf(limb, body_.capsule[sample.capsule].node)) continue;
-    const int other = body_.capsule[pair.capsule].node;
-    if (without_ != limb && isOf(without_, other)) continue;
-    cost += collisionOf(body_, ballOf(body_, sample), pair.capsule).cost;
+  if (cost >= limit) return cost;
+  for (const CollisionPair& pair : mine.pairs) {
+    if (without_ != limb && isOf(without_, body_.capsule[pair.capsule].node)) continue;
+    cost += collisionOf(body_, ballOf(body_, samplesOfBody()[pair.sample]), pair.capsule).cost;
   }
-  for (const BallLimit& limit : ballLimits()) {
-    if (limit.node != upperNodeOf(limb)) continue;
-    cost += excessOf(limit, pose.turn[limit.node]).squaredNorm() / (kLimitDeviation * kLimitDeviation);
+  const float each = kPointCount /
+                     static_cast<float>(std::max<std::size_t>(1, std::min<std::size_t>(view.points().size(), 600))) /
+                     (kPointDeviation * kPointDeviation);
+  for (const Near& point : near_) {
+    if (cost >= limit) return cost;
+    SurfaceMatch m;
+    m.costSq = point.otherSq;
+    m.bound = point.otherBound;
+    for (const int capsule : mine.capsules) matchCapsule(body_, capsule, point.position, point.normal, point.ray, m);
+    cost += each * robust(m.costSq, kWidthSq).cost;
   }
-  return cost + restOf(limb, pose).cost();
+  return cost;
 }
 
 void LimbSearch::offer(const BodyPose& pose, float cost, Limb limb) {
@@ -148,13 +178,15 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
     if (m.costSq > kLoose * kLoose) loose_.push_back(point.position);
   }
   count_ = 0;
-  presentCost_ = costOf(view, pose, proportions, limb);
+  presentCost_ = costOf(view, pose, proportions, limb, kNoLimit);
 
   BodyPose tried = pose;
   const M3& above = body.rotation[nodeDefs()[up].parent];
   const auto attempt = [&](const V3& upper, const V3& lower) {
     layLimb(limb, body, upper, lower, tried);
-    offer(tried, costOf(view, tried, proportions, limb), limb);
+    // Worse than all that are kept is worth no more.
+    const float limit = count_ == kMaxCandidates ? candidates_[count_ - 1].cost : kNoLimit;
+    offer(tried, costOf(view, tried, proportions, limb, limit), limb);
   };
   // Reach for points that nothing else explains: first the farthest, then others distributed over them.
   if (!loose_.empty()) {

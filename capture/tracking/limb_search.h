@@ -32,7 +32,8 @@ class LimbSearch {
 
  private:
   static constexpr int kMaxCandidates = 3;
-  float costOf(const BodyView& view, const BodyPose& pose, const Proportions& proportions, Limb limb);
+  /// @param limit  the sum ends when it reaches this
+  float costOf(const BodyView& view, const BodyPose& pose, const Proportions& proportions, Limb limb, float limit);
   void offer(const BodyPose& pose, float cost, Limb limb);
 
   struct Near {

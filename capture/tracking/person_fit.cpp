@@ -11,12 +11,10 @@ namespace {
 constexpr float kGapSeconds = 0.25F;  ///< after this long unseen the pose is searched for again
 constexpr float kLostShare = 0.20F;   ///< fraction of points not explained by the body at which the person is lost
 constexpr int kLostViews = 3;         ///< consecutive views
-constexpr float kLostLimb = 0.06F;    ///< a limb that violates the image by this much is searched for [m]
 constexpr float kPassing = 0.45F;     ///< feet closer than this may be swapped [m]
 constexpr float kWorse = 1.25F;       ///< multiple of the usual cost at which a swap is checked
 constexpr int kPairPause = 2;         ///< views between two such checks
 constexpr float kUsualRise = 0.03F;   ///< how fast the usual cost follows the present one, per view
-constexpr int kMaxSearched = 1;       ///< lost limbs searched for per view, besides the one whose turn it is
 constexpr float kEase = 0.04F;        ///< fraction of the way to rest per view, for arms that are not seen
 constexpr float kMomentum = 0.7F;     ///< fraction of the last step, in the prediction of the next
 
@@ -154,20 +152,11 @@ void PersonFit::reconsider(const BodyView& view) {
 }
 
 void PersonFit::searchLimbs(const BodyView& view) {
-  // Those that look lost, arms that are not seen, and one of the others in turn.
+  // Both arms in every view, each leg in every fourth.
+  improveLimb(fitter_, limbs_, view, proportions_, kLeftArm, pose_);
+  improveLimb(fitter_, limbs_, view, proportions_, kRightArm, pose_);
   turn_ = (turn_ + 1) % kFitLimbCount;
-  int searched = 0;
-  for (int i = 0; i < kFitLimbCount; ++i) {
-    const auto limb = static_cast<Limb>(i);
-    float worst = 0.0F;
-    for (std::size_t c = 0; c < kCapsuleCount; ++c) {
-      if (isOf(limb, capsuleDefs()[c].node)) worst = std::max(worst, support_.violation[c]);
-    }
-    const bool lost = worst > kLostLimb || (i <= kRightArm && confidence_.hidden(i));
-    if (i != turn_ && (!lost || searched >= kMaxSearched)) continue;
-    improveLimb(fitter_, limbs_, view, proportions_, limb, pose_);
-    searched += i != turn_ ? 1 : 0;
-  }
+  if (turn_ > kRightArm) improveLimb(fitter_, limbs_, view, proportions_, static_cast<Limb>(turn_), pose_);
   // Legs that pass each other may have been swapped; the image is then explained worse than before.
   ++sincePair_;
   if (sincePair_ < kPairPause || cost_.image() < kWorse * usualCost_) return;
