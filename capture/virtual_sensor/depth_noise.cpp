@@ -12,11 +12,10 @@ namespace {
 constexpr double kStepsPerPixel = 8.0;
 /// The baseline used to measure depth, even if shadows are disabled [m].
 constexpr double kMeasuringBaseline = 0.075;
-/// Fraction of the variance of axial noise that neighbouring pixels share: their matching windows overlap.
-constexpr float kSharedVariance = 0.64F;
-constexpr int kSmoothCell = 4;  ///< [pixels]
-constexpr int kClumpCell = 6;   ///< [pixels]
-constexpr int kJitterCell = 3;  ///< edges are displaced in blocks of this size [pixels]
+constexpr double kClumpCell = 6.0;   ///< [pixels of the sensor]
+constexpr double kJitterCell = 3.0;  ///< edges are displaced in blocks of this size [pixels of the sensor]
+/// Difference of inverse depth from which an edge is an edge: 4 pixels of disparity of a Kinect v1 [1/m].
+constexpr float kEdge = 0.1F;
 /// Cosines of the angle from the normal between which a surface disappears gradually: 70 and 83 degrees.
 constexpr float kGrazingCosine = 0.342F;
 constexpr float kLostCosine = 0.122F;
@@ -43,19 +42,130 @@ float deviateExceededBy(double part) {
                                     (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308))));
 }
 
+/// Whole pixels of the image, at least one. Half of an odd size is rounded up, also if the focal lengths are not quite
+/// half of each other.
+int pixelsOf(double size, double scale) {
+  return std::max(1, static_cast<int>(std::ceil(size * scale - 0.1)));
+}
+
+/// Adds up the values from `before` pixels left of each pixel to `after` right of it. @param line  one row of scratch
+void sumAcross(std::vector<float>& image, std::size_t width, std::size_t before, std::size_t after,
+               std::vector<float>& line) {
+  for (std::size_t row = 0; row < image.size(); row += width) {
+    std::copy_n(image.begin() + static_cast<std::ptrdiff_t>(row), width, line.begin());
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < std::min(after, width); ++i) sum += line[i];
+    for (std::size_t i = 0; i < width; ++i) {
+      if (i + after < width) sum += line[i + after];
+      image[row + i] = sum;
+      if (i >= before) sum -= line[i - before];
+    }
+  }
+}
+
+/// The same down the columns, from one image to another. @param line  one row of scratch
+void sumDown(std::span<const float> image, std::size_t width, std::size_t before, std::size_t after,
+             std::vector<float>& line, std::span<float> out) {
+  const std::size_t height = image.size() / width;
+  std::fill(line.begin(), line.end(), 0.0F);
+  const auto add = [&](std::size_t row, float factor) {
+    const float* from = &image[row * width];
+    for (std::size_t i = 0; i < width; ++i) line[i] += factor * from[i];
+  };
+  for (std::size_t row = 0; row < std::min(after, height); ++row) add(row, 1.0F);
+  for (std::size_t row = 0; row < height; ++row) {
+    if (row + after < height) add(row + after, 1.0F);
+    std::copy_n(line.begin(), width, out.begin() + static_cast<std::ptrdiff_t>(row * width));
+    if (row >= before) add(row - before, -1.0F);
+  }
+}
+
 }  // namespace
+
+std::string_view nameOf(DepthNoiseKind kind) {
+  switch (kind) {
+    case DepthNoiseKind::kKinect:
+      return "kinect";
+    case DepthNoiseKind::kRealSense:
+      return "realsense";
+    case DepthNoiseKind::kTimeOfFlight:
+      return "tof";
+    case DepthNoiseKind::kMild:
+      return "mild";
+    case DepthNoiseKind::kNone:
+      return "none";
+  }
+  return {};
+}
+
+std::optional<DepthNoiseKind> depthNoiseNamed(std::string_view name) {
+  for (int k = 0; k < kDepthNoiseKindCount; ++k) {
+    if (nameOf(static_cast<DepthNoiseKind>(k)) == name) return static_cast<DepthNoiseKind>(k);
+  }
+  return std::nullopt;
+}
+
+DepthNoiseSettings DepthNoiseSettings::of(DepthNoiseKind kind) {
+  switch (kind) {
+    case DepthNoiseKind::kKinect:
+      break;
+    case DepthNoiseKind::kRealSense:
+      return realSense();
+    case DepthNoiseKind::kTimeOfFlight:
+      return timeOfFlight();
+    case DepthNoiseKind::kMild:
+      return mild();
+    case DepthNoiseKind::kNone:
+      return clean();
+  }
+  return {};
+}
 
 DepthNoiseSettings DepthNoiseSettings::clean() {
   DepthNoiseSettings settings;
-  settings.axial = settings.lateral = settings.baseline = settings.steps = settings.dropout = 0.0;
+  settings.axial = settings.lateral = settings.baseline = settings.edgeLoss = settings.steps = settings.dropout = 0.0;
   settings.grazing = false;
   return settings;
 }
 
 DepthNoiseSettings DepthNoiseSettings::mild() {
   DepthNoiseSettings settings;
-  settings.axial *= 0.2;
-  settings.dropout *= 0.2;
+  settings.axial = 0.2;
+  settings.lasting = 0.0;
+  settings.shared = 0.64;
+  settings.smoothness = 4.0;
+  settings.edgeLoss = 0.0;
+  settings.dropout = 0.004;
+  return settings;
+}
+
+DepthNoiseSettings DepthNoiseSettings::realSense() {
+  DepthNoiseSettings settings;
+  settings.sensor.horizontalFov = 0.9566291926;  // focal length 617.25 pixels
+  settings.sensor.verticalFov = 0.7412824526;
+  settings.axialNoise = {.base = 0.0005, .quadratic = 0.0074, .nearest = 0.9, .angle = 0.0, .angleFar = 0.0};
+  settings.lasting = 0.3;
+  settings.shared = 0.64;
+  settings.smoothness = 20.0;
+  settings.lateral = 0.5;
+  settings.smear = 12.0;
+  settings.baseline = settings.edgeLoss = settings.steps = 0.0;
+  settings.dropout = 0.0005;
+  settings.grazing = false;
+  settings.min = 0.3;
+  return settings;
+}
+
+DepthNoiseSettings DepthNoiseSettings::timeOfFlight() {
+  DepthNoiseSettings settings;
+  settings.sensor = {512, 424, 1.2223, 1.0514};  // focal length 365.5 pixels
+  settings.axialNoise = {.base = 0.0012917, .quadratic = 0.0003, .nearest = 0.83333, .angle = 0.0, .angleFar = 0.0001};
+  settings.lasting = settings.shared = 0.0;
+  settings.lateral = 0.25;
+  settings.smear = 2.0;
+  settings.baseline = settings.edgeLoss = settings.steps = 0.0;
+  settings.dropout = 0.001;
+  settings.max = 4.5;
   return settings;
 }
 
@@ -96,24 +206,32 @@ void DepthNoise::Field::readRow(int row, std::span<float> out) const {
 }
 
 DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& settings)
-    : camera_(camera), settings_(settings) {
+    : camera_(camera),
+      settings_(settings),
+      scale_(camera.focalX() / settings.sensor.focalX()),
+      jitterCell_(pixelsOf(kJitterCell, scale_)),
+      smearWidth_(pixelsOf(settings.smear, scale_)),
+      edgeLossWidth_(settings.edgeLoss > 0.0 ? pixelsOf(settings.edgeLoss, scale_) : 0) {
   const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   lit_.assign(pixels, 0.0F);
   spread_.assign(pixels, 0.0F);
   threshold_.assign(pixels, 0.0F);
-  smooth_.resize(camera, kSmoothCell);
-  clumps_.resize(camera, kClumpCell);
+  lasting_.resize(camera, pixelsOf(settings.smoothness, scale_));
+  lasting_.draw(seedOf(settings.seed, 0, 4));
+  smooth_.resize(camera, pixelsOf(settings.smoothness, scale_));
+  clumps_.resize(camera, pixelsOf(kClumpCell, scale_));
   smoothRow_.assign(static_cast<std::size_t>(camera.width), 0.0F);
-  clumpsRow_ = rayX_ = smoothRow_;
+  lastingRow_ = clumpsRow_ = rayX_ = smoothRow_;
+  if (smearWidth_ > 1) weight_ = sums_ = lit_;
   for (int column = 0; column < camera.width; ++column) {
     rayX_[column] = static_cast<float>(camera.positionOf(column, 0.0, 1.0).x());
   }
-  jitter_.assign(static_cast<std::size_t>(camera.width / kJitterCell + 1) *
-                     static_cast<std::size_t>(camera.height / kJitterCell + 1) * 2,
+  jitter_.assign(static_cast<std::size_t>(camera.width / jitterCell_ + 1) *
+                     static_cast<std::size_t>(camera.height / jitterCell_ + 1) * 2,
                  0);
   // Without steps depth is still stored as a disparity, in steps so small that none exceeds 0.1 mm.
   const double steps = settings.steps > 0.0 ? settings.steps : 1e-4 / (2.9e-3 * settings.max * settings.max);
-  const double whole = kStepsPerPixel / steps * camera.focalX() * kMeasuringBaseline;
+  const double whole = kStepsPerPixel / steps * DepthCamera{}.focalX() * kMeasuringBaseline;
   disparityOfInverse_ = static_cast<float>(whole);
   if (settings.steps <= 0.0) return;
   millimetres_.resize(static_cast<std::size_t>(whole / settings.min) + 2, 0);
@@ -126,23 +244,54 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
 }
 
 void DepthNoise::findLit(std::span<const float> inverseDepth) {
-  if (settings_.baseline <= 0.0) {
-    std::copy(inverseDepth.begin(), inverseDepth.end(), lit_.begin());
-    return;
-  }
+  std::copy(inverseDepth.begin(), inverseDepth.end(), lit_.begin());
+  if (settings_.baseline <= 0.0) return;
   // The nearer a point is, the further left the projector sees it. Scanning from the right, a point is lit if the
-  // projector sees it left of all previous points, with half a pixel of tolerance.
+  // projector sees it left of all previous points. A near surface ends half a pixel left of its last pixel's centre,
+  // and what is hidden by less than a pixel of the sensor is measured.
   const auto shift = static_cast<float>(camera_.focalX() * settings_.baseline);
+  const auto tolerance = static_cast<float>(scale_ - 0.5);
   const auto width = static_cast<std::size_t>(camera_.width);
   for (std::size_t row = 0; row < lit_.size(); row += width) {
     auto leftmost = static_cast<float>(2 * camera_.width);
     for (std::size_t i = width; i-- > 0;) {
       const float inverse = inverseDepth[row + i];
       const float position = static_cast<float>(i) - shift * inverse;
-      lit_[row + i] = position <= leftmost + 0.5F ? inverse : 0.0F;
+      if (position > leftmost + tolerance) lit_[row + i] = 0.0F;
       if (inverse > 0.0F) leftmost = std::min(leftmost, position);
     }
   }
+}
+
+void DepthNoise::loseEdges(std::span<const float> inverseDepth) {
+  // Beside a near thing the matching window sees both surfaces; on its left the shadow is there anyway.
+  const auto width = static_cast<std::size_t>(camera_.width);
+  for (std::size_t row = 0; row < lit_.size(); row += width) {
+    int left = 0;  // pixels that are still to be lost
+    float far = 0.0F;
+    for (std::size_t i = row + 1; i < row + width; ++i, --left) {
+      if (inverseDepth[i - 1] - inverseDepth[i] > kEdge) {
+        left = edgeLossWidth_;
+        far = inverseDepth[i - 1] - kEdge;
+      }
+      if (left > 0 && inverseDepth[i] < far) lit_[i] = 0.0F;
+    }
+  }
+}
+
+void DepthNoise::smear() {
+  // A box twice along each axis, the second time shifted the other way: a triangle. Only what is measured counts.
+  const auto width = static_cast<std::size_t>(camera_.width);
+  const auto half = static_cast<std::size_t>(smearWidth_ / 2);
+  const std::size_t rest = static_cast<std::size_t>(smearWidth_) - 1 - half;
+  for (std::size_t i = 0; i < lit_.size(); ++i) weight_[i] = lit_[i] > 0.0F ? 1.0F : 0.0F;
+  for (std::vector<float>* image : {&lit_, &weight_}) {
+    sumAcross(*image, width, rest, half, smoothRow_);
+    sumAcross(*image, width, half, rest, smoothRow_);
+    sumDown(*image, width, rest, half, smoothRow_, sums_);
+    sumDown(sums_, width, half, rest, smoothRow_, *image);
+  }
+  for (std::size_t i = 0; i < lit_.size(); ++i) lit_[i] = weight_[i] > 0.5F ? lit_[i] / weight_[i] : 0.0F;
 }
 
 void DepthNoise::findSurface(std::span<const float> inverseDepth) {
@@ -157,6 +306,12 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
   const auto axial = static_cast<float>(settings_.axial);
   const float scale = disparityOfInverse_;
   const float quantisation = settings_.steps > 0.0 ? 1.0F / 12.0F : 0.0F;
+  const AxialNoise& noise = settings_.axialNoise;
+  const auto base = static_cast<float>(noise.base);
+  const auto quadratic = static_cast<float>(noise.quadratic);
+  const auto nearest = static_cast<float>(noise.nearest);
+  const auto angle = static_cast<float>(noise.angle);
+  const auto angleFar = static_cast<float>(noise.angleFar);
   for (int row = 0; row < camera_.height; ++row) {
     const std::size_t begin = static_cast<std::size_t>(row) * width;
     const float* here = &inverseDepth[begin];
@@ -189,14 +344,15 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
       const float normalSq = (a * a + b * b + c * c) * (x * x + y * y + 1.0F);
       const float cosine = w / std::sqrt(normalSq + 1e-20F);
 
-      // Nguyen et al.: sigma = 0.0012 + 0.0019 (z - 0.4)^2 + 0.0001 / sqrt(z) * theta^2 / (pi / 2 - theta)^2.
       const float inverse = w > 0.01F ? w : 0.01F;
-      const float beyond = 1.0F / inverse - 0.4F;
+      const float distance = 1.0F / inverse;
+      const float beyond = distance - nearest;
       const float fromGrazing = cosine * (1.0F + cosine * cosine * (1.0F / 6.0F));  // pi / 2 - theta, approximately
       const float rest = 1.5707963F - fromGrazing;
       const float theta = rest > 0.0F ? rest : 0.0F;
       const float ratio = theta / (fromGrazing > 0.05F ? fromGrazing : 0.05F);
-      const float sigma = 0.0012F + 0.0019F * beyond * beyond + 0.0001F * std::sqrt(inverse) * ratio * ratio;
+      const float sigma = base + quadratic * beyond * beyond +
+                          (angle + angleFar * distance * distance) * std::sqrt(inverse) * ratio * ratio;
       const float inSteps = axial * sigma * scale * inverse * inverse;
       const float variance = inSteps * inSteps - quantisation;
       spread[i] = std::sqrt(variance > 0.0F ? variance : 0.0F);
@@ -214,6 +370,8 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
   LORICA_CHECK(inverseDepth.size() == lit_.size() && depthMm.size() == lit_.size(),
                "images must have the camera's size");
   findLit(inverseDepth);
+  if (edgeLossWidth_ > 0) loseEdges(inverseDepth);
+  if (smearWidth_ > 1) smear();
   const bool noisy = settings_.axial > 0.0;
   const bool losing = settings_.grazing || settings_.dropout > 0.0;
   if (noisy || losing) findSurface(inverseDepth);
@@ -221,24 +379,26 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
   clumps_.draw(seedOf(settings_.seed, frame, 1));
   RandomNumbers jitter(seedOf(settings_.seed, frame, 2));
   RandomNumbers white(seedOf(settings_.seed, frame, 3));
-  const auto lateral = static_cast<float>(settings_.lateral);
+  const auto lateral = static_cast<float>(settings_.lateral * scale_);
   for (std::int8_t& offset : jitter_) {
     offset = static_cast<std::int8_t>(std::lround(std::clamp(lateral * deviate(jitter.bits()), -100.0F, 100.0F)));
   }
-  const float shared = std::sqrt(kSharedVariance);
-  const float own = std::sqrt(1.0F - kSharedVariance);
+  const auto lasting = static_cast<float>(std::sqrt(settings_.lasting));
+  const auto shared = static_cast<float>(std::sqrt(settings_.shared));
+  const auto own = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - settings_.lasting - settings_.shared)));
   const auto min = static_cast<float>(settings_.min);
   const auto max = static_cast<float>(settings_.max);
   const int width = camera_.width;
   const int height = camera_.height;
-  const int jitterColumns = width / kJitterCell + 1;
+  const int jitterColumns = width / jitterCell_ + 1;
   std::size_t at = 0;
   for (int row = 0; row < height; ++row) {
-    if (noisy) smooth_.readRow(row, smoothRow_);
+    if (noisy && lasting > 0.0F) lasting_.readRow(row, lastingRow_);
+    if (noisy && shared > 0.0F) smooth_.readRow(row, smoothRow_);
     if (losing) clumps_.readRow(row, clumpsRow_);
-    const int jitterRow = row / kJitterCell * jitterColumns;
+    const int jitterRow = row / jitterCell_ * jitterColumns;
     for (int column = 0; column < width; ++column, ++at) {
-      const std::size_t cell = static_cast<std::size_t>(jitterRow + column / kJitterCell) * 2;
+      const std::size_t cell = static_cast<std::size_t>(jitterRow + column / jitterCell_) * 2;
       const int fromColumn = std::clamp(column + jitter_[cell], 0, width - 1);
       const int fromRow = std::clamp(row + jitter_[cell + 1], 0, height - 1);
       const auto from = static_cast<std::size_t>(fromRow * width + fromColumn);
@@ -247,7 +407,8 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
       if (inverse <= 0.0F || (losing && clumpsRow_[column] > threshold_[from])) continue;
       float disparity = disparityOfInverse_ * inverse;
       if (noisy) {
-        disparity += spread_[from] * (shared * smoothRow_[column] + own * deviate(white.bits()));
+        const float smooth = lasting * lastingRow_[column] + shared * smoothRow_[column];
+        disparity += spread_[from] * (smooth + own * deviate(white.bits()));
       }
       if (disparity <= 0.0F) continue;
       if (!millimetres_.empty()) {

@@ -59,6 +59,16 @@ std::optional<SyntheticMotion> motionNamed(std::string_view name) {
   return std::nullopt;
 }
 
+/// "kinect, realsense, tof, mild or none"
+template <typename Kind>
+std::string namesOf(int count) {
+  std::string names;
+  for (int k = 0; k < count; ++k) {
+    names += fmt::format("{}{}", k == 0 ? "" : k + 1 < count ? ", " : " or ", nameOf(static_cast<Kind>(k)));
+  }
+  return names;
+}
+
 /// Applies one setting. @return what was expected if the value is wrong
 std::optional<std::string> apply(std::string_view key, std::string_view value, VirtualScript& script) {
   VirtualSensorSettings& settings = script.settings;
@@ -95,19 +105,14 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   if (key == "loop") return choice(settings.loop, "yes", "no");
   if (key == "pace") return choice(settings.live, "live", "fast");
   if (key == "noise") {
+    const std::optional<DepthNoiseKind> kind = depthNoiseNamed(value);
+    if (!kind) return namesOf<DepthNoiseKind>(kDepthNoiseKindCount);
     const std::uint64_t seed = settings.noise.seed;
-    if (value == "kinect") {
-      settings.noise = {};
-    } else if (value == "mild") {
-      settings.noise = DepthNoiseSettings::mild();
-    } else if (value == "none") {
-      settings.noise = DepthNoiseSettings::clean();
-    } else {
-      return "kinect, mild or none";
-    }
+    settings.noise = DepthNoiseSettings::of(*kind);
     settings.noise.seed = seed;
     return std::nullopt;
   }
+  if (key == "size") return choice(script.halfSize, "half", "full");
   if (key == "seed") {
     const std::optional<std::uint64_t> seed = numberOf<std::uint64_t>(value, 0, ~std::uint64_t{0});
     if (!seed) return "a whole number of at least 0";
@@ -117,6 +122,16 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   if (key == "start") return number(script.start, 0.0, 1e6);
   if (key == "height") return number(script.height, 0.5, 2.0);
   if (key == "girth") return number(script.girth, 0.5, 2.0);
+  if (key == "clothes") {
+    for (const std::string_view name : split(value, ',')) {
+      const std::optional<Clothes> piece = clothesNamed(name);
+      if (!piece || std::find(script.clothes.begin(), script.clothes.end(), *piece) != script.clothes.end()) {
+        return fmt::format("{}, or several of them separated by commas", namesOf<Clothes>(kClothesCount));
+      }
+      script.clothes.push_back(*piece);
+    }
+    return std::nullopt;
+  }
   if (key == "distance") {
     Vec3 position = settings.room.worldFromCamera.translation();
     std::optional<std::string> expected = number(position.z(), 1.0, 7.0);
@@ -125,7 +140,8 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   }
   if (key == "unplug") return span(settings.unplugged);
   if (key == "absent") return span(script.absent);
-  return "one of the keys motion, start, loop, pace, noise, seed, height, girth, distance, unplug, absent";
+  return "one of the keys motion, start, loop, pace, noise, size, seed, height, girth, clothes, distance, unplug, "
+         "absent";
 }
 
 }  // namespace
@@ -147,11 +163,17 @@ Result<VirtualScript> parseVirtualScript(std::string_view text) {
       return badScript(fmt::format("found '{}', expected {}", setting, *expected));
     }
   }
+  script.settings.camera = script.settings.noise.sensor;
+  if (script.halfSize) {
+    script.settings.camera.width /= 2;
+    script.settings.camera.height /= 2;
+  }
   return script;
 }
 
 Result<VirtualSensor> makeVirtualSensor(const VirtualScript& script) {
-  const Character body = withProportions(makeMannequin(), {.height = script.height, .girth = script.girth});
+  const Character bare = withProportions(makeMannequin(), {.height = script.height, .girth = script.girth});
+  const Character body = withClothes(bare, script.clothes);
   std::vector<VirtualPerson> people;
   people.reserve(script.motions.size());
   for (const std::string& motion : script.motions) {

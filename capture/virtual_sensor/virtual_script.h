@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/virtual_sensor/virtual_clothes.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 
 #include <string>
@@ -16,9 +17,11 @@ namespace lorica {
 ///   by a comma, for two people side by side [wave]
 /// - `loop`: yes or no [yes]
 /// - `pace`: live or fast [live]
-/// - `noise`: kinect, mild or none [kinect]
+/// - `noise`: nameOf(DepthNoiseKind); resolution and field of view are those of the modelled camera [kinect]
+/// - `size`: full or half of its pixels along each side [full]
 /// - `seed`: of the noise, from 0 [2026]
 /// - `height`, `girth`: of the people, 0.5 to 2 [1]
+/// - `clothes`: what they wear, nameOf(Clothes), separated by commas [nothing]
 /// - `start`: time in the motions at the sensor's time 0 [0 s]
 /// - `distance`: of the camera from the people, 1 to 7 [3 m]
 /// - `unplug`, `absent`: from:to, when the sensor is unplugged or the people are away [never, s]
@@ -26,7 +29,9 @@ struct VirtualScript {
   std::vector<std::string> motions = {"wave"};
   double height = 1.0;
   double girth = 1.0;
-  double start = 0.0;  ///< time in the motions at the sensor's time 0 [s]
+  std::vector<Clothes> clothes;
+  bool halfSize = false;  ///< already applied to `settings.camera`
+  double start = 0.0;     ///< time in the motions at the sensor's time 0 [s]
   std::vector<TimeSpan> absent;
   VirtualSensorSettings settings;  ///< live and looped, unless specified otherwise
 };

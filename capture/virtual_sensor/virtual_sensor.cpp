@@ -42,11 +42,19 @@ Result<void> check(std::size_t people, const VirtualSensorSettings& settings) {
     return bad(fmt::format("{} frames per second, expected 1 to 1000", settings.framesPerSecond));
   }
   const DepthNoiseSettings& noise = settings.noise;
-  for (const double part : {noise.axial, noise.lateral, noise.baseline, noise.steps, noise.dropout}) {
+  for (const double part : {noise.axial, noise.lateral, noise.smear, noise.baseline, noise.edgeLoss, noise.steps,
+                            noise.dropout, noise.lasting, noise.shared}) {
     if (!(part >= 0.0 && part <= 100.0)) return bad(fmt::format("a noise setting of {}, expected 0 to 100", part));
   }
   if (noise.steps > 0.0 && noise.steps < 0.01) {
     return bad(fmt::format("a depth step factor of {}, expected 0 or at least 0.01", noise.steps));
+  }
+  if (noise.lasting + noise.shared > 1.0) {
+    return bad(
+        fmt::format("shares of {} and {} of the noise, expected at most 1 together", noise.lasting, noise.shared));
+  }
+  if (!(noise.smoothness >= 1.0 && noise.smoothness <= 1000.0)) {
+    return bad(fmt::format("a noise that is smooth over {} pixels, expected 1 to 1000", noise.smoothness));
   }
   if (noise.dropout > 0.5) return bad(fmt::format("a dropout of {}, expected 0 to 0.5", noise.dropout));
   if (!(noise.min >= 0.1 && noise.min < noise.max && noise.max <= 60.0)) {

@@ -61,7 +61,7 @@ struct VirtualTruth {
 };
 
 /// A depth camera in front of people who perform recorded motions, for trying and testing Lorica without a camera.
-/// Depth is rendered, then degraded like that of a Kinect v1; the ground truth is known.
+/// Depth is rendered, then degraded like that of a real camera, by default a Kinect v1; the ground truth is known.
 ///
 ///     std::vector<VirtualPerson> people;
 ///     people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
@@ -74,9 +74,10 @@ struct VirtualTruth {
 ///       const SkeletonFrame truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
 ///     }
 ///
-/// Other bodies: withProportions(makeMannequin(), {.height = 1.1}), {.girth = 1.25}. Clean depth: settings.noise =
-/// DepthNoiseSettings::clean(). The same settings give the same frames. If not live, next() allocates nothing after the
-/// first frame.
+/// Other bodies: withProportions(makeMannequin(), {.height = 1.1}), {.girth = 1.25}, withClothes(). Clean depth:
+/// settings.noise = DepthNoiseSettings::clean(). Other cameras: settings.noise = DepthNoiseSettings::realSense(),
+/// settings.camera = settings.noise.sensor. The same settings give the same frames. If not live, next() allocates
+/// nothing after the first frame.
 class VirtualSensor final : public DepthSource {
  public:
   /// @param people  up to 6; may be empty

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -37,6 +38,50 @@ TEST(VirtualScript, EverySettingIsTaken) {
   EXPECT_EQ(script.settings.room.worldFromCamera.translation().z(), 2.5);
   EXPECT_EQ(script.settings.unplugged.at(0).to, 4.5);
   EXPECT_EQ(script.absent.at(0).from, 1.0);
+}
+
+TEST(VirtualScript, TheNoiseBringsItsCamera) {
+  const VirtualScript kinect = parseVirtualScript("size=half").value();
+  EXPECT_EQ(kinect.settings.camera.width, 320);
+  EXPECT_EQ(kinect.settings.camera.height, 240);
+  EXPECT_EQ(kinect.settings.camera.horizontalFov, DepthCamera{}.horizontalFov);
+  const VirtualScript stereo = parseVirtualScript("seed=7 noise=realsense size=full").value();
+  EXPECT_EQ(stereo.settings.camera.width, 640);
+  EXPECT_NEAR(stereo.settings.camera.focalX(), 617.25, 0.1);
+  EXPECT_NEAR(stereo.settings.camera.focalY(), 617.6, 0.5);
+  EXPECT_EQ(stereo.settings.noise.seed, 7U);
+  const VirtualScript tof = parseVirtualScript("noise=tof").value();
+  EXPECT_EQ(tof.settings.camera.width, 512);
+  EXPECT_EQ(tof.settings.camera.height, 424);
+  EXPECT_NEAR(tof.settings.camera.focalX(), 365.5, 0.5);
+  EXPECT_NEAR(tof.settings.camera.focalY(), 365.5, 0.5);
+  VirtualSensor sensor = makeVirtualSensor(tof).value();
+  DepthFrame frame;
+  sensor.render(0, frame);
+  EXPECT_EQ(frame.depthMm.size(), 512U * 424U);
+}
+
+TEST(VirtualScript, PeopleWearClothes) {
+  const VirtualScript script = parseVirtualScript("clothes=skirt,hair noise=none pace=fast").value();
+  EXPECT_EQ(script.clothes, (std::vector<Clothes>{Clothes::kSkirt, Clothes::kHair}));
+  VirtualSensor dressed = makeVirtualSensor(script).value();
+  VirtualSensor bare = makeVirtualSensor(parseVirtualScript("noise=none pace=fast").value()).value();
+  DepthFrame frame;
+  dressed.render(0, frame);
+  bare.render(0, frame);
+  EXPECT_GT(dressed.truth()[0].pixelCount, 1.15 * bare.truth()[0].pixelCount);
+}
+
+TEST(VirtualScript, WrongNamesAreAnsweredWithTheKnownOnes) {
+  for (const auto& [text, known] :
+       {std::pair{"noise=loud", "kinect, realsense, tof, mild or none"},
+        std::pair{"clothes=hat", "trousers, skirt, coat or hair"},
+        std::pair{"clothes=coat,coat", "trousers, skirt, coat or hair"},
+        std::pair{"clothes=", "trousers, skirt, coat or hair"}, std::pair{"size=320x240", "half or full"}}) {
+    const Result<VirtualScript> script = parseVirtualScript(text);
+    ASSERT_FALSE(script) << text;
+    EXPECT_NE(script.error().message.find(known), std::string::npos) << script.error().message;
+  }
 }
 
 TEST(VirtualScript, ErrorsAreReported) {
