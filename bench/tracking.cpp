@@ -27,6 +27,8 @@ namespace {
 struct Options {
   std::string data;
   std::vector<std::string> motions, bodies;
+  std::vector<std::string> noises = {"kinect"}, clothes;
+  bool half = false;
   int seeds = 5;
   bool clean = true;
   int frames = 0;
@@ -43,6 +45,13 @@ struct Run {
   std::vector<double> ms;                        ///< CPU time of each frame, all threads
   std::uint64_t hash = 0;                        ///< of all tracked joints
 };
+
+template <typename Kind>
+std::vector<std::string> namesOf(int count) {
+  std::vector<std::string> names;
+  for (int k = 0; k < count; ++k) names.emplace_back(nameOf(static_cast<Kind>(k)));
+  return names;
+}
 
 double processSeconds() {
   timespec now{};
@@ -78,13 +87,21 @@ std::vector<std::optional<SkeletonFrame>> matched(std::span<const VirtualTruth> 
   }
 }
 
-Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const DepthNoiseSettings& noise, int maxFrames) {
-  Result<VirtualSensor> sensor = sensorBefore(body, motion, noise);
+Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const DepthNoiseSettings& noise,
+                  const Options& options) {
+  DepthCamera camera = noise.sensor;
+  if (options.half) {
+    camera.width /= 2;
+    camera.height /= 2;
+  }
+  Result<VirtualSensor> sensor = sensorBefore(body, motion, camera, noise);
   if (!sensor) return sensor.error();
   Result<Tracker> tracker = Tracker::create(sensor->camera());
   if (!tracker) return tracker.error();
+  const double scale = camera.focalX() / DepthCamera{}.focalX();
+  const double visiblePixels = 4000.0 * scale * scale;
   int frames = static_cast<int>(motion.seconds * 30.0);
-  if (maxFrames > 0) frames = std::min(frames, maxFrames);
+  if (options.frames > 0) frames = std::min(frames, options.frames);
   Run run;
   run.people.resize(sensor->truth().size());
   run.ms.reserve(frames);
@@ -112,7 +129,7 @@ Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const Dep
       const VirtualTruth& truth = sensor->truth()[p];
       SkeletonFrame joints = truth.joints;
       joints.time = depth.time;
-      run.people[p].push_back(errorsOf(joints, truth.present && truth.pixelCount > 4000, found[p]));
+      run.people[p].push_back(errorsOf(joints, truth.present && truth.pixelCount > visiblePixels, found[p]));
     }
   }
   return run;
@@ -163,15 +180,16 @@ struct Group {
   }
 };
 
-void printTable(const std::vector<Row>& rows, double from) {
-  fmt::print("#\n# {:<46} {:<16} {:<26} {:<26} {:<26}\n", "", "target", "noise, other bodies", "clean, other bodies",
-             "noise, the mannequin");
+/// @param noise  name of the noise that is shown beside clean depth
+void printTable(const std::vector<Row>& rows, const std::string& noise, double from) {
+  fmt::print("#\n# {:<46} {:<16} {:<26} {:<26} {:<26}\n", "", "target", noise + ", other bodies", "clean, other bodies",
+             noise + ", the mannequin");
   const auto line = [&](const char* name, const char* target, const auto& holds, const auto& text) {
     std::string cells;
     for (const auto& [clean, own] : {std::pair{false, false}, std::pair{true, false}, std::pair{false, true}}) {
       Group group;
       for (const Row& row : rows) {
-        if ((row.noise == "clean") == clean && row.body->own == own && holds(row)) group.add(row);
+        if (row.noise == (clean ? "clean" : noise) && row.body->own == own && holds(row)) group.add(row);
       }
       cells += fmt::format(" {:<26}", group.people.empty() ? std::string("-") : text(group));
     }
@@ -263,6 +281,19 @@ Result<void> measure(const Options& options) {
     }
   }
 
+  std::erase_if(*bodies, [&](const TestPerson& one) { return !named(options.bodies, one.name); });
+  const std::size_t bare = bodies->size();
+  for (const std::string& name : options.clothes) {
+    const Clothes piece = *clothesNamed(name);
+    for (std::size_t b = 0; b < bare; ++b) {
+      TestPerson dressed = (*bodies)[b];
+      dressed.name += "+" + name;
+      dressed.character = withClothes(dressed.character, {&piece, 1});
+      dressed.own = false;
+      bodies->push_back(std::move(dressed));
+    }
+  }
+
   fmt::print(
       "motion,body,noise,frames,tracked_percent,mean_mm,median_mm,p95_mm,limb_wrong_percent,sure_wrong_percent,"
       "sure_percent,swapped_percent,followed_after_s,cpu_ms_mean,cpu_ms_p99,hash\n");
@@ -270,32 +301,37 @@ Result<void> measure(const Options& options) {
   for (const TrackedMotion& motion : motions) {
     if (!named(options.motions, motion.name)) continue;
     for (const TestPerson& body : *bodies) {
-      if (!named(options.bodies, body.name)) continue;
-      Row clean{&motion, &body, "clean", {}, {}, {}, 0}, noisy{&motion, &body, "noise", {}, {}, {}, 0};
-      for (int seed = options.clean ? 0 : 1; seed <= options.seeds; ++seed) {
-        DepthNoiseSettings noise = seed == 0 ? DepthNoiseSettings::clean() : DepthNoiseSettings{};
-        noise.seed = static_cast<std::uint64_t>(seed);
-        Result<Run> run = track(body, motion, noise, options.frames);
-        if (!run)
-          return Error{run.error().code, fmt::format("{} by {}: {}", motion.name, body.name, run.error().message)};
-        Row& row = seed == 0 ? clean : noisy;
-        for (const std::vector<JointErrors>& person : run->people) {
-          row.awaited.push_back(secondsToFollow(person, awaitedFrom(motion, person)).value_or(1e9));
-          row.people.push_back(person);
+      const auto measureRow = [&](const std::string& name, DepthNoiseSettings noise, int seeds) -> Result<void> {
+        Row row{&motion, &body, name, {}, {}, {}, 0};
+        for (int seed = 1; seed <= seeds; ++seed) {
+          noise.seed = static_cast<std::uint64_t>(seed);
+          Result<Run> run = track(body, motion, noise, options);
+          if (!run) {
+            return Error{run.error().code, fmt::format("{} by {}: {}", motion.name, body.name, run.error().message)};
+          }
+          for (const std::vector<JointErrors>& person : run->people) {
+            row.awaited.push_back(secondsToFollow(person, awaitedFrom(motion, person)).value_or(1e9));
+            row.people.push_back(person);
+          }
+          row.ms.insert(row.ms.end(), run->ms.begin(), run->ms.end());
+          row.hash = contentHash({reinterpret_cast<const char*>(&run->hash), sizeof(run->hash)}, row.hash);
         }
-        row.ms.insert(row.ms.end(), run->ms.begin(), run->ms.end());
-        row.hash = contentHash({reinterpret_cast<const char*>(&run->hash), sizeof(run->hash)}, row.hash);
+        if (row.people.empty()) return {};
+        print(row, options.from);
+        rows.push_back(std::move(row));
+        return {};
+      };
+      for (const std::string& name : options.noises) {
+        const DepthNoiseSettings noise = DepthNoiseSettings::of(*depthNoiseNamed(name));
+        if (Result<void> done = measureRow(name, noise, options.seeds); !done) return done;
       }
-      for (Row* row : {&noisy, &clean}) {
-        if (row->people.empty()) continue;
-        print(*row, options.from);
-        rows.push_back(std::move(*row));
-      }
+      if (!options.clean) continue;
+      if (Result<void> done = measureRow("clean", DepthNoiseSettings::clean(), 1); !done) return done;
     }
     if (options.plots.empty()) continue;
     if (Result<void> written = plot(options.plots, motion, rows); !written) return written.error();
   }
-  printTable(rows, options.from);
+  for (const std::string& name : options.noises) printTable(rows, name, options.from);
   return {};
 }
 
@@ -309,6 +345,13 @@ int main(int argc, char** argv) {
   app.add_option("data", options.data, "folder of third-party data: more bodies and motions");
   app.add_option("--motion", options.motions, "only these motions")->delimiter(',');
   app.add_option("--body", options.bodies, "only these bodies")->delimiter(',');
+  app.add_option("--noise", options.noises, "errors of these cameras")
+      ->delimiter(',')
+      ->check(CLI::IsMember(namesOf<lorica::DepthNoiseKind>(lorica::kDepthNoiseKindCount)));
+  app.add_flag("--half", options.half, "half of the camera's pixels along each side");
+  app.add_option("--clothes", options.clothes, "also bodies that wear one of these")
+      ->delimiter(',')
+      ->check(CLI::IsMember(namesOf<lorica::Clothes>(lorica::kClothesCount)));
   app.add_option("--seeds", options.seeds, "noisy runs of each motion and body")->check(CLI::Range(0, 100));
   app.add_flag("!--no-clean", options.clean, "leave out depth without noise");
   app.add_option("--frames", options.frames, "maximum number of frames of each motion")->check(CLI::Range(1, 100'000));
@@ -318,6 +361,8 @@ int main(int argc, char** argv) {
   app.add_option("--real", options.real, "measure on the depth recordings of real people in this folder instead");
   app.add_option("--name", options.realOptions.names, "with --real: only recordings whose name begins like this")
       ->delimiter(',');
+  app.add_flag("--twins", options.realOptions.twins,
+               "with --real: rendered copies of the recordings instead, with --noise and --clothes");
   app.add_option("--results", options.realOptions.results, "with --real: folder for the joints and labels");
   app.add_option("--pictures", options.realOptions.pictures,
                  "with --real: folder for pictures of the tracked (red) and recorded (green) joints over the depth");
@@ -330,6 +375,9 @@ int main(int argc, char** argv) {
     if (options.frames == 0) options.frames = 120;
     if (options.bodies.empty()) options.bodies = {"tall", "heavy"};
   }
+  options.realOptions.twinNoise = lorica::DepthNoiseSettings::of(*lorica::depthNoiseNamed(options.noises.front()));
+  for (const std::string& name : options.clothes)
+    options.realOptions.twinClothes.push_back(*lorica::clothesNamed(name));
   if (lorica::Result<void> done =
           options.real.empty() ? measure(options) : measureRealPeople(options.real, options.realOptions);
       !done)

@@ -262,7 +262,7 @@ Result<std::vector<TestPerson>> trackedBodies(const std::filesystem::path& folde
   return all;
 }
 
-Result<VirtualSensor> sensorBefore(const TestPerson& body, const TrackedMotion& motion,
+Result<VirtualSensor> sensorBefore(const TestPerson& body, const TrackedMotion& motion, const DepthCamera& camera,
                                    const DepthNoiseSettings& noise) {
   Result<VirtualPerformer> performer = motion.skeletal ? VirtualPerformer::create(body.character, *motion.skeletal)
                                                        : VirtualPerformer::create(body.character, motion.joints);
@@ -289,6 +289,7 @@ Result<VirtualSensor> sensorBefore(const TestPerson& body, const TrackedMotion& 
 
   VirtualSensorSettings settings;
   settings.noise = noise;
+  settings.camera = camera;
   const double distance = 2.7 + (far ? 0.5 * std::hypot(way.x(), way.z()) - 0.4 : 0.0);
   settings.room.worldFromCamera = worldFromCameraAt({0.0, 1.1, distance}, 0.05);
   settings.room.wall = -std::max(1.6, 0.5 * way.norm() + 1.0);

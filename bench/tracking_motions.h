@@ -64,6 +64,6 @@ struct TestPerson {
 /// covers a long path, the camera is farther away and the centre of the path is at the origin.
 /// @return the sensor, or why the body cannot perform the motion
 [[nodiscard]] Result<VirtualSensor> sensorBefore(const TestPerson& body, const TrackedMotion& motion,
-                                                 const DepthNoiseSettings& noise);
+                                                 const DepthCamera& camera, const DepthNoiseSettings& noise);
 
 }  // namespace lorica::bench

@@ -2,21 +2,19 @@
 
 #include "bench/depth_overlay.h"
 #include "bench/measure.h"
+#include "bench/real_recordings.h"
 #include "capture/sensor/oni_source.h"
 #include "capture/tracking/track_log.h"
 #include "capture/tracking/tracker.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
-#include "geometry/files.h"
 #include "viewer/image.h"
 
 #include <tbb/parallel_for.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -24,29 +22,16 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <string_view>
+#include <utility>
 
 namespace lorica::bench {
 namespace {
 
 namespace fs = std::filesystem;
 
-using Joints = std::array<Vec3, kBodyJointCount>;
-
 constexpr double kOff = 0.15;       ///< a joint with a larger error counts as off [m]
 constexpr double kSamePlace = 0.6;  ///< a tracked person farther than this from every true one is a false person [m]
 constexpr double kSettled = 1.0;    ///< time after which a person should be followed and false people be gone [s]
-
-/// A recording and what is true in it.
-struct Recording {
-  std::string name, kind;
-  fs::path file;
-  int firstFrame = 0;  ///< with a person
-  int peopleVisible = 1;
-  double frameSeconds = 1.0 / 30.0;
-  Isometry3 floorFromCamera = Isometry3::Identity();
-  std::vector<std::map<int, Joints>> people;  ///< by frame, camera frame
-};
 
 /// A tracked person in one frame, camera frame.
 struct Seen {
@@ -71,113 +56,15 @@ struct Measured {
   int falseFrames = 0, lateFalseFrames = 0;
   int exchanges = 0;  ///< times at which a person got another person's number
   std::vector<double> overlaps, ms;
+  std::vector<Match> againstRepeated;  ///< rendered people, errors from the recorded joints that they repeat
+  std::vector<double> twinApart;       ///< see RenderedTwin
+  int twinFrames = 0, twinLimbFrames = 0;
 };
 
 double threadSeconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Rows of numbers after a header; an empty field is NaN.
-std::vector<std::vector<double>> readTable(const std::string& text) {
-  std::vector<std::vector<double>> rows;
-  for (std::size_t at = text.find('\n'); at != std::string::npos && at + 1 < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at + 1), text.size());
-    std::string_view line(text.data() + at + 1, end - at - 1);
-    std::vector<double> row;
-    while (!line.empty()) {
-      const std::size_t comma = std::min(line.find(','), line.size());
-      double value = std::numeric_limits<double>::quiet_NaN();
-      std::from_chars(line.data(), line.data() + comma, value);
-      row.push_back(value);
-      line.remove_prefix(std::min(comma + 1, line.size()));
-    }
-    if (!row.empty()) rows.push_back(std::move(row));
-    at = end < text.size() ? end : std::string::npos;
-  }
-  return rows;
-}
-
-Result<std::map<int, Joints>> readTruth(const fs::path& file) {
-  const Result<std::string> text = readFile(file);
-  if (!text) return text.error();
-  std::map<int, Joints> frames;
-  for (const std::vector<double>& row : readTable(*text)) {
-    if (row.size() != 1 + 3 * kBodyJointCount) {
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: a row has {} numbers, expected {}", file.string(),
-                                                      row.size(), 1 + 3 * kBodyJointCount)};
-    }
-    Joints& joints = frames[static_cast<int>(row[0])];
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      joints[j] = Vec3(row[1 + 3 * j], row[2 + 3 * j], row[3 + 3 * j]);
-    }
-  }
-  return frames;
-}
-
-Result<nlohmann::json> readJson(const fs::path& file) {
-  const Result<std::string> text = readFile(file);
-  if (!text) return text.error();
-  nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object()) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: expected a JSON object", file.string())};
-  }
-  return json;
-}
-
-/// The truth's floor; a level camera 1.2 m up if it has none.
-Isometry3 floorOf(const nlohmann::json& json) {
-  Isometry3 result = Isometry3::Identity();
-  if (!json.contains("floor") || !json["floor"].is_object()) {
-    result.translation().y() = 1.2;
-    return result;
-  }
-  const auto normal = json["floor"]["normal"].get<std::vector<double>>();
-  const Vec3 up(normal.at(0), normal.at(1), normal.at(2));
-  const Vec3 back = (Vec3::UnitZ() - up.z() * up).normalized();
-  Eigen::Matrix3d rows;
-  rows << up.cross(back).transpose(), up.transpose(), back.transpose();
-  result.linear() = rows;
-  result.translation().y() = json["floor"]["height"].get<double>();
-  return result;
-}
-
-Result<Recording> readRecording(const fs::path& json) {
-  const Result<nlohmann::json> meta = readJson(json);
-  if (!meta) return meta.error();
-  Recording recording;
-  recording.name = json.stem().string();
-  recording.kind = meta->value("kind", std::string());
-  recording.file = fs::path(json).replace_extension(".oni");
-  recording.firstFrame = meta->value("first_frame_with_person", 0);
-  recording.peopleVisible = meta->value("people_visible", 1);
-  recording.frameSeconds = meta->value("frame_seconds", 1.0 / 30.0);
-  recording.floorFromCamera = floorOf(*meta);
-  for (const char* ending : {".joints.csv", ".joints2.csv"}) {
-    const fs::path file = fs::path(json).replace_extension() += ending;
-    if (!fs::exists(file)) continue;
-    Result<std::map<int, Joints>> truth = readTruth(file);
-    if (!truth) return truth.error();
-    recording.people.push_back(std::move(*truth));
-  }
-  return recording;
-}
-
-/// How the tracker's joints differ from the recorded ones by definition, floor frame.
-Result<Joints> readOffsets(const fs::path& file) {
-  const Result<nlohmann::json> json = readJson(file);
-  if (!json) return json.error();
-  Joints offsets;
-  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-    const std::string name(nameOf(static_cast<BodyJoint>(j)));
-    const auto& one = (*json)["metres_floor_frame"][name];
-    if (!one.is_array() || one.size() != 3) {
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: no offset of `{}`", file.string(), name)};
-    }
-    offsets[j] = Vec3(one[0].get<double>(), one[1].get<double>(), one[2].get<double>());
-  }
-  return offsets;
 }
 
 Match compare(const Joints& truth, const SkeletonFrame& tracked, const Joints& offsets, const Isometry3& floor) {
@@ -206,7 +93,7 @@ double apart(const Joints& truth, const SkeletonFrame& tracked) {
 }
 
 /// Matches tracked to true people, the nearest pair first. @return index of the tracked person of each true one, or -1
-std::vector<int> matchPeople(const Recording& recording, int frame, std::span<const Seen> seen) {
+std::vector<int> matchPeople(const RealRecording& recording, int frame, std::span<const Seen> seen) {
   std::vector<int> result(recording.people.size(), -1);
   std::vector<bool> used(seen.size());
   for (;;) {
@@ -248,7 +135,7 @@ double overlapOf(const fs::path& mask, std::span<const std::uint8_t> labels, int
 
 /// Tracked joints in red, recorded ones in green.
 Image pictureOf(const DepthCamera& camera, const DepthFrame& depth, std::span<const std::uint8_t> labels,
-                const Recording& recording, int frame, std::span<const Seen> seen) {
+                const RealRecording& recording, int frame, std::span<const Seen> seen) {
   std::vector<DrawnSkeleton> skeletons;
   for (const std::map<int, Joints>& person : recording.people) {
     const auto truth = person.find(frame);
@@ -265,10 +152,10 @@ Image pictureOf(const DepthCamera& camera, const DepthFrame& depth, std::span<co
   return depthOverlay(camera, depth.depthMm, labels, skeletons);
 }
 
-Result<Measured> track(const Recording& recording, const Joints& offsets, const RealOptions& options) {
-  Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
-  if (!source) return source.error();
-  Result<Tracker> tracker = Tracker::create((*source)->camera());
+/// @param repeated  see RenderedTwin; empty for real people
+Result<Measured> track(DepthSource& source, const RealRecording& recording, const Joints& offsets,
+                       const RealOptions& options, std::span<const std::map<int, Joints>> repeated) {
+  Result<Tracker> tracker = Tracker::create(source.camera());
   if (!tracker) return tracker.error();
   Measured measured;
   std::optional<TrackLog> log;
@@ -283,7 +170,7 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
   std::vector<std::string> captions;
   DepthFrame depth;
   for (int frame = 0;; ++frame) {
-    const Result<DepthRead> read = (*source)->next(depth);
+    const Result<DepthRead> read = source.next(depth);
     if (!read) return read.error();
     if (*read != DepthRead::kFrame) break;
     const double before = threadSeconds();
@@ -295,7 +182,7 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
     }
     if (log) log->add(frame, people, *tracker);
     if (!options.pictures.empty() && frame % options.pictureStep == 0) {
-      pictures.push_back(pictureOf((*source)->camera(), depth, tracker->labels(), recording, frame, seen));
+      pictures.push_back(pictureOf(source.camera(), depth, tracker->labels(), recording, frame, seen));
       captions.push_back(fmt::format("{}", frame));
     }
 
@@ -313,6 +200,11 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
       Match match = compare(truth->second, one.joints, offsets, recording.floorFromCamera);
       match.settled = settled;
       measured.matches.push_back(match);
+      if (!repeated.empty()) {
+        Match other = compare(repeated[b].at(frame), one.joints, offsets, recording.floorFromCamera);
+        other.settled = settled;
+        measured.againstRepeated.push_back(other);
+      }
       if (first[b] < 0) first[b] = frame;
       if (user[b] != 0 && user[b] != one.user) {
         measured.exchanges += static_cast<int>(std::ranges::count(user, one.user) > 0);
@@ -333,7 +225,7 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
     measured.falseFrames += static_cast<int>(extra > 0);
     measured.lateFalseFrames += static_cast<int>(extra > 0 && settled);
     const fs::path mask = recording.file.parent_path() / "masks" / fmt::format("{}_{:04}.png", recording.name, frame);
-    const double overlap = overlapOf(mask, tracker->labels(), (*source)->camera().width);
+    const double overlap = overlapOf(mask, tracker->labels(), source.camera().width);
     if (!std::isnan(overlap)) measured.overlaps.push_back(overlap);
   }
   if (!first.empty()) measured.first = std::ranges::max(first);
@@ -344,6 +236,29 @@ Result<Measured> track(const Recording& recording, const Joints& offsets, const 
   if (log) {
     if (Result<void> done = log->finish(); !done) return done.error();
   }
+  return measured;
+}
+
+Result<Measured> trackReal(const RealRecording& recording, const Joints& offsets, const RealOptions& options) {
+  Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
+  if (!source) return source.error();
+  return track(**source, recording, offsets, options, {});
+}
+
+/// The same people rendered.
+Result<Measured> trackTwin(const RealRecording& recording, const Joints& offsets, const RealOptions& options) {
+  const Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
+  if (!source) return source.error();
+  Result<RenderedTwin> twin =
+      renderedTwin(recording, offsets, (*source)->camera(), options.twinNoise, options.twinClothes);
+  if (!twin) return twin.error();
+  Joints none;
+  none.fill(Vec3::Zero());
+  Result<Measured> measured = track(twin->sensor, twin->truth, none, options, twin->repeated);
+  if (!measured) return measured;
+  measured->twinApart = std::move(twin->apart);
+  measured->twinFrames = twin->frames;
+  measured->twinLimbFrames = twin->limbApartFrames;
   return measured;
 }
 
@@ -407,45 +322,48 @@ void add(const Measured& one, Measured& sum) {
   sum.exchanges += one.exchanges;
   sum.overlaps.insert(sum.overlaps.end(), one.overlaps.begin(), one.overlaps.end());
   sum.ms.insert(sum.ms.end(), one.ms.begin(), one.ms.end());
+  sum.againstRepeated.insert(sum.againstRepeated.end(), one.againstRepeated.begin(), one.againstRepeated.end());
+  sum.twinApart.insert(sum.twinApart.end(), one.twinApart.begin(), one.twinApart.end());
+  sum.twinFrames += one.twinFrames;
+  sum.twinLimbFrames += one.twinLimbFrames;
 }
 
 }  // namespace
 
 Result<void> measureRealPeople(const fs::path& folder, const RealOptions& options) {
-  std::vector<Recording> recordings;
-  std::error_code failed;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
-    const std::string name = entry.path().stem().string();
-    if (entry.path().extension() != ".json" || !fs::exists(fs::path(entry.path()).replace_extension(".oni"))) continue;
-    const auto starts = [&](const std::string& start) { return name.starts_with(start); };
-    if (!options.names.empty() && std::ranges::none_of(options.names, starts)) continue;
-    Result<Recording> recording = readRecording(entry.path());
-    if (!recording) return recording.error();
-    recordings.push_back(std::move(*recording));
-  }
-  if (recordings.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found no recording NAME.oni with NAME.json", folder.string())};
-  }
-  std::ranges::sort(recordings, {}, &Recording::name);
+  const Result<std::vector<RealRecording>> read = readRealRecordings(folder, options.names);
+  if (!read) return read.error();
+  const std::vector<RealRecording>& recordings = *read;
   const Result<Joints> offsets = readOffsets(folder / "offsets.json");
   if (!offsets) return offsets.error();
+  const auto hasJoints = [&](std::size_t i) { return !recordings[i].people.empty(); };
   std::vector<std::optional<Result<Measured>>> measured(recordings.size());
-  tbb::parallel_for(std::size_t{0}, recordings.size(),
-                    [&](std::size_t i) { measured[i] = track(recordings[i], *offsets, options); });
+  tbb::parallel_for(std::size_t{0}, recordings.size(), [&](std::size_t i) {
+    if (!options.twins) measured[i] = trackReal(recordings[i], *offsets, options);
+    if (options.twins && hasJoints(i)) measured[i] = trackTwin(recordings[i], *offsets, options);
+  });
 
   fmt::print("{}\n", kColumns);
-  const auto hasJoints = [&](std::size_t i) { return !recordings[i].people.empty(); };
   for (std::size_t i = 0; i < recordings.size(); ++i) {
+    if (!measured[i]) continue;
     if (!*measured[i]) return measured[i]->error();
     print(recordings[i].name, **measured[i], hasJoints(i));
   }
   const auto total = [&](const char* name, const auto& belongs) {
     Measured sum;
     for (std::size_t i = 0; i < recordings.size(); ++i) {
-      if (belongs(i)) add(**measured[i], sum);
+      if (measured[i] && belongs(i)) add(**measured[i], sum);
     }
-    if (sum.frames > 0) print(name, sum, !sum.matches.empty());
+    if (sum.frames == 0) return;
+    print(name, sum, !sum.matches.empty());
+    if (sum.twinApart.empty()) return;
+    std::swap(sum.matches, sum.againstRepeated);
+    print(fmt::format("{} against the recorded joints", name), sum, true);
+    fmt::print(
+        "# {}: the rendered people's joints are {:.0f} / {:.0f} mm from the recorded ones, a limb > 150 mm in {:.1f} "
+        "%\n",
+        name, 1e3 * atRank(sum.twinApart, 0.5), 1e3 * atRank(sum.twinApart, 0.95),
+        100.0 * sum.twinLimbFrames / sum.twinFrames);
   };
   for (const char* kind : {"cutout", "A", "B", "C"}) {
     total(kind, [&](std::size_t i) { return recordings[i].kind == kind; });

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "capture/virtual_sensor/depth_noise.h"
+#include "capture/virtual_sensor/virtual_clothes.h"
 #include "geometry/result.h"
 
 #include <filesystem>
@@ -13,6 +15,9 @@ struct RealOptions {
   std::filesystem::path results;   ///< folder for the joints and labels of each recording; empty = none
   std::filesystem::path pictures;  ///< folder for a sheet of each recording: joints over depth; empty = none
   int pictureStep = 10;            ///< every which frame is drawn
+  bool twins = false;              ///< rendered copies of the recordings instead, see renderedTwin()
+  DepthNoiseSettings twinNoise;
+  std::vector<Clothes> twinClothes;
 };
 
 /// Tracks the depth recordings of real people in a folder (NAME.oni, NAME.json, NAME.joints.csv, NAME.joints2.csv,
