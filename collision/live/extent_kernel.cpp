@@ -101,9 +101,8 @@ double farthestSq(std::span<const Vec3> points) {
   return distanceSq;
 }
 
-void fetch(std::span<const Vec3> points) {
+void fetch(std::span<const std::byte> bytes) {
   constexpr std::size_t kLine = 64, kMost = 3072;  // [bytes]
-  const auto bytes = std::as_bytes(points);
   for (std::size_t i = 0; i < std::min(bytes.size(), kMost); i += kLine) hwy::Prefetch(&bytes[i]);
 }
 

@@ -2,6 +2,7 @@
 
 #include "geometry/math.h"
 
+#include <cstddef>
 #include <span>
 
 namespace lorica {
@@ -11,8 +12,10 @@ namespace lorica {
 [[nodiscard]] Aabb boundsOf(std::span<const Vec3> points, const Isometry3& motion);
 /// Greatest squared distance from the origin; 0 without points. Internal. The same on every instruction set.
 [[nodiscard]] double farthestSq(std::span<const Vec3> points);
-/// Begins to fetch points that will be read soon, at most 3 kB: hulls of a hundred avatars do not stay in the cache.
-/// Internal.
-void fetch(std::span<const Vec3> points);
+/// Begins to fetch what will be used soon, at most 3 kB: hulls of a hundred avatars do not stay in the cache. Internal.
+void fetch(std::span<const std::byte> bytes);
+inline void fetch(std::span<const Vec3> points) {
+  fetch(std::as_bytes(points));
+}
 
 }  // namespace lorica

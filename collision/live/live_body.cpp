@@ -1,15 +1,20 @@
 #include "collision/live/live_body.h"
 
 #include "acd/transfer.h"
+#include "collision/live/extent_kernel.h"
 #include "collision/live/lifted_kernel.h"
 #include "collision/live/moving_hull.h"
 #include "collision/live/part_plan.h"
 #include "collision/live/rigid_fit.h"
 #include "geometry/result.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace lorica {
@@ -32,6 +37,9 @@ double tickFor(double reach) {
   return reach > 0.0 && std::isfinite(reach) ? std::ldexp(1.0, std::ilogb(reach) + 1 - kTickBits) : 0.0;
 }
 
+// With as many points, hulls take some 50 us on one core.
+constexpr std::size_t kManyPoints = 4096;
+
 bool isFinite(const Isometry3& motion) {
   return motion.matrix().allFinite();
 }
@@ -45,6 +53,7 @@ struct LiveBody::Track {
   std::optional<MovingHull> hull;         ///< if faces are wanted
   LiftedPart::TakenPose taken;            ///< characters only
   std::vector<Vec3> firstPoints, points;  ///< mesh sequences only: in the first frame about their mean, and now
+  std::size_t nthLargest = 0;             ///< the part that has this track's place by number of points
 };
 
 LiveBody::LiveBody(LiveBody&&) noexcept = default;
@@ -79,6 +88,12 @@ LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : pl
     part.shape.triangles.reserve(2 * count);
     part.previousVertices.reserve(count);
   }
+  std::vector<std::size_t> bySize(tracks_.size());
+  std::iota(bySize.begin(), bySize.end(), std::size_t{0});
+  std::stable_sort(bySize.begin(), bySize.end(), [&](std::size_t a, std::size_t b) {
+    return plan_->parts_[a].candidates.size() > plan_->parts_[b].candidates.size();
+  });
+  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].nthLargest = bySize[i];
 }
 
 // The constructor reserves capacity and assignment keeps it; a default copy would have none to spare.
@@ -159,6 +174,10 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const LiftedPart& lifted = *plan_->parts_[i].lifted;
     Track& track = tracks_[i];
+    if (i + 1 < parts_.size()) {
+      fetch(std::as_bytes(std::span(tracks_[i + 1].taken)));
+      fetch(std::as_bytes(std::span(tracks_[i + 1].rows)));
+    }
     // Several rounds, in case a pose is so much larger or smaller than the last one that it needs other ticks.
     for (int round = 0; round < 4; ++round) {
       const bool taken = lifted.take(worldFromModel, parts_[i].worldFromPart, track.tick, track.taken);
@@ -233,8 +252,31 @@ void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
   track.moved = true;
 }
 
+/// Updates all hulls: on all cores if that takes long enough to wake them.
 void LiveBody::reshapeAll() {
-  for (std::size_t i = 0; i < parts_.size(); ++i) reshape(plan_->parts_[i], tracks_[i], parts_[i]);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) moved += tracks_[i].moved ? plan_->parts_[i].candidates.size() : 0;
+  if (moved >= kManyPoints && detail_ == LiveDetail::kFaces) {
+    const std::size_t largest = plan_->parts_[tracks_.front().nthLargest].candidates.size();
+    std::atomic<std::size_t> next = 0;
+    tbb::parallel_for(
+        std::size_t{0}, parts_.size(),
+        [&](std::size_t) {
+          MovingHull::prepareThread(largest);
+          const std::size_t part = tracks_[next++].nthLargest;
+          reshape(plan_->parts_[part], tracks_[part], parts_[part]);
+        },
+        tbb::simple_partitioner());
+  } else {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (i + 1 < parts_.size() && tracks_[i + 1].moved) {
+        if (tracks_[i + 1].hull) tracks_[i + 1].hull->fetch();
+        fetch(parts_[i + 1].previousVertices);
+        fetch(std::as_bytes(std::span(parts_[i + 1].shape.triangles)));
+      }
+      reshape(plan_->parts_[i], tracks_[i], parts_[i]);
+    }
+  }
   started_ = true;
 }
 
@@ -256,6 +298,7 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
     const PointRow& row = track.rows[static_cast<std::size_t>(vertices[v])];
     part.shape.vertices[v] = track.tick * Vec3(row.x, row.y, row.z);
   }
+  part.radius = std::sqrt(farthestSq(part.shape.vertices));
   // The lists stay in half of all frames of small hulls. They are empty after a frame without a hull.
   if (hull && hull->keptFaces() && part.shape.triangles.size() == faces.size()) return;
   part.shape.pointOfVertex.resize(vertices.size());

@@ -16,6 +16,7 @@ struct LivePart {
   /// In the part's own frame [m]; pointOfVertex refers to points of the decomposition. No triangles while the part is
   /// flat.
   ConvexHull shape;
+  double radius = 0.0;  ///< greatest distance of a vertex of the shape from the part's origin [m]
   Isometry3 worldFromPart = Isometry3::Identity();
   Isometry3 previousWorldFromPart = Isometry3::Identity();  ///< one frame ago; in the first frame, the same
   bool reshaped = true;                                     ///< the shape differs from the previous frame's

@@ -1,5 +1,6 @@
 #include "collision/live/moving_hull.h"
 
+#include "collision/live/extent_kernel.h"
 #include "collision/live/moving_hull_exact.h"
 #include "geometry/result.h"
 
@@ -66,6 +67,14 @@ void MovingHull::update(std::span<const PointRow> points) {
   scratch_->fit(points.size());
   if (!flat() && repair()) return;
   if (!build()) startOver();
+}
+
+void MovingHull::fetch() const {
+  const auto count = static_cast<std::size_t>(surface_.faceCount());
+  lorica::fetch(std::as_bytes(surface_.faces()));
+  lorica::fetch(std::as_bytes(std::span(surface_.opposites(), 3 * count)));
+  lorica::fetch(std::as_bytes(std::span(inside_).first(insideCount_)));
+  lorica::fetch(std::as_bytes(std::span(vertices_)));
 }
 
 double MovingHull::volume() const {

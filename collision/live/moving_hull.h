@@ -34,10 +34,16 @@ class MovingHull {
   /// @param pointCount  1 or more
   explicit MovingHull(int pointCount);
 
+  /// Allocates on this thread what updates of hulls of up to that many points share.
+  static void prepareThread(std::size_t pointCount) { scratchOfThisThread().fit(pointCount); }
+
   /// Updates the hull to new positions. Any motion is allowed.
   /// @param points  pointCount points [ticks], whole numbers from -kMaxTicks to kMaxTicks; must stay valid for volume()
   /// and support()
   void update(std::span<const PointRow> points);
+
+  /// Begins to fetch what update() reads first.
+  void fetch() const;
 
   /// Whether the origin is not strictly inside the points' hull (there may be no volume): no faces and vertices this
   /// frame.

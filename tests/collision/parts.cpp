@@ -2,11 +2,15 @@
 
 #include "tests/support/meshes.h"
 
+#include <algorithm>
+
 namespace lorica::test {
 
 void reshape(LivePart& part, std::span<const Vec3> corners) {
   std::swap(part.previousVertices, part.shape.vertices);
   part.shape = convexHull(corners);
+  part.radius = 0.0;
+  for (const Vec3& v : part.shape.vertices) part.radius = std::max(part.radius, v.norm());
   part.reshaped = true;
 }
 

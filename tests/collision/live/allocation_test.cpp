@@ -7,6 +7,7 @@
 #include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <limits>
 
@@ -57,6 +58,8 @@ TEST(LiveBody, FramesOfACharacterAllocateNothing) {
   }
   for (Affine3& bone : frames[5]) bone.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   for (Affine3& bone : frames[8]) bone.linear() *= 1e-3;
+  // The first frame in which another thread helps would allocate, whichever that is.
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
   LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
   LiveBody copy = body;
   LiveBody assigned(body.plan(), LiveDetail::kSupport);

@@ -7,6 +7,7 @@
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -299,6 +300,36 @@ TEST(LiveBody, JumpsBetweenUnlikePosesLeaveSoundHullsOfAnyPoints) {
         const ConvexHull truth = convexHull(own);
         EXPECT_NEAR(body.parts()[i].shape.volume / truth.volume, 1.0, 1e-3) << max << " points, frame " << frame;
       }
+    }
+  }
+}
+
+TEST(LiveBody, AnyNumberOfThreadsGivesTheSameHulls) {
+  const auto trace = [](int threads) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    test::Dancer dancer;
+    LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
+    std::mt19937_64 random(11);
+    std::vector<ConvexHull> hulls;
+    for (int frame = 0; frame < 10; ++frame) {
+      dancer.dance(random, frame == 5 ? 1.5 : 0.05);
+      body.update(dancer.worldFromModel);
+      for (const LivePart& part : body.parts()) {
+        double farthest = 0.0;
+        for (const Vec3& v : part.shape.vertices) farthest = std::max(farthest, v.norm());
+        EXPECT_DOUBLE_EQ(part.radius, farthest);
+        hulls.push_back(part.shape);
+      }
+    }
+    return hulls;
+  };
+  const std::vector<ConvexHull> one = trace(1);
+  for (const int threads : {2, 5}) {
+    const std::vector<ConvexHull> many = trace(threads);
+    ASSERT_EQ(many.size(), one.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(many[i].vertices, one[i].vertices) << threads << " threads, hull " << i;
+      EXPECT_EQ(many[i].triangles, one[i].triangles) << threads << " threads, hull " << i;
     }
   }
 }
