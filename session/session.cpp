@@ -1,6 +1,7 @@
 #include "session/session.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -70,7 +71,16 @@ Result<bool> Session::step() {
   const Clock::time_point moved = Clock::now();
   partsOfAvatars_.clear();
   for (const SessionAvatar& avatar : avatars_) partsOfAvatars_.push_back(avatar.partsInWorld());
-  world_.stepAvatars(partsOfAvatars_, seconds);
+  if (avatarContacts_ && contactsFrame_ == frameCount_) {
+    // What was asked of the last frame will be asked of this one. Contacts between avatars need only the hulls, so they
+    // are found while physics runs, of which one core does some alone.
+    tbb::task_group finding;
+    finding.run([&] { findAvatarContacts(frameCount_ + 1); });
+    world_.stepAvatars(partsOfAvatars_, seconds);
+    finding.wait();
+  } else {
+    world_.stepAvatars(partsOfAvatars_, seconds);
+  }
   for (Contact& contact : world_.contacts()) {
     contact.bone = avatars_[contact.avatar].boneAt(contact.part, contact.point);
   }
@@ -187,9 +197,14 @@ void Session::doActions() {
 std::span<const BodyContact> Session::avatarContacts() const {
   if (frameCount_ == 0 || avatars_.size() < 2) return {};
   if (!avatarContacts_) avatarContacts_.emplace();
-  if (contactsFrame_ != frameCount_) found_ = avatarContacts_->find(avatars_, seconds_);
-  contactsFrame_ = frameCount_;
+  if (contactsFrame_ != frameCount_) findAvatarContacts(frameCount_);
   return found_;
+}
+
+/// @param frame  for which they are
+void Session::findAvatarContacts(int frame) const {
+  found_ = avatarContacts_->find(avatars_, seconds_);
+  contactsFrame_ = frame;
 }
 
 }  // namespace lorica

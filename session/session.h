@@ -78,8 +78,9 @@ class Session {
   [[nodiscard]] const SessionAvatar& avatar(int index = 0) const { return avatars_[static_cast<std::size_t>(index)]; }
   /// Time of this frame [s].
   [[nodiscard]] double time() const { return time_; }
-  /// Overlapping parts of different avatars in this frame. Computed on demand; the first call creates the query, later
-  /// calls allocate nothing once the most avatars and contacts of a frame have been seen.
+  /// Overlapping parts of different avatars in this frame. Computed on demand: by the first call of a frame, or, if
+  /// they were asked for in the frame before, by step() while physics runs, and then part of its time. The first call
+  /// creates the query, later calls allocate nothing once the most avatars and contacts of a frame have been seen.
   [[nodiscard]] std::span<const BodyContact> avatarContacts() const;
 
   // Of the first avatar.
@@ -111,6 +112,7 @@ class Session {
   void moveAvatars(double seconds);
   void doActions();
   void addToHashes();
+  void findAvatarContacts(int frame) const;
 
   std::vector<SessionAvatar> avatars_;
   World world_;

@@ -53,8 +53,9 @@ struct Crowd {
   DisjointSets sets;                 ///< of props, then parts
   std::vector<int> islandOfSet;      ///< index in `islands`, or -1
   std::vector<Island> islands;
-  std::size_t islandCount = 0;  ///< of `islands`, in this tick
-  btManifoldArray manifolds;    ///< scratch
+  std::size_t islandCount = 0;      ///< of `islands`, in this tick
+  std::vector<std::size_t> bySize;  ///< the islands, the largest first
+  btManifoldArray manifolds;        ///< scratch
 };
 
 }  // namespace lorica

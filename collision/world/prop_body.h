@@ -22,7 +22,8 @@ struct PropBody {
   Isometry3 massFromProp = Isometry3::Identity();
   double radius = 0.0;  ///< around the centre of mass [m]
   bool round = false;
-  bool centered = true;  ///< massFromProp is the identity
+  bool centered = true;       ///< massFromProp is the identity
+  double stillSeconds = 0.0;  ///< in a crowd: how long it has been still, awake
 
   /// Bound on the speed that rotation gives the surface [m/s]; 0 for a ball, whose rotation does not change its shape.
   [[nodiscard]] double spin() const { return round ? 0.0 : radius * body->getAngularVelocity().length(); }

@@ -7,7 +7,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <numeric>
 
 namespace lorica {
 namespace {
@@ -18,6 +20,10 @@ constexpr double kTickSeconds = 1.0 / 90.0;
 constexpr double kShortPath = 0.03;
 // Props that were slow for this long sleep [s].
 constexpr btScalar kRestSeconds = 0.5f;
+// So do props that were still for this long [s]: slower than this [m/s], [rad/s].
+constexpr double kStillSeconds = 0.1;
+constexpr btScalar kStillSpeed = 0.003f;
+constexpr btScalar kStillSpin = 0.01f;
 // A sleeping prop wakes if another that touches it is nearer than this, or faster [m], [m/s].
 constexpr btScalar kTouching = 0.002f;
 constexpr double kWakingSpeed = 0.5;
@@ -101,9 +107,10 @@ void World::Impl::stepCrowd(double seconds) {
     setTickBounds(tick);
     wakeTouched(tick);
     findIslands();
-    // Islands differ much in size, so a core takes one at a time.
+    // Islands differ much in size, so a core takes one at a time: the largest that is left.
+    std::atomic<std::size_t> next = 0;
     tbb::parallel_for(
-        std::size_t{0}, crowd.islandCount, [&](std::size_t i) { stepIsland(crowd.islands[i], tick); },
+        std::size_t{0}, crowd.islandCount, [&](std::size_t) { stepIsland(crowd.islands[crowd.bySize[next++]], tick); },
         tbb::simple_partitioner());
     for (std::size_t i = 0; i < crowd.islandCount; ++i) {
       for (const Contact& contact : crowd.islands[i].contacts) noteContact(contacts, contact);
@@ -232,6 +239,11 @@ void World::Impl::findIslands() {
     const btRigidBody& moves = isAwake(joint->getRigidBodyA()) ? joint->getRigidBodyA() : joint->getRigidBodyB();
     if (isAwake(moves)) islandOf(moves.getUserIndex()).joints.push_back(joint);
   }
+  crowd.bySize.resize(crowd.islandCount);
+  std::iota(crowd.bySize.begin(), crowd.bySize.end(), std::size_t{0});
+  std::sort(crowd.bySize.begin(), crowd.bySize.end(), [&](std::size_t a, std::size_t b) {
+    return crowd.islands[a].pairs.size() > crowd.islands[b].pairs.size();
+  });
 }
 
 /// Length of the island's next substep at most, as longestSubstep() [s].
@@ -322,17 +334,23 @@ void World::Impl::sleepAtRest(double seconds) {
   restless.assign(props.size(), 0);
   const auto eachAwake = [&](const auto& visit) {
     for (std::size_t i = 0; i < props.size(); ++i) {
-      btRigidBody& body = *propBodies[i].body;
-      if (isAwake(body)) visit(body, restless[crowd.sets.find(static_cast<int>(i))]);
+      PropBody& prop = propBodies[i];
+      if (isAwake(*prop.body)) visit(prop, restless[crowd.sets.find(static_cast<int>(i))]);
     }
   };
-  eachAwake([&](btRigidBody& body, int& restlessSet) {
+  eachAwake([&](PropBody& prop, int& restlessSet) {
+    btRigidBody& body = *prop.body;
     body.updateDeactivation(static_cast<btScalar>(seconds));
-    const bool rests = body.getActivationState() != DISABLE_DEACTIVATION && body.getDeactivationTime() > kRestSeconds;
-    if (!rests) restlessSet = 1;
+    const bool still = body.getLinearVelocity().length2() < kStillSpeed * kStillSpeed &&
+                       body.getAngularVelocity().length2() < kStillSpin * kStillSpin;
+    prop.stillSeconds = still ? prop.stillSeconds + seconds : 0.0;
+    const bool rests = body.getDeactivationTime() > kRestSeconds || prop.stillSeconds > kStillSeconds;
+    if (!rests || body.getActivationState() == DISABLE_DEACTIVATION) restlessSet = 1;
   });
-  eachAwake([&](btRigidBody& body, const int& restlessSet) {
+  eachAwake([&](PropBody& prop, const int& restlessSet) {
     if (restlessSet != 0) return;
+    prop.stillSeconds = 0.0;
+    btRigidBody& body = *prop.body;
     body.setActivationState(ISLAND_SLEEPING);
     body.setLinearVelocity(btVector3(0, 0, 0));
     body.setAngularVelocity(btVector3(0, 0, 0));

@@ -53,6 +53,14 @@ struct PartCollider {
   Sweep sweep;
 };
 
+/// A ball that holds a prop during the frame. Internal.
+struct PropReach {
+  double begin = 0.0;  ///< least x [m]
+  Vec3 center = Vec3::Zero();
+  double radius = 0.0;
+  [[nodiscard]] bool operator<(const PropReach& other) const { return begin < other.begin; }
+};
+
 /// The joint that holds a prop.
 struct GrabAnchor {
   int prop = 0;
@@ -91,14 +99,8 @@ struct World::Impl {
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
   std::unique_ptr<btRigidBody> floor;
   std::vector<std::vector<std::unique_ptr<PartCollider>>> avatars;  ///< the parts of each
-  /// Props that parts can move, by their least x, as balls that hold them during the frame. Empty if all parts count.
-  struct Reach {
-    double begin = 0.0;  ///< least x [m]
-    Vec3 center = Vec3::Zero();
-    double radius = 0.0;
-    [[nodiscard]] bool operator<(const Reach& other) const { return begin < other.begin; }
-  };
-  std::vector<Reach> reaches;
+  /// Of props that parts can move, by their least x. Empty if all parts count.
+  std::vector<PropReach> reaches;
   double widestReach = 0.0;  ///< greatest radius of `reaches`
   Crowd crowd;
   std::vector<PropBody> propBodies;
@@ -122,9 +124,9 @@ struct World::Impl {
   void setPartCounts(std::span<const std::span<const LivePart>> present);
   void setPartCount(std::size_t avatar, std::size_t count);
   void findReaches(double seconds);
-  [[nodiscard]] bool isFar(const Sweep& sweep, double further) const;
+  void findNear(std::span<const LivePart> parts, std::vector<PropReach>& near) const;
   void takeParts(std::span<const std::span<const LivePart>> present, double seconds);
-  void readPart(PartCollider& part, const LivePart& live, double seconds) const;
+  void readPart(PartCollider& part, const LivePart& live, std::span<const PropReach> near, double seconds) const;
   void followSurfaces();
   [[nodiscard]] double longestSubstep(double fraction, double usual, double seconds) const;
   static void movePart(PartCollider& part, double fraction, double seconds);

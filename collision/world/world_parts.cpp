@@ -37,7 +37,7 @@ Sweep sweepOf(const LivePart& part, double seconds) {
   sweep.axis = turn.axis();
   sweep.angle = turn.angle();
 
-  sweep.radius = std::sqrt(farthestSq(part.shape.vertices));
+  sweep.radius = part.radius;
   const double path = sweep.path();
   if (path > kTeleportSpeed * seconds) {
     sweep.origin = end.translation();
@@ -49,6 +49,19 @@ Sweep sweepOf(const LivePart& part, double seconds) {
     sweep.strength = std::min(1.0, strikeLimit(part.trust) * seconds / std::max(path, 1e-9));
   }
   return sweep;
+}
+
+/// Whether a part may meet one of the props in this frame.
+/// @param further  additional distance [m]
+bool mayMeet(const LivePart& part, std::span<const PropReach> props, double further) {
+  const Vec3 begin = part.previousWorldFromPart.translation();
+  const Vec3 travel = part.worldFromPart.translation() - begin;
+  const Vec3 center = begin + 0.5 * travel;
+  const double radius = part.radius + 0.5 * travel.norm() + further;
+  return std::any_of(props.begin(), props.end(), [&](const PropReach& prop) {
+    const double both = radius + prop.radius;
+    return (prop.center - center).squaredNorm() <= both * both;
+  });
 }
 
 /// Moves a contact's position to the part's new hull.
@@ -117,7 +130,7 @@ void World::Impl::findReaches(double seconds) {
   if (!crowd.present) return;
   for (const PropBody& prop : propBodies) {
     if (prop.body->isStaticObject()) continue;
-    Reach reach;
+    PropReach reach;
     reach.center = fromBullet(prop.body->getWorldTransform().getOrigin());
     reach.radius = prop.radius + prop.speed() * seconds + kAhead;
     reach.begin = reach.center.x() - reach.radius;
@@ -127,26 +140,35 @@ void World::Impl::findReaches(double seconds) {
   std::sort(reaches.begin(), reaches.end());
 }
 
-/// Whether a part meets no prop in this frame.
-/// @param further  additional distance [m]
-bool World::Impl::isFar(const Sweep& sweep, double further) const {
-  const Vec3 center = sweep.origin + 0.5 * sweep.travel;
-  const double radius = sweep.radius + 0.5 * sweep.travel.norm() + further;
-  Reach first;
-  first.begin = center.x() - radius - 2.0 * widestReach;
-  for (auto reach = std::lower_bound(reaches.begin(), reaches.end(), first);
-       reach != reaches.end() && reach->begin <= center.x() + radius; ++reach) {
-    const double both = radius + reach->radius;
-    if ((reach->center - center).squaredNorm() <= both * both) return false;
+/// Lists the props that parts of an avatar may meet in this frame.
+void World::Impl::findNear(std::span<const LivePart> parts, std::vector<PropReach>& near) const {
+  near.clear();
+  if (!crowd.present) return;
+  Aabb bounds;
+  for (const LivePart& part : parts) {
+    if (part.shape.degenerate()) continue;
+    const Vec3 around = Vec3::Constant(part.radius + kStay);
+    for (const Isometry3& motion : {part.previousWorldFromPart, part.worldFromPart}) {
+      bounds.extend(motion.translation() - around);
+      bounds.extend(motion.translation() + around);
+    }
   }
-  return true;
+  PropReach first;
+  first.begin = bounds.min.x() - 2.0 * widestReach;
+  for (auto reach = std::lower_bound(reaches.begin(), reaches.end(), first);
+       reach != reaches.end() && reach->begin <= bounds.max.x(); ++reach) {
+    const Vec3 nearest = reach->center.cwiseMax(bounds.min).cwiseMin(bounds.max);
+    if ((reach->center - nearest).squaredNorm() <= reach->radius * reach->radius) near.push_back(*reach);
+  }
 }
 
 void World::Impl::takeParts(std::span<const std::span<const LivePart>> present, double seconds) {
   tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t a) {
+    thread_local std::vector<PropReach> near;
+    findNear(present[a].first(avatars[a].size()), near);
     for (std::size_t i = 0; i < avatars[a].size(); ++i) {
-      if (i + 1 < avatars[a].size()) fetch(present[a][i + 1].shape.vertices);
-      readPart(*avatars[a][i], present[a][i], seconds);
+      if (i + 1 < avatars[a].size() && avatars[a][i + 1]->inWorld) fetch(present[a][i + 1].shape.vertices);
+      readPart(*avatars[a][i], present[a][i], near, seconds);
     }
   });
   for (const auto& parts : avatars) {
@@ -162,12 +184,12 @@ void World::Impl::takeParts(std::span<const std::span<const LivePart>> present, 
   }
 }
 
-void World::Impl::readPart(PartCollider& part, const LivePart& live, double seconds) const {
-  part.counts = !live.shape.degenerate();
+/// @param near  props that the part may meet
+void World::Impl::readPart(PartCollider& part, const LivePart& live, std::span<const PropReach> near,
+                           double seconds) const {
+  part.counts = !live.shape.degenerate() && (!crowd.present || mayMeet(live, near, part.inWorld ? kStay : 0.0));
   if (!part.counts) return;
   part.sweep = sweepOf(live, seconds);
-  part.counts = !crowd.present || !isFar(part.sweep, part.inWorld ? kStay : 0.0);
-  if (!part.counts) return;
   part.body->setWorldTransform(part.sweep.at(0.0));
   part.reshaped = live.reshaped || !part.inWorld;
   if (part.reshaped) part.shape.setPoints(live.shape.vertices);

@@ -194,6 +194,32 @@ TEST(Avatars, WhoIsNotThereTouchesNothingAndReturnsWithoutVelocity) {
   EXPECT_LT(session.world().props()[0].worldFromProp.translation().z(), -1.0);
 }
 
+TEST(Avatars, TouchTheSameWhetherAskedInEachFrameOrOnce) {
+  const Frames wave = test::shippedFrames("wave", 20);
+  Session each(World{});
+  Session once(World{});
+  for (Session* session : {&each, &once}) {
+    session->addAvatar(avatarOf(sourceOf(wave)));
+    session->addAvatar(avatarOf(sourceOf(wave), Vec3(0.3, 0.0, 0.0)));
+  }
+  for (int frame = 0; frame < 15; ++frame) {
+    ASSERT_TRUE(each.step().value() && once.step().value());
+    (void)each.avatarContacts();
+  }
+  const std::span<const BodyContact> expected = once.avatarContacts();
+  const std::span<const BodyContact> found = each.avatarContacts();
+  ASSERT_FALSE(expected.empty());
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].firstPart, expected[i].firstPart);
+    EXPECT_EQ(found[i].secondPart, expected[i].secondPart);
+    EXPECT_EQ(found[i].position, expected[i].position);
+    EXPECT_EQ(found[i].depth, expected[i].depth);
+    EXPECT_EQ(found[i].relativeVelocity, expected[i].relativeVelocity);
+  }
+  EXPECT_EQ(each.hash(), once.hash());
+}
+
 TEST(Avatars, TouchEachOtherAndSayWhere) {
   const Frames wave = test::shippedFrames("wave", 30);
   Session session(World{});

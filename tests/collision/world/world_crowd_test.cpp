@@ -93,6 +93,25 @@ TEST(WorldCrowd, AStackOfBoxesStands) {
   }
 }
 
+TEST(WorldCrowd, APropThatLiesStillSleepsSoonAndASlowPendulumSwingsOn) {
+  World world;
+  world.addProp(boxOf(0.1, at(0.0, 0.12, 0.0)));
+  Prop pendulum = boxOf(0.1, at(1.0, 0.5, 0.0));
+  pendulum.velocity = Vec3(0.02, 0.0, 0.0);
+  pendulum.angularVelocity = Vec3(0.0, 0.0, 0.02 / 0.3);
+  world.addLink(world.addProp(pendulum), kWorldItself, Vec3(1.0, 0.8, 0.0));
+  std::vector<LivePart> parts = farAway(150);
+  double farthest = 0.0;
+  for (int frame = 0; frame < 12; ++frame) {
+    stand(parts);
+    world.step(parts, kFrame);
+    farthest = std::max(farthest, world.props()[1].worldFromProp.translation().x() - 1.0);
+  }
+  EXPECT_EQ(world.props()[0].velocity, Vec3::Zero()) << "it fell 2 cm and sleeps";
+  EXPECT_GT(farthest, 0.002);
+  EXPECT_GT(world.props()[1].velocity.norm(), 0.003) << "it was almost still for a moment only";
+}
+
 TEST(WorldCrowd, AFallingBoxGainsNoEnergyAndComesToRestOnTheFloor) {
   World world;
   std::mt19937_64 random(3);
