@@ -9,11 +9,14 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
 namespace lorica {
 namespace {
+
+constexpr int kGridBits = 34;  // cells along the largest coordinate are 2 to this power, see inOwnFrame()
 
 /// Removes cut points that no part needs any more, and renumbers the rest.
 void dropUnusedCutPoints(Decomposition& decomposition) {
@@ -47,17 +50,30 @@ void dropUnusedCutPoints(Decomposition& decomposition) {
   }
 }
 
-/// The keyframes in the mesh's own frame. The parts are expressed in vertices, so nothing has to be turned back.
+/// The keyframes in the mesh's own frame, rounded to a grid: turning a mesh changes its coordinates there by rounding
+/// errors, which would decide between planes that are as good as each other. The parts are expressed in vertices, so
+/// nothing has to be turned back.
 std::vector<Vec3> inOwnFrame(const TriMesh& mesh, PoseView keyframes) {
   const Mat3 frame = frameOf(keyframes.keyframe(0), mesh.triangles);
   const Vec3 center = massProperties(keyframes.keyframe(0), mesh.triangles).center;
   std::vector<Vec3> own;
   own.reserve(keyframes.positions.size());
-  for (const Vec3& p : keyframes.positions) own.emplace_back(frame * (p - center));
+  double farthest = 0.0;
+  for (const Vec3& p : keyframes.positions) {
+    own.emplace_back(frame * (p - center));
+    farthest = std::max(farthest, own.back().cwiseAbs().maxCoeff());
+  }
+  int exponent = 0;
+  (void)std::frexp(1.1 * farthest, &exponent);  // a size that is no power of two for meshes of round size
+  const double cell = std::ldexp(1.0, exponent - kGridBits);
+  for (Vec3& p : own) {
+    for (double& x : p) x = std::round(x / cell) * cell;
+  }
   return own;
 }
 
-/// Runs the preset. `quality` also does what `fast` does, and improves whichever parts are better.
+/// Runs the preset. `quality` also does what `fast` does, improves whichever parts are better, and returns no worse
+/// ones than `fast`.
 Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
   const Error cancelled{ErrorCode::kCancelled, "decomposition cancelled"};
   const Plan plan = planFor(settings);
@@ -74,12 +90,13 @@ Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const
   }
   const Plan quickPlan = planFor(fast);
   Decomposer quick(mesh, keyframes, fast, quickPlan.cuts);
-  if (!quick.divide() || !quick.improveParts(quickPlan.rounds)) return cancelled;
+  if (!quick.divide()) return cancelled;
   atStart = false;
   if (!careful.divide()) return cancelled;
+  // Compared before they are improved: how good improved parts are does not tell where improving leads.
   Decomposer& better = careful.betterThan(quick) ? careful : quick;
-  if (!better.improveParts(plan.rounds)) return cancelled;
-  return better.finish();
+  if (!quick.improveParts(quickPlan.rounds) || !better.improveParts(plan.rounds)) return cancelled;
+  return quick.betterThan(better) ? quick.finish() : better.finish();
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ enum class DecomposePreset : std::uint8_t {
 
 /// Increase this when decompose() or chooseCover() gives a different result for the same input, or when .lorica files
 /// hold more data, so that caches written by older versions are not used.
-inline constexpr std::uint64_t kAlgorithmVersion = 8;
+inline constexpr std::uint64_t kAlgorithmVersion = 9;
 
 struct DecomposeSettings {
   int maxParts = 16;  ///< M; 0 = until no concave edge remains (Algorithm 1)

@@ -29,12 +29,15 @@ Plan planFor(const DecomposeSettings& settings) {
       plan.cuts.effort.edgeSpacing = 0.05;
       plan.cuts.effort.axisPlanes = 6;
       plan.cuts.effort.diagonalPlanes = 6;
+      plan.cuts.effort.refinedPlanes = 2;
+      plan.cuts.effort.refineSteps = 8;
+      plan.cuts.effort.refineBelow = 0.15;  // cuts through handles gain only by the next cut
       plan.cuts.effort.shortlist = 2;
       plan.cuts.effort.balance = 0.01;
       plan.cuts.effort.coarse = 1e-3;
       plan.cuts.effort.exactVolume = false;  // the next piece is not chosen by its gain
       plan.cuts.overCut = 1.4;
-      plan.rounds = {{quickEffort(plan.cuts.effort), 4, false}};
+      plan.rounds = {{quickEffort(plan.cuts.effort), 4}};
       break;
     case DecomposePreset::kQuality:
       plan.cuts.effort.candidateEdges = 16;
@@ -47,7 +50,7 @@ Plan planFor(const DecomposeSettings& settings) {
       plan.cuts.effort.coarse = 1e-3;
       plan.cuts.overCut = 1.7;
       plan.cuts.byGain = true;
-      plan.rounds = {{quickEffort(plan.cuts.effort), 12, true}, {plan.cuts.effort, 8, true}};
+      plan.rounds = {{quickEffort(plan.cuts.effort), 12}, {plan.cuts.effort, 8}};
       break;
   }
   if (settings.candidateEdges > 0) plan.cuts.effort.candidateEdges = settings.candidateEdges;

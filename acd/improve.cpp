@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
 
 namespace lorica {
 namespace {
@@ -35,7 +38,7 @@ class Improver {
   /// Makes one move that saves volume. Returns false if there is none.
   bool step() {
     findPairs();
-    return (round_.exchanges && exchange()) || recut();
+    return exchange() || recut();
   }
 
   /// Of all parts, over all keyframes.
@@ -62,32 +65,38 @@ class Improver {
 
   /// Merges the cheapest pair and cuts the part with the largest gain, if that saves volume.
   bool exchange() {
-    measureMoves();
-    std::vector<std::size_t> byGain;
-    for (std::size_t i = 0; i < own_.size(); ++i) {
-      if (own_[i].split) byGain.push_back(i);
-    }
-    std::stable_sort(byGain.begin(), byGain.end(),
-                     [&](std::size_t a, std::size_t b) { return own_[a].gain > own_[b].gain; });
+    measurePairs();
+    double cheapest = std::numeric_limits<double>::infinity();
+    for (const Pair& pair : pairs_) cheapest = std::min(cheapest, *pair.cost);
+    // A part's error bounds its gain, so few parts must be searched, two at a time for any number of threads.
+    std::vector<std::size_t> order(parts_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return parts_[a].totalError() > parts_[b].totalError(); });
     double saved = worthwhile_;
-    Pair best;
+    const Pair* best = nullptr;
     std::size_t cut = parts_.size();
-    for (const Pair& pair : pairs_) {
-      for (const std::size_t i : byGain) {
-        if (i == pair.a || i == pair.b) continue;
-        if (own_[i].gain - *pair.cost > saved) {
+    for (std::size_t first = 0; first < order.size(); first += 2) {
+      if (parts_[order[first]].totalError() - cheapest <= saved) break;
+      const std::span<const std::size_t> here =
+          std::span(order).subspan(first, std::min(std::size_t{2}, order.size() - first));
+      tbb::parallel_for(std::size_t{0}, here.size(), [&](std::size_t i) { searchOwn(here[i]); });
+      for (const std::size_t i : here) {
+        if (!own_[i].split) continue;
+        for (const Pair& pair : pairs_) {
+          if (i == pair.a || i == pair.b || own_[i].gain - *pair.cost <= saved) continue;
           saved = own_[i].gain - *pair.cost;
-          best = pair;
+          best = &pair;
           cut = i;
         }
-        break;
       }
     }
-    if (cut == parts_.size()) return false;
+    if (best == nullptr) return false;
+    const auto [a, b] = std::pair(best->a, best->b);
     const Split split = *own_[cut].split;
     const Part part = std::move(parts_[cut].part);
-    replace(best.a, join(best.a, best.b));
-    divide(part, split, cut, best.b);
+    replace(a, join(a, b));
+    divide(part, split, cut, b);
     return true;
   }
 
@@ -113,8 +122,10 @@ class Improver {
       if (trials.empty()) return false;
       tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
         Trial& trial = trials[i];
+        const double before = parts_[trial.pair->a].totalHullVolume() + parts_[trial.pair->b].totalHullVolume();
         trial.joined = join(trial.pair->a, trial.pair->b);
-        trial.split = bestSplit(trial.joined, worstKeyframe(trial.joined), context_, round_.effort);
+        trial.split =
+            bestSplit(trial.joined, worstKeyframe(trial.joined), context_, round_.effort, before - worthwhile_);
       });
       for (Trial& trial : trials) {
         ++failures_;
@@ -167,19 +178,21 @@ class Improver {
     paired_.assign(parts_.size(), true);
   }
 
-  /// What it costs to merge each pair, and the best split of each part.
-  void measureMoves() {
+  /// What it costs to merge each pair.
+  void measurePairs() {
     tbb::parallel_for(std::size_t{0}, pairs_.size(), [&](std::size_t i) {
       if (!pairs_[i].cost) pairs_[i].cost = costOf(pairs_[i]);
     });
-    tbb::parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t i) {
-      Own& own = own_[i];
-      if (own.known) return;
-      own.known = true;
-      if (parts_[i].totalError() <= worthwhile_) return;
-      own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), context_, round_.effort);
-      if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
-    });
+  }
+
+  /// Finds the best split of a part.
+  void searchOwn(std::size_t i) {
+    Own& own = own_[i];
+    if (own.known) return;
+    own.known = true;
+    if (parts_[i].totalError() <= worthwhile_) return;
+    own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), context_, round_.effort);
+    if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
   }
 
   [[nodiscard]] double costOf(const Pair& pair) const {

@@ -3,19 +3,21 @@
 #include "geometry/mass_properties.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 namespace lorica {
 namespace {
 
-constexpr int kCells = 40;               // along each side of a cube of directions
-constexpr std::size_t kSeeds = 16;       // directions that are examined
-constexpr double kSame = 1.0 - 1.5e-6;   // cosine up to which normals count as the same (0.1 degrees)
+constexpr int kCells = 40;          // along each side of a cube of directions
+constexpr std::size_t kSeeds = 16;  // directions that are examined
+// Cosines up to which normals count as the same: 3, 1 and 0.3 degrees, then 0.1.
+constexpr std::array kCloser = {1.0 - 1.4e-3, 1.0 - 1.5e-4, 1.0 - 1.4e-5, 1.0 - 1.5e-6, 1.0 - 1.5e-6};
 constexpr double kPerpendicular = 2e-2;  // cosine up to which an axis counts as perpendicular to the first
 constexpr double kFirstShare = 0.05;     // minimum share of the surface that has the first axis as its normal
 constexpr double kSecondShare = 0.01;
+constexpr double kCellShare = 0.0025;  // such normals can lie in four cells
 
 /// A line along which normals lie, and the area that has them.
 struct Direction {
@@ -49,11 +51,21 @@ std::size_t cellOf(const Vec3& direction) {
   return cell;
 }
 
+/// The mean of the area vectors within an angle of a direction.
+Direction meanAround(const Vec3& direction, double cosine, const std::vector<Vec3>& areas) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& vector : areas) {
+    const double along = vector.dot(direction);
+    if (along * along > cosine * cosine * vector.squaredNorm()) sum += along < 0.0 ? Vec3(-vector) : vector;
+  }
+  return {sum.normalized(), sum.norm()};
+}
+
 /// The directions that most of the surface has as its normal, the largest area first.
-std::vector<Direction> commonNormals(const std::vector<Vec3>& areas) {
+std::vector<Direction> commonNormals(const std::vector<Vec3>& areas, double total) {
   struct Cell {
-    double area = 0.0, largest = 0.0;
-    Vec3 normal = Vec3::Zero();  // of its largest triangle
+    double area = 0.0;
+    Vec3 sum = Vec3::Zero();
   };
   std::vector<Cell> cells(3 * kCells * kCells);
   for (const Vec3& vector : areas) {
@@ -61,19 +73,15 @@ std::vector<Direction> commonNormals(const std::vector<Vec3>& areas) {
     if (!(area > 0.0)) continue;
     Cell& cell = cells[cellOf(vector)];
     cell.area += area;
-    if (area <= cell.largest) continue;
-    cell.largest = area;
-    cell.normal = vector / area;
+    cell.sum += vector;
   }
   std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.area > b.area; });
   std::vector<Direction> found;
-  for (std::size_t i = 0; i < kSeeds && cells[i].area > 0.0; ++i) {
-    Vec3 sum = Vec3::Zero();
-    for (const Vec3& vector : areas) {
-      const double along = vector.dot(cells[i].normal);
-      if (std::abs(along) > kSame * vector.norm()) sum += along < 0.0 ? Vec3(-vector) : vector;
-    }
-    found.push_back({sum.normalized(), sum.norm()});
+  for (std::size_t i = 0; i < kSeeds && cells[i].area > kCellShare * total; ++i) {
+    // The cells lie as the axes do. Means of what is ever closer around end at the same direction from any cell.
+    Direction direction{cells[i].sum.normalized(), 0.0};
+    for (const double cosine : kCloser) direction = meanAround(direction.axis, cosine, areas);
+    found.push_back(direction);
   }
   std::stable_sort(found.begin(), found.end(), [](const Direction& a, const Direction& b) { return a.area > b.area; });
   return found;
@@ -133,7 +141,7 @@ Mat3 frameOf(std::span<const Vec3> points, std::span<const Triangle> triangles) 
   const std::vector<Vec3> areas = areaVectors(points, triangles);
   double total = 0.0;
   for (const Vec3& area : areas) total += area.norm();
-  const std::vector<Direction> normals = commonNormals(areas);
+  const std::vector<Direction> normals = commonNormals(areas, total);
   const Mat3 inertia = massProperties(points, triangles).inertia;
 
   const bool flat = !normals.empty() && normals[0].area >= kFirstShare * total;

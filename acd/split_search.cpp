@@ -28,7 +28,7 @@ class SplitSearch {
     for (PointIndex p : piece.hullPoints[keyframe]) hullPoints_.push_back(points()[p]);
   }
 
-  std::optional<Split> run() {
+  std::optional<Split> run(double toBeat) {
     // The candidate planes are independent of the data structures that score them: build both in parallel.
     std::vector<Plane> planes;
     tbb::parallel_invoke([&] { planes = candidates(); },
@@ -50,7 +50,19 @@ class SplitSearch {
       const std::vector<double> scores = scoreAll(here);
       const auto best = std::min_element(scores.begin(), scores.end());
       if (std::isinf(*best)) continue;
-      const Plane& plane = here[best - scores.begin()];
+      Plane plane = here[best - scores.begin()];
+      double least = *best;
+      if (refinesLate() && piece_.totalHullVolume() - least < effort_.refineBelow * piece_.totalError()) {
+        for (const Plane& start : distinct(planes)) {
+          const Plane refined = refine(start);
+          const double found = score(refined, least, effort_.balance, effort_.coarse);
+          if (found >= least) continue;
+          least = found;
+          plane = refined;
+        }
+      }
+      // Coarse hulls are no larger than exact ones, and the balance term is at most this.
+      if (least - effort_.balance * piece_.totalError() >= toBeat) return std::nullopt;
       return Split{plane, keyframe_, score(plane, kInfinity, 0.0, effort_.exactVolume ? kExact : effort_.coarse)};
     }
     return std::nullopt;
@@ -114,7 +126,8 @@ class SplitSearch {
     for (int i = 1; i <= count; ++i) planes.push_back({axis, low + (high - low) * i / (count + 1)});
   }
 
-  /// Returns the planes that divide the part: the best ones refined, then all, ordered by estimate.
+  /// Returns the planes that divide the part: the best ones refined unless that comes later, then all, ordered by
+  /// estimate.
   [[nodiscard]] std::vector<Plane> ranked(const std::vector<Plane>& planes) const {
     std::vector<double> estimates(planes.size());
     tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) { estimates[i] = estimate(planes[i]); });
@@ -124,18 +137,28 @@ class SplitSearch {
     }
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return estimates[a] < estimates[b]; });
-    // Refine the best planes that differ from each other; the results compete with all others.
-    std::vector<Plane> starts;
-    for (std::size_t i : order) {
-      if (static_cast<int>(starts.size()) == effort_.refinedPlanes) break;
-      const bool known = std::any_of(starts.begin(), starts.end(), [&](const Plane& s) { return close(s, planes[i]); });
-      if (!known) starts.push_back(planes[i]);
-    }
     std::vector<Plane> result;
-    result.reserve(starts.size() + order.size());
-    for (const Plane& start : starts) result.push_back(refine(start));
+    result.reserve(order.size() + static_cast<std::size_t>(effort_.refinedPlanes));
     for (std::size_t i : order) result.push_back(planes[i]);
+    if (refinesLate()) return result;
+    std::vector<Plane> refined;
+    for (const Plane& start : distinct(result)) refined.push_back(refine(start));
+    result.insert(result.begin(), refined.begin(), refined.end());
     return result;
+  }
+
+  /// Whether planes are refined only if all others gain little.
+  [[nodiscard]] bool refinesLate() const { return effort_.refineBelow < 1.0; }
+
+  /// The first planes that differ from each other, as many as are refined.
+  [[nodiscard]] std::vector<Plane> distinct(const std::vector<Plane>& planes) const {
+    std::vector<Plane> found;
+    for (const Plane& plane : planes) {
+      if (static_cast<int>(found.size()) == effort_.refinedPlanes) break;
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Plane& f) { return close(f, plane); });
+      if (!known) found.push_back(plane);
+    }
+    return found;
   }
 
   /// Estimated sum of both halves' hull volumes over all keyframes, plus the balance term; infinity if the plane does
@@ -241,8 +264,8 @@ class SplitSearch {
 }  // namespace
 
 std::optional<Split> bestSplit(const Piece& piece, std::size_t keyframe, const CutContext& context,
-                               const SplitEffort& effort) {
-  return SplitSearch(piece, keyframe, context, effort).run();
+                               const SplitEffort& effort, double toBeat) {
+  return SplitSearch(piece, keyframe, context, effort).run(toBeat);
 }
 
 }  // namespace lorica

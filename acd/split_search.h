@@ -2,6 +2,7 @@
 
 #include "acd/piece.h"
 
+#include <limits>
 #include <optional>
 
 namespace lorica {
@@ -15,6 +16,7 @@ struct SplitEffort {
   int diagonalPlanes = 0;    ///< planes perpendicular to each diagonal between the axes of the mesh's frame
   int refineSteps = 0;       ///< steps of the local search around the best planes
   int refinedPlanes = 0;     ///< number of best planes that are refined
+  double refineBelow = 1.0;  ///< refine only if the best plane gains less than this share of the part's error
   int shortlist = 0;         ///< number of planes, the best by estimate, that are scored exactly; 0 = all
   double balance = 0.0;      ///< weight of equal half volumes, as a fraction of the part's error
   double coarse = 1e-10;     ///< tolerance of the hulls while scoring, see convexHullVolume()
@@ -30,7 +32,9 @@ struct Split {
 
 /// Returns the split that minimizes the hull volume of both halves over all keyframes (Eq. 14; the mesh volumes of both
 /// halves add up to the part's and cancel). In a tie the plane tried first wins, for any number of threads.
+/// @param toBeat  a split with certainly no less hull volume than this may be left out [m^3]
 [[nodiscard]] std::optional<Split> bestSplit(const Piece& piece, std::size_t keyframe, const CutContext& context,
-                                             const SplitEffort& effort);
+                                             const SplitEffort& effort,
+                                             double toBeat = std::numeric_limits<double>::infinity());
 
 }  // namespace lorica

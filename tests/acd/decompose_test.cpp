@@ -128,7 +128,8 @@ TEST(Decompose, ATorusOpensAndStaysClosed) {
     EXPECT_EQ(static_cast<int>(d.parts.size()), parts);
     expectSound(mesh, mesh.vertices, d);
     const double error = errorInPose(d, mesh, mesh.vertices).relative();
-    EXPECT_LE(error, last + 1e-12) << "error rose at " << parts << " parts";
+    // Planes divide the positions that are rounded to a grid.
+    EXPECT_LE(error, last + 1e-9) << "error rose at " << parts << " parts";
     last = error;
   }
 }

@@ -3,7 +3,9 @@
 #include "acd/decompose.h"
 #include "acd/mesh_frame.h"
 #include "acd/transfer.h"
+#include "geometry/mesh_files.h"
 #include "geometry/random_numbers.h"
+#include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -155,6 +157,16 @@ TEST_P(Rotation, MorePartsAreNotWorse) {
     const double error = errorOf(torus, parts, GetParam());
     EXPECT_LE(error, before + 0.002) << parts << " parts";
     before = error;
+  }
+}
+
+TEST_P(Rotation, AMeshOfAFileHasTheSameErrorHoweverItLies) {
+  LORICA_REQUIRE_DATASET(file, "vhacd/Sledge.off");
+  const Result<TriMesh> sledge = readMesh(file);
+  ASSERT_TRUE(sledge.ok());
+  const double error = errorOf(*sledge, 14, GetParam());
+  for (int i = 0; i < kRotations; ++i) {
+    EXPECT_NEAR(errorOf(turned(*sledge, randomRotation(i)), 14, GetParam()), error, 1e-6) << "rotation " << i;
   }
 }
 

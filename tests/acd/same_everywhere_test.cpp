@@ -47,9 +47,9 @@ TEST_P(SameEverywhere, HashOfTheResult) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Presets, SameEverywhere,
-                         ::testing::Values(std::tuple(DecomposePreset::kPaper, "09a0f156e27db172"),
-                                           std::tuple(DecomposePreset::kFast, "3a20c3d2362e9933"),
-                                           std::tuple(DecomposePreset::kQuality, "463553ae04b9ce2f")));
+                         ::testing::Values(std::tuple(DecomposePreset::kPaper, "c792b853036b8116"),
+                                           std::tuple(DecomposePreset::kFast, "2bf1589230d92d3e"),
+                                           std::tuple(DecomposePreset::kQuality, "d563b875ec9165c9")));
 
 }  // namespace
 }  // namespace lorica
