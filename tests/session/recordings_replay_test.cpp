@@ -53,14 +53,14 @@ TEST_P(ShippedSession, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings, ShippedSession,
-                         testing::Values(Known{"jumping_jacks", 2.0, 0x5216bfa6919db6dbu, 0xa62c68b14f1681f7u},
-                                         Known{"punch_and_kick", 5.5, 0xe1e14a649bc0a39du, 0x40c7f661a7f7b70u},
-                                         Known{"punch_and_kick_noisy", 5.5, 0xfa449e5ced13f967u, 0x7d3cf398f52fe317u},
-                                         Known{"squat_and_reach", 2.0, 0x5d505f54f3b55923u, 0xbc03606b4084b6edu},
-                                         Known{"turn_around", 2.0, 0x350e1fd5603f5304u, 0x81984935ab5181b8u},
-                                         Known{"walk", 3.0, 0xfffe27870d102e6eu, 0xc10940a545be754bu},
-                                         Known{"walk_noisy", 3.0, 0x2e78c84cbc76f707u, 0x80f7f408464f4e6u},
-                                         Known{"wave", 2.0, 0xe6fcb7ed36070377u, 0x6502e7d172b5834u}),
+                         testing::Values(Known{"jumping_jacks", 2.0, 0xbf55bc15b1be5934u, 0xaf7d2d08cd6b600du},
+                                         Known{"punch_and_kick", 5.5, 0x3a20b09d6c3d74f8u, 0x8f430ae09ab59812u},
+                                         Known{"punch_and_kick_noisy", 5.5, 0xc7131f4cbb85e6fcu, 0xa30d03574db45edeu},
+                                         Known{"squat_and_reach", 2.0, 0x4b0b4ed68e8ef5cdu, 0xdd95adaf0e2600c2u},
+                                         Known{"turn_around", 2.0, 0xa57acd6ef79782e9u, 0xcae90c1007aabd79u},
+                                         Known{"walk", 3.0, 0xc0ee812cacfd35b7u, 0xd00eff208885486fu},
+                                         Known{"walk_noisy", 3.0, 0xb6aa9a5e9f5a64bu, 0x7e77402015a9b1a4u},
+                                         Known{"wave", 2.0, 0xd4bc5ca664fd7cbdu, 0x696c29069c625da6u}),
                          [](const auto& param) { return std::string(param.param.recording); });
 
 struct KnownParticles {
