@@ -10,7 +10,6 @@
 namespace lorica {
 namespace {
 
-constexpr double kProblemSeconds = 12.0;  // long enough to read a path
 constexpr double kHintSeconds = 10.0;
 
 /// What the user should know of the motions that were read, such as that a file ends early.
@@ -83,22 +82,22 @@ bool WindowLoop::loops() const {
 void WindowLoop::open(const WindowRequests& requests) {
   WindowOpener* opener = subject_.opener;
   if (opener == nullptr) {
-    if (!requests.files.empty()) window_.notice("files can be opened in the window of lorica play", kProblemSeconds);
+    if (!requests.files.empty()) window_.problem("files can be opened in the window of lorica play");
     return;
   }
   if (!requests.files.empty()) {
     if (const Result<WindowOpener::Others> begun = opener->open(requests.files); !begun) {
-      window_.notice(begun.error().message, kProblemSeconds);
+      window_.problem(begun.error().message);
     } else {
       remark_ = begun->remark;
-      window_.notice(remark_, kProblemSeconds);  // or nothing any more of other files
+      window_.notice(remark_, Window::kNoticeSeconds);  // or nothing any more of other files
       std::for_each(begun->files.rbegin(), begun->files.rend(),
                     [&](const std::string& other) { addRecent(other, settings_); });
     }
   }
   for (const Result<void>& begun : {requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
                                     requests.person ? opener->openPerson(*requests.person) : Result<void>()}) {
-    if (!begun) window_.notice(begun.error().message, kProblemSeconds);
+    if (!begun) window_.problem(begun.error().message);
   }
   if (requests.cancel) opener->cancel();
   std::optional<Result<LoadedCast>> loaded = opener->take();
@@ -106,7 +105,11 @@ void WindowLoop::open(const WindowRequests& requests) {
   std::string said = *loaded ? notesOf(**loaded) : loaded->error().message;
   if (!*loaded && loaded->error().code != ErrorCode::kCancelled) said += fmt::format("; {} goes on", subject_.name);
   if (!remark_.empty()) said += (said.empty() ? "" : "; ") + std::exchange(remark_, "");
-  if (!said.empty()) window_.notice(said, kProblemSeconds);
+  if (*loaded) {
+    if (!said.empty()) window_.notice(said, Window::kNoticeSeconds);
+  } else {
+    window_.problem(said);
+  }
   if (*loaded) subject_.next = std::move(**loaded);
 }
 
@@ -156,7 +159,7 @@ void WindowLoop::recallSettings() {
   Result<WindowSettings> read = readWindowSettings(windowSettingsFile());
   if (!read) {
     warn(read.error().message);
-    window_.notice(read.error().message, kProblemSeconds);
+    window_.problem(read.error().message);
   } else {
     settings_ = keptSettings_ = std::move(*read);
   }

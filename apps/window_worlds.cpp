@@ -66,7 +66,7 @@ Result<void> WindowLoop::takeWorld() {
   const std::optional<int> scene = std::exchange(nextScene_, std::nullopt);
   if (!*world) {
     seek_.reset();
-    if (world->error().code != ErrorCode::kCancelled) window_.notice(world->error().message);
+    if (world->error().code != ErrorCode::kCancelled) window_.problem(world->error().message);
     return {};
   }
   if (!scene) return restartIn(std::move(**world));

@@ -80,7 +80,7 @@ void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelSt
   if (status.videoSeconds >= 0.0) {
     drawPlate(layout, fmt::format("video {:.1f} s, V to stop", status.videoSeconds), kInk, kRed);
   }
-  if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, 0);
+  if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, status.problem ? kRed : 0);
 }
 
 void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests) {

@@ -51,6 +51,9 @@ void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold) {
 }
 
 void noteFold(PanelLayout::Fold& fold) {
+  // Dear ImGui itself folds by a click on the arrow only, or by two clicks.
+  const bool besideArrow = ImGui::GetMousePos().x > ImGui::GetWindowPos().x + ImGui::GetFrameHeight();
+  if (besideArrow && ImGui::IsItemClicked()) ImGui::SetWindowCollapsed(!ImGui::IsWindowCollapsed());
   if (!*fold.small) fold.openIfLarge = !ImGui::IsWindowCollapsed();
 }
 

@@ -141,6 +141,10 @@ void Window::addTimes(std::span<const TimedStage> stages) {
 void Window::notice(std::string sentence, double seconds) {
   impl_->setNotice(std::move(sentence), seconds);
 }
+void Window::problem(std::string sentence) {
+  impl_->setNotice(std::move(sentence), kNoticeSeconds);
+  impl_->noticeIsProblem = true;
+}
 void Window::setTitle(const std::string& title) {
   glfwSetWindowTitle(impl_->window, title.c_str());
 }
@@ -166,6 +170,7 @@ void Window::setQuality(std::optional<RenderQuality> quality) {
 void Window::Impl::setNotice(std::string sentence, double seconds) {
   noticeText = std::move(sentence);
   noticeUntil = secondsNow() + seconds;
+  noticeIsProblem = false;
 }
 
 void Window::Impl::drawScene(const Scene& scene, int width, int height) {
@@ -239,6 +244,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
       status.insetHeight = status.insetWidth * scene.inset->height / scene.inset->width;
     }
     if (begin < i.noticeUntil) status.notice = i.noticeText;
+    status.problem = i.noticeIsProblem;
     i.state.scrubbing = false;  // only visible panels can set it
     i.panels->draw(i.takePanelInput(width, height), values, status, i.times, i.state, i.requests);
     if (i.state.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));

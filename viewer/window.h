@@ -46,6 +46,9 @@ class Window {
   void addTimes(std::span<const TimedStage> stages);
   /// Shows a message.
   void notice(std::string sentence, double seconds = 3.0);
+  static constexpr double kNoticeSeconds = 12.0;  ///< long enough to read a path
+  /// Shows what failed for kNoticeSeconds, marked as such.
+  void problem(std::string sentence);
   void setTitle(const std::string& title);
 
   /// The layers that are drawn, which the user may change.

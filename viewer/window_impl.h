@@ -89,6 +89,7 @@ struct Window::Impl {
 
   std::string noticeText;
   double noticeUntil = 0.0;  ///< [s]
+  bool noticeIsProblem = false;
   std::optional<WindowVideo> video;
 
   /// What a drag with a pressed button controls.

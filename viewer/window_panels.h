@@ -39,6 +39,7 @@ struct PanelStatus {
   double insetWidth = 0.0;     ///< of Scene::inset at the lower right [pixels]; 0 = none
   double insetHeight = 0.0;    ///< with it
   std::string_view notice;     ///< temporary message; empty = none
+  bool problem = false;        ///< it says what failed
 };
 
 /// Mouse input, in pixels from the upper left.

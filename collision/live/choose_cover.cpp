@@ -76,7 +76,16 @@ class PartCover {
   /// Adds points until nothing protrudes by more than the tolerance, or the maximum is reached.
   void choose(double tolerance, std::size_t atMost) {
     takeFirst();
-    // Protrusion in a pose only shrinks while points are added, so an earlier measurement is an upper bound.
+    do {
+      takeFarthest(tolerance, atMost);
+      shortfall_ = 0.0;
+      for (int s = 0; s < sampled_.poseCount(); ++s) shortfall_ = std::max(shortfall_, farthestOut(s).first);
+      // How far a point is beyond the planes of faces may grow a little in a pose as points are added elsewhere.
+    } while (shortfall_ > tolerance && chosen_.size() < atMost);
+  }
+
+  void takeFarthest(double tolerance, std::size_t atMost) {
+    // Protrusion in a pose hardly grows while points are added, so an earlier measurement is an upper bound.
     struct Outside {
       double bound;
       int pose;
@@ -97,8 +106,6 @@ class PartCover {
         poses.push({distance, pose});
       }
     }
-    shortfall_ = 0.0;
-    for (int s = 0; s < sampled_.poseCount(); ++s) shortfall_ = std::max(shortfall_, farthestOut(s).first);
   }
 
   /// Pushes the points outward until nothing protrudes in any sampled pose. A point that short pushes cannot cover is

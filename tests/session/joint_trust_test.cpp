@@ -66,7 +66,8 @@ double fastestBall(double confidence, bool smooth) {
   std::vector<SkeletonFrame> frames;
   for (int i = 0; i < 75; ++i) {
     SkeletonFrame frame = standing(i * kFrame);
-    frame[J::kRightElbow].confidence = frame[J::kRightHand].confidence = confidence;
+    // Of the whole arm: a part may hold some of the shoulder, too.
+    for (const J joint : {J::kRightShoulder, J::kRightElbow, J::kRightHand}) frame[joint].confidence = confidence;
     // From hanging at the side to pointing straight ahead: in one frame, or in a sixth of a second.
     const double share = i < 30 ? 0.0 : smooth ? std::min(1.0, (i - 29) / 5.0) : 1.0;
     const Vec3 shoulder = frame[J::kRightShoulder].position;

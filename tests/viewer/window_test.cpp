@@ -125,6 +125,36 @@ TEST_F(WindowAtWork, DragsTurnTheCameraAndRTakesItBack) {
   EXPECT_EQ(picture().rgba, before.rgba) << "the camera is reset";
 }
 
+TEST_F(WindowAtWork, AClickOnATitleFoldsAndUnfolds) {
+  open(1000, 700);
+  const Image open = picture("shift+p");
+  send("mousemove --window %1 60 20 click 1");
+  send("mousemove --window %1 500 400");
+  const Image folded = picture("shift+p");
+  EXPECT_GT(differingPixels(open, folded, 8), 5000);
+  send("mousemove --window %1 60 20 click 1");
+  send("mousemove --window %1 500 400");
+  EXPECT_LT(differingPixels(open, picture("shift+p"), 8), 3000) << "but for the graph of times";
+}
+
+TEST_F(WindowAtWork, WhatFailedIsMarkedUntilTheNextMessage) {
+  open(1000, 700);
+  const auto red = [&] {
+    const Image image = picture("shift+p");
+    int count = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+      count += image.rgba[i] > 200 && image.rgba[i + 1] < 110 && image.rgba[i + 2] < 110 ? 1 : 0;
+    }
+    return count;
+  };
+  window->notice("walk.bvh: a note", 60.0);
+  const int before = red();
+  window->problem("walk.bvh, line 3: found nothing");
+  EXPECT_GT(red(), before + 50);
+  window->notice("walk.bvh: a note", 60.0);
+  EXPECT_EQ(red(), before);
+}
+
 TEST_F(WindowAtWork, EscapeClosesTheHelpBeforeTheWindow) {
   open(320, 240);
   send("key h");

@@ -189,7 +189,9 @@ TEST(LiveBody, PartsWhoseBonesMoveAsOneKeepTheirShape) {
     const LivePart& part = body.parts()[i];
     EXPECT_FALSE(part.reshaped);
     EXPECT_EQ(part.shape.vertices, before[i].shape.vertices);
-    EXPECT_LT((part.worldFromPart.matrix() - (motion * before[i].worldFromPart).matrix()).norm(), 1e-12);
+    // A part that is bent so far that its points hardly determine a rotation is pulled towards its last one, a billion
+    // times weaker than by the points (rigid_fit.cpp).
+    EXPECT_LT((part.worldFromPart.matrix() - (motion * before[i].worldFromPart).matrix()).norm(), 1e-7);
   }
 }
 
