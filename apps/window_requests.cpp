@@ -103,7 +103,7 @@ void WindowLoop::open(const WindowRequests& requests) {
   std::optional<Result<LoadedCast>> loaded = opener->take();
   if (!loaded) return;
   std::string said = *loaded ? notesOf(**loaded) : loaded->error().message;
-  if (!*loaded && loaded->error().code != ErrorCode::kCancelled) said += fmt::format("; {} goes on", subject_.name);
+  if (!*loaded && loaded->error().code != ErrorCode::kCancelled) said += fmt::format("; still playing {}", subject_.name);
   if (!remark_.empty()) said += (said.empty() ? "" : "; ") + std::exchange(remark_, "");
   if (*loaded) {
     if (!said.empty()) window_.notice(said, Window::kNoticeSeconds);
