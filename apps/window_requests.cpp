@@ -103,12 +103,13 @@ void WindowLoop::open(const WindowRequests& requests) {
   std::optional<Result<LoadedCast>> loaded = opener->take();
   if (!loaded) return;
   std::string said = *loaded ? notesOf(**loaded) : loaded->error().message;
-  if (!*loaded && loaded->error().code != ErrorCode::kCancelled) said += fmt::format("; still playing {}", subject_.name);
+  const bool failed = !*loaded && loaded->error().code != ErrorCode::kCancelled;
+  if (failed) said += fmt::format("; still playing {}", subject_.name);
   if (!remark_.empty()) said += (said.empty() ? "" : "; ") + std::exchange(remark_, "");
-  if (*loaded) {
-    if (!said.empty()) window_.notice(said, Window::kNoticeSeconds);
-  } else {
+  if (failed) {
     window_.problem(said);
+  } else if (!said.empty()) {
+    window_.notice(said, Window::kNoticeSeconds);
   }
   if (*loaded) subject_.next = std::move(**loaded);
 }
