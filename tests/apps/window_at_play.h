@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "tests/apps/run_command.h"
+#include "tests/support/background_script.h"
 #include "tests/support/datasets.h"
 #include "tests/support/virtual_display.h"
 #include "viewer/image.h"
@@ -34,14 +35,11 @@ class Hands {
   void line(const std::string& command) { script_ << command << '\n'; }
   void sleep(const std::string& seconds) { script_ << "sleep " << seconds << '\n'; }
 
-  /// Runs the script in parallel with the command until both have ended.
+  /// Runs the script in parallel with the command, until the command has ended.
   CommandResult runWith(const std::vector<std::string>& arguments, const VirtualDisplay& display) {
     script_ << "xdotool key Escape\n";
     const std::filesystem::path file = folder_.write("hands.sh", script_.str());
-    const std::string log = (folder_.path() / "hands.log").string();
-    const std::string start =
-        "cd " + folder_.path().string() + " && timeout 60 sh -x " + file.string() + " > " + log + " 2>&1 &";
-    EXPECT_EQ(std::system(start.c_str()), 0);
+    const BackgroundScript hands(file, 60, folder_.path() / "hands.log");
     CommandSurroundings surroundings;
     surroundings.folder = folder_.path();
     surroundings.display = display.name();

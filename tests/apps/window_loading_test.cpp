@@ -26,12 +26,11 @@ class WindowLoading : public ::testing::Test {
     surroundings_.display = display_->name();
     surroundings_.folder = folder_.path();
   }
-  /// Does something with a window, $w, in parallel with the command.
+  /// Does something with a window, $w, in parallel with the command. Ends what was done before.
   void inWindow(const std::string& commands) {
     const std::filesystem::path script = folder_.write(
         "hands.sh", "w=$(xdotool search --sync --name '^Lorica')\nxdotool windowfocus --sync $w\n" + commands);
-    const std::string start = "timeout 30 sh " + script.string() + " > /dev/null 2>&1 &";
-    ASSERT_EQ(std::system(start.c_str()), 0);
+    hands_.emplace(script, 30);
   }
 
   std::string smallBody() {
@@ -42,6 +41,7 @@ class WindowLoading : public ::testing::Test {
 
   TemporaryFolder folder_;
   std::optional<VirtualDisplay> display_;
+  std::optional<BackgroundScript> hands_;
   CommandSurroundings surroundings_;
 };
 
