@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -107,6 +108,18 @@ std::string quotedWord(std::string_view word) {
     }
   }
   return text + (word.size() > 40 ? "...'" : "'");
+}
+
+std::string notJson(std::string_view what) {
+  if (const std::size_t bracket = what.find("] "); bracket != std::string_view::npos) what.remove_prefix(bracket + 2);
+  constexpr std::string_view kBefore = "last read: '", kAfter = "'; expected ";
+  const std::size_t before = what.find(kBefore);
+  if (before == std::string_view::npos) return fmt::format("not JSON: {}", what);
+  const std::size_t word = before + kBefore.size();
+  std::size_t end = what.rfind(kAfter);
+  if (end == std::string_view::npos || end < word) end = std::max(word, what.size() - 1);
+  return fmt::format("not JSON: {}{}{}", what.substr(0, word - 1), quotedWord(what.substr(word, end - word)),
+                     what.substr(std::min(what.size(), end + 1)));
 }
 
 bool parseReal(std::string_view word, double& value) {

@@ -1,5 +1,7 @@
 #include "session/scene_element.h"
 
+#include "geometry/line_scanner.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -92,11 +94,7 @@ Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name) {
         text, [&](int depth, SceneJson::parse_event_t event, SceneJson& parsed) { return watch(depth, event, parsed); },
         true, true);
   } catch (const SceneJson::exception& e) {
-    const std::string_view what = e.what();
-    const std::size_t bracket = what.find("] ");  // preceded by the library's error number
-    return Error{
-        ErrorCode::kBadFormat,
-        fmt::format("{}: not JSON: {}", name, bracket == std::string_view::npos ? what : what.substr(bracket + 2))};
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, notJson(e.what()))};
   }
   if (!watch.error().empty()) return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, watch.error())};
   return json;

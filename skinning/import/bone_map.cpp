@@ -1,6 +1,7 @@
 #include "skinning/import/bone_map.h"
 
 #include "geometry/files.h"
+#include "geometry/line_scanner.h"
 #include "geometry/similar_name.h"
 #include "skinning/humanoid/humanoid.h"
 
@@ -64,9 +65,7 @@ constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundre
     if (!twice.empty()) return bad(name, fmt::format("duplicate key \"{}\"", twice));
     return json;
   } catch (const Json::exception& e) {
-    const std::string_view what = e.what();
-    const std::size_t bracket = what.find("] ");  // the text before it is the library's own number
-    return bad(name, fmt::format("not JSON: {}", bracket == std::string_view::npos ? what : what.substr(bracket + 2)));
+    return bad(name, notJson(e.what()));
   }
 }
 

@@ -105,6 +105,8 @@ TEST(SceneFile, EveryFieldIsRead) {
 
 TEST(SceneFile, WhatIsWrongIsNamed) {
   EXPECT_NE(errorOf("{").find("s.json: not JSON"), std::string::npos) << errorOf("{");
+  EXPECT_LT(errorOf("{\"" + std::string(100'000, 'x')).size(), 300U) << "it quotes 40 characters";
+  EXPECT_NE(errorOf("{\"" + std::string(100'000, 'x') + "\" = 1}").find("xxx...'; expected ':'"), std::string::npos);
   EXPECT_EQ(errorOf("[]"), "s.json: the scene: found [], expected an object");
   EXPECT_EQ(errorOf("{}"), "s.json: format: found nothing, expected \"lorica scene 1\"");
   EXPECT_NE(errorOf(R"({"format": "lorica scene 9"})").find("\"lorica scene 9\""), std::string::npos);
