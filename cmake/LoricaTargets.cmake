@@ -114,12 +114,12 @@ endfunction()
 
 # lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder; ctest runs each test by itself.
 #   ALONE Suite.*   tests of what runs in real time, such as a live camera: ctest runs nothing beside them
-#   SANITIZED       .ci/run also runs these tests under sanitizers (target sanitized_tests, label sanitized): code that
-#                   reads data from outside or runs each frame
+#   SANITIZED *     .ci/run also runs these tests, built by clang under sanitizers (target sanitized_tests, label
+#                   sanitized): those of code that reads data from outside, and sessions, which use nearly all the rest
 #   SLOW Suite.*    too slow for that: label slow
 #   LABEL peers     tests that need more than the libraries, to be run by themselves too; else the label is release
 function(lorica_tests name)
-  cmake_parse_arguments(ARG "SANITIZED" "LABEL" "SOURCES;LINKS;ALONE;SLOW" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINKS;ALONE;SANITIZED;SLOW" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINKS} lorica_test_support GTest::gtest_main)
   lorica_flags(${name}_tests)
@@ -134,21 +134,28 @@ function(lorica_tests name)
   if(ARG_LABEL)
     set(label ${ARG_LABEL})
   endif()
-  if(ARG_SANITIZED)
-    set(label sanitized)
-    add_dependencies(sanitized_tests ${name}_tests)
-  endif()
   list(JOIN ARG_ALONE ":" alone)
   list(JOIN ARG_SLOW ":" slow)
+  if(ARG_SANITIZED)
+    add_dependencies(sanitized_tests ${name}_tests)
+  endif()
   # Under sanitizers one process runs all tests of a program: what they share is prepared once, which takes most of the time.
   if(LORICA_SANITIZE)
-    if(NOT ARG_SANITIZED OR LORICA_SANITIZE STREQUAL "thread")
+    set(chosen "*")
+    if(ARG_SANITIZED AND NOT LORICA_SANITIZE STREQUAL "thread")
+      list(JOIN ARG_SANITIZED ":" chosen)
+      set(label sanitized)
+    else()
       set(timeout 7200)
     endif()
-    add_test(NAME ${name} COMMAND ${name}_tests "--gtest_filter=-${slow}")
+    add_test(NAME ${name} COMMAND ${name}_tests "--gtest_filter=${chosen}-${slow}")
     set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS ${label})
     if(alone)
       set_tests_properties(${name} PROPERTIES RUN_SERIAL TRUE)
+    endif()
+    if(NOT chosen STREQUAL "*")
+      add_test(NAME ${name}.rest COMMAND ${name}_tests "--gtest_filter=-${chosen}:${slow}")
+      set_tests_properties(${name}.rest PROPERTIES TIMEOUT 7200 LABELS slow)
     endif()
     if(slow)
       add_test(NAME ${name}.slow COMMAND ${name}_tests "--gtest_filter=${slow}")
