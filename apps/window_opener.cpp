@@ -215,6 +215,8 @@ void WindowOpener::describe(WindowValues& values) {
   values.hint = hint();
   if (whyNot_.empty()) {
     values.motions = motions_;
+    const auto present = std::find(motions_.begin(), motions_.end(), present_.input.motion);
+    values.motion = present == motions_.end() ? -1 : static_cast<int>(present - motions_.begin());
     values.clips = choices_.clips;
     values.clip = choices_.clip;
     values.people = choices_.people;

@@ -28,12 +28,24 @@ float besideSlider(float room, const std::string& longest) {
   return std::max(room - ImGui::CalcTextSize(longest.c_str()).x - ImGui::GetStyle().ItemSpacing.x, 0.3f * room);
 }
 
-/// A list of what can be opened.
-void chooseFile(const char* what, std::span<const std::string> files, WindowRequests& requests) {
+/// A list of what can be opened, by the names of the files; the folders of one are a tooltip.
+/// @param present  index of what is played; -1 = none of these
+void chooseFile(const char* what, std::span<const std::string> files, int present, WindowRequests& requests) {
   if (files.empty()) return;
-  std::optional<int> chosen;
-  chooseFrom(what, "", what, files, -1, chosen);
-  if (chosen && *chosen >= 0) requests.files = {files[static_cast<std::size_t>(*chosen)]};
+  const auto name = [](const std::string& file) { return file.c_str() + (file.rfind('/') + 1); };
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  ImGui::PushID(what);
+  if (ImGui::BeginCombo("##list", present < 0 ? what : name(files[static_cast<std::size_t>(present)]))) {
+    for (int n = 0; n < static_cast<int>(files.size()); ++n) {
+      const std::string& file = files[static_cast<std::size_t>(n)];
+      ImGui::PushID(n);
+      if (ImGui::Selectable(name(file), n == present)) requests.files = {file};
+      ImGui::PopID();
+      if (name(file) != file.c_str()) tellWhy(file);
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PopID();
 }
 
 }  // namespace
@@ -203,12 +215,12 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     if (values.avatars.size() > 1) {
       chooseFrom("avatar", "follow: ", "all avatars", values.avatars, values.avatar, requests.avatar);
     }
-    chooseFile("motion", values.motions, requests);
+    chooseFile("motion", values.motions, values.motion, requests);
     if (!values.scenes.empty()) chooseFrom("scene", "", nullptr, values.scenes, values.scene, requests.scene);
     if (!values.expressions.empty()) {
       chooseFrom("expression", "expression: ", "none", values.expressions, values.expression, requests.expression);
     }
-    chooseFile("files", values.recent, requests);
+    chooseFile("files", values.recent, -1, requests);
     if (!values.hint.empty()) {
       ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
       ImGui::TextWrapped("%.*s", static_cast<int>(values.hint.size()), values.hint.data());

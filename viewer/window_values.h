@@ -85,6 +85,7 @@ struct WindowValues {
   std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
   int avatar = -1;                           ///< index of the followed one; -1 = all
   std::span<const std::string> motions;      ///< that can be opened by name; empty = none
+  int motion = -1;                           ///< index of the played one; -1 = another
   std::span<const std::string> clips;        ///< of the played file; empty = no choice
   int clip = 0;                              ///< index of the played one
   std::span<const std::string> people;       ///< of the played recording; empty = no choice

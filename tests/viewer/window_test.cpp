@@ -155,6 +155,22 @@ TEST_F(WindowAtWork, WhatFailedIsMarkedUntilTheNextMessage) {
   EXPECT_EQ(red(), before);
 }
 
+TEST_F(WindowAtWork, FilesAreListedByNameWithTheirFoldersAsATooltip) {
+  open(1000, 700);
+  const std::vector<std::string> files{"/here/a.csv", "/a/very/long/folder/so/that/it/is/wide/b.csv"};
+  values.recent = files;
+  values.maxParts = 0;
+  frames(2);
+  // Without parts the list is below ten switches and a line.
+  send("mousemove --window %1 113 315 click 1");
+  const Image list = picture("shift+p");
+  send("mousemove --window %1 60 365");
+  const Image tooltip = picture("shift+p");
+  EXPECT_GT(differingPixels(list, tooltip, 8), 3'000);
+  send("click 1");
+  EXPECT_EQ(window->takeRequests().files, std::vector{files[1]});
+}
+
 TEST_F(WindowAtWork, EscapeClosesTheHelpBeforeTheWindow) {
   open(320, 240);
   send("key h");
