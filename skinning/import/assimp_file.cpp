@@ -121,7 +121,9 @@ class AssimpSceneReader {
       made.name = asText(node->mName);
       if (made.name.empty()) made.name = fmt::format("node {}", index);
       made.parent = parent;
-      const Affine3 parentFromNode = asAffine(node->mTransformation);
+      // FBX has no root node. assimp makes one, and from 5.4 on it holds the file's axes, for which we have fbxAxes().
+      const bool madeUp = parent < 0 && scene_.format == "FBX";
+      const Affine3 parentFromNode = madeUp ? Affine3::Identity() : asAffine(node->mTransformation);
       if (!parentFromNode.matrix().allFinite()) {
         return bad(fmt::format("node '{}': contains a non-finite number", made.name));
       }

@@ -125,9 +125,7 @@ TEST(BoneMap, AnEditedMapChangesBones) {
 }
 
 TEST(BoneMap, WrongFilesAreRefusedInSentences) {
-  EXPECT_EQ(readMessage(""),
-            ": not JSON: parse error at line 1, column 1: syntax error while parsing value - "
-            "unexpected end of input; expected '[', '{', or a literal");
+  EXPECT_TRUE(readMessage("").starts_with(": not JSON: parse error at line 1, column 1: ")) << readMessage("");
   EXPECT_NE(readMessage("{\n \"lorica\": \"bone map 1\"\n \"bones\": {}}").find("line 3"), std::string::npos);
   EXPECT_EQ(readMessage("[]"), ": not a bone map, expected an object with \"lorica\": \"bone map 1\"");
   EXPECT_EQ(readMessage("{\"bones\": {}}"), ": not a bone map, expected an object with \"lorica\": \"bone map 1\"");
