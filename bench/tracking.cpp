@@ -361,6 +361,9 @@ int main(int argc, char** argv) {
   app.add_option("--real", options.real, "measure on the depth recordings of real people in this folder instead");
   app.add_option("--name", options.realOptions.names, "with --real: only recordings whose name begins like this")
       ->delimiter(',');
+  app.add_option("--start", options.realOptions.variant.start, "with --real: frames left out at the beginning")
+      ->check(CLI::Range(0, 10'000));
+  app.add_flag("--mirror", options.realOptions.variant.mirror, "with --real: left and right exchanged");
   app.add_flag("--twins", options.realOptions.twins,
                "with --real: rendered copies of the recordings instead, with --noise and --clothes");
   app.add_option("--results", options.realOptions.results, "with --real: folder for the joints and labels");

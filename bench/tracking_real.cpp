@@ -224,8 +224,10 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
     }
     measured.falseFrames += static_cast<int>(extra > 0);
     measured.lateFalseFrames += static_cast<int>(extra > 0 && settled);
-    const fs::path mask = recording.file.parent_path() / "masks" / fmt::format("{}_{:04}.png", recording.name, frame);
-    const double overlap = overlapOf(mask, tracker->labels(), source.camera().width);
+    const fs::path mask = recording.file.parent_path() / "masks" /
+                          fmt::format("{}_{:04}.png", recording.name, frame + options.variant.start);
+    const double overlap =
+        options.variant.mirror ? std::nan("") : overlapOf(mask, tracker->labels(), source.camera().width);
     if (!std::isnan(overlap)) measured.overlaps.push_back(overlap);
   }
   if (!first.empty()) measured.first = std::ranges::max(first);
@@ -242,7 +244,8 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
 Result<Measured> trackReal(const RealRecording& recording, const Joints& offsets, const RealOptions& options) {
   Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
   if (!source) return source.error();
-  return track(**source, recording, offsets, options, {});
+  const std::unique_ptr<DepthSource> shown = altered(std::move(*source), options.variant);
+  return track(*shown, altered(recording, options.variant), altered(offsets, options.variant), options, {});
 }
 
 /// The same people rendered.

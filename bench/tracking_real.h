@@ -1,5 +1,6 @@
 #pragma once
 
+#include "bench/real_variant.h"
 #include "capture/virtual_sensor/depth_noise.h"
 #include "capture/virtual_sensor/virtual_clothes.h"
 #include "geometry/result.h"
@@ -15,6 +16,7 @@ struct RealOptions {
   std::filesystem::path results;   ///< folder for the joints and labels of each recording; empty = none
   std::filesystem::path pictures;  ///< folder for a sheet of each recording: joints over depth; empty = none
   int pictureStep = 10;            ///< every which frame is drawn
+  RealVariant variant;             ///< which run of each recording
   bool twins = false;              ///< rendered copies of the recordings instead, see renderedTwin()
   DepthNoiseSettings twinNoise;
   std::vector<Clothes> twinClothes;

@@ -1,0 +1,82 @@
+#include "bench/real_variant.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace lorica::bench {
+namespace {
+
+/// Exchanges left and right of a person.
+BodyJoint otherSide(BodyJoint joint) {
+  const std::string name(nameOf(joint));
+  for (const auto& [from, to] : {std::pair{"left", "right"}, std::pair{"right", "left"}}) {
+    if (!name.starts_with(from)) continue;
+    const std::string other = to + name.substr(std::string(from).size());
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      if (nameOf(static_cast<BodyJoint>(j)) == other) return static_cast<BodyJoint>(j);
+    }
+  }
+  return joint;
+}
+
+class AlteredSource : public DepthSource {
+ public:
+  AlteredSource(std::unique_ptr<DepthSource> source, const RealVariant& variant)
+      : source_(std::move(source)), variant_(variant) {}
+
+  [[nodiscard]] const DepthCamera& camera() const override { return source_->camera(); }
+  [[nodiscard]] std::string name() const override { return source_->name(); }
+  [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override {
+    for (; skipped_ < variant_.start; ++skipped_) {
+      const Result<DepthRead> read = source_->next(frame);
+      if (!read || *read != DepthRead::kFrame) return read;
+    }
+    const Result<DepthRead> read = source_->next(frame);
+    if (!read || *read != DepthRead::kFrame || !variant_.mirror) return read;
+    for (auto row = frame.depthMm.begin(); row != frame.depthMm.end(); row += camera().width) {
+      std::reverse(row, row + camera().width);
+    }
+    return read;
+  }
+
+ private:
+  std::unique_ptr<DepthSource> source_;
+  RealVariant variant_;
+  int skipped_ = 0;
+};
+
+}  // namespace
+
+Joints altered(const Joints& joints, const RealVariant& variant) {
+  if (!variant.mirror) return joints;
+  Joints result;
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+    result[static_cast<std::size_t>(otherSide(static_cast<BodyJoint>(j)))] =
+        joints[j].cwiseProduct(Vec3(-1.0, 1.0, 1.0));
+  }
+  return result;
+}
+
+RealRecording altered(const RealRecording& recording, const RealVariant& variant) {
+  RealRecording result = recording;
+  result.firstFrame = std::max(0, recording.firstFrame - variant.start);
+  for (std::map<int, Joints>& person : result.people) {
+    std::map<int, Joints> shown;
+    for (const auto& [frame, joints] : person) {
+      if (frame >= variant.start) shown[frame - variant.start] = altered(joints, variant);
+    }
+    person = std::move(shown);
+  }
+  if (variant.mirror) {
+    const Eigen::DiagonalMatrix<double, 3> flip(-1.0, 1.0, 1.0);
+    result.floorFromCamera.linear() = flip * recording.floorFromCamera.linear() * flip;
+  }
+  return result;
+}
+
+std::unique_ptr<DepthSource> altered(std::unique_ptr<DepthSource> source, const RealVariant& variant) {
+  return std::make_unique<AlteredSource>(std::move(source), variant);
+}
+
+}  // namespace lorica::bench
