@@ -44,6 +44,7 @@ struct PeopleFinder::Impl {
   void giveUpFurniture(bool floorIsNew);
   void makeBackground(int slot);
   void explain(int slot, const fit::PosedModel& body);
+  void explainPieces(int slot, const fit::PosedModel& body);
   void report();
   void paint(std::span<const std::uint16_t> depthMm);
   void find(const DepthFrame& frame);
@@ -236,6 +237,35 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
   }
 }
 
+/// A piece in front of unknown background that the body does not explain, such as a chair or someone else's leg, is no
+/// longer the person's by having been theirs.
+void PeopleFinder::Impl::explainPieces(int k, const fit::PosedModel& body) {
+  const std::span<const DepthComponent> all = finder.components();
+  const std::span<const std::int32_t> label = finder.labels();
+  for (std::size_t component = 0; component < all.size(); ++component) {
+    const DepthComponent& one = all[component];
+    const bool isNew = 2 * one.newCells > one.cells, main = 2 * one.cells > slots[k].cells;
+    if (!owners.isOf(component, k) || isNew || main) continue;
+    const auto each = [&](const auto& act) {
+      for (int r = one.top; r <= one.bottom; ++r) {
+        for (int c = one.left; c <= one.right; ++c) {
+          if (label[grid.index(c, r)] == static_cast<std::int32_t>(component)) act(c, r);
+        }
+      }
+    };
+    int far = 0;
+    each([&](int c, int r) {
+      const Vec3f position = positions(grid, c, r);
+      const auto isNear = [&](const fit::ShapedCapsule& capsule) {
+        return (position - capsule.middle).norm() - capsule.reach < kFar &&
+               std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
+      };
+      far += static_cast<int>(std::ranges::none_of(body.capsule, isNear));
+    });
+    if (2 * far > one.cells) each([&](int c, int r) { lastPerson[grid.index(c, r)] = 0; });
+  }
+}
+
 /// True for a person who has moved or stands free. Something cut off by the image's top or sides may also be a shelf:
 /// it must show head and shoulders.
 bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
@@ -356,7 +386,12 @@ void PeopleFinder::confirm(int user) {
 void PeopleFinder::explain(int user, const fit::PosedModel& body) {
   for (int k = 0; k < kPersonSlots; ++k) {
     const PersonSlot& slot = impl_->slots[k];
-    if (slot.used && slot.attached && slot.user == user) impl_->explain(k, body);
+    if (!slot.used || slot.user != user) continue;
+    if (slot.attached) {
+      impl_->explain(k, body);
+    } else {
+      impl_->explainPieces(k, body);
+    }
   }
 }
 void PeopleFinder::reject(int user) {

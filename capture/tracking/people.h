@@ -37,7 +37,7 @@ class PeopleFinder {
   /// A body explains what is seen of this person: they are one person, and no furniture.
   void confirm(int user);
   /// Of someone connected to the room, what the body explains is the person's from the next frame on, the rest the
-  /// room's, unless it moves.
+  /// room's, unless it moves. Of anyone else, pieces apart from the rest that it does not explain may be another's.
   /// @param body  fitted to the last frame, floor frame
   void explain(int user, const fit::PosedModel& body);
   /// What was taken for this person is furniture: it becomes background.

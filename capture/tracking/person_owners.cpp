@@ -13,8 +13,9 @@ namespace {
 constexpr float kReach = 0.9F;        // max distance from the middle of a person to that of any piece, horizontally [m]
 constexpr float kGapNew = 0.35F;      // between pieces of a person in front of known background [m]
 constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
+constexpr float kUnder = 0.25F;       // from the middle of a person to that of a leg in front of unknown background [m]
+constexpr float kOnFloor = 0.15F;     // what reaches down to this height stands on the floor [m]
 constexpr float kAloneApart = 0.6F;   // of two surfaces that may be a person each: they are not one person [m]
-constexpr int kGapCells = 10;         // max gap that noise and shadows may cause between pieces
 
 // Owners of surfaces that are not slots.
 constexpr int kNobody = -1;
@@ -165,7 +166,9 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
       const PersonSlot& slot = slots[k];
       if (overlap * 12 > one.cells || overlap * 4 > slot.cells) mask |= 1U << static_cast<unsigned>(k);
     }
-    if (goesOnIntoBackground(one) && (best < 0 || !slots[best].attached)) {
+    // What was a person's and is not their main piece stays theirs beside the room: a leg beside a chair.
+    const bool piece = best >= 0 && 2 * one.overlap[best] > one.cells && !isMainPiece(one, slots[best].cells, best);
+    if (goesOnIntoBackground(one) && !piece && (best < 0 || !slots[best].attached)) {
       owner_[i] = kScenery;
       continue;
     }
@@ -250,53 +253,67 @@ bool PersonOwners::separateHeads(const PeopleScene& scene, std::size_t component
   return true;
 }
 
+/// The distance from a surface to each person, along the rows and columns of the image; @param max if it is larger [m]
+std::array<float, kPersonSlots> PersonOwners::gapsTo(const PeopleScene& scene, std::size_t component, float max) const {
+  const DepthGrid& grid = scene.grid;
+  const DepthComponent& one = scene.surfaces.components()[component];
+  const std::span<const std::int32_t> label = scene.surfaces.labels();
+  const auto mine = static_cast<std::int32_t>(component);
+  const auto w = static_cast<std::ptrdiff_t>(grid.width);
+  const auto cell = static_cast<float>(std::sqrt(one.area / one.cells));
+  const int reach = static_cast<int>(max / cell);
+  std::array<float, kPersonSlots> gaps;
+  gaps.fill(max);
+  for (int r = one.top; r <= one.bottom; ++r) {
+    for (int c = one.left; c <= one.right; ++c) {
+      const std::size_t i = grid.index(c, r);
+      if (label[i] != mine) continue;
+      const auto look = [&](std::ptrdiff_t stride, int room) {
+        for (int s = 1; s <= std::min(room, reach); ++s) {
+          const std::size_t j = i + static_cast<std::size_t>(s * stride);
+          if (label[j] == mine) return;
+          if (person_[j] == 0) continue;
+          const Vec3f there = scene.positions(grid, static_cast<int>(j % static_cast<std::size_t>(w)),
+                                              static_cast<int>(j / static_cast<std::size_t>(w)));
+          float& gap = gaps[person_[j] - 1U];
+          gap = std::min(gap, (there - scene.positions(grid, c, r)).norm());
+        }
+      };
+      look(-1, c);
+      look(1, grid.width - 1 - c);
+      look(-w, r);
+      look(w, grid.height - 1 - r);
+    }
+  }
+  return gaps;
+}
+
 void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
   const std::span<const DepthComponent> all = scene.surfaces.components();
-  const std::span<const std::int32_t> label = scene.surfaces.labels();
-  const auto w = static_cast<std::ptrdiff_t>(scene.grid.width);
   for (std::size_t component = 0; component < all.size(); ++component) {
     const DepthComponent& one = all[component];
     if (owner_[component] != kNobody || one.area > 0.4) continue;
     const bool isNew = 2 * one.newCells > one.cells;
-    // If the background is not known, a piece that stands on the floor may be a chair as well as a leg.
-    if (!isNew && scene.floorFound && one.min.y() < 0.15F) continue;
-    float bestGap = isNew ? kGapNew : kGapUnknown;
+    const float max = isNew ? kGapNew : kGapUnknown;
+    const std::array<float, kPersonSlots> gaps = gapsTo(scene, component, max);
+    // The nearest surface may be that of someone in front, so the nearest middle counts. If the background is not
+    // known, a piece that stands on the floor may be a chair as well as a leg, but legs are below the trunk.
+    const bool stands = !isNew && scene.floorFound && one.min.y() < kOnFloor;
+    float nearest = stands ? kUnder : kReach;
     int best = -1;
-    for (int r = one.top; r <= one.bottom; ++r) {
-      for (int c = one.left; c <= one.right; ++c) {
-        const std::size_t i = scene.grid.index(c, r);
-        if (label[i] != static_cast<std::int32_t>(component)) continue;
-        const auto look = [&](std::ptrdiff_t stride, int room) {
-          for (int s = 1; s <= std::min(room, kGapCells); ++s) {
-            const std::size_t j = i + static_cast<std::size_t>(s * stride);
-            if (label[j] == static_cast<std::int32_t>(component)) return;
-            if (person_[j] == 0) continue;
-            const int slot = person_[j] - 1;
-            const Vec3f there = scene.positions(scene.grid, static_cast<int>(j % static_cast<std::size_t>(w)),
-                                                static_cast<int>(j / static_cast<std::size_t>(w)));
-            const float gap = (there - scene.positions(scene.grid, c, r)).norm();
-            if (gap < bestGap) {
-              bestGap = gap;
-              best = slot;
-            }
-            return;
-          }
-        };
-        look(-1, c);
-        look(1, scene.grid.width - 1 - c);
-        look(-w, r);
-        look(w, scene.grid.height - 1 - r);
-      }
+    for (int k = 0; k < kPersonSlots; ++k) {
+      if (gaps[k] >= max) continue;
+      const float away = awayFrom(scene, one, slots[k]);
+      if (away >= nearest) continue;
+      nearest = away;
+      best = k;
     }
     if (best < 0) continue;
     // A person who has gone behind another one may show beside them.
     const int hidden = isNew ? hiddenSlot(scene, slots, one) : -1;
-    if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < awayFrom(scene, one, slots[best])) {
-      best = hidden;
-    }
+    if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < nearest) best = hidden;
     const auto mine = [&](const Vec3f& axis) { return mayBeHeadOf(scene, slots[best], axis); };
-    if (hasOtherHead(scene, component, mine)) continue;
-    if (awayFrom(scene, one, slots[best]) < kReach) give(scene, component, best, slots);
+    if (!hasOtherHead(scene, component, mine)) give(scene, component, best, slots);
   }
 }
 

@@ -5,6 +5,7 @@
 #include "capture/tracking/people_scene.h"
 #include "capture/tracking/person_split.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,6 +28,8 @@ class PersonOwners {
   void refuse(const Vec3f& middle, double time) { atHeads_.refuse(middle, time); }
   /// Cells of people found at a head whose background must be forgotten: it had a person in it.
   [[nodiscard]] std::span<const std::uint32_t> uncovered() const { return atHeads_.uncovered(); }
+  /// Whether a surface was given to one person as a whole, or nearly so.
+  [[nodiscard]] bool isOf(std::size_t component, int slot) const { return owner_[component] == slot; }
   /// Whether a surface may be a person for whom no slot is free.
   [[nodiscard]] bool mayBeSomeone(std::size_t component) const;
 
@@ -34,6 +37,8 @@ class PersonOwners {
   void assign(const PeopleScene& scene, PersonSlots& slots);
   void findNewcomers(const PeopleScene& scene, PersonSlots& slots);
   bool separateHeads(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
+  [[nodiscard]] std::array<float, kPersonSlots> gapsTo(const PeopleScene& scene, std::size_t component,
+                                                       float max) const;
   void joinPieces(const PeopleScene& scene, PersonSlots& slots);
   void give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
   void splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots,

@@ -130,10 +130,8 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     seat->lastTime = frame.time;
     seat->belief.update(
         {seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached});
-    if (people[i].attached) {
-      poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
-      t.finder.explain(seat->user, t.body);
-    }
+    poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
+    t.finder.explain(seat->user, t.body);
     const bool doubtful = !seat->belief.believed() && frame.time - seat->firstTime > kDoubtSeconds;
     t.roomUncertain = t.roomUncertain || people[i].attached || (doubtful && people[i].moved);
     if (seat->belief.believed()) {
