@@ -23,10 +23,13 @@ int onLoss(void* /*display*/) {
 }  // namespace
 
 void endWithDisplay() {
-  // GLFW has loaded libX11, which viewer/ is not linked with: there may be Wayland instead.
+  // GLFW has loaded libX11, which viewer/ is not linked with: there may be Wayland instead. GLFW 3.4 opens it for
+  // itself, so its functions are not found among those of the program.
+  void* x11 = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  if (x11 == nullptr) return;
   using Handler = int (*)(void*);
   using SetHandler = Handler (*)(Handler);
-  const auto set = reinterpret_cast<SetHandler>(dlsym(RTLD_DEFAULT, "XSetIOErrorHandler"));
+  const auto set = reinterpret_cast<SetHandler>(dlsym(x11, "XSetIOErrorHandler"));
   if (set != nullptr) set(onLoss);
 }
 

@@ -95,7 +95,7 @@ TEST_F(WindowDrop, OfSeveralMotionsTheFirstIsPlayedAndTheOthersAreInTheList) {
   hands.sleep("0.5");
   hands.mouse("mousemove --window $w 113 393 click 1");  // the list of files
   hands.sleep("0.5");
-  hands.mouse("mousemove --window $w 113 487 click 1");  // the third
+  hands.mouse("mousemove --window $w 113 465 click 1");  // the third
   hands.line("timeout 20 xdotool search --sync --name '^Lorica: jumping_jacks'");
   const CommandResult result =
       hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
