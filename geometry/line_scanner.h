@@ -58,8 +58,8 @@ class LineScanner {
 /// Formats a word for a message: in quotes, unprintable bytes as \x1f, truncated after 40 characters.
 [[nodiscard]] std::string quotedWord(std::string_view word);
 
-/// A syntax error of the JSON library as it is reported: "not JSON: " and what(), without the library's error number and
-/// with the text that it read last as a quotedWord(), since that may be most of the file.
+/// A syntax error of the JSON library as it is reported: "not JSON: " and what(), without the library's error number
+/// and with the text that it read last as a quotedWord(), since that may be most of the file.
 [[nodiscard]] std::string notJson(std::string_view what);
 
 /// Parses a whole word as a finite number or an integer. A leading + is allowed; a number too small for a double is 0.
