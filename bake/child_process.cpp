@@ -1,5 +1,7 @@
 #include "bake/child_process.h"
 
+#include "geometry/sanitizer.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
@@ -30,7 +32,7 @@ namespace {
   const bool ready = in >= 0 && out >= 0 && ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 &&
                      ::dup2(out, STDERR_FILENO) >= 0 && ::setpgid(0, 0) == 0 &&
                      ::prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && ::setrlimit(RLIMIT_CORE, &noCore) == 0 &&
-                     (memory.rlim_cur == 0 || ::setrlimit(RLIMIT_DATA, &memory) == 0);
+                     (memory.rlim_cur == 0 || kReservesAddresses || ::setrlimit(RLIMIT_DATA, &memory) == 0);
   if (ready && ::getppid() == parent) ::execve(program, arguments, environment);
   const int error = errno;
   [[maybe_unused]] const ssize_t written = ::write(failure, &error, sizeof(error));

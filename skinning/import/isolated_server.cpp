@@ -1,4 +1,5 @@
 #include "geometry/byte_reader.h"
+#include "geometry/sanitizer.h"
 #include "skinning/import/isolated_protocol.h"
 #include "skinning/import/isolated_reader.h"
 #include "skinning/import/isolated_scene.h"
@@ -15,15 +16,6 @@
 #include <span>
 #include <string>
 
-// Address and thread sanitizers reserve terabytes of addresses.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define LORICA_UNLIMITED_MEMORY 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define LORICA_UNLIMITED_MEMORY 1
-#endif
-#endif
-
 namespace lorica {
 
 namespace {
@@ -37,7 +29,6 @@ void limit(__rlimit_resource resource, std::uint64_t value) {
   (void)::setrlimit(resource, &limits);
 }
 
-#ifndef LORICA_UNLIMITED_MEMORY
 /// Bytes of addresses that this process has now.
 std::uint64_t addressBytes() {
   unsigned long long pages = 0;
@@ -47,7 +38,6 @@ std::uint64_t addressBytes() {
   std::fclose(file);
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
-#endif
 
 void setLimits(std::uint64_t fileBytes) {
   const IsolationLimits limits = isolationLimits(fileBytes);
@@ -57,9 +47,7 @@ void setLimits(std::uint64_t fileBytes) {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_STACK, limits.stackBytes);
   limit(RLIMIT_CPU, limits.cpuSeconds);
-#ifndef LORICA_UNLIMITED_MEMORY
-  limit(RLIMIT_AS, addressBytes() + limits.memoryBytes);
-#endif
+  if (!kReservesAddresses) limit(RLIMIT_AS, addressBytes() + limits.memoryBytes);
   std::set_new_handler([] { ::_exit(isolated::kOutOfMemory); });
 }
 
