@@ -1,24 +1,12 @@
 #include "bench/real_variant.h"
 
+#include "capture/smoothing.h"
+
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace lorica::bench {
 namespace {
-
-/// Exchanges left and right of a person.
-BodyJoint otherSide(BodyJoint joint) {
-  const std::string name(nameOf(joint));
-  for (const auto& [from, to] : {std::pair{"left", "right"}, std::pair{"right", "left"}}) {
-    if (!name.starts_with(from)) continue;
-    const std::string other = to + name.substr(std::string(from).size());
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      if (nameOf(static_cast<BodyJoint>(j)) == other) return static_cast<BodyJoint>(j);
-    }
-  }
-  return joint;
-}
 
 class AlteredSource : public DepthSource {
  public:
@@ -50,11 +38,11 @@ class AlteredSource : public DepthSource {
 
 Joints altered(const Joints& joints, const RealVariant& variant) {
   if (!variant.mirror) return joints;
+  SkeletonFrame frame;
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) frame.joints[j].position = joints[j];
+  mirror(frame);
   Joints result;
-  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-    result[static_cast<std::size_t>(otherSide(static_cast<BodyJoint>(j)))] =
-        joints[j].cwiseProduct(Vec3(-1.0, 1.0, 1.0));
-  }
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) result[j] = frame.joints[j].position;
   return result;
 }
 
