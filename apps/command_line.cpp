@@ -1,6 +1,7 @@
 #include "apps/command_line.h"
 
 #include "apps/standard_streams.h"
+#include "geometry/printable.h"
 #include "geometry/similar_name.h"
 
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/standard_streams.h"
+#include "geometry/printable.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>

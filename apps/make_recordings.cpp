@@ -3,6 +3,7 @@
 #include "apps/standard_streams.h"
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
+#include "geometry/printable.h"
 
 #include <fmt/core.h>
 

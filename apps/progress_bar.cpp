@@ -3,6 +3,7 @@
 #include "apps/interrupt.h"
 #include "apps/report.h"
 #include "apps/standard_streams.h"
+#include "geometry/printable.h"
 
 #include <fmt/format.h>
 

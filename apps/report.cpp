@@ -2,6 +2,7 @@
 
 #include "apps/standard_streams.h"
 #include "geometry/files.h"
+#include "geometry/printable.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

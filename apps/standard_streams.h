@@ -2,8 +2,6 @@
 
 #include "geometry/result.h"
 
-#include <cstddef>
-#include <string>
 #include <string_view>
 
 namespace lorica {
@@ -17,10 +15,5 @@ void say(std::string_view text);
 
 /// Prints to standard output. @param what  for the error message: "the report"
 [[nodiscard]] Result<void> print(std::string_view text, std::string_view what);
-
-/// Text from files, arguments and devices for a terminal: control characters and bytes that are not UTF-8 as \x1b, and
-/// the middle of long text replaced by its length.
-/// @param longest  [bytes]
-[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 1000);
 
 }  // namespace lorica

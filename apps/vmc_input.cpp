@@ -4,6 +4,7 @@
 #include "apps/percentiles.h"
 #include "apps/standard_streams.h"
 #include "apps/stream_motion.h"
+#include "geometry/printable.h"
 #include "session/stream_pose_source.h"
 
 #include <fmt/format.h>

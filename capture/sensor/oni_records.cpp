@@ -1,6 +1,7 @@
 #include "capture/sensor/oni_records.h"
 
 #include "capture/sensor/oni_depth_stream.h"
+#include "geometry/printable.h"
 
 #include <fmt/format.h>
 
@@ -45,12 +46,7 @@ struct Node {
   bool removed = false;
 };
 
-/// For error messages: text in a file may contain anything.
-std::string printable(std::string_view text) {
-  std::string out;
-  for (const char c : text.substr(0, 80)) out += c >= 0x20 && c < 0x7f ? c : '?';
-  return out;
-}
+constexpr std::size_t kLongestText = 80;  // in a message [bytes]
 
 class Walk {
  public:
@@ -84,7 +80,7 @@ class Walk {
     OniFields fields(raw);
     const std::string_view magic = *fields.text(4);
     if (magic != "NI10")
-      return bad(fmt::format("\"{}\"", printable(magic)), "\"NI10\" at the start of an .oni recording");
+      return bad(fmt::format("\"{}\"", printable(magic, kLongestText)), "\"NI10\" at the start of an .oni recording");
     const int major = *fields.take<std::uint8_t>();
     const int minor = *fields.take<std::uint8_t>();
     const int maintenance = *fields.take<std::uint16_t>();
@@ -222,7 +218,7 @@ class Walk {
       return bad(fmt::format("more than {} nodes", kMaxNodes), "a device and its streams");
     }
     nodes_[node] = {*nodeType, false};
-    if (*nodeType == kDevice && index_.info.device.empty()) index_.info.device = printable(*name);
+    if (*nodeType == kDevice && index_.info.device.empty()) index_.info.device = printable(*name, kLongestText);
     if (*nodeType != kDepth || depthNode_) return {};
 
     depthNode_ = node;
@@ -242,11 +238,12 @@ class Walk {
       return bad(fmt::format("{} bytes of fields in a property", bytes), "its name, its size and that many bytes");
     }
     if ((type == kInt || type == kReal) && *valueBytes != 8) {
-      return bad(fmt::format("{} bytes of number \"{}\"", *valueBytes, printable(*name)), "8");
+      return bad(fmt::format("{} bytes of number \"{}\"", *valueBytes, printable(*name, kLongestText)), "8");
     }
     if (type == kString && *valueBytes <= kLongestName && nodes_[node].type == kDevice &&
         (*name == "PhysicalDeviceName" || *name == "DeviceName")) {
-      if (const auto text = fields.text(*valueBytes); text && !text->empty()) index_.info.device = printable(*text);
+      if (const auto text = fields.text(*valueBytes); text && !text->empty())
+        index_.info.device = printable(*text, kLongestText);
       return {};
     }
     if (depthNode_ != node) return {};

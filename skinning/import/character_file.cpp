@@ -1,6 +1,7 @@
 #include "skinning/import/character_file.h"
 
 #include "geometry/files.h"
+#include "geometry/printable.h"
 #include "skinning/import/assimp_file.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_file.h"
@@ -69,18 +70,24 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
   return makeCharacterFile(std::move(*scene), name, settings);
 }
 
+/// Errors quote names from the file, which may be long and contain anything.
+[[nodiscard]] Result<CharacterFile> inOneLine(Result<CharacterFile> file) {
+  if (file) return file;
+  return Error{file.error().code, printable(file.error().message)};
+}
+
 }  // namespace
 
 Result<CharacterFile> readCharacterFile(const std::filesystem::path& file, const CharacterFileSettings& settings) {
   const Result<std::string> content = readFile(file);
   if (!content) return content.error();
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  return parse(std::as_bytes(std::span(*content)), file.string(), folder, settings);
+  return inOneLine(parse(std::as_bytes(std::span(*content)), file.string(), folder, settings));
 }
 
 Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name,
                                          const CharacterFileSettings& settings) {
-  return parse(bytes, name, {}, settings);
+  return inOneLine(parse(bytes, name, {}, settings));
 }
 
 bool isCharacterFile(const std::filesystem::path& file) {

@@ -187,6 +187,12 @@ std::vector<Fault> allFaults() {
        "hero.glb: no triangles, no bones and no motion, expected a character"},
       {"numbers that overflow", node(0, "scale", {1e300, 1e300, 1e300}),
        "hero.glb: joint 1 'lower': its inverse bind matrix is not finite"},
+      {"a name with control characters",
+       [](GlbWriter& w) {
+         w.document["nodes"][0]["scale"] = {1e300, 1e300, 1e300};
+         w.document["nodes"][0]["name"] = "lo\n\x1b[2Jwer";
+       },
+       "hero.glb: joint 1 'lo\\x0a\\x1b[2Jwer': its inverse bind matrix is not finite"},
   };
 }
 
@@ -195,6 +201,17 @@ INSTANTIATE_TEST_SUITE_P(All, GltfFaults, testing::ValuesIn(allFaults()));
 [[nodiscard]] std::string complaint(const std::string& bytes) {
   const Result<CharacterFile> file = parseCharacterFile(std::as_bytes(std::span(bytes)), "hero.glb");
   return file.ok() ? "" : file.error().message;
+}
+
+TEST(GltfFile, LongNamesAreShortenedInMessages) {
+  GlbWriter writer = smallCharacter();
+  writer.document["nodes"][0]["scale"] = {1e300, 1e300, 1e300};
+  writer.document["nodes"][0]["name"] = std::string(100'000, 'n');
+  const std::string message = complaint(writer.glb());
+  EXPECT_TRUE(message.starts_with("hero.glb: joint 1 'nnn")) << message;
+  EXPECT_TRUE(message.ends_with("nnn': its inverse bind matrix is not finite")) << message;
+  EXPECT_NE(message.find(" bytes) ... "), std::string::npos) << message;
+  EXPECT_LT(message.size(), 1100u);
 }
 
 TEST(GltfFile, ContainersAreCheckedBeforeTheirContent) {
