@@ -123,8 +123,8 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   settings.planesPerEdge = options.orientations;
   settings.threads = outcome.threads;
   sayWhatGives(options, settings);
-  Result<Fit> found = fitHulls({*subject, outcome.keyframes, options.cover.exact() ? nullptr : &*posesToCover,
-                                options.cover, !options.obj.empty(), settings});
+  const CoverPoses* coverIn = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
+  Result<Fit> found = fitHulls({*subject, outcome.keyframes, coverIn, options.cover, !options.obj.empty(), settings});
   if (!found) return found.error();
   const Fit& fit = outcome.fit = std::move(*found);
   const Decomposition& decomposition = fit.made.decomposition;
