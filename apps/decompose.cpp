@@ -123,8 +123,9 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   settings.planesPerEdge = options.orientations;
   settings.threads = outcome.threads;
   sayWhatGives(options, settings);
-  const CoverPoses* coverIn = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
-  Result<Fit> found = fitHulls({*subject, outcome.keyframes, coverIn, options.cover, !options.obj.empty(), settings});
+  const CoverPoses* posesOfCover = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
+  Result<Fit> found =
+      fitHulls({*subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings});
   if (!found) return found.error();
   const Fit& fit = outcome.fit = std::move(*found);
   const Decomposition& decomposition = fit.made.decomposition;

@@ -64,8 +64,6 @@ Result<FileScene> decodeAnswer(std::string_view answer, const std::string& name)
   std::string message = in.takeText(std::min(in.takeCount("a length", 1), kLongestMessage));
   if (in.ok() && kind != static_cast<std::uint8_t>(Kind::kError)) in.fail(0, "found neither a scene nor an error");
   if (!in.ok()) return in.error();
-  std::replace_if(
-      message.begin(), message.end(), [](unsigned char c) { return c < ' '; }, ' ');
   const bool missing = code == static_cast<std::uint8_t>(ErrorCode::kUnsupported);
   return Error{missing ? ErrorCode::kUnsupported : ErrorCode::kBadFormat, std::move(message)};
 }

@@ -9,10 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lorica;
   Result<FileScene> scene = isolated::decodeAnswer({reinterpret_cast<const char*>(data), size}, "fuzz");
-  if (!scene) {
-    LORICA_CHECK(scene.error().message.find('\n') == std::string::npos, "more than one line");
-    return 0;
-  }
+  if (!scene) return 0;
   const Result<CharacterFile> file = makeCharacterFile(std::move(*scene), "fuzz");
   if (file && !file->character.mesh.vertices.empty()) {
     LORICA_CHECK(checkCharacter(file->character).ok(), "what is read passes checkCharacter()");
