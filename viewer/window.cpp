@@ -217,8 +217,10 @@ void Window::show(const Scene& scene, const WindowValues& values) {
 
   const double begin = secondsNow();
   const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);
-  if (width > 0 && height > 0) {  // minimised windows have no pixels
-    if (i.state.picture) {        // saved at the best quality
+  // While the first session loads, a picture waits for something to see.
+  const bool nothingYet = !values.loading.empty() && scene.vertices.empty();
+  if (width > 0 && height > 0) {           // minimised windows have no pixels
+    if (i.state.picture && !nothingYet) {  // saved at the best quality
       i.renderer->setQuality(RenderQuality::kHigh);
       i.drawScene(scene, width, height);
       i.savePicture(i.renderer->readBack());
