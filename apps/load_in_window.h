@@ -7,10 +7,8 @@
 #include <chrono>
 #include <functional>
 #include <optional>
-#include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 namespace lorica {
 
@@ -21,15 +19,11 @@ namespace lorica {
 template <class T>
 [[nodiscard]] Result<std::optional<T>> loadInWindow(Window& window, std::function<Result<T>()> load) {
   BackgroundWork<T> loading(std::move(load));
-  std::vector<std::string> dropped;
   while (window.open()) {
-    const WindowRequests requests = window.takeRequests();
-    if (requests.cancel) break;
-    dropped.insert(dropped.end(), requests.files.begin(), requests.files.end());
+    if (window.takeCancel()) break;
     if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
     if (std::optional<Result<T>> loaded = loading.take()) {
       if (!*loaded) return loaded->error();
-      window.dropAgain(dropped);
       return std::optional<T>(std::move(**loaded));
     }
     const WorkMonitor::Progress progress = loading.progress();

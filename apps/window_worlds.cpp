@@ -13,19 +13,13 @@ constexpr std::chrono::milliseconds kPictureWait(30);
 }  // namespace
 
 /// In the first step sand and water may have to settle, which takes seconds: that runs beside the picture. Closing the
-/// window and Cancel end it, and the session. Files that are dropped meanwhile are opened after it.
+/// window and Cancel end it, and the session.
 Result<bool> WindowLoop::stepSession() {
   if (started_ || !mustSettle(session_.world())) return session_.step();
   BackgroundWork<bool> stepping([&] { return stepAndSettle(session_); });
-  std::vector<std::string> dropped;
   for (;;) {
-    if (std::optional<Result<bool>> stepped = stepping.take()) {
-      window_.dropAgain(dropped);
-      return std::move(*stepped);
-    }
-    const WindowRequests requests = window_.takeRequests();
-    dropped.insert(dropped.end(), requests.files.begin(), requests.files.end());
-    if (!window_.open() || requests.cancel) closed_ = true;
+    if (std::optional<Result<bool>> stepped = stepping.take()) return std::move(*stepped);
+    if (!window_.open() || window_.takeCancel()) closed_ = true;
     if (closed_ || interrupted()) stepping.cancel();
     progress_ = stepping.progress();
     WindowValues values;

@@ -158,8 +158,10 @@ WindowRequests Window::takeRequests() {
   return std::exchange(impl_->requests, {});
 }
 
-void Window::dropAgain(const std::vector<std::string>& files) {
-  impl_->requests.files.insert(impl_->requests.files.begin(), files.begin(), files.end());
+bool Window::takeCancel() {
+  WindowRequests requests = takeRequests();
+  impl_->requests.files = std::move(requests.files);
+  return requests.cancel;
 }
 
 void Window::setQuality(std::optional<RenderQuality> quality) {

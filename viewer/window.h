@@ -36,8 +36,9 @@ class Window {
   void show(const Scene& scene, const WindowValues& values);
   /// The requests since the last call.
   [[nodiscard]] WindowRequests takeRequests();
-  /// Files that were dropped while nobody could open them: the next requests have them.
-  void dropAgain(const std::vector<std::string>& files);
+  /// While nothing else can be asked for: forgets the requests, but for dropped files, which the next requests have.
+  /// @return whether to cancel what is loading
+  [[nodiscard]] bool takeCancel();
   /// The ray from the eye through the mouse cursor.
   [[nodiscard]] Ray pointer() const;
   [[nodiscard]] Camera camera() const;

@@ -167,8 +167,11 @@ TEST_F(WindowAtWork, FilesAreListedByNameWithTheirFoldersAsATooltip) {
   send("mousemove --window %1 60 365");
   const Image tooltip = picture("shift+p");
   EXPECT_GT(differingPixels(list, tooltip, 8), 3'000);
-  send("click 1");
-  EXPECT_EQ(window->takeRequests().files, std::vector{files[1]});
+  send("click 1 key b");
+  EXPECT_FALSE(window->takeCancel());
+  const WindowRequests requests = window->takeRequests();
+  EXPECT_EQ(requests.files, std::vector{files[1]}) << "they can be opened later";
+  EXPECT_FALSE(requests.throwBall);
 }
 
 TEST_F(WindowAtWork, EscapeClosesTheHelpBeforeTheWindow) {
@@ -279,6 +282,19 @@ TEST_F(WindowAtWork, HelpAndPanelsAreShownButNotInPictures) {
   EXPECT_EQ(picture().rgba, picture1.rgba);
   send("key h Tab");
   EXPECT_EQ(test::pixelAt(picture("shift+p"), 30, 465), test::pixelAt(picture1, 30, 465)) << "no panel";
+}
+
+TEST_F(WindowAtWork, APictureWaitsForSomethingToSee) {
+  open(320, 240);
+  values.loading = "sand settles";
+  send("key p");
+  EXPECT_TRUE(std::filesystem::exists("lorica-001.png")) << "the session goes on";
+  const Scene whole = std::exchange(box.scene, Scene());
+  send("key p");
+  EXPECT_FALSE(std::filesystem::exists("lorica-002.png"));
+  box.scene = whole;
+  frames(1);
+  EXPECT_TRUE(std::filesystem::exists("lorica-002.png"));
 }
 
 TEST_F(WindowAtWork, WarningsAreWords) {
