@@ -43,8 +43,12 @@ class Hands {
     CommandSurroundings surroundings;
     surroundings.folder = folder_.path();
     surroundings.display = display.name();
-    return runLorica(arguments, surroundings);
+    const CommandResult result = runLorica(arguments, surroundings);
+    said_ = readFile(folder_.path() / "hands.log").value();
+    return result;
   }
+  /// What the script did and said in the last run.
+  [[nodiscard]] const std::string& said() const { return said_; }
   [[nodiscard]] Image pictureNumber(int n) const {
     char name[32];
     std::snprintf(name, sizeof name, "lorica-%03d.png", n);
@@ -56,6 +60,7 @@ class Hands {
  private:
   const TemporaryFolder& folder_;
   std::ostringstream script_;
+  std::string said_;
   int pictures_ = 0;
 };
 

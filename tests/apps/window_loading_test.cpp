@@ -158,7 +158,7 @@ TEST_F(WindowLoading, WithOtherPartsSandSettlesBesideThePictureAndAsItAlwaysDoes
   for (const char* times : {"Home", "Home Home"}) {  // the second time the first frame is known
     Hands hands(folder_);
     hands.press("space");
-    hands.picture();  // once it has settled
+    hands.picture();  // after the first frame, which may take long
     hands.press("bracketleft");
     hands.sleep("1");
     for (std::istringstream keys(times); !keys.eof();) {
@@ -174,7 +174,7 @@ TEST_F(WindowLoading, WithOtherPartsSandSettlesBesideThePictureAndAsItAlwaysDoes
                        "--events", folder_.path() / "events.jsonl", "--window"},
                       *display_);
     ASSERT_EQ(result.exitCode, 0) << result.err;
-    ASSERT_EQ(result.json()["avatars"][0]["parts"], 3);
+    ASSERT_EQ(result.json()["avatars"][0]["parts"], 3) << hands.said();
     hashes.push_back(result.json()["hash"]);
     EXPECT_TRUE(std::filesystem::remove(folder_.path() / "lorica-001.png")) << "the next one has its name";
   }
