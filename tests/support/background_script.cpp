@@ -5,7 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <string>
+#include <thread>
 
 namespace lorica::test {
 
@@ -26,6 +28,10 @@ BackgroundScript::BackgroundScript(const std::filesystem::path& script, int seco
 
 BackgroundScript::~BackgroundScript() {
   if (group_ <= 0) return;
+  for (int waited = 0; waited < 200; ++waited) {
+    if (waitpid(group_, nullptr, WNOHANG) != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   kill(-group_, SIGKILL);
   waitpid(group_, nullptr, 0);
 }

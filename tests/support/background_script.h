@@ -12,6 +12,8 @@ class BackgroundScript {
  public:
   /// `seconds`: how long the script may run before it gets SIGTERM. `log` receives its output.
   BackgroundScript(const std::filesystem::path& script, int seconds, const std::filesystem::path& log = "/dev/null");
+  /// Ends the script, but not one that is at its end: a key whose press was sent and whose release was not repeats
+  /// itself in the next window.
   ~BackgroundScript();
   BackgroundScript(const BackgroundScript&) = delete;
   BackgroundScript& operator=(const BackgroundScript&) = delete;
