@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 #include <vector>
 
 namespace lorica {
@@ -77,13 +79,20 @@ TEST(VmcStream, AFloodIsOneFrameForEachStep) {
   Packet small;
   small.bundle();
   BoneFrame frame;
-  for (int i = 0; i < 2000; ++i) sender->send(packet.bytes());  // every place of the ring gets its memory
-  for (int i = 0; i < 100 && !stream.wait(0.1, frame); ++i) {
+  // Every place of the ring gets its memory; what a busy machine drops is sent again.
+  int sent = 0;
+  while (sent < 10000 && stream.counts().frames < 300) {
+    sender->send(packet.bytes());
+    ++sent;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  ASSERT_GE(stream.counts().frames, 300);
+  ASSERT_TRUE(stream.wait(1.0, frame));
   const std::int64_t before = test::allocationCount();
   int given = 0, waits = 0;
   for (int i = 0; i < 100000; ++i) {
     sender->send(packet.bytes());
+    ++sent;
     if (i % 10 == 0) other->send(small.bytes());
     if (i % 1000 != 0) continue;
     ++waits;
@@ -92,17 +101,17 @@ TEST(VmcStream, AFloodIsOneFrameForEachStep) {
   const std::int64_t allocations = test::allocationCount() - before;
   EXPECT_EQ(waits, 100);
   EXPECT_LE(given, waits);
-  EXPECT_LE(allocations, 20);  // of the first steps
+  EXPECT_EQ(allocations, 0);
   // All that is left is one frame.
   VmcStream::Counts counts = stream.counts();
   for (int i = 0; i < 50; ++i) {
     const VmcStream::Counts last = counts;
-    (void)stream.wait(0.05, frame);
+    (void)stream.wait(0.2, frame);
     counts = stream.counts();
     if (counts.packets == last.packets) break;
   }
   EXPECT_FALSE(stream.wait(0.0, frame));
-  EXPECT_LE(counts.packets, 102000);
+  EXPECT_LE(counts.packets, sent);
   EXPECT_GT(counts.packets, 100);
   EXPECT_EQ(frame.expressions, (std::vector<NamedWeight>{{"Joy", 1.0f}}));
 }
