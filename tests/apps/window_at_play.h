@@ -39,7 +39,7 @@ class Hands {
   CommandResult runWith(const std::vector<std::string>& arguments, const VirtualDisplay& display) {
     script_ << "xdotool key Escape\n";
     const std::filesystem::path file = folder_.write("hands.sh", script_.str());
-    const BackgroundScript hands(file, 60, folder_.path() / "hands.log");
+    const BackgroundScript hands(file, kMostSeconds, folder_.path() / "hands.log");
     CommandSurroundings surroundings;
     surroundings.folder = folder_.path();
     surroundings.display = display.name();
@@ -58,6 +58,8 @@ class Hands {
   }
 
  private:
+  static constexpr int kMostSeconds = 180;  ///< of a script: under sanitizers a body takes more than a minute to make
+
   const TemporaryFolder& folder_;
   std::ostringstream script_;
   std::string said_;

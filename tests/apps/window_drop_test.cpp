@@ -72,7 +72,7 @@ TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
   Hands hands(folder_);
   hands.sleep("1");
   hands.line(drop({shipped("wave.csv")}));
-  hands.line("timeout 120 xdotool search --sync --name '^Lorica: wave'");
+  hands.line("xdotool search --sync --name '^Lorica: wave'");
   const CommandResult result = hands.runWith({"demo", "--window", "--seconds", "120", "--json", "-"}, *display_);
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
@@ -81,7 +81,7 @@ TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
 TEST_F(WindowDrop, WhatIsDroppedWhileTheFirstBodyIsDecomposedIsOpenedAfterIt) {
   Hands hands(folder_);
   hands.line(drop({shipped("wave.csv")}));
-  hands.line("timeout 120 xdotool search --sync --name '^Lorica: wave'");
+  hands.line("xdotool search --sync --name '^Lorica: wave'");
   const CommandResult result = hands.runWith({"play", "walk", "--window", "--json", "-"}, *display_);
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
@@ -91,12 +91,12 @@ TEST_F(WindowDrop, OfSeveralMotionsTheFirstIsPlayedAndTheOthersAreInTheList) {
   Hands hands(folder_);
   hands.sleep("1");
   hands.line(drop({shipped("wave.csv"), shipped("turn_around.csv"), shipped("jumping_jacks.csv")}));
-  hands.line("timeout 120 xdotool search --sync --name '^Lorica: wave'");
+  hands.line("xdotool search --sync --name '^Lorica: wave'");
   hands.sleep("0.5");
   hands.mouse("mousemove --window $w 113 393 click 1");  // the list of files
   hands.sleep("0.5");
   hands.mouse("mousemove --window $w 113 465 click 1");  // the third
-  hands.line("timeout 20 xdotool search --sync --name '^Lorica: jumping_jacks'");
+  hands.line("xdotool search --sync --name '^Lorica: jumping_jacks'");
   const CommandResult result =
       hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
   ASSERT_EQ(result.exitCode, 0) << result.err;

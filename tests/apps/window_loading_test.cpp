@@ -185,7 +185,7 @@ TEST_F(WindowLoading, WhileSandSettlesAroundOtherPartsTheSessionGoesOn) {
   const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(20'000, 20.0));
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
-  hands.line("timeout 120 xdotool search --sync --name '^Lorica: walk'");
+  hands.line("xdotool search --sync --name '^Lorica: walk'");
   hands.press("Tab bracketleft");
   hands.sleep("1");
   hands.press("Home");
