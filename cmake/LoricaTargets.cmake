@@ -10,11 +10,16 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
 
-# ccache makes a second build of the same files fast. A launcher that was named on the command line wins.
+# ccache makes a second build of the same files fast, in another folder too: paths below the root are hashed as relative
+# ones, the compiler by its content. Off with LORICA_NO_CCACHE in the environment. A launcher that was named on the command
+# line wins.
 find_program(LORICA_CCACHE ccache)
 mark_as_advanced(LORICA_CCACHE)
-if(LORICA_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${LORICA_CCACHE})
+if(LORICA_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER AND NOT DEFINED ENV{LORICA_NO_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true CCACHE_COMPILERCHECK=content
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${LORICA_CCACHE})
+  set(LORICA_USES_CCACHE TRUE)
 endif()
 
 # Everything is compiled and linked with the sanitizers or nothing is: see the presets asan-ubsan and tsan.
@@ -25,11 +30,11 @@ if(LORICA_SANITIZE)
 endif()
 
 # The headers that nearly every file includes take longer than most files themselves: they are compiled once for all
-# targets of a kind (library, tests, apps), with the flags of that kind. Not with ccache, which would need settings of its
-# own for that.
+# targets of a kind (library, tests, apps), with the flags of that kind. Not with clang and ccache: clang's precompiled
+# headers hold paths, so that no other folder could use what is cached.
 function(lorica_precompile target kind)
   cmake_parse_arguments(ARG "" "" "HEADERS;LINKS" ${ARGN})
-  if(CMAKE_CXX_COMPILER_LAUNCHER)
+  if(CMAKE_CXX_COMPILER_LAUNCHER AND NOT (LORICA_USES_CCACHE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU"))
     return()
   endif()
   set(precompiled lorica_precompiled_${kind})
@@ -50,6 +55,9 @@ endfunction()
 
 # Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
 function(lorica_flags target)
+  if(LORICA_USES_CCACHE)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # so that ccache sees them
+  endif()
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                                            $<$<BOOL:${LORICA_WERROR}>:-Werror>)
   # With precompiled headers g++ 12 does not see that code is the standard library's and reports false alarms there.
