@@ -16,6 +16,21 @@
     }                                                                                                   \
   } while (false)
 
+/// LORICA_TRY(const Mesh mesh, readMesh(file)): declares `mesh`, or returns the reason for failure from the function
+/// around.
+#define LORICA_TRY(value, ...) LORICA_TRY_NAMED(LORICA_JOINED(tried_, __LINE__), value, __VA_ARGS__)
+/// LORICA_TRY_DO(write(file)): goes on, or returns the reason for failure from the function around.
+#define LORICA_TRY_DO(...)                                                        \
+  do {                                                                            \
+    if (auto tried = (__VA_ARGS__); !tried.ok()) return std::move(tried).error(); \
+  } while (false)
+#define LORICA_TRY_NAMED(result, value, ...)          \
+  auto result = (__VA_ARGS__);                        \
+  if (!result.ok()) return std::move(result).error(); \
+  value = *std::move(result)
+#define LORICA_JOINED(a, b) LORICA_JOINED_AS_THEY_ARE(a, b)
+#define LORICA_JOINED_AS_THEY_ARE(a, b) a##b
+
 namespace lorica {
 
 /// What kind of thing went wrong with data from outside. The sentence in Error says the rest.
@@ -64,9 +79,13 @@ class [[nodiscard]] Result {
   T&& operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
-  [[nodiscard]] const Error& error() const {
+  [[nodiscard]] const Error& error() const& {
     LORICA_CHECK(!ok(), "a Result that has a value was asked for its error");
     return *std::get_if<1>(&state_);
+  }
+  [[nodiscard]] Error error() && {
+    LORICA_CHECK(!ok(), "a Result that has a value was asked for its error");
+    return std::move(*std::get_if<1>(&state_));
   }
 
  private:
@@ -85,9 +104,13 @@ class [[nodiscard]] Result<void> {
   Result(Error error) : error_(std::move(error)) {}
   [[nodiscard]] bool ok() const { return !error_; }
   explicit operator bool() const { return ok(); }
-  [[nodiscard]] const Error& error() const {
+  [[nodiscard]] const Error& error() const& {
     LORICA_CHECK(!ok(), "a Result that succeeded was asked for its error");
     return *error_;
+  }
+  [[nodiscard]] Error error() && {
+    LORICA_CHECK(!ok(), "a Result that succeeded was asked for its error");
+    return std::move(*error_);
   }
 
  private:

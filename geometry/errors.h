@@ -1,0 +1,38 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
+#include "geometry/result.h"
+
+// Errors in one call: badFormat("{}:{}: found {}, expected {}", file, line, found, expected). For sources, not for
+// installed headers: it needs fmt.
+
+namespace lorica {
+
+#define LORICA_ERROR_FACTORY(name, code)                                               \
+  [[nodiscard]] inline Error name(std::string sentence) {                              \
+    return {code, std::move(sentence)};                                                \
+  }                                                                                    \
+  template <typename... Values>                                                        \
+  [[nodiscard]] Error name(fmt::format_string<Values...> format, Values&&... values) { \
+    return {code, fmt::format(format, std::forward<Values>(values)...)};               \
+  }
+
+LORICA_ERROR_FACTORY(notFound, ErrorCode::kNotFound)
+LORICA_ERROR_FACTORY(unreadable, ErrorCode::kUnreadable)
+LORICA_ERROR_FACTORY(unwritable, ErrorCode::kUnwritable)
+LORICA_ERROR_FACTORY(badFormat, ErrorCode::kBadFormat)
+LORICA_ERROR_FACTORY(badMesh, ErrorCode::kBadMesh)
+LORICA_ERROR_FACTORY(invalidArgument, ErrorCode::kInvalidArgument)
+LORICA_ERROR_FACTORY(unsupported, ErrorCode::kUnsupported)
+LORICA_ERROR_FACTORY(noDisplay, ErrorCode::kNoDisplay)
+#undef LORICA_ERROR_FACTORY
+
+[[nodiscard]] inline Error cancelled() {
+  return {ErrorCode::kCancelled, "cancelled"};
+}
+
+}  // namespace lorica
