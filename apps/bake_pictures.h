@@ -1,7 +1,7 @@
 #pragma once
 
-#include "apps/snapshots.h"
 #include "bake/item_run.h"
+#include "player/snapshots.h"
 
 #include <filesystem>
 #include <string>

@@ -1,11 +1,11 @@
 #include "apps/convert.h"
 
-#include "apps/depth_motion.h"
-#include "apps/motions.h"
 #include "apps/options.h"
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "prepare/depth_motion.h"
+#include "prepare/read_motion.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/convert_character.h"
-#include "apps/motions.h"
+#include "prepare/read_motion.h"
 
 #include <string>
 

@@ -1,9 +1,9 @@
 #include "apps/convert_character.h"
 
-#include "apps/file_trust.h"
 #include "apps/options.h"
 #include "capture/files/bvh_file.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "prepare/file_trust.h"
 #include "skinning/clip_files/character_clip.h"
 #include "skinning/clip_files/own_motion.h"
 #include "skinning/import/bone_map.h"

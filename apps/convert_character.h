@@ -1,8 +1,8 @@
 #pragma once
 
-#include "apps/motions.h"
 #include "geometry/result.h"
-#include "session/prepare/motion.h"
+#include "prepare/motion.h"
+#include "prepare/read_motion.h"
 
 #include <optional>
 #include <string>

@@ -4,11 +4,11 @@
 #include "acd/level_of_detail.h"
 #include "apps/decompose_report.h"
 #include "apps/interrupt.h"
-#include "apps/mesh_subject.h"
 #include "apps/options.h"
-#include "apps/training.h"
 #include "export/mesh_export.h"
 #include "geometry/files.h"
+#include "prepare/mesh_subject.h"
+#include "prepare/subject_training.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

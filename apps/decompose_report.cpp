@@ -1,7 +1,7 @@
 #include "apps/decompose_report.h"
 
 #include "acd/decomposition_file.h"
-#include "apps/mesh_subject.h"
+#include "prepare/mesh_subject.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "apps/cover_options.h"
-#include "apps/held_out.h"
-#include "apps/hull_fit.h"
-#include "apps/inputs.h"
 #include "apps/report.h"
+#include "prepare/cover.h"
+#include "prepare/held_out.h"
+#include "prepare/hull_fit.h"
+#include "prepare/subject.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/snapshots.h"
+#include "player/snapshots.h"
 #include "viewer/image.h"
 
 #include <filesystem>

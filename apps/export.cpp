@@ -1,14 +1,14 @@
 #include "apps/export_inputs.h"
 #include "apps/export_report.h"
-#include "apps/file_trust.h"
 #include "apps/interrupt.h"
-#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "export/engines.h"
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
 #include "export/robot_files.h"
 #include "export/vrm_colliders.h"
+#include "prepare/file_trust.h"
+#include "prepare/mesh_subject.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,14 +2,14 @@
 
 #include "acd/held_vertices.h"
 #include "acd/hull_budget.h"
-#include "apps/body_choice.h"
 #include "apps/interrupt.h"
-#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
-#include "apps/training.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/live_body.h"
+#include "prepare/body.h"
+#include "prepare/mesh_subject.h"
+#include "prepare/subject_training.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>

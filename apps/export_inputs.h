@@ -1,11 +1,11 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
-#include "apps/inputs.h"
-#include "apps/motions.h"
-#include "export/hull_export.h"
 #include "export/rigid_colliders.h"
-#include "session/prepare/cover_poses.h"
+#include "prepare/cover_poses.h"
+#include "prepare/hull_export.h"
+#include "prepare/read_motion.h"
+#include "prepare/subject.h"
 
 #include <optional>
 #include <string>

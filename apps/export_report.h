@@ -1,10 +1,10 @@
 #pragma once
 
-#include "apps/inputs.h"
 #include "apps/report.h"
 #include "export/collider_fit.h"
-#include "export/hull_export.h"
 #include "export/rigid_model.h"
+#include "prepare/hull_export.h"
+#include "prepare/subject.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "apps/inputs.h"
 #include "apps/report.h"
+#include "prepare/subject.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,9 +1,9 @@
-#include "apps/depth_motion.h"
 #include "apps/file_summary.h"
-#include "apps/file_trust.h"
-#include "apps/inputs.h"
-#include "apps/motions.h"
 #include "apps/options.h"
+#include "prepare/depth_motion.h"
+#include "prepare/file_trust.h"
+#include "prepare/read_motion.h"
+#include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bone_map.h"
 

@@ -1,9 +1,9 @@
-#include "apps/abandoned_work.h"
-#include "apps/file_trust.h"
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/standard_streams.h"
 #include "geometry/printable.h"
+#include "player/abandoned_work.h"
+#include "prepare/file_trust.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>

@@ -2,7 +2,7 @@
 
 #include "apps/command_line.h"
 #include "apps/report.h"
-#include "apps/window_opener.h"
+#include "player/window_opener.h"
 #include "viewer/window.h"
 
 namespace lorica {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/work_monitor.h"
+#include "player/work_monitor.h"
 
 #include <chrono>
 #include <functional>

@@ -2,13 +2,13 @@
 
 #include "apps/interrupt.h"
 #include "apps/report.h"
-#include "apps/session_files.h"
 #include "apps/standard_streams.h"
 #include "capture/streams/packet_file.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
+#include "prepare/session_files.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

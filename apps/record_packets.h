@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/options.h"
-#include "apps/playback.h"
+#include "player/playback.h"
 
 #include <string>
 

@@ -1,13 +1,13 @@
 #include "apps/record_session.h"
 
-#include "apps/cast.h"
 #include "apps/interrupt.h"
-#include "apps/live_cast.h"
-#include "apps/playback.h"
-#include "apps/scenes.h"
-#include "apps/session_files.h"
 #include "apps/standard_streams.h"
 #include "geometry/files.h"
+#include "player/playback.h"
+#include "prepare/cast.h"
+#include "prepare/live_cast.h"
+#include "prepare/scenes.h"
+#include "prepare/session_files.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

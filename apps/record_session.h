@@ -1,11 +1,11 @@
 #pragma once
 
-#include "apps/body_choice.h"
-#include "apps/depth_inputs.h"
-#include "apps/playback.h"
-#include "apps/playback_input.h"
 #include "apps/report.h"
-#include "apps/vmc_input.h"
+#include "player/playback.h"
+#include "prepare/body.h"
+#include "prepare/cameras.h"
+#include "prepare/playback_input.h"
+#include "prepare/vmc_input.h"
 
 #include <cstddef>
 #include <functional>

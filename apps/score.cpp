@@ -1,10 +1,10 @@
 #include "acd/score.h"
 
-#include "apps/inputs.h"
 #include "apps/interrupt.h"
-#include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "geometry/mesh_files.h"
+#include "prepare/mesh_subject.h"
+#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #include "apps/file_summary.h"
-#include "apps/spring_options.h"
 #include "apps/summary_look.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "prepare/springs.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>

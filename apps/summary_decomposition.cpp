@@ -1,7 +1,7 @@
 #include "acd/decomposition_file.h"
-#include "apps/cover_options.h"
 #include "apps/file_summary.h"
 #include "geometry/files.h"
+#include "prepare/cover.h"
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include "bench/measure.h"
 #include "bench/plot.h"
 #include "capture/synthetic/synthetic_motion.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>

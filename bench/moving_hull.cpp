@@ -7,8 +7,8 @@
 #include "bench/measure.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "collision/live/lifted_point.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <LinearMath/btConvexHullComputer.h>

@@ -4,8 +4,8 @@
 #include "bench/measure.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>

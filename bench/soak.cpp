@@ -4,9 +4,9 @@
 #include "bench/measure.h"
 #include "bench/soak_avatars.h"
 #include "bench/soak_run.h"
-#include "session/demo_scene.h"
-#include "session/prepare/keyframes.h"
-#include "session/scene_file.h"
+#include "prepare/keyframes.h"
+#include "session/scenes/demo_scene.h"
+#include "session/scenes/scene_file.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>

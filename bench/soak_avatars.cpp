@@ -4,7 +4,7 @@
 #include "capture/synthetic/synthetic_motion.h"
 #include "geometry/random_numbers.h"
 #include "session/contact_events.h"
-#include "session/demo_scene.h"
+#include "session/scenes/demo_scene.h"
 #include "session/session.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"

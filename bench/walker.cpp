@@ -4,9 +4,9 @@
 #include "capture/retarget/retarget.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "collision/live/choose_cover.h"
+#include "prepare/cover_poses.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_poses.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 

@@ -1,10 +1,10 @@
 #include "bindings/mesh_parts.h"
 
 #include "acd/held_vertices.h"
-#include "export/hull_export.h"
 #include "geometry/mesh_mending.h"
-#include "session/prepare/quality.h"
-#include "session/prepare/training.h"
+#include "prepare/hull_export.h"
+#include "prepare/quality.h"
+#include "prepare/training.h"
 #include "skinning/body/mesh_body.h"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
-#include "session/prepare/shipped_motion.h"
+#include "prepare/shipped_motion.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>

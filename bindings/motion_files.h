@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session/prepare/motion.h"
+#include "prepare/motion.h"
 
 #include <string>
 #include <vector>

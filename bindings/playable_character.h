@@ -3,8 +3,8 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "collision/live/body_plan.h"
-#include "session/prepare/cover_choice.h"
-#include "session/prepare/motion.h"
+#include "prepare/cover_choice.h"
+#include "prepare/motion.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
 

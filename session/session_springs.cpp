@@ -1,6 +1,6 @@
 #include "session/session_springs.h"
 
-#include "session/session_file.h"
+#include "session/session_hashes.h"
 #include "skinning/linear_blend.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "collision/live/live_body.h"
+#include "collision/world/live_obstacles.h"
 #include "collision/world/prop.h"
-#include "session/live_obstacles.h"
 #include "skinning/character.h"
 #include "skinning/springs/spring_simulation.h"
 

@@ -3,7 +3,7 @@
 #include "capture/fault_injector.h"
 #include "capture/skeleton_frame.h"
 #include "session/pose_source.h"
-#include "session/session_blocks.h"
+#include "session/byte_writer.h"
 
 #include <memory>
 #include <vector>

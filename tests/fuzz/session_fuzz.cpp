@@ -1,5 +1,5 @@
-#include "session/session_blocks.h"
-#include "session/session_file.h"
+#include "session/recording/session_blocks.h"
+#include "session/recording/session_file.h"
 
 #include <cmath>
 #include <cstddef>

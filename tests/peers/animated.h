@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session/prepare/motion.h"
+#include "prepare/motion.h"
 #include "skinning/clip_files/character_clip.h"
 
 #include <iosfwd>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "export/rigid_model.h"
-#include "session/prepare/cover_poses.h"
+#include "prepare/cover_poses.h"
 #include "skinning/clip_files/character_document.h"
 #include "tests/peers/animated.h"
 #include "tests/peers/peer.h"

@@ -1,4 +1,4 @@
-#include "session/demo_scene.h"
+#include "session/scenes/demo_scene.h"
 
 #include <gtest/gtest.h>
 

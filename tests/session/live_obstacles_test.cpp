@@ -1,4 +1,4 @@
-#include "session/live_obstacles.h"
+#include "collision/world/live_obstacles.h"
 
 #include "skinning/linear_blend.h"
 #include "tests/session/haired_box.h"

@@ -1,7 +1,7 @@
 #include "acd/decompose.h"
 #include "bench/meeting_run.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include "capture/files/joint_csv.h"
-#include "session/session_replay.h"
+#include "session/recording/session_replay.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"

@@ -1,4 +1,4 @@
-#include "session/scene_file.h"
+#include "session/scenes/scene_file.h"
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"

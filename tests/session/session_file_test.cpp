@@ -1,8 +1,8 @@
-#include "session/session_file.h"
+#include "session/recording/session_file.h"
 
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
-#include "session/session_blocks.h"
+#include "session/recording/session_blocks.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
 

@@ -1,9 +1,9 @@
-#include "session/session_replay.h"
+#include "session/recording/session_replay.h"
 
 #include "capture/files/joint_csv.h"
 #include "geometry/files.h"
 #include "session/pose_faults.h"
-#include "session/session_blocks.h"
+#include "session/recording/session_blocks.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"

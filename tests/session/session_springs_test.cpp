@@ -2,9 +2,9 @@
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
+#include "session/recording/session_recorder.h"
+#include "session/recording/session_replay.h"
 #include "session/session.h"
-#include "session/session_recorder.h"
-#include "session/session_replay.h"
 #include "session/treated_source.h"
 #include "skinning/body/closed_body.h"
 #include "skinning/import/character_file.h"

@@ -4,9 +4,9 @@
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "collision/live/choose_cover.h"
-#include "session/demo_scene.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
+#include "session/scenes/demo_scene.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "capture/files/joint_csv.h"
 #include "session/contact_events.h"
-#include "session/scene_file.h"
+#include "session/scenes/scene_file.h"
 #include "session/session.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"

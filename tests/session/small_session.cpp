@@ -2,7 +2,7 @@
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
-#include "session/demo_scene.h"
+#include "session/scenes/demo_scene.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/datasets.h"

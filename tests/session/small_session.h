@@ -3,8 +3,8 @@
 #include "acd/decomposition.h"
 #include "capture/fault_injector.h"
 #include "collision/world/world.h"
-#include "session/session_file.h"
-#include "session/session_recorder.h"
+#include "session/recording/session_file.h"
+#include "session/recording/session_recorder.h"
 
 #include <filesystem>
 #include <memory>

@@ -1,7 +1,7 @@
 #include "bench/soak_avatars.h"
 #include "bench/soak_run.h"
-#include "session/demo_scene.h"
-#include "session/scene_file.h"
+#include "session/scenes/demo_scene.h"
+#include "session/scenes/scene_file.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
 

@@ -4,8 +4,8 @@
 #include "acd/decompose.h"
 #include "acd/transfer.h"
 #include "capture/synthetic/synthetic_motion.h"
+#include "prepare/keyframes.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include "capture/files/joint_csv.h"
 #include "capture/sensor/oni_file.h"
 #include "geometry/files.h"
-#include "session/session_file.h"
+#include "session/recording/session_file.h"
 #include "tests/apps/faults/faulty_run.h"
 #include "tests/support/datasets.h"
 

@@ -1,7 +1,7 @@
 #include "geometry/hard_stop.h"
 
 #include "geometry/files.h"
-#include "session/session_file.h"
+#include "session/recording/session_file.h"
 #include "tests/apps/faults/faulty_run.h"
 #include "tests/support/datasets.h"
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "player/work_monitor.h"
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace lorica {
+
+/// Whether work was given up that may still run in a thread.
+[[nodiscard]] bool workAbandoned();
+void noteAbandoned();
+/// Ends the program without destroying what that thread may use.
+[[noreturn]] void endWithoutIt(int status);
+
+/// Runs work that cannot be stopped, such as opening a camera. If the work of this thread has a monitor and is
+/// cancelled meanwhile, it is given up: its result counts no more, and main() ends with endWithoutIt().
+/// @param work  owns what it uses
+/// @return its result, or kCancelled
+template <class T>
+[[nodiscard]] Result<T> runOrAbandon(const std::string& label, std::function<Result<T>()> work) {
+  WorkMonitor* monitor = WorkMonitor::ofThisThread();
+  if (monitor == nullptr) return work();
+  monitor->begin(label);
+  std::packaged_task<Result<T>()> task(std::move(work));
+  std::future<Result<T>> result = task.get_future();
+  std::thread(std::move(task)).detach();
+  while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+    if (!monitor->cancelled()) continue;
+    noteAbandoned();
+    return Error{ErrorCode::kCancelled, "cancelled"};
+  }
+  return result.get();
+}
+
+}  // namespace lorica

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "player/abandoned_work.h"
+#include "player/work_monitor.h"
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace lorica {
+
+/// Work in another thread that reports how far it is (ProgressBar) and can be cancelled.
+template <class T>
+class BackgroundWork {
+ public:
+  /// Starts it. @param work  should end soon after WorkMonitor::cancelled(); what it returns then does not count
+  explicit BackgroundWork(std::function<Result<T>()> work) : monitor_(std::make_shared<WorkMonitor>()) {
+    std::packaged_task<Result<T>()> task([monitor = monitor_, work = std::move(work)]() -> Result<T> {
+      const WorkMonitor::Scope watched(*monitor);
+      Result<T> done = work();
+      if (monitor->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+      return done;
+    });
+    result_ = task.get_future();
+    thread_ = std::thread(std::move(task));
+  }
+  /// Cancels and waits, unless abandon() came before.
+  ~BackgroundWork() {
+    cancel();
+    if (thread_.joinable()) thread_.join();
+  }
+  BackgroundWork(const BackgroundWork&) = delete;
+  BackgroundWork& operator=(const BackgroundWork&) = delete;
+
+  [[nodiscard]] WorkMonitor::Progress progress() const { return monitor_->progress(); }
+  /// It ends soon, with kCancelled.
+  void cancel() { monitor_->cancel(); }
+  /// Cancels and waits for a moment only: then the work is given up, see abandoned_work.h. It must own what it uses.
+  void abandon() {
+    cancel();
+    if (!thread_.joinable() || !result_.valid() || result_.wait_for(kMoment) == std::future_status::ready) return;
+    noteAbandoned();
+    thread_.detach();
+  }
+  /// The result, once; none while it runs.
+  [[nodiscard]] std::optional<Result<T>> take() {
+    if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+    return result_.get();
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kMoment{100};
+  std::shared_ptr<WorkMonitor> monitor_;
+  std::future<Result<T>> result_;
+  std::thread thread_;
+};
+
+}  // namespace lorica

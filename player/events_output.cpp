@@ -1,0 +1,201 @@
+#include "player/events_output.h"
+
+#include "apps/standard_streams.h"
+#include "geometry/hard_stop.h"
+#include "geometry/part_file.h"
+#include "session/contact_events.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <iterator>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Text = fmt::memory_buffer;
+
+void put(const char* name, const Vec3& v, Text& text) {
+  fmt::format_to(std::back_inserter(text), R"(,"{}":[{:.6g},{:.6g},{:.6g}])", name, v.x(), v.y(), v.z());
+}
+
+/// The name of each joint as JSON.
+std::vector<std::string> quotedNames(const Skeleton& skeleton) {
+  std::vector<std::string> names;
+  names.reserve(static_cast<std::size_t>(skeleton.jointCount()));
+  for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
+    names.push_back(
+        nlohmann::json(skeleton.joint(joint).name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
+  return names;
+}
+
+/// The contacts of all avatars, as lines of JSON.
+class EventLines {
+ public:
+  explicit EventLines(const Session& session) : events_(session) {
+    for (const SessionAvatar& avatar : session.avatars()) bones_.push_back(quotedNames(avatar.character().skeleton));
+  }
+
+  void add(const Session& session, Text& text) { put(events_.update(session), text); }
+  void endAll(Text& text) { put(events_.endAll(), text); }
+
+ private:
+  [[nodiscard]] const char* bone(int avatar, JointIndex joint) const {
+    return joint == kNoJoint ? "null"
+                             : bones_[static_cast<std::size_t>(avatar)][static_cast<std::size_t>(joint)].c_str();
+  }
+
+  void put(std::span<const ContactEvent> events, Text& text) const {
+    constexpr const char* kPhases[] = {"begin", "stay", "end"};
+    constexpr const char* kKinds[] = {"prop", "self", "avatars"};
+    for (const ContactEvent& event : events) {
+      const Touch& touch = event.touch;
+      const TouchPair& pair = touch.pair;
+      const auto out = std::back_inserter(text);
+      fmt::format_to(out, R"({{"time":{},"event":"{}","kind":"{}","avatar":{},"part":{},"bone":{})", event.time,
+                     kPhases[static_cast<int>(event.phase)], kKinds[static_cast<int>(pair.kind)], pair.avatar,
+                     pair.part, bone(pair.avatar, touch.bone));
+      if (pair.kind == TouchKind::kProp) {
+        fmt::format_to(out, R"(,"prop":{})", pair.other);
+      } else {
+        if (pair.kind == TouchKind::kAvatars) fmt::format_to(out, R"(,"otherAvatar":{})", pair.otherAvatar);
+        fmt::format_to(out, R"(,"otherPart":{},"otherBone":{})", pair.other, bone(pair.otherAvatar, touch.otherBone));
+      }
+      lorica::put("point", touch.point, text);
+      lorica::put("normal", touch.normal, text);
+      fmt::format_to(out, ",\"depth\":{:.6g},\"strength\":{:.6g},\"began\":{},\"touched\":{}}}\n", touch.depth,
+                     touch.strength, event.began, event.touched);
+    }
+  }
+
+  ContactEvents events_;
+  std::vector<std::vector<std::string>> bones_;  // names of each avatar's joints
+};
+
+class EventsWriter final : public EventsOutput {
+ public:
+  /// @param part  that `descriptor` writes to; empty = standard output
+  EventsWriter(fs::path file, fs::path part, int descriptor, std::shared_ptr<StepWatcher> next)
+      : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor), next_(std::move(next)) {}
+  ~EventsWriter() override { (void)finish(); }
+  EventsWriter(const EventsWriter&) = delete;
+  EventsWriter& operator=(const EventsWriter&) = delete;
+
+  void beforeStep(Session& session) override {
+    if (!lines_) lines_.emplace(session);
+    if (next_) next_->beforeStep(session);
+  }
+
+  Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      lines_->add(session, text_);
+      if (Result<void> written = write(); !written) return written;
+    }
+    return next_ ? next_->afterStep(session, done) : Result<void>();
+  }
+
+  void sessionChanged() override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (lines_) lines_->endAll(text_);
+      lines_.reset();
+    }
+    if (next_) next_->sessionChanged();
+  }
+
+  Result<void> finish() override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (descriptor_ < 0) return {};
+    if (lines_) lines_->endAll(text_);
+    const Result<void> written = write();
+    const int descriptor = std::exchange(descriptor_, -1);
+    if (part_.empty()) return written;
+    ::close(descriptor);
+    if (failed_ || !written) return written;  // what could be written stays under the name of the part
+    std::error_code error;
+    fs::rename(part_, file_, error);
+    return error ? unwritable(error.value()) : Result<void>();
+  }
+
+ private:
+  [[nodiscard]] Error unwritable(int error) const {
+    return {ErrorCode::kUnwritable,
+            fmt::format("--events: {}: cannot be written: {}", part_.empty() ? "standard output" : part_.string(),
+                        std::generic_category().message(error))};
+  }
+
+  [[nodiscard]] Result<void> write() {
+    std::string_view left(text_.data(), text_.size());
+    while (!left.empty() && descriptor_ >= 0 && !failed_) {
+      const ssize_t written = ::write(descriptor_, left.data(), left.size());
+      if (written < 0 && errno == EINTR) continue;
+      failed_ = written < 0;
+      if (failed_) return unwritable(errno);
+      left.remove_prefix(static_cast<std::size_t>(written));
+    }
+    text_.clear();
+    return {};
+  }
+
+  fs::path file_, part_;
+  int descriptor_;
+  std::shared_ptr<StepWatcher> next_;
+  std::mutex mutex_;  ///< of the lines and the descriptor
+  std::optional<EventLines> lines_;
+  Text text_;
+  bool failed_ = false;  ///< nothing more can be written
+  AtHardStop finishing_{[this] { (void)finish(); }};
+};
+
+}  // namespace
+
+void addEventsOption(CommandLine& app, std::string& to) {
+  app.addOption("--events", to,
+                "Write begin, stay and end of each contact as lines of JSON; `-` is standard output, and the report "
+                "goes to standard error; see docs/CONTACTS.md")
+      ->typeName("FILE");
+}
+
+Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
+  if (to.empty()) return {};
+  if (to == "-") {
+    if (common.json != "-") return {};
+    return Error{ErrorCode::kInvalidArgument,
+                 "--events and --json cannot both use standard output: give a file for one of them"};
+  }
+  std::vector<fs::path> all = others;
+  if (common.json != "-") all.emplace_back(common.json);
+  CommonOptions asFile;
+  asFile.json = to;
+  return checkJsonOutput(asFile, all, "--events");
+}
+
+Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to, std::shared_ptr<StepWatcher> next) {
+  using Output = std::shared_ptr<EventsOutput>;
+  if (to.empty()) return Output();
+  if (to == "-") return Output(std::make_shared<EventsWriter>("", "", STDOUT_FILENO, std::move(next)));
+  const fs::path file = to;
+  const fs::path part = file.parent_path() / (file.stem().string() + ".part" + file.extension().string());
+  const Result<std::optional<fs::path>> found = keepFound(part);
+  if (!found) return Error{found.error().code, "--events: " + found.error().message};
+  if (*found) warn(fmt::format("found events that were not finished; kept as {}", (*found)->string()));
+  const Result<int> descriptor = createPart(part);
+  if (!descriptor) return Error{descriptor.error().code, "--events: " + descriptor.error().message};
+  return Output(std::make_shared<EventsWriter>(file, part, *descriptor, std::move(next)));
+}
+
+Result<void> finishEvents(const std::shared_ptr<EventsOutput>& output) {
+  return output ? output->finish() : Result<void>();
+}
+
+}  // namespace lorica

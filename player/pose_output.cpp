@@ -1,0 +1,299 @@
+#include "player/pose_output.h"
+
+#include "capture/streams/contact_writer.h"
+#include "capture/streams/udp.h"
+#include "capture/streams/vmc_names.h"
+#include "capture/streams/vmc_writer.h"
+#include "capture/streams/vrchat_writer.h"
+#include "player/expression_follower.h"
+#include "prepare/expressions.h"
+#include "session/contact_events.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr const char* kVrchatPort = ":9000";
+/// Receivers expect at most 60 frames a second; times of recordings are rounded [s].
+constexpr double kLeastStep = 1.0 / 60.0 - 1e-3;
+/// A recording is not delayed further than this at once, so that Ctrl-C is answered [s].
+constexpr double kLongestSleep = 0.2;
+/// Below this trust of every part the receiver is told that tracking is lost.
+constexpr double kTracked = 0.5;
+
+/// A face without a body: the weights of its expressions.
+class SentFace {
+ public:
+  SentFace(Expressions expressions, std::vector<float> chosen)
+      : expressions_(std::move(expressions)), chosen_(std::move(chosen)), face_(noMorphs_, expressions_, ahead_) {
+    for (std::size_t e = 0; e < chosen_.size(); ++e) face_.set(e, chosen_[e]);
+    names_.reserve(expressions_.list.size());
+    for (const Expression& expression : expressions_.list) {
+      names_.push_back(vmcExpressionNamed(expression.name));
+      weights_.push_back({names_.back(), 0.0f});
+    }
+  }
+  SentFace(const SentFace&) = delete;
+  SentFace& operator=(const SentFace&) = delete;
+
+  std::span<const VmcWeight> read(const Session& session) {
+    follower_.apply(session.source().expressions(), expressions_, chosen_, face_);
+    FaceInput input;
+    input.time = session.time();
+    face_.update(input);
+    for (std::size_t e = 0; e < weights_.size(); ++e) weights_[e].weight = face_.expressionWeights()[e];
+    return weights_;
+  }
+
+ private:
+  Morphs noMorphs_;
+  LookAt ahead_;
+  Expressions expressions_;
+  std::vector<float> chosen_;
+  Face face_;
+  ExpressionFollower follower_;
+  std::vector<std::string> names_;
+  std::vector<VmcWeight> weights_;
+};
+
+/// The contacts of one body, each as a packet. Bones are those of VMC: of a joint that is none, the nearest one above.
+class SentContacts {
+ public:
+  explicit SentContacts(const Session& session) : events_(session) {
+    const Skeleton& skeleton = session.character().skeleton;
+    names_.reserve(static_cast<std::size_t>(skeleton.jointCount()));
+    for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
+      JointIndex named = joint;
+      while (named != kNoJoint && !skeleton.joint(named).bone) named = skeleton.joint(named).parent;
+      names_.push_back(vmcNameOf(named == kNoJoint ? HumanBone::kHips : *skeleton.joint(named).bone));
+    }
+  }
+
+  void send(const Session& session, UdpSocket& to) { send(events_.update(session), to); }
+  void sendEnds(UdpSocket& to) { send(events_.endAll(), to); }
+
+ private:
+  [[nodiscard]] std::string_view nameOf(JointIndex joint) const {
+    return joint == kNoJoint ? vmcNameOf(HumanBone::kHips) : names_[static_cast<std::size_t>(joint)];
+  }
+
+  void send(std::span<const ContactEvent> events, UdpSocket& to) {
+    constexpr std::string_view kPhases[] = {"begin", "stay", "end"};
+    for (const ContactEvent& event : events) {
+      const Touch& touch = event.touch;
+      const bool prop = touch.pair.kind == TouchKind::kProp;
+      to.send(writer_.write({kPhases[static_cast<int>(event.phase)], nameOf(touch.bone),
+                             prop ? std::string_view() : nameOf(touch.otherBone), touch.pair.other, touch.point,
+                             touch.strength}));
+    }
+  }
+
+  ContactEvents events_;
+  std::vector<std::string_view> names_;
+  ContactWriter writer_;
+};
+
+/// Each program that is sent to.
+struct VmcReceiverAt {
+  UdpSocket socket;
+  VmcWriter writer;
+};
+struct VrchatAt {
+  UdpSocket socket;
+  VrchatWriter writer;
+};
+
+class PoseOutput final : public StepWatcher {
+ public:
+  PoseOutput(BonePoseReader reader, std::unique_ptr<SentFace> face, std::optional<VmcReceiverAt> vmc,
+             std::optional<VrchatAt> vrchat, std::shared_ptr<StepWatcher> next)
+      : reader_(std::move(reader)),
+        face_(std::move(face)),
+        vmc_(std::move(vmc)),
+        vrchat_(std::move(vrchat)),
+        next_(std::move(next)) {}
+  ~PoseOutput() override {
+    if (contacts_) contacts_->sendEnds(vmc_->socket);
+  }
+  PoseOutput(const PoseOutput&) = delete;
+  PoseOutput& operator=(const PoseOutput&) = delete;
+
+  void beforeStep(Session& session) override {
+    if (vmc_ && !contacts_) contacts_.emplace(session);
+    if (next_) next_->beforeStep(session);
+  }
+
+  Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override {
+    waitUntilDue(session.time());
+    send(session);
+    if (vmc_) contacts_->send(session, vmc_->socket);
+    return next_ ? next_->afterStep(session, done) : Result<void>();
+  }
+
+  void sessionChanged() override {
+    begin_.reset();
+    sent_.reset();
+    if (contacts_) contacts_->sendEnds(vmc_->socket);
+    contacts_.reset();
+    if (next_) next_->sessionChanged();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Keeps pace with a session that runs faster than real time. One that was late is not hurried.
+  void waitUntilDue(double time) {
+    const auto after = [](Clock::time_point from, double seconds) {
+      return from + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    };
+    const Clock::time_point now = Clock::now();
+    if (!begin_) {
+      begin_ = after(now, -time);
+      first_ = time;
+      return;
+    }
+    const Clock::time_point due = after(*begin_, time);
+    if (due < now) {
+      begin_ = after(now, -time);
+    } else {
+      std::this_thread::sleep_until(std::min(due, after(now, kLongestSleep)));
+    }
+  }
+
+  void send(const Session& session) {
+    const double time = session.time() - first_;
+    if (sent_ && time - *sent_ >= 0.0 && time - *sent_ < kLeastStep) return;
+    sent_ = time;
+    const std::span<const LivePart> parts = session.body().parts();
+    const bool tracking =
+        std::any_of(parts.begin(), parts.end(), [](const LivePart& part) { return part.trust >= kTracked; });
+    const BonePose pose = reader_.read(session.pose());
+    if (vmc_) vmc_->socket.send(vmc_->writer.write(pose, face_->read(session), time, tracking));
+    if (vrchat_ && tracking) vrchat_->socket.send(vrchat_->writer.write(pose));
+  }
+
+  BonePoseReader reader_;
+  std::unique_ptr<SentFace> face_;
+  std::optional<VmcReceiverAt> vmc_;
+  std::optional<VrchatAt> vrchat_;
+  std::optional<SentContacts> contacts_;
+  std::shared_ptr<StepWatcher> next_;
+  std::optional<Clock::time_point> begin_;  ///< when the session's time was 0
+  double first_ = 0.0;                      ///< time of the first frame [s]
+  std::optional<double> sent_;              ///< time of the last packet, from the first frame on [s]
+};
+
+Result<VmcBones> bonesOf(const std::vector<std::string>& names) {
+  if (names.empty()) return allVmcBones();
+  VmcBones bones{};
+  for (const std::string& name : names) {
+    const std::optional<HumanBone> bone = vmcBoneNamed(name);
+    if (!bone) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--vmc-bones: found '{}', expected names of humanoid bones such as Hips, Head, "
+                               "LeftUpperArm and LeftHand, separated by commas",
+                               name.substr(0, 40))};
+    }
+    bones[static_cast<std::size_t>(*bone)] = true;
+  }
+  return bones;
+}
+
+Result<UdpSocket> openVmc(const PoseOutputOptions& options) {
+  const Result<NetworkAddress> address = parseNetworkAddress(options.vmc, true);
+  Result<UdpSocket> socket = address ? UdpSocket::connect(*address) : address.error();
+  if (!socket) return Error{socket.error().code, "--vmc-out: " + socket.error().message};
+  return socket;
+}
+
+Result<NetworkAddress> vrchatAddress(const PoseOutputOptions& options) {
+  const bool hasPort = options.vrchat.find(':') != std::string::npos && !options.vrchat.ends_with(']');
+  Result<NetworkAddress> address = parseNetworkAddress(options.vrchat + (hasPort ? "" : kVrchatPort), true);
+  if (address) return address;
+  return Error{address.error().code, fmt::format("--vrchat: found '{}', expected HOST or HOST:PORT, such as 127.0.0.1",
+                                                 options.vrchat.substr(0, 100))};
+}
+
+Result<UdpSocket> openVrchat(const PoseOutputOptions& options) {
+  const Result<NetworkAddress> address = vrchatAddress(options);
+  if (!address) return address.error();
+  Result<UdpSocket> socket = UdpSocket::connect(*address);
+  if (!socket) return Error{socket.error().code, "--vrchat: " + socket.error().message};
+  return socket;
+}
+
+/// The subject's expressions without what they move.
+Result<std::unique_ptr<SentFace>> faceOf(const Subject& subject, std::span<const std::string> given) {
+  if (!subject.file) return std::make_unique<SentFace>(Expressions(), std::vector<float>());
+  Result<std::vector<float>> chosen = chosenExpressions(subject.file->expressions, given, subject.name);
+  if (!chosen) return chosen.error();
+  Expressions expressions = subject.file->expressions;
+  expressions.baseWeights.clear();
+  for (Expression& expression : expressions.list) expression.morphs.clear();
+  return std::make_unique<SentFace>(std::move(expressions), std::move(*chosen));
+}
+
+}  // namespace
+
+void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
+  Option* vmc = app.addOption("--vmc-out", options.vmc,
+                              "Send the pose by the VMC protocol, for VSeeFace, Unity, Unreal and others, such as "
+                              "127.0.0.1:39539; see docs/STREAMS.md");
+  vmc->typeName("HOST:PORT");
+  app.addOption("--vmc-bones", options.bones, "Send only these bones: Hips,Head,LeftHand [default: all]")
+      ->typeName("NAME,...")
+      ->separatedBy(',')
+      ->needs(vmc);
+  app.addOption("--vrchat", options.vrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]")
+      ->typeName("HOST[:PORT]");
+}
+
+Result<void> checkPoseOutput(const PoseOutputOptions& options) {
+  if (!options.vmc.empty()) {
+    const Result<NetworkAddress> address = parseNetworkAddress(options.vmc, true);
+    if (!address) return Error{address.error().code, "--vmc-out: " + address.error().message};
+  }
+  if (!options.vrchat.empty()) {
+    if (const Result<NetworkAddress> address = vrchatAddress(options); !address) return address.error();
+  }
+  const Result<VmcBones> bones = bonesOf(options.bones);
+  return bones ? Result<void>() : bones.error();
+}
+
+Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options, const Subject& subject,
+                                                    std::span<const std::string> expressions,
+                                                    std::shared_ptr<StepWatcher> next) {
+  if (!options.any()) return next;
+  const Result<VmcBones> bones = bonesOf(options.bones);
+  if (!bones) return bones.error();
+  Result<BonePoseReader> reader = BonePoseReader::create(subject.character->skeleton);
+  if (!reader) {
+    return Error{reader.error().code,
+                 fmt::format("{}: {}", options.vmc.empty() ? "--vrchat" : "--vmc-out", reader.error().message)};
+  }
+  Result<std::unique_ptr<SentFace>> face = faceOf(subject, expressions);
+  if (!face) return face.error();
+  std::optional<VmcReceiverAt> vmc;
+  if (!options.vmc.empty()) {
+    Result<UdpSocket> socket = openVmc(options);
+    if (!socket) return socket.error();
+    vmc.emplace(VmcReceiverAt{std::move(*socket), VmcWriter(*bones)});
+  }
+  std::optional<VrchatAt> vrchat;
+  if (!options.vrchat.empty()) {
+    Result<UdpSocket> socket = openVrchat(options);
+    if (!socket) return socket.error();
+    vrchat.emplace(VrchatAt{std::move(*socket), VrchatWriter(subject.character->height)});
+  }
+  return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(std::move(*reader), std::move(*face), std::move(vmc),
+                                                                   std::move(vrchat), std::move(next)));
+}
+
+}  // namespace lorica

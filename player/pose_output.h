@@ -1,0 +1,44 @@
+#pragma once
+
+#include "apps/command_line.h"
+#include "geometry/result.h"
+#include "prepare/subject.h"
+#include "session/session.h"
+#include "session/step_watcher.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// Where a session's pose is sent.
+struct PoseOutputOptions {
+  std::string vmc;                 ///< HOST:PORT; empty = nowhere
+  std::vector<std::string> bones;  ///< names of the bones that are sent by VMC; empty = all
+  std::string vrchat;              ///< HOST or HOST:PORT; empty = nowhere
+
+  [[nodiscard]] bool any() const { return !vmc.empty() || !vrchat.empty(); }
+};
+
+/// --vmc-out HOST:PORT, --vmc-bones NAME,..., --vrchat HOST[:PORT]
+void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options);
+
+/// Rejects a bad address or bone before any work.
+[[nodiscard]] Result<void> checkPoseOutput(const PoseOutputOptions& options);
+
+/// Sends a session's pose and face after each step, at most 60 times per second of its own time, by the VMC protocol
+/// and as VRChat's trackers; by VMC also the contacts of each step. A recording is slowed down to real time. A receiver
+/// that is not there is no error. VRChat hears nothing while tracking is lost.
+/// @param subject      the session's character
+/// @param expressions  that were chosen for it, see chosenExpressions()
+/// @param next         another watcher of the same session; may be null
+/// @return the watcher; `next` itself if nothing is to be sent; or an error: a bad address or bone, or the humanoid
+/// bones that the character lacks
+[[nodiscard]] Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options,
+                                                                  const Subject& subject,
+                                                                  std::span<const std::string> expressions,
+                                                                  std::shared_ptr<StepWatcher> next);
+
+}  // namespace lorica

@@ -1,0 +1,69 @@
+#include "player/session_face.h"
+
+#include "skinning/look/expressed_materials.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+
+std::optional<SessionFace> SessionFace::of(const std::shared_ptr<const Avatar>& avatar) {
+  const AvatarFace& face = avatar->face;
+  if (face.morphs.targets.empty() && face.lookAt.kind == LookAtKind::kNone && !changesMaterials(face.expressions)) {
+    return std::nullopt;
+  }
+  return SessionFace(avatar);
+}
+
+SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
+    : avatar_(std::move(avatar)),
+      face_(avatar_->face.morphs, avatar_->face.expressions, avatar_->face.lookAt),
+      bindNormals_(avatar_->look.normals) {
+  for (std::size_t e = 0; e < avatar_->face.chosen.size(); ++e) face_.set(e, avatar_->face.chosen[e]);
+  bindNormals_.resize(avatar_->character.mesh.vertices.size(), Vec3f::Zero());
+  positions_ = avatar_->character.mesh.vertices;
+  normals_ = bindNormals_;
+  if (changesMaterials(avatar_->face.expressions)) materials_ = avatar_->look.materials;
+}
+
+void SessionFace::choose(int expression) {
+  const std::vector<float>& given = avatar_->face.chosen;
+  if (chosen_ >= 0) {
+    const auto last = static_cast<std::size_t>(chosen_);
+    face_.set(last, last < given.size() ? given[last] : 0.0f);
+  }
+  chosen_ = expression;
+  if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
+}
+
+void SessionFace::update(const SessionAvatar& performer, double time, const Vec3& watcher,
+                         std::span<Affine3> worldFromModel, SceneFigure& figure) {
+  const AvatarFace& own = avatar_->face;
+  follower_.apply(performer.source().expressions(), own.expressions, own.chosen, face_);
+  if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
+  FaceInput input;
+  input.time = time;
+  if (own.lookAt.head != kNoJoint) {
+    input.gaze = followed(gazeTowards(own.lookAt, performer.worldFromJoint()[own.lookAt.head], watcher));
+  }
+  if (own.clip >= 0 && static_cast<std::size_t>(own.clip) < own.morphs.clips.size()) {
+    input.clip = own.morphs.clips[own.clip];
+    input.clipTime = time;
+  }
+  face_.update(input);
+  turnEyes(avatar_->character, own.lookAt, input.gaze, worldFromModel);
+
+  if (!materials_.empty()) {
+    expressMaterials(own.expressions, face_.expressionWeights(), avatar_->look.materials, materials_);
+    figure.avatarMaterials = materials_;
+  }
+  const std::span<const float> weights = face_.targetWeights();
+  const bool still = std::equal(weights.begin(), weights.end(), own.morphs.targets.begin(),
+                                [](float w, const MorphTarget& target) { return w == target.defaultWeight; });
+  if (still) return;
+  applyMorphs(own.morphs, weights, avatar_->character.mesh.vertices, bindNormals_, positions_, normals_);
+  figure.avatarPositions = positions_;
+  figure.avatarNormals = normals_;
+}
+
+}  // namespace lorica

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "player/expression_follower.h"
+#include "session/session.h"
+#include "skinning/look/avatar.h"
+#include "skinning/morphs/face.h"
+#include "viewer/scene.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// The face of a session's avatar: its expressions, those that the session's source sends, the clip that it plays,
+/// blinking, and eyes that follow the picture's camera. It is only drawn; hulls and physics do not depend on it, see
+/// coverReached() for shapes that they must hold.
+class SessionFace {
+ public:
+  /// @return none if the avatar has no morph targets, no eyes that move and no expressions that change materials
+  [[nodiscard]] static std::optional<SessionFace> of(const std::shared_ptr<const Avatar>& avatar);
+
+  /// Sets one expression, in addition to those that were chosen on the command line, and takes back the previous one.
+  /// @param expression  index into the avatar's expressions; -1 = none
+  void choose(int expression);
+
+  /// Computes the face of the session's frame. Does not allocate memory after the first frame.
+  /// @param time            of the frame [s]
+  /// @param watcher         [m], world: what the eyes follow while it is in front of the head
+  /// @param worldFromModel  of the avatar's joints; those of the eyes are turned
+  /// @param figure          gets the changed positions, normals and materials, borrowed from this object
+  void update(const SessionAvatar& performer, double time, const Vec3& watcher, std::span<Affine3> worldFromModel,
+              SceneFigure& figure);
+
+ private:
+  explicit SessionFace(std::shared_ptr<const Avatar> avatar);
+
+  std::shared_ptr<const Avatar> avatar_;
+  Face face_;
+  int chosen_ = -1;
+  ExpressionFollower follower_;
+  std::vector<Vec3f> bindNormals_;  // of every vertex; zero where the file has none
+  std::vector<Vec3> positions_;
+  std::vector<Vec3f> normals_;
+  std::vector<Material> materials_;  // empty if no expression changes any
+};
+
+}  // namespace lorica

@@ -1,0 +1,245 @@
+#include "player/snapshots.h"
+
+#include "apps/options.h"
+#include "collision/live/attached_vertices.h"
+#include "player/playback.h"
+#include "skinning/linear_blend.h"
+#include "skinning/look/avatar.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr int kWidth = 1280;
+constexpr int kHeight = 720;
+constexpr double kFilmRate = 30.0;      // [1/s]
+constexpr double kFilmEarly = 0.5;      // tolerance in frames: frame times of recordings jitter
+constexpr double kLongestStill = 10.0;  // longer gaps in a recording are shortened [s]
+
+}  // namespace
+
+SceneOptions usualView(const Character& character) {
+  SceneOptions show;
+  show.colorSkinByPart = show.hulls = character.avatar == nullptr || character.avatar->plain;
+  return show;
+}
+
+SessionScene::SessionScene(const Session& session) {
+  for (const SessionAvatar& avatar : session.avatars()) drawn_.push_back(drawnOf(avatar));
+}
+
+SessionScene::Drawn SessionScene::drawnOf(const SessionAvatar& avatar) {
+  Drawn drawn;
+  const Character& character = avatar.character();
+  if (character.avatar != nullptr) drawn.face = SessionFace::of(character.avatar);
+  const Decomposition& decomposition = avatar.body().decomposition();
+  if (!character.shown.empty()) {
+    drawn.triangles = character.shown;
+    std::vector<PartIndex> partOfVertex(character.mesh.vertices.size(), 0);
+    const std::vector<std::vector<PointIndex>> attached =
+        attachedVerticesOf(decomposition, liftPoints(character, decomposition));
+    for (std::size_t p = 0; p < attached.size(); ++p) {
+      for (const PointIndex v : attached[p]) partOfVertex[v] = static_cast<PartIndex>(p);
+    }
+    drawn.partOfTriangle.reserve(drawn.triangles.size());
+    for (const Triangle& t : drawn.triangles) drawn.partOfTriangle.push_back(partOfVertex[t[0]]);
+    return drawn;
+  }
+  for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
+    const Part& part = decomposition.parts[p];
+    for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+      if (part.sourceTriangle[t] < 0) continue;  // a cap is inside the body
+      drawn.triangles.push_back(part.triangles[t]);
+      drawn.partOfTriangle.push_back(static_cast<PartIndex>(p));
+    }
+  }
+  return drawn;
+}
+
+SceneFigure SessionScene::figureOf(Drawn& drawn, const SessionAvatar& avatar, double time, const SceneOptions& show,
+                                   const Vec3& watcher) {
+  SceneFigure figure;
+  figure.avatar = avatar.character().avatar;
+  if (figure.avatar == nullptr || (show.skin && show.colorSkinByPart)) {
+    figure.vertices = avatar.points();
+    figure.triangles = drawn.triangles;
+    figure.partOfTriangle = drawn.partOfTriangle;
+  }
+  if (figure.avatar != nullptr) {
+    drawn.worldFromModel.resize(figure.avatar->character.jointFromModel.size());
+    computeWorldFromModel(figure.avatar->character, avatar.worldFromJoint(), drawn.worldFromModel);
+    if (drawn.face) drawn.face->update(avatar, time, watcher, drawn.worldFromModel, figure);
+    figure.worldFromModel = drawn.worldFromModel;
+  }
+  figure.parts = avatar.body().parts();
+  figure.skeleton = &avatar.character().skeleton;
+  figure.worldFromJoint = avatar.worldFromJoint();
+  return figure;
+}
+
+Scene SessionScene::of(const Session& session, const SceneOptions& show, const Vec3& watcher) const {
+  Scene scene;
+  others_.clear();
+  bool first = true;
+  for (std::size_t a = 0; a < drawn_.size(); ++a) {
+    const SessionAvatar& avatar = session.avatars()[a];
+    const double opacity = fade_.of(session, a);
+    if (opacity <= 0.0) continue;
+    SceneFigure figure = figureOf(drawn_[a], avatar, session.time(), show, watcher);
+    figure.opacity = static_cast<float>(opacity);
+    if (first) {
+      static_cast<SceneFigure&>(scene) = figure;
+    } else {
+      others_.push_back(figure);
+    }
+    first = false;
+  }
+  scene.others = others_;
+  scene.time = session.time();
+  scene.props = session.world().props();
+  scene.contacts = session.world().contacts();
+  if (const Particles* particles = session.world().particles()) {
+    scene.particles = particles->positions();
+    scene.particleRadius = static_cast<float>(particles->settings().radius);
+    scene.particleColor = particles->settings().color;
+  }
+  return scene;
+}
+
+SnapshotCamera::SnapshotCamera(OffscreenContext context, Renderer renderer, int width, int height)
+    : context_(std::move(context)),
+      renderer_(std::move(renderer)),
+      rendererName_(context_.description()),
+      width_(width),
+      height_(height) {}
+
+Result<SnapshotCamera> SnapshotCamera::create(int width, int height) {
+  Result<OffscreenContext> context = OffscreenContext::create();
+  if (!context) return context.error();
+  Result<Renderer> renderer = Renderer::create(context->getProc());
+  if (!renderer) return renderer.error();
+  return SnapshotCamera(std::move(*context), std::move(*renderer), width, height);
+}
+
+Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, const Camera& camera) {
+  renderer_.draw(scene, options, camera, width_, height_);
+  return renderer_.readBack();
+}
+
+void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
+  Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
+  addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
+  Option* video = app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second) or .gif (15)")
+                      ->typeName("FILE");
+  for (Option* option : {snapshots, video}) option->excludes(window);
+  addCameraOptions(app, options.camera);
+}
+
+Result<void> checkSnapshots(const SnapshotOptions& options) {
+  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "--camera and --eye have no effect without pictures: expected --snapshots or --video"};
+  }
+  if (!options.folder.empty()) {
+    if (Result<void> fine = checkOutputFolder("--snapshots", options.folder); !fine) return fine;
+  }
+  return options.video.empty() ? Result<void>() : Movie::check("--video", options.video);
+}
+
+void DrawnFiles::addTo(const SnapshotOptions& options, nlohmann::ordered_json& json) const {
+  json["snapshots"] = snapshots;
+  json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
+  json["videoFrames"] = videoFrames;
+}
+
+void DrawnFiles::addTo(const SnapshotOptions& options, Report& report) const {
+  if (!options.folder.empty()) {
+    report.line("pictures", fmt::format("{} in {}", counted(snapshots, "PNG file"), options.folder));
+  }
+  if (!options.video.empty()) {
+    report.line("video", fmt::format("{}, {}", options.video, counted(videoFrames, "frame")));
+  }
+}
+
+Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
+  if (!options.any()) return std::optional<SnapshotSeries>();
+  Result<FollowCamera> follow = FollowCamera::create(options.camera, kWidth, kHeight);
+  if (!follow) return follow.error();
+  Result<SnapshotCamera> pictures = SnapshotCamera::create(kWidth, kHeight);
+  if (!pictures) return pictures.error();
+  if (!options.folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.folder, error);
+    if (error) {
+      return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.folder, error.message())};
+    }
+  }
+  SnapshotSeries series(options, std::move(*pictures), *follow, session);
+  if (!options.video.empty()) {
+    Result<Movie> movie = Movie::create(options.video, kWidth, kHeight, kFilmRate);
+    if (!movie) return movie.error();
+    series.movie_.emplace(std::move(*movie));
+  }
+  return std::optional<SnapshotSeries>(std::move(series));
+}
+
+SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow,
+                               const Session& session)
+    : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(std::move(follow)) {}
+
+bool SnapshotSeries::snapshotDue(const Session& session) const {
+  return !options_.folder.empty() && (session.frameCount() - 1) % options_.every == 0;
+}
+
+/// Duration of the video up to the session's current frame. It follows the session's time, so the video is real-time.
+double SnapshotSeries::filmSeconds(const Session& session) const {
+  return filmSeconds_ + std::clamp(session.time() - previousTime_.value_or(session.time()), 0.0, kLongestStill);
+}
+
+/// Number of video frames that show the session's current frame.
+int SnapshotSeries::filmFrames(const Session& session) const {
+  if (!movie_) return 0;
+  return 1 + static_cast<int>(std::floor(filmSeconds(session) * kFilmRate + kFilmEarly)) - filmed_;
+}
+
+Result<void> SnapshotSeries::add(const Session& session, const std::string& name, const Image* inset) {
+  scene_.follow(session);
+  if (!firstTime_) firstTime_ = session.time();
+  const int film = filmFrames(session);
+  filmSeconds_ = filmSeconds(session);
+  follow_.update(session, session.time() - previousTime_.value_or(session.time()));
+  previousTime_ = session.time();
+  if (film <= 0 && !snapshotDue(session)) return {};
+  SceneOptions show = usualView(session.character());
+  show.caption = captionOf(name, session, session.time() - *firstTime_);
+  Scene scene = scene_.of(session, show, follow_.camera().eye);
+  scene.inset = inset;
+  const Image image = pictures_.draw(scene, show, follow_.camera());
+  for (int i = 0; i < film; ++i, ++filmed_) {
+    if (!movie_->takes(filmed_)) continue;
+    if (Result<void> added = movie_->add(image); !added) return added;
+  }
+  if (!snapshotDue(session)) return {};
+  const std::filesystem::path file =
+      std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
+  if (Result<void> saved = writePng(file, image); !saved) return saved;
+  ++drawn_.snapshots;
+  return {};
+}
+
+Result<DrawnFiles> SnapshotSeries::finish() {
+  if (movie_ && movie_->frames() > 0) {
+    drawn_.videoFrames = movie_->frames();
+    if (Result<void> finished = movie_->finish(); !finished) return finished.error();
+  }
+  return drawn_;
+}
+
+}  // namespace lorica

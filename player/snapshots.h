@@ -1,0 +1,138 @@
+#pragma once
+
+#include "apps/camera_options.h"
+#include "apps/command_line.h"
+#include "apps/report.h"
+#include "player/avatar_fade.h"
+#include "player/movie.h"
+#include "player/session_face.h"
+#include "session/session.h"
+#include "viewer/image.h"
+#include "viewer/renderer.h"
+#include "viewer/scene.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// The drawable content of a session: the skin of each visible avatar, coloured by part, and the scene. A body is
+/// cut at the part boundaries. A surface shown instead of the body keeps whole triangles, each coloured by the part
+/// that covers its first vertex.
+class SessionScene {
+ public:
+  explicit SessionScene(const Session& session);
+
+  /// Call after each frame of the session, drawn or not: avatars that come and leave fade.
+  void follow(const Session& session) { fade_.update(session); }
+  /// Borrows from the session and from this object.
+  /// @param show  the mesh is not posed if an avatar is shown instead
+  /// @param watcher  [m], where the picture is taken from: an avatar's eyes follow it
+  [[nodiscard]] Scene of(const Session& session, const SceneOptions& show, const Vec3& watcher) const;
+
+  /// See SessionFace::choose(); does nothing if the first avatar has no face.
+  void chooseExpression(int expression) {
+    if (!drawn_.empty() && drawn_.front().face) drawn_.front().face->choose(expression);
+  }
+
+ private:
+  /// An avatar of the session.
+  struct Drawn {
+    std::vector<Triangle> triangles;  ///< the shown surface, or that of all parts without caps, over their points
+    std::vector<PartIndex> partOfTriangle;
+    std::vector<Affine3> worldFromModel;  ///< of the avatar's joints, of the last scene
+    std::optional<SessionFace> face;
+  };
+  static Drawn drawnOf(const SessionAvatar& avatar);
+  static SceneFigure figureOf(Drawn& drawn, const SessionAvatar& avatar, double time, const SceneOptions& show,
+                              const Vec3& watcher);
+
+  AvatarFade fade_;
+  mutable std::vector<Drawn> drawn_;         // one for each avatar
+  mutable std::vector<SceneFigure> others_;  // figures of the last scene but the first
+};
+
+/// What is shown of a session unless the user says otherwise: an avatar as its maker drew it; of other characters the
+/// parts and their hulls.
+[[nodiscard]] SceneOptions usualView(const Character& character);
+
+/// Draws sessions without a window.
+class SnapshotCamera {
+ public:
+  /// @return the camera, or kNoDisplay with what was tried and the missing package
+  static Result<SnapshotCamera> create(int width, int height);
+
+  [[nodiscard]] Image draw(const Scene& scene, const SceneOptions& options, const Camera& camera);
+  [[nodiscard]] const std::string& rendererName() const { return rendererName_; }
+
+ private:
+  SnapshotCamera(OffscreenContext context, Renderer renderer, int width, int height);
+  OffscreenContext context_;  // outlives the renderer, which needs it current
+  Renderer renderer_;
+  std::string rendererName_;
+  int width_;
+  int height_;
+};
+
+/// --snapshots, --every, --video and the camera.
+struct SnapshotOptions {
+  std::string folder;  ///< empty = no pictures
+  int every = 30;      ///< frames
+  std::string video;   ///< file; empty = none
+  CameraOptions camera;
+
+  [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
+};
+
+/// @param window  the option --window, which these exclude
+void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
+
+/// Fails early if the folder or the video cannot be written, or if a camera was given without pictures.
+[[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
+
+/// Number of snapshots and video frames drawn.
+struct DrawnFiles {
+  int snapshots = 0;
+  int videoFrames = 0;
+
+  void addTo(const SnapshotOptions& options, nlohmann::ordered_json& json) const;
+  void addTo(const SnapshotOptions& options, Report& report) const;
+};
+
+/// Pictures of a running session (frame_0000.png, ...) and a video, by default from a camera that follows the body.
+class SnapshotSeries {
+ public:
+  /// @param session  outlives the series
+  /// @return none if no pictures were requested; the series; or an error
+  static Result<std::optional<SnapshotSeries>> create(const SnapshotOptions& options, const Session& session);
+
+  /// Call once per frame; draws the pictures that are due.
+  /// @param name   of the motion, for the caption
+  /// @param inset  see Scene; null = none
+  [[nodiscard]] Result<void> add(const Session& session, const std::string& name, const Image* inset = nullptr);
+  /// Whether add() will draw the session's current frame.
+  [[nodiscard]] bool due(const Session& session) const { return snapshotDue(session) || filmFrames(session) > 0; }
+  /// Finishes the video. @return the number of pictures drawn
+  [[nodiscard]] Result<DrawnFiles> finish();
+
+ private:
+  SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow, const Session& session);
+  [[nodiscard]] bool snapshotDue(const Session& session) const;
+  [[nodiscard]] double filmSeconds(const Session& session) const;
+  [[nodiscard]] int filmFrames(const Session& session) const;
+
+  SnapshotOptions options_;
+  SnapshotCamera pictures_;
+  SessionScene scene_;
+  FollowCamera follow_;
+  std::optional<Movie> movie_;
+  double filmSeconds_ = 0.0;  // duration of the video up to the last added frame [s]
+  int filmed_ = 0;            // number of its frames
+  std::optional<double> firstTime_, previousTime_;
+  DrawnFiles drawn_;
+};
+
+}  // namespace lorica

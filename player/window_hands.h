@@ -1,0 +1,47 @@
+#pragma once
+
+#include "player/action_tape.h"
+#include "session/session.h"
+#include "viewer/window.h"
+
+#include <optional>
+
+namespace lorica {
+
+/// Turns the mouse and the ball key into actions of the session.
+class WindowHands {
+ public:
+  /// @param again  whether the session can restart, so that actions have to be recorded
+  explicit WindowHands(bool again) : again_(again) {}
+
+  /// @param factor  times the earth's gravity: how thrown balls are aimed
+  void setGravity(double factor) { gravity_ = factor; }
+  /// Grabs the prop under the mouse, releases it, or throws a ball.
+  /// @param target  of the ball [m]; none = what the camera looks at
+  void take(const WindowRequests& requests, const Window& window, const std::optional<Vec3>& target, Session& session);
+  /// Call before each frame of the session: repeats its recorded actions and moves a held prop to the mouse position.
+  void beforeStep(const Window& window, Session& session);
+  /// Call before the session restarts: releases a held prop. Recorded actions will be repeated.
+  void rewind(Session& session);
+  /// The session has ended and the world goes on without it: actions are applied to the world at once and not recorded.
+  void goOnWithout() { without_ = true; }
+  /// Forgets the last action, if canUndo(). The session has to restart and come back to see it.
+  void undo() { tape_.undo(); }
+  [[nodiscard]] bool canUndo() const { return tape_.canUndo(); }
+  /// Forgets all recorded actions and the held prop. Call when the world was replaced.
+  void forget();
+
+  [[nodiscard]] bool holds() const { return holds_; }
+
+ private:
+  void act(Session& session, const WorldAction& action);
+
+  bool again_;
+  bool without_ = false;  // see goOnWithout()
+  double gravity_ = 1.0;
+  ActionTape tape_;
+  bool holds_ = false;
+  double depth_ = 0.0;  // of the grabbed point along the view direction [m]
+};
+
+}  // namespace lorica

@@ -1,0 +1,244 @@
+#include "player/window_loop.h"
+
+#include "apps/interrupt.h"
+#include "apps/report.h"
+#include "player/framing.h"
+#include "player/window_loop_impl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace lorica {
+namespace {
+
+constexpr int kMaxStepsAPicture = 6;
+constexpr double kLongestPause = 0.25;  // longer gaps in a recording, or while the window is dragged, are skipped [s]
+constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures [s]
+constexpr double kSoon = 0.25;          // longer seeks are reported [s]
+constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
+
+}  // namespace
+
+Result<WindowEnd> WindowLoop::run() {
+  window_.setCamera(framing(window_.camera(), session_.world()));
+  while (window_.open() && !closed_) {
+    if (interrupted()) return WindowEnd::kInterrupted;
+    if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
+    if (Result<void> done = treat(); !done) return done.error();
+    if (subject_.next) return WindowEnd::kExchanged;
+    if (Result<void> done = takeWorld(); !done) return done.error();
+    if (Result<void> done = seek_ && !nextWorld_ ? runSeek() : advance(); !done) return done.error();
+    if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
+    if (ended_ && !seek_) {
+      if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
+      if (loops() && window_.wantsStep()) {
+        if (Result<void> done = startOver(); !done) return done.error();
+        if (Result<void> done = step(); !done) return done.error();
+      }
+    }
+    show();
+    // Limits the frame rate without vertical synchronisation.
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return WindowEnd::kClosed;
+}
+
+/// After the end. Sand and water would need seconds to settle again: there only the motion starts again.
+Result<void> WindowLoop::startOver() {
+  hands_.forget();
+  if (session_.world().particles() == nullptr) return restart();
+  session_.world().stepAvatars({}, 0.0);  // the avatars come back without sweeping
+  return restartIn(std::move(session_.world()));
+}
+
+Result<void> WindowLoop::restartIn(World world) {
+  Result<std::vector<std::unique_ptr<PoseSource>>> sources = this->sources();
+  if (!sources) return sources.error();
+  hands_.rewind(session_);
+  session_.restart(std::move(*sources), std::move(world));
+  if (subject_.restarted) subject_.restarted();
+  warnings_.clear();
+  focus_.reset();
+  started_ = ended_ = false;
+  frameBegin_ = 0.0;
+  due_ = now();
+  return {};
+}
+
+Result<void> WindowLoop::beginSeek(double to) {
+  // A held slider repeats its request, and the current frame may already be the requested one.
+  if (seek_ && seek_->to == to) return {};
+  if (started_ && to <= seconds() && (to > frameBegin_ || session_.frameCount() == 1)) return {};
+  if (ended_ && to > seconds()) return {};
+  if (!seek_) seek_ = Seek{to, now(), 0, false};
+  seek_->to = to;
+  if (!started_ || to > seconds() || startsAgain()) return {};
+  seek_->again = true;
+  return restart();
+}
+
+Result<void> WindowLoop::runSeek() {
+  const double until = now() + kSeekSlice;
+  while (now() < until && !ended_ && (!started_ || seconds() < seek_->to)) {
+    if (Result<void> done = step(); !done) return done;
+    ++seek_->frames;
+  }
+  if (!ended_ && seconds() < seek_->to) {
+    status_ =
+        fmt::format("seeking {}to {:.1f} s: {:.1f} s", seek_->again ? "from the start " : "", seek_->to, seconds());
+    return {};
+  }
+  const double took = now() - seek_->begun;
+  if (took > kSoon) {
+    window_.notice(fmt::format("ran {}{} to {:.1f} s in {:.1f} s", counted(seek_->frames, "frame"),
+                               seek_->again ? " from the start" : "", seconds(), took));
+  }
+  seek_.reset();
+  due_ = now();
+  describe();
+  return {};
+}
+
+/// Runs the frames that are due. Drawing may take longer than a frame, so several may be due; their number is limited
+/// to keep the window responsive.
+Result<void> WindowLoop::advance() {
+  if (ended_) {
+    goOn();
+    return {};
+  }
+  for (int steps = 0; steps < kMaxStepsAPicture && !ended_; ++steps) {
+    if (subject_.ready && !subject_.ready()) break;
+    const bool live = subject_.duration <= 0.0;
+    // Single steps are not timed.
+    if (!live && !options_.hurry && !window_.paused() && now() < due_) break;
+    if (!window_.wantsStep()) {
+      due_ = now();
+      break;
+    }
+    const double before = started_ ? session_.time() : 0.0;
+    const bool first = !started_;
+    if (Result<void> done = step(); !done) return done;
+    if (ended_) break;
+    describe();
+    addStageTimes(session_, subject_.trackingSeconds ? std::optional(subject_.trackingSeconds()) : std::nullopt,
+                  window_);
+    if (live) break;  // only the latest frame counts
+    const double length = first ? 0.0 : std::min(session_.time() - before, kLongestPause);
+    due_ += length / window_.speed();
+    // Catch up with late frames, but not after a long stop such as a pause or a dragged window.
+    if (now() - due_ > kLongestPause) due_ = now();
+  }
+  return {};
+}
+
+/// The world after the end of the recording: the avatars stand, and what the user throws and drags still moves.
+void WindowLoop::goOn() {
+  if (!goesOn()) return;
+  hands_.goOnWithout();
+  // Their parts no longer have the velocity of the last frame: it would strike in each step.
+  standing_.resize(session_.avatars().size());
+  std::vector<std::span<const LivePart>> standing;
+  for (std::size_t a = 0; a < standing_.size(); ++a) {
+    const std::span<const LivePart> parts = session_.avatars()[a].partsInWorld();
+    standing_[a].assign(parts.begin(), parts.end());
+    for (LivePart& part : standing_[a]) part.previousWorldFromPart = part.worldFromPart;
+    standing.emplace_back(standing_[a]);
+  }
+  for (int steps = 0; steps < kMaxStepsAPicture && (window_.paused() || now() >= due_); ++steps) {
+    if (!window_.wantsStep()) {
+      due_ = now();
+      break;
+    }
+    hands_.beforeStep(window_, session_);
+    session_.world().stepAvatars(standing, kAfterSeconds);
+    due_ += kAfterSeconds / window_.speed();
+    if (now() - due_ > kLongestPause) due_ = now();
+  }
+  describe();
+}
+
+Result<void> WindowLoop::step() {
+  hands_.beforeStep(window_, session_);
+  const double before = seconds();
+  const Result<bool> more = stepSession();
+  if (closed_) {
+    ended_ = true;
+    return {};
+  }
+  if (!more) return more.error();
+  if (!*more) {
+    ended_ = true;
+    describe();
+    return {};
+  }
+  if (!started_) firstTime_ = session_.time();
+  started_ = true;
+  if (session_.frameCount() == 1) firstParts_ = partsOf(session_);
+  frameBegin_ = before;
+  scene_.follow(session_);
+  focus_.update(session_);
+  if (subject_.stepped) subject_.stepped();
+  const bool over = (options_.frames > 0 && session_.frameCount() >= options_.frames) ||
+                    (options_.seconds > 0.0 && seconds() >= options_.seconds);
+  if (over) ended_ = true;
+  return {};
+}
+
+void WindowLoop::show() {
+  const double time = now();
+  if (started_) raiseWarnings(session_, subject_.trouble ? subject_.trouble() : "", time, warnings_);
+  warnings_.update(time);
+
+  WindowValues values;
+  values.name = title_;
+  values.status = status_;
+  values.seconds = seek_ ? std::min(seconds(), seek_->to) : seconds();
+  if (seek_) values.seekingTo = seek_->to;
+  values.duration = subject_.duration;
+  values.ended = ended_;
+  values.parts = levels_.asked().value_or(static_cast<int>(session_.body().parts().size()));
+  values.maxParts = onlyWatched() ? 0 : levels_.maxParts();
+  values.preparingParts = levels_.asked().has_value();
+  values.scenes = scenes_.names;
+  values.scene = scenes_.present;
+  values.expressions = expressions_;
+  values.expression = expression_;
+  values.warnings = warnings_.sentences();
+  const auto outside = [](const SessionAvatar& avatar) { return avatar.present() && avatar.outsideKnownRange(); };
+  values.outsideTraining = started_ && std::any_of(session_.avatars().begin(), session_.avatars().end(), outside);
+  values.holdsProp = hands_.holds();
+  values.focus = focus_.position();
+  if (started_) values.followed = focus_.bounds(session_);
+  values.avatars = avatarNames_;
+  values.avatar = focus_.avatar();
+  if (subject_.opener != nullptr) subject_.opener->describe(values);
+  describeNextWorld(values);
+  if (!values.motions.empty()) values.recent = settings_.recent;
+  if (subject_.hits) values.hits = subject_.hits();
+  values.treatable = subject_.treatment.sources != nullptr;
+  values.smoothingDelay = started_ ? session_.source().smoothingDelay().value_or(-1.0) : -1.0;
+  values.noMirror = subject_.treatment.noMirror;
+  values.noSmoothing = subject_.treatment.noSmoothing;
+  values.noGravity = subject_.treatment.noGravity;
+  values.noThrow = whyNoThrow();
+  values.noUndo = whyNoUndo();
+  values.noLoop = whyNoLoop();
+  Scene scene;
+  if (started_) {
+    scene = scene_.of(session_, window_.shown(), window_.camera().eye);
+    scene.inset = subject_.inset;
+  }
+  window_.show(scene, values);
+}
+
+Result<WindowEnd> runInWindow(Window& window, WindowSubject& subject, const PlaybackOptions& options) {
+  WindowLoop loop(window, subject, options);
+  loop.recallSettings();
+  Result<WindowEnd> end = loop.run();
+  loop.keepSettings();
+  return end;
+}
+
+}  // namespace lorica

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "player/background_work.h"
+#include "prepare/cast_loading.h"
+#include "viewer/window_values.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lorica {
+
+/// Opens in a window what the user drops on it or picks, while the present session goes on.
+class WindowOpener {
+ public:
+  /// @param whyNot  nothing can be opened; empty = it can
+  WindowOpener(const LoadedCast& present, int threads, std::string whyNot);
+  /// @param present  what the first files are combined with
+  WindowOpener(CastRequest present, int threads);
+  /// What loads is given up, and so it is by cancel() and by the next files.
+  ~WindowOpener();
+
+  /// What became of several files of one kind.
+  struct Others {
+    std::vector<std::string> files;  ///< that are not opened
+    std::string remark;              ///< about them; empty if there are none
+  };
+  /// Starts to load the present cast with files in it, of several of one kind with the first; names without extension
+  /// are of what ships. What was loading is cancelled.
+  /// @return the others, or why these files cannot be opened together
+  [[nodiscard]] Result<Others> open(const std::vector<std::string>& files);
+  /// The scene of the present cast was exchanged.
+  void choseScene(const std::string& scene) { present_.scene = scene; }
+  /// Starts to load the present cast with another clip or person of its motion's file.
+  /// @param index  of WindowValues::clips or people; -1 = everyone
+  [[nodiscard]] Result<void> openClip(int index);
+  [[nodiscard]] Result<void> openPerson(int index);
+  void cancel();
+
+  [[nodiscard]] bool loading() const { return loading_ != nullptr; }
+  /// What may be dropped; empty once something was.
+  [[nodiscard]] std::string_view hint() const;
+  /// The files that were opened since the start or could have been, see Others; the last one last.
+  [[nodiscard]] const std::vector<std::string>& opened() const { return opened_; }
+  /// What is loaded and how far it is, for the window.
+  void describe(WindowValues& values);
+  /// The result, once; none while it loads.
+  [[nodiscard]] std::optional<Result<LoadedCast>> take();
+
+ private:
+  void remember(const LoadedCast& loaded);
+  void giveUp();
+  void load(std::vector<CastRequest> attempts, std::vector<std::string> files);
+
+  CastRequest present_;
+  CastChoices choices_;
+  int threads_ = 1;
+  std::string whyNot_;
+  std::unique_ptr<BackgroundWork<LoadedCast>> loading_;
+  WorkMonitor::Progress progress_;    // for the window
+  std::vector<std::string> motions_;  // that ship
+  std::vector<std::string> asked_;    // files that are loading
+  std::vector<std::string> opened_;
+  bool dropped_ = false;    // something was
+  bool cancelled_ = false;  // what was loading, since the last take()
+};
+
+}  // namespace lorica

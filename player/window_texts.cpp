@@ -1,0 +1,54 @@
+#include "player/window_texts.h"
+
+#include "apps/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+std::string titleOf(const Session& session, const std::string& source, bool live) {
+  const std::size_t count = session.avatars().size();
+  if (count == 0) return source;
+  const std::string who = count == 1 ? session.character().name : fmt::format("{} avatars", count);
+  const std::string does = fmt::format("{}{}", live ? "follow" : "perform", count == 1 ? "s" : "");
+  // Its own clip is named after the character, too.
+  const std::string own = who + ": ";
+  return fmt::format("{} {} {}", who, does, source.starts_with(own) ? source.substr(own.size()) : source);
+}
+
+std::string statusOf(const Session& session, bool ended) {
+  std::ptrdiff_t parts = 0;
+  for (const SessionAvatar& avatar : session.avatars())
+    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
+  std::vector<int> touched;
+  for (const Contact& contact : session.world().contacts()) touched.push_back(contact.prop);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  std::string status = counted(parts, "part");
+  if (!touched.empty()) status += ", touching " + counted(std::ssize(touched), "prop");
+  if (ended) status += ", end of recording";
+  return status;
+}
+
+void addStageTimes(const Session& session, std::optional<double> tracking, Window& window) {
+  const StageTimes& t = session.times();
+  std::array<TimedStage, 8> stages;
+  std::size_t count = 0;
+  const auto add = [&](const char* name, double microseconds) { stages[count++] = {name, 1e-3 * microseconds}; };
+  if (tracking) add("joints", 1e6 * *tracking);
+  add("pose", t.retarget);
+  if (session.springs() != nullptr) add("springs", t.springs);
+  add("motion", t.motion);
+  add("points", t.points);
+  add("hulls", t.hulls);
+  add("physics", t.physics);
+  if (session.world().particles() != nullptr) add("particles", t.particles);
+  window.addTimes(std::span(stages).first(count));
+}
+
+}  // namespace lorica

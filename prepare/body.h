@@ -1,0 +1,33 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "apps/command_line.h"
+#include "prepare/cover.h"
+#include "prepare/decomposition_cache.h"
+#include "prepare/subject.h"
+
+#include <string>
+
+namespace lorica {
+
+/// Options that select the body of a character.
+struct BodyOptions {
+  std::string decomposition;  ///< file; empty = defaultDecomposition()
+  CoverRequest cover;         ///< not given = the cover in the file
+};
+
+/// The user's cache; it prints warnings to standard error, each sentence once.
+[[nodiscard]] DecompositionCache userCache();
+
+/// defaultDecomposition() with the character's default training, the user's cache and a progress bar; Ctrl-C cancels.
+[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads);
+
+/// --decomposition, --cover, --hull-vertices.
+void addBodyOptions(CommandLine& app, BodyOptions& options);
+
+/// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
+/// @param subject  a character
+/// @return the body, or an error if the file was made from another mesh or cannot be read
+[[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads);
+
+}  // namespace lorica

@@ -1,0 +1,137 @@
+#include "prepare/cameras.h"
+
+#include "apps/report.h"
+#include "capture/sensor/nite.h"
+#include "capture/sensor/openni.h"
+#include "capture/virtual_sensor/virtual_script.h"
+#include "prepare/read_motion.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kVirtualUri = "lorica://virtual";
+
+/// Lorica's driver, in the build tree or installed; empty if it was not built.
+fs::path virtualDriver() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* library : {"lib", "../lib", "../" LORICA_LIBDIR}) {
+    const fs::path file = (program / library / "lorica/OpenNI2/Drivers/libLoricaSensor.so.0").lexically_normal();
+    if (fs::exists(file, error)) return file;
+  }
+  return {};
+}
+
+/// The script of the virtual camera: --motion with shipped names replaced by their files, or the environment variable.
+Result<std::string> virtualText(const DepthOptions& options) {
+  if (options.motion.empty()) return environment(kVirtualScriptVariable);
+  std::string text = "motion=";
+  std::stringstream names(options.motion);
+  for (std::string name; std::getline(names, name, ',');) {
+    if (text.back() != '=') text += ',';
+    const fs::path shipped = isBareName(name) ? shippedRecording(name) : fs::path();
+    const std::string motion = shipped.extension() == ".csv" ? shipped.string() : name;
+    if (motion.find_first_of(" \t\n") != std::string::npos) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--motion: {}: found white space, which ends a name in the script of the virtual camera",
+                               motion)};
+    }
+    text += motion;
+  }
+  return text;
+}
+
+/// The parsed script.
+Result<VirtualScript> virtualScript(const DepthOptions& options, const std::string& text) {
+  Result<VirtualScript> script = parseVirtualScript(text);
+  if (!script) {
+    const std::string origin = options.motion.empty() ? kVirtualScriptVariable : "--motion";
+    return Error{script.error().code, origin + ": " + script.error().message};
+  }
+  return script;
+}
+
+/// Starts OpenNI2 with the requested drivers, and passes the script to the virtual camera.
+Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
+  OpenNiSettings settings;
+  if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
+  if (options.virtualCamera) {
+    const Result<std::string> text = virtualText(options);
+    if (!text) return text.error();
+    if (const Result<VirtualScript> script = virtualScript(options, *text); !script) return script.error();
+    settings.drivers.push_back(virtualDriver());
+    if (settings.drivers.back().empty()) {
+      return Error{
+          ErrorCode::kNotFound,
+          "--virtual: Lorica's driver libLoricaSensor.so.0 was not found next to the program or in ../lib; it is "
+          "built only if libopenni2-dev is installed"};
+    }
+    // OpenNI2 loads the driver into this process, which then reads the variable.
+    if (!options.motion.empty()) setenv(kVirtualScriptVariable, text->c_str(), 1);
+  }
+  return OpenNi::start(settings);
+}
+
+std::string uriOf(const DepthOptions& options) {
+  return options.virtualCamera ? kVirtualUri : options.device;
+}
+
+Error withAdvice(const Error& error, const DepthOptions& options) {
+  if (options.virtualCamera || error.code != ErrorCode::kNotFound) return error;
+  return {error.code, error.message + "; `lorica info --devices` lists cameras and drivers; --virtual needs no camera"};
+}
+
+}  // namespace
+
+void addDepthOptions(CommandLine& app, DepthOptions& options) {
+  Option* device =
+      app.addOption("--device", options.device, "URI of the camera, see `lorica info --devices` [default: the first]")
+          ->typeName("URI");
+  Option* driver = app.addOption("--driver", options.driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE");
+  Option* virtualCamera = app.addFlag("--virtual", options.virtualCamera, "Use a virtual camera with a virtual person");
+  virtualCamera->excludes(device)->excludes(driver);
+  app.addOption("--motion", options.motion,
+                "Motion of the virtual person, repeated: a shipped recording or a joint CSV; two of them, separated by "
+                "a comma, "
+                "for two people [default: from $LORICA_VIRTUAL, else wave]")
+      ->typeName("MOTION")
+      ->needs(virtualCamera);
+}
+
+Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options) {
+  const Result<std::shared_ptr<OpenNi>> openNi = startOpenNi(options);
+  if (!openNi) return openNi.error();
+  Result<std::unique_ptr<DepthSource>> camera = (*openNi)->open(uriOf(options));
+  if (!camera) return withAdvice(camera.error(), options);
+  return camera;
+}
+
+Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library) {
+  const Result<std::shared_ptr<OpenNi>> openNi = startOpenNi(options);
+  if (!openNi) return openNi.error();
+  Result<std::unique_ptr<SkeletonSource>> joints = makeNiteSource(*openNi, library, uriOf(options));
+  if (!joints) return withAdvice(joints.error(), options);
+  return joints;
+}
+
+Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {
+  if (!options.virtualCamera || !virtualDriver().empty()) return openCamera(options);
+  const Result<std::string> text = virtualText(options);
+  if (!text) return text.error();
+  const Result<VirtualScript> script = virtualScript(options, *text);
+  if (!script) return script.error();
+  Result<VirtualSensor> sensor = makeVirtualSensor(*script);
+  if (!sensor) return sensor.error();
+  return std::unique_ptr<DepthSource>(std::make_unique<VirtualSensor>(std::move(*sensor)));
+}
+
+}  // namespace lorica

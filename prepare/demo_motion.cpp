@@ -1,0 +1,92 @@
+#include "prepare/demo_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr double kRate = 30.0;  // of the shipped recordings [1/s]
+constexpr double kFadeSeconds = 0.4;
+
+struct Piece {
+  const char* recording;
+  double from;  // [s]
+  double to;
+};
+
+/// A kick that knocks over the tower in front while objects fall, then a walk through the rubble.
+constexpr Piece kPieces[] = {
+    {"punch_and_kick", 5.6, 7.5},
+    {"walk", 0.9, 10.6},
+};
+
+/// The midpoint between the feet, on the floor.
+Vec3 footing(const SkeletonFrame& frame) {
+  Vec3 middle = 0.5 * (frame[BodyJoint::kLeftFoot].position + frame[BodyJoint::kRightFoot].position);
+  middle.y() = 0.0;
+  return middle;
+}
+
+void moveBy(const Vec3& offset, std::vector<SkeletonFrame>& frames) {
+  for (SkeletonFrame& frame : frames) {
+    for (TrackedJoint& joint : frame.joints) joint.position += offset;
+  }
+}
+
+/// Interpolates from a to b; `share` is between 0 and 1.
+SkeletonFrame blend(const SkeletonFrame& a, const SkeletonFrame& b, double share) {
+  SkeletonFrame mixed = a;
+  for (int j = 0; j < kBodyJointCount; ++j) {
+    TrackedJoint& joint = mixed.joints[j];
+    const TrackedJoint& other = b.joints[j];
+    joint.position += share * (other.position - joint.position);
+    joint.confidence = std::min(joint.confidence, other.confidence);
+    if (joint.orientation && other.orientation) {
+      joint.orientation = joint.orientation->slerp(share, *other.orientation);
+    } else {
+      joint.orientation.reset();
+    }
+  }
+  return mixed;
+}
+
+/// Appends a piece; its first frames are cross-faded with the last existing frames.
+void append(std::vector<SkeletonFrame>& frames, std::vector<SkeletonFrame> piece) {
+  std::size_t overlap = 0;
+  if (!frames.empty()) {
+    const auto wanted = static_cast<std::size_t>(std::lround(kFadeSeconds * kRate));
+    overlap = std::min({wanted, frames.size(), piece.size()});
+    moveBy(footing(frames.back()) - footing(piece.front()), piece);
+  }
+  const std::size_t first = frames.size() - overlap;
+  for (std::size_t i = 0; i < overlap; ++i) {
+    const double t = static_cast<double>(i + 1) / static_cast<double>(overlap + 1);
+    frames[first + i] = blend(frames[first + i], piece[i], t * t * (3.0 - 2.0 * t));
+  }
+  frames.insert(frames.end(), piece.begin() + static_cast<std::ptrdiff_t>(overlap), piece.end());
+}
+
+}  // namespace
+
+Result<Motion> makePerformance() {
+  Motion performance;
+  performance.name = "kick and walk";
+  for (const Piece& piece : kPieces) {
+    const Result<Motion> recording = readMotion(piece.recording);
+    if (!recording) return recording.error();
+    std::vector<SkeletonFrame> frames;
+    const double start = recording->joints.front().time;
+    for (const SkeletonFrame& frame : recording->joints) {
+      const double time = frame.time - start;
+      if (time >= piece.from && time <= piece.to) frames.push_back(frame);
+    }
+    append(performance.joints, std::move(frames));
+  }
+  for (std::size_t i = 0; i < performance.joints.size(); ++i) {
+    performance.joints[i].time = static_cast<double>(i) / kRate;
+  }
+  return performance;
+}
+
+}  // namespace lorica

@@ -1,0 +1,126 @@
+#include "prepare/depth_motion.h"
+
+#include "apps/interrupt.h"
+#include "apps/progress_bar.h"
+#include "apps/report.h"
+#include "capture/sensor/oni_source.h"
+#include "capture/tracking/depth_joints.h"
+#include "capture/tracking/track_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+std::string whoWasSeen(int followed, int frames, int maxPeople) {
+  if (followed == 0) return fmt::format("no person found in {}", counted(frames, "depth frame"));
+  const std::string others = maxPeople > 1 ? fmt::format("; up to {} people at once, see --person", maxPeople) : "";
+  return fmt::format("a person is tracked in {} of {}{}", grouped(followed), counted(frames, "depth frame"), others);
+}
+
+}  // namespace
+
+bool isDepthRecording(const std::filesystem::path& file) {
+  if (lowerCase(file.extension().string()) == ".oni") return true;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // reading from a pipe would consume its data
+  std::ifstream stream(file, std::ios::binary);
+  std::array<char, 4> begin{};
+  return stream.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == "NI10";
+}
+
+Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options) {
+  Result<std::unique_ptr<OniSource>> depth = openOni(file);
+  if (!depth) return depth.error();
+  const int frames = (*depth)->info().frameCount;
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+
+  DepthJoints people(std::move(*depth), std::move(*tracker), options.person);
+  Motion motion;
+  motion.name = file.stem().string();
+  motion.format = "OpenNI depth recording";
+  motion.joints.reserve(frames);
+  ProgressBar bar("Tracking " + motion.name, "frames");
+  int followed = 0;
+  int maxPeople = 0;
+  while (true) {
+    if (bar.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<std::optional<SkeletonFrame>> joints = people.next();
+    if (!joints) return joints.error();
+    if (!joints->has_value()) break;
+    motion.joints.push_back(**joints);
+    followed += people.sight().followed ? 1 : 0;
+    maxPeople = std::max(maxPeople, people.sight().people);
+    bar.update(static_cast<int>(motion.joints.size()), frames);
+  }
+  motion.notes.push_back(whoWasSeen(followed, frames, maxPeople));
+  if (options.person > 0 && followed == 0 && maxPeople > 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: person {} not found: {}", file.string(), options.person,
+                             maxPeople == 1 ? "1 person appears" : fmt::format("{} people appear", maxPeople))};
+  }
+  return motion;
+}
+
+Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file) {
+  constexpr int kPlaces = 6;  // as many as a tracker follows
+  Result<std::unique_ptr<OniSource>> depth = openOni(file);
+  if (!depth) return depth.error();
+  const int frames = (*depth)->info().frameCount;
+  Result<Tracker> tracker = Tracker::create((*depth)->camera(), {.maxPeople = kPlaces});
+  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+  DepthJoints people(std::move(*depth), std::move(*tracker), PeoplePlaces(kPlaces));
+  std::vector<Motion> motions(kPlaces);
+  ProgressBar bar("Tracking " + file.stem().string(), "frames");
+  while (true) {
+    if (bar.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<std::optional<SkeletonFrame>> joints = people.next();
+    if (!joints) return joints.error();
+    if (!joints->has_value()) break;
+    for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
+    bar.update(static_cast<int>(motions.front().joints.size()), frames);
+  }
+  std::erase_if(motions, [](const Motion& motion) {
+    return std::ranges::all_of(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
+  });
+  if (motions.empty()) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: found no person in {}, expected at least one",
+                                                          file.string(), counted(frames, "depth frame"))};
+  }
+  for (std::size_t p = 0; p < motions.size(); ++p) {
+    motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
+    motions[p].format = "OpenNI depth recording";
+  }
+  return motions;
+}
+
+Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base) {
+  Result<std::unique_ptr<OniSource>> depth = openOni(file);
+  if (!depth) return depth.error();
+  const int frames = (*depth)->info().frameCount;
+  Result<Tracker> tracker = Tracker::create((*depth)->camera());
+  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+  ProgressBar bar("Tracking " + file.stem().string(), "frames");
+  Result<TrackLog> log = TrackLog::create(base);
+  if (!log) return log.error();
+  DepthFrame frame;
+  for (int number = 0; number < frames; ++number) {
+    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    const Result<DepthRead> read = (*depth)->next(frame);
+    if (!read) return read.error();
+    if (*read != DepthRead::kFrame) break;
+    log->add(number, tracker->track(frame), *tracker);
+    bar.update(number + 1, frames);
+  }
+  if (Result<void> done = log->finish(); !done) return done.error();
+  return frames;
+}
+
+}  // namespace lorica

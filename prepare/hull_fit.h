@@ -1,0 +1,52 @@
+#pragma once
+
+#include "acd/decompose.h"
+#include "prepare/cover_choice.h"
+#include "prepare/hull_export.h"
+#include "prepare/quality.h"
+#include "prepare/subject.h"
+#include "prepare/subject_training.h"
+
+#include <optional>
+
+namespace lorica {
+
+/// What parts are made for.
+struct FitRequest {
+  const Subject& subject;
+  const Keyframes& keyframes;
+  const CoverPoses* coverPoses = nullptr;  ///< of a character whose cover is not exact; else null
+  CoverRequest cover;                      ///< of a mesh, only the vertex limit is used
+  bool exported = false;                   ///< whether a character's hulls are exported in the bind pose
+  /// Its limits are to hold on the hulls that are used: those that are exported for a mesh, the live ones in the
+  /// keyframes for a character.
+  DecomposeSettings settings;
+
+  [[nodiscard]] bool limited() const { return settings.maxError > 0.0 || settings.maxDistance > 0.0; }
+};
+
+/// Parts and the hulls that are used for them. All figures are those of these hulls.
+struct Fit {
+  TimedDecomposition made;
+  std::size_t attached = 0;        ///< vertices that no part contains but its hull does
+  Decomposition held;              ///< the parts with those vertices
+  HullExport exported;             ///< of a mesh; of a character's bind pose if they are exported
+  std::optional<HullCover> cover;  ///< of a character, unless it is exact
+  UsedHulls hulls;                 ///< in each keyframe
+  Quality quality;
+  std::optional<double> distance;  ///< see measureDistance(), if it is limited
+  bool stalled = false;            ///< a limit is missed, and more parts do not help
+
+  [[nodiscard]] bool errorMet(const DecomposeSettings& settings) const;
+  [[nodiscard]] bool distanceMet(const DecomposeSettings& settings) const;
+  /// The larger of error and distance, as multiples of their limits.
+  [[nodiscard]] double excess(const DecomposeSettings& settings) const;
+};
+
+/// Decomposes until the limits hold on the hulls that are used, with few parts. Those hulls can be larger than those of
+/// the parts: by few vertices, or by vertices that no part contains. Then the number of parts is found by trying some.
+/// The numbers of parts and of vertices are always kept. Where the other limits cannot be met, the parts that came
+/// nearest to them are returned.
+[[nodiscard]] Result<Fit> fitHulls(const FitRequest& request);
+
+}  // namespace lorica

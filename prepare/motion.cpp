@@ -1,0 +1,87 @@
+#include "prepare/motion.h"
+
+#include "capture/files/joint_csv.h"
+#include "capture/retarget/skeletal_retarget.h"
+#include "capture/streams/recorded_stream.h"
+#include "session/stream_pose_source.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kClipRate = 60.0;  // [1/s]
+
+Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
+  return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
+}
+
+/// The source of a motion of packets.
+Result<std::unique_ptr<PoseSource>> streamSourceOf(const Character& character, const Motion& motion,
+                                                   const JointSettings& settings) {
+  Result<std::unique_ptr<PoseSource>> source = makeStreamPoseSource(
+      character, std::make_unique<RecordedStream>(motion.packets->file), {settings.mirror, motion.packets->sender});
+  if (!source) return onCharacter(motion, character, source.error());
+  return source;
+}
+
+}  // namespace
+
+SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip) {
+  return sampleWhole(skeleton, clip, kClipRate);
+}
+
+Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion, const JointSettings& settings) {
+  const auto named = [&](Result<SkeletalMotion> performed) -> Result<SkeletalMotion> {
+    if (!performed) return onCharacter(motion, character, performed.error());
+    performed->name = motion.name;
+    return performed;
+  };
+  if (!motion.bones) return named(perform(character, motion.joints, settings));
+  if (motion.fromCharacterFile && !settings.mirror) {
+    Result<SkeletalMotion> renamed = retargetByJointNames(*motion.bones, character.skeleton);
+    if (renamed) return named(std::move(renamed));
+  }
+  SkeletalRetargetSettings retargeting;
+  retargeting.mirror = settings.mirror;
+  return named(retargetMotion(*motion.bones, character, retargeting));
+}
+
+Result<void> checkPerformed(const Character& character, const Motion& motion, const JointSettings& settings) {
+  if (motion.packets) {
+    const Result<std::unique_ptr<PoseSource>> source = streamSourceOf(character, motion, settings);
+    return source ? Result<void>() : source.error();
+  }
+  Motion first{motion.name, {}, std::nullopt, std::nullopt, motion.fromCharacterFile, motion.format, {}};
+  if (motion.bones) {
+    const std::span<const JointTransform> pose = motion.bones->pose(0);
+    first.bones = SkeletalMotion{
+        motion.bones->name, motion.bones->skeleton, {motion.bones->times.front()}, {pose.begin(), pose.end()}};
+  } else {
+    first.joints = {motion.joints.front()};
+  }
+  const Result<SkeletalMotion> performed = performedBy(character, first, settings);
+  return performed ? Result<void>() : performed.error();
+}
+
+Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
+                                                 const SourceTreatment& treatment) {
+  if (motion.packets) {
+    Result<std::unique_ptr<PoseSource>> source = streamSourceOf(character, motion, treatment.joints);
+    if (!source) return source.error();
+    return makeTreatedSource(std::move(*source), treatment);
+  }
+  if (!motion.bones) {
+    Result<std::unique_ptr<PoseSource>> source =
+        makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
+    if (!source) return onCharacter(motion, character, source.error());
+    return source;
+  }
+  Result<SkeletalMotion> performed = performedBy(character, motion, treatment.joints);
+  if (!performed) return performed.error();
+  return makeTreatedSource(makeMotionPoseSource(std::move(*performed)), treatment);
+}
+
+}  // namespace lorica

@@ -1,0 +1,364 @@
+#include "prepare/read_motion.h"
+
+#include "apps/options.h"
+#include "apps/report.h"
+#include "capture/files/bvh_file.h"
+#include "capture/files/joint_csv.h"
+#include "capture/files/joint_stream.h"
+#include "prepare/depth_motion.h"
+#include "prepare/file_trust.h"
+#include "prepare/shipped_motion.h"
+#include "prepare/stream_motion.h"
+#include "skinning/import/character_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isBvh(const fs::path& file) {
+  return lowerCase(file.extension().string()) == ".bvh";
+}
+
+bool isSessionFile(const fs::path& file) {
+  return lowerCase(file.extension().string()) == ".lsession";
+}
+
+/// Rejects an option that would have no effect on this kind of file.
+Result<void> refuse(bool given, const std::string& option, const std::string& file, const char* what) {
+  if (!given) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("{}: {} is for {}, which this file does not contain", file, option, what)};
+}
+
+Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
+  if (Result<void> fine = refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"); !fine) {
+    return fine.error();
+  }
+  JointStreamSettings settings;
+  if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
+  if (options.person > 0) settings.person = options.person;
+  Result<JointStream> stream = readJointStream(file, settings);
+  if (!stream) return stream.error();
+  Motion motion;
+  motion.name = file.stem().string();
+  motion.joints = std::move(stream->frames);
+  motion.format = fmt::format("joints ({})", nameOf(stream->format));
+  motion.notes = std::move(stream->notes);
+  motion.people = std::move(stream->people);
+  return motion;
+}
+
+Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
+  for (const Result<void>& fine :
+       {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
+        refuse(options.person != 0, "--person", file.string(), "recorded joints"),
+        refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"),
+        refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
+    if (!fine) return fine.error();
+  }
+  Motion motion;
+  motion.name = file.stem().string();
+  if (isBvh(file)) {
+    Result<BvhFile> read = readBvh(file);
+    if (!read) return read.error();
+    motion.bones = std::move(read->motion);
+    motion.format = "BVH";
+    motion.notes = std::move(read->notes);
+    return motion;
+  }
+  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
+  if (!read) return read.error();
+  const Result<const Clip*> clip = findClip(read->clips, options.clip, file.string());
+  if (!clip) return clip.error();
+  if (!(*clip)->name.empty()) motion.name += ": " + (*clip)->name;
+  motion.bones = framesOf(read->character.skeleton, **clip);
+  motion.fromCharacterFile = true;
+  motion.format = read->format;
+  motion.notes = std::move(read->notes);
+  for (const Clip& found : read->clips) motion.clips.push_back(found.name);
+  return motion;
+}
+
+/// Rejects options that are for other motions than packets or a session.
+Result<void> refuseReadingOptions(const fs::path& file, const MotionOptions& options) {
+  for (const Result<void>& fine :
+       {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
+        refuse(options.person > 0 && !isSessionFile(file), "--person", file.string(), "recorded joints or sessions"),
+        refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
+    if (!fine) return fine;
+  }
+  return {};
+}
+
+Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options) {
+  const bool packets = isPacketFile(file);
+  if (Result<void> fine = refuse(!options.sender.empty() && !packets, "--sender", file.string(), "VMC packets");
+      !fine) {
+    return fine.error();
+  }
+  if (packets || isSessionFile(file)) {
+    if (Result<void> fine = refuseReadingOptions(file, options); !fine) return fine.error();
+    return packets ? readPacketMotion(file, options) : readSessionMotion(file, options.person);
+  }
+  if (isDepthRecording(file)) {
+    for (const Result<void>& fine :
+         {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
+          refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
+      if (!fine) return fine.error();
+    }
+    return readDepthMotion(file, options);
+  }
+  return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
+}
+
+/// The file of a shipped recording; empty if there is none.
+fs::path shippedRecording(const fs::path& folder, const std::string& name) {
+  std::error_code ignored;
+  for (const char* extension : {".csv", ".oni"}) {
+    fs::path file = folder / (name + extension);
+    if (fs::exists(file, ignored)) return file;
+  }
+  return {};
+}
+
+}  // namespace
+
+JointSettings MotionOptions::joints() const {
+  JointSettings settings;
+  settings.mirror = mirror;
+  settings.upperBody = upperBody;
+  if (smooth == "one-euro") settings.smoothing = oneEuro;
+  return settings;
+}
+
+FaultSettings MotionOptions::faults() const {
+  const Result<FaultSettings> faults = inject.empty() ? FaultSettings() : parseFaults(inject);
+  LORICA_CHECK(faults.ok(), "the option was checked when it was read");
+  return *faults;
+}
+
+namespace {
+
+void addPersonOption(CommandLine& app, int& person) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    const bool whole = !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
+    if (text != "all" && (!whole || std::stoi(text) == 0)) {
+      return fmt::format("found `{}`, expected a whole number from 1, or all", text);
+    }
+    if (text == "all") text = std::to_string(kEveryone);
+    return "";
+  };
+  app.addOption(
+         "--person", person,
+         "Person to use, by number in a stream of joints or a recorded session, or by order of appearance before a "
+         "depth camera; "
+         "all: an avatar for each, with play and record [default: the one with the most motion; before a "
+         "camera the nearest]")
+      ->typeName("N|all")
+      ->check(check);
+}
+
+}  // namespace
+
+void addReadingOptions(CommandLine& app, MotionOptions& options) {
+  std::vector<std::string> formats;
+  formats.reserve(kJointFormatCount);
+  for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
+  const std::string names = fmt::format("{}", fmt::join(formats, ", "));
+  app.addOption("--format", options.format,
+                fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
+      ->typeName("NAME")
+      ->check(oneOf(std::move(formats)));
+  addPersonOption(app, options.person);
+  app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
+  addSenderOption(app, options.sender);
+}
+
+void addPlayingOptions(CommandLine& app, MotionOptions& options) {
+  app.addFlag("--mirror", options.mirror, "Mirror the motion: swap left and right");
+  app.addFlag(
+      "--upper-body", options.upperBody,
+      "Do not use the person's legs: the character stands, for people who sit and for webcams; motions of bones "
+      "keep theirs");
+  app.addOption("--smooth", options.smooth,
+                "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
+      ->typeName("NAME")
+      ->check(oneOf({"off", "one-euro"}));
+  addPositive(
+      app, "--min-cutoff", options.oneEuro.minCutoff,
+      fmt::format("Cutoff of one-euro at rest [Hz]; lower is smoother [default: {:g}]", options.oneEuro.minCutoff),
+      "HZ");
+  addPositive(
+      app, "--beta", options.oneEuro.beta,
+      fmt::format("Increase of the cutoff with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
+      "NUMBER");
+}
+
+bool smoothingGiven(const CommandLine& app) {
+  return app.given("--smooth") || app.given("--min-cutoff") || app.given("--beta");
+}
+
+void addFaultOption(CommandLine& app, MotionOptions& options) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    const Result<FaultSettings> faults = parseFaults(text);
+    return faults ? "" : faults.error().message;
+  };
+  app.addOption("--inject", options.inject,
+                "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
+                "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
+                "freeze apply to a motion of bones")
+      ->typeName("FAULTS")
+      ->check(check);
+}
+
+bool isBareName(const std::string& text) {
+  std::error_code ignored;
+  return text.find('/') == std::string::npos && !fs::path(text).has_extension() && !fs::exists(text, ignored);
+}
+
+fs::path shippedRecording(const std::string& name) {
+  std::error_code ignored;
+  const Result<fs::path> folder = recordingsFolder();
+  return folder && !fs::exists(name, ignored) ? shippedRecording(*folder, name) : fs::path();
+}
+
+Result<fs::path> recordingsFolder() {
+  std::error_code error;
+  if (const std::string chosen = environment("LORICA_RECORDINGS"); !chosen.empty()) {
+    if (fs::is_directory(chosen, error)) return fs::path(chosen);
+    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: no such folder", chosen)};
+  }
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  // build/lorica, build/PRESET/lorica, and PREFIX/bin/lorica.
+  for (const char* relative : {"../recordings", "../../recordings", "../share/lorica/recordings"}) {
+    const fs::path folder = (program / relative).lexically_normal();
+    if (fs::is_directory(folder, error)) return folder;
+  }
+  return Error{ErrorCode::kNotFound,
+               fmt::format("the shipped recordings were not found next to {} or in ../share/lorica/recordings: set "
+                           "LORICA_RECORDINGS to their folder",
+                           program.string())};
+}
+
+std::string shippedNames(const fs::path& folder, const std::string& extension) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+namespace {
+
+/// A path as it is, or the file of a shipped recording.
+Result<fs::path> motionFile(const std::string& pathOrName) {
+  if (!isBareName(pathOrName)) return fs::path(pathOrName);
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  const fs::path file = shippedRecording(*folder, pathOrName);
+  if (file.empty()) {
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, "
+                    ".oni, .glb, .vrm, .fbx, .dae) or one of {}, {}",
+                    pathOrName, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
+  }
+  return file;
+}
+
+}  // namespace
+
+Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
+  const Result<fs::path> file = motionFile(pathOrName);
+  if (!file) return file.error();
+  if (options.person == kEveryone) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: found --person all, expected the number of one person; `lorica play` and `lorica "
+                             "record` show all",
+                             pathOrName)};
+  }
+  return readMotionFile(*file, options);
+}
+
+Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options) {
+  const Result<fs::path> file = motionFile(pathOrName);
+  if (!file) return file.error();
+  if (isBvh(*file) || isCharacterFile(*file) || isSessionFile(*file) || isPacketFile(*file)) {
+    return refuse(true, "--person", file->string(), "recorded joints").error();
+  }
+  if (Result<void> fine = refuse(!options.clip.empty(), "--clip", file->string(), "clips of skeletons"); !fine) {
+    return fine.error();
+  }
+  if (isDepthRecording(*file)) return readDepthMotionOfAll(*file);
+  JointStreamSettings settings;
+  if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
+  Result<std::vector<JointStream>> streams = readJointStreamOfAll(*file, settings);
+  if (!streams) return streams.error();
+  std::vector<Motion> motions;
+  for (std::size_t i = 0; i < streams->size(); ++i) {
+    JointStream& stream = (*streams)[i];
+    Motion& motion = motions.emplace_back();
+    motion.name = file->stem().string();
+    if (streams->size() > 1) motion.name += fmt::format(": person {}", stream.people[i]);
+    motion.joints = std::move(stream.frames);
+    motion.format = fmt::format("joints ({})", nameOf(stream.format));
+    motion.notes = std::move(stream.notes);
+    motion.people = stream.people;
+  }
+  return motions;
+}
+
+Result<std::vector<Motion>> readShippedRecordings() {
+  const Result<fs::path> folder = recordingsFolder();
+  if (!folder) return folder.error();
+  std::vector<Motion> motions;
+  motions.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    const std::string name(nameOf(static_cast<SyntheticMotion>(m)));
+    Result<Motion> motion = readJoints(*folder / (name + ".csv"), {});
+    if (!motion) return motion.error();
+    motions.push_back(std::move(*motion));
+  }
+  return motions;
+}
+
+std::vector<Motion> makeShippedMotions() {
+  std::vector<Motion> motions;
+  motions.reserve(kSyntheticMotionCount);
+  for (int m = 0; m < kSyntheticMotionCount; ++m) motions.push_back(shippedMotion(static_cast<SyntheticMotion>(m)));
+  return motions;
+}
+
+Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name, const std::string& source) {
+  if (clips.empty()) {
+    return Error{ErrorCode::kNotFound, source + ": found no animation, expected at least one clip"};
+  }
+  if (name.empty()) return &clips.front();
+  std::vector<std::string> names;
+  names.reserve(clips.size());
+  for (const Clip& clip : clips) {
+    if (lowerCase(clip.name) == lowerCase(name)) return &clip;
+    names.push_back(clip.name);
+  }
+  return Error{ErrorCode::kNotFound,
+               fmt::format("{}: no clip named {}, expected one of {}", source, name, fmt::join(names, ", "))};
+}
+
+Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
+                                                 const MotionOptions& options, std::shared_ptr<SourceLog> log) {
+  Result<std::unique_ptr<PoseSource>> source =
+      poseSourceOf(character, motion, {std::move(log), options.faults(), options.joints()});
+  if (!source && motion.bones && !options.inject.empty()) {
+    return Error{source.error().code, "--inject: " + source.error().message};
+  }
+  return source;
+}
+
+}  // namespace lorica

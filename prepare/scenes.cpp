@@ -1,0 +1,159 @@
+#include "prepare/scenes.h"
+
+#include "apps/interrupt.h"
+#include "apps/progress_bar.h"
+#include "collision/world/prop_meshes.h"
+#include "geometry/files.h"
+#include "geometry/mesh_files.h"
+#include "prepare/body.h"
+#include "prepare/file_trust.h"
+#include "prepare/read_motion.h"
+#include "session/scenes/demo_scene.h"
+#include "session/scenes/scene_file.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr int kDroppedParts = 8;
+constexpr double kShortestSide = 0.1, kLongestSide = 1.5, kScaledSide = 0.5;  // see openMeshProp()
+
+/// The decomposition of a prop's mesh: from the user's cache, or computed with a progress bar. Ctrl-C cancels.
+Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surface, int parts) {
+  ProgressBar bar("Decomposing " + name, "parts");
+  DecomposeSettings settings;
+  settings.maxParts = parts;
+  settings.progress = progressOf(bar);
+  Result<CachedDecomposition> made = meshDecomposition(name, surface, settings, userCache());
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (!made) return made.error();
+  return std::move(made->file.decomposition);
+}
+
+}  // namespace
+
+void addSceneOption(CommandLine& app, std::string& scene) {
+  app.addOption("--scene", scene,
+                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, sand or targets "
+                "[default: boxes and balls of the demo]")
+      ->typeName("SCENE");
+}
+
+Result<std::filesystem::path> scenesFolder() {
+  // It is next to that of recordings, in the source tree and when installed.
+  const Result<std::filesystem::path> recordings = recordingsFolder();
+  if (!recordings) return recordings.error();
+  return recordings->parent_path() / "scenes";
+}
+
+Result<SceneText> readSceneText(const std::string& scene) {
+  if (scene.empty()) return SceneText();
+  std::filesystem::path file = scene;
+  if (isBareName(scene)) {
+    const Result<std::filesystem::path> folder = scenesFolder();
+    if (!folder) return folder.error();
+    file = *folder / (scene + ".json");
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) {
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("--scene: {}: no such file and no shipped scene with that name, expected a scene file "
+                               "(.json) or one of {}",
+                               scene, shippedNames(file.parent_path(), ".json"))};
+    }
+  }
+  Result<std::string> text = readFile(file);
+  if (!text) return text.error();
+  return SceneText{std::move(*text), file.parent_path(), pathTrust()};
+}
+
+namespace {
+
+/// @param name  for error messages
+Result<SceneFile> sceneOf(const SceneText& scene, const std::string& name) {
+  SceneReading reading;
+  reading.folder = scene.folder;
+  reading.decomposer = decomposeProp;
+  reading.paths = scene.paths;
+  return parseScene(scene.text, name, reading);
+}
+
+/// The path of a file that a scene names; names without folder and extension are of what ships.
+Result<void> findNamed(const SceneText& scene, std::string& name) {
+  const std::filesystem::path path(name);
+  if (name.empty() || (!path.has_parent_path() && !path.has_extension())) return {};
+  const Result<std::filesystem::path> found = NamedFiles{scene.folder, scene.paths}.find(name);
+  if (!found) return found.error();
+  name = found->string();
+  return {};
+}
+
+}  // namespace
+
+Result<World> worldOf(const SceneText& scene, const std::string& name) {
+  if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
+  const Result<SceneFile> read = sceneOf(scene, name);
+  if (!read) return read.error();
+  return makeWorld(*read);
+}
+
+std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name) {
+  if (scene.text.empty()) return {};
+  Result<SceneFile> read = sceneOf(scene, name);
+  return read ? std::move(read->targets) : std::vector<HitTarget>();
+}
+
+Result<OpenedScene> openStage(const std::string& scene) {
+  const Result<SceneText> text = readSceneText(scene);
+  if (!text) return text.error();
+  if (text->text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}, {}};
+  Result<SceneFile> read = sceneOf(*text, scene);
+  if (!read) return read.error();
+  for (std::size_t i = 0; i < read->stage.size(); ++i) {
+    for (std::string* name : {&read->stage[i].character, &read->stage[i].motion}) {
+      if (Result<void> found = findNamed(*text, *name); !found) {
+        return Error{found.error().code, fmt::format("{}: avatars[{}]: {}", scene, i, found.error().message)};
+      }
+    }
+  }
+  return OpenedScene{makeWorld(*read), std::move(read->targets), std::move(read->stage)};
+}
+
+std::vector<HitTarget> targetsOf(const std::string& scene) {
+  const Result<SceneText> text = readSceneText(scene);
+  return text ? targetsOf(*text, scene) : std::vector<HitTarget>();
+}
+
+Result<Prop> openMeshProp(const std::string& file) {
+  const Result<TriMesh> mesh = readMesh(file);
+  if (!mesh) return mesh.error();
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh->vertices) box.extend(v);
+  const double side = mesh->vertices.empty() ? 0.0 : box.sizes().maxCoeff();
+  PropMeshRequest request{file};
+  request.parts = kDroppedParts;
+  if (side > 0.0 && (side < kShortestSide || side > kLongestSide)) request.scale = kScaledSide / side;
+  Result<std::shared_ptr<const PropMeshShape>> shape = readPropMesh(request, decomposeProp);
+  if (!shape && shape.error().code != ErrorCode::kCancelled) {
+    request.parts = 1;
+    shape = readPropMesh(request, decomposeProp);
+  }
+  if (!shape) return shape.error();
+  return meshProp(std::move(*shape));
+}
+
+Result<World> openScene(const std::string& scene, double gravity) {
+  const Result<SceneText> text = readSceneText(scene);
+  if (!text) return text.error();
+  if (text->text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed);
+  Result<SceneFile> read = sceneOf(*text, scene);
+  if (!read) return read.error();
+  read->world.gravity *= gravity;
+  if (read->particles) read->particles->gravity *= gravity;
+  return makeWorld(*read);
+}
+
+}  // namespace lorica

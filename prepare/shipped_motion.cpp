@@ -1,0 +1,23 @@
+#include "prepare/shipped_motion.h"
+
+#include "capture/files/joint_csv.h"
+
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+Motion shippedMotion(SyntheticMotion which) {
+  Motion motion;
+  motion.name = nameOf(which);
+  std::vector<SkeletonFrame> frames = synthesizeMotion(which);
+  roundForFile(frames);
+  // Through the text of the file: reading it normalises rotations.
+  std::string text = jointCsvHeader();
+  for (const SkeletonFrame& frame : frames) text += jointCsvRow(frame);
+  motion.joints = parseJointCsv(text, motion.name).value();
+  motion.format = "joints (lorica)";
+  return motion;
+}
+
+}  // namespace lorica

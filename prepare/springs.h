@@ -1,0 +1,34 @@
+#pragma once
+
+#include "apps/command_line.h"
+#include "apps/report.h"
+#include "prepare/subject.h"
+#include "session/session.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// --springs. @param mode  receives its value; empty = not given
+void addSpringOption(CommandLine& app, std::string& mode);
+
+/// The springs and constraints of a character and what they do.
+struct SpringChoice {
+  SpringBones springs;
+  SpringMode mode = SpringMode::kFile;
+};
+
+/// @param mode  as given; empty = usualSpringMode()
+/// @return none if there is nothing to move: neither springs, or the mode is none, nor constraints
+[[nodiscard]] std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::string& mode);
+
+/// Session::setSprings() with the choice; without one nothing happens.
+[[nodiscard]] Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session, int avatar = 0);
+
+/// The numbers of springs, joints, colliders and constraints for `lorica info`.
+void describeSprings(const SpringBones& springs, Report& report, nlohmann::ordered_json& json);
+
+}  // namespace lorica

@@ -1,0 +1,208 @@
+#include "prepare/stream_motion.h"
+
+#include "capture/streams/recorded_stream.h"
+#include "prepare/file_trust.h"
+#include "prepare/session_files.h"
+#include "prepare/subject.h"
+#include "skinning/humanoid/humanoid.h"
+#include "skinning/import/character_file.h"
+#include "skinning/mannequin/mannequin.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStep = 1.0 / 30.0;
+/// An hour at 60 frames a second: their poses take 1 GB of memory.
+constexpr std::size_t kMostFrames = 216000;
+/// A sender's bone shorter than this was sent without its length [m].
+constexpr double kShortest = 1e-4;
+
+/// A sender's skeleton, made from what it sent.
+class SenderBody {
+ public:
+  /// @param whole  has the offsets of bones that come without one
+  explicit SenderBody(BonePose whole) : offsets_(std::move(whole)) {}
+
+  void learn(const BonePose& pose) {
+    for (std::size_t b = 0; b < known_.size(); ++b) {
+      if (!pose.rotation[b] || known_[b]) continue;
+      known_[b] = true;
+      if (pose.offset[b].norm() > kShortest) offsets_.offset[b] = pose.offset[b];
+    }
+  }
+
+  [[nodiscard]] Result<Skeleton> skeleton() {
+    std::vector<Joint> joints;
+    for (std::size_t b = 0; b < known_.size(); ++b) {
+      if (!known_[b]) continue;
+      const auto bone = static_cast<HumanBone>(b);
+      Joint joint;
+      joint.name = nameOf(bone);
+      joint.bone = bone;
+      joint.rest.translation = offsets_.offset[b];
+      for (std::optional<HumanBone> above = parentBone(bone); above; above = parentBone(*above)) {
+        const auto a = static_cast<std::size_t>(*above);
+        if (known_[a]) {
+          joint.parent = jointOf_[a];
+          break;
+        }
+        joint.rest.translation += offsets_.offset[a];
+      }
+      jointOf_[b] = static_cast<JointIndex>(joints.size());
+      joints.push_back(std::move(joint));
+    }
+    return Skeleton::create(std::move(joints));
+  }
+
+  /// Appends a pose of that skeleton.
+  void append(const BonePose& pose, SkeletalMotion& motion) const {
+    for (std::size_t b = 0; b < known_.size(); ++b) {
+      if (!known_[b]) continue;
+      const JointIndex joint = jointOf_[b];
+      JointTransform local = motion.skeleton.joint(joint).rest;
+      const bool root = motion.skeleton.joint(joint).parent == kNoJoint;
+      if (pose.rotation[b]) local.rotation = *pose.rotation[b];
+      if (root) {
+        const Vec3& sent = pose.offset[b];
+        local.translation =
+            pose.rootPosition + pose.rootRotation * (sent.norm() > kShortest ? sent : local.translation);
+        local.rotation = (pose.rootRotation * local.rotation).normalized();
+      }
+      motion.poses.push_back(local);
+    }
+  }
+
+ private:
+  BonePose offsets_;
+  std::array<bool, kHumanBoneCount> known_{};
+  std::array<JointIndex, kHumanBoneCount> jointOf_{};
+};
+
+/// Calls `use` for each frame that a recording gives. @return number of steps of a session that follows it
+template <typename Use>
+int playAll(const RecordedPackets& packets, Use&& use) {
+  RecordedStream stream(packets.file);
+  BoneFrame frame;
+  int steps = 0;
+  while (true) {
+    const bool isNew = stream.wait(kStep, frame);
+    if (!isNew && stream.ended()) return steps;
+    ++steps;
+    if (!isNew) continue;
+    if (packets.sender) packets.sender->apply(frame.pose);
+    use(frame);
+  }
+}
+
+}  // namespace
+
+Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& options) {
+  Result<PacketFile> read = readPacketFile(file);
+  if (!read) return read.error();
+  Result<std::optional<SenderRest>> sender = readSenderRest(options.sender);
+  if (!sender) return sender.error();
+  Motion motion;
+  motion.name = file.stem().string();
+  motion.format = "VMC packets";
+  motion.notes = read->notes();
+  motion.packets = RecordedPackets{std::make_shared<const PacketFile>(std::move(*read)), std::move(*sender), 0};
+
+  Result<BonePoseReader> mannequin = BonePoseReader::create(makeMannequin().skeleton);
+  if (!mannequin) return mannequin.error();
+  SenderBody body(mannequin->read(restPose(makeMannequin().skeleton)));
+  std::size_t frames = 0;
+  motion.packets->steps = playAll(*motion.packets, [&](const BoneFrame& frame) {
+    body.learn(frame.pose);
+    ++frames;
+  });
+  if (frames == 0 || frames > kMostFrames) {
+    return Error{ErrorCode::kBadFormat,
+                 fmt::format("{}: found {} frames of bones, expected 1 to {}", file.string(), frames, kMostFrames)};
+  }
+  Result<Skeleton> skeleton = body.skeleton();
+  if (!skeleton) return Error{skeleton.error().code, fmt::format("{}: {}", file.string(), skeleton.error().message)};
+  motion.bones = SkeletalMotion{motion.name, std::move(*skeleton), {}, {}};
+  playAll(*motion.packets, [&](const BoneFrame& frame) {
+    if (!motion.bones->times.empty() && frame.time <= motion.bones->times.back()) return;
+    motion.bones->times.push_back(frame.time);
+    body.append(frame.pose, *motion.bones);
+  });
+  return motion;
+}
+
+Result<Motion> readSessionMotion(const fs::path& file, int person) {
+  Result<SessionFile> recorded = readSession(file);
+  if (!recorded) return recorded.error();
+  Motion motion;
+  motion.name = file.stem().string();
+  motion.notes = recorded->notes;
+  motion.format = "recorded session";
+  motion.people.resize(recorded->header.avatars.size());
+  std::iota(motion.people.begin(), motion.people.end(), 1);
+  const std::size_t count = recorded->motions.size();
+  const std::size_t index = person > 0 ? static_cast<std::size_t>(person) - 1 : 0;
+  if (index >= count) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--person {}: {} has {}, expected at most that number", person, file.string(),
+                             counted(std::ssize(recorded->motions), "avatar"))};
+  }
+  if (count > 1 && person == 0) {
+    motion.notes.push_back(fmt::format("of {} avatars this is the first; --person 2 is the second", count));
+  }
+  const AvatarHeader& header = recorded->header.avatar(index);
+  RecordedMotion& chosen = recorded->motions[index];
+  if (header.poseJoints == 0) {
+    motion.joints = std::move(chosen.joints);
+    std::erase_if(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
+  } else {
+    const Result<SessionInputs> inputs = inputsOf(*recorded, file.string(), index, "", "");
+    if (!inputs) return inputs.error();
+    CharacterOptions reading{inputs->boneMap, header.bodyResolution};
+    reading.hidden = header.hidden;
+    Result<Subject> subject = readCharacter(inputs->character, reading);
+    if (!subject) return subject.error();
+    const Skeleton& skeleton = subject->character->skeleton;
+    if (skeleton.jointCount() != header.poseJoints) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
+                               inputs->character, skeleton.jointCount())};
+    }
+    motion.bones = SkeletalMotion{motion.name, skeleton, std::move(chosen.poseTimes), std::move(chosen.poses)};
+  }
+  if (motion.bones ? motion.bones->times.empty() : motion.joints.empty()) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: found no motion, expected at least one frame", file.string())};
+  }
+  return motion;
+}
+
+Result<std::optional<SenderRest>> readSenderRest(const std::string& file) {
+  if (file.empty()) return std::optional<SenderRest>();
+  const Result<CharacterFile> model = readCharacterFile(file, characterFileSettings());
+  if (!model) return Error{model.error().code, "--sender: " + model.error().message};
+  if (model->format != "VRM 1.0") {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--sender: {}: found {}, expected VRM 1.0: of other models a rotation of zero is the "
+                             "T-pose already",
+                             file, model->format)};
+  }
+  Result<SenderRest> rest = SenderRest::create(model->character.skeleton);
+  if (!rest) return Error{rest.error().code, fmt::format("--sender: {}: {}", file, rest.error().message)};
+  return std::optional<SenderRest>(std::move(*rest));
+}
+
+void addSenderOption(CommandLine& app, std::string& file) {
+  app.addOption("--sender", file,
+                "The sender's model, if it is VRM 1.0 and sends its bones' own rotations: then zero is not the T-pose")
+      ->typeName("FILE.vrm");
+}
+
+}  // namespace lorica

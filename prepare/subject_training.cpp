@@ -1,0 +1,52 @@
+#include "prepare/subject_training.h"
+
+#include "apps/interrupt.h"
+#include "apps/progress_bar.h"
+#include "apps/report.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+namespace lorica {
+
+Result<std::vector<Motion>> readMotions(std::span<const std::string> names) {
+  std::vector<Motion> motions;
+  motions.reserve(names.size());
+  for (const std::string& name : names) {
+    Result<Motion> motion = readMotion(name);
+    if (!motion) return motion.error();
+    motions.push_back(std::move(*motion));
+  }
+  return motions;
+}
+
+Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions) {
+  const auto usual = [&]() -> Result<std::vector<Motion>> {
+    Result<std::vector<Motion>> shipped = readShippedRecordings();
+    if (shipped) return shipped;
+    warn(shipped.error().message + "; the hulls are trained on the same motions, generated again");
+    return makeShippedMotions();
+  };
+  return trainingMotions(*subject.character, motions, subject.clips(), usual);
+}
+
+Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh, PoseView keyframes,
+                                                 DecomposeSettings settings) {
+  ProgressBar bar("Decomposing " + name, "parts");
+  settings.progress = progressOf(bar);
+  const auto start = std::chrono::steady_clock::now();
+  Result<Decomposition> made = decompose(mesh, keyframes, settings);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!made) {
+    // The mesh was rejected: the error names the element, but only this function knows the file.
+    if (made.error().code == ErrorCode::kBadMesh) return Error{ErrorCode::kBadMesh, name + ": " + made.error().message};
+    return made.error();
+  }
+  // The last cut may have finished before the progress callback was called.
+  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  return TimedDecomposition{std::move(*made), seconds};
+}
+
+}  // namespace lorica

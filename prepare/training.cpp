@@ -1,0 +1,125 @@
+#include "prepare/training.h"
+
+#include "capture/retarget/proxy_skeleton.h"
+#include "collision/live/part_bones.h"
+#include "prepare/keyframes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+constexpr double kLikeEnough = 0.02;  // in heights of the character: closer poses need no keyframe of their own
+constexpr std::size_t kMaxKnownFrames = 3000;
+
+/// Largest distance of a training frame from its nearest keyframe [m].
+double farthestTrained(const TrainingRange& range, const Decomposition& decomposition, const Character& character,
+                       const Training& training) {
+  std::size_t frameCount = 0;
+  for (const SkeletalMotion& motion : training.motions) frameCount += motion.times.size();
+  const std::size_t stride = (frameCount + kMaxKnownFrames - 1) / kMaxKnownFrames;
+  double farthest = 0.0;
+  for (const SkeletalMotion& motion : training.motions) {
+    SkeletalMotion one{motion.name, motion.skeleton, {0.0}, {}};
+    for (std::size_t f = 0; f < motion.times.size(); f += stride) {
+      const std::span<const JointTransform> pose = motion.pose(static_cast<int>(f));
+      one.poses.assign(pose.begin(), pose.end());
+      const std::vector<Vec3> posed = poseAllFrames(character, one);
+      farthest = std::max(farthest, farthestFrame(range, decomposition, {posed, static_cast<int>(posed.size())}));
+    }
+  }
+  return farthest;
+}
+
+}  // namespace
+
+Result<Training> trainingMotions(const Character& character, std::span<const Motion> given, std::span<const Clip> clips,
+                                 const std::function<Result<std::vector<Motion>>()>& usual) {
+  Training training;
+  const auto add = [&](std::span<const Motion> motions) -> Result<void> {
+    for (const Motion& motion : motions) {
+      Result<SkeletalMotion> performed = performedBy(character, motion);
+      if (!performed) return performed.error();
+      training.motions.push_back(std::move(*performed));
+    }
+    return {};
+  };
+  if (!given.empty()) {
+    if (Result<void> added = add(given); !added) return added.error();
+    return training;
+  }
+  if (!clips.empty()) {
+    training.ownClips = true;
+    training.motions.reserve(clips.size());
+    for (const Clip& clip : clips) {
+      training.motions.push_back(framesOf(character.skeleton, clip));
+      training.motions.back().name = clip.name;
+    }
+  }
+  if (canPerform(character)) {
+    const Result<std::vector<Motion>> motions = usual();
+    if (!motions && clips.empty()) return motions.error();
+    if (motions) {
+      if (Result<void> added = add(*motions); !added) return added.error();
+    }
+  }
+  if (training.motions.empty())
+    training.motions.push_back({"rest pose", character.skeleton, {0.0}, restPose(character.skeleton)});
+  return training;
+}
+
+Result<Keyframes> trainingKeyframes(const Character& character, const Training& training, std::optional<int> count) {
+  std::size_t frameCount = 0;
+  for (const SkeletalMotion& motion : training.motions) frameCount += motion.times.size();
+  if (!count) {
+    count =
+        training.ownClips ? kChooseKeyframes : static_cast<int>(std::min<std::size_t>(kDefaultKeyframes, frameCount));
+  }
+  if (*count == kChooseKeyframes) {
+    Result<ChosenKeyframes> found =
+        chooseKeyframes(character, training.motions, kDefaultKeyframes, kLikeEnough * character.height);
+    if (!found) return found.error();
+    Keyframes keyframes{std::move(found->positions),
+                        static_cast<int>(found->sources.size()),
+                        {},
+                        found->farthest,
+                        std::move(found->worldFromModel)};
+    keyframes.chosen.reserve(found->sources.size());
+    for (const KeyframeSource& source : found->sources) {
+      keyframes.chosen.push_back({training.motions[source.motion].name, source.frame, source.time});
+    }
+    return keyframes;
+  }
+  if (static_cast<std::size_t>(*count) > frameCount) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("found {} keyframes, expected at most {}, the number of frames to choose from", *count,
+                             frameCount)};
+  }
+  Result<std::vector<Vec3>> positions = sampleKeyframes(character, training.motions, *count);
+  if (!positions) return positions.error();
+  return Keyframes{std::move(*positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
+}
+
+DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
+                              const Training* training, PoseView keyframes, Decomposition decomposition,
+                              const UsedHulls& hulls) {
+  const Quality quality = measureQuality(mesh, keyframes, hulls);
+  DecompositionFile content;
+  content.source = name;
+  content.meshHash = topologyHash(mesh);
+  content.meanError = quality.error;
+  content.errorPerKeyframe = quality.errorPerKeyframe;
+  content.detailLevels = detailLevels(decomposition, mesh, keyframes, hulls);
+  if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
+  if (character != nullptr || keyframes.keyframeCount() > 1) content.training = trainingRange(decomposition, keyframes);
+  if (character != nullptr && training != nullptr) {
+    content.training->knownDistance = std::max(
+        content.training->knownDistance, farthestTrained(*content.training, decomposition, *character, *training));
+  }
+  content.decomposition = std::move(decomposition);
+  return content;
+}
+
+}  // namespace lorica

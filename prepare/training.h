@@ -1,0 +1,69 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "prepare/motion.h"
+#include "prepare/quality.h"
+#include "skinning/character.h"
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// The motions that a decomposition is trained on, performed by the character.
+struct Training {
+  std::vector<SkeletalMotion> motions;
+  bool ownClips = false;  ///< the character's own are among them
+};
+
+/// The given motions; if there are none, the character's own clips and, for a humanoid, motions made for any humanoid,
+/// since it may be moved by either; else its rest pose.
+/// @param given  may be empty
+/// @param clips  of the character's skeleton; may be empty
+/// @param usual  called only if it is needed: motions of joints, such as the recordings that Lorica ships. Its error is
+///               returned only if there are no clips either
+[[nodiscard]] Result<Training> trainingMotions(const Character& character, std::span<const Motion> given,
+                                               std::span<const Clip> clips,
+                                               const std::function<Result<std::vector<Motion>>()>& usual);
+
+/// A frame of a motion that was chosen as a keyframe.
+struct ChosenFrame {
+  std::string motion;  ///< its name
+  std::size_t frame = 0;
+  double time = 0.0;  ///< [s]
+};
+
+/// Keyframes to train a decomposition on.
+struct Keyframes {
+  std::vector<Vec3> positions;  ///< [m], count x vertexCount, keyframe-major
+  int count = 0;
+  std::vector<ChosenFrame> chosen;  ///< one for each keyframe if they were chosen by their differences, else empty
+  double farthest = 0.0;            ///< of chosen ones: no frame differs more than this from its nearest keyframe [m]
+  std::vector<Affine3> worldFromModel = {};  ///< of the bones, count x jointCount; empty for a mesh
+};
+
+/// The default number of keyframes, and the maximum when they are chosen by their differences.
+inline constexpr int kDefaultKeyframes = 12;
+/// A special count: choose the most different poses, at most kDefaultKeyframes, and fewer if every frame is within 2 %
+/// of the character's height of one of them.
+inline constexpr int kChooseKeyframes = -1;
+
+/// Keyframes at even intervals over the concatenated motions, or chosen by their differences.
+/// @param count  1 or more, or kChooseKeyframes. None = kDefaultKeyframes, but chosen by their differences if the
+///               motions are the character's own clips, which are often alike
+[[nodiscard]] Result<Keyframes> trainingKeyframes(const Character& character, const Training& training,
+                                                  std::optional<int> count);
+
+/// The content of a .lorica file for a new decomposition: levels of detail evaluated in the keyframes, the training
+/// range, and the bones that move each part; no cover. The training range contains all frames of the training motions;
+/// of more than 3,000 frames, that many at even intervals are considered.
+/// @param character  null for a mesh, as is training
+/// @param hulls      those that are used, of the parts, in each keyframe
+[[nodiscard]] DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
+                                            const Training* training, PoseView keyframes, Decomposition decomposition,
+                                            const UsedHulls& hulls);
+
+}  // namespace lorica

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "capture/named_weight.h"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace lorica {
+
+/// Appends numbers to a byte string.
+class ByteWriter {
+ public:
+  template <typename Number>
+  void put(Number number) {
+    static_assert(std::is_arithmetic_v<Number>);
+    const auto* bytes = reinterpret_cast<const char*>(&number);
+    bytes_.append(bytes, sizeof(Number));
+  }
+  void put(std::string_view bytes) { bytes_ += bytes; }
+  void clear() { bytes_.clear(); }
+  [[nodiscard]] std::string_view bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+/// Maximum number of expressions of one pose, and of bytes of their names.
+inline constexpr std::size_t kMostExpressions = 256, kLongestExpression = 128;
+
+/// Appends the expressions of one pose: their number in two bytes; for each the length of its name in one byte, the
+/// name, and the weight. Those beyond the maximum are left out.
+void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes);
+
+}  // namespace lorica

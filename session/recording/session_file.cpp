@@ -1,0 +1,226 @@
+#include "session/recording/session_file.h"
+
+#include "geometry/byte_reader.h"
+#include "geometry/files.h"
+#include "session/recording/session_blocks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
+constexpr double kFarthest = 1e6;      ///< maximum of each recorded coordinate [m]
+constexpr double kLongestTime = 1e12;  ///< [s]
+constexpr double kUnitTolerance = 1e-3;
+
+/// Reads one step, up to its first error.
+class StepReader {
+ public:
+  StepReader(std::string_view payload, const SessionHeader& header, SessionFile& file)
+      : reader_(payload), header_(header), file_(file) {}
+
+  /// @return the error; nothing if the step is valid
+  std::optional<std::string> read() {
+    SessionStep step;
+    step.time = time();
+    step.hashes.hulls = reader_.take<std::uint64_t>();
+    step.hashes.props = reader_.take<std::uint64_t>();
+    step.hashes.particles = reader_.take<std::uint64_t>();
+    step.actions = reader_.take<std::uint32_t>();
+    for (std::size_t a = 0; a < header_.avatars.size() && !wrong_ && reader_.ok(); ++a) {
+      step.frames += readMotion(header_.avatars[a], file_.motions[a]);
+    }
+    if (!wrong_) checkRecords(step.actions);
+    for (std::size_t i = 0; i < step.actions && !wrong_ && reader_.ok(); ++i) readAction();
+    if (!reader_.ok()) return "is truncated";
+    if (wrong_) return wrong_;
+    if (reader_.left() > 0) return fmt::format("holds {} bytes too many", reader_.left());
+    file_.steps.push_back(step);
+    return std::nullopt;
+  }
+
+ private:
+  void fail(std::string what) {
+    if (!wrong_) wrong_ = std::move(what);
+  }
+
+  /// Rejects a number of records that cannot be there: each takes more than one byte.
+  void checkRecords(std::size_t count) {
+    if (reader_.left() < count) fail(fmt::format("holds {} bytes, expected {} records", reader_.left(), count));
+  }
+
+  /// @return the number of frames
+  std::size_t readMotion(const AvatarHeader& avatar, RecordedMotion& motion) {
+    const auto count = reader_.take<std::uint32_t>();
+    checkRecords(count);
+    const bool poses = avatar.poseJoints > 0;
+    for (std::size_t i = 0; i < count && !wrong_ && reader_.ok(); ++i) {
+      if (poses) {
+        readPose(avatar, motion);
+      } else {
+        readJoints(motion);
+      }
+    }
+    for (std::size_t i = 0; avatar.poseExpressions && i < count && !wrong_ && reader_.ok(); ++i) {
+      readExpressions(motion);
+    }
+    return count;
+  }
+
+  double time() {
+    const auto time = reader_.take<double>();
+    if (!(std::abs(time) <= kLongestTime)) fail(fmt::format("found a time of {} s, expected a finite one", time));
+    return time;
+  }
+
+  Vec3 vector() {
+    Vec3 v;
+    for (int i = 0; i < 3; ++i) v[i] = reader_.take<double>();
+    return v;
+  }
+
+  Vec3 position(const char* of) {
+    const Vec3 v = vector();
+    if (!(v.allFinite() && v.cwiseAbs().maxCoeff() <= kFarthest)) {
+      fail(fmt::format("found {} at ({}, {}, {}), expected it within {:g} m", of, v.x(), v.y(), v.z(), kFarthest));
+    }
+    return v;
+  }
+
+  Quat rotation() {
+    Quat q;
+    for (int i = 0; i < 4; ++i) q.coeffs()[i] = reader_.take<double>();
+    if (!(std::abs(q.norm() - 1.0) <= kUnitTolerance)) {
+      fail(fmt::format("found a quaternion of length {}, expected 1", q.norm()));
+    }
+    return q;
+  }
+
+  void readJoints(RecordedMotion& motion) {
+    SkeletonFrame frame;
+    frame.time = time();
+    frame.user = reader_.take<std::int32_t>();
+    for (TrackedJoint& joint : frame.joints) {
+      const auto oriented = reader_.take<std::uint8_t>();
+      if (oriented > 1) fail(fmt::format("found {} for the orientation flag of a joint, expected 0 or 1", oriented));
+      joint.confidence = reader_.take<double>();
+      if (!(joint.confidence >= 0.0 && joint.confidence <= 1.0)) {
+        fail(fmt::format("found a confidence of {}, expected 0 to 1", joint.confidence));
+      }
+      joint.position = position("a joint");
+      if (oriented == 1) joint.orientation = rotation();
+    }
+    motion.joints.push_back(frame);
+  }
+
+  void readPose(const AvatarHeader& avatar, RecordedMotion& motion) {
+    motion.poseTimes.push_back(time());
+    for (int j = 0; j < avatar.poseJoints && !wrong_ && reader_.ok(); ++j) {
+      JointTransform joint;
+      joint.translation = position("a joint");
+      joint.rotation = rotation();
+      joint.scale = position("a scale");
+      motion.poses.push_back(joint);
+    }
+    if (!avatar.poseTrust) return;
+    for (int j = 0; j < avatar.poseJoints && !wrong_ && reader_.ok(); ++j) {
+      const auto trust = reader_.take<double>();
+      if (!(trust >= 0.0 && trust <= 1.0)) fail(fmt::format("found a trust of {}, expected 0 to 1", trust));
+      motion.poseTrust.push_back(trust);
+    }
+  }
+
+  void readExpressions(RecordedMotion& motion) {
+    std::vector<NamedWeight>& all = motion.poseExpressions.emplace_back();
+    const auto count = reader_.take<std::uint16_t>();
+    if (count > kMostExpressions) {
+      return fail(fmt::format("found {} expressions, expected at most {}", count, kMostExpressions));
+    }
+    for (std::size_t i = 0; i < count && !wrong_ && reader_.ok(); ++i) {
+      const auto length = reader_.take<std::uint8_t>();
+      if (length > kLongestExpression) {
+        return fail(fmt::format("found a name of {} bytes, expected at most {}", length, kLongestExpression));
+      }
+      NamedWeight one;
+      one.name = reader_.takeText(length);
+      one.weight = reader_.take<float>();
+      if (!(one.weight >= 0.0f && one.weight <= 1.0f)) {
+        fail(fmt::format("found an expression of weight {}, expected 0 to 1", one.weight));
+      }
+      all.push_back(std::move(one));
+    }
+  }
+
+  void readAction() {
+    WorldAction action;
+    const auto kind = reader_.take<std::uint8_t>();
+    if (kind >= kWorldActionKinds) fail(fmt::format("found an action of kind {}, expected 0 to 3", kind));
+    action.kind = static_cast<WorldAction::Kind>(kind % kWorldActionKinds);
+    action.prop = reader_.take<std::int32_t>();
+    action.position = position("an action");
+    action.velocity = position("a velocity");
+    action.radius = reader_.take<double>();
+    if (!(action.radius >= 0.0 && action.radius <= kLargestBall)) {
+      fail(fmt::format("found a ball of radius {}, expected 0 to {:g} m", action.radius, kLargestBall));
+    }
+    file_.actions.push_back(action);
+  }
+
+  ByteReader reader_;
+  const SessionHeader& header_;
+  SessionFile& file_;
+  std::optional<std::string> wrong_;
+};
+
+}  // namespace
+
+Result<SessionFile> parseSession(std::string_view bytes, const std::string& name) {
+  Result<Blocks> blocks = readBlocks(bytes, name);
+  if (!blocks) return blocks.error();
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
+  };
+  const std::vector<Block>& all = blocks->blocks;
+  if (all.size() < 2 || all[0].kind != BlockKind::kHeader || all[1].kind != BlockKind::kScene) {
+    return bad(fmt::format("found {} complete blocks, expected a header, a scene and steps", all.size()));
+  }
+  Result<SessionHeader> header = parseSessionHeader(all[0].payload, name);
+  if (!header) return header.error();
+  SessionFile file;
+  file.header = std::move(*header);
+  file.sceneText = std::string(all[1].payload);
+  file.steps.reserve(all.size());
+  file.motions.resize(file.header.avatars.size());
+  for (std::size_t b = 2; b < all.size(); ++b) {
+    if (file.finished) return bad(fmt::format("byte {}: a block after the end", all[b].offset));
+    if (all[b].kind == BlockKind::kStep) {
+      if (const auto wrong = StepReader(all[b].payload, file.header, file).read()) {
+        return bad(fmt::format("byte {}: step {} {}", all[b].offset, file.steps.size(), *wrong));
+      }
+    } else if (all[b].kind == BlockKind::kEnd && all[b].payload.empty()) {
+      file.finished = true;
+    } else {
+      return bad(fmt::format("byte {}: found a second header or scene, or an end block with a payload, expected steps",
+                             all[b].offset));
+    }
+  }
+  if (file.finished && blocks->cut > 0) return bad("bytes after the end");
+  if (file.steps.empty()) return bad("found no steps, expected at least one");
+  if (blocks->cut > 0) {
+    file.notes.push_back(fmt::format("the last {} bytes are an incomplete step, which was dropped", blocks->cut));
+  }
+  if (!file.finished) file.notes.emplace_back("the recording was not closed: the program ended early");
+  return file;
+}
+
+Result<SessionFile> readSession(const std::filesystem::path& file) {
+  const Result<std::string> bytes = readFile(file, NamedBy::kUser, kMaxBytes);
+  if (!bytes) return bytes.error();
+  return parseSession(*bytes, file.string());
+}
+
+}  // namespace lorica
