@@ -2,6 +2,7 @@
 
 #include "apps/snapshots.h"
 #include "viewer/image.h"
+#include "viewer/video_writer.h"
 
 #include <filesystem>
 #include <memory>

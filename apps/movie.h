@@ -2,6 +2,7 @@
 
 #include "viewer/gif_writer.h"
 #include "viewer/image.h"
+#include "viewer/video_writer.h"
 
 #include <filesystem>
 #include <optional>

@@ -15,6 +15,7 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/edge_stretch.h"
+#include "viewer/image_files.h"
 #include "viewer/renderer.h"
 
 #include <fmt/format.h>

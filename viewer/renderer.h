@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/result.h"
 #include "viewer/image.h"
 #include "viewer/scene.h"
 

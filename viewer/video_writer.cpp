@@ -1,4 +1,4 @@
-#include "viewer/image.h"
+#include "viewer/video_writer.h"
 
 #include "geometry/hard_stop.h"
 #include "geometry/module.h"

@@ -1,5 +1,7 @@
 #include "viewer/window_impl.h"
 
+#include "viewer/image_files.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

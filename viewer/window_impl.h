@@ -3,6 +3,7 @@
 #include "viewer/orbit_camera.h"
 #include "viewer/quality_choice.h"
 #include "viewer/time_graph.h"
+#include "viewer/video_writer.h"
 #include "viewer/window.h"
 #include "viewer/window_panels.h"
 

@@ -1,4 +1,4 @@
-#include "viewer/image.h"
+#include "viewer/image_files.h"
 
 #include "tests/support/datasets.h"
 #include "tests/viewer/pictures.h"

@@ -1,5 +1,7 @@
 #include "tests/viewer/picture_error.h"
 
+#include "viewer/image_files.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
+#include "viewer/video_writer.h"
 #include "tests/support/datasets.h"
 #include "tests/viewer/pictures.h"
-#include "viewer/image.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,6 +5,7 @@
 #include "tests/support/virtual_display.h"
 #include "tests/viewer/avatars.h"
 #include "tests/viewer/pictures.h"
+#include "viewer/image_files.h"
 #include "viewer/window.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "viewer/image.h"
+#include "viewer/image_files.h"
 
 #include "geometry/files.h"
 #include "viewer/text.h"
