@@ -1,8 +1,8 @@
 #pragma once
 
 #include "apps/snapshots.h"
-#include "viewer/image.h"
-#include "viewer/video_writer.h"
+#include "viewer/pictures/video_writer.h"
+#include "viewer/renderer/image.h"
 
 #include <filesystem>
 #include <memory>

@@ -2,7 +2,7 @@
 
 #include "apps/background_work.h"
 #include "apps/interrupt.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #include <chrono>
 #include <functional>

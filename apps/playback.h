@@ -4,7 +4,7 @@
 #include "apps/inputs.h"
 #include "apps/spring_options.h"
 #include "session/session.h"
-#include "viewer/scene.h"
+#include "viewer/renderer/scene.h"
 
 #include <memory>
 #include <optional>

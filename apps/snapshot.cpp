@@ -11,7 +11,7 @@
 #include "apps/spring_options.h"
 #include "apps/target_hits.h"
 #include "geometry/files.h"
-#include "viewer/image_files.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 #include "collision/live/attached_vertices.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
-#include "viewer/image_files.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include "apps/window_opener.h"
 #include "apps/window_treatment.h"
 #include "session/session.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #include <functional>
 #include <memory>

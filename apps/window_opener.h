@@ -2,7 +2,7 @@
 
 #include "apps/background_work.h"
 #include "apps/cast_loading.h"
-#include "viewer/window_values.h"
+#include "viewer/window/window_values.h"
 
 #include <memory>
 #include <optional>

@@ -3,7 +3,7 @@
 
 #include <lorica/capture/files/joint_csv.h>
 #include <lorica/collision/world/world.h>
-#include <lorica/viewer/image_files.h>
+#include <lorica/viewer/pictures/image_files.h>
 
 #include <cmath>
 #include <cstdio>
